@@ -1,0 +1,348 @@
+//! From generalized coordinates to positions, attitudes and velocities: equations (1), (2), (5)–(9).
+//!
+//! The work is done in the tether frame T, `R_gt = Rz(Theta) Ry(Phi)`: there the joint lies at (0, 0, −L_t)
+//! and the equations of motion are short. Azimuths are taken relative to the flow, `Theta − psi_flow`.
+
+use crate::flow::Flow;
+use crate::plant::Plant;
+use crate::real::Real;
+use crate::vector::{Vector, add, combine, cross_point, dot, scale};
+
+/// Generalized coordinates `Q = [Phi, Theta, Psi, L_t, theta', phi']`, (7): rad, rad, rad, m, rad, rad.
+///
+/// Zenith angle, azimuth and twist are free; length, induced pitch and induced roll are driven by the winches.
+pub type Coordinates<T = f64> = [T; 6];
+
+/// State of a flight: `[Phi, Theta, Psi]` in rad, their rates in rad/s, the line lengths `[l1, l2, l3]` in m
+/// and the reel speeds `[u1, u2, u3]` in m/s; lines in the order center, starboard, port.
+pub type FlightState<T = f64> = [T; 12];
+
+/// Names of the twelve entries of a [`FlightState`].
+pub const STATE_NAMES: [&str; 12] = [
+    "zenith",
+    "azimuth",
+    "twist",
+    "zenith_rate",
+    "azimuth_rate",
+    "twist_rate",
+    "line_center",
+    "line_starboard",
+    "line_port",
+    "reel_center",
+    "reel_starboard",
+    "reel_port",
+];
+
+/// Units of the twelve entries of a [`FlightState`].
+pub const STATE_UNITS: [&str; 12] =
+    ["rad", "rad", "rad", "rad/s", "rad/s", "rad/s", "m", "m", "m", "m/s", "m/s", "m/s"];
+
+/// Sines and cosines of a configuration, and the axes of T in B.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pose<T> {
+    pub(crate) length: T,
+    pub(crate) sin_zenith: T,
+    pub(crate) cos_zenith: T,
+    /// Of Theta − psi_flow.
+    pub(crate) sin_azimuth: T,
+    pub(crate) cos_azimuth: T,
+    pub(crate) cos_pitch: T,
+    pub(crate) sin_roll: T,
+    pub(crate) cos_roll: T,
+    /// Rows of R_tb = Rz(Psi) Ry(theta') Rx(phi'): the axes of T in components along B.
+    pub(crate) axes: [Vector<T>; 3],
+}
+
+/// Rates of the six coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rates<T> {
+    pub(crate) zenith: T,
+    pub(crate) azimuth: T,
+    pub(crate) twist: T,
+    pub(crate) length: T,
+    pub(crate) pitch: T,
+    pub(crate) roll: T,
+}
+
+/// Accelerations of the driven coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Driven<T> {
+    pub(crate) length: T,
+    pub(crate) pitch: T,
+    pub(crate) roll: T,
+}
+
+impl<T: Real> Pose<T> {
+    #[inline(always)]
+    fn new(length: T, zenith: (T, T), azimuth: (T, T), twist: (T, T), pitch: (T, T), roll: (T, T)) -> Self {
+        let ((sin_zenith, cos_zenith), (sin_azimuth, cos_azimuth)) = (zenith, azimuth);
+        let ((st, ct), (sp, cp), (sr, cr)) = (twist, pitch, roll);
+        let axes = [
+            [ct * cp, ct * sp * sr - st * cr, ct * sp * cr + st * sr],
+            [st * cp, st * sp * sr + ct * cr, st * sp * cr - ct * sr],
+            [-sp, cp * sr, cp * cr],
+        ];
+        Self {
+            length,
+            sin_zenith,
+            cos_zenith,
+            sin_azimuth,
+            cos_azimuth,
+            cos_pitch: cp,
+            sin_roll: sr,
+            cos_roll: cr,
+            axes,
+        }
+    }
+
+    /// The pose of `q` seen from the flow's direction.
+    #[inline(always)]
+    pub(crate) fn of_coordinates(q: &Coordinates<T>, flow: &Flow<T>) -> Self {
+        Self::new(
+            q[3],
+            q[0].sin_cos(),
+            (q[1] - flow.direction_rad).sin_cos(),
+            q[2].sin_cos(),
+            q[4].sin_cos(),
+            q[5].sin_cos(),
+        )
+    }
+
+    /// Axis of theta' in B.
+    #[inline(always)]
+    pub(crate) fn pitch_axis(&self) -> Vector<T> {
+        [T::constant(0.0), self.cos_roll, -self.sin_roll]
+    }
+
+    /// Velocity of the joint and angular velocity of T, both along T.
+    #[inline(always)]
+    pub(crate) fn joint_velocity(&self, rates: &Rates<T>) -> Vector<T> {
+        [
+            -(self.length * rates.zenith),
+            -(self.length * rates.azimuth * self.sin_zenith),
+            -rates.length,
+        ]
+    }
+
+    /// Angular velocity of the body along B, and of the body relative to T along B.
+    #[inline(always)]
+    pub(crate) fn angular_velocity(&self, rates: &Rates<T>) -> (Vector<T>, Vector<T>) {
+        let frame = combine(
+            &self.axes,
+            [-(rates.azimuth * self.sin_zenith), rates.zenith, rates.azimuth * self.cos_zenith],
+        );
+        let twist = scale(rates.twist, self.axes[2]);
+        let bridle = [rates.roll, rates.pitch * self.cos_roll, -(rates.pitch * self.sin_roll)];
+        let relative = add(twist, bridle);
+        (add(frame, relative), relative)
+    }
+
+    /// The flow's velocity along T.
+    #[inline(always)]
+    pub(crate) fn flow_velocity(&self, speed: T) -> Vector<T> {
+        let upwind = -(speed * self.cos_azimuth);
+        [upwind * self.cos_zenith, speed * self.sin_azimuth, upwind * self.sin_zenith]
+    }
+
+    /// Rows of the rotation from B to G turned by −psi_flow: forward, right and down seen from the flow.
+    #[inline(always)]
+    fn rows_from_flow(&self) -> [Vector<T>; 3] {
+        let level = add(scale(self.cos_zenith, self.axes[0]), scale(self.sin_zenith, self.axes[2]));
+        let down = add(scale(-self.sin_zenith, self.axes[0]), scale(self.cos_zenith, self.axes[2]));
+        [
+            add(scale(self.cos_azimuth, level), scale(-self.sin_azimuth, self.axes[1])),
+            add(scale(self.sin_azimuth, level), scale(self.cos_azimuth, self.axes[1])),
+            down,
+        ]
+    }
+
+    /// What cameras would see.
+    #[inline(always)]
+    pub(crate) fn sight(&self, plant: &Plant<T>) -> Sight<T> {
+        let rows = self.rows_from_flow();
+        let joint = [
+            -(self.length * self.sin_zenith * self.cos_azimuth),
+            -(self.length * self.sin_zenith * self.sin_azimuth),
+            -(self.length * self.cos_zenith),
+        ];
+        let along = |row: Vector<T>| row[0] * plant.cm_x + row[2] * plant.cm_z;
+        Sight {
+            forward: joint[0] + along(rows[0]),
+            right: joint[1] + along(rows[1]),
+            altitude: -(joint[2] + along(rows[2])),
+            roll: rows[2][1].atan2(rows[2][2]),
+            pitch: -rows[2][0].asin(),
+            heading: rows[1][0].atan2(rows[0][0]),
+        }
+    }
+}
+
+/// Position of the center of mass and attitude, seen from the flow's direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight<T = f64> {
+    /// Position of the center of mass against the flow, in m.
+    pub forward: T,
+    /// Position of the center of mass to the right of the flow's axis, in m.
+    pub right: T,
+    /// Altitude of the center of mass above the winches, in m.
+    pub altitude: T,
+    /// Roll angle phi, starboard down, in rad.
+    pub roll: T,
+    /// Pitch angle theta, nose up, in rad.
+    pub pitch: T,
+    /// Heading relative to the flow, psi − psi_flow in (−pi, pi], nose right, in rad.
+    pub heading: T,
+}
+
+/// The driven coordinates that follow from line lengths, (1), (2), their rates from (3), and their accelerations.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bridle<T> {
+    pub(crate) length: T,
+    pub(crate) length_rate: T,
+    pub(crate) length_acceleration: T,
+    pub(crate) pitch: Induced<T>,
+    pub(crate) roll: Induced<T>,
+}
+
+/// One induced angle: sine and cosine, rate, acceleration, without an inverse tangent.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Induced<T> {
+    sin: T,
+    cos: T,
+    pub(crate) rate: T,
+    pub(crate) acceleration: T,
+}
+
+impl<T: Real> Induced<T> {
+    /// From the tangent `a` of the angle and its first two derivatives.
+    #[inline(always)]
+    fn of_tangent(a: T, a_rate: T, a_acceleration: T) -> Self {
+        let one = T::constant(1.0);
+        let cos_squared = one / (one + a * a);
+        let cos = cos_squared.sqrt();
+        let rate = a_rate * cos_squared;
+        Self {
+            sin: a * cos,
+            cos,
+            rate,
+            acceleration: a_acceleration * cos_squared - T::constant(2.0) * a * rate * rate,
+        }
+    }
+}
+
+/// Mean of the lines, and the tangents of induced pitch (2) and induced roll (1).
+#[inline(always)]
+fn differences<T: Real>(plant: &Plant<T>, lines: [T; 3]) -> (T, T, T) {
+    let aft = lines[1] + lines[2];
+    (
+        (lines[0] + aft) * T::constant(1.0 / 3.0),
+        (lines[0] - T::constant(0.5) * aft) * plant.per_long,
+        (lines[2] - lines[1]) * plant.per_lat,
+    )
+}
+
+impl<T: Real> Bridle<T> {
+    #[inline(always)]
+    pub(crate) fn of_lines(plant: &Plant<T>, lines: [T; 3], reel: [T; 3], reel_acceleration: [T; 3]) -> Self {
+        let (length, pitch, roll) = differences(plant, lines);
+        let (length_rate, pitch_rate, roll_rate) = differences(plant, reel);
+        let (length_acceleration, pitch_acceleration, roll_acceleration) = differences(plant, reel_acceleration);
+        Self {
+            length,
+            length_rate,
+            length_acceleration,
+            pitch: Induced::of_tangent(pitch, pitch_rate, pitch_acceleration),
+            roll: Induced::of_tangent(roll, roll_rate, roll_acceleration),
+        }
+    }
+
+    /// The pose that these lines and the free coordinates give.
+    #[inline(always)]
+    pub(crate) fn pose(&self, free: [T; 3], flow: &Flow<T>) -> Pose<T> {
+        Pose::new(
+            self.length,
+            free[0].sin_cos(),
+            (free[1] - flow.direction_rad).sin_cos(),
+            free[2].sin_cos(),
+            (self.pitch.sin, self.pitch.cos),
+            (self.roll.sin, self.roll.cos),
+        )
+    }
+
+    #[inline(always)]
+    pub(crate) fn rates(&self, free_rates: [T; 3]) -> Rates<T> {
+        Rates {
+            zenith: free_rates[0],
+            azimuth: free_rates[1],
+            twist: free_rates[2],
+            length: self.length_rate,
+            pitch: self.pitch.rate,
+            roll: self.roll.rate,
+        }
+    }
+}
+
+impl<T: Copy> Rates<T> {
+    #[inline(always)]
+    pub(crate) fn of_array(rates: &Coordinates<T>) -> Self {
+        let &[zenith, azimuth, twist, length, pitch, roll] = rates;
+        Self { zenith, azimuth, twist, length, pitch, roll }
+    }
+}
+
+/// Position and velocity of the center of mass, `X = [x, y, z, u, v, w]` of (5) and (8): x, y, z in G in m,
+/// u, v, w along B in m/s.
+///
+/// `q_rate` holds the rates of `q`. Source: (5); the frames are those of the model page.
+#[must_use]
+pub fn translation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coordinates<T>) -> [T; 6] {
+    let still = Flow { speed_m_s: T::constant(0.0), direction_rad: T::constant(0.0) };
+    let (pose, rates) = (Pose::of_coordinates(q, &still), Rates::of_array(q_rate));
+    let sight = pose.sight(plant);
+    let (omega, _) = pose.angular_velocity(&rates);
+    let velocity =
+        add(combine(&pose.axes, pose.joint_velocity(&rates)), cross_point(omega, plant.cm_x, plant.cm_z));
+    [sight.forward, sight.right, -sight.altitude, velocity[0], velocity[1], velocity[2]]
+}
+
+/// Attitude and body rates, `Omega = [phi, theta, psi, p, q, r]` of (6) and (9), in rad and rad/s.
+///
+/// `q_rate` holds the rates of `q`. Source: (6); roll starboard down, pitch nose up, yaw nose right.
+#[must_use]
+pub fn rotation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coordinates<T>) -> [T; 6] {
+    let still = Flow { speed_m_s: T::constant(0.0), direction_rad: T::constant(0.0) };
+    let (pose, rates) = (Pose::of_coordinates(q, &still), Rates::of_array(q_rate));
+    let sight = pose.sight(plant);
+    let (omega, _) = pose.angular_velocity(&rates);
+    [sight.roll, sight.pitch, sight.heading, omega[0], omega[1], omega[2]]
+}
+
+/// Rows of the rotation from B to G at `q`.
+#[must_use]
+pub fn body_to_ground(q: &Coordinates) -> [[f64; 3]; 3] {
+    Pose::of_coordinates(q, &Flow::straight(0.0)).rows_from_flow()
+}
+
+/// The driven coordinates `[L_t, theta', phi']` of three line lengths `[l1, l2, l3]` in m. Source: (1), (2).
+#[must_use]
+pub fn driven_of_lines(plant: &Plant, lines_m: [f64; 3]) -> [f64; 3] {
+    let (length, pitch, roll) = differences(plant, lines_m);
+    [length, pitch.atan(), roll.atan()]
+}
+
+/// The line lengths `[l1, l2, l3]` in m that give `[L_t, theta', phi']`: the inverse of (1), (2).
+#[must_use]
+pub fn lines_of_driven(plant: &Plant, driven: [f64; 3]) -> [f64; 3] {
+    let [length, pitch, roll] = driven;
+    // l1 − aft mean = a, l3 − l2 = b, mean = L.
+    let a = pitch.tan() / plant.per_long;
+    let b = roll.tan() / plant.per_lat;
+    let aft = length - a / 3.0;
+    [length + 2.0 * a / 3.0, aft - 0.5 * b, aft + 0.5 * b]
+}
+
+/// Projection of a point of the plane of symmetry: used where a test or a trim needs an altitude.
+#[inline(always)]
+pub(crate) fn height<T: Real>(row_down: Vector<T>, x: T, z: T) -> T {
+    -dot(row_down, [x, T::constant(0.0), z])
+}

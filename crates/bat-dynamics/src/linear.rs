@@ -1,0 +1,148 @@
+//! Linearization of a flight about a state, exact to rounding by forward-mode dual numbers.
+
+use nalgebra::{Matrix6, SMatrix};
+use num_dual::Dual64;
+use serde::Serialize;
+
+use crate::error::Error;
+use crate::flow::Flow;
+use crate::kinematics::{FlightState, STATE_NAMES, STATE_UNITS};
+use crate::motion::{check_state, evaluate};
+use crate::plant::Plant;
+
+/// Number of states.
+const STATES: usize = 12;
+/// Number of inputs.
+const INPUTS: usize = 5;
+/// Number of outputs.
+const OUTPUTS: usize = 9;
+
+/// Name and unit of a state, an input or an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Variable {
+    /// Name, in snake case.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+}
+
+/// `dx/dt = A x + B u`, `y = C x + D u` for small departures.
+#[derive(Clone, Debug)]
+pub struct Linearization {
+    /// A, 12 x 12.
+    pub a: SMatrix<f64, STATES, STATES>,
+    /// B, 12 x 5.
+    pub b: SMatrix<f64, STATES, INPUTS>,
+    /// C, 9 x 12.
+    pub c: SMatrix<f64, OUTPUTS, STATES>,
+    /// D, 9 x 5.
+    pub d: SMatrix<f64, OUTPUTS, INPUTS>,
+    /// What the state entries are.
+    pub states: [Variable; STATES],
+    /// What the input entries are.
+    pub inputs: [Variable; INPUTS],
+    /// What the output entries are.
+    pub outputs: [Variable; OUTPUTS],
+}
+
+const INPUT_VARIABLES: [Variable; INPUTS] = [
+    Variable { name: "command_center", unit: "m/s" },
+    Variable { name: "command_starboard", unit: "m/s" },
+    Variable { name: "command_port", unit: "m/s" },
+    Variable { name: "flow_speed", unit: "m/s" },
+    Variable { name: "flow_direction", unit: "rad" },
+];
+
+const OUTPUT_VARIABLES: [Variable; OUTPUTS] = [
+    Variable { name: "altitude", unit: "m" },
+    Variable { name: "pitch", unit: "rad" },
+    Variable { name: "roll", unit: "rad" },
+    Variable { name: "heading_from_flow", unit: "rad" },
+    Variable { name: "offset_right_of_flow", unit: "m" },
+    Variable { name: "offset_against_flow", unit: "m" },
+    Variable { name: "tension_center", unit: "N" },
+    Variable { name: "tension_starboard", unit: "N" },
+    Variable { name: "tension_port", unit: "N" },
+];
+
+/// Linearizes the right-hand side [`evaluate`] about `state` with held `commands_m_s`.
+///
+/// Where a command is at its limit, its column of B is that of the side on which the command acts.
+///
+/// # Errors
+/// [`Error::State`] when the state is outside the model or a derivative does not exist there (fluid at rest
+/// relative to the body).
+pub fn linearize(
+    plant: &Plant,
+    state: &FlightState,
+    commands_m_s: [f64; 3],
+    flow: &Flow,
+) -> Result<Linearization, Error> {
+    flow.validate()?;
+    check_state(state, 0.0)?;
+    let dual_plant = plant.cast::<Dual64>();
+    let mut linear = Linearization {
+        a: SMatrix::zeros(),
+        b: SMatrix::zeros(),
+        c: SMatrix::zeros(),
+        d: SMatrix::zeros(),
+        states: core::array::from_fn(|k| Variable { name: STATE_NAMES[k], unit: STATE_UNITS[k] }),
+        inputs: INPUT_VARIABLES,
+        outputs: OUTPUT_VARIABLES,
+    };
+    for direction in 0..STATES + INPUTS {
+        let seed = |k: usize, value: f64| Dual64::new(value, if k == direction { 1.0 } else { 0.0 });
+        let x = core::array::from_fn(|k| seed(k, state[k]));
+        let commands = core::array::from_fn(|k| seed(STATES + k, commands_m_s[k]));
+        let flow = Flow {
+            speed_m_s: seed(STATES + 3, flow.speed_m_s),
+            direction_rad: seed(STATES + 4, flow.direction_rad),
+        };
+        let at = evaluate(&dual_plant, &x, commands, &flow);
+        let (sight, tensions) = (at.sight, at.tensions);
+        let outputs = [
+            sight.altitude,
+            sight.pitch,
+            sight.roll,
+            sight.heading,
+            sight.right,
+            sight.forward,
+            tensions.center,
+            tensions.starboard,
+            tensions.port,
+        ];
+        for (row, entry) in at.derivative.iter().enumerate() {
+            if !entry.eps.is_finite() {
+                return Err(Error::State {
+                    name: "derivative of the equations of motion",
+                    value: entry.eps,
+                    unit: "",
+                    time_s: 0.0,
+                    allowed: "finite: the body must move relative to the fluid",
+                });
+            }
+            if direction < STATES {
+                linear.a[(row, direction)] = entry.eps;
+            } else {
+                linear.b[(row, direction - STATES)] = entry.eps;
+            }
+        }
+        for (row, entry) in outputs.iter().enumerate() {
+            if direction < STATES {
+                linear.c[(row, direction)] = entry.eps;
+            } else {
+                linear.d[(row, direction - STATES)] = entry.eps;
+            }
+        }
+    }
+    Ok(linear)
+}
+
+impl Linearization {
+    /// A of the free coordinates and their rates with the lines locked, 6 x 6: what the body does by itself.
+    /// States 0 and 3 are longitudinal, 1, 2, 4 and 5 lateral.
+    #[must_use]
+    pub fn passive(&self) -> Matrix6<f64> {
+        self.a.fixed_view::<6, 6>(0, 0).into_owned()
+    }
+}

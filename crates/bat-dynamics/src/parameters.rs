@@ -1,0 +1,348 @@
+//! The physical parameters of the plant, each with its key, unit and allowed range.
+//!
+//! The table [`FIELDS`] is the one list of all numbers: a file reader, a writer and a scale converter walk it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::Error;
+
+/// Where the single line of the pair-and-single arrangement sits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TetherLayout {
+    /// Line 1 forward in the middle, lines 2 (starboard) and 3 (port) aft: equations (1), (2).
+    #[default]
+    OneForwardTwoAft,
+    /// Line 1 aft in the middle, lines 2 and 3 forward (Figure 14): the induced pitch changes sign.
+    TwoForwardOneAft,
+}
+
+impl TetherLayout {
+    /// Sign of the induced pitch: +1 where a longer line 1 raises the nose.
+    #[must_use]
+    pub fn pitch_sign(self) -> f64 {
+        match self {
+            Self::OneForwardTwoAft => 1.0,
+            Self::TwoForwardOneAft => -1.0,
+        }
+    }
+}
+
+/// What values a parameter may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Allowed {
+    /// Any finite number.
+    Finite,
+    /// Zero or more.
+    NonNegative,
+    /// More than zero.
+    Positive,
+    /// An angle above 0 and at most a quarter turn.
+    AcuteAngle,
+}
+
+impl Allowed {
+    /// Whether `value` (in SI) is allowed.
+    #[must_use]
+    pub fn admits(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Finite => true,
+                Self::NonNegative => value >= 0.0,
+                Self::Positive => value > 0.0,
+                Self::AcuteAngle => value > 0.0 && value <= core::f64::consts::FRAC_PI_2,
+            }
+    }
+
+    /// In words, for an error message.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Finite => "a finite number",
+            Self::NonNegative => "finite and zero or more",
+            Self::Positive => "finite and more than zero",
+            Self::AcuteAngle => "more than 0 and at most pi/2 rad",
+        }
+    }
+}
+
+/// One number of [`Parameters`]: where it stands in a file and how to reach it.
+#[derive(Clone, Copy, Debug)]
+pub struct Field {
+    /// Section, `body` for example.
+    pub section: &'static str,
+    /// Name inside the section, `mass` for example.
+    pub name: &'static str,
+    /// Unit of the value in [`Parameters`]; `chord` is a fraction of the chord.
+    pub unit: &'static str,
+    /// Allowed values.
+    pub allowed: Allowed,
+    /// Reads the number.
+    pub get: fn(&Parameters) -> f64,
+    /// Writes the number.
+    pub set: fn(&mut Parameters, f64),
+}
+
+macro_rules! parameters {
+    ($(
+        $(#[$section_doc:meta])*
+        $section:ident: $Section:ident {
+            $( $(#[$doc:meta])* $field:ident = $name:literal, $unit:literal, $allowed:ident; )*
+        }
+    )*) => {
+        $(
+            $(#[$section_doc])*
+            #[derive(Clone, Copy, Debug, PartialEq)]
+            pub struct $Section {
+                $( $(#[$doc])* pub $field: f64, )*
+            }
+        )*
+
+        /// Every physical parameter of the plant, in SI units and radians; positions along the chord are
+        /// fractions of the chord aft of the leading edge, heights are above the bridle joint.
+        ///
+        /// Values are public: [`Plant::new`](crate::Plant::new) checks them all.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Parameters {
+            $( $(#[$section_doc])* pub $section: $Section, )*
+            /// Arrangement of the three lines.
+            pub layout: TetherLayout,
+        }
+
+        /// Every number of [`Parameters`], section by section.
+        pub const FIELDS: &[Field] = &[
+            $($( Field {
+                section: stringify!($section),
+                name: $name,
+                unit: $unit,
+                allowed: Allowed::$allowed,
+                get: |p| p.$section.$field,
+                set: |p, value| p.$section.$field = value,
+            }, )*)*
+        ];
+
+        impl Parameters {
+            /// Builds the parameters by asking `lookup` for every field of [`FIELDS`], in that order.
+            ///
+            /// # Errors
+            /// The first error that `lookup` returns.
+            pub fn from_fields<E>(
+                layout: TetherLayout,
+                mut lookup: impl FnMut(&'static Field) -> Result<f64, E>,
+            ) -> Result<Self, E> {
+                let mut fields = FIELDS.iter();
+                let mut next = || fields.next().map_or(Ok(f64::NAN), &mut lookup);
+                Ok(Self { $( $section: $Section { $( $field: next()?, )* }, )* layout })
+            }
+        }
+    };
+}
+
+parameters! {
+    /// The fluid around the body.
+    fluid: Fluid {
+        /// Density.
+        density_kg_m3 = "density", "kg/m^3", Positive;
+        /// Gravitational acceleration, downwards.
+        gravity_m_s2 = "gravity", "m/s^2", Positive;
+    }
+    /// Mass, inertia and the points of the hull; ballast keeps them apart from the stabilizers' factors.
+    body: Body {
+        /// Chord of the hull, the unit of the positions along it.
+        chord_m = "chord", "m", Positive;
+        /// Mass.
+        mass_kg = "mass", "kg", Positive;
+        /// Displaced volume.
+        volume_m3 = "volume", "m^3", Positive;
+        /// Moment of inertia in roll, about the center of mass.
+        inertia_xx_kg_m2 = "inertia_xx", "kg*m^2", Positive;
+        /// Moment of inertia in pitch, about the center of mass.
+        inertia_yy_kg_m2 = "inertia_yy", "kg*m^2", Positive;
+        /// Moment of inertia in yaw, about the center of mass.
+        inertia_zz_kg_m2 = "inertia_zz", "kg*m^2", Positive;
+        /// Product of inertia, the integral of x z dm about the center of mass.
+        inertia_xz_kg_m2 = "inertia_xz", "kg*m^2", Finite;
+        /// Bridle joint.
+        joint_x = "joint_x", "chord", Finite;
+        /// Center of mass, along the chord.
+        center_of_mass_x = "center_of_mass_x", "chord", Finite;
+        /// Center of mass, above the joint.
+        center_of_mass_height_m = "center_of_mass_height", "m", Finite;
+        /// Center of buoyancy, along the chord.
+        center_of_buoyancy_x = "center_of_buoyancy_x", "chord", Finite;
+        /// Center of buoyancy, above the joint.
+        center_of_buoyancy_height_m = "center_of_buoyancy_height", "m", Finite;
+    }
+    /// The annular hull (component F of the build-up).
+    hull: Hull {
+        /// Reference area.
+        area_m2 = "area", "m^2", NonNegative;
+        /// Aerodynamic center, along the chord.
+        center_x = "center_x", "chord", Finite;
+        /// Aerodynamic center, above the joint.
+        center_height_m = "center_height", "m", Finite;
+        /// `C_D0`.
+        drag_zero_lift = "drag_zero_lift", "1", NonNegative;
+        /// `K` of `C_D = C_D0 + K (C_L² + C_S²)`.
+        drag_due_to_lift = "drag_due_to_lift", "1", NonNegative;
+        /// `C_L0`.
+        lift_zero = "lift_zero", "1", Finite;
+        /// `C_Lα`.
+        lift_slope_per_rad = "lift_slope", "1/rad", Finite;
+        /// `C_Sβ`; negative where a side slip from starboard pushes to port.
+        side_force_slope_per_rad = "side_force_slope", "1/rad", Finite;
+        /// `C_lβ`.
+        roll_moment_slope_per_rad = "roll_moment_slope", "1/rad", Finite;
+        /// `C_m0`; positive lifts the nose.
+        pitch_moment_zero = "pitch_moment_zero", "1", Finite;
+        /// `C_mα`.
+        pitch_moment_slope_per_rad = "pitch_moment_slope", "1/rad", Finite;
+        /// `C_nβ`; positive turns the nose into the flow.
+        yaw_moment_slope_per_rad = "yaw_moment_slope", "1/rad", Finite;
+    }
+    /// The horizontal stabilizer (component H): lift and drag, no side force.
+    horizontal_stabilizer: HorizontalStabilizer {
+        /// Area at factor 1.
+        area_m2 = "area", "m^2", NonNegative;
+        /// `A^H`, the factor on the area.
+        area_factor = "area_factor", "1", NonNegative;
+        /// Root on the hull, along the chord.
+        root_x = "root_x", "chord", Finite;
+        /// Root on the hull, above the joint.
+        root_height_m = "root_height", "m", Finite;
+        /// Aerodynamic center aft of the root, at factor 1; grows with the square root of the factor.
+        offset_x = "offset_x", "chord", Finite;
+        /// Aerodynamic center above the root, at factor 1; grows with the square root of the factor.
+        offset_height_m = "offset_height", "m", Finite;
+        /// Incidence, positive leading edge up.
+        incidence_rad = "incidence", "rad", Finite;
+        /// `C_D0`.
+        drag_zero_lift = "drag_zero_lift", "1", NonNegative;
+        /// `K` of `C_D = C_D0 + K C_L²`.
+        drag_due_to_lift = "drag_due_to_lift", "1", NonNegative;
+        /// `C_L0`.
+        lift_zero = "lift_zero", "1", Finite;
+        /// `C_Lα`.
+        lift_slope_per_rad = "lift_slope", "1/rad", Finite;
+    }
+    /// The vertical stabilizer (component V): side force and drag, no lift.
+    vertical_stabilizer: VerticalStabilizer {
+        /// Area at factor 1.
+        area_m2 = "area", "m^2", NonNegative;
+        /// `A^V`, the factor on the area.
+        area_factor = "area_factor", "1", NonNegative;
+        /// Root on the hull, along the chord.
+        root_x = "root_x", "chord", Finite;
+        /// Root on the hull, above the joint.
+        root_height_m = "root_height", "m", Finite;
+        /// Aerodynamic center aft of the root, at factor 1; grows with the square root of the factor.
+        offset_x = "offset_x", "chord", Finite;
+        /// Aerodynamic center above the root, at factor 1; grows with the square root of the factor.
+        offset_height_m = "offset_height", "m", Finite;
+        /// `C_D0`.
+        drag_zero_lift = "drag_zero_lift", "1", NonNegative;
+        /// `K` of `C_D = C_D0 + K C_S²`.
+        drag_due_to_side_force = "drag_due_to_side_force", "1", NonNegative;
+        /// `C_Sβ`; negative.
+        side_force_slope_per_rad = "side_force_slope", "1/rad", Finite;
+    }
+    /// The three lines, taken together as one straight tether.
+    tether: Tether {
+        /// Diameter of one line.
+        line_diameter_m = "line_diameter", "m", NonNegative;
+        /// Mass per length of all lines together.
+        linear_density_kg_m = "linear_density", "kg/m", NonNegative;
+        /// Drag coefficient of a line across the flow.
+        drag_coefficient = "drag_coefficient", "1", NonNegative;
+        /// Separation of the attachments along the body, (2).
+        separation_longitudinal_m = "separation_longitudinal", "m", Positive;
+        /// Separation of the attachments across the body, (1).
+        separation_lateral_m = "separation_lateral", "m", Positive;
+    }
+    /// The winches.
+    winch: Winch {
+        /// Time constant of the reel speed.
+        time_constant_s = "time_constant", "s", Positive;
+        /// Largest reel speed.
+        speed_limit_m_s = "speed_limit", "m/s", Positive;
+    }
+    /// Stall angles, (58) and (59); used by the stalled fidelity.
+    stall: Stall {
+        /// Of the hull.
+        hull_rad = "hull", "rad", AcuteAngle;
+        /// Of the horizontal stabilizer.
+        horizontal_stabilizer_rad = "horizontal_stabilizer", "rad", AcuteAngle;
+    }
+    /// Added mass at the center of buoyancy, along the body axes; used by the fidelity that asks for it.
+    added_mass: AddedMass {
+        /// Along x.
+        x_kg = "x", "kg", NonNegative;
+        /// Along y.
+        y_kg = "y", "kg", NonNegative;
+        /// Along z.
+        z_kg = "z", "kg", NonNegative;
+        /// Added inertia in roll.
+        inertia_x_kg_m2 = "inertia_x", "kg*m^2", NonNegative;
+        /// Added inertia in pitch.
+        inertia_y_kg_m2 = "inertia_y", "kg*m^2", NonNegative;
+        /// Added inertia in yaw.
+        inertia_z_kg_m2 = "inertia_z", "kg*m^2", NonNegative;
+    }
+}
+
+impl Parameters {
+    /// Checks every number against its allowed range, and that the inertia is one a body can have.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for the first number that is out of range.
+    pub fn validate(&self) -> Result<(), Error> {
+        for field in FIELDS {
+            let value = (field.get)(self);
+            if !field.allowed.admits(value) {
+                return Err(field.error(value, field.allowed.words()));
+            }
+        }
+        let [xx, yy, zz] = [self.body.inertia_xx_kg_m2, self.body.inertia_yy_kg_m2, self.body.inertia_zz_kg_m2];
+        let impossible = |name, value| Error::Parameter {
+            section: "body",
+            name,
+            value,
+            unit: "kg*m^2",
+            allowed: "at most the sum of the other two moments of inertia",
+        };
+        if xx > yy + zz {
+            return Err(impossible("inertia_xx", xx));
+        }
+        if yy > zz + xx {
+            return Err(impossible("inertia_yy", yy));
+        }
+        if zz > xx + yy {
+            return Err(impossible("inertia_zz", zz));
+        }
+        let xz = self.body.inertia_xz_kg_m2;
+        if xz * xz >= xx * zz {
+            return Err(Error::Parameter {
+                section: "body",
+                name: "inertia_xz",
+                value: xz,
+                unit: "kg*m^2",
+                allowed: "smaller in magnitude than sqrt(inertia_xx inertia_zz)",
+            });
+        }
+        Ok(())
+    }
+}
+
+impl Field {
+    /// The error that says that `value` is not `allowed` here.
+    #[must_use]
+    pub fn error(&self, value: f64, allowed: &'static str) -> Error {
+        Error::Parameter { section: self.section, name: self.name, value, unit: self.unit, allowed }
+    }
+
+    /// The field `section.name`, if there is one.
+    #[must_use]
+    pub fn find(section: &str, name: &str) -> Option<&'static Self> {
+        FIELDS.iter().find(|field| field.section == section && field.name == name)
+    }
+}

@@ -1,0 +1,229 @@
+//! A checked plant: the constants that the equations of motion use, for one flight or one per lane.
+
+use crate::error::Error;
+use crate::lanes::Lanes;
+use crate::parameters::Parameters;
+use crate::real::Real;
+
+/// Lift beyond the stall angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Lift {
+    /// Linear in the angle of attack at every angle: the numerical model.
+    Attached,
+    /// (58), (59): falls again beyond the stall angle.
+    Stalled,
+}
+
+/// Fluid that the body carries along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FluidInertia {
+    /// Left out: the numerical model.
+    Neglected,
+    /// Added mass and added inertia at the center of buoyancy.
+    Included,
+}
+
+/// Which physics a plant has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Fidelity {
+    /// Lift beyond stall.
+    pub lift: Lift,
+    /// Added mass.
+    pub fluid_inertia: FluidInertia,
+}
+
+impl Fidelity {
+    /// The numerical model of the dissertation: no stall, no added mass.
+    pub const NUMERICAL: Self = Self { lift: Lift::Attached, fluid_inertia: FluidInertia::Neglected };
+    /// The numerical model with stall, the surrogate of Section 6.2.
+    pub const STALLED: Self = Self { lift: Lift::Stalled, fluid_inertia: FluidInertia::Neglected };
+    /// The numerical model with added mass and without stall.
+    pub const ADDED_MASS: Self = Self { lift: Lift::Attached, fluid_inertia: FluidInertia::Included };
+    /// Stall and added mass: our stand-in for the water channel.
+    pub const STALLED_WITH_ADDED_MASS: Self = Self { lift: Lift::Stalled, fluid_inertia: FluidInertia::Included };
+}
+
+/// Number of lines.
+pub(crate) const N_LINES: f64 = 3.0;
+/// An angle of attack never reaches it: no stall.
+const NO_STALL_RAD: f64 = 16.0;
+
+macro_rules! plant {
+    ($( $(#[$doc:meta])* $name:ident ),* $(,)?) => {
+        /// The constants of one plant, derived from checked [`Parameters`] and a [`Fidelity`].
+        ///
+        /// `Plant<f64>` is one plant; `Plant<Lanes<N>>` holds `N` of them side by side.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Plant<T = f64> {
+            $( $(#[$doc])* pub(crate) $name: T, )*
+        }
+
+        impl<T: Real> Plant<T> {
+            /// The same plant in another scalar, constants with zero derivative.
+            #[must_use]
+            pub(crate) fn map<U>(&self, f: impl Fn(T) -> U) -> Plant<U> {
+                Plant { $( $name: f(self.$name), )* }
+            }
+        }
+
+        impl<const N: usize> Plant<Lanes<N>> {
+            /// Plant `i` in lane `i`.
+            #[must_use]
+            pub fn gather(plants: [&Plant; N]) -> Self {
+                Plant { $( $name: Lanes(plants.map(|plant| plant.$name)), )* }
+            }
+        }
+    };
+}
+
+plant! {
+    /// g, m/s².
+    gravity,
+    /// m, kg.
+    mass,
+    /// rho Vol, kg.
+    displaced_mass,
+    /// Center of mass from the joint along x_B, m.
+    cm_x,
+    /// Center of mass from the joint along z_B, m.
+    cm_z,
+    /// Center of buoyancy from the joint along x_B, m.
+    cb_x,
+    /// Center of buoyancy from the joint along z_B, m.
+    cb_z,
+    /// I_xx + I_ax.
+    inertia_x,
+    /// I_yy + I_ay.
+    inertia_y,
+    /// I_zz + I_az.
+    inertia_z,
+    /// Product of inertia, the integral of x z dm.
+    inertia_xz,
+    /// Added mass along x.
+    added_x,
+    /// Added mass along y.
+    added_y,
+    /// Added mass along z.
+    added_z,
+    /// ½ rho A of the hull.
+    hull_q,
+    /// ½ rho A L_c of the hull.
+    hull_q_chord,
+    hull_x, hull_z, hull_cd0, hull_k, hull_cl0, hull_cla, hull_csb, hull_clb, hull_cm0, hull_cma, hull_cnb,
+    /// Stall angle of the hull; out of reach where there is no stall.
+    hull_stall,
+    /// ½ rho A^H of the horizontal stabilizer.
+    fin_h_q,
+    fin_h_x, fin_h_z, fin_h_incidence, fin_h_cd0, fin_h_k, fin_h_cl0, fin_h_cla,
+    /// Stall angle of the horizontal stabilizer; out of reach where there is no stall.
+    fin_h_stall,
+    /// ½ rho A^V of the vertical stabilizer.
+    fin_v_q,
+    fin_v_x, fin_v_z, fin_v_cd0, fin_v_k, fin_v_csb,
+    /// lambda, kg/m.
+    tether_density,
+    /// lambda less the displaced fluid, kg/m.
+    tether_net_density,
+    /// ½ rho n d_t C_Dt, kg/m².
+    tether_drag,
+    /// 1/l_long, with the sign of the layout.
+    per_long,
+    /// 1/l_lat.
+    per_lat,
+    /// 1/tau_winch.
+    per_winch,
+    /// u_max.
+    reel_limit,
+}
+
+impl Plant {
+    /// Checks the parameters and derives the constants.
+    ///
+    /// The area of a stabilizer is its factor times its area; its aerodynamic center moves from the root by
+    /// the square root of the factor, since its shape does not change (Section 7.2.3).
+    ///
+    /// # Errors
+    /// [`Error::Parameter`], see [`Parameters::validate`].
+    pub fn new(parameters: &Parameters, fidelity: Fidelity) -> Result<Self, Error> {
+        parameters.validate()?;
+        let Parameters { fluid, body, hull, horizontal_stabilizer: h, vertical_stabilizer: v, tether, winch, .. } =
+            parameters;
+        let along = |x: f64| -(x - body.joint_x) * body.chord_m;
+        let half_density = 0.5 * fluid.density_kg_m3;
+        let stall = |angle_rad| match fidelity.lift {
+            Lift::Attached => NO_STALL_RAD,
+            Lift::Stalled => angle_rad,
+        };
+        let added = match fidelity.fluid_inertia {
+            FluidInertia::Neglected => 0.0,
+            FluidInertia::Included => 1.0,
+        };
+        let added_mass = &parameters.added_mass;
+        let (h_growth, v_growth) = (h.area_factor.sqrt(), v.area_factor.sqrt());
+        let line_area_m2 = core::f64::consts::FRAC_PI_4 * tether.line_diameter_m * tether.line_diameter_m;
+        Ok(Self {
+            gravity: fluid.gravity_m_s2,
+            mass: body.mass_kg,
+            displaced_mass: fluid.density_kg_m3 * body.volume_m3,
+            cm_x: along(body.center_of_mass_x),
+            cm_z: -body.center_of_mass_height_m,
+            cb_x: along(body.center_of_buoyancy_x),
+            cb_z: -body.center_of_buoyancy_height_m,
+            inertia_x: body.inertia_xx_kg_m2 + added * added_mass.inertia_x_kg_m2,
+            inertia_y: body.inertia_yy_kg_m2 + added * added_mass.inertia_y_kg_m2,
+            inertia_z: body.inertia_zz_kg_m2 + added * added_mass.inertia_z_kg_m2,
+            inertia_xz: body.inertia_xz_kg_m2,
+            added_x: added * added_mass.x_kg,
+            added_y: added * added_mass.y_kg,
+            added_z: added * added_mass.z_kg,
+            hull_q: half_density * hull.area_m2,
+            hull_q_chord: half_density * hull.area_m2 * body.chord_m,
+            hull_x: along(hull.center_x),
+            hull_z: -hull.center_height_m,
+            hull_cd0: hull.drag_zero_lift,
+            hull_k: hull.drag_due_to_lift,
+            hull_cl0: hull.lift_zero,
+            hull_cla: hull.lift_slope_per_rad,
+            hull_csb: hull.side_force_slope_per_rad,
+            hull_clb: hull.roll_moment_slope_per_rad,
+            hull_cm0: hull.pitch_moment_zero,
+            hull_cma: hull.pitch_moment_slope_per_rad,
+            hull_cnb: hull.yaw_moment_slope_per_rad,
+            hull_stall: stall(parameters.stall.hull_rad),
+            fin_h_q: half_density * h.area_m2 * h.area_factor,
+            fin_h_x: along(h.root_x + h_growth * h.offset_x),
+            fin_h_z: -(h.root_height_m + h_growth * h.offset_height_m),
+            fin_h_incidence: h.incidence_rad,
+            fin_h_cd0: h.drag_zero_lift,
+            fin_h_k: h.drag_due_to_lift,
+            fin_h_cl0: h.lift_zero,
+            fin_h_cla: h.lift_slope_per_rad,
+            fin_h_stall: stall(parameters.stall.horizontal_stabilizer_rad),
+            fin_v_q: half_density * v.area_m2 * v.area_factor,
+            fin_v_x: along(v.root_x + v_growth * v.offset_x),
+            fin_v_z: -(v.root_height_m + v_growth * v.offset_height_m),
+            fin_v_cd0: v.drag_zero_lift,
+            fin_v_k: v.drag_due_to_side_force,
+            fin_v_csb: v.side_force_slope_per_rad,
+            tether_density: tether.linear_density_kg_m,
+            tether_net_density: tether.linear_density_kg_m - N_LINES * fluid.density_kg_m3 * line_area_m2,
+            tether_drag: half_density * N_LINES * tether.line_diameter_m * tether.drag_coefficient,
+            per_long: parameters.layout.pitch_sign() / tether.separation_longitudinal_m,
+            per_lat: 1.0 / tether.separation_lateral_m,
+            per_winch: 1.0 / winch.time_constant_s,
+            reel_limit: winch.speed_limit_m_s,
+        })
+    }
+
+    /// The largest reel speed u_max in m/s.
+    #[must_use]
+    pub fn speed_limit_m_s(&self) -> f64 {
+        self.reel_limit
+    }
+
+    /// The plant with every constant as another scalar (dual numbers, identical lanes).
+    #[must_use]
+    pub fn cast<T: Real>(&self) -> Plant<T> {
+        self.map(T::constant)
+    }
+}

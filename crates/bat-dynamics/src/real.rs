@@ -1,0 +1,117 @@
+//! The scalar of the dynamics: one source line serves `f64`, SIMD lanes and dual numbers.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use num_dual::Dual64;
+
+use crate::trig;
+
+/// A real number as the dynamics kernels need it.
+///
+/// Implemented for `f64`, for [`Lanes`](crate::Lanes) (several flights at once) and for
+/// [`num_dual::Dual64`] (a value with its derivative). Code that is generic over it never branches on a
+/// value: it selects, so that every lane runs the same instructions and gets, bit for bit, what `f64` gets.
+pub trait Real:
+    Copy
+    + core::fmt::Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// The constant `value` in every lane, with zero derivative.
+    fn constant(value: f64) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Sine and cosine of an angle in rad (accurate to 2.3e-16 absolute for |x| < 1e5).
+    fn sin_cos(self) -> (Self, Self);
+    /// The angle of the point (`x`, `self`) in (-pi, pi], in rad; 0 where both are 0.
+    fn atan2(self, x: Self) -> Self;
+    /// Arc sine in rad.
+    fn asin(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// `chosen` where `self < limit`, `otherwise` elsewhere (also where either is NaN).
+    fn select_below(self, limit: Self, chosen: Self, otherwise: Self) -> Self;
+    /// The magnitude of `self` with the sign of `sign`.
+    fn copysign(self, sign: Self) -> Self;
+
+    /// The smaller of the two; `other` where `self` is NaN.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.select_below(other, self, other)
+    }
+
+    /// The larger of the two; `other` where `self` is NaN.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        other.select_below(self, self, other)
+    }
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        trig::sin_cos(self)
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        trig::atan2(self, x)
+    }
+    #[inline(always)]
+    fn asin(self) -> Self {
+        trig::asin(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn select_below(self, limit: Self, chosen: Self, otherwise: Self) -> Self {
+        if self < limit { chosen } else { otherwise }
+    }
+    #[inline(always)]
+    fn copysign(self, sign: Self) -> Self {
+        f64::copysign(self, sign)
+    }
+}
+
+/// Derivatives: those of the functions above; a selection carries the derivative of the chosen branch.
+impl Real for Dual64 {
+    fn constant(value: f64) -> Self {
+        Dual64::from_re(value)
+    }
+    fn sqrt(self) -> Self {
+        let root = self.re.sqrt();
+        Dual64::new(root, self.eps * 0.5 / root)
+    }
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = trig::sin_cos(self.re);
+        (Dual64::new(sin, cos * self.eps), Dual64::new(cos, -sin * self.eps))
+    }
+    fn atan2(self, x: Self) -> Self {
+        let squared = self.re * self.re + x.re * x.re;
+        Dual64::new(trig::atan2(self.re, x.re), (x.re * self.eps - self.re * x.eps) / squared)
+    }
+    fn asin(self) -> Self {
+        Dual64::new(trig::asin(self.re), self.eps / ((1.0 - self.re) * (1.0 + self.re)).sqrt())
+    }
+    fn abs(self) -> Self {
+        if self.re < 0.0 { -self } else { self }
+    }
+    fn select_below(self, limit: Self, chosen: Self, otherwise: Self) -> Self {
+        if self.re < limit.re { chosen } else { otherwise }
+    }
+    fn copysign(self, sign: Self) -> Self {
+        if self.re.is_sign_negative() == sign.re.is_sign_negative() { self } else { -self }
+    }
+}

@@ -1,0 +1,198 @@
+//! Equilibrium of the flight: no motion, nose into the flow, a set pitch, a set altitude or tether length.
+
+use thiserror::Error as ThisError;
+
+use crate::error::Error;
+use crate::flow::Flow;
+use crate::inertia::{generalized_forces, gravity_vector};
+use crate::kinematics::{Coordinates, FlightState, lines_of_driven};
+use crate::motion::{Tensions, accelerations};
+use crate::plant::Plant;
+
+/// Which length the trim holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TrimHeight {
+    /// Altitude of the center of mass above the winches, in m.
+    Altitude(f64),
+    /// Mean tether length L_t, in m.
+    TetherLength(f64),
+}
+
+/// What is asked of a trim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrimRequest {
+    /// The steady flow.
+    pub flow: Flow,
+    /// Pitch angle of the body, nose up, in rad.
+    pub pitch_rad: f64,
+    /// Altitude or tether length.
+    pub height: TrimHeight,
+}
+
+/// Why there is no trim.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, ThisError)]
+pub enum NoTrim {
+    /// The restoring moment already exceeds the drag near the vertical: equilibrium is at Phi = 0 or upwind of it.
+    #[error(
+        "at {flow_speed_m_s} m/s the flow does not push the tether away from the vertical \
+         (moment {moment_n_m:.3e} N·m at Phi = {zenith_rad} rad); azimuth and twist coincide at Phi = 0"
+    )]
+    AtZenith {
+        /// Flow speed.
+        flow_speed_m_s: f64,
+        /// Smallest zenith angle that was tried.
+        zenith_rad: f64,
+        /// Moment on the zenith angle there; downstream is positive.
+        moment_n_m: f64,
+    },
+    /// The flow pushes the tether down at every zenith angle.
+    #[error(
+        "at {flow_speed_m_s} m/s the flow pushes the tether down at every zenith angle up to {zenith_rad:.3} rad: \
+         too little lift and buoyancy for the drag"
+    )]
+    BlownDown {
+        /// Flow speed.
+        flow_speed_m_s: f64,
+        /// Largest zenith angle that was tried.
+        zenith_rad: f64,
+    },
+    /// The bridle cannot reach the pitch angle.
+    #[error(
+        "pitch {pitch_rad} rad is out of the bridle's reach: it takes an induced pitch of {induced_rad:.4} rad \
+         (allowed: within pi/2) and a shortest line of {shortest_line_m:.4} m (allowed: more than zero)"
+    )]
+    PitchOutOfReach {
+        /// The pitch that was asked for.
+        pitch_rad: f64,
+        /// The induced pitch theta' that it takes.
+        induced_rad: f64,
+        /// The shortest line that it takes.
+        shortest_line_m: f64,
+    },
+    /// The altitude cannot be reached with a tether of positive length.
+    #[error("altitude {altitude_m} m takes a tether of {length_m:.4} m: it must be more than zero")]
+    AltitudeOutOfReach {
+        /// The altitude that was asked for.
+        altitude_m: f64,
+        /// The tether length that it takes.
+        length_m: f64,
+    },
+}
+
+/// An equilibrium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trim {
+    /// Coordinates `[Phi, Theta, Psi, L_t, theta', phi']`.
+    pub coordinates: Coordinates,
+    /// The same as a state of flight at rest.
+    pub state: FlightState,
+    /// What is left of each row of (4), `g − tau − f`, in the order of the coordinates (N·m; N for L_t). The
+    /// first three say how well the equilibrium is met; the other three compare two ways to the line forces.
+    pub residual: [f64; 6],
+    /// Line tensions; one that is negative says that the bridle cannot hold this pitch.
+    pub tensions: Tensions,
+}
+
+/// Scan of the zenith angle: first, last and step, in rad.
+const FIRST_RAD: f64 = 1e-4;
+const LAST_RAD: f64 = 1.553;
+const SCAN_POINTS: usize = 180;
+
+/// Finds the equilibrium with the smallest zenith angle.
+///
+/// All rates are zero, `Theta = psi_flow`, `Psi = phi' = 0`, `theta' = pitch − Phi`; the lateral rows of (4) then
+/// vanish by symmetry and the row of Phi, force less bias, falls through zero at the equilibrium.
+///
+/// # Errors
+/// [`Error::Argument`] for values that are not finite, [`Error::NoTrim`] with the reason when there is none.
+pub fn trim(plant: &Plant, request: &TrimRequest) -> Result<Trim, Error> {
+    request.flow.validate()?;
+    if !(request.pitch_rad.is_finite() && request.pitch_rad.abs() < core::f64::consts::FRAC_PI_2) {
+        return Err(Error::Argument {
+            name: "pitch set point in rad",
+            value: request.pitch_rad,
+            allowed: "finite and within pi/2",
+        });
+    }
+    let (name, value) = match request.height {
+        TrimHeight::Altitude(value) => ("altitude set point in m", value),
+        TrimHeight::TetherLength(value) => ("tether length in m", value),
+    };
+    if !(value.is_finite() && value > 0.0) {
+        return Err(Error::Argument { name, value, allowed: "finite and more than zero" });
+    }
+
+    let moment = |zenith: f64| {
+        let q = coordinates(plant, request, zenith);
+        generalized_forces(plant, &q, &[0.0; 6], &request.flow)[0] - gravity_vector(plant, &q)[0]
+    };
+    let first = moment(FIRST_RAD);
+    let not_found = |zenith_rad| NoTrim::BlownDown { flow_speed_m_s: request.flow.speed_m_s, zenith_rad };
+    if first.is_nan() || first <= 0.0 {
+        return Err(NoTrim::AtZenith {
+            flow_speed_m_s: request.flow.speed_m_s,
+            zenith_rad: FIRST_RAD,
+            moment_n_m: first,
+        }
+        .into());
+    }
+    let step = (LAST_RAD - FIRST_RAD) / SCAN_POINTS as f64;
+    let (mut low, mut high) = (1..=SCAN_POINTS)
+        .map(|k| FIRST_RAD + step * k as f64)
+        .find(|zenith| moment(*zenith) <= 0.0)
+        .map(|zenith| (zenith - step, zenith))
+        .ok_or(not_found(LAST_RAD))?;
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if moment(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    at_equilibrium(plant, request, 0.5 * (low + high))
+}
+
+fn coordinates(plant: &Plant, request: &TrimRequest, zenith: f64) -> Coordinates {
+    let length = match request.height {
+        TrimHeight::TetherLength(length) => length,
+        TrimHeight::Altitude(altitude) => {
+            // h = L cos Phi less the depth of the center of mass below the joint at this pitch.
+            let (sin, cos) = request.pitch_rad.sin_cos();
+            (altitude + cos * plant.cm_z - sin * plant.cm_x) / zenith.cos()
+        }
+    };
+    [zenith, request.flow.direction_rad, 0.0, length, request.pitch_rad - zenith, 0.0]
+}
+
+fn at_equilibrium(plant: &Plant, request: &TrimRequest, zenith: f64) -> Result<Trim, Error> {
+    let q = coordinates(plant, request, zenith);
+    if q[3] <= 0.0 {
+        let altitude_m = match request.height {
+            TrimHeight::Altitude(h) | TrimHeight::TetherLength(h) => h,
+        };
+        return Err(NoTrim::AltitudeOutOfReach { altitude_m, length_m: q[3] }.into());
+    }
+    let lines = lines_of_driven(plant, [q[3], q[4], q[5]]);
+    let shortest_line_m = lines[0].min(lines[1]).min(lines[2]);
+    if q[4].abs() >= core::f64::consts::FRAC_PI_2 || shortest_line_m <= 0.0 {
+        return Err(
+            NoTrim::PitchOutOfReach { pitch_rad: request.pitch_rad, induced_rad: q[4], shortest_line_m }.into()
+        );
+    }
+    let rest = [0.0; 6];
+    let motion = accelerations(plant, &q, &rest, [0.0; 3], &request.flow)?;
+    let bias = gravity_vector(plant, &q) - generalized_forces(plant, &q, &rest, &request.flow);
+    let mut residual: [f64; 6] = bias.into();
+    for (left, supplied) in residual[3..].iter_mut().zip(motion.supplied) {
+        *left -= supplied;
+    }
+    let mut state = [0.0; 12];
+    state[..3].copy_from_slice(&q[..3]);
+    state[6..9].copy_from_slice(&lines);
+    Ok(Trim { coordinates: q, state, residual, tensions: motion.tensions })
+}

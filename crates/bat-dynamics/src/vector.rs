@@ -1,0 +1,54 @@
+//! The few operations on three-vectors that the kernels need, on plain arrays of a [`Real`].
+
+use crate::real::Real;
+
+pub(crate) type Vector<T> = [T; 3];
+
+#[inline(always)]
+pub(crate) fn add<T: Real>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+pub(crate) fn sub<T: Real>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+pub(crate) fn scale<T: Real>(s: T, a: Vector<T>) -> Vector<T> {
+    [s * a[0], s * a[1], s * a[2]]
+}
+
+#[inline(always)]
+pub(crate) fn dot<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+pub(crate) fn cross<T: Real>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// a x (x, 0, z): every named point of the body lies in its plane of symmetry.
+#[inline(always)]
+pub(crate) fn cross_point<T: Real>(a: Vector<T>, x: T, z: T) -> Vector<T> {
+    [a[1] * z, a[2] * x - a[0] * z, -(a[1] * x)]
+}
+
+/// (x, 0, z) x b.
+#[inline(always)]
+pub(crate) fn point_cross<T: Real>(x: T, z: T, b: Vector<T>) -> Vector<T> {
+    [-(z * b[1]), z * b[0] - x * b[2], x * b[1]]
+}
+
+/// x a0 + y a1 + z a2: the vector whose components along the rows of `axes` are `v`.
+#[inline(always)]
+pub(crate) fn combine<T: Real>(axes: &[Vector<T>; 3], v: Vector<T>) -> Vector<T> {
+    core::array::from_fn(|k| v[0] * axes[0][k] + v[1] * axes[1][k] + v[2] * axes[2][k])
+}
+
+/// The components of `v` along the rows of `axes`.
+#[inline(always)]
+pub(crate) fn project<T: Real>(axes: &[Vector<T>; 3], v: Vector<T>) -> Vector<T> {
+    [dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)]
+}

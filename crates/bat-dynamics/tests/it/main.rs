@@ -1,0 +1,4 @@
+//! Claims about the physics and the mathematics of the plant.
+
+mod equations;
+mod plants;

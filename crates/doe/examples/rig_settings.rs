@@ -1,0 +1,36 @@
+//! From the point an optimizer wants to the settings a rig has.
+
+use std::error::Error;
+
+use doe::{Parameter, Region};
+
+#[expect(clippy::print_stdout, reason = "an example shows what it computes")]
+fn main() -> Result<(), Box<dyn Error>> {
+    // Ballast holes every half per cent of chord from 45.65 %, pitch stops every half degree.
+    let region = Region::new(vec![
+        Parameter::continuous("center of mass", "% chord", 45.65, 51.15)?.with_levels(12)?,
+        Parameter::continuous("pitch", "deg", 10.0, 22.0)?.with_levels(25)?,
+    ])?;
+
+    let asked = [47.13, 17.3];
+    let possible = region.snap(&asked)?;
+    let coded = region.coded(&possible)?;
+    let hole = region.parameters()[0].nearest_level(asked[0])?;
+    let stop = region.parameters()[1].nearest_level(asked[1])?;
+
+    println!("asked     {:.3} % chord   {:.2} deg", asked[0], asked[1]);
+    println!(
+        "rig can   {:.3} % chord   {:.2} deg (hole {hole}, stop {stop})",
+        possible[0], possible[1]
+    );
+    println!("coded     {:.3}           {:.3}", coded[0], coded[1]);
+    println!(
+        "the grid of the rig has {} points",
+        region.grid()?.n_points()
+    );
+
+    if let Err(error) = region.snap(&[47.13, 23.5]) {
+        println!("23.5 deg? {error}");
+    }
+    Ok(())
+}

@@ -1,0 +1,3 @@
+//! Runs the studies and the checks of the workspace.
+
+fn main() {}
