@@ -1,3 +1,55 @@
-//! Runs the studies and the checks of the workspace.
+//! Runs the studies and the checks of the workspace: `cargo xtask <command>`.
+#![expect(clippy::print_stdout, reason = "a program of the command line talks")]
 
-fn main() {}
+mod ci;
+#[allow(dead_code, unused_imports, reason = "for the studies to come")]
+mod figures;
+#[allow(dead_code, reason = "for the studies to come")]
+mod page;
+#[allow(dead_code, reason = "for the studies to come")]
+mod table;
+mod tidy;
+mod workspace;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+cargo xtask <command>
+
+Checks:
+  ci      everything that a change must pass; quiet until a step fails
+  tidy    the rules of the tree that no compiler checks
+
+  help    this text";
+
+/// The exit code for a command that does not exist.
+const USAGE_ERROR: u8 = 2;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = match words.as_slice() {
+        // Studies, one module a chapter, go here.
+        ["ci"] => ci::run(),
+        ["tidy"] => tidy::run(),
+        ["help" | "--help" | "-h"] => {
+            println!("{USAGE}");
+            Ok(())
+        }
+        [] => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(USAGE_ERROR);
+        }
+        unknown => {
+            eprintln!("error: no command `{}`\n\n{USAGE}", unknown.join(" "));
+            return ExitCode::from(USAGE_ERROR);
+        }
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

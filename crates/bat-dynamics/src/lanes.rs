@@ -12,24 +12,18 @@ use crate::trig;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lanes<const N: usize>(pub [f64; N]);
 
-impl<const N: usize> Lanes<N> {
-    #[inline(always)]
-    fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        let mut out = self.0;
-        for value in &mut out {
-            *value = f(*value);
+// Plain loops rather than closures: the kernels are inlined as a whole, and closures would multiply what the
+// compiler has to read.
+macro_rules! each_lane {
+    ($i:ident => $value:expr) => {{
+        let mut out = [0.0; N];
+        let mut $i = 0;
+        while $i < N {
+            out[$i] = $value;
+            $i += 1;
         }
         Self(out)
-    }
-
-    #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let mut out = self.0;
-        for (value, b) in out.iter_mut().zip(other.0) {
-            *value = f(*value, b);
-        }
-        Self(out)
-    }
+    }};
 }
 
 macro_rules! lane_operator {
@@ -38,7 +32,7 @@ macro_rules! lane_operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.zip(other, |a, b| a $op b)
+                each_lane!(i => self.0[i] $op other.0[i])
             }
         }
     )*};
@@ -49,7 +43,7 @@ impl<const N: usize> Neg for Lanes<N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|a| -a)
+        each_lane!(i => -self.0[i])
     }
 }
 
@@ -60,7 +54,7 @@ impl<const N: usize> Real for Lanes<N> {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.map(f64::sqrt)
+        each_lane!(i => self.0[i].sqrt())
     }
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
@@ -76,18 +70,14 @@ impl<const N: usize> Real for Lanes<N> {
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        self.map(f64::abs)
+        each_lane!(i => self.0[i].abs())
     }
     #[inline(always)]
     fn select_below(self, limit: Self, chosen: Self, otherwise: Self) -> Self {
-        let mut out = otherwise.0;
-        for i in 0..N {
-            out[i] = if self.0[i] < limit.0[i] { chosen.0[i] } else { otherwise.0[i] };
-        }
-        Self(out)
+        each_lane!(i => if self.0[i] < limit.0[i] { chosen.0[i] } else { otherwise.0[i] })
     }
     #[inline(always)]
     fn copysign(self, sign: Self) -> Self {
-        self.zip(sign, f64::copysign)
+        each_lane!(i => self.0[i].copysign(sign.0[i]))
     }
 }

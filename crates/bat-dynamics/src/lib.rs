@@ -30,7 +30,7 @@ pub use lanes::Lanes;
 pub use linear::{Linearization, Variable, linearize};
 pub use modes::{Mode, Modes, modes};
 pub use motion::{
-    Accelerations, Evaluation, SINGULAR_SIN_ZENITH, Slack, Tensions, accelerations, check_state, evaluate,
+    Accelerations, Evaluation, SINGULAR_SIN_ZENITH, Slack, Tensions, accelerations, check_state, evaluate, sight,
 };
 pub use parameters::{
     AddedMass, Allowed, Body, FIELDS, Field, Fluid, HorizontalStabilizer, Hull, Parameters, Stall, Tether,

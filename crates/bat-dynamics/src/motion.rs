@@ -147,7 +147,11 @@ pub(crate) fn solve_motion<T: Real>(
     let zero = [c(0.0); 3];
     let linear = [scale(-length, x_t), scale(-length, y_t), zero];
     let angular = [y_t, scale(c(-1.0), x_t), z_t];
-    let columns: [Wrench<T>; 3] = core::array::from_fn(|j| inertial_wrench(plant, linear[j], angular[j]));
+    let columns = [
+        inertial_wrench(plant, linear[0], angular[0]),
+        inertial_wrench(plant, linear[1], angular[1]),
+        inertial_wrench(plant, linear[2], angular[2]),
+    ];
     let entry = |i: usize, j: usize| dot(linear[i], columns[j].force) + dot(angular[i], columns[j].moment);
     let m00 = entry(0, 0) + tether_inertia;
     let m11 = entry(1, 1) + tether_inertia;
@@ -160,9 +164,11 @@ pub(crate) fn solve_motion<T: Real>(
     // Driven rows: f = D q'' + C q' + g − tau.
     let mut left_force = force_t[2];
     let mut left_moment = moment;
-    for (column, x) in columns.iter().zip(solution) {
-        left_force = left_force - x * dot(z_t, column.force);
-        left_moment = sub(left_moment, scale(x, column.moment));
+    let mut j = 0;
+    while j < 3 {
+        left_force = left_force - solution[j] * dot(z_t, columns[j].force);
+        left_moment = sub(left_moment, scale(solution[j], columns[j].moment));
+        j += 1;
     }
     let line = plant.tether_density * length;
     let supplied = [
@@ -331,10 +337,8 @@ pub fn evaluate<T: Real>(
 ) -> Evaluation<T> {
     let &[zenith, azimuth, twist, zenith_rate, azimuth_rate, twist_rate, l1, l2, l3, u1, u2, u3] = state;
     let reel = [u1, u2, u3];
-    let reel_acceleration: [T; 3] = core::array::from_fn(|i| {
-        let limited = commands[i].min(plant.reel_limit).max(-plant.reel_limit);
-        (limited - reel[i]) * plant.per_winch
-    });
+    let pull = |command: T, speed: T| (command.min(plant.reel_limit).max(-plant.reel_limit) - speed) * plant.per_winch;
+    let reel_acceleration = [pull(commands[0], u1), pull(commands[1], u2), pull(commands[2], u3)];
     let bridle = Bridle::of_lines(plant, [l1, l2, l3], reel, reel_acceleration);
     let pose = bridle.pose([zenith, azimuth, twist], flow);
     let rates = bridle.rates([zenith_rate, azimuth_rate, twist_rate]);
@@ -362,6 +366,15 @@ pub fn evaluate<T: Real>(
         sight: pose.sight(plant),
         tensions: tensions(plant, &pose, motion.supplied),
     }
+}
+
+/// What a camera sees of a flight state, without the dynamics of [`evaluate`].
+#[inline(always)]
+#[must_use]
+pub fn sight<T: Real>(plant: &Plant<T>, state: &FlightState<T>, flow: &Flow<T>) -> Sight<T> {
+    let zero = [T::constant(0.0); 3];
+    let bridle = Bridle::of_lines(plant, [state[6], state[7], state[8]], zero, zero);
+    bridle.pose([state[0], state[1], state[2]], flow).sight(plant)
 }
 
 /// Names what is wrong with a flight state at `time_s`.

@@ -44,7 +44,12 @@ pub(crate) fn point_cross<T: Real>(x: T, z: T, b: Vector<T>) -> Vector<T> {
 /// x a0 + y a1 + z a2: the vector whose components along the rows of `axes` are `v`.
 #[inline(always)]
 pub(crate) fn combine<T: Real>(axes: &[Vector<T>; 3], v: Vector<T>) -> Vector<T> {
-    core::array::from_fn(|k| v[0] * axes[0][k] + v[1] * axes[1][k] + v[2] * axes[2][k])
+    let [a, b, c] = axes;
+    [
+        v[0] * a[0] + v[1] * b[0] + v[2] * c[0],
+        v[0] * a[1] + v[1] * b[1] + v[2] * c[1],
+        v[0] * a[2] + v[1] * b[2] + v[2] * c[2],
+    ]
 }
 
 /// The components of `v` along the rows of `axes`.

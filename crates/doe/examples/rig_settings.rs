@@ -19,15 +19,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let stop = region.parameters()[1].nearest_level(asked[1])?;
 
     println!("asked     {:.3} % chord   {:.2} deg", asked[0], asked[1]);
-    println!(
-        "rig can   {:.3} % chord   {:.2} deg (hole {hole}, stop {stop})",
-        possible[0], possible[1]
-    );
+    println!("rig can   {:.3} % chord   {:.2} deg (hole {hole}, stop {stop})", possible[0], possible[1]);
     println!("coded     {:.3}           {:.3}", coded[0], coded[1]);
-    println!(
-        "the grid of the rig has {} points",
-        region.grid()?.n_points()
-    );
+    println!("the grid of the rig has {} points", region.grid()?.n_points());
 
     if let Err(error) = region.snap(&[47.13, 23.5]) {
         println!("23.5 deg? {error}");

@@ -5,7 +5,7 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// A parameter has no name.
-    #[error("a parameter has an empty name (unit \"{unit}\", bounds {lower} to {upper})")]
+    #[error("a parameter has an empty name (unit \"{unit}\", bounds {lower:?} to {upper:?})")]
     EmptyName {
         /// Unit of the nameless parameter.
         unit: String,
@@ -16,7 +16,7 @@ pub enum Error {
     },
     /// A bound is NaN, infinite or beyond [`Parameter::LARGEST_BOUND`](crate::Parameter::LARGEST_BOUND).
     #[error(
-        "parameter `{parameter}`: the {bound} bound is {value}, expected a finite number of magnitude at most 1e290"
+        "parameter `{parameter}`: the {bound} bound is {value:?}, expected a finite number of magnitude at most 1e290"
     )]
     BoundNotUsable {
         /// Name of the parameter.
@@ -28,7 +28,7 @@ pub enum Error {
     },
     /// The lower bound is above the upper bound.
     #[error(
-        "parameter `{parameter}`: the lower bound {lower} is above the upper bound {upper}, expected lower < upper"
+        "parameter `{parameter}`: the lower bound {lower:?} is above the upper bound {upper:?}, expected lower < upper"
     )]
     InvertedBounds {
         /// Name of the parameter.
@@ -39,7 +39,7 @@ pub enum Error {
         upper: f64,
     },
     /// Both bounds are the same number.
-    #[error("parameter `{parameter}`: both bounds are {value}, expected lower < upper")]
+    #[error("parameter `{parameter}`: both bounds are {value:?}, expected lower < upper")]
     ZeroWidth {
         /// Name of the parameter.
         parameter: String,
@@ -47,9 +47,7 @@ pub enum Error {
         value: f64,
     },
     /// Fewer than two levels.
-    #[error(
-        "parameter `{parameter}`: {count} level(s), expected at least 2, or continuous levels"
-    )]
+    #[error("parameter `{parameter}`: {count} level(s), expected at least 2, or continuous levels")]
     TooFewLevels {
         /// Name of the parameter.
         parameter: String,
@@ -58,7 +56,7 @@ pub enum Error {
     },
     /// So many levels between these bounds that neighbors round to the same number.
     #[error(
-        "parameter `{parameter}`: {count} levels from {lower} to {upper} cannot be told apart in double precision"
+        "parameter `{parameter}`: {count} levels from {lower:?} to {upper:?} cannot be told apart in double precision"
     )]
     IndistinctLevels {
         /// Name of the parameter.
@@ -87,7 +85,7 @@ pub enum Error {
         last: u32,
     },
     /// A coordinate is NaN.
-    #[error("parameter `{parameter}`: the value is NaN, expected {lower} to {upper} {unit}")]
+    #[error("parameter `{parameter}`: the value is NaN, expected {lower:?} to {upper:?} {unit}")]
     NotANumber {
         /// Name of the parameter.
         parameter: String,
@@ -99,7 +97,7 @@ pub enum Error {
         unit: String,
     },
     /// A coordinate outside the bounds.
-    #[error("parameter `{parameter}`: the value is {value}, expected {lower} to {upper} {unit}")]
+    #[error("parameter `{parameter}`: the value is {value:?}, expected {lower:?} to {upper:?} {unit}")]
     OutOfBounds {
         /// Name of the parameter.
         parameter: String,
@@ -136,9 +134,7 @@ pub enum Error {
         names: String,
     },
     /// A grid with more points than a 64-bit index can count.
-    #[error(
-        "the grid of {n_parameters} parameters has more than 2^64 - 1 points, expected fewer levels"
-    )]
+    #[error("the grid of {n_parameters} parameters has more than 2^64 - 1 points, expected fewer levels")]
     GridTooLarge {
         /// Number of parameters of the region.
         n_parameters: usize,

@@ -20,23 +20,13 @@ impl<'a> Grid<'a> {
         let mut n_points = 1_u64;
         for parameter in parameters {
             let Levels::Count(count) = parameter.levels() else {
-                return Err(Error::Continuous {
-                    parameter: parameter.name().to_owned(),
-                });
+                return Err(Error::Continuous { parameter: parameter.name().to_owned() });
             };
             counts.push(count);
-            n_points = n_points
-                .checked_mul(u64::from(count))
-                .ok_or(Error::GridTooLarge {
-                    n_parameters: parameters.len(),
-                })?;
+            n_points =
+                n_points.checked_mul(u64::from(count)).ok_or(Error::GridTooLarge { n_parameters: parameters.len() })?;
         }
-        Ok(Self {
-            parameters,
-            counts,
-            n_points,
-            next: 0,
-        })
+        Ok(Self { parameters, counts, n_points, next: 0 })
     }
 
     /// Number of points of the whole grid, whatever has been iterated already.
@@ -52,10 +42,7 @@ impl<'a> Grid<'a> {
     /// [`Error::NoSuchGridPoint`].
     pub fn level_indices(&self, index: u64) -> Result<Vec<u32>, Error> {
         if index >= self.n_points {
-            return Err(Error::NoSuchGridPoint {
-                index,
-                n_points: self.n_points,
-            });
+            return Err(Error::NoSuchGridPoint { index, n_points: self.n_points });
         }
         let mut rest = index;
         let mut indices = vec![0; self.counts.len()];
@@ -75,9 +62,7 @@ impl<'a> Grid<'a> {
     pub fn point(&self, index: u64) -> Result<Vec<f64>, Error> {
         let indices = self.level_indices(index)?;
         let levels = self.parameters.iter().zip(&self.counts).zip(indices);
-        Ok(levels
-            .map(|((parameter, &count), index)| parameter.level_value(index, count - 1))
-            .collect())
+        Ok(levels.map(|((parameter, &count), index)| parameter.level_value(index, count - 1)).collect())
     }
 }
 

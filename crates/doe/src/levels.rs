@@ -45,29 +45,18 @@ impl Visitor<'_> for LevelsVisitor {
     type Value = Levels;
 
     fn expecting(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(
-            formatter,
-            "the word \"{WORD}\" or a whole number of levels, at least 2"
-        )
+        write!(formatter, "the word \"{WORD}\" or a whole number of levels, at least 2")
     }
 
     fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<Levels, E> {
-        if word == WORD {
-            Ok(Levels::Continuous)
-        } else {
-            Err(E::invalid_value(Unexpected::Str(word), &self))
-        }
+        if word == WORD { Ok(Levels::Continuous) } else { Err(E::invalid_value(Unexpected::Str(word), &self)) }
     }
 
     fn visit_u64<E: serde::de::Error>(self, count: u64) -> Result<Levels, E> {
-        u32::try_from(count)
-            .map(Levels::Count)
-            .map_err(|_| E::invalid_value(Unexpected::Unsigned(count), &self))
+        u32::try_from(count).map(Levels::Count).map_err(|_| E::invalid_value(Unexpected::Unsigned(count), &self))
     }
 
     fn visit_i64<E: serde::de::Error>(self, count: i64) -> Result<Levels, E> {
-        u32::try_from(count)
-            .map(Levels::Count)
-            .map_err(|_| E::invalid_value(Unexpected::Signed(count), &self))
+        u32::try_from(count).map(Levels::Count).map_err(|_| E::invalid_value(Unexpected::Signed(count), &self))
     }
 }

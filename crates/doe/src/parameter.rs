@@ -40,12 +40,7 @@ impl Parameter {
     ///
     /// [`Error::EmptyName`], [`Error::BoundNotUsable`], [`Error::InvertedBounds`],
     /// [`Error::ZeroWidth`].
-    pub fn continuous(
-        name: impl Into<String>,
-        unit: impl Into<String>,
-        lower: f64,
-        upper: f64,
-    ) -> Result<Self, Error> {
+    pub fn continuous(name: impl Into<String>, unit: impl Into<String>, lower: f64, upper: f64) -> Result<Self, Error> {
         let (name, unit) = (name.into(), unit.into());
         if name.trim().is_empty() {
             return Err(Error::EmptyName { unit, lower, upper });
@@ -53,33 +48,16 @@ impl Parameter {
         for (bound, value) in [("lower", lower), ("upper", upper)] {
             // The magnitude of NaN is not at most anything.
             if value.is_nan() || value.abs() > Self::LARGEST_BOUND {
-                return Err(Error::BoundNotUsable {
-                    parameter: name,
-                    bound,
-                    value,
-                });
+                return Err(Error::BoundNotUsable { parameter: name, bound, value });
             }
         }
         if lower > upper {
-            return Err(Error::InvertedBounds {
-                parameter: name,
-                lower,
-                upper,
-            });
+            return Err(Error::InvertedBounds { parameter: name, lower, upper });
         }
         if lower >= upper {
-            return Err(Error::ZeroWidth {
-                parameter: name,
-                value: lower,
-            });
+            return Err(Error::ZeroWidth { parameter: name, value: lower });
         }
-        Ok(Self {
-            name,
-            unit,
-            lower,
-            upper,
-            levels: Levels::Continuous,
-        })
+        Ok(Self { name, unit, lower, upper, levels: Levels::Continuous })
     }
 
     /// The same parameter restricted to `count` equally spaced levels, both bounds included.
@@ -90,20 +68,12 @@ impl Parameter {
     /// be within a few roundings of each other.
     pub fn with_levels(mut self, count: u32) -> Result<Self, Error> {
         if count < 2 {
-            return Err(Error::TooFewLevels {
-                parameter: self.name,
-                count,
-            });
+            return Err(Error::TooFewLevels { parameter: self.name, count });
         }
         let spacing = self.width() / f64::from(count - 1);
         let resolution = 8.0 * f64::EPSILON * self.lower.abs().max(self.upper.abs());
         if spacing <= resolution.max(f64::MIN_POSITIVE) {
-            return Err(Error::IndistinctLevels {
-                parameter: self.name,
-                count,
-                lower: self.lower,
-                upper: self.upper,
-            });
+            return Err(Error::IndistinctLevels { parameter: self.name, count, lower: self.lower, upper: self.upper });
         }
         self.levels = Levels::Count(count);
         Ok(self)
@@ -163,11 +133,7 @@ impl Parameter {
     #[must_use]
     pub fn natural(&self, coded: f64) -> f64 {
         let value = self.lower * (0.5 * (1.0 - coded)) + self.upper * (0.5 * (1.0 + coded));
-        if coded.abs() <= 1.0 {
-            value.clamp(self.lower, self.upper)
-        } else {
-            value
-        }
+        if coded.abs() <= 1.0 { value.clamp(self.lower, self.upper) } else { value }
     }
 
     /// Whether a natural coordinate lies within the bounds, bounds included; never for NaN.
@@ -188,20 +154,9 @@ impl Parameter {
         let (parameter, unit) = (self.name.clone(), self.unit.clone());
         let (lower, upper) = (self.lower, self.upper);
         Err(if natural.is_nan() {
-            Error::NotANumber {
-                parameter,
-                lower,
-                upper,
-                unit,
-            }
+            Error::NotANumber { parameter, lower, upper, unit }
         } else {
-            Error::OutOfBounds {
-                parameter,
-                value: natural,
-                lower,
-                upper,
-                unit,
-            }
+            Error::OutOfBounds { parameter, value: natural, lower, upper, unit }
         })
     }
 
@@ -229,11 +184,7 @@ impl Parameter {
     pub fn level(&self, index: u32) -> Result<f64, Error> {
         let last = self.last_level()?;
         if index > last {
-            return Err(Error::NoSuchLevel {
-                parameter: self.name.clone(),
-                index,
-                last,
-            });
+            return Err(Error::NoSuchLevel { parameter: self.name.clone(), index, last });
         }
         Ok(self.level_value(index, last))
     }
@@ -280,17 +231,20 @@ impl Parameter {
     fn last_level(&self) -> Result<u32, Error> {
         match self.levels {
             Levels::Count(count) => Ok(count - 1),
-            Levels::Continuous => Err(Error::Continuous {
-                parameter: self.name.clone(),
-            }),
+            Levels::Continuous => Err(Error::Continuous { parameter: self.name.clone() }),
         }
     }
 
     pub(crate) fn level_value(&self, index: u32, last: u32) -> f64 {
+        if index == 0 {
+            return self.lower;
+        }
         if index == last {
             return self.upper;
         }
-        (self.lower * f64::from(last - index) + self.upper * f64::from(index)) / f64::from(last)
+        let weighted = self.lower * f64::from(last - index) + self.upper * f64::from(index);
+        // Rounding can carry a level next to a bound past it when the bounds almost agree.
+        (weighted / f64::from(last)).clamp(self.lower, self.upper)
     }
 }
 
@@ -310,13 +264,7 @@ impl TryFrom<UncheckedParameter> for Parameter {
     type Error = Error;
 
     fn try_from(unchecked: UncheckedParameter) -> Result<Self, Error> {
-        let UncheckedParameter {
-            name,
-            unit,
-            lower,
-            upper,
-            levels,
-        } = unchecked;
+        let UncheckedParameter { name, unit, lower, upper, levels } = unchecked;
         let parameter = Self::continuous(name, unit, lower, upper)?;
         match levels {
             Levels::Continuous => Ok(parameter),

@@ -37,11 +37,7 @@ impl Region {
         for (second, parameter) in parameters.iter().enumerate() {
             let same_name = |earlier: &Parameter| earlier.name() == parameter.name();
             if let Some(first) = parameters[..second].iter().position(same_name) {
-                return Err(Error::DuplicateName {
-                    name: parameter.name().to_owned(),
-                    first,
-                    second,
-                });
+                return Err(Error::DuplicateName { name: parameter.name().to_owned(), first, second });
             }
         }
         Ok(Self { parameters })
@@ -62,9 +58,7 @@ impl Region {
     /// Position of the parameter with this name.
     #[must_use]
     pub fn index_of(&self, name: &str) -> Option<usize> {
-        self.parameters
-            .iter()
-            .position(|parameter| parameter.name() == name)
+        self.parameters.iter().position(|parameter| parameter.name() == name)
     }
 
     /// The point halfway between all bounds, natural.
@@ -139,16 +133,10 @@ impl Region {
         Grid::new(&self.parameters)
     }
 
-    fn map(
-        &self,
-        point: &[f64],
-        each: impl Fn(&Parameter, f64) -> Result<f64, Error>,
-    ) -> Result<Vec<f64>, Error> {
+    fn map(&self, point: &[f64], each: impl Fn(&Parameter, f64) -> Result<f64, Error>) -> Result<Vec<f64>, Error> {
         self.check_dimension(point)?;
         let pairs = self.parameters.iter().zip(point);
-        pairs
-            .map(|(parameter, &value)| each(parameter, value))
-            .collect()
+        pairs.map(|(parameter, &value)| each(parameter, value)).collect()
     }
 
     fn check_dimension(&self, point: &[f64]) -> Result<(), Error> {
@@ -156,11 +144,7 @@ impl Region {
             return Ok(());
         }
         let names: Vec<&str> = self.parameters.iter().map(Parameter::name).collect();
-        Err(Error::WrongDimension {
-            expected: self.parameters.len(),
-            found: point.len(),
-            names: names.join(", "),
-        })
+        Err(Error::WrongDimension { expected: self.parameters.len(), found: point.len(), names: names.join(", ") })
     }
 }
 

@@ -34,7 +34,7 @@ pub enum Error {
         n_controller: usize,
     },
     /// A number of the settings that is out of range.
-    #[error("setting `{name}` is {value}, expected {expected}")]
+    #[error("setting `{name}` is {value:?}, expected {expected}")]
     Setting {
         /// Name of the field.
         name: &'static str,
@@ -54,7 +54,7 @@ pub enum Error {
         expected: &'static str,
     },
     /// A number of the settings that belongs to one parameter and is out of range.
-    #[error("setting `{name}` of parameter `{parameter}` is {value}, expected {expected}")]
+    #[error("setting `{name}` of parameter `{parameter}` is {value:?}, expected {expected}")]
     ParameterSetting {
         /// Name of the field.
         name: &'static str,
@@ -66,9 +66,7 @@ pub enum Error {
         expected: &'static str,
     },
     /// Not one simulation of an optimization gave a finite cost.
-    #[error(
-        "all {n_simulations} simulations of the optimization failed, the first at {first_point:?}: {first_reason}"
-    )]
+    #[error("all {n_simulations} simulations of the optimization failed, the first at {first_point:?}: {first_reason}")]
     EverySimulationFailed {
         /// How many were tried.
         n_simulations: usize,
@@ -96,7 +94,7 @@ pub enum Error {
         id: TrialId,
     },
     /// A cost that is NaN or infinite. A trial without a usable cost is told as failed.
-    #[error("trial {id} was told the value {value}, expected a finite cost, or a failure with its reason")]
+    #[error("trial {id} was told the value {value:?}, expected a finite cost, or a failure with its reason")]
     NonFiniteOutcome {
         /// The id given.
         id: TrialId,
@@ -104,7 +102,7 @@ pub enum Error {
         value: f64,
     },
     /// An actual setting that cannot be that of this trial.
-    #[error("trial {id}: the actual setting is {actual}, expected {expected}")]
+    #[error("trial {id}: the actual setting is {actual:?}, expected {expected}")]
     ActualSetting {
         /// The id given.
         id: TrialId,

@@ -6,6 +6,7 @@ mod error;
 mod evaluator;
 mod gradient;
 mod gradient_loop;
+mod numerical;
 mod optimizer;
 mod problem;
 mod report;

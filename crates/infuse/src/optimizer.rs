@@ -80,7 +80,8 @@ pub struct OptimizerSettings {
     pub n_controller_starts: usize,
     /// First trust-region radius, coded, at most 1. Default 0.2.
     pub initial_radius: f64,
-    /// Last trust-region radius, coded: the accuracy of the optimum. Default 1e-3.
+    /// Last trust-region radius, coded: the accuracy of the optimum, and the smallest move of it that
+    /// can be seen. Default 1e-3.
     pub final_radius: f64,
     /// Last radius of the controller search within the nested strategy, coded; finer than
     /// `final_radius`, because its error is the noise of the plant search. Default 1e-4.
@@ -118,25 +119,11 @@ impl OptimizerSettings {
     pub fn validate(&self) -> Result<(), Error> {
         for (name, value, largest, expected) in [
             ("initial_radius", self.initial_radius, 1.0, "0 < radius <= 1"),
-            (
-                "final_radius",
-                self.final_radius,
-                self.initial_radius,
-                "0 < radius <= initial_radius",
-            ),
-            (
-                "inner_final_radius",
-                self.inner_final_radius,
-                self.initial_radius,
-                "0 < radius <= initial_radius",
-            ),
+            ("final_radius", self.final_radius, self.initial_radius, "0 < radius <= initial_radius"),
+            ("inner_final_radius", self.inner_final_radius, self.initial_radius, "0 < radius <= initial_radius"),
         ] {
             if !(value > 0.0 && value <= largest) {
-                return Err(Error::Setting {
-                    name,
-                    value,
-                    expected,
-                });
+                return Err(Error::Setting { name, value, expected });
             }
         }
         for (name, value) in [
@@ -145,11 +132,7 @@ impl OptimizerSettings {
             ("max_sweeps", self.max_sweeps),
         ] {
             if value == 0 {
-                return Err(Error::SettingCount {
-                    name,
-                    value,
-                    expected: "at least 1",
-                });
+                return Err(Error::SettingCount { name, value, expected: "at least 1" });
             }
         }
         Ok(())

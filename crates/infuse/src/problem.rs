@@ -58,9 +58,7 @@ impl CodesignProblem {
     /// Positions of the parameters with this role, ascending.
     #[must_use]
     pub fn indices(&self, role: Role) -> Vec<usize> {
-        (0..self.roles.len())
-            .filter(|&index| self.roles[index] == role)
-            .collect()
+        (0..self.roles.len()).filter(|&index| self.roles[index] == role).collect()
     }
 
     /// A list with `plant` at each plant parameter and `controller` at each controller parameter:
@@ -80,27 +78,15 @@ impl CodesignProblem {
         if strategy == Strategy::Simultaneous || (n_plant > 0 && n_controller > 0) {
             return Ok(());
         }
-        Err(Error::NeedsPlantAndController {
-            strategy,
-            n_plant,
-            n_controller,
-        })
+        Err(Error::NeedsPlantAndController { strategy, n_plant, n_controller })
     }
 }
 
-pub(crate) fn check_length(
-    name: &'static str,
-    expected: usize,
-    found: usize,
-) -> Result<(), Error> {
+pub(crate) fn check_length(name: &'static str, expected: usize, found: usize) -> Result<(), Error> {
     if found == expected {
         return Ok(());
     }
-    Err(Error::WrongLength {
-        name,
-        expected,
-        found,
-    })
+    Err(Error::WrongLength { name, expected, found })
 }
 
 /// A problem as it stands in a file, before the roles are counted.

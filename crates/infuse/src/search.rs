@@ -41,11 +41,8 @@ pub(crate) fn search(
         starts.push(Evaluated { coded, value });
     }
 
-    let mut solver = Bobyqa::new(n_axes, configuration(n_axes, settings)).map_err(|_| {
-        Error::OptimizerRefused {
-            n_parameters: n_axes,
-        }
-    })?;
+    let mut solver = Bobyqa::new(n_axes, configuration(n_axes, settings))
+        .map_err(|_| Error::OptimizerRefused { n_parameters: n_axes })?;
     let mut stop = CodesignStop::Converged;
     for index in worth_a_descent(&starts) {
         let mut coded = starts[index].coded.clone();
@@ -56,13 +53,9 @@ pub(crate) fn search(
             Status::MaxFunReached => CodesignStop::SearchLimit,
             Status::ModelDegenerate => CodesignStop::ModelDegenerate,
             Status::InvalidArgs | Status::AllocationFailed => {
-                return Err(Error::OptimizerRefused {
-                    n_parameters: n_axes,
-                });
+                return Err(Error::OptimizerRefused { n_parameters: n_axes });
             }
-            Status::Converged | Status::TargetReached | Status::FtolReached => {
-                CodesignStop::Converged
-            }
+            Status::Converged | Status::TargetReached | Status::FtolReached => CodesignStop::Converged,
         });
     }
     let best = history.best();
@@ -89,11 +82,7 @@ struct History<C> {
 
 impl<C: FnMut(&[f64]) -> Result<Option<f64>, Error>> History<C> {
     fn new(cost: C) -> Self {
-        Self {
-            cost,
-            seen: Vec::new(),
-            fault: None,
-        }
+        Self { cost, seen: Vec::new(), fault: None }
     }
 
     fn evaluate(&mut self, coded: &[f64]) -> Option<f64> {
@@ -105,10 +94,7 @@ impl<C: FnMut(&[f64]) -> Result<Option<f64>, Error>> History<C> {
         }
         match (self.cost)(coded) {
             Ok(value) => {
-                self.seen.push(Evaluated {
-                    coded: coded.to_vec(),
-                    value,
-                });
+                self.seen.push(Evaluated { coded: coded.to_vec(), value });
                 value
             }
             Err(fault) => {
@@ -149,7 +135,41 @@ impl<C: FnMut(&[f64]) -> Result<Option<f64>, Error>> History<C> {
 }
 
 fn same(a: &[f64], b: &[f64]) -> bool {
-    a.iter()
-        .map(|value| value.to_bits())
-        .eq(b.iter().map(|value| value.to_bits()))
+    a.iter().map(|value| value.to_bits()).eq(b.iter().map(|value| value.to_bits()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fails at positive coordinates, costs `scale` times the coordinate elsewhere.
+    fn history(scale: f64) -> History<impl FnMut(&[f64]) -> Result<Option<f64>, Error>> {
+        History::new(move |coded: &[f64]| Ok((coded[0] <= 0.0).then_some(scale * coded[0])))
+    }
+
+    #[test]
+    fn the_barrier_is_above_everything_finite_and_is_no_result() {
+        for scale in [0.0, 1.0, -1.0, 1e-300, 1e20, -1e20] {
+            let mut history = history(scale);
+            let costs = [-1.0, -0.5, 0.0].map(|coded| history.with_barrier(&[coded]));
+            let barrier = history.with_barrier(&[0.5]);
+            assert!(costs.iter().all(|cost| *cost < barrier), "{costs:?}, {barrier}");
+            let best = history.best().map(|(_, value)| value);
+            assert!(best.is_some_and(|best| best < barrier), "{best:?}, {barrier}");
+        }
+    }
+
+    #[test]
+    fn no_point_is_evaluated_twice() {
+        let mut count = 0;
+        let mut history = History::new(|_: &[f64]| {
+            count += 1;
+            Ok(Some(1.0))
+        });
+        for coded in [0.1, 0.2, 0.1] {
+            history.evaluate(&[coded]);
+        }
+        drop(history);
+        assert_eq!(count, 2);
+    }
 }

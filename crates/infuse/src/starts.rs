@@ -51,28 +51,25 @@ fn generalized_golden_ratio(n_axes: usize) -> f64 {
     high
 }
 
-/// Which starts are worth a descent, best first: the warm start (index 0) always, another only if no
-/// better start lies within the linkage radius, which is 1.3 times the mean gap of the lattice
-/// (multi-level single linkage, Rinnooy Kan and Timmer 1987). A failed start is worth nothing.
+/// Which starts are worth a descent, best first: those with no better start within the linkage
+/// radius, 1.3 times the mean gap of the lattice (after the multi-level single linkage of Rinnooy Kan
+/// and Timmer, 1987). The first start is the warm one and counts like the others; a failed start is
+/// worth nothing.
 pub(crate) fn worth_a_descent(starts: &[Evaluated]) -> Vec<usize> {
     let Some(first) = starts.first() else {
         return Vec::new();
     };
     let n_lattice = (starts.len() - 1).max(1) as f64;
     let radius = 1.3 * 2.0 / n_lattice.powf(1.0 / first.coded.len() as f64);
-    let mut finite: Vec<(usize, f64)> = starts
-        .iter()
-        .enumerate()
-        .filter_map(|(index, start)| Some((index, start.value?)))
-        .collect();
+    let mut finite: Vec<(usize, f64)> =
+        starts.iter().enumerate().filter_map(|(index, start)| Some((index, start.value?))).collect();
     // Stable, so equal costs keep the order of the lattice.
     finite.sort_by(|a, b| a.1.total_cmp(&b.1));
     let mut chosen = Vec::new();
     for (rank, &(index, _)) in finite.iter().enumerate() {
-        let linked = finite[..rank]
-            .iter()
-            .any(|&(better, _)| distance(&starts[better].coded, &starts[index].coded) < radius);
-        if index == 0 || !linked {
+        let linked =
+            finite[..rank].iter().any(|&(better, _)| distance(&starts[better].coded, &starts[index].coded) < radius);
+        if !linked {
             chosen.push(index);
         }
     }

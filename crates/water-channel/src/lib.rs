@@ -1,1 +1,23 @@
 #![doc = include_str!("../README.md")]
+
+mod cost;
+mod error;
+mod fleet;
+mod flight;
+mod integrate;
+mod log;
+mod profile;
+mod quantity;
+mod rig;
+mod watch;
+
+pub use cost::{CostBreakdown, CostFile, CostWeights, Integrals, N_TERMS, TERM_NAMES, open_loop_cost};
+pub use error::{Error, FileError, FlightError};
+pub use fleet::fly_all;
+pub use flight::{
+    Extremes, Flight, FlightRequest, FlightSettings, SlackEvent, SlackPolicy, fly, fly_logged, footprint_m2,
+};
+pub use log::{FlightLog, LogRow};
+pub use profile::{ProfileFile, TestProfile, Window};
+pub use quantity::{Provenance, Record};
+pub use rig::{Rig, RigFile};

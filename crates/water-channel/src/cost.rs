@@ -1,0 +1,122 @@
+//! The costs (20), (21) and (60) from integrals that do not depend on their weights.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::FileError;
+use crate::quantity::{Range, Reader, Record, read_file};
+
+/// Number of terms inside the square of (21).
+pub const N_TERMS: usize = 6;
+
+/// Names of the terms of (21), the last one outside the square.
+pub const TERM_NAMES: [&str; N_TERMS + 1] =
+    ["heading", "pitch", "roll", "altitude", "reel speed", "zenith", "ballast"];
+
+/// What a flight leaves for any cost: the integrals over time of all products of the six terms
+/// `[(psi − psi_flow)², theta_e², phi_e², z_e², uᵀu, Phi]` of (21), in SI units and radians, and those of (20).
+///
+/// One flight serves every set of weights.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Integrals {
+    /// `gram[i][j] = ∫ f_i f_j dt`, symmetric.
+    pub gram: [[f64; N_TERMS]; N_TERMS],
+    /// `∫ (psi − psi_flow)² dt` in rad² s.
+    pub heading_squared: f64,
+    /// `∫ y² dt` in m² s, y the lateral position of the center of mass in the ground frame.
+    pub lateral_squared: f64,
+    /// T_f − T_i in s.
+    pub duration_s: f64,
+}
+
+/// Weights of (21): with k7 = 0, of (60).
+///
+/// Angles in rad, lengths in m, speeds in m/s, ballast in per cent of chord: J is then in seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CostWeights {
+    /// k1 to k6, in the order of [`TERM_NAMES`].
+    pub terms: [f64; N_TERMS],
+    /// k7, per (per cent of chord)².
+    pub ballast: f64,
+}
+
+/// A cost with the share of each term.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CostBreakdown {
+    /// J in s.
+    pub total: f64,
+    /// What each term contributes to J, in s, in the order of [`TERM_NAMES`]: `∫ k_i f_i Σ_j k_j f_j dt` for the
+    /// terms inside the square, and the ballast term. They sum to the total.
+    pub terms: [f64; N_TERMS + 1],
+}
+
+impl CostWeights {
+    /// The cost (21), read as `∫ (k1 (psi − psi_flow)² + … + k6 Phi)² dt + k7 (x_cm − x_cb)² (T_f − T_i)`.
+    ///
+    /// `ballast_pct_chord` is x_cm − x_cb in per cent of chord. Differs from the source: the bracket of (21)
+    /// closes behind the square there; this is the form of (60).
+    #[must_use]
+    pub fn cost(&self, integrals: &Integrals, ballast_pct_chord: f64) -> CostBreakdown {
+        let mut terms = [0.0; N_TERMS + 1];
+        for i in 0..N_TERMS {
+            let row: f64 = (0..N_TERMS).map(|j| self.terms[j] * integrals.gram[i][j]).sum();
+            terms[i] = self.terms[i] * row;
+        }
+        terms[N_TERMS] = self.ballast * ballast_pct_chord * ballast_pct_chord * integrals.duration_s;
+        CostBreakdown { total: terms.iter().sum(), terms }
+    }
+}
+
+/// The open-loop cost (20), `∫ (K1 psi² + K2 y²) dt`, as its two terms.
+///
+/// `heading` is K1 per rad², `lateral` K2 per m²; psi is taken relative to the flow.
+#[must_use]
+pub fn open_loop_cost(integrals: &Integrals, heading: f64, lateral: f64) -> [f64; 2] {
+    [heading * integrals.heading_squared, lateral * integrals.lateral_squared]
+}
+
+/// Weights with the title and the provenance of every number of their file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CostFile {
+    /// The title of the file.
+    pub title: String,
+    /// The weights.
+    pub weights: CostWeights,
+    /// Every number as written.
+    pub records: Vec<Record>,
+}
+
+impl CostFile {
+    /// Reads weights from a TOML file.
+    ///
+    /// # Errors
+    /// [`FileError`], with the file, the key, what was found and what is allowed. Unknown keys are errors.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        read_file(path.as_ref(), Self::parse)
+    }
+
+    /// Reads weights from the text of a TOML file; see [`CostFile::read`].
+    ///
+    /// # Errors
+    /// [`FileError`], without the name of a file.
+    pub fn parse(text: &str) -> Result<Self, FileError> {
+        let ((title, weights), records) = Reader::parse(text, |top| {
+            let weight = |name, unit| top.quantity(name, unit, Range::NonNegative);
+            let weights = CostWeights {
+                terms: [
+                    weight("k1_heading", "1/rad^2")?,
+                    weight("k2_pitch", "1/rad^2")?,
+                    weight("k3_roll", "1/rad^2")?,
+                    weight("k4_altitude", "1/m^2")?,
+                    weight("k5_reel_speed", "s^2/m^2")?,
+                    weight("k6_zenith", "1/rad")?,
+                ],
+                ballast: weight("k7_ballast", "1/(% chord)^2")?,
+            };
+            Ok((top.text("title")?, weights))
+        })?;
+        Ok(Self { title, weights, records })
+    }
+}

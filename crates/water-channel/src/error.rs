@@ -1,0 +1,125 @@
+//! What can be wrong with a file, a rig or a flight.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// An error in a parameter, profile or cost file: which file, which key, what was found, what was allowed.
+#[non_exhaustive]
+#[derive(Debug, Error)]
+pub enum FileError {
+    /// The file could not be read.
+    #[error("{path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// The file is not TOML.
+    #[error("not a TOML file: {0}")]
+    Syntax(#[from] toml::de::Error),
+    /// A key that nothing reads, most often a typo.
+    #[error("unknown key `{key}`; known here: {known}")]
+    UnknownKey {
+        /// The key with its sections.
+        key: String,
+        /// The keys that are known in its section.
+        known: String,
+    },
+    /// A key that is needed.
+    #[error("missing key `{key}`: {expected}")]
+    MissingKey {
+        /// The key with its sections.
+        key: String,
+        /// What should stand there.
+        expected: String,
+    },
+    /// A value of the wrong kind.
+    #[error("`{key}` is {found}: it must be {expected}")]
+    Kind {
+        /// The key with its sections.
+        key: String,
+        /// What stands there.
+        found: String,
+        /// What should stand there.
+        expected: String,
+    },
+    /// A unit that the quantity cannot have.
+    #[error("`{key}` has the unit `{found}`: it must be {expected}")]
+    Unit {
+        /// The key with its sections.
+        key: String,
+        /// The unit that stands there.
+        found: String,
+        /// The units that are understood.
+        expected: String,
+    },
+    /// A number out of range.
+    #[error("`{key}` = {value} {unit}: it must be {allowed}")]
+    Range {
+        /// The key with its sections.
+        key: String,
+        /// The number in `unit`.
+        value: f64,
+        /// Its unit in SI.
+        unit: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// Numbers that are allowed one by one and impossible together.
+    #[error("{0}")]
+    Inconsistent(Error),
+    /// An error in a named file.
+    #[error("{path}: {error}")]
+    In {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong in it.
+        error: Box<FileError>,
+    },
+}
+
+/// An error in a rig, a profile or settings.
+#[non_exhaustive]
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Error {
+    /// The plant's own error.
+    #[error(transparent)]
+    Plant(#[from] bat_dynamics::Error),
+    /// The controller's own error.
+    #[error("controller: {0}")]
+    Controller(#[from] tether_control::Error),
+    /// A number that a caller gave.
+    #[error("{name} = {value}: it must be {allowed}")]
+    Argument {
+        /// Name of the argument.
+        name: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// What was allowed.
+        allowed: &'static str,
+    },
+}
+
+/// Why a flight has no result. It is a failed trial with a reason, not a large cost.
+#[non_exhaustive]
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum FlightError {
+    /// The rig, the profile or the settings are wrong, or there is no trim to start from.
+    #[error("cannot start: {0}")]
+    Start(#[from] Error),
+    /// The state left the model.
+    #[error("left the model: {0}")]
+    LeftTheModel(bat_dynamics::Error),
+    /// A line went slack, where the settings make that an error.
+    #[error("line {line} went slack at t = {time_s} s: its tension would be {tension_n:.4} N, allowed: zero or more")]
+    Slack {
+        /// `center`, `starboard` or `port`.
+        line: &'static str,
+        /// Sample at which it was found.
+        time_s: f64,
+        /// The tension.
+        tension_n: f64,
+    },
+}

@@ -1,0 +1,276 @@
+//! The closed loop over a whole test: one source for one flight in `f64` and for many in lanes.
+//!
+//! Fixed-step RK4 aligned with the samples: between two samples the commands are held, so the right-hand side is
+//! smooth and the method keeps its order. Steps also end where the flow has a knot. The integrals of the cost are
+//! quadratures of the same method.
+
+use bat_dynamics::{Evaluation, FlightState, Flow, Lanes, Plant, Real, Sight, evaluate, sight};
+use tether_control::{Controller, ControllerState, Measurement};
+
+use crate::cost::{Integrals, N_TERMS};
+use crate::error::FlightError;
+use crate::flight::{Extremes, FlightSettings, SlackEvent};
+use crate::profile::TestProfile;
+use crate::watch::Watcher;
+
+/// Flights that go through the same instructions side by side.
+pub(crate) const LANES: usize = 4;
+
+/// A scalar that carries `N` flights.
+pub(crate) trait Carrier<const N: usize>: Real {
+    fn split(self) -> [f64; N];
+    fn join(values: [f64; N]) -> Self;
+}
+
+impl Carrier<1> for f64 {
+    #[inline(always)]
+    fn split(self) -> [f64; 1] {
+        [self]
+    }
+    #[inline(always)]
+    fn join([value]: [f64; 1]) -> Self {
+        value
+    }
+}
+
+impl Carrier<LANES> for Lanes<LANES> {
+    #[inline(always)]
+    fn split(self) -> [f64; LANES] {
+        self.0
+    }
+    #[inline(always)]
+    fn join(values: [f64; LANES]) -> Self {
+        Lanes(values)
+    }
+}
+
+/// Everything that does not change during the flights of one batch.
+pub(crate) struct Setup<'a, T, const N: usize> {
+    pub(crate) plant: Plant<T>,
+    pub(crate) controllers: [&'a Controller; N],
+    pub(crate) sample_time_s: f64,
+    pub(crate) profile: &'a TestProfile,
+    pub(crate) settings: &'a FlightSettings,
+    /// Lanes that carry a flight; the others repeat one and are not looked at.
+    pub(crate) used: usize,
+}
+
+/// What one flight ended with.
+#[derive(Clone, Debug)]
+pub(crate) struct Landing {
+    pub(crate) integrals: Integrals,
+    pub(crate) extremes: Extremes,
+    pub(crate) slack: Option<SlackEvent>,
+    pub(crate) final_state: FlightState,
+    pub(crate) failure: Option<FlightError>,
+}
+
+/// What can be seen at one sample, before the plant moves on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample<'a, T, const N: usize> {
+    pub(crate) time_s: f64,
+    pub(crate) flow: Flow,
+    pub(crate) state: &'a FlightState<T>,
+    pub(crate) evaluation: &'a Evaluation<T>,
+    pub(crate) commands: &'a [[f64; N]; 3],
+}
+
+/// Upper triangle of the Gram matrix of the six terms, then heading² and lateral².
+const N_SUMS: usize = N_TERMS * (N_TERMS + 1) / 2 + 2;
+
+#[inline(always)]
+fn integrands<T: Real>(state: &FlightState<T>, sight: &Sight<T>, targets: &Targets<T>, flow: &Flow) -> [T; N_SUMS] {
+    let (pitch, roll, altitude) =
+        (sight.pitch - targets.pitch, sight.roll - targets.roll, targets.altitude - sight.altitude);
+    let heading_squared = sight.heading * sight.heading;
+    let terms = [
+        heading_squared,
+        pitch * pitch,
+        roll * roll,
+        altitude * altitude,
+        state[9] * state[9] + state[10] * state[10] + state[11] * state[11],
+        state[0],
+    ];
+    let (sin, cos) = flow.direction_rad.sin_cos();
+    let lateral = T::constant(sin) * sight.forward + T::constant(cos) * sight.right;
+    let mut sums = [lateral * lateral; N_SUMS];
+    let mut k = 0;
+    for i in 0..N_TERMS {
+        for j in i..N_TERMS {
+            sums[k] = terms[i] * terms[j];
+            k += 1;
+        }
+    }
+    sums[k] = heading_squared;
+    sums
+}
+
+#[inline(always)]
+fn to_integrals(sums: [f64; N_SUMS], duration_s: f64) -> Integrals {
+    let mut gram = [[0.0; N_TERMS]; N_TERMS];
+    let mut k = 0;
+    for i in 0..N_TERMS {
+        for j in i..N_TERMS {
+            gram[i][j] = sums[k];
+            gram[j][i] = sums[k];
+            k += 1;
+        }
+    }
+    Integrals { gram, heading_squared: sums[k], lateral_squared: sums[k + 1], duration_s }
+}
+
+struct Targets<T> {
+    altitude: T,
+    pitch: T,
+    roll: T,
+}
+
+#[inline(always)]
+fn advance<T: Real, const M: usize>(x: &[T; M], h: T, slope: &[T; M]) -> [T; M] {
+    let mut out = *x;
+    for k in 0..M {
+        out[k] = x[k] + h * slope[k];
+    }
+    out
+}
+
+/// One stage of RK4: where in the step it looks, its weight, and how far from the start the next one looks.
+struct Stage {
+    at: f64,
+    weight: f64,
+    next: f64,
+}
+
+const STAGES: [Stage; 4] = [
+    Stage { at: 0.0, weight: 1.0, next: 0.5 },
+    Stage { at: 0.5, weight: 2.0, next: 0.5 },
+    Stage { at: 0.5, weight: 2.0, next: 1.0 },
+    Stage { at: 1.0, weight: 1.0, next: 0.0 },
+];
+
+/// Runs the test of `setup` from the states `start` and shows every sample to `watch`.
+#[inline(always)]
+pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
+    setup: &Setup<'_, T, N>,
+    start: [&FlightState; N],
+    mut watch: impl FnMut(&Sample<'_, T, N>),
+) -> [Landing; N] {
+    let Setup { plant, controllers, sample_time_s, profile, settings, used } = setup;
+    let per_controller =
+        |f: fn(&Controller) -> f64| T::join(core::array::from_fn(|lane| f(controllers[lane])));
+    let targets = Targets {
+        altitude: per_controller(|c| c.parameters().set_points.altitude_m),
+        pitch: per_controller(|c| c.parameters().set_points.pitch_rad),
+        roll: per_controller(|c| c.parameters().set_points.roll_rad),
+    };
+    let limits: [f64; N] = core::array::from_fn(|lane| controllers[lane].parameters().speed_limit_m_s);
+
+    let mut state: FlightState<T> = core::array::from_fn(|k| T::join(core::array::from_fn(|lane| start[lane][k])));
+    let mut sums = [T::constant(0.0); N_SUMS];
+    let mut memory = [ControllerState::default(); N];
+    let mut watchers: [Watcher; N] = core::array::from_fn(|_| Watcher::default());
+
+    let duration_s = profile.duration_s();
+    let n_samples = ((duration_s / sample_time_s) - 1e-6).ceil() as usize;
+    for index in 0..n_samples {
+        let time_s = index as f64 * sample_time_s;
+        let end_s = ((index + 1) as f64 * sample_time_s).min(duration_s);
+        let mut piece = profile.piece_after(time_s, *sample_time_s);
+        let flow = profile.flow().within(piece, time_s);
+
+        // What the cameras see does not depend on the commands that the controller makes of it.
+        let seen = sight(plant, &state, &flow.cast());
+        let (altitude, pitch, roll) = (seen.altitude.split(), seen.pitch.split(), seen.roll.split());
+        let by_hand = profile.override_at(time_s, *sample_time_s);
+        let mut commands = [[0.0; N]; 3];
+        for lane in 0..N {
+            let measured =
+                Measurement { altitude_m: altitude[lane], pitch_rad: pitch[lane], roll_rad: roll[lane] };
+            let command = controllers[lane].command(&mut memory[lane], &measured).saturated_m_s;
+            for line in 0..3 {
+                commands[line][lane] = match by_hand {
+                    None => command[line],
+                    Some(fractions) => fractions[line] * limits[lane],
+                };
+            }
+        }
+        let held: [T; 3] = core::array::from_fn(|line| T::join(commands[line]));
+
+        let mut from_s = time_s;
+        while from_s < end_s {
+            let to_s = profile.next_cut(from_s, end_s);
+            let n_steps = steps_within(to_s - from_s, *sample_time_s, settings.steps_per_sample);
+            let h_s = (to_s - from_s) / n_steps as f64;
+            for step in 0..n_steps {
+                let at_s = from_s + step as f64 * h_s;
+                let (mut slope, mut growth) = ([T::constant(0.0); 12], [T::constant(0.0); N_SUMS]);
+                let mut x = state;
+                // One copy of the right-hand side for the four stages keeps the code small enough to compile well.
+                for stage in &STAGES {
+                    let flow_now = profile.flow().within(piece, at_s + stage.at * h_s);
+                    let e = evaluate(plant, &x, held, &flow_now.cast());
+                    if stage.at <= 0.0 && step == 0 && from_s <= time_s {
+                        watch(&Sample { time_s, flow, state: &x, evaluation: &e, commands: &commands });
+                        look(&mut watchers, time_s, &x, &e, settings);
+                    }
+                    let weight = T::constant(stage.weight);
+                    growth = advance(&growth, weight, &integrands(&x, &e.sight, &targets, &flow_now));
+                    slope = advance(&slope, weight, &e.derivative);
+                    x = advance(&state, T::constant(stage.next * h_s), &e.derivative);
+                }
+                let sixth = T::constant(h_s / 6.0);
+                state = advance(&state, sixth, &slope);
+                sums = advance(&sums, sixth, &growth);
+            }
+            piece = profile.piece_after(to_s, *sample_time_s);
+            from_s = to_s;
+        }
+        if watchers[..*used].iter().all(|watcher| watcher.failure.is_some()) {
+            break;
+        }
+    }
+    let end = core::array::from_fn::<_, N, _>(|lane| state.map(|x| x.split()[lane]));
+    for lane in 0..N {
+        if watchers[lane].failure.is_none() {
+            watchers[lane].check(&end[lane], duration_s);
+        }
+    }
+    let mut lane = 0;
+    watchers.map(|watcher| {
+        let landing = Landing {
+            integrals: to_integrals(sums.map(|sum| sum.split()[lane]), duration_s),
+            extremes: watcher.extremes,
+            slack: watcher.slack,
+            final_state: end[lane],
+            failure: watcher.failure,
+        };
+        lane += 1;
+        landing
+    })
+}
+
+/// Steps in a piece of a sample: as dense as in a whole one, and at least one.
+#[inline(always)]
+fn steps_within(length_s: f64, sample_time_s: f64, steps_per_sample: usize) -> usize {
+    ((length_s / sample_time_s * steps_per_sample as f64 - 1e-6).ceil() as usize).max(1)
+}
+
+/// Shows every lane its own sample.
+#[inline(always)]
+fn look<T: Carrier<N>, const N: usize>(
+    watchers: &mut [Watcher; N],
+    time_s: f64,
+    state: &FlightState<T>,
+    at: &Evaluation<T>,
+    settings: &FlightSettings,
+) {
+    let lines = [at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split()];
+    let (zenith, heading) = (state[0].split(), at.sight.heading.split());
+    let sum = state.iter().skip(1).fold(state[0], |sum, x| sum + *x).split();
+    for (lane, watcher) in watchers.iter_mut().enumerate() {
+        let tensions = [lines[0][lane], lines[1][lane], lines[2][lane]];
+        if !watcher.look(time_s, zenith[lane], heading[lane], sum[lane], tensions, settings) {
+            watcher.check(&state.map(|x| x.split()[lane]), time_s);
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! What a flight did, sample by sample, as a table with units in its header.
+
+use std::io::Write;
+
+use bat_dynamics::STATE_NAMES;
+
+use crate::integrate::Sample;
+use crate::rig::Rig;
+
+/// One sample of a flight, in SI units and radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LogRow {
+    /// Time.
+    pub time_s: f64,
+    /// Flow speed.
+    pub flow_speed_m_s: f64,
+    /// Flow direction.
+    pub flow_direction_rad: f64,
+    /// Altitude of the center of mass.
+    pub altitude_m: f64,
+    /// Lateral position of the center of mass in the ground frame, right looking upwind at psi_flow = 0.
+    pub lateral_m: f64,
+    /// Roll.
+    pub roll_rad: f64,
+    /// Pitch.
+    pub pitch_rad: f64,
+    /// Heading relative to the flow.
+    pub heading_rad: f64,
+    /// theta − theta_sp.
+    pub pitch_error_rad: f64,
+    /// phi − phi_sp.
+    pub roll_error_rad: f64,
+    /// h_sp − h.
+    pub altitude_error_m: f64,
+    /// The state: see [`bat_dynamics::FlightState`].
+    pub state: [f64; 12],
+    /// Commanded reel speeds: center, starboard, port.
+    pub commands_m_s: [f64; 3],
+    /// Line tensions: center, starboard, port.
+    pub tensions_n: [f64; 3],
+}
+
+impl LogRow {
+    pub(crate) fn of(sample: &Sample<'_, f64, 1>, rig: &Rig) -> Self {
+        let (sight, tensions) = (&sample.evaluation.sight, &sample.evaluation.tensions);
+        let (sin, cos) = sample.flow.direction_rad.sin_cos();
+        Self {
+            time_s: sample.time_s,
+            flow_speed_m_s: sample.flow.speed_m_s,
+            flow_direction_rad: sample.flow.direction_rad,
+            altitude_m: sight.altitude,
+            lateral_m: sin * sight.forward + cos * sight.right,
+            roll_rad: sight.roll,
+            pitch_rad: sight.pitch,
+            heading_rad: sight.heading,
+            pitch_error_rad: sight.pitch - rig.set_points.pitch_rad,
+            roll_error_rad: sight.roll - rig.set_points.roll_rad,
+            altitude_error_m: rig.set_points.altitude_m - sight.altitude,
+            state: *sample.state,
+            commands_m_s: sample.commands.map(|line| line[0]),
+            tensions_n: [tensions.center, tensions.starboard, tensions.port],
+        }
+    }
+}
+
+/// The samples of a flight.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FlightLog {
+    /// One row per kept sample, in the order of time.
+    pub rows: Vec<LogRow>,
+}
+
+/// Header of the measured columns; the state's columns follow with their own names and units.
+const COLUMNS: [&str; 11] = [
+    "time [s]",
+    "flow_speed [m/s]",
+    "flow_direction [rad]",
+    "altitude [m]",
+    "lateral [m]",
+    "roll [rad]",
+    "pitch [rad]",
+    "heading_from_flow [rad]",
+    "pitch_error [rad]",
+    "roll_error [rad]",
+    "altitude_error [m]",
+];
+const LINES: [&str; 3] = ["center", "starboard", "port"];
+
+impl FlightLog {
+    /// The names of the columns with their units, in the order in which they are written.
+    #[must_use]
+    pub fn header() -> Vec<String> {
+        let mut header: Vec<String> = COLUMNS.iter().map(|name| (*name).to_owned()).collect();
+        header.extend(STATE_NAMES.iter().zip(bat_dynamics::STATE_UNITS).map(|(name, unit)| format!("{name} [{unit}]")));
+        header.extend(LINES.iter().map(|line| format!("command_{line} [m/s]")));
+        header.extend(LINES.iter().map(|line| format!("tension_{line} [N]")));
+        header
+    }
+
+    /// Writes the log as CSV. Numbers are written so that they read back bit for bit.
+    ///
+    /// # Errors
+    /// When `out` cannot be written.
+    pub fn write_csv(&self, out: impl Write) -> Result<(), csv::Error> {
+        let mut writer = csv::Writer::from_writer(out);
+        writer.write_record(Self::header())?;
+        for row in &self.rows {
+            let measured = [
+                row.time_s,
+                row.flow_speed_m_s,
+                row.flow_direction_rad,
+                row.altitude_m,
+                row.lateral_m,
+                row.roll_rad,
+                row.pitch_rad,
+                row.heading_rad,
+                row.pitch_error_rad,
+                row.roll_error_rad,
+                row.altitude_error_m,
+            ];
+            let numbers = measured.iter().chain(&row.state).chain(&row.commands_m_s).chain(&row.tensions_n);
+            writer.write_record(numbers.map(f64::to_string))?;
+        }
+        writer.flush()?;
+        Ok(())
+    }
+}

@@ -1,0 +1,17 @@
+//! Figures: plain data in, an SVG document out. They draw what they are given and know nothing of turbines.
+
+mod axis;
+mod canvas;
+mod contours;
+mod labels;
+mod landscape;
+mod lines;
+mod spread;
+mod thinning;
+
+pub(crate) use axis::Axis;
+pub(crate) use landscape::{Landscape, Path, landscape_figure};
+pub(crate) use lines::{LineFigure, Panel, Series, Shaded, line_figure};
+pub(crate) use spread::{Group, Reference, SpreadFigure, Summary, spread_figure};
+#[cfg(test)]
+mod tests;

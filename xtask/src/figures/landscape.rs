@@ -1,0 +1,310 @@
+//! A quantity over two parameters, with the paths that a search took across it.
+
+use kuva::plot::ColorMap;
+use kuva::render::render::TextAnchor;
+
+use super::axis::{Axis, Scale};
+use super::canvas::{
+    BELOW_PX, Canvas, Frame, FrameText, INK, LEFT_PX, LegendEntry, Mark, PAPER, TEXT_SIZE, TITLE_PX, WIDTH_PX, color,
+    legend_height_px, number_text, text_width_px,
+};
+use super::contours::{Grid, Segment};
+use super::labels::{Room, Taken};
+
+/// Values on a rectangular grid and what is drawn over them.
+#[derive(Clone, Debug)]
+pub(crate) struct Landscape {
+    pub(crate) title: String,
+    pub(crate) x_axis: Axis,
+    pub(crate) y_axis: Axis,
+    /// Above a range given here, or else above what four fifths of the grid stay below if the rest is far higher, all
+    /// values have the color of the highest.
+    pub(crate) z_axis: Axis,
+    /// Increasing.
+    pub(crate) x: Vec<f64>,
+    /// Increasing.
+    pub(crate) y: Vec<f64>,
+    /// `z[row][column]` belongs to `y[row]` and `x[column]`; NaN where there is no value.
+    pub(crate) z: Vec<Vec<f64>>,
+    /// What a missing value means.
+    pub(crate) missing_label: String,
+    /// At most three, the most important one first.
+    pub(crate) paths: Vec<Path>,
+    /// Where the landscape itself is lowest.
+    pub(crate) minimum: Option<(f64, f64)>,
+    pub(crate) minimum_label: String,
+}
+
+/// Points in the order in which a search visited them; they are numbered from 1.
+#[derive(Clone, Debug)]
+pub(crate) struct Path {
+    pub(crate) label: String,
+    pub(crate) points: Vec<(f64, f64)>,
+}
+
+const RIGHT_PX: f64 = WIDTH_PX - 130.0;
+const HEIGHT_PX: f64 = 420.0;
+const BAR_LEFT_PX: f64 = RIGHT_PX + 30.0;
+const BAR_WIDTH_PX: f64 = 20.0;
+const BANDS: usize = 10;
+const PATH_FILLS: [&str; 3] = [PAPER, "#e69f00", "#cc79a7"];
+/// Points closer than this share a label.
+const NEAR_PX: f64 = 9.0;
+
+/// Draws a landscape.
+pub(crate) fn landscape_figure(landscape: &Landscape) -> String {
+    let legend = legend(landscape);
+    let bottom = TITLE_PX + HEIGHT_PX;
+    let mut canvas = Canvas::new(&landscape.title, bottom + BELOW_PX + legend_height_px(&legend, LEFT_PX));
+    let frame = Frame {
+        left: LEFT_PX,
+        top: TITLE_PX,
+        right: RIGHT_PX,
+        bottom,
+        x: grid_scale(&landscape.x_axis, &landscape.x),
+        y: grid_scale(&landscape.y_axis, &landscape.y),
+    };
+    let text = FrameText {
+        x_label: Some(landscape.x_axis.label()),
+        y_label: landscape.y_axis.label(),
+        grid: super::canvas::Grid::Hidden,
+    };
+    canvas.frame(&frame, &text, Vec::new());
+
+    let levels = Levels::of(landscape);
+    let mut room = room(landscape, &frame);
+    draw_bands(&mut canvas, landscape, &frame, &levels);
+    let lines = draw_iso_lines(&mut canvas, landscape, &frame, &levels);
+    draw_missing(&mut canvas, landscape, &frame);
+    canvas.outline(&frame);
+    for (path, fill) in landscape.paths.iter().zip(PATH_FILLS).rev() {
+        draw_path(&mut canvas, &frame, path, fill);
+    }
+    if let Some(minimum) = landscape.minimum {
+        canvas.diamond(frame.px(minimum), color(4), PAPER);
+    }
+    for (path, fill) in landscape.paths.iter().zip(PATH_FILLS) {
+        label_path(&mut canvas, &frame, path, fill, &mut room);
+    }
+    keep_paths_free(&mut room, landscape, &frame);
+    label_iso_lines(&mut canvas, &lines, &mut room);
+    draw_color_bar(&mut canvas, landscape.z_axis.label(), &levels);
+    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    canvas.svg()
+}
+
+/// A grid fills its frame.
+fn grid_scale(axis: &Axis, places: &[f64]) -> Scale {
+    let scale = axis.scale(places.iter().copied(), 6);
+    match places {
+        [first, .., last] if !axis.has_range() && first < last => Scale { min: *first, max: *last, ..scale },
+        _ => scale,
+    }
+}
+
+/// The borders between the bands of color, lowest first.
+struct Levels {
+    borders: Vec<f64>,
+    decimals: usize,
+    /// Whether some values lie above the highest border.
+    exceeded: bool,
+}
+
+impl Levels {
+    fn of(landscape: &Landscape) -> Self {
+        let mut values: Vec<f64> = landscape.z.iter().flatten().copied().filter(|z| z.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
+        let mut shown = values.clone();
+        if let (Some(lowest), Some(highest)) = (values.first(), values.last()) {
+            let most = values[(values.len() - 1) * 4 / 5];
+            if !landscape.z_axis.has_range() && most > *lowest && highest - lowest > 1.5 * (most - lowest) {
+                shown.retain(|value| *value <= most);
+            }
+        }
+        let scale = landscape.z_axis.scale(shown.into_iter(), BANDS);
+        let borders = scale.ticks();
+        let exceeded = match (borders.last(), values.last()) {
+            (Some(border), Some(highest)) => *highest > border + 1e-9 * border.abs(),
+            _ => false,
+        };
+        Self { borders, decimals: scale.decimals(), exceeded }
+    }
+
+    fn bands(&self) -> usize {
+        self.borders.len().saturating_sub(1)
+    }
+
+    fn color(&self, band: usize) -> String {
+        ColorMap::Viridis.map((band as f64 + 0.5) / self.bands() as f64)
+    }
+
+    fn text(&self, border: usize) -> String {
+        number_text(self.borders[border], self.decimals)
+    }
+}
+
+fn with_pixel_grid<R>(landscape: &Landscape, frame: &Frame, draw: impl FnOnce(Grid) -> R) -> R {
+    let x: Vec<f64> = landscape.x.iter().map(|x| frame.x_px(*x)).collect();
+    let y: Vec<f64> = landscape.y.iter().map(|y| frame.y_px(*y)).collect();
+    draw(Grid { x: &x, y: &y, z: &landscape.z })
+}
+
+/// Each band is drawn over the one below it, so that no gap shows between them.
+fn draw_bands(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame, levels: &Levels) {
+    with_pixel_grid(landscape, frame, |grid| {
+        for band in 0..levels.bands() {
+            let from = if band == 0 { f64::MIN } else { levels.borders[band] };
+            canvas.area(grid.at_least(from), &levels.color(band));
+        }
+    });
+}
+
+/// Draws the lines and returns the pieces of each with its text.
+fn draw_iso_lines(
+    canvas: &mut Canvas,
+    landscape: &Landscape,
+    frame: &Frame,
+    levels: &Levels,
+) -> Vec<(String, Vec<Segment>)> {
+    with_pixel_grid(landscape, frame, |grid| {
+        let mut lines = Vec::new();
+        for border in 1..levels.borders.len() {
+            let segments = grid.iso_line(levels.borders[border]);
+            let d: String =
+                segments.iter().map(|(a, b)| format!("M{:.1} {:.1}L{:.1} {:.1}", a.0, a.1, b.0, b.1)).collect();
+            if !d.is_empty() {
+                canvas.path(d, "none", INK, 0.6);
+            }
+            lines.push((levels.text(border), segments));
+        }
+        lines
+    })
+}
+
+/// Writes each line's value where there is most room, if there is any.
+fn label_iso_lines(canvas: &mut Canvas, lines: &[(String, Vec<Segment>)], room: &mut Room) {
+    for (text, segments) in lines {
+        let (width, height) = (text_width_px(text, TEXT_SIZE) + 4.0, 14.0);
+        let middle = |segment: &Segment| (0.5 * (segment.0.0 + segment.1.0), 0.5 * (segment.0.1 + segment.1.1));
+        // From the middle of the list outward: the ends of a line are often at the edge.
+        let half = segments.len() / 2;
+        let order = segments[half..].iter().chain(segments[..half].iter().rev());
+        if let Some(at) = order.map(middle).find(|at| room.take_if_free(Taken::around(*at, width, height))) {
+            canvas.rect((at.0 - 0.5 * width, at.1 - 0.5 * height), (width, height), "#f4f4f4", "none");
+            canvas.text(text, at);
+        }
+    }
+}
+
+fn missing(landscape: &Landscape) -> Vec<(f64, f64)> {
+    let rows = landscape.y.iter().zip(&landscape.z);
+    rows.flat_map(|(y, row)| landscape.x.iter().zip(row).filter(|(_, z)| !z.is_finite()).map(|(x, _)| (*x, *y)))
+        .collect()
+}
+
+fn draw_missing(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame) {
+    for point in missing(landscape) {
+        canvas.cross(frame.px(point), "#888888");
+    }
+}
+
+/// What labels must not cover: the points of all paths and the minimum.
+fn room(landscape: &Landscape, frame: &Frame) -> Room {
+    let points = landscape.paths.iter().flat_map(|path| &path.points).chain(&landscape.minimum);
+    Room {
+        outer: Taken { left: frame.left, top: frame.top, right: frame.right, bottom: frame.bottom },
+        taken: points.map(|point| Taken::around(frame.px(*point), 10.0, 10.0)).collect(),
+    }
+}
+
+/// Numbers of iso-lines stay off the paths.
+fn keep_paths_free(room: &mut Room, landscape: &Landscape, frame: &Frame) {
+    for leg in landscape.paths.iter().flat_map(|path| path.points.windows(2)) {
+        let (from, to) = (frame.px(leg[0]), frame.px(leg[1]));
+        let pieces = ((to.0 - from.0).hypot(to.1 - from.1) / 6.0).ceil().max(1.0);
+        for piece in 0..=pieces as usize {
+            let share = piece as f64 / pieces;
+            let at = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+            room.taken.push(Taken::around(at, 6.0, 6.0));
+        }
+    }
+}
+
+fn draw_path(canvas: &mut Canvas, frame: &Frame, path: &Path, fill: &str) {
+    let points: Vec<(f64, f64)> = path.points.iter().map(|point| frame.px(*point)).collect();
+    canvas.line(&points, "#000000", 3.4);
+    canvas.line(&points, fill, 1.8);
+    for point in points {
+        canvas.dot(point, 4.0, fill, "#000000");
+    }
+}
+
+/// Numbers the points; neighbors that lie on one spot share a label.
+fn label_path(canvas: &mut Canvas, frame: &Frame, path: &Path, fill: &str, room: &mut Room) {
+    let points: Vec<(f64, f64)> = path.points.iter().map(|point| frame.px(*point)).collect();
+    let mut first = 0;
+    while first < points.len() {
+        let near = |point: &(f64, f64)| (point.0 - points[first].0).hypot(point.1 - points[first].1) < NEAR_PX;
+        let count = points[first..].iter().take_while(|point| near(point)).count();
+        let text = if count == 1 { format!("{}", first + 1) } else { format!("{}–{}", first + 1, first + count) };
+        let (width, height) = (text_width_px(&text, TEXT_SIZE) + 8.0, 16.0);
+        let at = room.place_near(points[first], width, height);
+        canvas.rect((at.0 - 0.5 * width, at.1 - 0.5 * height), (width, height), fill, "#000000");
+        canvas.text(&text, at);
+        first += count;
+    }
+}
+
+/// The bar beside the frame, with a tip when values go on above it.
+fn draw_color_bar(canvas: &mut Canvas, label: &str, levels: &Levels) {
+    let (top, bottom) = (TITLE_PX + 24.0, TITLE_PX + HEIGHT_PX - 10.0);
+    let bands = levels.bands();
+    let height = (bottom - top) / bands.max(1) as f64;
+    for band in 0..bands {
+        let band_top = bottom - (band + 1) as f64 * height;
+        canvas.rect((BAR_LEFT_PX, band_top), (BAR_WIDTH_PX, height), &levels.color(band), INK);
+    }
+    if levels.exceeded && bands > 0 {
+        let (left, right) = (BAR_LEFT_PX, BAR_LEFT_PX + BAR_WIDTH_PX);
+        let d = format!("M{left} {top}L{right} {top}L{} {}Z", 0.5 * (left + right), top - 14.0);
+        canvas.path(d, &levels.color(bands - 1), INK, 1.0);
+    }
+    for border in 0..levels.borders.len() {
+        let y = bottom - border as f64 * height;
+        let at = (BAR_LEFT_PX + BAR_WIDTH_PX + 6.0, y + 4.0);
+        canvas.text_as(&levels.text(border), at, TEXT_SIZE, TextAnchor::Start);
+    }
+    canvas.vertical_text(label, (WIDTH_PX - 14.0, 0.5 * (top + bottom)));
+}
+
+fn legend(landscape: &Landscape) -> Vec<LegendEntry> {
+    let mut entries: Vec<LegendEntry> = landscape
+        .paths
+        .iter()
+        .zip(PATH_FILLS)
+        .map(|(path, fill)| LegendEntry {
+            mark: Mark::Dot,
+            fill: fill.into(),
+            outline: "#000000".into(),
+            text: path.label.clone(),
+        })
+        .collect();
+    if landscape.minimum.is_some() {
+        entries.push(LegendEntry {
+            mark: Mark::Diamond,
+            fill: color(4).into(),
+            outline: PAPER.into(),
+            text: landscape.minimum_label.clone(),
+        });
+    }
+    let (missing, all) = (missing(landscape).len(), landscape.x.len() * landscape.y.len());
+    if missing > 0 {
+        entries.push(LegendEntry {
+            mark: Mark::Cross,
+            fill: "#888888".into(),
+            outline: "none".into(),
+            text: format!("blank: {} ({missing} of {all})", landscape.missing_label),
+        });
+    }
+    entries
+}

@@ -1,0 +1,179 @@
+//! One HTML document that stands alone: text, tables and figures, no script and nothing from elsewhere.
+
+use std::fmt::Write as _;
+
+use crate::table::Table;
+
+/// A page under construction, from top to bottom.
+#[derive(Clone, Debug)]
+pub(crate) struct Page {
+    title: String,
+    body: String,
+    figures: usize,
+    tables: usize,
+}
+
+impl Page {
+    pub(crate) fn new(title: &str) -> Self {
+        let body = format!("<h1>{}</h1>\n", escape(title));
+        Self { title: title.to_owned(), body, figures: 0, tables: 0 }
+    }
+
+    pub(crate) fn heading(&mut self, text: &str) {
+        self.push(&format!("<h2>{}</h2>\n", escape(text)));
+    }
+
+    pub(crate) fn paragraph(&mut self, text: &str) {
+        self.push(&format!("<p>{}</p>\n", escape(text)));
+    }
+
+    /// A paragraph set off from the others: what a reader should know before the rest.
+    pub(crate) fn note(&mut self, text: &str) {
+        self.push(&format!("<p class=\"note\">{}</p>\n", escape(text)));
+    }
+
+    pub(crate) fn list(&mut self, items: &[String]) {
+        let items: String = items.iter().map(|item| format!("<li>{}</li>\n", escape(item))).collect();
+        self.push(&format!("<ul>\n{items}</ul>\n"));
+    }
+
+    /// A figure in SVG with its caption; it gets the next number.
+    pub(crate) fn figure(&mut self, svg: &str, caption: &str) {
+        self.figures += 1;
+        let (number, caption) = (self.figures, escape(caption));
+        let svg = with_own_ids(svg, number);
+        self.push(&format!(
+            "<figure role=\"img\" aria-label=\"{caption}\">\n{svg}\n<figcaption><b>Figure {number}.</b> {caption}</figcaption>\n</figure>\n"
+        ));
+    }
+
+    /// A table with its caption; it gets the next number. Columns without a unit are words, the others numbers.
+    pub(crate) fn table(&mut self, table: &Table, caption: &str) {
+        self.tables += 1;
+        let mut html = format!(
+            "<div class=\"scroll\"><table>\n<caption><b>Table {}.</b> {}</caption>\n<thead><tr>",
+            self.tables,
+            escape(caption)
+        );
+        let class = |unit: &str| if unit.is_empty() { "words" } else { "number" };
+        for column in &table.columns {
+            let unit = match column.unit.as_str() {
+                "" | "1" => String::new(),
+                unit => format!("<br><span>{}</span>", escape(unit)),
+            };
+            let _ = write!(html, "<th class=\"{}\">{}{unit}</th>", class(&column.unit), escape(&column.name));
+        }
+        html.push_str("</tr></thead>\n<tbody>\n");
+        for row in &table.rows {
+            html.push_str("<tr>");
+            for (cell, column) in row.iter().zip(&table.columns) {
+                let _ = write!(html, "<td class=\"{}\">{}</td>", class(&column.unit), escape(cell));
+            }
+            html.push_str("</tr>\n");
+        }
+        html.push_str("</tbody></table></div>\n");
+        self.push(&html);
+    }
+
+    /// The document.
+    pub(crate) fn html(&self) -> String {
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
+            escape(&self.title),
+            self.body
+        )
+    }
+
+    fn push(&mut self, html: &str) {
+        self.body.push_str(html);
+    }
+}
+
+const STYLE: &str = "\
+body { margin: 0; background: #fff; color: #222; font: 16px/1.5 'DejaVu Sans', Verdana, Arial, sans-serif; }
+main { max-width: 960px; margin: 0 auto; padding: 24px 20px 64px; }
+h1 { font-size: 26px; line-height: 1.25; margin: 16px 0; }
+h2 { font-size: 20px; margin: 40px 0 8px; border-bottom: 1px solid #ccc; padding-bottom: 4px; }
+p, ul { max-width: 46em; margin: 12px 0; }
+.note { border-left: 4px solid #0072b2; background: #f3f7fa; padding: 8px 14px; }
+figure { margin: 24px 0; }
+figure svg { display: block; max-width: 100%; height: auto; }
+figcaption, caption { color: #444; font-size: 14px; text-align: left; padding: 6px 0; max-width: 62em; }
+.scroll { overflow-x: auto; margin: 20px 0; }
+table { border-collapse: collapse; font-size: 14px; }
+th, td { padding: 5px 12px; border-bottom: 1px solid #ddd; vertical-align: bottom; }
+thead th { border-bottom: 2px solid #222; }
+th span { font-weight: normal; color: #555; }
+.number { text-align: right; font-variant-numeric: tabular-nums; }
+.words { text-align: left; }
+@media print { figure, table { break-inside: avoid; } }
+";
+
+/// A text as HTML shows it, in an element or in an attribute.
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+/// The figure with ids that no other figure of the page has: a page has one space of names, and a clip path of the same
+/// name in an earlier figure would cut this one.
+fn with_own_ids(svg: &str, number: usize) -> String {
+    svg.replace("id=\"", &format!("id=\"figure-{number}-")).replace("url(#", &format!("url(#figure-{number}-"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::Column;
+
+    #[test]
+    fn text_is_escaped_everywhere() {
+        let evil = "<b>&\"'";
+        let mut page = Page::new(evil);
+        page.heading(evil);
+        page.paragraph(evil);
+        page.note(evil);
+        page.list(&[evil.to_owned()]);
+        page.figure("<svg></svg>", evil);
+        let mut table = Table::new(vec![Column::new(evil, evil)]);
+        table.push(vec![evil.to_owned()]);
+        page.table(&table, evil);
+        let html = page.html();
+        assert!(!html.contains(evil), "{html}");
+        assert_eq!(html.matches("&lt;b&gt;&amp;&quot;&#39;").count(), 12, "{html}");
+    }
+
+    #[test]
+    fn figures_do_not_share_ids() {
+        let svg = "<svg><clipPath id=\"a\"/><g clip-path=\"url(#a)\"/></svg>";
+        let mut page = Page::new("Two figures");
+        page.figure(svg, "one");
+        page.figure(svg, "two");
+        for name in ["figure-1-a", "figure-2-a"] {
+            assert_eq!(page.html().matches(&format!("id=\"{name}\"")).count(), 1, "{name}");
+            assert_eq!(page.html().matches(&format!("url(#{name})")).count(), 1, "{name}");
+        }
+    }
+
+    #[test]
+    fn page_stands_alone() {
+        let mut page = Page::new("Alone");
+        page.paragraph("Text.");
+        let html = page.html();
+        for outside in ["<script", "<link", "src=", "@import", "href="] {
+            assert!(!html.contains(outside), "{outside}");
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! `cargo xtask tidy`: the rules of the tree that no compiler checks.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, bail};
+use toml::{Table, Value};
+
+use crate::workspace;
+
+/// Which crate of the workspace may use which: exactly these, in any kind of dependency.
+const ARROWS: &[(&str, &[&str])] = &[
+    ("bat-dynamics", &[]),
+    ("doe", &[]),
+    ("infuse", &["doe"]),
+    ("tether-control", &[]),
+    ("water-channel", &["bat-dynamics", "tether-control"]),
+    ("xtask", &["bat-dynamics", "doe", "infuse", "tether-control", "water-channel"]),
+];
+
+/// First parts of paths that exist on one machine only.
+const MACHINE_DIRECTORIES: &[&str] = &["home", "mnt", "root", "tmp", "Users", "work", "workspace"];
+
+const MAIN_LINES: usize = 100;
+
+/// Checks the tree and says that it is in order.
+pub(crate) fn run() -> Result<()> {
+    check()?;
+    println!("The tree is tidy.");
+    Ok(())
+}
+
+/// Checks the tree; the error lists every complaint.
+pub(crate) fn check() -> Result<()> {
+    let complaints = complaints(&workspace::root()?)?;
+    if complaints.is_empty() {
+        return Ok(());
+    }
+    bail!("{} complaints\n{}", complaints.len(), complaints.join("\n"))
+}
+
+fn complaints(root: &Path) -> Result<Vec<String>> {
+    let mut complaints = Vec::new();
+    for path in files_below(root)? {
+        let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
+        let bytes = fs::read(&path).with_context(|| name.clone())?;
+        let Ok(text) = String::from_utf8(bytes) else {
+            continue;
+        };
+        complaints.extend(source_complaints(&name, &text));
+        complaints.extend(path_complaints(&name, &text));
+    }
+    for package in package_directories(root)? {
+        let name = package.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let read = |file: &str| fs::read_to_string(package.join(file)).ok();
+        let manifest = read("Cargo.toml").with_context(|| format!("{name}: no Cargo.toml"))?;
+        let manifest: Table = manifest.parse().with_context(|| format!("{name}/Cargo.toml"))?;
+        complaints.extend(arrow_complaints(&name, &manifest));
+        if name != "xtask" {
+            complaints.extend(crate_complaints(&name, &manifest, read("CHANGELOG.md").as_deref()));
+            if read("README.md").is_none_or(|text| text.trim().is_empty()) {
+                complaints.push(format!("{name}: no README.md"));
+            }
+            if !has_example(&package) {
+                complaints.push(format!("{name}: no example"));
+            }
+        }
+    }
+    Ok(complaints)
+}
+
+/// All files that belong to the tree, in a fixed order.
+fn files_below(directory: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for path in entries(directory)? {
+        if path.is_dir() {
+            let name = path.file_name().unwrap_or_default();
+            if name != "target" && name != ".git" {
+                files.extend(files_below(&path)?);
+            }
+        } else {
+            files.push(path);
+        }
+    }
+    Ok(files)
+}
+
+fn package_directories(root: &Path) -> Result<Vec<PathBuf>> {
+    let mut packages = entries(&root.join("crates"))?;
+    packages.retain(|path| path.is_dir());
+    packages.push(root.join("xtask"));
+    Ok(packages)
+}
+
+fn has_example(package: &Path) -> bool {
+    entries(&package.join("examples"))
+        .is_ok_and(|files| files.iter().any(|file| file.extension().is_some_and(|end| end == "rs")))
+}
+
+fn entries(directory: &Path) -> Result<Vec<PathBuf>> {
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(directory).with_context(|| directory.display().to_string())? {
+        paths.push(entry.with_context(|| directory.display().to_string())?.path());
+    }
+    paths.sort();
+    Ok(paths)
+}
+
+/// Every source file says first what it is; a main function only dispatches.
+fn source_complaints(name: &str, text: &str) -> Vec<String> {
+    let mut complaints = Vec::new();
+    if name.ends_with(".rs") && !text.starts_with("//!") && !text.starts_with("#![doc") {
+        complaints.push(format!("{name}: does not start with `//!` or `#![doc`"));
+    }
+    let lines = text.lines().count();
+    if name == "xtask/src/main.rs" && lines >= MAIN_LINES {
+        complaints.push(format!("{name}: {lines} lines, but must stay below {MAIN_LINES}"));
+    }
+    complaints
+}
+
+/// No file names a place that only one machine has.
+fn path_complaints(name: &str, text: &str) -> Vec<String> {
+    text.lines()
+        .enumerate()
+        .filter(|(_, line)| has_machine_path(line))
+        .map(|(number, line)| format!("{name}:{}: a machine's path: {}", number + 1, line.trim()))
+        .collect()
+}
+
+/// Whether a slash at the start of a word is followed by one of [`MACHINE_DIRECTORIES`].
+fn has_machine_path(line: &str) -> bool {
+    line.match_indices('/').any(|(at, _)| {
+        let starts = line[..at]
+            .chars()
+            .next_back()
+            .is_none_or(|before| !(before.is_alphanumeric() || "/._-*}~)".contains(before)));
+        let first = line[at + 1..].split(|c: char| !(c.is_alphanumeric() || "_-".contains(c))).next();
+        starts && first.is_some_and(|first| MACHINE_DIRECTORIES.contains(&first))
+    })
+}
+
+/// The dependencies within the workspace are those of [`ARROWS`].
+fn arrow_complaints(name: &str, manifest: &Table) -> Vec<String> {
+    let Some((_, allowed)) = ARROWS.iter().find(|(package, _)| *package == name) else {
+        return vec![format!("{name}: not in the table of arrows")];
+    };
+    let mut found = Vec::new();
+    collect_dependencies(manifest, &mut found);
+    found.retain(|dependency| ARROWS.iter().any(|(package, _)| package == dependency));
+    let extra = found.iter().filter(|found| !allowed.contains(&found.as_str()));
+    let missing = allowed.iter().filter(|allowed| !found.iter().any(|found| found == *allowed));
+    extra
+        .map(|to| format!("{name}: must not depend on {to}"))
+        .chain(missing.map(|to| format!("{name}: the table says it depends on {to}, but it does not")))
+        .collect()
+}
+
+/// The names under every table that ends in `dependencies`, also those of one target only.
+fn collect_dependencies(table: &Table, found: &mut Vec<String>) {
+    for (key, value) in table {
+        let Value::Table(inner) = value else {
+            continue;
+        };
+        if key.ends_with("dependencies") {
+            found.extend(inner.keys().cloned());
+        } else {
+            collect_dependencies(inner, found);
+        }
+    }
+}
+
+/// Every crate has a version of its own, and a changelog that knows it.
+fn crate_complaints(name: &str, manifest: &Table, changelog: Option<&str>) -> Vec<String> {
+    let package = manifest.get("package").and_then(Value::as_table);
+    let Some(version) = package.and_then(|table| table.get("version")).and_then(Value::as_str) else {
+        return vec![format!("{name}: no version of its own")];
+    };
+    match changelog {
+        None => vec![format!("{name}: no CHANGELOG.md")],
+        Some(text) if !text.lines().any(|line| is_entry_of(line, version)) => {
+            vec![format!("{name}: CHANGELOG.md has no entry for {version}")]
+        }
+        Some(_) => Vec::new(),
+    }
+}
+
+fn is_entry_of(line: &str, version: &str) -> bool {
+    line.strip_prefix("## ").and_then(|heading| heading.split_whitespace().next()).is_some_and(|first| first == version)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tree_is_tidy() {
+        let root = workspace::root().expect("a workspace");
+        let complaints = complaints(&root).expect("a readable tree");
+        assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+    }
+
+    #[test]
+    fn source_without_a_first_line_is_found() {
+        assert!(source_complaints("a.rs", "//! A.\n").is_empty(), "as it should be");
+        assert!(source_complaints("a.rs", "#![doc = \"A\"]\n").is_empty(), "as it should be");
+        assert!(source_complaints("a.toml", "x = 1\n").is_empty(), "not a source");
+        assert_eq!(source_complaints("a.rs", "fn a() {}\n").len(), 1, "nothing said");
+    }
+
+    #[test]
+    fn long_main_is_found() {
+        let long = format!("//! A.\n{}", "\n".repeat(MAIN_LINES - 1));
+        assert_eq!(source_complaints("xtask/src/main.rs", &long).len(), 1, "100 lines");
+        assert!(source_complaints("xtask/src/ci.rs", &long).is_empty(), "not a main");
+    }
+
+    #[test]
+    fn machine_paths_are_found() {
+        for directory in MACHINE_DIRECTORIES {
+            for line in
+                [format!("/{directory}/me/file"), format!("cd /{directory}"), format!("path = \"/{directory}/file\"")]
+            {
+                assert_eq!(path_complaints("a.md", &line).len(), 1, "{line}");
+            }
+            for line in [
+                format!("https://example.org/{directory}/page"),
+                format!("a/{directory}/b"),
+                format!("/{directory}like/b"),
+                format!("m/{directory}"),
+            ] {
+                assert!(path_complaints("a.md", &line).is_empty(), "{line}");
+            }
+        }
+    }
+
+    #[test]
+    fn wrong_arrows_are_found() {
+        let check =
+            |name: &str, manifest: &str| arrow_complaints(name, &manifest.parse().expect("a manifest")).join("\n");
+        assert_eq!(check("infuse", "[dependencies]\ndoe.workspace = true\nserde = \"1\""), "");
+        assert_eq!(
+            check("doe", "[dev-dependencies]\ninfuse = { path = \"../infuse\" }"),
+            "doe: must not depend on infuse"
+        );
+        assert_eq!(check("doe", "[target.'cfg(unix)'.dependencies]\ninfuse = \"1\""), "doe: must not depend on infuse");
+        assert_eq!(check("infuse", "[dependencies]"), "infuse: the table says it depends on doe, but it does not");
+        assert_eq!(check("new", ""), "new: not in the table of arrows");
+    }
+
+    #[test]
+    fn crates_without_version_or_changelog_are_found() {
+        let check = |manifest: &str, changelog| {
+            crate_complaints("a", &manifest.parse().expect("a manifest"), changelog).join("\n")
+        };
+        let versioned = "[package]\nversion = \"0.2.0\"";
+        assert_eq!(check(versioned, Some("## 0.2.0 - unreleased")), "");
+        assert_eq!(check(versioned, Some("## 0.1.0")), "a: CHANGELOG.md has no entry for 0.2.0");
+        assert_eq!(check(versioned, None), "a: no CHANGELOG.md");
+        assert_eq!(check("[package]\nversion.workspace = true", None), "a: no version of its own");
+    }
+}
