@@ -26,7 +26,7 @@ pub use kinematics::{
     Coordinates, FlightState, STATE_NAMES, STATE_UNITS, Sight, body_to_ground, driven_of_lines, lines_of_driven,
     rotation, translation,
 };
-pub use lanes::Lanes;
+pub use lanes::{LANES, Lanes};
 pub use linear::{Linearization, Variable, linearize};
 pub use modes::{Mode, Modes, modes};
 pub use motion::{

@@ -1,7 +1,7 @@
 //! A checked plant: the constants that the equations of motion use, for one flight or one per lane.
 
 use crate::error::Error;
-use crate::lanes::Lanes;
+use crate::lanes::{LANES, Lanes};
 use crate::parameters::Parameters;
 use crate::real::Real;
 
@@ -52,7 +52,7 @@ macro_rules! plant {
     ($( $(#[$doc:meta])* $name:ident ),* $(,)?) => {
         /// The constants of one plant, derived from checked [`Parameters`] and a [`Fidelity`].
         ///
-        /// `Plant<f64>` is one plant; `Plant<Lanes<N>>` holds `N` of them side by side.
+        /// `Plant<f64>` is one plant; `Plant<Lanes>` holds several of them side by side.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct Plant<T = f64> {
             $( $(#[$doc])* pub(crate) $name: T, )*
@@ -66,10 +66,10 @@ macro_rules! plant {
             }
         }
 
-        impl<const N: usize> Plant<Lanes<N>> {
+        impl Plant<Lanes> {
             /// Plant `i` in lane `i`.
             #[must_use]
-            pub fn gather(plants: [&Plant; N]) -> Self {
+            pub fn gather(plants: [&Plant; LANES]) -> Self {
                 Plant { $( $name: Lanes(plants.map(|plant| plant.$name)), )* }
             }
         }

@@ -1,12 +1,12 @@
 //! Many flights of one test: lanes within a core, threads across cores, each flight on its own.
 
-use bat_dynamics::{Lanes, Plant};
+use bat_dynamics::{LANES, Lanes, Plant};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::error::FlightError;
 use crate::flight::{Flight, FlightRequest, FlightSettings, Ready};
-use crate::integrate::{LANES, Landing, Setup, integrate};
+use crate::integrate::{Landing, Setup, integrate};
 use crate::profile::TestProfile;
 
 /// Flies every request through `profile`, in parallel; result `i` belongs to request `i`.
@@ -88,8 +88,8 @@ fn fly_lanes(
 /// sum into one rounding, so all give the same bits.
 #[multiversion(targets("x86_64+avx+avx2"))]
 fn integrate_lanes(
-    setup: &Setup<'_, Lanes<LANES>, LANES>,
+    setup: &Setup<'_, Lanes, LANES>,
     start: [&bat_dynamics::FlightState; LANES],
 ) -> [Landing; LANES] {
-    integrate::<Lanes<LANES>, LANES>(setup, start, |_| {})
+    integrate::<Lanes, LANES>(setup, start, |_| {})
 }

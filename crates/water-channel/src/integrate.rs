@@ -4,7 +4,7 @@
 //! smooth and the method keeps its order. Steps also end where the flow has a knot. The integrals of the cost are
 //! quadratures of the same method.
 
-use bat_dynamics::{Evaluation, FlightState, Flow, Lanes, Plant, Real, Sight, evaluate, sight};
+use bat_dynamics::{Evaluation, FlightState, Flow, LANES, Lanes, Plant, Real, Sight, evaluate, sight};
 use tether_control::{Controller, ControllerState, Measurement};
 
 use crate::cost::{Integrals, N_TERMS};
@@ -12,9 +12,6 @@ use crate::error::FlightError;
 use crate::flight::{Extremes, FlightSettings, SlackEvent};
 use crate::profile::TestProfile;
 use crate::watch::Watcher;
-
-/// Flights that go through the same instructions side by side.
-pub(crate) const LANES: usize = 4;
 
 /// A scalar that carries `N` flights.
 pub(crate) trait Carrier<const N: usize>: Real {
@@ -33,7 +30,7 @@ impl Carrier<1> for f64 {
     }
 }
 
-impl Carrier<LANES> for Lanes<LANES> {
+impl Carrier<LANES> for Lanes {
     #[inline(always)]
     fn split(self) -> [f64; LANES] {
         self.0
