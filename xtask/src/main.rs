@@ -1,12 +1,11 @@
 //! Runs the studies and the checks of the workspace: `cargo xtask <command>`.
 #![expect(clippy::print_stdout, reason = "a program of the command line talks")]
 
+mod chapter4;
 mod ci;
-#[allow(dead_code, unused_imports, reason = "for the studies to come")]
 mod figures;
-#[allow(dead_code, reason = "for the studies to come")]
 mod page;
-#[allow(dead_code, reason = "for the studies to come")]
+mod study;
 mod table;
 mod tidy;
 mod workspace;
@@ -15,6 +14,9 @@ use std::process::ExitCode;
 
 const USAGE: &str = "\
 cargo xtask <command>
+
+Studies:
+  reproduce-chapter4   the loop of Chapter 3 on the case study of Chapter 4; writes target/reproduction/chapter4/
 
 Checks:
   ci      everything that a change must pass; quiet until a step fails
@@ -29,7 +31,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match words.as_slice() {
-        // Studies, one module a chapter, go here.
+        ["reproduce-chapter4"] => workspace::root().and_then(|root| chapter4::reproduce(&root)),
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
         ["help" | "--help" | "-h"] => {

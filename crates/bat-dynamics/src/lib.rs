@@ -11,6 +11,7 @@ mod modes;
 mod motion;
 mod parameters;
 mod plant;
+mod presets;
 mod real;
 mod trig;
 mod trim;

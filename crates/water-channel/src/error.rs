@@ -62,7 +62,7 @@ pub enum FileError {
         key: String,
         /// The number in `unit`.
         value: f64,
-        /// Its unit in SI.
+        /// Its unit: as written, or in SI where it is compared with other numbers.
         unit: String,
         /// What is allowed.
         allowed: String,

@@ -1,8 +1,8 @@
 //! One flight: from trim through the test profile, with what it cost and what it came close to.
 
-use bat_dynamics::{Fidelity, FlightState, Plant, Trim, TrimHeight, TrimRequest, trim};
+use bat_dynamics::{Fidelity, FlightState, Flow, Plant, Trim, TrimHeight, TrimRequest, trim};
 use serde::{Deserialize, Serialize};
-use tether_control::Controller;
+use tether_control::{Controller, SetPoints};
 
 use crate::cost::Integrals;
 use crate::error::{Error, FlightError};
@@ -128,6 +128,12 @@ pub fn footprint_m2(length_m: f64, zenith_rad: f64) -> f64 {
     core::f64::consts::PI * radius * radius
 }
 
+/// The equilibrium that the controller's set points ask for.
+pub(crate) fn trim_at(plant: &Plant, set_points: &SetPoints, flow: Flow) -> Result<Trim, Error> {
+    let height = TrimHeight::Altitude(set_points.altitude_m);
+    Ok(trim(plant, &TrimRequest { flow, pitch_rad: set_points.pitch_rad, height })?)
+}
+
 /// A rig made ready: checked plant and controller, and the trim at the first flow.
 pub(crate) struct Ready {
     pub(crate) plant: Plant,
@@ -139,10 +145,7 @@ impl Ready {
     pub(crate) fn new(request: &FlightRequest, profile: &TestProfile) -> Result<Self, Error> {
         let plant = request.rig.plant(request.fidelity)?;
         let controller = request.rig.controller()?;
-        let set_points = request.rig.set_points;
-        let flow = profile.flow().at(0.0);
-        let height = TrimHeight::Altitude(set_points.altitude_m);
-        let trim = trim(&plant, &TrimRequest { flow, pitch_rad: set_points.pitch_rad, height })?;
+        let trim = trim_at(&plant, &request.rig.set_points, profile.flow().at(0.0))?;
         Ok(Self { plant, controller, trim })
     }
 

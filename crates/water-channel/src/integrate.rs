@@ -11,7 +11,7 @@ use crate::cost::{Integrals, N_TERMS};
 use crate::error::FlightError;
 use crate::flight::{Extremes, FlightSettings, SlackEvent};
 use crate::profile::TestProfile;
-use crate::watch::Watcher;
+use crate::watch::{Seen, Watcher};
 
 /// A scalar that carries `N` flights.
 pub(crate) trait Carrier<const N: usize>: Real {
@@ -261,12 +261,20 @@ fn look<T: Carrier<N>, const N: usize>(
     at: &Evaluation<T>,
     settings: &FlightSettings,
 ) {
-    let lines = [at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split()];
+    let tensions = [at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split()];
     let (zenith, heading) = (state[0].split(), at.sight.heading.split());
+    let shortest = state[6].min(state[7]).min(state[8]).split();
     let sum = state.iter().skip(1).fold(state[0], |sum, x| sum + *x).split();
     for (lane, watcher) in watchers.iter_mut().enumerate() {
-        let tensions = [lines[0][lane], lines[1][lane], lines[2][lane]];
-        if !watcher.look(time_s, zenith[lane], heading[lane], sum[lane], tensions, settings) {
+        let seen = Seen {
+            time_s,
+            zenith_rad: zenith[lane],
+            heading_rad: heading[lane],
+            shortest_line_m: shortest[lane],
+            sum_of_state: sum[lane],
+            tensions_n: tensions.map(|line| line[lane]),
+        };
+        if !watcher.look(&seen, settings) {
             watcher.check(&state.map(|x| x.split()[lane]), time_s);
         }
     }

@@ -1,7 +1,9 @@
 #![doc = include_str!("../README.md")]
 
+mod closed_loop;
 mod cost;
 mod error;
+mod experiment;
 mod fleet;
 mod flight;
 mod integrate;
@@ -11,8 +13,10 @@ mod quantity;
 mod rig;
 mod watch;
 
+pub use closed_loop::{ClosedLoop, SampledMode, closed_loop_modes};
 pub use cost::{CostBreakdown, CostFile, CostWeights, Integrals, N_TERMS, TERM_NAMES, open_loop_cost};
 pub use error::{Error, FileError, FlightError};
+pub use experiment::BoundedNoise;
 pub use fleet::fly_all;
 pub use flight::{
     Extremes, Flight, FlightRequest, FlightSettings, SlackEvent, SlackPolicy, fly, fly_logged, footprint_m2,

@@ -132,9 +132,19 @@ impl ProfileFile {
         let ((title, profile), records) = Reader::parse(text, |top| {
             let title = top.text("title")?;
             let duration_s = top.quantity("duration", "s", Range::Positive)?;
+            let mut before_s = None;
             let knots = top.list("flow", |knot| {
+                let from_s = knot.quantity("from", "s", Range::NonNegative)?;
+                match before_s.replace(from_s) {
+                    None if from_s > 0.0 => return Err(knot.refuse("from", from_s, "s", "0 in the first entry")),
+                    Some(before_s) if from_s <= before_s => {
+                        return Err(knot.refuse("from", from_s, "s", "later than in the entry before"));
+                    }
+                    _ if from_s > duration_s => return Err(knot.refuse("from", from_s, "s", "within `duration`")),
+                    _ => {}
+                }
                 Ok(FlowKnot {
-                    from_s: knot.quantity("from", "s", Range::NonNegative)?,
+                    from_s,
                     flow: Flow {
                         speed_m_s: knot.quantity("speed", "m/s", Range::NonNegative)?,
                         direction_rad: knot.quantity("direction", "rad", Range::Finite)?,
@@ -142,13 +152,21 @@ impl ProfileFile {
                     transition: knot.choice("transition", "step or linear", Some(Transition::Step))?,
                 })
             })?;
+            if knots.is_empty() {
+                return Err(top.missing("flow", "at least one table [[flow]] with `from`, `speed` and `direction`"));
+            }
             let windows = top.list("window", |window| {
+                let from_s = window.quantity("from", "s", Range::NonNegative)?;
+                if from_s > duration_s {
+                    return Err(window.refuse("from", from_s, "s", "within `duration`"));
+                }
+                let to_s = window.quantity("to", "s", Range::NonNegative)?;
+                if to_s < from_s {
+                    return Err(window.refuse("to", to_s, "s", "not before `from`"));
+                }
                 let command = |line| window.quantity_or(line, "u_max", Range::UnitInterval, 0.0);
-                Ok(Window {
-                    from_s: window.quantity("from", "s", Range::NonNegative)?,
-                    to_s: window.quantity("to", "s", Range::NonNegative)?,
-                    commands: [command("center")?, command("starboard")?, command("port")?],
-                })
+                let commands = [command("center")?, command("starboard")?, command("port")?];
+                Ok(Window { from_s, to_s, commands })
             })?;
             let profile = FlowHistory::new(knots)
                 .map_err(Error::Plant)

@@ -140,13 +140,23 @@ impl<'a> Section<'a> {
         if self.path.is_empty() { name.to_owned() } else { format!("{}.{name}", self.path) }
     }
 
+    /// The error that says that the number `name`, `value` in SI, is not `allowed` beside the others.
+    pub(crate) fn refuse(&self, name: &str, value: f64, unit: &str, allowed: &str) -> FileError {
+        FileError::Range { key: self.key(name), value, unit: unit.to_owned(), allowed: allowed.to_owned() }
+    }
+
+    /// The error that says that `name` is missing.
+    pub(crate) fn missing(&self, name: &str, expected: &str) -> FileError {
+        FileError::MissingKey { key: self.key(name), expected: expected.to_owned() }
+    }
+
     fn get(&self, name: &str) -> Option<&'a Value> {
         self.known.borrow_mut().insert(name.to_owned());
         self.table.get(name)
     }
 
     fn needed(&self, name: &str, expected: &str) -> Result<&'a Value, FileError> {
-        self.get(name).ok_or_else(|| FileError::MissingKey { key: self.key(name), expected: expected.to_owned() })
+        self.get(name).ok_or_else(|| self.missing(name, expected))
     }
 
     fn of(&self, path: String, value: &'a Value) -> Result<Section<'a>, FileError> {
@@ -213,7 +223,7 @@ impl<'a> Section<'a> {
         let value = match (self.get(name), fallback) {
             (Some(value), _) => value,
             (None, Some(fallback)) => return Ok(fallback),
-            (None, None) => return Err(FileError::MissingKey { key: self.key(name), expected: allowed.to_owned() }),
+            (None, None) => return Err(self.missing(name, allowed)),
         };
         value.clone().try_into().map_err(|_| FileError::Kind {
             key: self.key(name),

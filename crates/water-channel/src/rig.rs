@@ -125,12 +125,7 @@ fn plant(top: &Section<'_>) -> Result<Parameters, FileError> {
             for (value, field) in values[start..end].iter_mut().zip(&FIELDS[start..end]) {
                 *value = section.quantity(field.name, field.unit, Range::Finite)?;
                 if !field.allowed.admits(*value) {
-                    return Err(FileError::Range {
-                        key: section.key(field.name),
-                        value: *value,
-                        unit: field.unit.to_owned(),
-                        allowed: field.allowed.words().to_owned(),
-                    });
+                    return Err(section.refuse(field.name, *value, field.unit, field.allowed.words()));
                 }
             }
             if name == "tether" {

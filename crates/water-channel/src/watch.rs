@@ -1,6 +1,6 @@
 //! What is noted of a flight at every sample: extremes, slack lines, and the moment it leaves the model.
 
-use bat_dynamics::{FlightState, check_state};
+use bat_dynamics::{FlightState, STATE_NAMES, check_state};
 
 use crate::error::FlightError;
 use crate::flight::{Extremes, FlightSettings, SlackEvent, SlackPolicy};
@@ -35,42 +35,56 @@ impl Default for Watcher {
     }
 }
 
+/// What one lane shows at one sample.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    pub(crate) time_s: f64,
+    pub(crate) zenith_rad: f64,
+    pub(crate) heading_rad: f64,
+    pub(crate) shortest_line_m: f64,
+    /// Not finite when any entry of the state is not.
+    pub(crate) sum_of_state: f64,
+    pub(crate) tensions_n: [f64; 3],
+}
+
 impl Watcher {
     /// Notes one sample; false when the state is not one of the model.
-    #[inline]
-    pub(crate) fn look(
-        &mut self,
-        time_s: f64,
-        zenith: f64,
-        heading: f64,
-        sum_of_state: f64,
-        tensions: [f64; 3],
-        settings: &FlightSettings,
-    ) -> bool {
+    #[inline(always)]
+    pub(crate) fn look(&mut self, seen: &Seen, settings: &FlightSettings) -> bool {
         if self.failure.is_some() {
             return true;
         }
-        if !(sum_of_state.is_finite() && zenith > SMALLEST_ZENITH_RAD && zenith < core::f64::consts::FRAC_PI_2) {
+        if !(seen.sum_of_state.is_finite() && seen.shortest_line_m > 0.0 && is_inside(seen.zenith_rad)) {
             return false;
         }
         let extremes = &mut self.extremes;
-        extremes.peak_heading_rad = extremes.peak_heading_rad.max(heading.abs());
-        extremes.smallest_zenith_rad = extremes.smallest_zenith_rad.min(zenith);
-        extremes.largest_zenith_rad = extremes.largest_zenith_rad.max(zenith);
-        for (line, tension) in LINES.into_iter().zip(tensions) {
-            if tension < extremes.smallest_tension_n {
-                extremes.smallest_tension_n = tension;
-                extremes.smallest_tension_line = line;
-                extremes.smallest_tension_time_s = time_s;
+        extremes.peak_heading_rad = extremes.peak_heading_rad.max(seen.heading_rad.abs());
+        extremes.smallest_zenith_rad = extremes.smallest_zenith_rad.min(seen.zenith_rad);
+        extremes.largest_zenith_rad = extremes.largest_zenith_rad.max(seen.zenith_rad);
+        let [center, starboard, port] = seen.tensions_n;
+        if center.min(starboard).min(port) < extremes.smallest_tension_n {
+            self.note_tension(seen, settings);
+        }
+        true
+    }
+
+    /// Notes a tension that is smaller than all before: the smallest of the lines, and the first that is slack.
+    #[cold]
+    fn note_tension(&mut self, seen: &Seen, settings: &FlightSettings) {
+        let time_s = seen.time_s;
+        for (line, tension_n) in LINES.into_iter().zip(seen.tensions_n) {
+            if tension_n < self.extremes.smallest_tension_n {
+                self.extremes.smallest_tension_n = tension_n;
+                self.extremes.smallest_tension_line = line;
+                self.extremes.smallest_tension_time_s = time_s;
             }
-            if tension < 0.0 && self.slack.is_none() {
-                self.slack = Some(SlackEvent { line, time_s, tension_n: tension });
+            if tension_n < 0.0 && self.slack.is_none() {
+                self.slack = Some(SlackEvent { line, time_s, tension_n });
                 if settings.slack == SlackPolicy::Fail {
-                    self.failure = Some(FlightError::Slack { line, time_s, tension_n: tension });
+                    self.failure = Some(FlightError::Slack { line, time_s, tension_n });
                 }
             }
         }
-        true
     }
 
     /// Records what is wrong with a state that the model does not cover, if anything is.
@@ -79,19 +93,24 @@ impl Watcher {
         if self.failure.is_some() {
             return;
         }
-        let zenith = state[0];
-        let inside = zenith > SMALLEST_ZENITH_RAD && zenith < core::f64::consts::FRAC_PI_2;
-        let error = match check_state(state, time_s) {
-            Err(error) => error,
-            Ok(()) if inside => return,
-            Ok(()) => bat_dynamics::Error::State {
-                name: "zenith angle Phi",
-                value: zenith,
-                unit: "rad",
-                time_s,
-                allowed: "within 0.001 and pi/2: azimuth and twist coincide at 0, the floor is at pi/2",
-            },
+        let outside = |name, value, unit, allowed| bat_dynamics::Error::State { name, value, unit, time_s, allowed };
+        let lines = STATE_NAMES[6..9].iter().zip(&state[6..9]);
+        let error = match (check_state(state, time_s), lines.min_by(|a, b| a.1.total_cmp(b.1))) {
+            (Err(error), _) => error,
+            (Ok(()), Some((name, shortest))) if *shortest <= 0.0 => outside(name, *shortest, "m", "more than zero"),
+            (Ok(()), _) if is_inside(state[0]) => return,
+            (Ok(()), _) => outside(
+                "zenith angle Phi",
+                state[0],
+                "rad",
+                "within 0.001 and pi/2: azimuth and twist coincide at 0, the floor is at pi/2",
+            ),
         };
         self.failure = Some(FlightError::LeftTheModel(error));
     }
+}
+
+#[inline(always)]
+fn is_inside(zenith_rad: f64) -> bool {
+    zenith_rad > SMALLEST_ZENITH_RAD && zenith_rad < core::f64::consts::FRAC_PI_2
 }

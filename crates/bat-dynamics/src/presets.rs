@@ -1,0 +1,101 @@
+//! Named plants.
+
+use crate::parameters::{
+    AddedMass, Body, Fluid, HorizontalStabilizer, Hull, Parameters, Stall, Tether, TetherLayout, VerticalStabilizer,
+    Winch,
+};
+
+impl Parameters {
+    /// The 1/100 model of the Buoyant Air Turbine in the water channel.
+    ///
+    /// Source: Deese's dissertation for chord and mass (Table 2, model 2), the center of buoyancy (Section 4.1) and the
+    /// center of mass (Table 3, first row). Everything else it leaves open: estimated from geometry and handbooks, or
+    /// calibrated to the first rows of Tables 3 and 5 and, for stall and added mass, to the best design of Table 3.
+    /// Nothing was measured on the real model. The repository's `fixtures/bat/rig.toml` gives the provenance of each
+    /// number and is the master of this copy, which a test holds against it.
+    #[must_use]
+    pub fn water_channel_bat() -> Self {
+        Self {
+            fluid: Fluid {
+                density_kg_m3: 1000.0,
+                gravity_m_s2: 9.81,
+            },
+            body: Body {
+                chord_m: 0.075,
+                mass_kg: 0.18,
+                volume_m3: 0.0002379,
+                inertia_xx_kg_m2: 0.0003527,
+                inertia_yy_kg_m2: 0.0002777,
+                inertia_zz_kg_m2: 0.0002656,
+                inertia_xz_kg_m2: 0.0,
+                joint_x: 45.18 / 100.0,
+                center_of_mass_x: 46.1 / 100.0,
+                center_of_mass_height_m: 0.04057,
+                center_of_buoyancy_x: 45.4 / 100.0,
+                center_of_buoyancy_height_m: 0.04048,
+            },
+            hull: Hull {
+                area_m2: 0.0075,
+                center_x: 28.77 / 100.0,
+                center_height_m: 0.04048,
+                drag_zero_lift: 0.2581,
+                drag_due_to_lift: 0.06296,
+                lift_zero: 0.3677,
+                lift_slope_per_rad: 2.442,
+                side_force_slope_per_rad: -0.5495,
+                roll_moment_slope_per_rad: 0.0844,
+                pitch_moment_zero: 0.0,
+                pitch_moment_slope_per_rad: 0.0,
+                yaw_moment_slope_per_rad: 0.06281,
+            },
+            horizontal_stabilizer: HorizontalStabilizer {
+                area_m2: 0.001703,
+                area_factor: 1.0,
+                root_x: 93.25 / 100.0,
+                root_height_m: 0.04048,
+                offset_x: 10.0 / 100.0,
+                offset_height_m: 0.0,
+                incidence_rad: 0.0,
+                drag_zero_lift: 0.02,
+                drag_due_to_lift: 0.07092,
+                lift_zero: 0.0,
+                lift_slope_per_rad: 3.494,
+            },
+            vertical_stabilizer: VerticalStabilizer {
+                area_m2: 0.003868,
+                area_factor: 1.0,
+                root_x: 100.0 / 100.0,
+                root_height_m: 0.0358,
+                offset_x: 10.0 / 100.0,
+                offset_height_m: 0.02,
+                drag_zero_lift: 0.02,
+                drag_due_to_side_force: 0.1,
+                side_force_slope_per_rad: -3.012,
+            },
+            tether: Tether {
+                line_diameter_m: 0.0005,
+                linear_density_kg_m: 0.001,
+                drag_coefficient: 1.1,
+                separation_longitudinal_m: 0.07061,
+                separation_lateral_m: 0.09603,
+            },
+            winch: Winch {
+                time_constant_s: 0.06689,
+                speed_limit_m_s: 0.01081,
+            },
+            stall: Stall {
+                hull_rad: 0.2775,
+                horizontal_stabilizer_rad: 0.2247,
+            },
+            added_mass: AddedMass {
+                x_kg: 0.02312,
+                y_kg: 0.2184,
+                z_kg: 0.2184,
+                inertia_x_kg_m2: 5.548e-5,
+                inertia_y_kg_m2: 9.312e-5,
+                inertia_z_kg_m2: 9.312e-5,
+            },
+            layout: TetherLayout::OneForwardTwoAft,
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! The rows of the study: each reported design flown in full, and the tables made of them.
+
+use anyhow::{Context as _, Result};
+use infuse::IterationReport;
+use water_channel::{CostBreakdown, Flight, FlightLog, Provenance, Record, TERM_NAMES, footprint_m2};
+
+use super::file::Setup;
+use super::loops::{Campaign, Seeded};
+use crate::figures::Summary;
+use crate::study::STAND_IN;
+use crate::table::{Column, Table};
+
+/// Samples per row of a flight log: 0.1 s.
+const LOG_EVERY: usize = 4;
+
+/// One iteration of one variant, its design flown in the stand-in.
+#[derive(Clone, Debug)]
+pub(crate) struct Row {
+    pub(crate) iteration: usize,
+    pub(crate) point: [f64; 2],
+    pub(crate) model_cost: f64,
+    pub(crate) corrected_cost: f64,
+    pub(crate) experiment: CostBreakdown,
+    pub(crate) flight: Flight,
+    pub(crate) log: FlightLog,
+    pub(crate) n_experiments: usize,
+    pub(crate) n_simulations: usize,
+}
+
+impl Row {
+    fn fly(setup: &Setup, report: &IterationReport) -> Result<Self> {
+        let numerical = &report.numerical;
+        let point = [numerical.point[0], numerical.point[1]];
+        let (flight, log) = setup
+            .study
+            .logged(&point, STAND_IN, LOG_EVERY)
+            .with_context(|| format!("the design of iteration {}", report.iteration))?;
+        Ok(Self {
+            iteration: report.iteration,
+            point,
+            model_cost: numerical.model_cost,
+            corrected_cost: numerical.corrected_cost,
+            experiment: setup.study.breakdown(&point, &flight, STAND_IN),
+            flight,
+            log,
+            n_experiments: report.trials.len(),
+            n_simulations: numerical.n_simulations,
+        })
+    }
+
+    /// Mean over the test of the ground that the tether sweeps, `pi L_t² sin² Phi`, in m².
+    pub(crate) fn mean_footprint_m2(&self) -> f64 {
+        let areas = self.log.rows.iter().map(|row| {
+            footprint_m2((row.state[6] + row.state[7] + row.state[8]) / 3.0, row.state[0])
+        });
+        areas.sum::<f64>() / self.log.rows.len() as f64
+    }
+}
+
+/// The rows of one variant.
+#[derive(Clone, Debug)]
+pub(crate) struct Rows {
+    pub(crate) label: String,
+    pub(crate) rows: Vec<Row>,
+    pub(crate) campaign: Campaign,
+}
+
+impl Rows {
+    pub(crate) fn fly(setup: &Setup, campaigns: Vec<Campaign>) -> Result<Vec<Self>> {
+        setup
+            .file
+            .variant
+            .iter()
+            .zip(campaigns)
+            .map(|(variant, campaign)| {
+                let rows = campaign.reports.iter().map(|report| Row::fly(setup, report)).collect::<Result<_>>()?;
+                Ok(Self { label: variant.label.clone(), rows, campaign })
+            })
+            .collect()
+    }
+
+    pub(crate) fn first(&self) -> &Row {
+        &self.rows[0]
+    }
+
+    pub(crate) fn last(&self) -> &Row {
+        &self.rows[self.rows.len() - 1]
+    }
+
+    /// Fall of the experimental cost from the first to the last row, in per cent.
+    pub(crate) fn fall_pct(&self) -> f64 {
+        fall_pct(self.first().experiment.total, self.last().experiment.total)
+    }
+
+    pub(crate) fn n_experiments(&self) -> usize {
+        self.rows.iter().map(|row| row.n_experiments).sum()
+    }
+}
+
+/// How much lower `last` is than `first`, in per cent of `first`.
+pub(crate) fn fall_pct(first: f64, last: f64) -> f64 {
+    100.0 * (1.0 - last / first)
+}
+
+fn number(value: f64, digits: usize) -> String {
+    // Adding zero turns a rounded −0 into 0.
+    let shown = |value: f64| format!("{:.digits$}", value + 0.0);
+    if !value.is_finite() {
+        "–".to_owned()
+    } else if value.abs() < 0.5 * 0.1_f64.powi(digits as i32) {
+        shown(0.0)
+    } else {
+        shown(value)
+    }
+}
+
+/// What a row owes to fitting: the first one was fitted, in design and in both costs.
+pub(crate) fn standing(iteration: usize) -> &'static str {
+    if iteration == 1 { "calibrated" } else { "predicted" }
+}
+
+/// Ours beside Table 3.
+pub(crate) fn iteration_table(setup: &Setup, rows: &Rows) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Iteration", "1"),
+        Column::new("Row is", ""),
+        Column::new("Center of mass, published", "% chord"),
+        Column::new("ours", "% chord"),
+        Column::new("Pitch set point, published", "deg"),
+        Column::new("ours", "deg"),
+        Column::new("Corrected numerical cost, published", "1"),
+        Column::new("ours", "s"),
+        Column::new("Experimental cost, published", "1"),
+        Column::new("ours (stand-in)", "s"),
+        Column::new("Change since iteration 1, published", "%"),
+        Column::new("ours", "%"),
+    ]);
+    let published = &setup.file.published;
+    for k in 0..rows.rows.len().max(published.len()) {
+        let (theirs, ours) = (published.get(k), rows.rows.get(k));
+        let their = |f: &dyn Fn(&super::file::Published) -> f64, digits| {
+            theirs.map_or("–".to_owned(), |row| number(f(row), digits))
+        };
+        let our = |f: &dyn Fn(&Row) -> f64, digits| ours.map_or("–".to_owned(), |row| number(f(row), digits));
+        table.push(vec![
+            (k + 1).to_string(),
+            standing(k + 1).to_owned(),
+            their(&|row| row.center_of_mass, 1),
+            our(&|row| row.point[0], 2),
+            their(&|row| row.pitch_set_point, 1),
+            our(&|row| row.point[1], 2),
+            their(&|row| row.corrected_cost, 2),
+            our(&|row| row.corrected_cost, 3),
+            their(&|row| row.experiment_cost, 2),
+            our(&|row| row.experiment.total, 3),
+            their(&|row| -fall_pct(published[0].experiment_cost, row.experiment_cost), 1),
+            our(&|row| -fall_pct(rows.first().experiment.total, row.experiment.total), 1),
+        ]);
+    }
+    table
+}
+
+/// Every variant, row by row.
+pub(crate) fn variant_table(all: &[Rows]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Loop", ""),
+        Column::new("Iteration", "1"),
+        Column::new("Row is", ""),
+        Column::new("Center of mass", "% chord"),
+        Column::new("Pitch set point", "deg"),
+        Column::new("Model alone", "s"),
+        Column::new("Model corrected", "s"),
+        Column::new("Experiment", "s"),
+        Column::new("Change since iteration 1", "%"),
+        Column::new("Experiments", "1"),
+        Column::new("Simulations", "1"),
+    ]);
+    for rows in all {
+        for row in &rows.rows {
+            table.push(vec![
+                rows.label.clone(),
+                row.iteration.to_string(),
+                standing(row.iteration).to_owned(),
+                number(row.point[0], 2),
+                number(row.point[1], 2),
+                number(row.model_cost, 3),
+                number(row.corrected_cost, 3),
+                number(row.experiment.total, 3),
+                number(-fall_pct(rows.first().experiment.total, row.experiment.total), 1),
+                row.n_experiments.to_string(),
+                row.n_simulations.to_string(),
+            ]);
+        }
+    }
+    table
+}
+
+/// How the designs of the printed loop fly in the stand-in: terms of the cost, footprint, margins.
+pub(crate) fn flight_table(rows: &Rows) -> Table {
+    let mut columns = vec![Column::new("Iteration", "1")];
+    columns.extend(TERM_NAMES.iter().map(|name| Column::new(&format!("J from {name}"), "s")));
+    columns.extend([
+        Column::new("Footprint, mean", "m²"),
+        Column::new("Footprint, at trim", "m²"),
+        Column::new("Footprint, full scale", "m²"),
+        Column::new("Peak heading", "deg"),
+        Column::new("Largest zenith angle", "deg"),
+        Column::new("Smallest tension", "N"),
+        Column::new("in line", ""),
+    ]);
+    let mut table = Table::new(columns);
+    for row in &rows.rows {
+        let extremes = &row.flight.extremes;
+        let mean = row.mean_footprint_m2();
+        let mut cells = vec![row.iteration.to_string()];
+        cells.extend(row.experiment.terms.iter().map(|term| number(*term, 3)));
+        cells.extend([
+            number(mean, 5),
+            number(row.flight.trim_footprint_m2(), 5),
+            // Areas grow with the square of the scale, 1/100.
+            number(mean * 1e4, 1),
+            number(extremes.peak_heading_rad.to_degrees(), 1),
+            number(extremes.largest_zenith_rad.to_degrees(), 1),
+            number(extremes.smallest_tension_n, 3),
+            extremes.smallest_tension_line.to_owned(),
+        ]);
+        table.push(cells);
+    }
+    table
+}
+
+/// One quantity of a seeded campaign per iteration.
+pub(crate) type Reading = fn(&Setup, &IterationReport) -> f64;
+
+/// What is followed over the noise seeds.
+pub(crate) const READINGS: [(&str, &str, Reading); 4] = [
+    ("Center of mass", "% chord", |_, report| report.numerical.point[0]),
+    ("Pitch set point", "deg", |_, report| report.numerical.point[1]),
+    ("Corrected numerical cost", "s", |_, report| report.numerical.corrected_cost),
+    ("Experimental cost without its noise", "s", |setup, report| {
+        setup.study.cost(&report.numerical.point, STAND_IN).unwrap_or(f64::NAN)
+    }),
+];
+
+/// `values[iteration][seed]`.
+pub(crate) fn over_seeds(setup: &Setup, seeded: &Seeded, reading: Reading) -> Vec<Vec<f64>> {
+    let longest = seeded.campaigns.iter().map(|(_, campaign)| campaign.reports.len()).max().unwrap_or(0);
+    (0..longest)
+        .map(|k| {
+            seeded.campaigns.iter().filter_map(|(_, c)| c.reports.get(k)).map(|report| reading(setup, report)).collect()
+        })
+        .collect()
+}
+
+/// Falls of the experimental cost, noise taken off, from the first to the last iteration, seed by seed, in per cent.
+pub(crate) fn falls_pct(setup: &Setup, seeded: &Seeded) -> Vec<f64> {
+    let cost = READINGS[3].2;
+    seeded
+        .campaigns
+        .iter()
+        .filter_map(|(_, campaign)| {
+            let (first, last) = (campaign.reports.first()?, campaign.reports.last()?);
+            Some(fall_pct(cost(setup, first), cost(setup, last)))
+        })
+        .collect()
+}
+
+/// Median and spread over the seeds.
+pub(crate) fn seed_table(setup: &Setup, all: &[Seeded]) -> Table {
+    let mut columns = vec![Column::new("Loop", ""), Column::new("Iteration", "1"), Column::new("Seeds", "1")];
+    for (name, unit, _) in READINGS {
+        columns.push(Column::new(&format!("{name}, median"), unit));
+        columns.push(Column::new("from – to", unit));
+    }
+    let mut table = Table::new(columns);
+    for seeded in all {
+        let readings: Vec<Vec<Vec<f64>>> =
+            READINGS.iter().map(|(_, _, reading)| over_seeds(setup, seeded, *reading)).collect();
+        for k in 0..readings[0].len() {
+            let mut cells = vec![seeded.label.clone(), (k + 1).to_string(), readings[0][k].len().to_string()];
+            for reading in &readings {
+                match Summary::of(&reading[k]) {
+                    Some(s) => {
+                        cells.push(number(s.median, 2));
+                        cells.push(format!("{} – {}", number(s.minimum, 2), number(s.maximum, 2)));
+                    }
+                    None => cells.extend(["–".to_owned(), "–".to_owned()]),
+                }
+            }
+            table.push(cells);
+        }
+    }
+    table
+}
+
+/// Every number of the plant, the controller, the test and the cost, with where it comes from.
+pub(crate) fn provenance_table(records: &[Record]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Key", ""),
+        Column::new("Value", "1"),
+        Column::new("Unit", ""),
+        Column::new("Provenance", ""),
+        Column::new("Source", ""),
+    ]);
+    for record in records {
+        let provenance = match record.provenance {
+            Provenance::Given => "given",
+            Provenance::Derived => "derived",
+            Provenance::Estimated => "estimated",
+            Provenance::Calibrated => "calibrated",
+        };
+        table.push(vec![
+            record.key.clone(),
+            record.value.to_string(),
+            record.unit.clone(),
+            provenance.to_owned(),
+            record.source.clone(),
+        ]);
+    }
+    table
+}

@@ -1,0 +1,162 @@
+//! Plant, controller and rig as a problem for `infuse`: named design variables in, costs out, flights remembered.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Mutex;
+
+use anyhow::{Context as _, Result, bail};
+use bat_dynamics::Fidelity;
+use water_channel::{
+    CostBreakdown, CostFile, CostWeights, Flight, FlightLog, FlightRequest, FlightSettings, ProfileFile, Record, Rig,
+    RigFile, TestProfile, fly, fly_all, fly_logged,
+};
+
+/// The numerical model that the loop optimizes.
+pub(crate) const MODEL: Fidelity = Fidelity::NUMERICAL;
+/// What stands in for the water channel.
+pub(crate) const STAND_IN: Fidelity = Fidelity::STALLED_WITH_ADDED_MASS;
+
+/// A design variable of the case study, by the name that a study file uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Variable {
+    /// Longitudinal position of the center of mass, in per cent of chord.
+    CenterOfMass,
+    /// Pitch set point, in degrees.
+    PitchSetPoint,
+}
+
+impl Variable {
+    pub(crate) fn named(name: &str, unit: &str) -> Result<Self> {
+        let (variable, expected) = match name {
+            "center_of_mass" => (Self::CenterOfMass, "% chord"),
+            "pitch_set_point" => (Self::PitchSetPoint, "deg"),
+            other => bail!("parameter.name = `{other}`: it must be center_of_mass or pitch_set_point"),
+        };
+        if unit != expected {
+            bail!("parameter `{name}` has the unit `{unit}`: it must be `{expected}`");
+        }
+        Ok(variable)
+    }
+
+    fn set(self, rig: &mut Rig, value: f64) {
+        match self {
+            Self::CenterOfMass => rig.plant.body.center_of_mass_x = value / 100.0,
+            Self::PitchSetPoint => rig.set_points.pitch_rad = value.to_radians(),
+        }
+    }
+}
+
+/// A flight's cost, or the reason why there is none.
+pub(crate) type Cost = std::result::Result<f64, String>;
+
+/// The closed loop as a function of the design variables.
+#[derive(Debug)]
+pub(crate) struct Study {
+    rig: Rig,
+    profile: TestProfile,
+    weights: CostWeights,
+    settings: FlightSettings,
+    variables: Vec<Variable>,
+    /// Flights carry no noise, so each point is flown once per fidelity.
+    memory: Mutex<HashMap<(Fidelity, Vec<u64>), Cost>>,
+    pub(crate) records: Vec<Record>,
+}
+
+impl Study {
+    pub(crate) fn read(
+        directory: &Path,
+        [rig, profile, cost]: [&str; 3],
+        variables: Vec<Variable>,
+        steps_per_sample: usize,
+    ) -> Result<Self> {
+        let rig = RigFile::read(directory.join(rig))?;
+        let profile = ProfileFile::read(directory.join(profile))?;
+        let cost = CostFile::read(directory.join(cost))?;
+        let settings = FlightSettings::with_steps(steps_per_sample);
+        settings.validate().context("numerics")?;
+        Ok(Self {
+            rig: rig.rig,
+            profile: profile.profile,
+            weights: cost.weights,
+            settings,
+            variables,
+            memory: Mutex::default(),
+            records: [rig.records, profile.records, cost.records].concat(),
+        })
+    }
+
+    pub(crate) fn profile(&self) -> &TestProfile {
+        &self.profile
+    }
+
+    /// The rig at a point of the design space, in a fidelity.
+    pub(crate) fn request(&self, point: &[f64], fidelity: Fidelity) -> FlightRequest {
+        let mut rig = self.rig.clone();
+        for (variable, value) in self.variables.iter().zip(point) {
+            variable.set(&mut rig, *value);
+        }
+        FlightRequest { rig, fidelity }
+    }
+
+    /// The cost (21) of a flight at `point`, term by term.
+    pub(crate) fn breakdown(&self, point: &[f64], flight: &Flight, fidelity: Fidelity) -> CostBreakdown {
+        let body = self.request(point, fidelity).rig.plant.body;
+        self.weights.cost(&flight.integrals, 100.0 * (body.center_of_mass_x - body.center_of_buoyancy_x))
+    }
+
+    fn value(&self, point: &[f64], fidelity: Fidelity, flown: std::result::Result<Flight, water_channel::FlightError>) -> Cost {
+        flown.map(|flight| self.breakdown(point, &flight, fidelity).total).map_err(|error| error.to_string())
+    }
+
+    /// The cost at `point`, flown unless it is remembered.
+    pub(crate) fn cost(&self, point: &[f64], fidelity: Fidelity) -> Cost {
+        let key = (fidelity, point.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
+        if let Some(cost) = self.remembered(&key) {
+            return cost;
+        }
+        let cost = self.value(point, fidelity, fly(&self.request(point, fidelity), &self.profile, &self.settings));
+        self.remember(key, cost.clone());
+        cost
+    }
+
+    /// The costs at many points, flown in lanes and threads; `landed` hears how many flights each batch added.
+    pub(crate) fn costs(&self, points: &[Vec<f64>], fidelity: Fidelity, landed: impl Fn(usize) + Sync) -> Vec<Cost> {
+        let key = |point: &Vec<f64>| (fidelity, point.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
+        let known: Vec<Option<Cost>> = points.iter().map(|point| self.remembered(&key(point))).collect();
+        let missing: Vec<usize> = (0..points.len()).filter(|k| known[*k].is_none()).collect();
+        landed(points.len() - missing.len());
+        let requests: Vec<FlightRequest> = missing.iter().map(|k| self.request(&points[*k], fidelity)).collect();
+        let flown = fly_all(&requests, &self.profile, &self.settings, landed);
+        let mut costs = known;
+        for (k, flight) in missing.into_iter().zip(flown) {
+            let cost = self.value(&points[k], fidelity, flight);
+            self.remember(key(&points[k]), cost.clone());
+            costs[k] = Some(cost);
+        }
+        costs.into_iter().flatten().collect()
+    }
+
+    /// A flight with its log, every `every`-th sample.
+    pub(crate) fn logged(&self, point: &[f64], fidelity: Fidelity, every: usize) -> Result<(Flight, FlightLog)> {
+        let (flight, log) = fly_logged(&self.request(point, fidelity), &self.profile, &self.settings, every)?;
+        Ok((flight?, log))
+    }
+
+    /// How many different points have been flown in a fidelity.
+    pub(crate) fn flown(&self, fidelity: Fidelity) -> usize {
+        self.lock().keys().filter(|(flown, _)| *flown == fidelity).count()
+    }
+
+    fn remembered(&self, key: &(Fidelity, Vec<u64>)) -> Option<Cost> {
+        self.lock().get(key).cloned()
+    }
+
+    fn remember(&self, key: (Fidelity, Vec<u64>), cost: Cost) {
+        self.lock().insert(key, cost);
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<(Fidelity, Vec<u64>), Cost>> {
+        // A panic elsewhere cannot leave the map half written.
+        self.memory.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
