@@ -67,7 +67,8 @@ impl Page {
         for row in &table.rows {
             html.push_str("<tr>");
             for (cell, column) in row.iter().zip(&table.columns) {
-                let _ = write!(html, "<td class=\"{}\">{}</td>", class(&column.unit), escape(cell));
+                let long = if cell.chars().count() > LONGEST_UNBROKEN { " long" } else { "" };
+                let _ = write!(html, "<td class=\"{}{long}\">{}</td>", class(&column.unit), escape(cell));
             }
             html.push_str("</tr>\n");
         }
@@ -91,6 +92,9 @@ impl Page {
     }
 }
 
+/// Cells up to this length stay on one line.
+const LONGEST_UNBROKEN: usize = 44;
+
 const STYLE: &str = "\
 body { margin: 0; background: #fff; color: #222; font: 16px/1.5 'DejaVu Sans', Verdana, Arial, sans-serif; }
 main { max-width: 960px; margin: 0 auto; padding: 24px 20px 64px; }
@@ -103,11 +107,13 @@ figure svg { display: block; max-width: 100%; height: auto; }
 figcaption, caption { color: #444; font-size: 14px; text-align: left; padding: 6px 0; max-width: 62em; }
 .scroll { overflow-x: auto; margin: 20px 0; }
 table { border-collapse: collapse; font-size: 14px; }
-th, td { padding: 5px 12px; border-bottom: 1px solid #ddd; vertical-align: bottom; }
+th, td { padding: 5px 9px; border-bottom: 1px solid #ddd; vertical-align: bottom; }
 thead th { border-bottom: 2px solid #222; }
 th span { font-weight: normal; color: #555; }
 .number { text-align: right; font-variant-numeric: tabular-nums; }
+td { white-space: nowrap; }
 .words { text-align: left; }
+.long { white-space: normal; }
 @media print { figure, table { break-inside: avoid; } }
 ";
 

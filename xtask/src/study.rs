@@ -104,7 +104,12 @@ impl Study {
         self.weights.cost(&flight.integrals, 100.0 * (body.center_of_mass_x - body.center_of_buoyancy_x))
     }
 
-    fn value(&self, point: &[f64], fidelity: Fidelity, flown: std::result::Result<Flight, water_channel::FlightError>) -> Cost {
+    fn value(
+        &self,
+        point: &[f64],
+        fidelity: Fidelity,
+        flown: std::result::Result<Flight, water_channel::FlightError>,
+    ) -> Cost {
         flown.map(|flight| self.breakdown(point, &flight, fidelity).total).map_err(|error| error.to_string())
     }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
 use doe::{Parameter, Region};
-use infuse::{BoundPolicy, CodesignProblem, LoopSettings, Role};
+use infuse::{BoundPolicy, CodesignProblem, CorrectionForm, LoopSettings, Role};
 use serde::Deserialize;
 
 use crate::study::{Study, Variable};
@@ -54,6 +54,15 @@ pub(crate) struct Variant {
     pub(crate) label: String,
     trust: f64,
     move_limits: Option<Vec<f64>>,
+    #[serde(default)]
+    form: CorrectionForm,
+    /// Whether it is run over the noise seeds too.
+    #[serde(default = "yes")]
+    pub(crate) with_noise: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -144,6 +153,7 @@ impl Setup {
         settings.model_steps = Some(each(|p| p.model_step));
         settings.tolerances = Some(each(|p| p.tolerance));
         settings.move_limits.clone_from(&variant.move_limits);
+        settings.correction_form = variant.form;
         settings.bound_policy = self.file.iterations.bound_policy;
         settings.max_iterations = self.file.iterations.iterations;
         settings

@@ -43,9 +43,8 @@ fn run(
 
 /// Every variant without noise, each simulation flown. Variants run side by side and share what they fly.
 pub(crate) fn direct(setup: &Setup, iterated: impl Fn() + Sync) -> Result<Vec<Campaign>> {
-    let fly = |variant: &Variant| {
-        run(setup, variant, |point| setup.study.cost(point, MODEL), |_, cost| cost, &iterated)
-    };
+    let fly =
+        |variant: &Variant| run(setup, variant, |point| setup.study.cost(point, MODEL), |_, cost| cost, &iterated);
     // The first iteration is the same for all: flown once, remembered by the others.
     let (first, rest) = setup.file.variant.split_first().context("no variant")?;
     let first = fly(first)?;
@@ -69,6 +68,7 @@ pub(crate) fn seeded(setup: &Setup, model: &Lattice, finished: impl Fn() + Sync)
         .file
         .variant
         .iter()
+        .filter(|variant| variant.with_noise)
         .map(|variant| {
             let campaigns = seeds
                 .iter()
@@ -86,7 +86,10 @@ pub(crate) fn seeded(setup: &Setup, model: &Lattice, finished: impl Fn() + Sync)
 }
 
 /// The optimum of a cost by the loop's own nested optimizer: of the stand-in, which an engineer could not compute.
-pub(crate) fn optimum(setup: &Setup, cost: impl FnMut(&[f64]) -> Result<f64, String>) -> Result<infuse::CodesignReport> {
+pub(crate) fn optimum(
+    setup: &Setup,
+    cost: impl FnMut(&[f64]) -> Result<f64, String>,
+) -> Result<infuse::CodesignReport> {
     let mut cost = cost;
     let settings = setup.loop_settings(&setup.file.variant[0]);
     let start = setup.problem.region().center();

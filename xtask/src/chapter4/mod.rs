@@ -46,7 +46,8 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let best = loops::optimum(&setup, |point| setup.study.cost(point, STAND_IN))?;
     bar.finish();
 
-    let bar = self::bar("3/4 loops with noise: campaigns", setup.file.noise.seeds as usize * setup.file.variant.len());
+    let noisy = setup.file.variant.iter().filter(|variant| variant.with_noise).count();
+    let bar = self::bar("3/4 loops with noise: campaigns", setup.file.noise.seeds as usize * noisy);
     let seeded = loops::seeded(&setup, &model, || bar.inc(1))?;
     bar.finish();
 
@@ -58,13 +59,8 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let pictures = pictures(&material);
     bar.finish();
 
-    let findings = Findings {
-        material,
-        best,
-        interpolation_error,
-        seconds: started.elapsed().as_secs_f64(),
-        pictures: &pictures,
-    };
+    let findings =
+        Findings { material, best, interpolation_error, seconds: started.elapsed().as_secs_f64(), pictures: &pictures };
     write(&out, &findings)?;
     report::print(&findings, &relative(&out, root));
     Ok(())
@@ -125,6 +121,7 @@ fn write(out: &Path, findings: &Findings<'_>) -> Result<()> {
     let m = &findings.material;
     results::iteration_table(m.setup, &m.rows[0]).write_csv(&out.join("table-3.csv"))?;
     results::variant_table(m.rows).write_csv(&out.join("loops.csv"))?;
+    results::cost_table(&m.rows[0]).write_csv(&out.join("costs.csv"))?;
     results::flight_table(&m.rows[0]).write_csv(&out.join("flights.csv"))?;
     results::seed_table(m.setup, m.seeded).write_csv(&out.join("seeds-summary.csv"))?;
     seeds_csv(findings, &out.join("seeds.csv"))?;

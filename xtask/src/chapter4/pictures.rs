@@ -85,7 +85,13 @@ pub(crate) fn test_profile(m: &Material<'_>) -> Picture {
     }
 }
 
-fn squared(m: &Material<'_>, name: &'static str, what: &str, number: u32, f: impl Fn(&LogRow) -> f64 + Copy) -> Picture {
+fn squared(
+    m: &Material<'_>,
+    name: &'static str,
+    what: &str,
+    number: u32,
+    f: impl Fn(&LogRow) -> f64 + Copy,
+) -> Picture {
     let (before, after) = (m.rows[0].first(), m.rows[0].last());
     let error = |row: &Row| column(row, |r| f(r).to_degrees().powi(2));
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;

@@ -7,7 +7,7 @@ use infuse::{CodesignReport, StopReason};
 use super::file::Published;
 use super::pictures::{Material, Picture};
 use super::results::{
-    Rows, fall_pct, falls_pct, flight_table, iteration_table, provenance_table, seed_table, variant_table,
+    Rows, cost_table, fall_pct, falls_pct, flight_table, provenance_table, seed_table, side_by_side, variant_table,
 };
 use crate::figures::Summary;
 use crate::page::Page;
@@ -48,16 +48,43 @@ impl Findings<'_> {
             Ok(cost) => format!("{cost:.3}"),
             Err(reason) => reason,
         };
-        let mut table =
-            Table::new(vec![Column::new("Calibrated", ""), Column::new("Published", "1"), Column::new("This run", "1")]);
+        let mut table = Table::new(vec![
+            Column::new("Calibrated", ""),
+            Column::new("Published", "1"),
+            Column::new("This run", "1"),
+        ]);
         let rows = [
-            ("optimum of the numerical model: center of mass, % chord", first.center_of_mass, format!("{:.2}", start.point[0])),
-            ("optimum of the numerical model: pitch set point, deg", first.pitch_set_point, format!("{:.2}", start.point[1])),
-            ("cost of the numerical model at the published optimum, s", first.corrected_cost, cost(first.point(), MODEL)),
+            (
+                "optimum of the numerical model: center of mass, % chord",
+                first.center_of_mass,
+                format!("{:.2}", start.point[0]),
+            ),
+            (
+                "optimum of the numerical model: pitch set point, deg",
+                first.pitch_set_point,
+                format!("{:.2}", start.point[1]),
+            ),
+            (
+                "cost of the numerical model at the published optimum, s",
+                first.corrected_cost,
+                cost(first.point(), MODEL),
+            ),
             ("cost in the stand-in at the same point, s", first.experiment_cost, cost(first.point(), STAND_IN)),
-            ("best design of the stand-in: center of mass, % chord", last.center_of_mass, format!("{:.2}", self.best.point[0])),
-            ("best design of the stand-in: pitch set point, deg", last.pitch_set_point, format!("{:.2}", self.best.point[1])),
-            ("cost in the stand-in at the published best design, s", last.experiment_cost, cost(last.point(), STAND_IN)),
+            (
+                "best design of the stand-in: center of mass, % chord",
+                last.center_of_mass,
+                format!("{:.2}", self.best.point[0]),
+            ),
+            (
+                "best design of the stand-in: pitch set point, deg",
+                last.pitch_set_point,
+                format!("{:.2}", self.best.point[1]),
+            ),
+            (
+                "cost in the stand-in at the published best design, s",
+                last.experiment_cost,
+                cost(last.point(), STAND_IN),
+            ),
         ];
         for (what, published, ours) in rows {
             table.push(vec![what.to_owned(), published.to_string(), ours]);
@@ -158,9 +185,10 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
     );
     page.heading("The iterations");
     page.table(
-        &iteration_table(setup, findings.printed()),
-        "Table 3 of the dissertation beside this run (R = 0.1 as printed, no noise). Costs in the dissertation carry no \
-         unit; ours are in seconds (angles in rad, lengths in m).",
+        &side_by_side(setup, findings.printed()),
+        "Table 3 of the dissertation / this run (R = 0.1 as printed, no noise). The experimental cost is that of the \
+         water channel / of the stand-in; the change is that of the experimental cost since iteration 1. Costs in the \
+         dissertation carry no unit; ours are in seconds (angles in rad, lengths in m).",
     );
     page.table(
         &findings.prediction_table(),
@@ -194,19 +222,25 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
         &variant_table(m.rows),
         "Every loop of this run, without noise. R = 0.1 is printed; the others show what trust does: a correction that is \
          linear over the whole box drives a trusting loop into a corner, and a limit on the move per iteration holds it \
-         back.",
+         back. The last one has the correction with its printed sign, which rewards what the experiments punish.",
     );
     page.list(&findings.stops());
     page.heading("Before and after");
     show(&mut page, &["figure"]);
     page.table(
+        &cost_table(findings.printed()),
+        "What each design of the printed loop costs in the stand-in. Terms inside the square of (21) share their products, \
+         so that the terms sum to J.",
+    );
+    page.table(
         &flight_table(findings.printed()),
-        "How each design of the printed loop flies in the stand-in. The terms of J sum to the experimental cost. Footprint: \
-         pi L² sin² Phi; at full scale, 100 times larger in length.",
+        "How each design of the printed loop flies in the stand-in. Footprint: pi L² sin² Phi; full scale is 100 times \
+         longer. The yaw mode is the least damped oscillation in which azimuth and twist lead, of the sampled closed loop \
+         at trim at the first flow speed.",
     );
     page.heading("With noise");
     show(&mut page, &["seeds"]);
-    page.table(&seed_table(setup, m.seeded), "Median and extremes over the noise seeds.");
+    page.table(&seed_table(setup, m.seeded), "Median (smallest … largest) over the noise seeds.");
     page.paragraph(&format!(
         "Noise: within ±{} % of J, uniform, one draw per experiment, seeds {} to {}; the bound and the steps of 1 % of \
          chord and 1 deg are ours. Simulations carry no noise: the seeds share {} remembered flights of the model and \
@@ -240,8 +274,8 @@ pub(crate) fn print(findings: &Findings<'_>, out: &Path) {
     let rows = findings.printed();
     let (first, last) = (rows.first(), rows.last());
     println!("\nChapter 4: a wrong model, {} experiments, and what they taught it", rows.n_experiments());
-    println!("(the water channel is replaced by a surrogate model; costs: lower is better)\n");
-    println!("{}\n", iteration_table(findings.material.setup, rows).text());
+    println!("(dissertation / this run; the water channel is replaced by a surrogate model; lower costs are better)\n");
+    println!("{}\n", side_by_side(findings.material.setup, rows).text());
     println!(
         "The numerical model alone would build {:.2} % chord and {:.2} deg and promise a cost of {:.2} s.",
         first.point[0], first.point[1], first.corrected_cost
@@ -266,7 +300,9 @@ pub(crate) fn print(findings: &Findings<'_>, out: &Path) {
     );
     let pitch_bound = findings.material.setup.bounds(1).1;
     if (last.point[1] - pitch_bound).abs() < 1e-6 {
-        println!("The pitch set point ends at its bound of {pitch_bound} deg; in the dissertation it ends at 19.4 deg.");
+        println!(
+            "The pitch set point ends at its bound of {pitch_bound} deg; in the dissertation it ends at 19.4 deg."
+        );
     }
     for seeded in findings.material.seeded {
         if let Some(s) = Summary::of(&falls_pct(findings.material.setup, seeded)) {

@@ -2,7 +2,9 @@
 
 use anyhow::{Context as _, Result};
 use infuse::IterationReport;
-use water_channel::{CostBreakdown, Flight, FlightLog, Provenance, Record, TERM_NAMES, footprint_m2};
+use water_channel::{
+    CostBreakdown, Flight, FlightLog, Provenance, Record, TERM_NAMES, closed_loop_modes, footprint_m2,
+};
 
 use super::file::Setup;
 use super::loops::{Campaign, Seeded};
@@ -25,6 +27,30 @@ pub(crate) struct Row {
     pub(crate) log: FlightLog,
     pub(crate) n_experiments: usize,
     pub(crate) n_simulations: usize,
+    pub(crate) yaw_mode: Option<YawMode>,
+}
+
+/// The slow swing of azimuth and twist, which is what a lateral perturbation excites.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct YawMode {
+    pub(crate) damping_ratio: f64,
+    pub(crate) frequency_rad_s: f64,
+}
+
+/// States that lead in the yaw mode.
+const LATERAL: [&str; 4] = ["azimuth", "twist", "azimuth_rate", "twist_rate"];
+
+impl YawMode {
+    /// The least damped oscillation in which the lateral states have more than half of the shares.
+    fn of(setup: &Setup, point: &[f64]) -> Result<Option<Self>> {
+        let flow = setup.study.profile().flow().at(0.0);
+        let closed = closed_loop_modes(&setup.study.request(point, STAND_IN), &flow)?;
+        let lateral = closed.modes.iter().filter(|m| m.share_of(&LATERAL).is_some_and(|share| share > 0.5));
+        let oscillating = lateral.map(|m| &m.mode).filter(|mode| mode.eigenvalue.im > 0.0);
+        let least = oscillating.min_by(|a, b| a.damping_ratio().total_cmp(&b.damping_ratio()));
+        Ok(least
+            .map(|mode| Self { damping_ratio: mode.damping_ratio(), frequency_rad_s: mode.natural_frequency_rad_s() }))
+    }
 }
 
 impl Row {
@@ -45,14 +71,17 @@ impl Row {
             log,
             n_experiments: report.trials.len(),
             n_simulations: numerical.n_simulations,
+            yaw_mode: YawMode::of(setup, &point)?,
         })
     }
 
     /// Mean over the test of the ground that the tether sweeps, `pi L_t² sin² Phi`, in m².
     pub(crate) fn mean_footprint_m2(&self) -> f64 {
-        let areas = self.log.rows.iter().map(|row| {
-            footprint_m2((row.state[6] + row.state[7] + row.state[8]) / 3.0, row.state[0])
-        });
+        let areas = self
+            .log
+            .rows
+            .iter()
+            .map(|row| footprint_m2((row.state[6] + row.state[7] + row.state[8]) / 3.0, row.state[0]));
         areas.sum::<f64>() / self.log.rows.len() as f64
     }
 }
@@ -119,7 +148,26 @@ pub(crate) fn standing(iteration: usize) -> &'static str {
     if iteration == 1 { "calibrated" } else { "predicted" }
 }
 
-/// Ours beside Table 3.
+/// Ours beside Table 3, "published / this run" in each cell: for a page and a terminal.
+pub(crate) fn side_by_side(setup: &Setup, rows: &Rows) -> Table {
+    let full = iteration_table(setup, rows);
+    let mut table = Table::new(vec![
+        Column::new("Iteration", "1"),
+        Column::new("Row is", ""),
+        Column::new("Center of mass", "% chord"),
+        Column::new("Pitch set point", "deg"),
+        Column::new("Corrected numerical cost", "s"),
+        Column::new("Experimental cost", "s"),
+        Column::new("Change", "%"),
+    ]);
+    for row in full.rows {
+        let pair = |k: usize| format!("{} / {}", row[k], row[k + 1]);
+        table.push(vec![row[0].clone(), row[1].clone(), pair(2), pair(4), pair(6), pair(8), pair(10)]);
+    }
+    table
+}
+
+/// Ours beside Table 3, a column each.
 pub(crate) fn iteration_table(setup: &Setup, rows: &Rows) -> Table {
     let mut table = Table::new(vec![
         Column::new("Iteration", "1"),
@@ -171,8 +219,8 @@ pub(crate) fn variant_table(all: &[Rows]) -> Table {
         Column::new("Model alone", "s"),
         Column::new("Model corrected", "s"),
         Column::new("Experiment", "s"),
-        Column::new("Change since iteration 1", "%"),
-        Column::new("Experiments", "1"),
+        Column::new("Change", "%"),
+        Column::new("Runs", "1"),
         Column::new("Simulations", "1"),
     ]);
     for rows in all {
@@ -195,36 +243,50 @@ pub(crate) fn variant_table(all: &[Rows]) -> Table {
     table
 }
 
-/// How the designs of the printed loop fly in the stand-in: terms of the cost, footprint, margins.
-pub(crate) fn flight_table(rows: &Rows) -> Table {
+/// What each design of the printed loop costs in the stand-in, term by term.
+pub(crate) fn cost_table(rows: &Rows) -> Table {
     let mut columns = vec![Column::new("Iteration", "1")];
-    columns.extend(TERM_NAMES.iter().map(|name| Column::new(&format!("J from {name}"), "s")));
-    columns.extend([
-        Column::new("Footprint, mean", "m²"),
-        Column::new("Footprint, at trim", "m²"),
-        Column::new("Footprint, full scale", "m²"),
+    columns.extend(TERM_NAMES.iter().map(|name| Column::new(name, "s")));
+    columns.push(Column::new("sum J", "s"));
+    let mut table = Table::new(columns);
+    for row in &rows.rows {
+        let mut cells = vec![row.iteration.to_string()];
+        cells.extend(row.experiment.terms.iter().chain([&row.experiment.total]).map(|term| number(*term, 3)));
+        table.push(cells);
+    }
+    table
+}
+
+/// How each design of the printed loop flies in the stand-in: footprint and margins.
+pub(crate) fn flight_table(rows: &Rows) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Iteration", "1"),
+        Column::new("Footprint, mean", "cm²"),
+        Column::new("at trim", "cm²"),
+        Column::new("mean, full scale", "m²"),
         Column::new("Peak heading", "deg"),
         Column::new("Largest zenith angle", "deg"),
         Column::new("Smallest tension", "N"),
         Column::new("in line", ""),
+        Column::new("Yaw mode, damping ratio", "1"),
+        Column::new("frequency", "rad/s"),
     ]);
-    let mut table = Table::new(columns);
     for row in &rows.rows {
         let extremes = &row.flight.extremes;
         let mean = row.mean_footprint_m2();
-        let mut cells = vec![row.iteration.to_string()];
-        cells.extend(row.experiment.terms.iter().map(|term| number(*term, 3)));
-        cells.extend([
-            number(mean, 5),
-            number(row.flight.trim_footprint_m2(), 5),
+        table.push(vec![
+            row.iteration.to_string(),
+            number(mean * 1e4, 1),
+            number(row.flight.trim_footprint_m2() * 1e4, 1),
             // Areas grow with the square of the scale, 1/100.
             number(mean * 1e4, 1),
             number(extremes.peak_heading_rad.to_degrees(), 1),
             number(extremes.largest_zenith_rad.to_degrees(), 1),
             number(extremes.smallest_tension_n, 3),
             extremes.smallest_tension_line.to_owned(),
+            row.yaw_mode.map_or("–".to_owned(), |mode| number(mode.damping_ratio, 3)),
+            row.yaw_mode.map_or("–".to_owned(), |mode| number(mode.frequency_rad_s, 2)),
         ]);
-        table.push(cells);
     }
     table
 }
@@ -269,8 +331,7 @@ pub(crate) fn falls_pct(setup: &Setup, seeded: &Seeded) -> Vec<f64> {
 pub(crate) fn seed_table(setup: &Setup, all: &[Seeded]) -> Table {
     let mut columns = vec![Column::new("Loop", ""), Column::new("Iteration", "1"), Column::new("Seeds", "1")];
     for (name, unit, _) in READINGS {
-        columns.push(Column::new(&format!("{name}, median"), unit));
-        columns.push(Column::new("from – to", unit));
+        columns.push(Column::new(name, unit));
     }
     let mut table = Table::new(columns);
     for seeded in all {
@@ -281,10 +342,10 @@ pub(crate) fn seed_table(setup: &Setup, all: &[Seeded]) -> Table {
             for reading in &readings {
                 match Summary::of(&reading[k]) {
                     Some(s) => {
-                        cells.push(number(s.median, 2));
-                        cells.push(format!("{} – {}", number(s.minimum, 2), number(s.maximum, 2)));
+                        let [median, least, most] = [s.median, s.minimum, s.maximum].map(|value| number(value, 2));
+                        cells.push(format!("{median} ({least} … {most})"));
                     }
-                    None => cells.extend(["–".to_owned(), "–".to_owned()]),
+                    None => cells.push("–".to_owned()),
                 }
             }
             table.push(cells);

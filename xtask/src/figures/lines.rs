@@ -47,7 +47,6 @@ pub(crate) struct Series {
 enum Shape {
     Line,
     Step,
-    Points,
 }
 
 impl Series {
@@ -61,11 +60,6 @@ impl Series {
         Self::new(label, x, y, Shape::Step)
     }
 
-    /// Values on their own.
-    pub(crate) fn points(label: &str, x: &[f64], y: &[f64]) -> Self {
-        Self::new(label, x, y, Shape::Points)
-    }
-
     fn new(label: &str, x: &[f64], y: &[f64], shape: Shape) -> Self {
         debug_assert_eq!(x.len(), y.len(), "series `{label}`");
         let points = x.iter().copied().zip(y.iter().copied()).collect();
@@ -74,15 +68,13 @@ impl Series {
 
     fn plots(&self, color: &str) -> Vec<Plot> {
         let mut plots = Vec::new();
-        if self.shape != Shape::Points {
-            for stretch in finite_stretches(&self.points) {
-                plots.push(match self.shape {
-                    Shape::Step => lines(thin(&changes(stretch), MAX_POINTS), color).with_step().into(),
-                    _ => lines(thin(stretch, MAX_POINTS), color).into(),
-                });
-            }
+        for stretch in finite_stretches(&self.points) {
+            plots.push(match self.shape {
+                Shape::Step => lines(thin(&changes(stretch), MAX_POINTS), color).with_step().into(),
+                Shape::Line => lines(thin(stretch, MAX_POINTS), color).into(),
+            });
         }
-        if self.shape == Shape::Points || (self.shape == Shape::Line && self.points.len() <= FEW_POINTS) {
+        if self.shape == Shape::Line && self.points.len() <= FEW_POINTS {
             let finite = finite_stretches(&self.points).concat();
             plots.push(ScatterPlot::new().with_data(finite).with_color(color).with_size(3.5).into());
         }
@@ -170,14 +162,10 @@ fn color_of(label: &str, labels: &[&str]) -> &'static str {
 }
 
 fn legend(figure: &LineFigure, labels: &[&str]) -> Vec<LegendEntry> {
-    let shape = |label: &str| {
-        let mut series = figure.panels.iter().flat_map(|panel| &panel.series);
-        series.find(|series| series.label == label).map(|series| series.shape)
-    };
     let mut entries: Vec<LegendEntry> = labels
         .iter()
         .map(|label| LegendEntry {
-            mark: if shape(label) == Some(Shape::Points) { Mark::Dot } else { Mark::Line },
+            mark: Mark::Line,
             fill: color_of(label, labels).into(),
             outline: color_of(label, labels).into(),
             text: (*label).to_owned(),

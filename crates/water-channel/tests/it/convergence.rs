@@ -10,7 +10,7 @@ const DURATION_S: f64 = 12.0;
 /// Knots that no sample of 0.025 s meets.
 const FIRST_S: f64 = 3.011_7;
 const SECOND_S: f64 = 6.013_1;
-/// DOP853 at 1e-12 over a few hundred restarts, and 16 steps of RK4 a sample: both far below it.
+/// DOP853 at 1e-12 over a few hundred restarts, and RK4 at 1.6 ms: both below it.
 const SAME: f64 = 1e-9;
 
 fn speed(speed_m_s: f64) -> Flow {
@@ -44,18 +44,19 @@ fn turning(_: f64, piece_s: f64) -> Flow {
     }
 }
 
-/// Costs at 1, 2 and 4 steps per sample approach the reference with order 4, and 16 steps meet it.
+/// Costs at 1, 2 and 4 steps per sample approach the reference with order 4, and a fine step meets it.
 #[track_caller]
 fn check(history: FlowHistory, telling: fn(f64, f64) -> Flow, sample_time_s: f64) {
     let windows: Vec<Window> = kick(1.0);
     let mut request = first_row();
     request.rig.sample_time_s = sample_time_s;
     let profile = TestProfile::new(DURATION_S, history, windows.clone()).unwrap();
-    let fine = flown(&request, &profile, 16);
+    // The same step of 1.6 ms at every sample time.
+    let fine = flown(&request, &profile, (sample_time_s / 0.025 * 16.0).ceil() as usize);
     let test = Telling { duration_s: DURATION_S, knots_s: &[FIRST_S, SECOND_S], flow: telling, windows: &windows };
     let truth = reference(&request, &test, &fine.trim.state, &weights());
 
-    assert_close(cost(&fine), truth.cost, SAME * truth.cost, "cost at 16 steps per sample");
+    assert_close(cost(&fine), truth.cost, SAME * truth.cost, "cost with a fine step");
     for (found, expected) in fine.final_state.iter().zip(truth.final_state) {
         assert_close(*found, expected, SAME, "final state");
     }
