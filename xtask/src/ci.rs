@@ -23,9 +23,12 @@ const STEPS: &[Step] = &[
     Step { heading: "tests", run: || cargo(&["test", "--workspace", "--lib", "--bins", "--tests"]) },
     Step { heading: "tests in the documentation", run: || cargo(&["test", "--workspace", "--doc"]) },
     Step { heading: "documentation", run: documentation },
+    // The lanes are other machine code in a release build, and they are what studies fly with.
+    Step { heading: "rig, optimized", run: || cargo(&["test", "--release", "--package", "water-channel", "--tests"]) },
     Step { heading: "examples", run: examples },
     Step { heading: "benches compile", run: || cargo(&["bench", "--workspace", "--no-run"]) },
     Step { heading: "packages", run: packages },
+    Step { heading: "Chapter 4", run: || cargo(&["xtask", "reproduce-chapter4", "--check"]) },
 ];
 
 /// Runs the steps.

@@ -16,7 +16,8 @@ const USAGE: &str = "\
 cargo xtask <command>
 
 Studies:
-  reproduce-chapter4   the loop of Chapter 3 on the case study of Chapter 4; writes target/reproduction/chapter4/
+  reproduce-chapter4   the loop of Chapter 3 on the case study of Chapter 4; writes target/reproduction/chapter4/;
+                       with --check, fails when docs/results-chapter4.md says something else
 
 Checks:
   ci      everything that a change must pass; quiet until a step fails
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match words.as_slice() {
         ["reproduce-chapter4"] => workspace::root().and_then(|root| chapter4::reproduce(&root)),
+        ["reproduce-chapter4", "--check"] => workspace::root().and_then(|root| chapter4::check(&root)),
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
         ["help" | "--help" | "-h"] => {

@@ -57,6 +57,18 @@ impl Table {
         table.to_string()
     }
 
+    /// The table in Markdown.
+    pub(crate) fn markdown(&self) -> String {
+        let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+        let heads = self.columns.iter().map(|column| match column.unit.as_str() {
+            "" | "1" => column.name.clone(),
+            unit => format!("{} ({unit})", column.name),
+        });
+        let rules = self.columns.iter().map(|column| if column.unit.is_empty() { "---" } else { "---:" }.to_owned());
+        let rows: String = self.rows.iter().map(|row| line(row.clone())).collect();
+        line(heads.collect()) + &line(rules.collect()) + &rows
+    }
+
     /// Writes the table as CSV, the units in the header.
     pub(crate) fn write_csv(&self, path: &Path) -> Result<()> {
         write(path, &self.columns, self.rows.iter().cloned())

@@ -70,8 +70,8 @@ const OUTPUT_VARIABLES: [Variable; OUTPUTS] = [
 /// Where a command is at its limit, its column of B is that of the side on which the command acts.
 ///
 /// # Errors
-/// [`Error::State`] when the state is outside the model or a derivative does not exist there (fluid at rest
-/// relative to the body).
+/// [`Error::Argument`] for a flow or a command that is not finite; [`Error::State`] when the state is outside the
+/// model or a derivative does not exist there (fluid at rest relative to the body).
 pub fn linearize(
     plant: &Plant,
     state: &FlightState,
@@ -80,6 +80,9 @@ pub fn linearize(
 ) -> Result<Linearization, Error> {
     flow.validate()?;
     check_state(state, 0.0)?;
+    if let Some(&value) = commands_m_s.iter().find(|command| !command.is_finite()) {
+        return Err(Error::Argument { name: "line speed command in m/s", value, allowed: "finite" });
+    }
     let dual_plant = plant.cast::<Dual64>();
     let mut linear = Linearization {
         a: SMatrix::zeros(),

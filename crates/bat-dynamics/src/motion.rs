@@ -337,7 +337,9 @@ pub fn evaluate<T: Real>(
 ) -> Evaluation<T> {
     let &[zenith, azimuth, twist, zenith_rate, azimuth_rate, twist_rate, l1, l2, l3, u1, u2, u3] = state;
     let reel = [u1, u2, u3];
-    let pull = |command: T, speed: T| (command.min(plant.reel_limit).max(-plant.reel_limit) - speed) * plant.per_winch;
+    // In this order a command that is not a number stays one.
+    let limited = |command: T| (-plant.reel_limit).max(plant.reel_limit.min(command));
+    let pull = |command: T, speed: T| (limited(command) - speed) * plant.per_winch;
     let reel_acceleration = [pull(commands[0], u1), pull(commands[1], u2), pull(commands[2], u3)];
     let bridle = Bridle::of_lines(plant, [l1, l2, l3], reel, reel_acceleration);
     let pose = bridle.pose([zenith, azimuth, twist], flow);

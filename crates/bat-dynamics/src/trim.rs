@@ -70,13 +70,13 @@ pub enum NoTrim {
         /// The shortest line that it takes.
         shortest_line_m: f64,
     },
-    /// The altitude cannot be reached with a tether of positive length.
-    #[error("altitude {altitude_m} m takes a tether of {length_m:.4} m: it must be more than zero")]
+    /// The altitude is below what a tether of positive length reaches.
+    #[error("altitude {altitude_m} m puts the bridle joint at {joint_m:.4} m: it must be above the winches")]
     AltitudeOutOfReach {
-        /// The altitude that was asked for.
+        /// The altitude of the center of mass that was asked for.
         altitude_m: f64,
-        /// The tether length that it takes.
-        length_m: f64,
+        /// The altitude of the joint that it takes at the pitch that was asked for.
+        joint_m: f64,
     },
 }
 
@@ -122,6 +122,12 @@ pub fn trim(plant: &Plant, request: &TrimRequest) -> Result<Trim, Error> {
     if !(value.is_finite() && value > 0.0) {
         return Err(Error::Argument { name, value, allowed: "finite and more than zero" });
     }
+    if let TrimHeight::Altitude(altitude_m) = request.height {
+        let joint_m = joint_altitude(plant, request.pitch_rad, altitude_m);
+        if joint_m <= 0.0 {
+            return Err(NoTrim::AltitudeOutOfReach { altitude_m, joint_m }.into());
+        }
+    }
 
     let moment = |zenith: f64| {
         let q = coordinates(plant, request, zenith);
@@ -157,26 +163,22 @@ pub fn trim(plant: &Plant, request: &TrimRequest) -> Result<Trim, Error> {
     at_equilibrium(plant, request, 0.5 * (low + high))
 }
 
+/// Altitude of the joint with the center of mass at `altitude`, without roll.
+fn joint_altitude(plant: &Plant, pitch: f64, altitude: f64) -> f64 {
+    let (sin, cos) = pitch.sin_cos();
+    altitude + cos * plant.cm_z - sin * plant.cm_x
+}
+
 fn coordinates(plant: &Plant, request: &TrimRequest, zenith: f64) -> Coordinates {
     let length = match request.height {
         TrimHeight::TetherLength(length) => length,
-        TrimHeight::Altitude(altitude) => {
-            // h = L cos Phi less the depth of the center of mass below the joint at this pitch.
-            let (sin, cos) = request.pitch_rad.sin_cos();
-            (altitude + cos * plant.cm_z - sin * plant.cm_x) / zenith.cos()
-        }
+        TrimHeight::Altitude(altitude) => joint_altitude(plant, request.pitch_rad, altitude) / zenith.cos(),
     };
     [zenith, request.flow.direction_rad, 0.0, length, request.pitch_rad - zenith, 0.0]
 }
 
 fn at_equilibrium(plant: &Plant, request: &TrimRequest, zenith: f64) -> Result<Trim, Error> {
     let q = coordinates(plant, request, zenith);
-    if q[3] <= 0.0 {
-        let altitude_m = match request.height {
-            TrimHeight::Altitude(h) | TrimHeight::TetherLength(h) => h,
-        };
-        return Err(NoTrim::AltitudeOutOfReach { altitude_m, length_m: q[3] }.into());
-    }
     let lines = lines_of_driven(plant, [q[3], q[4], q[5]]);
     let shortest_line_m = lines[0].min(lines[1]).min(lines[2]);
     if q[4].abs() >= core::f64::consts::FRAC_PI_2 || shortest_line_m <= 0.0 {

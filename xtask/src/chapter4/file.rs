@@ -110,7 +110,7 @@ impl Setup {
         Self::parse(&text, directory).with_context(|| path.display().to_string())
     }
 
-    fn parse(text: &str, directory: &Path) -> Result<Self> {
+    pub(super) fn parse(text: &str, directory: &Path) -> Result<Self> {
         let file: StudyFile = toml::from_str(text)?;
         ensure!(file.parameter.len() == 2, "parameter: {} entries, Chapter 4 has two", file.parameter.len());
         ensure!(!file.variant.is_empty(), "variant: at least one is needed");

@@ -95,3 +95,39 @@ pub(crate) fn optimum(
     let start = setup.problem.region().center();
     Ok(infuse::codesign(&setup.problem, &settings.optimizer, &start, &mut cost)?)
 }
+
+#[cfg(test)]
+mod tests {
+    use infuse::TrialRole;
+
+    use super::*;
+
+    /// The study with a box in which many designs cannot fly, one step per sample and one iteration.
+    fn reckless() -> Setup {
+        let directory = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/bat");
+        let text = std::fs::read_to_string(directory.join("chapter4.toml")).unwrap();
+        let text = text
+            .replace("upper = 51.25", "upper = 90.0")
+            .replace("tolerance = 0.01", "tolerance = 0.1")
+            .replace("steps_per_sample = 2", "steps_per_sample = 1")
+            .replace("iterations = 3", "iterations = 1");
+        Setup::parse(&text, &directory).unwrap()
+    }
+
+    #[test]
+    fn designs_that_cannot_fly_are_failed_trials_and_the_study_goes_on() {
+        let setup = reckless();
+        let read = |trial: &Trial, cost: Cost| match trial.role {
+            TrialRole::Plus(0) => Err("the camera lost the body".to_owned()),
+            _ => cost,
+        };
+        let simulate = |point: &[f64]| setup.study.cost(point, MODEL);
+        let campaign = run(&setup, &setup.file.variant[0], simulate, read, || {}).unwrap();
+        let report = &campaign.reports[0];
+        let reasons: Vec<&str> = report.numerical.failures.iter().map(|failure| failure.reason.as_str()).collect();
+        assert!(!reasons.is_empty(), "a center of mass at 90 % of the chord flies");
+        assert!(reasons.iter().all(|r| r.contains("slack") || r.contains("trim") || r.contains("left")), "{reasons:?}");
+        assert!(report.numerical.corrected_cost < 5.0, "the optimum is still found: {report:?}");
+        assert!(report.experiment_gradient.iter().all(Option::is_some), "one-sided where a trial failed: {report:?}");
+    }
+}

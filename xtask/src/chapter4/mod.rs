@@ -10,7 +10,7 @@ mod results;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
@@ -25,6 +25,24 @@ use crate::table::{Column, write_columns_csv};
 
 /// Points at which interpolation is held against a flight of its own.
 const CHECKED_POINTS: usize = 32;
+
+/// The committed copy of the results.
+const RESULTS: &str = "docs/results-chapter4.md";
+
+/// Runs the study and fails when it finds something else than the committed page of results says.
+pub(crate) fn check(root: &Path) -> Result<()> {
+    reproduce(root)?;
+    let fresh = std::fs::read_to_string(root.join("target/reproduction/chapter4/results.md"))?;
+    let committed = std::fs::read_to_string(root.join(RESULTS)).context(RESULTS)?;
+    let differing = fresh.lines().zip(committed.lines()).find(|(a, b)| a != b);
+    if let Some((found, said)) = differing {
+        bail!(
+            "{RESULTS} is out of date; copy target/reproduction/chapter4/results.md over it\n  page: {said}\n  run:  {found}"
+        );
+    }
+    ensure!(fresh == committed, "{RESULTS} is out of date: it is longer or shorter than what the run finds");
+    Ok(())
+}
 
 /// Runs the study of Chapter 4 and writes the page, the figures and the data.
 pub(crate) fn reproduce(root: &Path) -> Result<()> {
@@ -118,6 +136,7 @@ fn write(out: &Path, findings: &Findings<'_>) -> Result<()> {
         save(&format!("{}.svg", picture.name), &picture.svg)?;
     }
     save("index.html", &report::page(findings).html())?;
+    save("results.md", &report::markdown(findings))?;
     let m = &findings.material;
     results::iteration_table(m.setup, &m.rows[0]).write_csv(&out.join("table-3.csv"))?;
     results::variant_table(m.rows).write_csv(&out.join("loops.csv"))?;

@@ -1,0 +1,69 @@
+//! How long flights take: one alone, many in lanes on one thread, many in lanes on all threads.
+
+use bat_dynamics::Fidelity;
+use divan::counter::ItemsCount;
+use divan::{Bencher, black_box};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use water_channel::{FlightRequest, FlightSettings, ProfileFile, RigFile, TestProfile, closed_loop_modes, fly, fly_all};
+
+fn main() {
+    divan::main();
+}
+
+fn fixture(name: &str) -> String {
+    format!("{}/../../fixtures/bat/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The 300 s test.
+fn profile() -> TestProfile {
+    ProfileFile::read(fixture("test-profile.toml")).expect("the fixture reads").profile
+}
+
+/// Flights over the box of the study, `n` by `n`.
+fn requests(n: usize, fidelity: Fidelity) -> Vec<FlightRequest> {
+    let rig = RigFile::read(fixture("rig.toml")).expect("the fixture reads").rig;
+    let at = |low: f64, high: f64, k: usize| low + (high - low) * k as f64 / (n.max(2) - 1) as f64;
+    let one = |k: usize| {
+        let mut rig = rig.clone();
+        rig.plant.body.center_of_mass_x = at(0.4565, 0.5125, k / n);
+        rig.set_points.pitch_rad = at(0.0, 22.0, k % n).to_radians();
+        FlightRequest { rig, fidelity }
+    };
+    (0..n * n).map(one).collect()
+}
+
+fn pool(n_threads: usize) -> ThreadPool {
+    ThreadPoolBuilder::new().num_threads(n_threads).build().expect("a pool of a few threads")
+}
+
+#[divan::bench(args = [1, 2], sample_count = 20)]
+fn one_flight_alone(bencher: Bencher<'_, '_>, steps_per_sample: usize) {
+    let (profile, settings) = (profile(), FlightSettings::with_steps(steps_per_sample));
+    let request = &requests(1, Fidelity::STALLED_WITH_ADDED_MASS)[0];
+    bencher.bench(|| fly(black_box(request), &profile, &settings));
+}
+
+#[divan::bench(args = [1, 2], sample_count = 10)]
+fn lanes_on_one_thread(bencher: Bencher<'_, '_>, steps_per_sample: usize) {
+    let (profile, settings) = (profile(), FlightSettings::with_steps(steps_per_sample));
+    let (requests, pool) = (requests(4, Fidelity::STALLED_WITH_ADDED_MASS), pool(1));
+    bencher
+        .counter(ItemsCount::new(requests.len()))
+        .bench(|| pool.install(|| fly_all(black_box(&requests), &profile, &settings, |_| {})));
+}
+
+#[divan::bench(sample_count = 3)]
+fn batch_of_576_flights_on_all_threads(bencher: Bencher<'_, '_>) {
+    let (profile, settings) = (profile(), FlightSettings::with_steps(1));
+    let requests = requests(24, Fidelity::STALLED_WITH_ADDED_MASS);
+    bencher
+        .counter(ItemsCount::new(requests.len()))
+        .bench(|| fly_all(black_box(&requests), &profile, &settings, |_| {}));
+}
+
+#[divan::bench]
+fn modes_of_the_sampled_loop(bencher: Bencher<'_, '_>) {
+    let request = &requests(1, Fidelity::NUMERICAL)[0];
+    let flow = bat_dynamics::Flow::straight(0.245);
+    bencher.bench(|| closed_loop_modes(black_box(request), &flow));
+}
