@@ -58,6 +58,8 @@ impl Modes {
 
 /// Sweeps of the QR algorithm before giving up.
 const MAX_SWEEPS: usize = 10_000;
+/// Largest part of the matrix's largest entry that an eigenvector may leave over.
+const MAX_RESIDUAL: f64 = 1e-8;
 /// Largest entry of the inverse of the unit eigenvectors up to which shares are reported.
 const MAX_CONDITION: f64 = 1e7;
 
@@ -94,7 +96,7 @@ pub fn modes(a: &DMatrix<f64>) -> Result<Modes, Error> {
 fn participation(a: &DMatrix<f64>, eigenvalues: &DVector<Complex<f64>>) -> Option<Vec<Vec<f64>>> {
     let size = a.nrows();
     let complex = a.map(|entry| Complex::new(entry, 0.0));
-    let scale = a.amax().max(f64::MIN_POSITIVE);
+    let scale = if a.amax() > 0.0 { a.amax() } else { 1.0 };
     let mut right = DMatrix::<Complex<f64>>::zeros(size, size);
     for (k, eigenvalue) in eigenvalues.iter().enumerate() {
         // Inverse iteration a hair beside the eigenvalue; equal eigenvalues get orthogonal vectors.
@@ -116,6 +118,11 @@ fn participation(a: &DMatrix<f64>, eigenvalues: &DVector<Complex<f64>>) -> Optio
                 return None;
             }
             vector.unscale_mut(norm);
+        }
+        // A vector made orthogonal to another of the same eigenvalue need not be an eigenvector: a defective matrix.
+        let residual = (&complex * &vector - &vector * *eigenvalue).norm();
+        if residual.is_nan() || residual > MAX_RESIDUAL * scale {
+            return None;
         }
         right.set_column(k, &vector);
     }

@@ -252,7 +252,7 @@ pub struct Accelerations {
 ///
 /// # Errors
 /// [`Error::State`] for a non-finite entry, a length of zero or less, or a zenith angle at which the azimuth
-/// and the twist coincide.
+/// and the twist coincide; [`Error::Argument`] for a flow or driven accelerations that are not finite.
 pub fn accelerations(
     plant: &Plant,
     q: &Coordinates,
@@ -262,6 +262,9 @@ pub fn accelerations(
 ) -> Result<Accelerations, Error> {
     flow.validate()?;
     check_coordinates(q, q_rate)?;
+    if let Some(&value) = driven.iter().find(|acceleration| !acceleration.is_finite()) {
+        return Err(Error::Argument { name: "acceleration of a driven coordinate", value, allowed: "finite" });
+    }
     let pose = Pose::of_coordinates(q, flow);
     let motion = solve_motion(
         plant,

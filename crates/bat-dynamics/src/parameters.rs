@@ -160,7 +160,8 @@ parameters! {
         inertia_yy_kg_m2 = "inertia_yy", "kg*m^2", Positive;
         /// Moment of inertia in yaw, about the center of mass.
         inertia_zz_kg_m2 = "inertia_zz", "kg*m^2", Positive;
-        /// Product of inertia, the integral of x z dm about the center of mass.
+        /// Product of inertia, the integral of x z dm about the center of mass: positive for mass ahead below and aft
+        /// above. The entry of the inertia tensor is minus it.
         inertia_xz_kg_m2 = "inertia_xz", "kg*m^2", Finite;
         /// Bridle joint.
         joint_x = "joint_x", "chord", Finite;
@@ -319,14 +320,16 @@ impl Parameters {
         if zz > xx + yy {
             return Err(impossible("inertia_zz", zz));
         }
+        // The product is at most the geometric mean of the second moments of mass along x and z, and less than that of
+        // the moments of inertia about them.
         let xz = self.body.inertia_xz_kg_m2;
-        if xz * xz >= xx * zz {
+        if 4.0 * xz * xz > (yy + zz - xx) * (xx + yy - zz) || xz * xz >= xx * zz {
             return Err(Error::Parameter {
                 section: "body",
                 name: "inertia_xz",
                 value: xz,
                 unit: "kg*m^2",
-                allowed: "smaller in magnitude than sqrt(inertia_xx inertia_zz)",
+                allowed: "at most sqrt((I_yy + I_zz - I_xx) (I_xx + I_yy - I_zz))/2 in magnitude",
             });
         }
         Ok(())

@@ -4,7 +4,9 @@ use bat_dynamics::Fidelity;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use water_channel::{FlightRequest, FlightSettings, ProfileFile, RigFile, TestProfile, closed_loop_modes, fly, fly_all};
+use water_channel::{
+    FlightRequest, FlightSettings, ProfileFile, RigFile, TestProfile, closed_loop_modes, fly, fly_all,
+};
 
 fn main() {
     divan::main();

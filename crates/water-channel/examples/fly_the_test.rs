@@ -1,4 +1,5 @@
 //! Flies the 300 s test with the rig of the fixtures; an argument names a CSV file for the log.
+#![expect(clippy::print_stdout, reason = "an example talks")]
 
 use std::error::Error;
 use std::fs::File;
@@ -40,7 +41,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let modes = closed_loop_modes(&request, &Flow::straight(0.245))?;
         if let Some(yaw) = modes.least_damped_oscillation() {
             let (rate, damping) = (yaw.mode.eigenvalue, yaw.mode.damping_ratio());
-            println!("  yaw mode         {:6.3} ± {:.3}i 1/s at 0.245 m/s, damping ratio {damping:.2}", rate.re, rate.im);
+            println!(
+                "  yaw mode         {:6.3} ± {:.3}i 1/s at 0.245 m/s, damping ratio {damping:.2}",
+                rate.re, rate.im
+            );
         }
         if let (Some(path), Fidelity::NUMERICAL) = (std::env::args().nth(1), fidelity) {
             log.write_csv(File::create(&path)?)?;

@@ -11,8 +11,7 @@ use crate::quantity::{Range, Reader, Record, read_file};
 pub const N_TERMS: usize = 6;
 
 /// Names of the terms of (21), the last one outside the square.
-pub const TERM_NAMES: [&str; N_TERMS + 1] =
-    ["heading", "pitch", "roll", "altitude", "reel speed", "zenith", "ballast"];
+pub const TERM_NAMES: [&str; N_TERMS + 1] = ["heading", "pitch", "roll", "altitude", "reel speed", "zenith", "ballast"];
 
 /// What a flight leaves for any cost: the integrals over time of all products of the six terms
 /// `[(psi − psi_flow)², theta_e², phi_e², z_e², uᵀu, Phi]` of (21), in SI units and radians, and those of (20).

@@ -87,9 +87,6 @@ fn fly_lanes(
 /// The loop compiled for several instruction sets, chosen when it runs; none of them contracts a product and a
 /// sum into one rounding, so all give the same bits.
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn integrate_lanes(
-    setup: &Setup<'_, Lanes, LANES>,
-    start: [&bat_dynamics::FlightState; LANES],
-) -> [Landing; LANES] {
+fn integrate_lanes(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Landing; LANES] {
     integrate::<Lanes, LANES>(setup, start, |_| {})
 }

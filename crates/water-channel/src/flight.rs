@@ -167,11 +167,7 @@ impl Ready {
 ///
 /// # Errors
 /// [`FlightError`]: the flight cannot start, leaves the model, or a line goes slack where that is an error.
-pub fn fly(
-    request: &FlightRequest,
-    profile: &TestProfile,
-    settings: &FlightSettings,
-) -> Result<Flight, FlightError> {
+pub fn fly(request: &FlightRequest, profile: &TestProfile, settings: &FlightSettings) -> Result<Flight, FlightError> {
     settings.validate()?;
     let ready = Ready::new(request, profile)?;
     let [landing] = one(&ready, profile, settings, |_| {});

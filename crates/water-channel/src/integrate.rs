@@ -66,7 +66,7 @@ pub(crate) struct Landing {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample<'a, T, const N: usize> {
     pub(crate) time_s: f64,
-    pub(crate) flow: Flow,
+    pub(crate) water: Water,
     pub(crate) state: &'a FlightState<T>,
     pub(crate) evaluation: &'a Evaluation<T>,
     pub(crate) commands: &'a [[f64; N]; 3],
@@ -76,7 +76,7 @@ pub(crate) struct Sample<'a, T, const N: usize> {
 const N_SUMS: usize = N_TERMS * (N_TERMS + 1) / 2 + 2;
 
 #[inline(always)]
-fn integrands<T: Real>(state: &FlightState<T>, sight: &Sight<T>, targets: &Targets<T>, flow: &Flow) -> [T; N_SUMS] {
+fn integrands<T: Real>(state: &FlightState<T>, sight: &Sight<T>, targets: &Targets<T>, water: &Water) -> [T; N_SUMS] {
     let (pitch, roll, altitude) =
         (sight.pitch - targets.pitch, sight.roll - targets.roll, targets.altitude - sight.altitude);
     let heading_squared = sight.heading * sight.heading;
@@ -88,8 +88,7 @@ fn integrands<T: Real>(state: &FlightState<T>, sight: &Sight<T>, targets: &Targe
         state[9] * state[9] + state[10] * state[10] + state[11] * state[11],
         state[0],
     ];
-    let (sin, cos) = flow.direction_rad.sin_cos();
-    let lateral = T::constant(sin) * sight.forward + T::constant(cos) * sight.right;
+    let lateral = water.lateral(sight);
     let mut sums = [lateral * lateral; N_SUMS];
     let mut k = 0;
     for i in 0..N_TERMS {
@@ -114,6 +113,29 @@ fn to_integrals(sums: [f64; N_SUMS], duration_s: f64) -> Integrals {
         }
     }
     Integrals { gram, heading_squared: sums[k], lateral_squared: sums[k + 1], duration_s }
+}
+
+/// The flow with sine and cosine of its direction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Water {
+    pub(crate) flow: Flow,
+    sin: f64,
+    cos: f64,
+}
+
+impl Water {
+    #[inline(always)]
+    fn new(flow: Flow) -> Self {
+        // The plant's own functions: the same bits on every machine.
+        let (sin, cos) = Real::sin_cos(flow.direction_rad);
+        Self { flow, sin, cos }
+    }
+
+    /// Lateral position y of the center of mass in the ground frame, in m.
+    #[inline(always)]
+    pub(crate) fn lateral<T: Real>(&self, sight: &Sight<T>) -> T {
+        T::constant(self.sin) * sight.forward + T::constant(self.cos) * sight.right
+    }
 }
 
 struct Targets<T> {
@@ -153,8 +175,7 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
     mut watch: impl FnMut(&Sample<'_, T, N>),
 ) -> [Landing; N] {
     let Setup { plant, controllers, sample_time_s, profile, settings, used } = setup;
-    let per_controller =
-        |f: fn(&Controller) -> f64| T::join(core::array::from_fn(|lane| f(controllers[lane])));
+    let per_controller = |f: fn(&Controller) -> f64| T::join(core::array::from_fn(|lane| f(controllers[lane])));
     let targets = Targets {
         altitude: per_controller(|c| c.parameters().set_points.altitude_m),
         pitch: per_controller(|c| c.parameters().set_points.pitch_rad),
@@ -173,16 +194,15 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
         let time_s = index as f64 * sample_time_s;
         let end_s = ((index + 1) as f64 * sample_time_s).min(duration_s);
         let mut piece = profile.piece_after(time_s, *sample_time_s);
-        let flow = profile.flow().within(piece, time_s);
+        let water = Water::new(profile.flow().within(piece, time_s));
 
         // What the cameras see does not depend on the commands that the controller makes of it.
-        let seen = sight(plant, &state, &flow.cast());
+        let seen = sight(plant, &state, &water.flow.cast());
         let (altitude, pitch, roll) = (seen.altitude.split(), seen.pitch.split(), seen.roll.split());
         let by_hand = profile.override_at(time_s, *sample_time_s);
         let mut commands = [[0.0; N]; 3];
         for lane in 0..N {
-            let measured =
-                Measurement { altitude_m: altitude[lane], pitch_rad: pitch[lane], roll_rad: roll[lane] };
+            let measured = Measurement { altitude_m: altitude[lane], pitch_rad: pitch[lane], roll_rad: roll[lane] };
             let command = controllers[lane].command(&mut memory[lane], &measured).saturated_m_s;
             for line in 0..3 {
                 commands[line][lane] = match by_hand {
@@ -204,14 +224,14 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
                 let mut x = state;
                 // One copy of the right-hand side for the four stages keeps the code small enough to compile well.
                 for stage in &STAGES {
-                    let flow_now = profile.flow().within(piece, at_s + stage.at * h_s);
-                    let e = evaluate(plant, &x, held, &flow_now.cast());
+                    let water = Water::new(profile.flow().within(piece, at_s + stage.at * h_s));
+                    let e = evaluate(plant, &x, held, &water.flow.cast());
                     if stage.at <= 0.0 && step == 0 && from_s <= time_s {
-                        watch(&Sample { time_s, flow, state: &x, evaluation: &e, commands: &commands });
+                        watch(&Sample { time_s, water, state: &x, evaluation: &e, commands: &commands });
                         look(&mut watchers, time_s, &x, &e, settings);
                     }
                     let weight = T::constant(stage.weight);
-                    growth = advance(&growth, weight, &integrands(&x, &e.sight, &targets, &flow_now));
+                    growth = advance(&growth, weight, &integrands(&x, &e.sight, &targets, &water));
                     slope = advance(&slope, weight, &e.derivative);
                     x = advance(&state, T::constant(stage.next * h_s), &e.derivative);
                 }

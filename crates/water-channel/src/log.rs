@@ -43,13 +43,12 @@ pub struct LogRow {
 impl LogRow {
     pub(crate) fn of(sample: &Sample<'_, f64, 1>, rig: &Rig) -> Self {
         let (sight, tensions) = (&sample.evaluation.sight, &sample.evaluation.tensions);
-        let (sin, cos) = sample.flow.direction_rad.sin_cos();
         Self {
             time_s: sample.time_s,
-            flow_speed_m_s: sample.flow.speed_m_s,
-            flow_direction_rad: sample.flow.direction_rad,
+            flow_speed_m_s: sample.water.flow.speed_m_s,
+            flow_direction_rad: sample.water.flow.direction_rad,
             altitude_m: sight.altitude,
-            lateral_m: sin * sight.forward + cos * sight.right,
+            lateral_m: sample.water.lateral(sight),
             roll_rad: sight.roll,
             pitch_rad: sight.pitch,
             heading_rad: sight.heading,

@@ -122,8 +122,7 @@ impl Reader {
 
 /// Reads a file and names it in every error.
 pub(crate) fn read_file<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, FileError>) -> Result<T, FileError> {
-    let text =
-        std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.to_path_buf(), source })?;
+    let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.to_path_buf(), source })?;
     parse(&text).map_err(|error| FileError::In { path: path.to_path_buf(), error: Box::new(error) })
 }
 
@@ -250,13 +249,12 @@ impl<'a> Section<'a> {
             other => other,
         })?;
         let value = section.needed("value", "a number")?;
-        let written = value.as_float().or_else(|| value.as_integer().map(|n| n as f64)).ok_or_else(|| {
-            FileError::Kind {
+        let written =
+            value.as_float().or_else(|| value.as_integer().map(|n| n as f64)).ok_or_else(|| FileError::Kind {
                 key: section.key("value"),
                 found: value.type_str().to_owned(),
                 expected: "a number".to_owned(),
-            }
-        })?;
+            })?;
         let found = section.text("unit")?;
         let factor = factor(&found, unit).ok_or_else(|| FileError::Unit {
             key: section.path.clone(),
@@ -275,7 +273,13 @@ impl<'a> Section<'a> {
                 allowed: range.words().to_owned(),
             });
         }
-        self.reader.records.borrow_mut().push(Record { key: section.path, value: written, unit: found, provenance, source });
+        self.reader.records.borrow_mut().push(Record {
+            key: section.path,
+            value: written,
+            unit: found,
+            provenance,
+            source,
+        });
         Ok(si)
     }
 

@@ -6,7 +6,7 @@ use bat_dynamics::{FIELDS, Fidelity, Parameters, Plant, TetherLayout};
 use tether_control::{Controller, ControllerParameters, FilteredPd, SetPoints};
 
 use crate::error::{Error, FileError};
-use crate::quantity::{Reader, Record, Range, Section, read_file};
+use crate::quantity::{Range, Reader, Record, Section, read_file};
 
 /// A tethered aerostat with its controller.
 ///

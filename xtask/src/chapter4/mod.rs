@@ -3,6 +3,7 @@
 mod file;
 mod lattice;
 mod loops;
+mod margins;
 mod pictures;
 mod report;
 mod results;
@@ -69,16 +70,26 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let seeded = loops::seeded(&setup, &model, || bar.inc(1))?;
     bar.finish();
 
-    let bar = self::bar("4/4 reported designs flown, pictures drawn", 2);
+    let bar = self::bar("4/4 reported designs, margins over the box, pictures", margins::n_flights() + 2);
     let interpolation_error = interpolation_error(&setup, &model)?;
     let rows = Rows::fly(&setup, campaigns)?;
+    let box_table = margins::box_table(&setup, |n| bar.inc(n as u64));
+    let step_table = margins::step_table(&setup, &rows[0].first().point)?;
     bar.inc(1);
     let material = Material { setup: &setup, rows: &rows, model: &model, stand_in: &stand_in, seeded: &seeded };
     let pictures = pictures(&material);
+    bar.inc(1);
     bar.finish();
 
-    let findings =
-        Findings { material, best, interpolation_error, seconds: started.elapsed().as_secs_f64(), pictures: &pictures };
+    let findings = Findings {
+        material,
+        best,
+        interpolation_error,
+        box_table,
+        step_table,
+        seconds: started.elapsed().as_secs_f64(),
+        pictures: &pictures,
+    };
     write(&out, &findings)?;
     report::print(&findings, &relative(&out, root));
     Ok(())

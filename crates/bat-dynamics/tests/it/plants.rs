@@ -1,9 +1,16 @@
 //! The plants and the random states of the tests.
 
+use std::sync::LazyLock;
+
 use bat_dynamics::{Parameters, TetherLayout};
 
 /// The parameters of `fixtures/bat/rig.toml`.
 pub(crate) fn rig() -> Parameters {
+    static RIG: LazyLock<Parameters> = LazyLock::new(read_rig);
+    *RIG
+}
+
+fn read_rig() -> Parameters {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/bat/rig.toml");
     let text = std::fs::read_to_string(path).unwrap();
     let table: toml::Table = text.parse().unwrap();

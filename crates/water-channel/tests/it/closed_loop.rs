@@ -28,7 +28,8 @@ fn assert_same_set(found: &[Complex<f64>], expected: &[Complex<f64>], tolerance:
     assert_eq!(found.len(), expected.len(), "{what}: number of eigenvalues");
     let mut left = found.to_vec();
     for one in expected {
-        let nearest = (0..left.len()).min_by(|a, b| (left[*a] - one).norm().total_cmp(&(left[*b] - one).norm())).unwrap();
+        let nearest =
+            (0..left.len()).min_by(|a, b| (left[*a] - one).norm().total_cmp(&(left[*b] - one).norm())).unwrap();
         let nearest = left.swap_remove(nearest);
         assert!((nearest - one).norm() <= tolerance, "{what}: {nearest}, expected {one} within {tolerance:e}");
     }
@@ -89,10 +90,9 @@ fn least_damped_oscillation_is_the_yaw_mode_and_is_lateral() {
 /// The flight itself is the judge of the whole map: filters, mixing, signs, hold and sampling.
 #[test]
 fn map_predicts_the_next_sample_of_a_flight_near_trim() {
-    for (pitch_deg, layout) in [
-        (17.3, bat_dynamics::TetherLayout::OneForwardTwoAft),
-        (8.0, bat_dynamics::TetherLayout::TwoForwardOneAft),
-    ] {
+    for (pitch_deg, layout) in
+        [(17.3, bat_dynamics::TetherLayout::OneForwardTwoAft), (8.0, bat_dynamics::TetherLayout::TwoForwardOneAft)]
+    {
         let mut request = request(Fidelity::STALLED_WITH_ADDED_MASS, 48.0, pitch_deg);
         request.rig.plant.layout = layout;
         // A gentle kick: a twentieth of the speed for half a second, far from any limit.
@@ -142,7 +142,10 @@ fn loop_with_a_wrong_sign_is_unstable() {
     let found = closed_loop_modes(&wrong, &Flow::straight(0.245)).unwrap();
     assert!(!found.is_stable(), "a pitch loop of the wrong sign");
     assert!(found.modes[0].mode.is_unstable(), "the slowest decay is a growth: {:?}", found.modes[0]);
-    assert!(found.modes[0].share_of(&["line_center", "line_starboard", "line_port"]).unwrap() > 0.5, "it is the lines'");
+    assert!(
+        found.modes[0].share_of(&["line_center", "line_starboard", "line_port"]).unwrap() > 0.5,
+        "it is the lines'"
+    );
 }
 
 #[test]

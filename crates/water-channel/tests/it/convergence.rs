@@ -96,8 +96,7 @@ fn test_that_ends_between_samples_ends_there() {
     let windows = kick(1.0);
     let profile = TestProfile::new(2.512, steps(&[(0.0, 0.245, 0.0)]), windows.clone()).unwrap();
     let fine = flown(&request, &profile, 16);
-    let test =
-        Telling { duration_s: 2.512, knots_s: &[], flow: |_, _| Flow::straight(0.245), windows: &windows };
+    let test = Telling { duration_s: 2.512, knots_s: &[], flow: |_, _| Flow::straight(0.245), windows: &windows };
     let truth = reference(&request, &test, &fine.trim.state, &weights());
     assert_close(cost(&fine), truth.cost, SAME * truth.cost, "cost");
     assert_close(fine.integrals.duration_s, 2.512, 0.0, "duration");

@@ -13,8 +13,7 @@ fn flight() -> Flight {
 }
 
 fn positive() -> impl Strategy<Value = CostWeights> {
-    (prop::array::uniform6(0.0..1e3_f64), 0.0..1e-3_f64)
-        .prop_map(|(terms, ballast)| CostWeights { terms, ballast })
+    (prop::array::uniform6(0.0..1e3_f64), 0.0..1e-3_f64).prop_map(|(terms, ballast)| CostWeights { terms, ballast })
 }
 
 /// A Gram matrix of six functions given by a few values each.

@@ -2,7 +2,9 @@
 
 use bat_dynamics::Error as PlantError;
 use tether_control::FilteredPd;
-use water_channel::{Error, FlightError, FlightRequest, FlightSettings, SlackPolicy, TestProfile, Window, fly, fly_logged};
+use water_channel::{
+    Error, FlightError, FlightRequest, FlightSettings, SlackPolicy, TestProfile, Window, fly, fly_logged,
+};
 
 use crate::rigs::{assert_close, first_row, full_test, short_test, steps};
 

@@ -91,9 +91,17 @@ fn unknown_key_is_an_error_at_every_level() {
         "unknown key `controller.yaw`; known here: altitude, altitude_set_point, pitch, pitch_set_point, roll, \
          roll_set_point, sample_time",
     );
-    profile("[[flow]]", "[[flow]]\nturbulence = 0.1", "unknown key `flow[0].turbulence`; known here: direction, from, \
-         speed, transition");
-    profile("port =", "prot = 1\nport =", "unknown key `window[0].prot`; known here: center, from, port, starboard, to");
+    profile(
+        "[[flow]]",
+        "[[flow]]\nturbulence = 0.1",
+        "unknown key `flow[0].turbulence`; known here: direction, from, \
+         speed, transition",
+    );
+    profile(
+        "port =",
+        "prot = 1\nport =",
+        "unknown key `window[0].prot`; known here: center, from, port, starboard, to",
+    );
     profile("duration =", "start = 0\nduration =", "unknown key `start`; known here: duration, flow, title, window");
     weights(
         "k7_ballast =",
@@ -113,11 +121,7 @@ fn missing_key_is_named_with_what_should_stand_there() {
         &MASS.replace("provenance = \"given\", ", ""),
         "missing key `plant.body.mass.provenance`: given, derived, estimated or calibrated",
     );
-    rig(
-        MASS,
-        &MASS.replace(", source = \"Table 2, model 2\"", ""),
-        "missing key `plant.body.mass.source`: a text",
-    );
+    rig(MASS, &MASS.replace(", source = \"Table 2, model 2\"", ""), "missing key `plant.body.mass.source`: a text");
     rig(
         "layout = \"one-forward-two-aft\"",
         "",
@@ -211,32 +215,20 @@ fn number_out_of_range_is_named_with_what_is_allowed() {
     );
     profile("value = 0.205", "value = -0.205", "`flow[0].speed` = -0.205 m/s: it must be finite and zero or more");
     profile("value = -1.0", "value = -1.01", "`window[0].port` = -1.01 u_max: it must be within -1 and 1");
-    weights(
-        "value = 11.6",
-        "value = -11.6",
-        "`k2_pitch` = -11.6 1/rad^2: it must be finite and zero or more",
-    );
+    weights("value = 11.6", "value = -11.6", "`k2_pitch` = -11.6 1/rad^2: it must be finite and zero or more");
     weights("value = 11.6", "value = nan", "`k2_pitch` = NaN 1/rad^2: it must be finite and zero or more");
 }
 
 #[test]
 fn numbers_that_do_not_fit_together_are_named() {
-    profile(
-        "to = { value = 21.0",
-        "to = { value = 19.0",
-        "`window[0].to` = 19 s: it must be not before `from`",
-    );
+    profile("to = { value = 21.0", "to = { value = 19.0", "`window[0].to` = 19 s: it must be not before `from`");
     profile("from = { value = 0.0", "from = { value = 5.0", "`flow[0].from` = 5 s: it must be 0 in the first entry");
     profile(
         "from = { value = 200.0",
         "from = { value = 100.0",
         "`flow[2].from` = 100 s: it must be later than in the entry before",
     );
-    profile(
-        "from = { value = 200.0",
-        "from = { value = 301.0",
-        "`flow[2].from` = 301 s: it must be within `duration`",
-    );
+    profile("from = { value = 200.0", "from = { value = 301.0", "`flow[2].from` = 301 s: it must be within `duration`");
     profile(
         "from = { value = 220.0",
         "from = { value = 320.0",

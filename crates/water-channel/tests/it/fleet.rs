@@ -35,12 +35,7 @@ fn with_threads<T: Send>(n_threads: usize, f: impl FnOnce() -> T + Send) -> T {
 }
 
 fn requests() -> impl Strategy<Value = Vec<FlightRequest>> {
-    let fidelities = [
-        Fidelity::NUMERICAL,
-        Fidelity::STALLED,
-        Fidelity::ADDED_MASS,
-        Fidelity::STALLED_WITH_ADDED_MASS,
-    ];
+    let fidelities = [Fidelity::NUMERICAL, Fidelity::STALLED, Fidelity::ADDED_MASS, Fidelity::STALLED_WITH_ADDED_MASS];
     let one = (45.0..52.0_f64, -2.0..24.0_f64, 0..4_usize, 0.6..1.6_f64, 0.5..2.0_f64, 0..2_usize);
     let one = one.prop_map(move |(x_cm, pitch, fidelity, fin, gain, layout)| {
         let mut request = request(fidelities[fidelity], x_cm, pitch);
@@ -113,18 +108,8 @@ fn neighbour_that_fails_leaves_the_others_alone() {
     let mut other_clock = first_row();
     other_clock.rig.sample_time_s = 0.05;
     let good = |pitch_deg| request(Fidelity::STALLED, 48.0, pitch_deg);
-    let requests = [
-        good(5.0),
-        diverging,
-        good(10.0),
-        no_trim,
-        wrong,
-        good(15.0),
-        other_clock,
-        slack,
-        good(20.0),
-        good(12.0),
-    ];
+    let requests =
+        [good(5.0), diverging, good(10.0), no_trim, wrong, good(15.0), other_clock, slack, good(20.0), good(12.0)];
     let windows = [kick(1.0), vec![Window { from_s: 5.0, to_s: 8.0, commands: [-1.0, 1.0, 1.0] }]].concat();
     let profile = TestProfile::new(10.0, steps(&[(0.0, 0.245, 0.0)]), windows).unwrap();
     for policy in [SlackPolicy::Fail, SlackPolicy::Warn] {

@@ -40,8 +40,7 @@ fn flights_match_an_independent_integration_at_tight_tolerance() {
     assert_eq!(cases.len(), 6, "cases in the golden file");
     for case in &cases {
         let request = request_of(case);
-        let (outcome, log) =
-            fly_logged(&request, &full_test(), &water_channel::FlightSettings::default(), 1).unwrap();
+        let (outcome, log) = fly_logged(&request, &full_test(), &water_channel::FlightSettings::default(), 1).unwrap();
         let flight = outcome.unwrap();
 
         let [zenith, azimuth, twist, length, pitch, roll] = flight.trim.coordinates;
@@ -123,8 +122,7 @@ fn error_of_the_cost_falls_with_the_fourth_power_of_the_step() {
 
 #[test]
 fn two_and_four_steps_per_sample_agree_on_the_cost_to_1e_6() {
-    let [two, four] = [2, 4].map(|steps| {
-        weights().cost(&flown(&first_row(), &full_test(), steps).integrals, 0.7).total
-    });
+    let [two, four] =
+        [2, 4].map(|steps| weights().cost(&flown(&first_row(), &full_test(), steps).integrals, 0.7).total);
     assert_close(two, four, 1e-6 * four, "cost");
 }

@@ -29,7 +29,8 @@ fn pull_covers_samples_800_to_840_and_hold_samples_841_to_920() {
         }
         assert!(log.rows[offset + 921].commands_m_s[2] > 0.0, "after the hold the port line goes out again");
     }
-    let switches = log.rows.windows(2).filter(|pair| pair[0].commands_m_s[2] > -limit && pair[1].commands_m_s[2] <= -limit);
+    let switches =
+        log.rows.windows(2).filter(|pair| pair[0].commands_m_s[2] > -limit && pair[1].commands_m_s[2] <= -limit);
     assert_eq!(switches.count(), 3, "pulls in the test");
 }
 

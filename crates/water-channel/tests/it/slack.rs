@@ -48,8 +48,7 @@ fn slack_line_fails_the_flight_where_that_is_asked_for() {
     let warned = fly(&request, &profile, &settings(SlackPolicy::Warn)).unwrap().slack.unwrap();
     let (outcome, log) = fly_logged(&request, &profile, &settings(SlackPolicy::Fail), 1).unwrap();
     let error = outcome.unwrap_err();
-    let expected =
-        FlightError::Slack { line: warned.line, time_s: warned.time_s, tension_n: warned.tension_n };
+    let expected = FlightError::Slack { line: warned.line, time_s: warned.time_s, tension_n: warned.tension_n };
     assert_eq!(error, expected);
     let message = error.to_string();
     assert!(message.starts_with("line center went slack at t = 2 s: its tension would be -"), "{message}");
