@@ -55,7 +55,10 @@ pub(crate) struct Study {
     rig: Rig,
     profile: TestProfile,
     weights: CostWeights,
+    /// For searches and landscapes.
     settings: FlightSettings,
+    /// For the designs that are reported.
+    report_settings: FlightSettings,
     variables: Vec<Variable>,
     /// Flights carry no noise, so each point is flown once per fidelity.
     memory: Mutex<HashMap<(Fidelity, Vec<u64>), Cost>>,
@@ -67,18 +70,21 @@ impl Study {
         directory: &Path,
         [rig, profile, cost]: [&str; 3],
         variables: Vec<Variable>,
-        steps_per_sample: usize,
+        [steps_per_sample, report_steps_per_sample]: [usize; 2],
     ) -> Result<Self> {
         let rig = RigFile::read(directory.join(rig))?;
         let profile = ProfileFile::read(directory.join(profile))?;
         let cost = CostFile::read(directory.join(cost))?;
         let settings = FlightSettings::with_steps(steps_per_sample);
-        settings.validate().context("numerics")?;
+        settings.validate().context("numerics.steps_per_sample")?;
+        let report_settings = FlightSettings::with_steps(report_steps_per_sample);
+        report_settings.validate().context("numerics.report_steps_per_sample")?;
         Ok(Self {
             rig: rig.rig,
             profile: profile.profile,
             weights: cost.weights,
             settings,
+            report_settings,
             variables,
             memory: Mutex::default(),
             records: [rig.records, profile.records, cost.records].concat(),
@@ -141,9 +147,9 @@ impl Study {
         costs.into_iter().flatten().collect()
     }
 
-    /// A flight with its log, every `every`-th sample.
+    /// A flight of a reported design with its log, every `every`-th sample.
     pub(crate) fn logged(&self, point: &[f64], fidelity: Fidelity, every: usize) -> Result<(Flight, FlightLog)> {
-        let (flight, log) = fly_logged(&self.request(point, fidelity), &self.profile, &self.settings, every)?;
+        let (flight, log) = fly_logged(&self.request(point, fidelity), &self.profile, &self.report_settings, every)?;
         Ok((flight?, log))
     }
 

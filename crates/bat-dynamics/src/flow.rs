@@ -94,7 +94,11 @@ impl FlowHistory {
             return Err(Error::Argument { name: "number of flow knots", value: 0.0, allowed: "at least one" });
         };
         if first.from_s != 0.0 {
-            return Err(Error::Argument { name: "time of the first flow knot in s", value: first.from_s, allowed: "0" });
+            return Err(Error::Argument {
+                name: "time of the first flow knot in s",
+                value: first.from_s,
+                allowed: "0",
+            });
         }
         for knot in &knots {
             knot.flow.validate()?;

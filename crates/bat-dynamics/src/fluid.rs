@@ -5,6 +5,10 @@ use crate::plant::Plant;
 use crate::real::Real;
 use crate::vector::{Vector, add, cross_point, point_cross};
 
+/// Stands for sqrt(u² + w²) = 0 in a flow exactly from the side, where lift and side force have no direction and
+/// vanish; not so small that a quotient by it overflows.
+const SMALLEST_IN_PLANE_M_S: f64 = 1e-100;
+
 /// A force and its moment about the bridle joint, along B.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wrench<T> {
@@ -60,15 +64,11 @@ impl<T: Real> LocalFlow<T> {
     #[inline(always)]
     fn force(&self, q: T, drag: T, lift: T, side: T) -> Vector<T> {
         let q_speed = q * self.speed;
-        let per_plane = q_speed / self.in_plane.max(T::constant(f64::MIN_POSITIVE));
+        let per_plane = q_speed / self.in_plane.max(T::constant(SMALLEST_IN_PLANE_M_S));
         let lift = lift * self.speed * per_plane;
         let side_v = side * self.v * per_plane;
         let back = -(q_speed * drag) - side_v;
-        [
-            back * self.u + lift * self.w,
-            q_speed * (side * self.in_plane - drag * self.v),
-            back * self.w - lift * self.u,
-        ]
+        [back * self.u + lift * self.w, q_speed * (side * self.in_plane - drag * self.v), back * self.w - lift * self.u]
     }
 }
 

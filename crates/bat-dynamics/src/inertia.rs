@@ -71,8 +71,7 @@ pub fn mass_matrix(plant: &Plant, q: &Coordinates) -> Matrix6<f64> {
 pub fn christoffel_matrix(plant: &Plant, q: &Coordinates, q_rate: &Coordinates) -> Matrix6<f64> {
     let plant = plant.cast::<Dual64>();
     let slopes: [[[f64; 6]; 6]; 6] = core::array::from_fn(|k| {
-        let seeded: Coordinates<Dual64> =
-            core::array::from_fn(|i| Dual64::new(q[i], if i == k { 1.0 } else { 0.0 }));
+        let seeded: Coordinates<Dual64> = core::array::from_fn(|i| Dual64::new(q[i], if i == k { 1.0 } else { 0.0 }));
         mass_matrix_of(&plant, &seeded).map(|row| row.map(|entry| entry.eps))
     });
     Matrix6::from_fn(|i, j| {
@@ -110,8 +109,7 @@ pub fn kinetic_energy(plant: &Plant, q: &Coordinates, q_rate: &Coordinates) -> f
 pub fn gravity_vector(plant: &Plant, q: &Coordinates) -> Vector6<f64> {
     let plant = plant.cast::<Dual64>();
     Vector6::from_fn(|k, _| {
-        let seeded: Coordinates<Dual64> =
-            core::array::from_fn(|i| Dual64::new(q[i], if i == k { 1.0 } else { 0.0 }));
+        let seeded: Coordinates<Dual64> = core::array::from_fn(|i| Dual64::new(q[i], if i == k { 1.0 } else { 0.0 }));
         potential_of(&plant, &seeded).eps
     })
 }

@@ -117,20 +117,14 @@ impl<T: Real> Pose<T> {
     /// Velocity of the joint and angular velocity of T, both along T.
     #[inline(always)]
     pub(crate) fn joint_velocity(&self, rates: &Rates<T>) -> Vector<T> {
-        [
-            -(self.length * rates.zenith),
-            -(self.length * rates.azimuth * self.sin_zenith),
-            -rates.length,
-        ]
+        [-(self.length * rates.zenith), -(self.length * rates.azimuth * self.sin_zenith), -rates.length]
     }
 
     /// Angular velocity of the body along B, and of the body relative to T along B.
     #[inline(always)]
     pub(crate) fn angular_velocity(&self, rates: &Rates<T>) -> (Vector<T>, Vector<T>) {
-        let frame = combine(
-            &self.axes,
-            [-(rates.azimuth * self.sin_zenith), rates.zenith, rates.azimuth * self.cos_zenith],
-        );
+        let frame =
+            combine(&self.axes, [-(rates.azimuth * self.sin_zenith), rates.zenith, rates.azimuth * self.cos_zenith]);
         let twist = scale(rates.twist, self.axes[2]);
         let bridle = [rates.roll, rates.pitch * self.cos_roll, -(rates.pitch * self.sin_roll)];
         let relative = add(twist, bridle);
@@ -171,7 +165,8 @@ impl<T: Real> Pose<T> {
             right: joint[1] + along(rows[1]),
             altitude: -(joint[2] + along(rows[2])),
             roll: rows[2][1].atan2(rows[2][2]),
-            pitch: -rows[2][0].asin(),
+            // From both legs rather than by an arc sine: rounding cannot push it past a quarter turn.
+            pitch: (-rows[2][0]).atan2((rows[0][0] * rows[0][0] + rows[1][0] * rows[1][0]).sqrt()),
             heading: rows[1][0].atan2(rows[0][0]),
         }
     }
@@ -300,8 +295,7 @@ pub fn translation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coord
     let (pose, rates) = (Pose::of_coordinates(q, &still), Rates::of_array(q_rate));
     let sight = pose.sight(plant);
     let (omega, _) = pose.angular_velocity(&rates);
-    let velocity =
-        add(combine(&pose.axes, pose.joint_velocity(&rates)), cross_point(omega, plant.cm_x, plant.cm_z));
+    let velocity = add(combine(&pose.axes, pose.joint_velocity(&rates)), cross_point(omega, plant.cm_x, plant.cm_z));
     [sight.forward, sight.right, -sight.altitude, velocity[0], velocity[1], velocity[2]]
 }
 

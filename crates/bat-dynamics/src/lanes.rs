@@ -79,10 +79,6 @@ impl Real for Lanes {
         trig::atan2(self, x)
     }
     #[inline(always)]
-    fn asin(self) -> Self {
-        trig::asin(self)
-    }
-    #[inline(always)]
     fn abs(self) -> Self {
         each_lane!(I => self.0[I].abs())
     }

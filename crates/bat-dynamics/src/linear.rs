@@ -1,6 +1,6 @@
 //! Linearization of a flight about a state, exact to rounding by forward-mode dual numbers.
 
-use nalgebra::{Matrix6, SMatrix};
+use nalgebra::{DMatrix, SMatrix};
 use num_dual::Dual64;
 use serde::Serialize;
 
@@ -97,10 +97,8 @@ pub fn linearize(
         let seed = |k: usize, value: f64| Dual64::new(value, if k == direction { 1.0 } else { 0.0 });
         let x = core::array::from_fn(|k| seed(k, state[k]));
         let commands = core::array::from_fn(|k| seed(STATES + k, commands_m_s[k]));
-        let flow = Flow {
-            speed_m_s: seed(STATES + 3, flow.speed_m_s),
-            direction_rad: seed(STATES + 4, flow.direction_rad),
-        };
+        let flow =
+            Flow { speed_m_s: seed(STATES + 3, flow.speed_m_s), direction_rad: seed(STATES + 4, flow.direction_rad) };
         let at = evaluate(&dual_plant, &x, commands, &flow);
         let (sight, tensions) = (at.sight, at.tensions);
         let outputs = [
@@ -142,10 +140,19 @@ pub fn linearize(
 }
 
 impl Linearization {
-    /// A of the free coordinates and their rates with the lines locked, 6 x 6: what the body does by itself.
-    /// States 0 and 3 are longitudinal, 1, 2, 4 and 5 lateral.
+    /// The free coordinates and their rates: with the lines locked, what the body does by itself.
+    pub const FREE: [usize; 6] = [0, 1, 2, 3, 4, 5];
+    /// Of these the longitudinal ones: zenith angle and its rate.
+    pub const LONGITUDINAL: [usize; 2] = [0, 3];
+    /// Of these the lateral ones: azimuth, twist and their rates.
+    pub const LATERAL: [usize; 4] = [1, 2, 4, 5];
+
+    /// A of some states with all others held, as [`modes`](crate::modes) takes it.
+    ///
+    /// # Panics
+    /// When an index is not one of the twelve states.
     #[must_use]
-    pub fn passive(&self) -> Matrix6<f64> {
-        self.a.fixed_view::<6, 6>(0, 0).into_owned()
+    pub fn among(&self, states: &[usize]) -> DMatrix<f64> {
+        DMatrix::from_fn(states.len(), states.len(), |i, j| self.a[(states[i], states[j])])
     }
 }

@@ -10,7 +10,7 @@ pub struct Mode {
     /// The eigenvalue, in 1/s.
     pub eigenvalue: Complex<f64>,
     /// Share of each state in the mode, summing to 1; `None` where eigenvectors do not span the space, so that
-    /// shares are not defined.
+    /// shares are not defined. Modes with the same eigenvalue share its states in no particular way: add theirs up.
     pub participation: Option<Vec<f64>>,
 }
 
@@ -86,9 +86,7 @@ pub fn modes(a: &DMatrix<f64>) -> Result<Modes, Error> {
             participation: participation.as_ref().map(|columns| columns[k].clone()),
         })
         .collect();
-    modes.sort_by(|a, b| {
-        b.eigenvalue.re.total_cmp(&a.eigenvalue.re).then(a.eigenvalue.im.total_cmp(&b.eigenvalue.im))
-    });
+    modes.sort_by(|a, b| b.eigenvalue.re.total_cmp(&a.eigenvalue.re).then(a.eigenvalue.im.total_cmp(&b.eigenvalue.im)));
     Ok(Modes { modes })
 }
 
@@ -102,8 +100,7 @@ fn participation(a: &DMatrix<f64>, eigenvalues: &DVector<Complex<f64>>) -> Optio
         // Inverse iteration a hair beside the eigenvalue; equal eigenvalues get orthogonal vectors.
         let shift = *eigenvalue + Complex::new(scale * 1e-13, scale * 1e-13);
         let lu = (&complex - DMatrix::identity(size, size) * shift).lu();
-        let mut vector =
-            DVector::from_fn(size, |i, _| Complex::new(1.0 + ((i * 7 + k * 13) % 11) as f64 / 11.0, 0.0));
+        let mut vector = DVector::from_fn(size, |i, _| Complex::new(1.0 + ((i * 7 + k * 13) % 11) as f64 / 11.0, 0.0));
         for _ in 0..3 {
             vector = lu.solve(&vector)?;
             for j in 0..k {

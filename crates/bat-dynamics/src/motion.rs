@@ -20,17 +20,21 @@ pub(crate) struct Motion<T> {
     pub(crate) supplied: [T; 3],
 }
 
-/// The wrench that a linear acceleration `a` of the joint and an angular acceleration `alpha` take, both along B.
+/// The wrench about the joint that a linear acceleration `a` of the joint and an angular acceleration `alpha` take, both
+/// along B: the inertia of the body and its added mass, which are constant there.
 #[inline(always)]
 fn inertial_wrench<T: Real>(plant: &Plant<T>, a: Vector<T>, alpha: Vector<T>) -> Wrench<T> {
-    let at_cm = scale(plant.mass, add(a, cross_point(alpha, plant.cm_x, plant.cm_z)));
-    let at_cb = added(plant, add(a, cross_point(alpha, plant.cb_x, plant.cb_z)));
     Wrench {
-        force: add(at_cm, at_cb),
-        moment: add(
-            add(point_cross(plant.cm_x, plant.cm_z, at_cm), point_cross(plant.cb_x, plant.cb_z, at_cb)),
-            inertia_times(plant, alpha),
-        ),
+        force: [
+            plant.total_x * a[0] + plant.first_xz * alpha[1],
+            plant.total_y * a[1] + plant.first_yx * alpha[2] - plant.first_yz * alpha[0],
+            plant.total_z * a[2] - plant.first_zx * alpha[1],
+        ],
+        moment: [
+            plant.joint_x * alpha[0] - plant.joint_xz * alpha[2] - plant.first_yz * a[1],
+            plant.joint_y * alpha[1] + plant.first_xz * a[0] - plant.first_zx * a[2],
+            plant.joint_z * alpha[2] - plant.joint_xz * alpha[0] + plant.first_yx * a[1],
+        ],
     }
 }
 
@@ -107,24 +111,20 @@ pub(crate) fn solve_motion<T: Real>(
     // What the fluid and gravity supply less what the motion at zero free acceleration takes.
     let down = add(scale(-sin_zenith, pose.axes[0]), scale(cos_zenith, pose.axes[2]));
     let gravity = scale(plant.gravity, down);
-    let arm = |x: T, z: T| add(cross_point(alpha, x, z), cross(omega, cross_point(omega, x, z)));
-    let at_cm = scale(plant.mass, sub(add(joint, arm(plant.cm_x, plant.cm_z)), gravity));
+    let inertia = inertial_wrench(plant, joint, alpha);
+    let centripetal = cross(omega, cross_point(omega, plant.cm_x, plant.cm_z));
+    let at_cm = scale(plant.mass, sub(centripetal, gravity));
+    // Of the added mass d/dt(M_a v_r), v_r = [u, v, w] + omega x r_cb: what is left turns [u, v, w] and M_a v_r with B.
     let through = add(relative, cross_point(omega, plant.cb_x, plant.cb_z));
     let carried = added(plant, through);
-    let at_cb = add(
-        add(
-            added(plant, sub(add(joint, arm(plant.cb_x, plant.cb_z)), cross(omega, through))),
-            cross(omega, carried),
-        ),
-        scale(plant.displaced_mass, gravity),
-    );
-    let spin = add(inertia_times(plant, alpha), cross(omega, inertia_times(plant, omega)));
+    let at_cb =
+        add(sub(cross(omega, carried), added(plant, cross(omega, relative))), scale(plant.displaced_mass, gravity));
+    let spin = cross(omega, inertia_times(plant, omega));
     let munk = cross(through, carried);
-    let moments =
-        add(point_cross(plant.cm_x, plant.cm_z, at_cm), point_cross(plant.cb_x, plant.cb_z, at_cb));
+    let moments = add(point_cross(plant.cm_x, plant.cm_z, at_cm), point_cross(plant.cb_x, plant.cb_z, at_cb));
     let air = fluid::aerodynamics(plant, relative, omega);
-    let force = sub(air.force, add(at_cm, at_cb));
-    let moment = sub(air.moment, add(add(moments, spin), munk));
+    let force = sub(air.force, add(inertia.force, add(at_cm, at_cb)));
+    let moment = sub(air.moment, add(inertia.moment, add(add(moments, spin), munk)));
 
     // Rows of Phi, of Theta (less cos Phi times that of Psi, over sin Phi) and of Psi, (4).
     let (force_t, moment_t) = (project(&pose.axes, force), project(&pose.axes, moment));
@@ -285,8 +285,14 @@ pub const SINGULAR_SIN_ZENITH: f64 = 1e-6;
 
 /// Checks what the equations of motion need, naming the offender.
 pub(crate) fn check_coordinates(q: &Coordinates, q_rate: &Coordinates) -> Result<(), Error> {
-    const NAMES: [&str; 6] =
-        ["zenith angle Phi", "azimuth Theta", "twist Psi", "tether length L_t", "induced pitch theta'", "induced roll phi'"];
+    const NAMES: [&str; 6] = [
+        "zenith angle Phi",
+        "azimuth Theta",
+        "twist Psi",
+        "tether length L_t",
+        "induced pitch theta'",
+        "induced roll phi'",
+    ];
     const UNITS: [&str; 6] = ["rad", "rad", "rad", "m", "rad", "rad"];
     for k in 0..6 {
         for value in [q[k], q_rate[k]] {
@@ -332,12 +338,7 @@ pub struct Evaluation<T = f64> {
 /// `commands` are the commanded reel speeds in m/s, in the order center, starboard, port. Nothing is checked
 /// here: a state that leaves the model gives non-finite numbers, which [`check_state`] names.
 #[inline(always)]
-pub fn evaluate<T: Real>(
-    plant: &Plant<T>,
-    state: &FlightState<T>,
-    commands: [T; 3],
-    flow: &Flow<T>,
-) -> Evaluation<T> {
+pub fn evaluate<T: Real>(plant: &Plant<T>, state: &FlightState<T>, commands: [T; 3], flow: &Flow<T>) -> Evaluation<T> {
     let &[zenith, azimuth, twist, zenith_rate, azimuth_rate, twist_rate, l1, l2, l3, u1, u2, u3] = state;
     let reel = [u1, u2, u3];
     // In this order a command that is not a number stays one.
@@ -347,11 +348,8 @@ pub fn evaluate<T: Real>(
     let bridle = Bridle::of_lines(plant, [l1, l2, l3], reel, reel_acceleration);
     let pose = bridle.pose([zenith, azimuth, twist], flow);
     let rates = bridle.rates([zenith_rate, azimuth_rate, twist_rate]);
-    let driven = Driven {
-        length: bridle.length_acceleration,
-        pitch: bridle.pitch.acceleration,
-        roll: bridle.roll.acceleration,
-    };
+    let driven =
+        Driven { length: bridle.length_acceleration, pitch: bridle.pitch.acceleration, roll: bridle.roll.acceleration };
     let motion = solve_motion(plant, &pose, &rates, &driven, flow.speed_m_s);
     Evaluation {
         derivative: [

@@ -105,6 +105,28 @@ plant! {
     added_y,
     /// Added mass along z.
     added_z,
+    /// m + M_ax.
+    total_x,
+    /// m + M_ay.
+    total_y,
+    /// m + M_az.
+    total_z,
+    /// First moment about the joint, along z, of the mass that moves along x: m z_cm + M_ax z_cb.
+    first_xz,
+    /// First moment about the joint, along x, of the mass that moves along y.
+    first_yx,
+    /// First moment about the joint, along z, of the mass that moves along y.
+    first_yz,
+    /// First moment about the joint, along x, of the mass that moves along z.
+    first_zx,
+    /// Moment of inertia about the joint in roll, added mass included.
+    joint_x,
+    /// Moment of inertia about the joint in pitch, added mass included.
+    joint_y,
+    /// Moment of inertia about the joint in yaw, added mass included.
+    joint_z,
+    /// Product of inertia about the joint, added mass included.
+    joint_xz,
     /// ½ rho A of the hull.
     hull_q,
     /// ½ rho A L_c of the hull.
@@ -160,22 +182,40 @@ impl Plant {
         };
         let added_mass = &parameters.added_mass;
         let (h_growth, v_growth) = (h.area_factor.sqrt(), v.area_factor.sqrt());
+        let [added_x, added_y, added_z] = [added_mass.x_kg, added_mass.y_kg, added_mass.z_kg].map(|mass| added * mass);
+        let inertia_x = body.inertia_xx_kg_m2 + added * added_mass.inertia_x_kg_m2;
+        let inertia_y = body.inertia_yy_kg_m2 + added * added_mass.inertia_y_kg_m2;
+        let inertia_z = body.inertia_zz_kg_m2 + added * added_mass.inertia_z_kg_m2;
+        let m = body.mass_kg;
+        let (cm_x, cm_z) = (along(body.center_of_mass_x), -body.center_of_mass_height_m);
+        let (cb_x, cb_z) = (along(body.center_of_buoyancy_x), -body.center_of_buoyancy_height_m);
         let line_area_m2 = core::f64::consts::FRAC_PI_4 * tether.line_diameter_m * tether.line_diameter_m;
         Ok(Self {
             gravity: fluid.gravity_m_s2,
-            mass: body.mass_kg,
+            mass: m,
             displaced_mass: fluid.density_kg_m3 * body.volume_m3,
-            cm_x: along(body.center_of_mass_x),
-            cm_z: -body.center_of_mass_height_m,
-            cb_x: along(body.center_of_buoyancy_x),
-            cb_z: -body.center_of_buoyancy_height_m,
-            inertia_x: body.inertia_xx_kg_m2 + added * added_mass.inertia_x_kg_m2,
-            inertia_y: body.inertia_yy_kg_m2 + added * added_mass.inertia_y_kg_m2,
-            inertia_z: body.inertia_zz_kg_m2 + added * added_mass.inertia_z_kg_m2,
+            cm_x,
+            cm_z,
+            cb_x,
+            cb_z,
+            inertia_x,
+            inertia_y,
+            inertia_z,
             inertia_xz: body.inertia_xz_kg_m2,
-            added_x: added * added_mass.x_kg,
-            added_y: added * added_mass.y_kg,
-            added_z: added * added_mass.z_kg,
+            added_x,
+            added_y,
+            added_z,
+            total_x: m + added_x,
+            total_y: m + added_y,
+            total_z: m + added_z,
+            first_xz: m * cm_z + added_x * cb_z,
+            first_yx: m * cm_x + added_y * cb_x,
+            first_yz: m * cm_z + added_y * cb_z,
+            first_zx: m * cm_x + added_z * cb_x,
+            joint_x: inertia_x + m * cm_z * cm_z + added_y * cb_z * cb_z,
+            joint_y: inertia_y + m * (cm_x * cm_x + cm_z * cm_z) + added_x * cb_z * cb_z + added_z * cb_x * cb_x,
+            joint_z: inertia_z + m * cm_x * cm_x + added_y * cb_x * cb_x,
+            joint_xz: body.inertia_xz_kg_m2 + m * cm_x * cm_z + added_y * cb_x * cb_z,
             hull_q: half_density * hull.area_m2,
             hull_q_chord: half_density * hull.area_m2 * body.chord_m,
             hull_x: along(hull.center_x),

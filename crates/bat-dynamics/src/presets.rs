@@ -8,7 +8,7 @@ use crate::parameters::{
 impl Parameters {
     /// The 1/100 model of the Buoyant Air Turbine in the water channel.
     ///
-    /// Source: Deese's dissertation for chord and mass (Table 2, model 2), the center of buoyancy (Section 4.1) and the
+    /// Source: Deodhar's dissertation for chord and mass (Table 2, model 2), the center of buoyancy (Section 4.1) and the
     /// center of mass (Table 3, first row). Everything else it leaves open: estimated from geometry and handbooks, or
     /// calibrated to the first rows of Tables 3 and 5 and, for stall and added mass, to the best design of Table 3.
     /// Nothing was measured on the real model. The repository's `fixtures/bat/rig.toml` gives the provenance of each
@@ -16,10 +16,7 @@ impl Parameters {
     #[must_use]
     pub fn water_channel_bat() -> Self {
         Self {
-            fluid: Fluid {
-                density_kg_m3: 1000.0,
-                gravity_m_s2: 9.81,
-            },
+            fluid: Fluid { density_kg_m3: 1000.0, gravity_m_s2: 9.81 },
             body: Body {
                 chord_m: 0.075,
                 mass_kg: 0.18,
@@ -79,14 +76,8 @@ impl Parameters {
                 separation_longitudinal_m: 0.07061,
                 separation_lateral_m: 0.09603,
             },
-            winch: Winch {
-                time_constant_s: 0.06689,
-                speed_limit_m_s: 0.01081,
-            },
-            stall: Stall {
-                hull_rad: 0.2775,
-                horizontal_stabilizer_rad: 0.2247,
-            },
+            winch: Winch { time_constant_s: 0.06689, speed_limit_m_s: 0.01081 },
+            stall: Stall { hull_rad: 0.2775, horizontal_stabilizer_rad: 0.2247 },
             added_mass: AddedMass {
                 x_kg: 0.02312,
                 y_kg: 0.2184,

@@ -31,21 +31,22 @@ pub(crate) fn sin_cos<T: Real>(x: T) -> (T, T) {
     let c = T::constant;
     // x = n pi/2 + r, |r| <= pi/4, with pi/2 in three parts of 33 bits.
     let n = round(x * c(core::f64::consts::FRAC_2_PI));
-    let r = ((x - n * c(1.570_796_326_734_125_6)) - n * c(6.077_100_506_303_966e-11)) - n * c(2.022_266_248_795_950_6e-21);
+    let r =
+        ((x - n * c(1.570_796_326_734_125_6)) - n * c(6.077_100_506_303_966e-11)) - n * c(2.022_266_248_795_950_6e-21);
     let z = r * r;
-    let sin_r = r
-        + r * z
-            * polynomial(
-                z,
-                [
-                    -1.666_666_666_666_663_2e-1,
-                    8.333_333_333_322_49e-3,
-                    -1.984_126_982_985_795e-4,
-                    2.755_731_370_707_006_8e-6,
-                    -2.505_076_025_340_686_4e-8,
-                    1.589_690_995_211_55e-10,
-                ],
-            );
+    let sin_r = r + r
+        * z
+        * polynomial(
+            z,
+            [
+                -1.666_666_666_666_663_2e-1,
+                8.333_333_333_322_49e-3,
+                -1.984_126_982_985_795e-4,
+                2.755_731_370_707_006_8e-6,
+                -2.505_076_025_340_686_4e-8,
+                1.589_690_995_211_55e-10,
+            ],
+        );
     let cos_r = (c(1.0) - c(0.5) * z)
         + z * z
             * polynomial(
@@ -106,11 +107,4 @@ pub(crate) fn atan2<T: Real>(y: T, x: T) -> T {
     let quadrant = x_abs.select_below(y_abs, c(core::f64::consts::FRAC_PI_2) - octant, octant);
     let half = x.select_below(c(0.0), c(core::f64::consts::PI) - quadrant, quadrant);
     half.copysign(y)
-}
-
-/// The arc sine of `x` in rad.
-#[inline(always)]
-pub(crate) fn asin<T: Real>(x: T) -> T {
-    let c = T::constant;
-    atan2(x, ((c(1.0) - x) * (c(1.0) + x)).sqrt())
 }

@@ -182,9 +182,7 @@ fn at_equilibrium(plant: &Plant, request: &TrimRequest, zenith: f64) -> Result<T
     let lines = lines_of_driven(plant, [q[3], q[4], q[5]]);
     let shortest_line_m = lines[0].min(lines[1]).min(lines[2]);
     if q[4].abs() >= core::f64::consts::FRAC_PI_2 || shortest_line_m <= 0.0 {
-        return Err(
-            NoTrim::PitchOutOfReach { pitch_rad: request.pitch_rad, induced_rad: q[4], shortest_line_m }.into()
-        );
+        return Err(NoTrim::PitchOutOfReach { pitch_rad: request.pitch_rad, induced_rad: q[4], shortest_line_m }.into());
     }
     let rest = [0.0; 6];
     let motion = accelerations(plant, &q, &rest, [0.0; 3], &request.flow)?;

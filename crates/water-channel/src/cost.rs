@@ -59,9 +59,9 @@ impl CostWeights {
     #[must_use]
     pub fn cost(&self, integrals: &Integrals, ballast_pct_chord: f64) -> CostBreakdown {
         let mut terms = [0.0; N_TERMS + 1];
-        for i in 0..N_TERMS {
-            let row: f64 = (0..N_TERMS).map(|j| self.terms[j] * integrals.gram[i][j]).sum();
-            terms[i] = self.terms[i] * row;
+        for (term, (weight, row)) in terms.iter_mut().zip(self.terms.iter().zip(&integrals.gram)) {
+            let sum: f64 = self.terms.iter().zip(row).map(|(k, entry)| k * entry).sum();
+            *term = weight * sum;
         }
         terms[N_TERMS] = self.ballast * ballast_pct_chord * ballast_pct_chord * integrals.duration_s;
         CostBreakdown { total: terms.iter().sum(), terms }

@@ -112,8 +112,7 @@ pub struct Flight {
 }
 
 impl Flight {
-    /// Mean over the test of the ground footprint `pi L_t² sin² Phi` is not stored; this is the footprint at trim,
-    /// in m². Source: Section 3.1.
+    /// The ground footprint `pi L_t² sin² Phi` at trim, in m². Source: Section 3.1.
     #[must_use]
     pub fn trim_footprint_m2(&self) -> f64 {
         footprint_m2(self.trim.coordinates[3], self.trim.coordinates[0])

@@ -103,16 +103,12 @@ fn integrands<T: Real>(state: &FlightState<T>, sight: &Sight<T>, targets: &Targe
 
 #[inline(always)]
 fn to_integrals(sums: [f64; N_SUMS], duration_s: f64) -> Integrals {
-    let mut gram = [[0.0; N_TERMS]; N_TERMS];
-    let mut k = 0;
-    for i in 0..N_TERMS {
-        for j in i..N_TERMS {
-            gram[i][j] = sums[k];
-            gram[j][i] = sums[k];
-            k += 1;
-        }
-    }
-    Integrals { gram, heading_squared: sums[k], lateral_squared: sums[k + 1], duration_s }
+    // Where row i of the upper triangle begins, less i.
+    let offset = |i: usize| i * (2 * N_TERMS - i - 1) / 2;
+    let gram =
+        core::array::from_fn(|i| core::array::from_fn(|j| sums[if i <= j { offset(i) + j } else { offset(j) + i }]));
+    let [.., heading_squared, lateral_squared] = sums;
+    Integrals { gram, heading_squared, lateral_squared, duration_s }
 }
 
 /// The flow with sine and cosine of its direction.

@@ -77,6 +77,7 @@ pub(crate) struct NoiseEntry {
 #[serde(deny_unknown_fields)]
 struct NumericsEntry {
     steps_per_sample: usize,
+    report_steps_per_sample: usize,
 }
 
 /// A row of Table 3 as printed.
@@ -131,9 +132,9 @@ impl Setup {
             .map(|p| Parameter::continuous(&p.name, &p.unit, p.lower, p.upper))
             .collect::<std::result::Result<Vec<_>, _>>()?;
         let roles = file.parameter.iter().map(|p| p.role).collect();
+        let steps = [file.numerics.steps_per_sample, file.numerics.report_steps_per_sample];
         let problem = CodesignProblem::new(Region::new(parameters)?, roles)?;
-        let study =
-            Study::read(directory, [&file.rig, &file.profile, &file.cost], variables, file.numerics.steps_per_sample)?;
+        let study = Study::read(directory, [&file.rig, &file.profile, &file.cost], variables, steps)?;
         let setup = Self { file, study, problem };
         for variant in &setup.file.variant {
             setup

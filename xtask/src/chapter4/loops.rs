@@ -109,7 +109,6 @@ mod tests {
         let text = text
             .replace("upper = 51.25", "upper = 90.0")
             .replace("tolerance = 0.01", "tolerance = 0.1")
-            .replace("steps_per_sample = 2", "steps_per_sample = 1")
             .replace("iterations = 3", "iterations = 1");
         Setup::parse(&text, &directory).unwrap()
     }

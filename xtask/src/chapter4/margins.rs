@@ -2,9 +2,11 @@
 
 use anyhow::Result;
 use bat_dynamics::Fidelity;
+use rayon::prelude::*;
 use water_channel::{FlightRequest, FlightSettings, fly, fly_all};
 
 use super::file::Setup;
+use super::loops::optimum;
 use crate::study::{MODEL, STAND_IN};
 use crate::table::{Column, Table};
 
@@ -82,6 +84,31 @@ pub(crate) fn box_table(setup: &Setup, landed: impl Fn(usize) + Sync) -> Table {
         ]);
     }
     table
+}
+
+/// Where the optimum lies with each piece of physics, and what the model's own optimum costs there.
+pub(crate) fn physics_table(setup: &Setup, start: &[f64]) -> Result<Table> {
+    let mut table = Table::new(vec![
+        Column::new("Physics", ""),
+        Column::new("Best center of mass", "% chord"),
+        Column::new("Best pitch set point", "deg"),
+        Column::new("Its cost", "s"),
+        Column::new("Cost of the model's optimum", "s"),
+    ]);
+    let best: Vec<_> = FIDELITIES
+        .par_iter()
+        .map(|(_, fidelity)| optimum(setup, |point| setup.study.cost(point, *fidelity)))
+        .collect::<Result<_>>()?;
+    for ((name, fidelity), best) in FIDELITIES.iter().zip(best) {
+        table.push(vec![
+            (*name).to_owned(),
+            format!("{:.2}", best.point[0]),
+            format!("{:.2}", best.point[1]),
+            format!("{:.3}", best.value),
+            setup.study.cost(start, *fidelity).map_or_else(|reason| reason, |cost| format!("{cost:.3}")),
+        ]);
+    }
+    Ok(table)
 }
 
 /// Relative error of the cost of the design at `point` by steps per sample.

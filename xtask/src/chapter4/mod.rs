@@ -74,6 +74,7 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let interpolation_error = interpolation_error(&setup, &model)?;
     let rows = Rows::fly(&setup, campaigns)?;
     let box_table = margins::box_table(&setup, |n| bar.inc(n as u64));
+    let physics_table = margins::physics_table(&setup, &rows[0].first().point)?;
     let step_table = margins::step_table(&setup, &rows[0].first().point)?;
     bar.inc(1);
     let material = Material { setup: &setup, rows: &rows, model: &model, stand_in: &stand_in, seeded: &seeded };
@@ -86,6 +87,7 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
         best,
         interpolation_error,
         box_table,
+        physics_table,
         step_table,
         seconds: started.elapsed().as_secs_f64(),
         pictures: &pictures,

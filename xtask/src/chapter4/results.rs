@@ -220,8 +220,8 @@ pub(crate) fn variant_table(all: &[Rows]) -> Table {
         Column::new("Model corrected", "s"),
         Column::new("Experiment", "s"),
         Column::new("Change", "%"),
-        Column::new("Runs", "1"),
-        Column::new("Simulations", "1"),
+        Column::new("Trials", "1"),
+        Column::new("Model flights", "1"),
     ]);
     for rows in all {
         for row in &rows.rows {
@@ -299,7 +299,7 @@ pub(crate) const READINGS: [(&str, &str, Reading); 4] = [
     ("Center of mass", "% chord", |_, report| report.numerical.point[0]),
     ("Pitch set point", "deg", |_, report| report.numerical.point[1]),
     ("Corrected numerical cost", "s", |_, report| report.numerical.corrected_cost),
-    ("Experimental cost without its noise", "s", |setup, report| {
+    ("Experimental cost, noise-free", "s", |setup, report| {
         setup.study.cost(&report.numerical.point, STAND_IN).unwrap_or(f64::NAN)
     }),
 ];
@@ -329,7 +329,7 @@ pub(crate) fn falls_pct(setup: &Setup, seeded: &Seeded) -> Vec<f64> {
 
 /// Median and spread over the seeds.
 pub(crate) fn seed_table(setup: &Setup, all: &[Seeded]) -> Table {
-    let mut columns = vec![Column::new("Loop", ""), Column::new("Iteration", "1"), Column::new("Seeds", "1")];
+    let mut columns = vec![Column::new("Loop", ""), Column::new("Iteration", "1")];
     for (name, unit, _) in READINGS {
         columns.push(Column::new(name, unit));
     }
@@ -338,12 +338,12 @@ pub(crate) fn seed_table(setup: &Setup, all: &[Seeded]) -> Table {
         let readings: Vec<Vec<Vec<f64>>> =
             READINGS.iter().map(|(_, _, reading)| over_seeds(setup, seeded, *reading)).collect();
         for k in 0..readings[0].len() {
-            let mut cells = vec![seeded.label.clone(), (k + 1).to_string(), readings[0][k].len().to_string()];
+            let mut cells = vec![seeded.label.clone(), (k + 1).to_string()];
             for reading in &readings {
                 match Summary::of(&reading[k]) {
                     Some(s) => {
                         let [median, least, most] = [s.median, s.minimum, s.maximum].map(|value| number(value, 2));
-                        cells.push(format!("{median} ({least} … {most})"));
+                        cells.push(if least == most { median } else { format!("{median} ({least} … {most})") });
                     }
                     None => cells.push("–".to_owned()),
                 }

@@ -38,7 +38,8 @@ fn factor_zero_removes_a_stabilizer_exactly() {
     let (v, omega) = ([0.3, 0.07, 0.05], [0.2, -0.1, 0.3]);
     for stabilizer in ["horizontal_stabilizer", "vertical_stabilizer"] {
         let [mut by_factor, mut by_area] = [everything(), everything()];
-        let set = |p: &mut Parameters, name, value| (bat_dynamics::Field::find(stabilizer, name).unwrap().set)(p, value);
+        let set =
+            |p: &mut Parameters, name, value| (bat_dynamics::Field::find(stabilizer, name).unwrap().set)(p, value);
         set(&mut by_factor, "area_factor", 0.0);
         set(&mut by_area, "area", 0.0);
         let [a, b] = [by_factor, by_area].map(|p| aerodynamic_wrench(&plant(&p, Fidelity::STALLED), v, omega));
@@ -81,7 +82,8 @@ fn lift_follows_the_stall_law_and_is_continuous_and_odd() {
     let stalls = [p.stall.hull_rad, p.stall.horizontal_stabilizer_rad];
     for k in 0..2 {
         let (zero, slope, stall) =
-            [(hull.lift_zero, hull.lift_slope_per_rad, stalls[0]), (fin.lift_zero, fin.lift_slope_per_rad, stalls[1])][k];
+            [(hull.lift_zero, hull.lift_slope_per_rad, stalls[0]), (fin.lift_zero, fin.lift_slope_per_rad, stalls[1])]
+                [k];
         let at = |plant: &Plant, attack: f64| lift_coefficients(plant, attack)[k];
         for attack in [0.0, 0.1, -0.1, 0.2, -0.2] {
             assert!((at(&stalled, attack) - zero - slope * attack).abs() < 1e-15, "linear at {attack}");
@@ -137,7 +139,15 @@ fn no_flow_means_no_force_and_no_nan() {
 fn flow_from_behind_and_from_the_side_is_defined() {
     let p = everything();
     let plant = plant(&p, Fidelity::STALLED);
-    for v in [[-0.3, 0.0, 0.0], [0.0, 0.3, 0.0], [0.0, -0.3, 0.0], [0.0, 0.0, 0.3], [0.0, 0.0, -0.3]] {
+    for v in [
+        [-0.3, 0.0, 0.0],
+        [0.0, 0.3, 0.0],
+        [0.0, -0.3, 0.0],
+        [0.0, 0.0, 0.3],
+        [0.0, 0.0, -0.3],
+        [0.0, 1.0, 0.0],
+        [0.0, -20.0, 0.0],
+    ] {
         let (force, moment) = aerodynamic_wrench(&plant, v, [0.0; 3]);
         assert!(force.into_iter().chain(moment).all(f64::is_finite), "{force:?} {moment:?} at {v:?}");
         assert!(Vector3::from(force).dot(&Vector3::from(v)) < 0.0, "drag opposes {v:?}: {force:?}");

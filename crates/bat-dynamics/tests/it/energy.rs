@@ -164,6 +164,10 @@ fn angular_momentum_about_the_vertical_is_conserved_also_while_reeling() {
             evaluate(&plant, x, [0.01, 0.01 * (3.0 * t).sin(), -0.01 * t.cos()], &Flow::straight(0.0)).derivative
         };
         let found = drift(SWINGING, 1e-3, 10.0, rate, momentum);
-        assert!(found < 1e-10 * momentum(&SWINGING), "angular momentum {} drifts by {found} N·m·s", momentum(&SWINGING));
+        assert!(
+            found < 1e-10 * momentum(&SWINGING),
+            "angular momentum {} drifts by {found} N·m·s",
+            momentum(&SWINGING)
+        );
     }
 }

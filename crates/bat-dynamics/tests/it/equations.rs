@@ -202,3 +202,18 @@ fn wrench_form_satisfies_the_lagrangian_form() {
         }
     }
 }
+
+#[test]
+fn attitude_is_defined_with_the_nose_straight_up_or_down() {
+    let plant = Plant::new(&everything(), Fidelity::NUMERICAL).unwrap();
+    let mut sample = Sample(10);
+    for _ in 0..1000 {
+        let zenith = sample.within(0.1, 1.4);
+        for quarter in [core::f64::consts::FRAC_PI_2, -core::f64::consts::FRAC_PI_2] {
+            let q = [zenith, sample.within(-3.0, 3.0), 0.0, 0.6, quarter - zenith, 0.0];
+            let [roll, pitch, yaw, ..] = rotation(&plant, &q, &[0.0; 6]);
+            assert!((pitch - quarter).abs() < 1e-15, "pitch {pitch} at {q:?}");
+            assert!(roll.is_finite() && yaw.is_finite(), "roll {roll}, yaw {yaw} at {q:?}");
+        }
+    }
+}

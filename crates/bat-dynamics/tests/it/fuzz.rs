@@ -39,7 +39,8 @@ fn parameters(seed: u64, hull_moments: bool) -> Parameters {
 }
 
 fn fidelity(choice: u64) -> Fidelity {
-    [Fidelity::NUMERICAL, Fidelity::STALLED, Fidelity::ADDED_MASS, Fidelity::STALLED_WITH_ADDED_MASS][(choice % 4) as usize]
+    [Fidelity::NUMERICAL, Fidelity::STALLED, Fidelity::ADDED_MASS, Fidelity::STALLED_WITH_ADDED_MASS]
+        [(choice % 4) as usize]
 }
 
 #[test]

@@ -13,7 +13,12 @@ use crate::plants::rig;
 const TOLERANCE: f64 = 1e-11;
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().flat_map(|v| if v.is_array() { numbers(v) } else { vec![v.as_f64().unwrap()] }).collect()
+    value
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|v| if v.is_array() { numbers(v) } else { vec![v.as_f64().unwrap()] })
+        .collect()
 }
 
 fn array<const N: usize>(value: &Value) -> [f64; N] {

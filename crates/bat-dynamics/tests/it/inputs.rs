@@ -74,7 +74,8 @@ fn fields_reach_every_number_by_section_and_name() {
     for field in FIELDS {
         let mut p = rig;
         (field.set)(&mut p, 123.0);
-        let changed: Vec<_> = FIELDS.iter().filter(|f| (f.get)(&p) != (f.get)(&rig)).map(|f| (f.section, f.name)).collect();
+        let changed: Vec<_> =
+            FIELDS.iter().filter(|f| (f.get)(&p) != (f.get)(&rig)).map(|f| (f.section, f.name)).collect();
         assert_eq!(changed, [(field.section, field.name)]);
         let found = Field::find(field.section, field.name).unwrap();
         assert_eq!((found.section, found.name, found.unit), (field.section, field.name, field.unit));

@@ -1,11 +1,11 @@
 //! Limits with a closed form: pendulums, circles, reeling, a free rigid body.
 
 use bat_dynamics::{
-    Accelerations, Coordinates, Fidelity, Flow, Parameters, Plant, TrimHeight, TrimRequest, accelerations,
-    body_to_ground, evaluate, gravity_vector, linearize, mass_matrix, modes, rotation, trim,
+    Accelerations, Coordinates, Fidelity, Flow, Linearization, Parameters, Plant, TrimHeight, TrimRequest,
+    accelerations, body_to_ground, evaluate, gravity_vector, linearize, mass_matrix, modes, rotation, trim,
 };
 use core::f64::consts::{FRAC_PI_2, PI};
-use nalgebra::{Complex, DMatrix, Matrix2, Matrix3, Vector2, Vector3};
+use nalgebra::{Complex, Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::oracle::fly;
 use crate::plants::{POINT_LIFT_N, POINT_MASS_KG, point_body};
@@ -90,14 +90,14 @@ fn sphere_in_the_flow_hangs_at_drag_over_lift_and_swings_with_the_sum_of_both() 
 
         // Drag grows by rho V A C_D along the flow and half of that across it: m s² + c s + F/L = 0 with
         // c = (drag/V) (1 + cos² Phi) in the plane of the flow, drag/V across.
-        let passive = linearize(&plant, &found.state, [0.0; 3], &flow).unwrap().passive();
-        let found_modes = modes(&DMatrix::from_column_slice(6, 6, passive.as_slice())).unwrap().modes;
+        let linear = linearize(&plant, &found.state, [0.0; 3], &flow).unwrap();
+        let found_modes = modes(&linear.among(&Linearization::FREE)).unwrap().modes;
         let cos = found.coordinates[0].cos();
         for damping in [drag / speed * (1.0 + cos * cos), drag / speed] {
-            let (half, stiffness) = (0.5 * damping / POINT_MASS_KG, drag.hypot(POINT_LIFT_N) / (POINT_MASS_KG * LENGTH_M));
+            let (half, stiffness) =
+                (0.5 * damping / POINT_MASS_KG, drag.hypot(POINT_LIFT_N) / (POINT_MASS_KG * LENGTH_M));
             let root = Complex::new(half * half - stiffness, 0.0).sqrt() - half;
-            let nearest =
-                found_modes.iter().map(|mode| (mode.eigenvalue - root).norm()).fold(f64::INFINITY, f64::min);
+            let nearest = found_modes.iter().map(|mode| (mode.eigenvalue - root).norm()).fold(f64::INFINITY, f64::min);
             assert!(nearest < 1e-7, "no mode at {root}: {found_modes:?}");
         }
     }
@@ -134,12 +134,19 @@ fn reeling_pulls_at_the_lines_as_the_radial_balance_says() {
             let about = mass * length * length + density * length.powi(3) / 3.0;
             let about_rate = (2.0 * mass * length + density * length * length) * length_rate;
             let torque = (POINT_LIFT_N - 0.5 * density * 9.81 * length) * length;
-            let zenith_expected =
-                (-torque * zenith.sin() - about_rate * zenith_rate) / about + zenith.sin() * zenith.cos() * azimuth_rate * azimuth_rate;
-            let azimuth_expected =
-                -about_rate / about * azimuth_rate - 2.0 * zenith_rate * azimuth_rate / zenith.tan();
-            assert!((at.free_rad_s2[0] - zenith_expected).abs() < 1e-9, "{} against {zenith_expected}", at.free_rad_s2[0]);
-            assert!((at.free_rad_s2[1] - azimuth_expected).abs() < 1e-9, "{} against {azimuth_expected}", at.free_rad_s2[1]);
+            let zenith_expected = (-torque * zenith.sin() - about_rate * zenith_rate) / about
+                + zenith.sin() * zenith.cos() * azimuth_rate * azimuth_rate;
+            let azimuth_expected = -about_rate / about * azimuth_rate - 2.0 * zenith_rate * azimuth_rate / zenith.tan();
+            assert!(
+                (at.free_rad_s2[0] - zenith_expected).abs() < 1e-9,
+                "{} against {zenith_expected}",
+                at.free_rad_s2[0]
+            );
+            assert!(
+                (at.free_rad_s2[1] - azimuth_expected).abs() < 1e-9,
+                "{} against {azimuth_expected}",
+                at.free_rad_s2[1]
+            );
         }
     }
 }

@@ -30,9 +30,7 @@ fn derivatives_agree_with_central_differences() {
                 }
                 let at = evaluate(&plant, &x, u, &flow);
                 let (s, t) = (at.sight, at.tensions);
-                let out = [
-                    s.altitude, s.pitch, s.roll, s.heading, s.right, s.forward, t.center, t.starboard, t.port,
-                ];
+                let out = [s.altitude, s.pitch, s.roll, s.heading, s.right, s.forward, t.center, t.starboard, t.port];
                 SMatrix::<f64, 21, 1>::from_fn(|i, _| if i < 12 { at.derivative[i] } else { out[i - 12] })
             });
             for row in 0..21 {
@@ -43,7 +41,11 @@ fn derivatives_agree_with_central_differences() {
                     (false, false) => d[(row - 12, direction - 12)],
                 };
                 let scale = slope[row].abs().max(1.0);
-                assert!((found - slope[row]).abs() < 1e-8 * scale, "row {row}, column {direction}: {found}, {}", slope[row]);
+                assert!(
+                    (found - slope[row]).abs() < 1e-8 * scale,
+                    "row {row}, column {direction}: {found}, {}",
+                    slope[row]
+                );
             }
         }
     }
@@ -67,7 +69,8 @@ fn names_and_units_go_with_their_rows_and_columns() {
     }
     // All lines longer: higher by the cosine of the zenith angle. Turning the flow turns the heading from it back.
     let altitude = index(&linear.outputs, "altitude");
-    let gain: f64 = ["center", "starboard", "port"].map(|l| linear.c[(altitude, state(&format!("line_{l}")))]).iter().sum();
+    let gain: f64 =
+        ["center", "starboard", "port"].map(|l| linear.c[(altitude, state(&format!("line_{l}")))]).iter().sum();
     assert!((gain - STATE[0].cos()).abs() < 1e-12, "altitude gain {gain}");
     let heading = index(&linear.outputs, "heading_from_flow");
     assert!((linear.d[(heading, index(&linear.inputs, "flow_direction"))] + 1.0).abs() < 1e-12, "heading");
@@ -148,7 +151,9 @@ fn trim_matrices_and_modes_are_those_of_the_independent_linearization() {
         let pitch_rad = case["pitch_set_point_deg"].as_f64().unwrap().to_radians();
         let found = trim(&plant, &TrimRequest { flow, pitch_rad, height: TrimHeight::Altitude(0.61) }).unwrap();
         let stored = &case["trim"];
-        for (value, key) in [(found.coordinates[0], "Phi"), (found.coordinates[3], "L_t"), (found.coordinates[4], "theta_prime")] {
+        for (value, key) in
+            [(found.coordinates[0], "Phi"), (found.coordinates[3], "L_t"), (found.coordinates[4], "theta_prime")]
+        {
             assert!((value - stored[key].as_f64().unwrap()).abs() < 1e-10, "{name}, {key}: {value}");
         }
         check_matrix(name, &found.state[6..9], &numbers(&stored["lines"]));
@@ -158,12 +163,15 @@ fn trim_matrices_and_modes_are_those_of_the_independent_linearization() {
         check_matrix(name, linear.a.transpose().as_slice(), &numbers(&case["A"]));
         check_matrix(name, linear.b.fixed_columns::<3>(0).transpose().as_slice(), &numbers(&case["B"]));
         // Three eigenvalues of A are zero, one for each line: they split by the square root of rounding at most.
-        check_eigenvalues(name, &DMatrix::from_column_slice(12, 12, linear.a.as_slice()), &case["open_loop"], 1e-7);
-        let passive = linear.passive();
-        check_eigenvalues(name, &DMatrix::from_column_slice(6, 6, passive.as_slice()), &case["locked_lines"], 1e-8);
-        let part = |states: &[usize]| DMatrix::from_fn(states.len(), states.len(), |i, j| passive[(states[i], states[j])]);
-        check_eigenvalues(name, &part(&[1, 2, 4, 5]), &case["locked_lines_lateral"], 1e-8);
-        check_eigenvalues(name, &part(&[0, 3]), &case["locked_lines_longitudinal"], 1e-8);
+        let all: [usize; 12] = core::array::from_fn(|k| k);
+        for (states, key, tolerance) in [
+            (&all[..], "open_loop", 1e-7),
+            (&Linearization::FREE, "locked_lines", 1e-8),
+            (&Linearization::LATERAL, "locked_lines_lateral", 1e-8),
+            (&Linearization::LONGITUDINAL, "locked_lines_longitudinal", 1e-8),
+        ] {
+            check_eigenvalues(name, &linear.among(states), &case[key], tolerance);
+        }
     }
 }
 
@@ -181,8 +189,8 @@ fn modes_without_damping_lie_on_the_imaginary_axis() {
     let flow = Flow::straight(0.2);
     let request = TrimRequest { flow, pitch_rad: 0.1, height: TrimHeight::TetherLength(0.6) };
     let state = trim(&plant, &request).unwrap().state;
-    let passive = linearize(&plant, &state, [0.0; 3], &flow).unwrap().passive();
-    let found = modes(&DMatrix::from_column_slice(6, 6, passive.as_slice())).unwrap().modes;
+    let linear = linearize(&plant, &state, [0.0; 3], &flow).unwrap();
+    let found = modes(&linear.among(&Linearization::FREE)).unwrap().modes;
     let swinging = found.iter().filter(|mode| mode.natural_frequency_rad_s() > 1e-3).count();
     assert_eq!(swinging, 2, "two pendulum modes, and the body turned about the vertical: {found:?}");
     for mode in found {

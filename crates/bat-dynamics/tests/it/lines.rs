@@ -1,8 +1,8 @@
 //! Line lengths, line tensions, slack.
 
 use bat_dynamics::{
-    Fidelity, Flow, Parameters, Plant, Slack, Tensions, TetherLayout, TrimHeight, TrimRequest, accelerations, driven_of_lines,
-    evaluate, lines_of_driven, trim,
+    Fidelity, Flow, Parameters, Plant, Slack, Tensions, TetherLayout, TrimHeight, TrimRequest, accelerations,
+    driven_of_lines, evaluate, lines_of_driven, trim,
 };
 use nalgebra::Vector3;
 
@@ -65,7 +65,11 @@ fn tensions_do_the_virtual_work_of_the_driven_coordinates() {
                 assert!((found - expected).abs() < 1e-9, "{line}: {found} N against {expected} N at {q:?}");
             }
             let sum: f64 = at.tensions.named().iter().map(|line| line.1).sum();
-            assert!((sum + at.supplied[0]).abs() < 1e-13, "tensions add to {sum} N, the length takes {:?}", at.supplied);
+            assert!(
+                (sum + at.supplied[0]).abs() < 1e-13,
+                "tensions add to {sum} N, the length takes {:?}",
+                at.supplied
+            );
         }
     }
 }
@@ -79,7 +83,8 @@ fn tensions_hold_the_moments_at_their_attachments() {
     let plant = Plant::new(&p, Fidelity::STALLED).unwrap();
     let flow = Flow::straight(0.3);
     // The pitch at which the induced pitch of the trim is zero.
-    let at_pitch = |pitch_rad| trim(&plant, &TrimRequest { flow, pitch_rad, height: TrimHeight::TetherLength(0.6) }).unwrap();
+    let at_pitch =
+        |pitch_rad| trim(&plant, &TrimRequest { flow, pitch_rad, height: TrimHeight::TetherLength(0.6) }).unwrap();
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);

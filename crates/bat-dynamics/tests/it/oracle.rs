@@ -113,7 +113,11 @@ fn component_force(q_area: f64, v: Vector3<f64>, drag: f64, lift: f64, side: f64
 
 /// Forces at the three centers and the hull's moment, in B, with stall; `relative` is the joint's velocity relative to
 /// the flow.
-pub(crate) fn aerodynamics(p: &Parameters, relative: Vector3<f64>, omega: Vector3<f64>) -> ([Vector3<f64>; 3], Vector3<f64>) {
+pub(crate) fn aerodynamics(
+    p: &Parameters,
+    relative: Vector3<f64>,
+    omega: Vector3<f64>,
+) -> ([Vector3<f64>; 3], Vector3<f64>) {
     let [f, h, v] = centers(p).map(|center| relative + omega.cross(&center));
     let attack = |v: &Vector3<f64>| v.z.atan2(v.x);
     let slip = |v: &Vector3<f64>| (v.y / v.norm()).asin();
@@ -125,7 +129,10 @@ pub(crate) fn aerodynamics(p: &Parameters, relative: Vector3<f64>, omega: Vector
     let side = hull.side_force_slope_per_rad * beta;
     let drag = hull.drag_zero_lift + hull.drag_due_to_lift * (lift * lift + side * side);
     let force_f = component_force(half * hull.area_m2, f, drag, lift, side);
-    let moment = half * f.norm_squared() * hull.area_m2 * p.body.chord_m
+    let moment = half
+        * f.norm_squared()
+        * hull.area_m2
+        * p.body.chord_m
         * Vector3::new(
             hull.roll_moment_slope_per_rad * beta,
             hull.pitch_moment_zero + hull.pitch_moment_slope_per_rad * alpha,

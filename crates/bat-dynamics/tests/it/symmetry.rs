@@ -3,9 +3,7 @@
 //! A Galilean change of frame in full would need winches that move: the crate has none. What it can show is that fluid
 //! forces depend on the motion relative to the flow alone, and that a body carried by the flow feels none.
 
-use bat_dynamics::{
-    Fidelity, FlightState, Flow, Plant, Tensions, aerodynamic_wrench, evaluate, generalized_forces,
-};
+use bat_dynamics::{Fidelity, FlightState, Flow, Plant, Tensions, aerodynamic_wrench, evaluate, generalized_forces};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::oracle::{self, fly};
@@ -22,8 +20,7 @@ fn turning_the_flow_and_the_azimuth_together_changes_nothing() {
         let mut turned = state;
         turned[1] += turn;
         let before = evaluate(&plant, &state, command, &flow);
-        let after =
-            evaluate(&plant, &turned, command, &Flow { direction_rad: flow.direction_rad + turn, ..flow });
+        let after = evaluate(&plant, &turned, command, &Flow { direction_rad: flow.direction_rad + turn, ..flow });
         for (k, (a, b)) in before.derivative.iter().zip(after.derivative).enumerate() {
             assert!((a - b).abs() < 1e-12 * a.abs().max(10.0), "rate {k}: {a} and {b} at {state:?}");
         }
@@ -48,8 +45,7 @@ fn mirrored_states_have_mirrored_rates_bit_for_bit() {
         let (state, [a, b, c]) = (sample.state(), sample.array(-0.02, 0.02));
         let (speed_m_s, direction_rad) = (sample.within(0.1, 0.4), sample.within(-1.0, 1.0));
         let right = evaluate(&plant, &state, [a, b, c], &Flow { speed_m_s, direction_rad });
-        let left =
-            evaluate(&plant, &mirrored(&state), [a, c, b], &Flow { speed_m_s, direction_rad: -direction_rad });
+        let left = evaluate(&plant, &mirrored(&state), [a, c, b], &Flow { speed_m_s, direction_rad: -direction_rad });
         assert_eq!(left.derivative, mirrored(&right.derivative), "at {state:?}");
         let Tensions { center, starboard, port } = right.tensions;
         assert_eq!(left.tensions, Tensions { center, starboard: port, port: starboard }, "at {state:?}");

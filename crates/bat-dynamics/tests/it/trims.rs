@@ -63,7 +63,9 @@ fn trim_is_the_first_fall_of_the_moment_through_zero() {
     let found = trim(&plant, &asked).unwrap().coordinates;
     // The moment on Phi from the second description of the plant.
     let moment = |zenith: f64| {
-        let center = |q: &[f64; 6]| -oracle::position(q, oracle::point(&p, p.body.center_of_mass_x, p.body.center_of_mass_height_m)).z;
+        let center = |q: &[f64; 6]| {
+            -oracle::position(q, oracle::point(&p, p.body.center_of_mass_x, p.body.center_of_mass_height_m)).z
+        };
         let mut q = [zenith, 0.3, 0.0, 0.6, asked.pitch_rad - zenith, 0.0];
         q[3] += (0.61 - center(&q)) / zenith.cos();
         let unit = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];

@@ -14,7 +14,7 @@ const EIGENVALUES: f64 = 1e-7;
 const MAP: f64 = 1e-9;
 
 fn complex(pairs: &Value) -> Vec<Complex<f64>> {
-    pairs.as_array().unwrap().iter().map(|pair| numbers(pair)).map(|pair| Complex::new(pair[0], pair[1])).collect()
+    pairs.as_array().unwrap().iter().map(numbers).map(|pair| Complex::new(pair[0], pair[1])).collect()
 }
 
 /// Every eigenvalue of the loop, conjugates included.

@@ -52,11 +52,10 @@ fn each_integral_is_that_of_the_logged_quantity() {
             _ => row.state[0],
         }
     };
-    for i in 0..N_TERMS {
-        for j in 0..N_TERMS {
+    for (i, row) in flight.integrals.gram.iter().enumerate() {
+        for (j, found) in row.iter().enumerate() {
             let expected = trapezoid(&|k| term(k, i) * term(k, j));
-            let found = flight.integrals.gram[i][j];
-            assert_close(found, expected, 0.02 * expected, &format!("{} times {}", TERM_NAMES[i], TERM_NAMES[j]));
+            assert_close(*found, expected, 0.02 * expected, &format!("{} times {}", TERM_NAMES[i], TERM_NAMES[j]));
         }
     }
     let [heading, lateral] = open_loop_cost(&flight.integrals, 0.2, 0.0125);
@@ -80,12 +79,12 @@ fn gram_matrix_is_symmetric_and_positive_semidefinite() {
 #[test]
 fn each_weight_alone_gives_its_own_square() {
     let integrals = flight().integrals;
-    for i in 0..N_TERMS {
+    for (i, name) in TERM_NAMES[..N_TERMS].iter().enumerate() {
         let mut alone = ZERO;
         alone.terms[i] = 3.0;
         let cost = alone.cost(&integrals, 2.0);
-        assert_close(cost.total, 9.0 * integrals.gram[i][i], 1e-15 * cost.total, TERM_NAMES[i]);
-        assert_close(cost.terms[i], cost.total, 0.0, TERM_NAMES[i]);
+        assert_close(cost.total, 9.0 * integrals.gram[i][i], 1e-15 * cost.total, name);
+        assert_close(cost.terms[i], cost.total, 0.0, name);
     }
     let ballast = CostWeights { ballast: 0.5, ..ZERO }.cost(&integrals, -2.0);
     assert_close(ballast.total, 0.5 * 4.0 * 8.0, 1e-12, "k7 (x_cm - x_cb)^2 T");
@@ -96,9 +95,12 @@ fn each_weight_alone_gives_its_own_square() {
 fn published_weights_give_the_published_form() {
     // K1 = 0.2 per rad² and K2 = 0.0125 per m² of (20).
     let integrals = Integrals { heading_squared: 0.5, lateral_squared: 4.0, ..flight().integrals };
-    assert_eq!(open_loop_cost(&integrals, 0.2, 0.0125), [0.1, 0.05]);
-    let [k1, k2, k3, k4, k5, k6] = weights().terms;
-    assert_eq!([k1, k2, k3, k4, k5, k6], [0.43, 11.6, 2.16, 1440.0, 1150.0, 1.01]);
+    let [heading, lateral] = open_loop_cost(&integrals, 0.2, 0.0125);
+    assert_close(heading, 0.1, 1e-16, "K1 term");
+    assert_close(lateral, 0.05, 1e-16, "K2 term");
+    for (found, expected) in weights().terms.iter().zip([0.43, 11.6, 2.16, 1440.0, 1150.0, 1.01]) {
+        assert_close(*found, expected, 0.0, "weight of the fixture");
+    }
 }
 
 proptest! {

@@ -17,7 +17,7 @@ fn edited(name: &str, from: &str, to: &str) -> String {
 fn check<T: std::fmt::Debug>(result: Result<T, FileError>, message: &str) {
     match result {
         Ok(read) => panic!("read without an error: {read:?}"),
-        Err(error) => assert_eq!(error.to_string(), message),
+        Err(error) => assert_eq!(error.to_string(), message, "{error:?}"),
     }
 }
 

@@ -43,6 +43,19 @@ fn event_is_the_first_sample_of_the_log_with_a_negative_tension() {
 }
 
 #[test]
+fn event_is_the_first_even_where_a_later_one_is_deeper() {
+    let (request, _) = jerked();
+    let jerk = |from_s, fraction| Window { from_s, to_s: from_s + 0.2, commands: [fraction, 0.0, 0.0] };
+    let windows = vec![jerk(JERK_S, 0.9), jerk(JERK_S + 20.0, 1.0)];
+    let profile = TestProfile::new(30.0, steps(&[(0.0, 0.245, 0.0)]), windows).unwrap();
+    let flight = fly(&request, &profile, &settings(SlackPolicy::Warn)).unwrap();
+    let event = flight.slack.unwrap();
+    assert_close(event.time_s, JERK_S, 1e-9, "the first jerk");
+    assert!(flight.extremes.smallest_tension_n < event.tension_n, "{event:?} {:?}", flight.extremes);
+    assert!(flight.extremes.smallest_tension_time_s > JERK_S + 19.0, "{:?}", flight.extremes);
+}
+
+#[test]
 fn slack_line_fails_the_flight_where_that_is_asked_for() {
     let (request, profile) = jerked();
     let warned = fly(&request, &profile, &settings(SlackPolicy::Warn)).unwrap().slack.unwrap();
