@@ -28,12 +28,14 @@ pub enum FileError {
         known: String,
     },
     /// A key that is needed.
-    #[error("missing key `{key}`: {expected}")]
+    #[error("missing key `{key}`: {expected}{}", .similar.as_ref().map_or(String::new(), |s| format!(" (there is a key `{s}`)")))]
     MissingKey {
         /// The key with its sections.
         key: String,
         /// What should stand there.
         expected: String,
+        /// A key of the same section that looks like a slip of it.
+        similar: Option<String>,
     },
     /// A value of the wrong kind.
     #[error("`{key}` is {found}: it must be {expected}")]

@@ -126,6 +126,9 @@ pub(crate) fn read_file<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, Fi
     parse(&text).map_err(|error| FileError::In { path: path.to_path_buf(), error: Box::new(error) })
 }
 
+/// Edits up to which a key counts as a slip of another.
+const LARGEST_SLIP: usize = 2;
+
 /// A table of a file that remembers which of its keys were asked for.
 pub(crate) struct Section<'a> {
     path: String,
@@ -146,7 +149,14 @@ impl<'a> Section<'a> {
 
     /// The error that says that `name` is missing.
     pub(crate) fn missing(&self, name: &str, expected: &str) -> FileError {
-        FileError::MissingKey { key: self.key(name), expected: expected.to_owned() }
+        let known = self.known.borrow();
+        let slips = self.table.keys().filter(|key| !known.contains(*key));
+        let similar = slips
+            .map(|key| (strsim::damerau_levenshtein(key, name), key))
+            .filter(|(edits, _)| *edits <= LARGEST_SLIP)
+            .min()
+            .map(|(_, key)| self.key(key));
+        FileError::MissingKey { key: self.key(name), expected: expected.to_owned(), similar }
     }
 
     fn get(&self, name: &str) -> Option<&'a Value> {

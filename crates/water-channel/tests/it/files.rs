@@ -112,6 +112,12 @@ fn unknown_key_is_an_error_at_every_level() {
 }
 
 #[test]
+fn slip_in_a_key_is_pointed_at() {
+    rig("mass =", "mas =", &format!("missing key `plant.body.mass`: {FORM} (there is a key `plant.body.mas`)"));
+    weights("k3_roll", "k3_rol", &format!("missing key `k3_roll`: {FORM} (there is a key `k3_rol`)"));
+}
+
+#[test]
 fn missing_key_is_named_with_what_should_stand_there() {
     rig(MASS, "", &format!("missing key `plant.body.mass`: {FORM}"));
     rig(MASS, &MASS.replace("value = 0.18, ", ""), "missing key `plant.body.mass.value`: a number");
