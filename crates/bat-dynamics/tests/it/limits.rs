@@ -34,9 +34,9 @@ fn agm(mut a: f64, mut b: f64) -> f64 {
 fn pendulum_has_its_period_at_small_and_at_large_amplitude() {
     let (plant, mass) = point_with_added_mass();
     let omega = (POINT_LIFT_N / (mass * LENGTH_M)).sqrt();
-    for amplitude in [1e-4, 0.5, 1.2, 1.5] {
+    for amplitude in [1e-4, 0.5, 1.2, 1.5_f64] {
         // K(k) = pi / (2 agm(1, sqrt(1 - k²))), T = 4 K(sin(amplitude/2)) / omega
-        let quarter = PI / (2.0 * agm(1.0, (0.5 * amplitude as f64).cos())) / omega;
+        let quarter = PI / (2.0 * agm(1.0, (0.5 * amplitude).cos())) / omega;
         let mut start = [0.0; 12];
         start[0] = amplitude;
         start[6..9].copy_from_slice(&[LENGTH_M; 3]);

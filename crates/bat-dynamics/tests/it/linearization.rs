@@ -67,6 +67,15 @@ fn names_and_units_go_with_their_rows_and_columns() {
         assert!((linear.b[(reel, command)] - 1.0 / lag).abs() < 1e-12, "{line}");
         assert_eq!((linear.states[length].unit, linear.states[reel].unit), ("m", "m/s"), "{line}");
     }
+    // The system among some states is A without the rows and columns of the others.
+    for states in [&Linearization::FREE[..], &Linearization::LATERAL, &Linearization::LONGITUDINAL] {
+        let part = linear.among(states);
+        for (i, row) in states.iter().enumerate() {
+            for (j, column) in states.iter().enumerate() {
+                assert_eq!(part[(i, j)], linear.a[(*row, *column)]);
+            }
+        }
+    }
     // All lines longer: higher by the cosine of the zenith angle. Turning the flow turns the heading from it back.
     let altitude = index(&linear.outputs, "altitude");
     let gain: f64 =

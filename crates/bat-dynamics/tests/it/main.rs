@@ -23,6 +23,7 @@
 //! (the crate integrates nothing).
 
 #![expect(clippy::float_cmp, reason = "bit-for-bit claims compare numbers with ==")]
+#![expect(clippy::unwrap_used, reason = "the helpers of tests fail like tests")]
 
 mod aerodynamics;
 mod eigenmodes;

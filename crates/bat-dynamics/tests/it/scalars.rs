@@ -43,6 +43,16 @@ fn sine_and_cosine_are_accurate_everywhere_and_at_the_edges_of_the_quadrants() {
 }
 
 #[test]
+fn sine_and_cosine_keep_their_digits_near_their_zeros() {
+    for k in 1..30_000 {
+        let (x, half) = (f64::from(k) * PI, (f64::from(k) - 0.5) * PI);
+        let (sin, cos) = (sin_cos(x).0, sin_cos(half).1);
+        assert!((sin - x.sin()).abs() <= 4.0 * f64::EPSILON * sin.abs(), "sin({x}) = {sin:e}, {:e}", x.sin());
+        assert!((cos - half.cos()).abs() <= 4.0 * f64::EPSILON * cos.abs(), "cos({half}) = {cos:e}, {:e}", half.cos());
+    }
+}
+
+#[test]
 fn sine_is_odd_and_small_angles_are_exact() {
     assert_eq!((sin_cos(0.0), sin_cos(-0.0)), ((0.0, 1.0), (0.0, 1.0)));
     for x in [5e-324, 1e-310, 1e-200, 1e-9] {

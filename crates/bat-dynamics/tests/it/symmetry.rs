@@ -108,7 +108,7 @@ fn fluid_forces_depend_on_relative_motion_alone() {
             let unit = core::array::from_fn(|i| if i == k { 1.0 } else { 0.0 });
             let expected = oracle::velocity(&q, &unit, Vector3::zeros()).dot(&(r * Vector3::from(force)))
                 + oracle::angular_velocity(&q, &unit).dot(&Vector3::from(moment));
-            assert!((found[k] - expected).abs() < 1e-13, "row {k}: {} against {expected}", found[k]);
+            assert!((found[k] - expected).abs() < 1e-11, "row {k}: {} against {expected}", found[k]);
         }
     }
 }
