@@ -93,7 +93,7 @@ impl Page {
 }
 
 /// Cells up to this length stay on one line.
-const LONGEST_UNBROKEN: usize = 44;
+const LONGEST_UNBROKEN: usize = 32;
 
 const STYLE: &str = "\
 body { margin: 0; background: #fff; color: #222; font: 16px/1.5 'DejaVu Sans', Verdana, Arial, sans-serif; }

@@ -7,8 +7,8 @@ use crate::real::Real;
 
 /// A uniform flow at one instant.
 ///
-/// Its velocity in G is `−V [cos psi_flow, sin psi_flow, 0]`: `psi_flow` is the heading that points the nose
-/// into the flow.
+/// Its velocity in G is `−V [cos psi_flow, sin psi_flow, 0]`: a nose with the heading `psi_flow` looks
+/// straight upstream.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flow<T = f64> {
     /// V, in m/s.
@@ -76,8 +76,8 @@ pub struct FlowKnot {
 
 /// Speed and direction of the flow as functions of time.
 ///
-/// The equations of motion treat the flow as steady at each instant: with added mass the inertia of an
-/// accelerating flow is left out (for a step of the speed, the impulse `(rho Vol + M_a) ΔV`).
+/// The equations of motion treat the flow as steady at each instant: the inertia of an accelerating flow is left out,
+/// which with added mass would push by `(rho Vol + M_a) ΔV` where the speed steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowHistory {
     knots: Vec<FlowKnot>,

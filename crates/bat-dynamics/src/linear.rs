@@ -117,7 +117,7 @@ pub fn linearize(
                 return Err(Error::State {
                     name: "derivative of the equations of motion",
                     value: entry.eps,
-                    unit: "",
+                    unit: "(in the units of its states)",
                     time_s: 0.0,
                     allowed: "finite: the body must move relative to the fluid",
                 });

@@ -241,7 +241,8 @@ pub struct Accelerations {
     pub free_rad_s2: [f64; 3],
     /// Generalized forces that the lines supply on L_t (N), theta' and phi' (N·m).
     pub supplied: [f64; 3],
-    /// Tensions of the lines.
+    /// Tensions of the lines. They mean something where lines can give the induced angles, within a quarter turn
+    /// (a [`FlightState`], which holds the lines themselves, is always there); the rest holds at any angle.
     pub tensions: Tensions,
 }
 

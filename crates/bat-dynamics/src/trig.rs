@@ -9,15 +9,23 @@ use crate::real::Real;
 /// Adding and subtracting it rounds to the nearest integer (ties to even) for |x| < 2^51.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
+/// Even and odd powers apart: two chains of operations, each half as long as Horner's, run side by side.
 #[inline(always)]
 fn polynomial<T: Real, const N: usize>(x: T, coefficients: [f64; N]) -> T {
-    let mut sum = T::constant(coefficients[N - 1]);
-    let mut k = N - 1;
-    while k > 0 {
-        k -= 1;
-        sum = sum * x + T::constant(coefficients[k]);
+    let squared = x * x;
+    let (mut k, mut first, mut second) = (N - 2, T::constant(coefficients[N - 1]), T::constant(coefficients[N - 2]));
+    while k >= 2 {
+        first = first * squared + T::constant(coefficients[k - 1]);
+        second = second * squared + T::constant(coefficients[k - 2]);
+        k -= 2;
     }
-    sum
+    if k == 1 {
+        // N is odd: `first` then runs over the even powers, and the constant is still to come.
+        first = first * squared + T::constant(coefficients[0]);
+        first + x * second
+    } else {
+        second + x * first
+    }
 }
 
 #[inline(always)]

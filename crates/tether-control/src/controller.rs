@@ -11,8 +11,8 @@ use crate::{Error, FilteredPd, Mixing, PdState, SampledPd, TetherLayout};
 /// number of flights at a time.
 ///
 /// # The sign trap
-/// With (14) as printed and one line forward, a positive v_theta *lowers* the nose, a positive v_phi *raises* the
-/// starboard side, and a positive v_z raises the body. The three errors that positive gains need are therefore not alike:
+/// Through (14) as printed, with one line forward, v_theta > 0 takes the nose *down*, v_phi > 0 the starboard side *up*
+/// and v_z > 0 the whole body up. The three errors that positive gains need are therefore not alike:
 ///
 /// ```text
 /// z_e     = h_sp − h            too low    → positive → all lines out

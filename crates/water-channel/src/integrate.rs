@@ -127,6 +127,16 @@ impl Water {
         Self { flow, sin, cos }
     }
 
+    /// The same with another flow: sine and cosine are kept where the direction is.
+    #[inline(always)]
+    fn with(self, flow: Flow) -> Self {
+        if flow.direction_rad.to_bits() == self.flow.direction_rad.to_bits() {
+            Self { flow, ..self }
+        } else {
+            Self::new(flow)
+        }
+    }
+
     /// Lateral position y of the center of mass in the ground frame, in m.
     #[inline(always)]
     pub(crate) fn lateral<T: Real>(&self, sight: &Sight<T>) -> T {
@@ -220,7 +230,7 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
                 let mut x = state;
                 // One copy of the right-hand side for the four stages keeps the code small enough to compile well.
                 for stage in &STAGES {
-                    let water = Water::new(profile.flow().within(piece, at_s + stage.at * h_s));
+                    let water = water.with(profile.flow().within(piece, at_s + stage.at * h_s));
                     let e = evaluate(plant, &x, held, &water.flow.cast());
                     if stage.at <= 0.0 && step == 0 && from_s <= time_s {
                         watch(&Sample { time_s, water, state: &x, evaluation: &e, commands: &commands });

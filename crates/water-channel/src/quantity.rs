@@ -45,6 +45,8 @@ pub(crate) enum Range {
     NonNegative,
     Positive,
     UnitInterval,
+    /// An angle in rad short of a quarter turn.
+    WithinQuarterTurn,
 }
 
 impl Range {
@@ -55,6 +57,7 @@ impl Range {
                 Self::NonNegative => value >= 0.0,
                 Self::Positive => value > 0.0,
                 Self::UnitInterval => value.abs() <= 1.0,
+                Self::WithinQuarterTurn => value.abs() < core::f64::consts::FRAC_PI_2,
             }
     }
 
@@ -64,6 +67,7 @@ impl Range {
             Self::NonNegative => "finite and zero or more",
             Self::Positive => "finite and more than zero",
             Self::UnitInterval => "within -1 and 1",
+            Self::WithinQuarterTurn => "finite and short of a quarter turn to either side",
         }
     }
 }
@@ -122,7 +126,7 @@ impl Reader {
 
 /// Reads a file and names it in every error.
 pub(crate) fn read_file<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, FileError>) -> Result<T, FileError> {
-    let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.to_path_buf(), source })?;
+    let text = std::fs::read_to_string(path).map_err(|cause| FileError::Read { path: path.to_path_buf(), cause })?;
     parse(&text).map_err(|error| FileError::In { path: path.to_path_buf(), error: Box::new(error) })
 }
 

@@ -92,8 +92,8 @@ impl RigFile {
                     roll: controller.section("roll", |s| filtered_pd(s, "m/(s*rad)", "m/rad"))?,
                     set_points: SetPoints {
                         altitude_m: controller.quantity("altitude_set_point", "m", Range::Positive)?,
-                        pitch_rad: controller.quantity("pitch_set_point", "rad", Range::Finite)?,
-                        roll_rad: controller.quantity("roll_set_point", "rad", Range::Finite)?,
+                        pitch_rad: controller.quantity("pitch_set_point", "rad", Range::WithinQuarterTurn)?,
+                        roll_rad: controller.quantity("roll_set_point", "rad", Range::WithinQuarterTurn)?,
                     },
                     sample_time_s: controller.quantity("sample_time", "s", Range::Positive)?,
                 })

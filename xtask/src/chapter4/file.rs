@@ -96,6 +96,9 @@ impl Published {
     }
 }
 
+/// Flights of one landscape: more would take hours and gigabytes.
+const MOST_LATTICE_POINTS: f64 = 100_000.0;
+
 /// The study ready to run.
 #[derive(Debug)]
 pub(crate) struct Setup {
@@ -132,6 +135,11 @@ impl Setup {
             .map(|p| Parameter::continuous(&p.name, &p.unit, p.lower, p.upper))
             .collect::<std::result::Result<Vec<_>, _>>()?;
         let roles = file.parameter.iter().map(|p| p.role).collect();
+        let points = file.parameter.iter().map(|p| (p.upper - p.lower) / p.table_step + 3.0).product::<f64>();
+        ensure!(
+            points <= MOST_LATTICE_POINTS,
+            "table_step: the landscapes would take {points:.0} flights each: at most {MOST_LATTICE_POINTS:.0} are allowed"
+        );
         let steps = [file.numerics.steps_per_sample, file.numerics.report_steps_per_sample];
         let problem = CodesignProblem::new(Region::new(parameters)?, roles)?;
         let study = Study::read(directory, [&file.rig, &file.profile, &file.cost], variables, steps)?;
@@ -162,6 +170,17 @@ impl Setup {
 
     pub(crate) fn parameters(&self) -> &[ParameterEntry] {
         &self.file.parameter
+    }
+
+    /// RK4 steps per sample: in searches and landscapes, and for reported designs.
+    pub(crate) fn steps_per_sample(&self) -> [usize; 2] {
+        [self.file.numerics.steps_per_sample, self.file.numerics.report_steps_per_sample]
+    }
+
+    /// The experiment steps in words.
+    pub(crate) fn experiment_steps(&self) -> String {
+        let step = |p: &ParameterEntry| format!("{} {} in {}", p.experiment_step, p.unit, p.name.replace('_', " "));
+        self.file.parameter.iter().map(step).collect::<Vec<_>>().join(", ")
     }
 
     /// Bounds of parameter `k`.
@@ -198,6 +217,7 @@ mod tests {
         refuses("relative_bound = 0.02", "relative_bound = nan", &["noise", "NaN"]);
         refuses("trust = 0.3", "trust = -0.3", &["R = 0.3", "-0.3"]);
         refuses("table_step = 0.5", "table_step = 0.0", &["pitch_set_point", "table_step"]);
+        refuses("table_step = 0.5", "table_step = 1e-9", &["table_step", "100000"]);
         refuses("rig = \"rig.toml\"", "rig = \"no-such.toml\"", &["no-such.toml"]);
         refuses("name = \"pitch_set_point\"", "name = \"pitch\"", &["`pitch`", "pitch_set_point"]);
     }

@@ -67,6 +67,26 @@ impl Lattice {
         lowest
     }
 
+    /// Local minima of the lattice inside the box, lowest first.
+    pub(crate) fn wells(&self) -> Vec<([f64; 2], f64)> {
+        let (axes, rows) = self.box_rows();
+        let mut wells = Vec::new();
+        for (j, row) in rows.iter().enumerate() {
+            for (i, cost) in row.iter().enumerate() {
+                let around = |j: usize| (i.saturating_sub(1)..=i + 1).map(move |i| (i, j));
+                let neighbours = (j.saturating_sub(1)..=j + 1).flat_map(around).filter(|at| *at != (i, j));
+                let lowest = neighbours
+                    .filter_map(|(i, j)| rows.get(j)?.get(i))
+                    .all(|neighbour| neighbour.is_nan() || cost < neighbour);
+                if lowest && cost.is_finite() {
+                    wells.push(([axes[0][i], axes[1][j]], *cost));
+                }
+            }
+        }
+        wells.sort_by(|a, b| a.1.total_cmp(&b.1));
+        wells
+    }
+
     /// A function that interpolates the costs (cubic Hermite).
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! `cargo xtask reproduce-chapter4`: Table 3 and Figures 15 to 18 from flights, beside the dissertation's own figures.
 
 mod file;
+mod findings;
 mod lattice;
 mod loops;
 mod margins;
@@ -16,10 +17,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
 use file::Setup;
+use findings::Findings;
 use lattice::Lattice;
 use pictures::{Material, Picture};
-use report::Findings;
-use results::Rows;
+use results::{Digits, Rows};
 
 use crate::study::{MODEL, STAND_IN};
 use crate::table::{Column, write_columns_csv};
@@ -151,11 +152,11 @@ fn write(out: &Path, findings: &Findings<'_>) -> Result<()> {
     save("index.html", &report::page(findings).html())?;
     save("results.md", &report::markdown(findings))?;
     let m = &findings.material;
-    results::iteration_table(m.setup, &m.rows[0]).write_csv(&out.join("table-3.csv"))?;
-    results::variant_table(m.rows).write_csv(&out.join("loops.csv"))?;
-    results::cost_table(&m.rows[0]).write_csv(&out.join("costs.csv"))?;
-    results::flight_table(&m.rows[0]).write_csv(&out.join("flights.csv"))?;
-    results::seed_table(m.setup, m.seeded).write_csv(&out.join("seeds-summary.csv"))?;
+    results::iteration_table(m.setup, &m.rows[0], Digits::All).write_csv(&out.join("table-3.csv"))?;
+    results::variant_table(m.rows, Digits::All).write_csv(&out.join("loops.csv"))?;
+    results::cost_table(&m.rows[0], Digits::All).write_csv(&out.join("costs.csv"))?;
+    results::flight_table(&m.rows[0], Digits::All).write_csv(&out.join("flights.csv"))?;
+    results::seed_data(m.setup, m.seeded).write_csv(&out.join("seeds-summary.csv"))?;
     seeds_csv(findings, &out.join("seeds.csv"))?;
     for (lattice, name) in [(m.model, "landscape-model.csv"), (m.stand_in, "landscape-stand-in.csv")] {
         landscape_csv(lattice, &out.join(name))?;

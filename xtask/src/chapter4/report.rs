@@ -2,192 +2,33 @@
 
 use std::path::Path;
 
-use infuse::{CodesignReport, StopReason};
-
-use super::file::Published;
-use super::pictures::{Material, Picture};
+use super::findings::{Findings, change_words};
 use super::results::{
-    Rows, cost_table, fall_pct, falls_pct, flight_table, provenance_table, seed_table, side_by_side, variant_table,
+    Digits, cost_table, falls_pct, flight_table, provenance_table, seed_table, side_by_side, variant_table,
 };
 use crate::figures::Summary;
 use crate::page::Page;
 use crate::study::{MODEL, STAND_IN};
-use crate::table::{Column, Table};
-
-/// What this run found.
-pub(crate) struct Findings<'a> {
-    pub(crate) material: Material<'a>,
-    /// The optimum of the stand-in itself, which no engineer could compute.
-    pub(crate) best: CodesignReport,
-    /// Largest relative error of the remembered simulations against flights of their own.
-    pub(crate) interpolation_error: f64,
-    /// Margins of the flights over the box of Table 4.
-    pub(crate) box_table: Table,
-    /// Optimum with each piece of physics.
-    pub(crate) physics_table: Table,
-    /// Error of the cost by step size.
-    pub(crate) step_table: Table,
-    pub(crate) seconds: f64,
-    pub(crate) pictures: &'a [Picture],
-}
-
-impl Findings<'_> {
-    fn printed(&self) -> &Rows {
-        &self.material.rows[0]
-    }
-
-    fn published(&self) -> &[Published] {
-        &self.material.setup.file.published
-    }
-
-    fn published_fall_pct(&self) -> f64 {
-        let rows = self.published();
-        fall_pct(rows[0].experiment_cost, rows[rows.len() - 1].experiment_cost)
-    }
-
-    /// What was fitted, and how well the fit is met in this run.
-    fn calibration_table(&self) -> Table {
-        let study = &self.material.setup.study;
-        let (first, last) = (self.published()[0], self.published()[self.published().len() - 1]);
-        let start = self.printed().first();
-        let cost = |point: [f64; 2], fidelity| match study.cost(&point, fidelity) {
-            Ok(cost) => format!("{cost:.3}"),
-            Err(reason) => reason,
-        };
-        let mut table = Table::new(vec![
-            Column::new("Calibrated", ""),
-            Column::new("Published", "1"),
-            Column::new("This run", "1"),
-        ]);
-        let rows = [
-            (
-                "optimum of the numerical model: center of mass, % chord",
-                first.center_of_mass,
-                format!("{:.2}", start.point[0]),
-            ),
-            (
-                "optimum of the numerical model: pitch set point, deg",
-                first.pitch_set_point,
-                format!("{:.2}", start.point[1]),
-            ),
-            (
-                "cost of the numerical model at the published optimum, s",
-                first.corrected_cost,
-                cost(first.point(), MODEL),
-            ),
-            ("cost in the stand-in at the same point, s", first.experiment_cost, cost(first.point(), STAND_IN)),
-            (
-                "best design of the stand-in: center of mass, % chord",
-                last.center_of_mass,
-                format!("{:.2}", self.best.point[0]),
-            ),
-            (
-                "best design of the stand-in: pitch set point, deg",
-                last.pitch_set_point,
-                format!("{:.2}", self.best.point[1]),
-            ),
-            (
-                "cost in the stand-in at the published best design, s",
-                last.experiment_cost,
-                cost(last.point(), STAND_IN),
-            ),
-        ];
-        for (what, published, ours) in rows {
-            table.push(vec![what.to_owned(), published.to_string(), ours]);
-        }
-        table
-    }
-
-    /// What was not fitted.
-    fn prediction_table(&self) -> Table {
-        let (rows, published) = (self.printed(), self.published());
-        let theirs = &published[published.len() - 1];
-        let ours = rows.last();
-        let mut table =
-            Table::new(vec![Column::new("Predicted", ""), Column::new("Published", ""), Column::new("This run", "")]);
-        let mut push = |what: &str, a: String, b: String| table.push(vec![what.to_owned(), a, b]);
-        push(
-            "fall of the experimental cost, first to last iteration",
-            format!("{:.1} %", self.published_fall_pct()),
-            format!("{:.1} %", rows.fall_pct()),
-        );
-        push("experiments that it took", (5 * published.len()).to_string(), rows.n_experiments().to_string());
-        push(
-            "last design",
-            format!("{} % chord, {} deg", theirs.center_of_mass, theirs.pitch_set_point),
-            format!("{:.2} % chord, {:.2} deg", ours.point[0], ours.point[1]),
-        );
-        push(
-            "corrected cost beside experimental cost, last iteration",
-            format!("{} and {}", theirs.corrected_cost, theirs.experiment_cost),
-            format!("{:.3} and {:.3}", ours.corrected_cost, ours.experiment.total),
-        );
-        for seeded in self.material.seeded {
-            if let Some(s) = Summary::of(&falls_pct(self.material.setup, seeded)) {
-                push(
-                    &format!("fall over {} noise seeds, {}", s.count, seeded.label),
-                    "–".to_owned(),
-                    format!("median {:.1} %, from {:.1} to {:.1} %", s.median, s.minimum, s.maximum),
-                );
-            }
-        }
-        table
-    }
-
-    /// Cost of the last design above that of the stand-in's best, in per cent: the regret of the loop.
-    fn regret_pct(&self) -> f64 {
-        100.0 * (self.printed().last().experiment.total / self.best.value - 1.0)
-    }
-
-    /// The largest fall that the stand-in allows from the first row, in per cent.
-    fn room_pct(&self) -> f64 {
-        fall_pct(self.printed().first().experiment.total, self.best.value)
-    }
-
-    fn failures(&self) -> String {
-        let m = &self.material;
-        let count = |lattice: &super::lattice::Lattice| lattice.failures.len();
-        let (model, stand_in) = (count(m.model), count(m.stand_in));
-        let first = m.model.failures.iter().chain(&m.stand_in.failures).next();
-        let example = first.map_or(String::new(), |(point, reason)| {
-            format!(" The first: at {:.2} % chord and {:.2} deg: {reason}.", point[0], point[1])
-        });
-        format!(
-            "Of the flights of the landscapes, {model} of the model and {stand_in} of the stand-in failed (no trim, a \
-             slack line, or a state outside the model).{example}"
-        )
-    }
-
-    fn stops(&self) -> Vec<String> {
-        let describe = |rows: &Rows| {
-            let why = match rows.campaign.stop {
-                StopReason::Converged => "the optimum came to rest",
-                StopReason::IterationLimit => "the iterations of the study were used up",
-                StopReason::NoInformation => "the experiments of the last iteration failed",
-                _ => "for another reason",
-            };
-            format!(
-                "{}: stopped because {why}; experimental cost {:.3} s, then {:.3} s, a fall of {:.1} %.",
-                rows.label,
-                rows.first().experiment.total,
-                rows.last().experiment.total,
-                rows.fall_pct()
-            )
-        };
-        self.material.rows.iter().map(describe).collect()
-    }
-}
 
 const BOX_CAPTION: &str = "Flights over the box of the four parameters of Table 4 (pitch to 22 deg): center of mass and \
     pitch set point at five values each, both stabilizers at their smallest, nominal and largest area; one step per sample. \
     Failed: no trim, a slack line, or a state outside the model.";
 
-const PHYSICS_CAPTION: &str = "What moves the optimum: the best design of each physics, found by optimizing it. The water \
-    channel's best design lay aft of the model's, at a higher pitch and a higher cost. Stall alone lowers the cost and does not move the center \
-    of mass aft; added mass alone drives it to its bound.";
+const PHYSICS_CAPTION: &str = "What moves the optimum: the best design of each physics, found by optimizing it, and what \
+    the model's optimum costs there. In Table 3 the best design lies aft of the model's optimum, at a higher pitch, and the \
+    model's optimum costs half as much again in the water channel.";
 
-const STEP_CAPTION: &str = "Relative error of the cost of the first design by RK4 steps per sample of 0.025 s, against 16. \
-    The designs that are reported fly with two; searches, landscapes and the margins above with one.";
+const VARIANT_CAPTION: &str = "Every loop of this run, without noise. R is the trust in the measured slopes, 0.1 as printed; \
+    the correction is a plane, so that trust reaches as far as the box. Limited moves are a remedy of modifier adaptation. \
+    The last loop has the correction with its printed sign.";
+
+fn step_caption(findings: &Findings<'_>) -> String {
+    let [search, report] = findings.material.setup.steps_per_sample();
+    format!(
+        "Relative error of the cost of the first design by RK4 steps per controller sample, against 16. Searches and \
+         landscapes of this run fly with {search}, the designs that are reported with {report}."
+    )
+}
 
 /// The page of the study.
 pub(crate) fn page(findings: &Findings<'_>) -> Page {
@@ -231,10 +72,7 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
     page.heading("What was calibrated");
     page.table(&findings.calibration_table(), "Numbers that were fitted, with how well the fit is met in this run.");
     page.table(&findings.physics_table, PHYSICS_CAPTION);
-    page.paragraph(
-        "Identifiability is poor: some forty physical numbers and seven weights stand against seven published ones, so \
-         these numbers show that the story is consistent, not that the plant is known.",
-    );
+    page.paragraph(&findings.identifiability());
 
     let show = |page: &mut Page, names: &[&str]| {
         for picture in findings.pictures.iter().filter(|picture| names.iter().any(|n| picture.name.starts_with(n))) {
@@ -243,23 +81,20 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
     };
     page.heading("Where the loop went");
     show(&mut page, &["landscape"]);
+    page.paragraph(&findings.wells());
     page.paragraph(&findings.failures());
-    page.table(
-        &variant_table(m.rows),
-        "Every loop of this run, without noise. R = 0.1 is printed; the others show what trust does: a correction that is \
-         linear over the whole box drives a trusting loop into a corner, and a limit on the move per iteration holds it \
-         back. The last one has the correction with its printed sign, which rewards what the experiments punish.",
-    );
+    page.table(&variant_table(m.rows, Digits::Few), VARIANT_CAPTION);
     page.list(&findings.stops());
     page.heading("Before and after");
+    page.list(&findings.what_changed());
     show(&mut page, &["figure"]);
     page.table(
-        &cost_table(findings.printed()),
+        &cost_table(findings.printed(), Digits::Few),
         "What each design of the printed loop costs in the stand-in. Terms inside the square of (21) share their products, \
          so that the terms sum to J.",
     );
     page.table(
-        &flight_table(findings.printed()),
+        &flight_table(findings.printed(), Digits::Few),
         "How each design of the printed loop flies in the stand-in. Footprint: pi L² sin² Phi; full scale is 100 times \
          longer. The yaw mode is the least damped oscillation in which azimuth and twist lead, of the sampled closed loop \
          at trim at the first flow speed.",
@@ -268,20 +103,21 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
     show(&mut page, &["seeds"]);
     page.table(&seed_table(setup, m.seeded), "Median (smallest … largest) over the noise seeds.");
     page.paragraph(&format!(
-        "Noise: within ±{} % of J, uniform, one draw per experiment, seeds {} to {}; the bound and the steps of 1 % of \
-         chord and 1 deg are ours. Simulations carry no noise: the seeds share {} remembered flights of the model and \
+        "Noise: within ±{} % of J, uniform, one draw per experiment, seeds {} to {}; the bound and the steps of the \
+         experiments ({}) are ours. Simulations carry no noise: the seeds share {} remembered flights of the model and \
          interpolate between them (cubic); against {} flights of their own the largest error is {:.1e} of the cost. \
          Experiments are always flown.",
         100.0 * setup.file.noise.relative_bound,
         setup.file.noise.first_seed,
         setup.file.noise.first_seed + setup.file.noise.seeds - 1,
+        setup.experiment_steps(),
         m.model.axes[0].len() * m.model.axes[1].len(),
         super::CHECKED_POINTS,
         findings.interpolation_error
     ));
     page.heading("Margins and step size");
     page.table(&findings.box_table, BOX_CAPTION);
-    page.table(&findings.step_table, STEP_CAPTION);
+    page.table(&findings.step_table, &step_caption(findings));
     page.heading("Every number");
     page.table(
         &provenance_table(&setup.study.records),
@@ -319,10 +155,10 @@ pub(crate) fn markdown(findings: &Findings<'_>) -> String {
          ## Table 3: dissertation / this run\n\n{}\n\
          The calibrated costs leave room for a fall of at most {:.1} % (from the first row to the stand-in's best design, \
          {:.2} % chord and {:.2} deg at {:.3} s); the loop takes {:.1} %, the dissertation's {:.1} %.\n\n\
-         ## What was calibrated\n\n{}\n## What moves the optimum\n\n{PHYSICS_CAPTION}\n\n{}\n## What is predicted\n\n{}\n## Every loop, without noise\n\n{}\n\
-         ## Costs of the printed loop's designs in the stand-in\n\n{}\n## How they fly\n\n{}\n\
+         ## What was calibrated\n\n{}\n## What moves the optimum\n\n{PHYSICS_CAPTION}\n\n{}\n## What is predicted\n\n{}\n## Where the wells of the stand-in are\n\n{}\n\n## Every loop, without noise\n\n{VARIANT_CAPTION}\n\n{}\n\
+         ## What got better and what did not\n\nBefore (iteration 1) and after (last iteration), in the stand-in.\n\n{}\n## Costs of the printed loop's designs in the stand-in\n\n{}\n## How they fly\n\n{}\n\
          ## Over noise seeds\n\nFall of the experimental cost, noise taken off:\n\n{}\n{}\n\
-         ## Margins over the box of Table 4\n\n{BOX_CAPTION}\n\n{}\n## Step size\n\n{STEP_CAPTION}\n\n{}",
+         ## Margins over the box of Table 4\n\n{BOX_CAPTION}\n\n{}\n## Step size\n\n{}\n\n{}",
         side_by_side(m.setup, findings.printed()).markdown(),
         findings.room_pct(),
         findings.best.point[0],
@@ -333,12 +169,15 @@ pub(crate) fn markdown(findings: &Findings<'_>) -> String {
         findings.calibration_table().markdown(),
         findings.physics_table.markdown(),
         findings.prediction_table().markdown(),
-        variant_table(m.rows).markdown(),
-        cost_table(findings.printed()).markdown(),
-        flight_table(findings.printed()).markdown(),
+        findings.wells(),
+        variant_table(m.rows, Digits::Few).markdown(),
+        findings.what_changed().iter().map(|item| format!("- {item}\n")).collect::<String>(),
+        cost_table(findings.printed(), Digits::Few).markdown(),
+        flight_table(findings.printed(), Digits::Few).markdown(),
         falls,
         seed_table(m.setup, m.seeded).markdown(),
         findings.box_table.markdown(),
+        step_caption(findings),
         findings.step_table.markdown(),
     )
 }
@@ -375,15 +214,25 @@ pub(crate) fn print(findings: &Findings<'_>, out: &Path) {
     );
     let pitch_bound = findings.material.setup.bounds(1).1;
     if (last.point[1] - pitch_bound).abs() < 1e-6 {
+        let published = findings.published().last().map_or(f64::NAN, |row| row.pitch_set_point);
         println!(
-            "The pitch set point ends at its bound of {pitch_bound} deg; in the dissertation it ends at 19.4 deg."
+            "The pitch set point ends at its bound of {pitch_bound} deg; in the dissertation it ends at {published} deg."
         );
     }
+    println!(
+        "\nWith noise of up to ±{} % on every measured cost, drawn {} times anew; R is how much of the measured slope the \
+         loop takes over:",
+        100.0 * findings.material.setup.file.noise.relative_bound,
+        findings.material.setup.file.noise.seeds
+    );
     for seeded in findings.material.seeded {
         if let Some(s) = Summary::of(&falls_pct(findings.material.setup, seeded)) {
             println!(
-                "With noise, {}: over {} seeds the cost falls by {:.1} % (median; from {:.1} to {:.1} %).",
-                seeded.label, s.count, s.median, s.minimum, s.maximum
+                "  {:22} {} (median); best {}, worst {}",
+                seeded.label,
+                change_words(s.median),
+                change_words(s.maximum),
+                change_words(s.minimum)
             );
         }
     }

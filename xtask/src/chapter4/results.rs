@@ -131,15 +131,26 @@ pub(crate) fn fall_pct(first: f64, last: f64) -> f64 {
     100.0 * (1.0 - last / first)
 }
 
-fn number(value: f64, digits: usize) -> String {
-    // Adding zero turns a rounded −0 into 0.
-    let shown = |value: f64| format!("{:.digits$}", value + 0.0);
-    if !value.is_finite() {
-        "–".to_owned()
-    } else if value.abs() < 0.5 * 0.1_f64.powi(digits as i32) {
-        shown(0.0)
-    } else {
-        shown(value)
+/// How numbers stand in a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Digits {
+    /// Few digits, for a person.
+    Few,
+    /// Every digit, for a program.
+    All,
+}
+
+impl Digits {
+    fn show(self, value: f64, few: usize) -> String {
+        if !value.is_finite() {
+            return if self == Self::Few { "–".to_owned() } else { String::new() };
+        }
+        match self {
+            Self::All => value.to_string(),
+            // A rounded −0 is 0.
+            Self::Few if value.abs() < 0.5 * 0.1_f64.powi(few as i32) => format!("{:.few$}", 0.0),
+            Self::Few => format!("{value:.few$}"),
+        }
     }
 }
 
@@ -150,7 +161,7 @@ pub(crate) fn standing(iteration: usize) -> &'static str {
 
 /// Ours beside Table 3, "published / this run" in each cell: for a page and a terminal.
 pub(crate) fn side_by_side(setup: &Setup, rows: &Rows) -> Table {
-    let full = iteration_table(setup, rows);
+    let full = iteration_table(setup, rows, Digits::Few);
     let mut table = Table::new(vec![
         Column::new("Iteration", "1"),
         Column::new("Row is", ""),
@@ -168,7 +179,7 @@ pub(crate) fn side_by_side(setup: &Setup, rows: &Rows) -> Table {
 }
 
 /// Ours beside Table 3, a column each.
-pub(crate) fn iteration_table(setup: &Setup, rows: &Rows) -> Table {
+pub(crate) fn iteration_table(setup: &Setup, rows: &Rows, digits: Digits) -> Table {
     let mut table = Table::new(vec![
         Column::new("Iteration", "1"),
         Column::new("Row is", ""),
@@ -186,10 +197,8 @@ pub(crate) fn iteration_table(setup: &Setup, rows: &Rows) -> Table {
     let published = &setup.file.published;
     for k in 0..rows.rows.len().max(published.len()) {
         let (theirs, ours) = (published.get(k), rows.rows.get(k));
-        let their = |f: &dyn Fn(&super::file::Published) -> f64, digits| {
-            theirs.map_or("–".to_owned(), |row| number(f(row), digits))
-        };
-        let our = |f: &dyn Fn(&Row) -> f64, digits| ours.map_or("–".to_owned(), |row| number(f(row), digits));
+        let their = |f: &dyn Fn(&super::file::Published) -> f64, few| digits.show(theirs.map_or(f64::NAN, f), few);
+        let our = |f: &dyn Fn(&Row) -> f64, few| digits.show(ours.map_or(f64::NAN, f), few);
         table.push(vec![
             (k + 1).to_string(),
             standing(k + 1).to_owned(),
@@ -209,7 +218,7 @@ pub(crate) fn iteration_table(setup: &Setup, rows: &Rows) -> Table {
 }
 
 /// Every variant, row by row.
-pub(crate) fn variant_table(all: &[Rows]) -> Table {
+pub(crate) fn variant_table(all: &[Rows], digits: Digits) -> Table {
     let mut table = Table::new(vec![
         Column::new("Loop", ""),
         Column::new("Iteration", "1"),
@@ -229,12 +238,12 @@ pub(crate) fn variant_table(all: &[Rows]) -> Table {
                 rows.label.clone(),
                 row.iteration.to_string(),
                 standing(row.iteration).to_owned(),
-                number(row.point[0], 2),
-                number(row.point[1], 2),
-                number(row.model_cost, 3),
-                number(row.corrected_cost, 3),
-                number(row.experiment.total, 3),
-                number(-fall_pct(rows.first().experiment.total, row.experiment.total), 1),
+                digits.show(row.point[0], 2),
+                digits.show(row.point[1], 2),
+                digits.show(row.model_cost, 3),
+                digits.show(row.corrected_cost, 3),
+                digits.show(row.experiment.total, 3),
+                digits.show(-fall_pct(rows.first().experiment.total, row.experiment.total), 1),
                 row.n_experiments.to_string(),
                 row.n_simulations.to_string(),
             ]);
@@ -244,21 +253,21 @@ pub(crate) fn variant_table(all: &[Rows]) -> Table {
 }
 
 /// What each design of the printed loop costs in the stand-in, term by term.
-pub(crate) fn cost_table(rows: &Rows) -> Table {
+pub(crate) fn cost_table(rows: &Rows, digits: Digits) -> Table {
     let mut columns = vec![Column::new("Iteration", "1")];
     columns.extend(TERM_NAMES.iter().map(|name| Column::new(name, "s")));
     columns.push(Column::new("sum J", "s"));
     let mut table = Table::new(columns);
     for row in &rows.rows {
         let mut cells = vec![row.iteration.to_string()];
-        cells.extend(row.experiment.terms.iter().chain([&row.experiment.total]).map(|term| number(*term, 3)));
+        cells.extend(row.experiment.terms.iter().chain([&row.experiment.total]).map(|term| digits.show(*term, 3)));
         table.push(cells);
     }
     table
 }
 
 /// How each design of the printed loop flies in the stand-in: footprint and margins.
-pub(crate) fn flight_table(rows: &Rows) -> Table {
+pub(crate) fn flight_table(rows: &Rows, digits: Digits) -> Table {
     let mut table = Table::new(vec![
         Column::new("Iteration", "1"),
         Column::new("Footprint, mean", "cm²"),
@@ -276,16 +285,16 @@ pub(crate) fn flight_table(rows: &Rows) -> Table {
         let mean = row.mean_footprint_m2();
         table.push(vec![
             row.iteration.to_string(),
-            number(mean * 1e4, 1),
-            number(row.flight.trim_footprint_m2() * 1e4, 1),
+            digits.show(mean * 1e4, 1),
+            digits.show(row.flight.trim_footprint_m2() * 1e4, 1),
             // Areas grow with the square of the scale, 1/100.
-            number(mean * 1e4, 1),
-            number(extremes.peak_heading_rad.to_degrees(), 1),
-            number(extremes.largest_zenith_rad.to_degrees(), 1),
-            number(extremes.smallest_tension_n, 3),
+            digits.show(mean * 1e4, 1),
+            digits.show(extremes.peak_heading_rad.to_degrees(), 1),
+            digits.show(extremes.largest_zenith_rad.to_degrees(), 1),
+            digits.show(extremes.smallest_tension_n, 3),
             extremes.smallest_tension_line.to_owned(),
-            row.yaw_mode.map_or("–".to_owned(), |mode| number(mode.damping_ratio, 3)),
-            row.yaw_mode.map_or("–".to_owned(), |mode| number(mode.frequency_rad_s, 2)),
+            row.yaw_mode.map_or("–".to_owned(), |mode| digits.show(mode.damping_ratio, 3)),
+            row.yaw_mode.map_or("–".to_owned(), |mode| digits.show(mode.frequency_rad_s, 2)),
         ]);
     }
     table
@@ -327,31 +336,49 @@ pub(crate) fn falls_pct(setup: &Setup, seeded: &Seeded) -> Vec<f64> {
         .collect()
 }
 
-/// Median and spread over the seeds.
+/// Median and spread over the seeds, in one cell each.
 pub(crate) fn seed_table(setup: &Setup, all: &[Seeded]) -> Table {
-    let mut columns = vec![Column::new("Loop", ""), Column::new("Iteration", "1")];
-    for (name, unit, _) in READINGS {
-        columns.push(Column::new(name, unit));
-    }
+    let mut columns = vec![Column::new("Loop", ""), Column::new("Iteration", "1"), Column::new("Row is", "")];
+    columns.extend(READINGS.iter().map(|(name, unit, _)| Column::new(name, unit)));
     let mut table = Table::new(columns);
-    for seeded in all {
-        let readings: Vec<Vec<Vec<f64>>> =
-            READINGS.iter().map(|(_, _, reading)| over_seeds(setup, seeded, *reading)).collect();
-        for k in 0..readings[0].len() {
-            let mut cells = vec![seeded.label.clone(), (k + 1).to_string()];
-            for reading in &readings {
-                match Summary::of(&reading[k]) {
-                    Some(s) => {
-                        let [median, least, most] = [s.median, s.minimum, s.maximum].map(|value| number(value, 2));
-                        cells.push(if least == most { median } else { format!("{median} ({least} … {most})") });
-                    }
-                    None => cells.push("–".to_owned()),
-                }
-            }
-            table.push(cells);
-        }
+    for (start, summaries) in seed_summaries(setup, all) {
+        let cells = summaries.iter().map(|s| {
+            let [median, least, most] = [s.median, s.minimum, s.maximum].map(|value| Digits::Few.show(value, 2));
+            if least == most { median } else { format!("{median} ({least} … {most})") }
+        });
+        table.push(start.into_iter().chain(cells).collect());
     }
     table
+}
+
+/// The same as data: a column for each statistic.
+pub(crate) fn seed_data(setup: &Setup, all: &[Seeded]) -> Table {
+    let mut columns = vec![Column::new("Loop", ""), Column::new("Iteration", "1"), Column::new("Row is", "")];
+    for (name, unit, _) in READINGS {
+        let statistics = ["minimum", "lower quartile", "median", "upper quartile", "maximum"];
+        columns.extend(statistics.map(|what| Column::new(&format!("{name}, {what}"), unit)));
+    }
+    let mut table = Table::new(columns);
+    for (start, summaries) in seed_summaries(setup, all) {
+        let numbers =
+            summaries.iter().flat_map(|s| [s.minimum, s.lower_quartile, s.median, s.upper_quartile, s.maximum]);
+        let cells = numbers.map(|value| Digits::All.show(value, 0));
+        table.push(start.into_iter().chain(cells).collect());
+    }
+    table
+}
+
+/// Loop, iteration and standing, and the summary of each reading over the seeds.
+fn seed_summaries(setup: &Setup, all: &[Seeded]) -> Vec<([String; 3], Vec<Summary>)> {
+    let mut rows = Vec::new();
+    for seeded in all {
+        let readings = READINGS.map(|(_, _, reading)| over_seeds(setup, seeded, reading));
+        for k in 0..readings[0].len() {
+            let start = [seeded.label.clone(), (k + 1).to_string(), standing(k + 1).to_owned()];
+            rows.push((start, readings.iter().filter_map(|reading| Summary::of(&reading[k])).collect()));
+        }
+    }
+    rows
 }
 
 /// Every number of the plant, the controller, the test and the cost, with where it comes from.

@@ -194,6 +194,11 @@ fn wrong_type_is_named() {
 
 #[test]
 fn number_out_of_range_is_named_with_what_is_allowed() {
+    rig(
+        "pitch_set_point = { value = 17.3",
+        "pitch_set_point = { value = 95",
+        "`controller.pitch_set_point` = 95 deg: it must be finite and short of a quarter turn to either side",
+    );
     let mass = |value: &str| MASS.replace("0.18", value);
     rig(MASS, &mass("-0.18"), "`plant.body.mass` = -0.18 kg: it must be finite and more than zero");
     rig(MASS, &mass("nan"), "`plant.body.mass` = NaN kg: it must be finite");
