@@ -146,7 +146,8 @@ impl Digits {
             return if self == Self::Few { "–".to_owned() } else { String::new() };
         }
         match self {
-            Self::All => value.to_string(),
+            // Adding zero turns −0 into 0.
+            Self::All => (value + 0.0).to_string(),
             // A rounded −0 is 0.
             Self::Few if value.abs() < 0.5 * 0.1_f64.powi(few as i32) => format!("{:.few$}", 0.0),
             Self::Few => format!("{value:.few$}"),
