@@ -1,4 +1,4 @@
-//! Plant, controller and rig as a problem for `infuse`: named design variables in, costs out, flights remembered.
+//! What the loop sees of the case study: named design variables in, costs out, flights remembered.
 
 use std::collections::HashMap;
 use std::path::Path;

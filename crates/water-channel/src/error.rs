@@ -104,7 +104,7 @@ pub enum Error {
     },
 }
 
-/// Why a flight has no result. It is a failed trial with a reason, not a large cost.
+/// Why a flight has no result. The trial failed, and says why; no cost stands for it.
 #[non_exhaustive]
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FlightError {
