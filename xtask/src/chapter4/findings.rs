@@ -5,7 +5,7 @@ use water_channel::Provenance;
 
 use super::file::Published;
 use super::pictures::{Material, Picture};
-use super::results::{Row, Rows, fall_pct, falls_pct};
+use super::results::{ERRORS, Rows, fall_pct, falls_pct};
 use crate::figures::Summary;
 use crate::study::{MODEL, STAND_IN};
 use crate::table::{Column, Table};
@@ -177,22 +177,14 @@ impl Findings<'_> {
     /// What the loop improved and what it paid for it, before and after, in the stand-in.
     pub(super) fn what_changed(&self) -> Vec<String> {
         let (before, after) = (self.printed().first(), self.printed().last());
-        let error = |row: &Row, f: fn(&water_channel::LogRow) -> f64| {
-            let squares = row.log.rows.iter().map(|r| f(r).to_degrees().powi(2));
-            squares.sum::<f64>() / row.log.rows.len() as f64
-        };
         let mut items = Vec::new();
         let mut tell = |what: &str, before: f64, after: f64, unit: &str| {
             let verdict = if after < before { "better" } else { "worse" };
             items.push(format!("{what}: {before:.2} before, {after:.2} {unit} after: {verdict}."));
         };
-        let errors: [(&str, fn(&water_channel::LogRow) -> f64); 3] = [
-            ("mean squared yaw error (Figure 16)", |r| r.heading_rad),
-            ("mean squared roll error (Figure 17)", |r| r.roll_error_rad),
-            ("mean squared pitch error (Figure 18)", |r| r.pitch_error_rad),
-        ];
-        for (what, f) in errors {
-            tell(what, error(before, f), error(after, f), "deg²");
+        for (angle, figure, error) in ERRORS {
+            let what = format!("mean squared {angle} error (Figure {figure})");
+            tell(&what, before.mean_squared_deg2(error), after.mean_squared_deg2(error), "deg²");
         }
         tell("ground footprint, mean", before.mean_footprint_m2() * 1e4, after.mean_footprint_m2() * 1e4, "cm²");
         for (k, name) in water_channel::TERM_NAMES.iter().enumerate() {

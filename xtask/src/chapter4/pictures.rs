@@ -5,7 +5,7 @@ use water_channel::LogRow;
 use super::file::Setup;
 use super::lattice::Lattice;
 use super::loops::Seeded;
-use super::results::{READINGS, Row, Rows, over_seeds};
+use super::results::{Angle, ERRORS, READINGS, Row, Rows, over_seeds};
 use crate::figures::{
     Axis, Group, Landscape, LineFigure, Panel, Path, Reference, Series, Shaded, SpreadFigure, landscape_figure,
     line_figure, spread_figure,
@@ -14,7 +14,7 @@ use crate::figures::{
 /// A picture with the name of its file and what it shows.
 #[derive(Clone, Debug)]
 pub(crate) struct Picture {
-    pub(crate) name: &'static str,
+    pub(crate) name: String,
     pub(crate) svg: String,
     pub(crate) caption: String,
 }
@@ -77,7 +77,7 @@ pub(crate) fn test_profile(m: &Material<'_>) -> Picture {
         shaded: Some(windows(m.setup)),
     };
     Picture {
-        name: "figure-15-test-profile",
+        name: "figure-15-test-profile".to_owned(),
         svg: line_figure(&figure),
         caption: "The test (Figure 15 of the dissertation): three flow speeds, and in each a pull of 1 s at the port \
                   line followed by 2 s of hold; the commands are those of the first design in the stand-in."
@@ -85,38 +85,29 @@ pub(crate) fn test_profile(m: &Material<'_>) -> Picture {
     }
 }
 
-fn squared(
-    m: &Material<'_>,
-    name: &'static str,
-    what: &str,
-    number: u32,
-    f: impl Fn(&LogRow) -> f64 + Copy,
-) -> Picture {
+fn squared(m: &Material<'_>, what: &str, number: u32, error: Angle) -> Picture {
     let (before, after) = (m.rows[0].first(), m.rows[0].last());
-    let error = |row: &Row| column(row, |r| f(r).to_degrees().powi(2));
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (b, a) = (error(before), error(after));
     let figure = LineFigure {
         title: format!("{} error squared, before and after infusion", capital(what)),
         x_axis: time_axis(m.setup),
         panels: vec![Panel {
             y_axis: Axis::new(&format!("{what} error squared"), "deg²"),
             series: vec![
-                Series::line(&label("before", before), &time(before), &b),
-                Series::line(&label("after", after), &time(after), &a),
+                Series::line(&label("before", before), &time(before), &before.squared_deg2(error)),
+                Series::line(&label("after", after), &time(after), &after.squared_deg2(error)),
             ],
         }],
         shaded: None,
     };
     Picture {
-        name,
+        name: format!("figure-{number}-{what}"),
         svg: line_figure(&figure),
         caption: format!(
             "{} error squared over the test in the stand-in (Figure {number} of the dissertation, where the flights \
              are experiments): mean {:.2} deg² before, {:.2} deg² after.",
             capital(what),
-            mean(&b),
-            mean(&a)
+            before.mean_squared_deg2(error),
+            after.mean_squared_deg2(error)
         ),
     }
 }
@@ -132,11 +123,7 @@ fn label(when: &str, row: &Row) -> String {
 
 /// Figures 16 to 18.
 pub(crate) fn errors(m: &Material<'_>) -> [Picture; 3] {
-    [
-        squared(m, "figure-16-yaw", "yaw", 16, |r| r.heading_rad),
-        squared(m, "figure-17-roll", "roll", 17, |r| r.roll_error_rad),
-        squared(m, "figure-18-pitch", "pitch", 18, |r| r.pitch_error_rad),
-    ]
+    ERRORS.map(|(what, number, error)| squared(m, what, number, error))
 }
 
 fn landscape(m: &Material<'_>, lattice: &Lattice, name: &'static str, title: &str, caption: &str) -> Picture {
@@ -164,7 +151,7 @@ fn landscape(m: &Material<'_>, lattice: &Lattice, name: &'static str, title: &st
         minimum: Some((lowest[0], lowest[1])),
         minimum_label: format!("lowest of the lattice: {cost:.3} s"),
     };
-    Picture { name, svg: landscape_figure(&figure), caption: caption.to_owned() }
+    Picture { name: name.to_owned(), svg: landscape_figure(&figure), caption: caption.to_owned() }
 }
 
 /// The two cost landscapes with the path of the optimum.
@@ -216,7 +203,7 @@ pub(crate) fn spreads(m: &Material<'_>) -> Vec<Picture> {
                 }),
             };
             Picture {
-                name,
+                name: name.to_owned(),
                 svg: spread_figure(&figure),
                 caption: format!(
                     "{what} per iteration over {} noise seeds: median, quartiles and extremes; noise within \

@@ -3,7 +3,7 @@
 use anyhow::{Context as _, Result};
 use infuse::IterationReport;
 use water_channel::{
-    CostBreakdown, Flight, FlightLog, Provenance, Record, TERM_NAMES, closed_loop_modes, footprint_m2,
+    CostBreakdown, Flight, FlightLog, LogRow, Provenance, Record, TERM_NAMES, closed_loop_modes, footprint_m2,
 };
 
 use super::file::Setup;
@@ -75,6 +75,16 @@ impl Row {
         })
     }
 
+    /// Square of an angle of the log in deg², sample by sample.
+    pub(crate) fn squared_deg2(&self, angle: Angle) -> Vec<f64> {
+        self.log.rows.iter().map(|row| angle(row).to_degrees().powi(2)).collect()
+    }
+
+    /// Its mean over the test.
+    pub(crate) fn mean_squared_deg2(&self, angle: Angle) -> f64 {
+        self.squared_deg2(angle).iter().sum::<f64>() / self.log.rows.len() as f64
+    }
+
     /// Mean over the test of the ground that the tether sweeps, `pi L_t² sin² Phi`, in m².
     pub(crate) fn mean_footprint_m2(&self) -> f64 {
         let areas = self
@@ -85,6 +95,16 @@ impl Row {
         areas.sum::<f64>() / self.log.rows.len() as f64
     }
 }
+
+/// An angle of a flight log, in rad.
+pub(crate) type Angle = fn(&LogRow) -> f64;
+
+/// The errors of Figures 16 to 18, with the number of the figure.
+pub(crate) const ERRORS: [(&str, u32, Angle); 3] = [
+    ("yaw", 16, |row| row.heading_rad),
+    ("roll", 17, |row| row.roll_error_rad),
+    ("pitch", 18, |row| row.pitch_error_rad),
+];
 
 /// The rows of one variant.
 #[derive(Clone, Debug)]
