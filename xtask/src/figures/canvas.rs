@@ -32,7 +32,7 @@ pub(super) const PAPER: &str = "#ffffff";
 const GRID: &str = "#dddddd";
 
 /// The palette of Okabe and Ito, which color-blind readers can tell apart, dark and light by turns.
-const COLORS: [&str; 6] = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9"];
+const COLORS: [&str; 6] = ["#0072b2", "#e69f00", "#cc79a7", "#009e73", "#d55e00", "#56b4e9"];
 
 /// The color of the series with this index.
 pub(super) fn color(index: usize) -> &'static str {

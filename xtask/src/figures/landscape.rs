@@ -47,7 +47,7 @@ const HEIGHT_PX: f64 = 420.0;
 const BAR_LEFT_PX: f64 = RIGHT_PX + 30.0;
 const BAR_WIDTH_PX: f64 = 20.0;
 const BANDS: usize = 10;
-const PATH_FILLS: [&str; 3] = [PAPER, "#e69f00", "#cc79a7"];
+const PATH_FILLS: [&str; 3] = ["#56b4e9", "#e69f00", "#cc79a7"];
 /// Points closer than this share a label.
 const NEAR_PX: f64 = 9.0;
 
