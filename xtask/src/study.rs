@@ -49,6 +49,13 @@ impl Variable {
 /// A flight's cost, or the reason why there is none.
 pub(crate) type Cost = std::result::Result<f64, String>;
 
+/// A point of the design space, bit for bit, in a fidelity.
+type Key = (Fidelity, Vec<u64>);
+
+fn key(point: &[f64], fidelity: Fidelity) -> Key {
+    (fidelity, point.iter().map(|x| x.to_bits()).collect())
+}
+
 /// The closed loop as a function of the design variables.
 #[derive(Debug)]
 pub(crate) struct Study {
@@ -61,7 +68,7 @@ pub(crate) struct Study {
     report_settings: FlightSettings,
     variables: Vec<Variable>,
     /// Flights carry no noise, so each point is flown once per fidelity.
-    memory: Mutex<HashMap<(Fidelity, Vec<u64>), Cost>>,
+    memory: Mutex<HashMap<Key, Cost>>,
     pub(crate) records: Vec<Record>,
 }
 
@@ -95,53 +102,52 @@ impl Study {
         &self.profile
     }
 
-    /// The rig at a point of the design space, in a fidelity.
-    pub(crate) fn request(&self, point: &[f64], fidelity: Fidelity) -> FlightRequest {
+    /// The rig at a point of the design space.
+    fn rig(&self, point: &[f64]) -> Rig {
         let mut rig = self.rig.clone();
         for (variable, value) in self.variables.iter().zip(point) {
             variable.set(&mut rig, *value);
         }
-        FlightRequest { rig, fidelity }
+        rig
+    }
+
+    /// The same, to be flown in a fidelity.
+    pub(crate) fn request(&self, point: &[f64], fidelity: Fidelity) -> FlightRequest {
+        FlightRequest { rig: self.rig(point), fidelity }
     }
 
     /// The cost (21) of a flight at `point`, term by term.
-    pub(crate) fn breakdown(&self, point: &[f64], flight: &Flight, fidelity: Fidelity) -> CostBreakdown {
-        let body = self.request(point, fidelity).rig.plant.body;
+    pub(crate) fn breakdown(&self, point: &[f64], flight: &Flight) -> CostBreakdown {
+        let body = self.rig(point).plant.body;
         self.weights.cost(&flight.integrals, 100.0 * (body.center_of_mass_x - body.center_of_buoyancy_x))
     }
 
-    fn value(
-        &self,
-        point: &[f64],
-        fidelity: Fidelity,
-        flown: std::result::Result<Flight, water_channel::FlightError>,
-    ) -> Cost {
-        flown.map(|flight| self.breakdown(point, &flight, fidelity).total).map_err(|error| error.to_string())
+    fn value(&self, point: &[f64], flown: std::result::Result<Flight, water_channel::FlightError>) -> Cost {
+        flown.map(|flight| self.breakdown(point, &flight).total).map_err(|error| error.to_string())
     }
 
     /// The cost at `point`, flown unless it is remembered.
     pub(crate) fn cost(&self, point: &[f64], fidelity: Fidelity) -> Cost {
-        let key = (fidelity, point.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
+        let key = key(point, fidelity);
         if let Some(cost) = self.remembered(&key) {
             return cost;
         }
-        let cost = self.value(point, fidelity, fly(&self.request(point, fidelity), &self.profile, &self.settings));
+        let cost = self.value(point, fly(&self.request(point, fidelity), &self.profile, &self.settings));
         self.remember(key, cost.clone());
         cost
     }
 
     /// The costs at many points, flown in lanes and threads; `landed` hears how many flights each batch added.
     pub(crate) fn costs(&self, points: &[Vec<f64>], fidelity: Fidelity, landed: impl Fn(usize) + Sync) -> Vec<Cost> {
-        let key = |point: &Vec<f64>| (fidelity, point.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
-        let known: Vec<Option<Cost>> = points.iter().map(|point| self.remembered(&key(point))).collect();
+        let known: Vec<Option<Cost>> = points.iter().map(|point| self.remembered(&key(point, fidelity))).collect();
         let missing: Vec<usize> = (0..points.len()).filter(|k| known[*k].is_none()).collect();
         landed(points.len() - missing.len());
         let requests: Vec<FlightRequest> = missing.iter().map(|k| self.request(&points[*k], fidelity)).collect();
         let flown = fly_all(&requests, &self.profile, &self.settings, landed);
         let mut costs = known;
         for (k, flight) in missing.into_iter().zip(flown) {
-            let cost = self.value(&points[k], fidelity, flight);
-            self.remember(key(&points[k]), cost.clone());
+            let cost = self.value(&points[k], flight);
+            self.remember(key(&points[k], fidelity), cost.clone());
             costs[k] = Some(cost);
         }
         costs.into_iter().flatten().collect()
@@ -158,15 +164,15 @@ impl Study {
         self.lock().keys().filter(|(flown, _)| *flown == fidelity).count()
     }
 
-    fn remembered(&self, key: &(Fidelity, Vec<u64>)) -> Option<Cost> {
+    fn remembered(&self, key: &Key) -> Option<Cost> {
         self.lock().get(key).cloned()
     }
 
-    fn remember(&self, key: (Fidelity, Vec<u64>), cost: Cost) {
+    fn remember(&self, key: Key, cost: Cost) {
         self.lock().insert(key, cost);
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<(Fidelity, Vec<u64>), Cost>> {
+    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<Key, Cost>> {
         // A panic elsewhere cannot leave the map half written.
         self.memory.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }

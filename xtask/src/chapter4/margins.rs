@@ -120,7 +120,7 @@ pub(crate) fn step_table(setup: &Setup, point: &[f64]) -> Result<Table> {
         let cost = |steps| -> Result<f64> {
             let settings = FlightSettings::with_steps(steps);
             let flight = fly(&setup.study.request(point, fidelity), setup.study.profile(), &settings)?;
-            Ok(setup.study.breakdown(point, &flight, fidelity).total)
+            Ok(setup.study.breakdown(point, &flight).total)
         };
         let exact = cost(EXACT_STEPS)?;
         let mut row = vec![name.to_owned()];

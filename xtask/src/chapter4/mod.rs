@@ -28,19 +28,20 @@ use crate::table::{Column, write_columns_csv};
 /// Points at which interpolation is held against a flight of its own.
 const CHECKED_POINTS: usize = 32;
 
+/// Where everything is written.
+const OUT: &str = "target/reproduction/chapter4";
+
 /// The committed copy of the results.
 const RESULTS: &str = "docs/results-chapter4.md";
 
 /// Runs the study and fails when it finds something else than the committed page of results says.
 pub(crate) fn check(root: &Path) -> Result<()> {
     reproduce(root)?;
-    let fresh = std::fs::read_to_string(root.join("target/reproduction/chapter4/results.md"))?;
+    let fresh = std::fs::read_to_string(root.join(OUT).join("results.md"))?;
     let committed = std::fs::read_to_string(root.join(RESULTS)).context(RESULTS)?;
     let differing = fresh.lines().zip(committed.lines()).find(|(a, b)| a != b);
     if let Some((found, said)) = differing {
-        bail!(
-            "{RESULTS} is out of date; copy target/reproduction/chapter4/results.md over it\n  page: {said}\n  run:  {found}"
-        );
+        bail!("{RESULTS} is out of date; copy {OUT}/results.md over it\n  page: {said}\n  run:  {found}");
     }
     ensure!(fresh == committed, "{RESULTS} is out of date: it is longer or shorter than what the run finds");
     Ok(())
@@ -50,28 +51,28 @@ pub(crate) fn check(root: &Path) -> Result<()> {
 pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter4.toml"))?;
-    let out = root.join("target/reproduction/chapter4");
+    let out = root.join(OUT);
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
 
-    let bar = bar("1/4 cost landscapes: flights of model and stand-in", 2 * Lattice::size(&setup));
+    let bar = progress("1/4 cost landscapes: flights of model and stand-in", 2 * Lattice::size(&setup));
     let landed = |n: usize| bar.inc(n as u64);
     let model = Lattice::fly(&setup, MODEL, landed);
     let stand_in = Lattice::fly(&setup, STAND_IN, landed);
     bar.finish();
 
     let iterations = setup.loop_settings(&setup.file.variant[0]).max_iterations * setup.file.variant.len();
-    let bar = self::bar("2/4 loops without noise: iterations", iterations);
+    let bar = progress("2/4 loops without noise: iterations", iterations);
     let campaigns = loops::direct(&setup, || bar.inc(1))?;
     let best = loops::optimum(&setup, |point| setup.study.cost(point, STAND_IN))?;
     bar.finish();
 
     let noisy = setup.file.variant.iter().filter(|variant| variant.with_noise).count();
-    let bar = self::bar("3/4 loops with noise: campaigns", setup.file.noise.seeds as usize * noisy);
+    let bar = progress("3/4 loops with noise: campaigns", setup.file.noise.seeds as usize * noisy);
     let seeded = loops::seeded(&setup, &model, || bar.inc(1))?;
     bar.finish();
 
-    let bar = self::bar("4/4 reported designs, margins over the box, pictures", margins::n_flights() + 2);
+    let bar = progress("4/4 reported designs, margins over the box, pictures", margins::n_flights() + 2);
     let interpolation_error = interpolation_error(&setup, &model)?;
     let rows = Rows::fly(&setup, campaigns)?;
     let box_table = margins::box_table(&setup, |n| bar.inc(n as u64));
@@ -98,7 +99,7 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
     Ok(())
 }
 
-fn bar(what: &str, length: usize) -> ProgressBar {
+fn progress(what: &str, length: usize) -> ProgressBar {
     let bar = ProgressBar::new(length as u64);
     if let Ok(style) = ProgressStyle::with_template("{msg:52} [{bar:24}] {pos}/{len} {elapsed}") {
         bar.set_style(style);

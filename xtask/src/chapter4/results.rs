@@ -66,7 +66,7 @@ impl Row {
             point,
             model_cost: numerical.model_cost,
             corrected_cost: numerical.corrected_cost,
-            experiment: setup.study.breakdown(&point, &flight, STAND_IN),
+            experiment: setup.study.breakdown(&point, &flight),
             flight,
             log,
             n_experiments: report.trials.len(),
