@@ -39,4 +39,4 @@ pub use parameters::{
 };
 pub use plant::{Fidelity, FluidInertia, Lift, Plant};
 pub use real::Real;
-pub use trim::{NoTrim, Trim, TrimHeight, TrimRequest, trim};
+pub use trim::{NoTrim, Trim, TrimHeight, TrimRequest, trim, trim_with_lines};

@@ -5,7 +5,7 @@ use thiserror::Error as ThisError;
 use crate::error::Error;
 use crate::flow::Flow;
 use crate::inertia::{generalized_forces, gravity_vector};
-use crate::kinematics::{Coordinates, FlightState, lines_of_driven};
+use crate::kinematics::{Coordinates, FlightState, driven_of_lines, lines_of_driven};
 use crate::motion::{Tensions, accelerations};
 use crate::plant::Plant;
 
@@ -129,30 +129,61 @@ pub fn trim(plant: &Plant, request: &TrimRequest) -> Result<Trim, Error> {
         }
     }
 
+    let place = |zenith| coordinates(plant, request, zenith);
+    let zenith = smallest_root(plant, &request.flow, place)?;
+    at_equilibrium(plant, &request.flow, place(zenith))
+}
+
+/// Finds the equilibrium with the smallest zenith angle that lines of these lengths leave.
+///
+/// `lines_m` are the lengths of center, starboard and port, in m. As in [`trim`] all rates are zero, `Theta = psi_flow`
+/// and `Psi = 0`; where the pitch comes out follows from the lines.
+///
+/// # Errors
+/// [`Error::Argument`] for lengths that are not finite and positive, or for a starboard line that is not as long as the
+/// port line: the body would rest rolled and turned. [`Error::NoTrim`] with the reason when there is no equilibrium.
+pub fn trim_with_lines(plant: &Plant, flow: &Flow, lines_m: [f64; 3]) -> Result<Trim, Error> {
+    flow.validate()?;
+    if let Some(&value) = lines_m.iter().find(|line| !(line.is_finite() && **line > 0.0)) {
+        return Err(Error::Argument { name: "length of a line in m", value, allowed: "finite and more than zero" });
+    }
+    let [length, induced_pitch, induced_roll] = driven_of_lines(plant, lines_m);
+    if induced_roll.abs() > LEVEL_RAD {
+        return Err(Error::Argument {
+            name: "starboard line less port line in m",
+            value: lines_m[1] - lines_m[2],
+            allowed: "zero: an equilibrium without roll",
+        });
+    }
+    let place = |zenith| [zenith, flow.direction_rad, 0.0, length, induced_pitch, 0.0];
+    let zenith = smallest_root(plant, flow, place)?;
+    at_equilibrium(plant, flow, place(zenith))
+}
+
+/// An induced roll below this is rounding.
+const LEVEL_RAD: f64 = 1e-12;
+
+/// The smallest zenith angle at which the row of Phi, force less bias, falls through zero along `place`.
+fn smallest_root(plant: &Plant, flow: &Flow, place: impl Fn(f64) -> Coordinates) -> Result<f64, Error> {
     let moment = |zenith: f64| {
-        let q = coordinates(plant, request, zenith);
-        generalized_forces(plant, &q, &[0.0; 6], &request.flow)[0] - gravity_vector(plant, &q)[0]
+        let q = place(zenith);
+        generalized_forces(plant, &q, &[0.0; 6], flow)[0] - gravity_vector(plant, &q)[0]
     };
+    let flow_speed_m_s = flow.speed_m_s;
     let first = moment(FIRST_RAD);
-    let not_found = |zenith_rad| NoTrim::BlownDown { flow_speed_m_s: request.flow.speed_m_s, zenith_rad };
     if first.is_nan() || first <= 0.0 {
-        return Err(NoTrim::AtZenith {
-            flow_speed_m_s: request.flow.speed_m_s,
-            zenith_rad: FIRST_RAD,
-            moment_n_m: first,
-        }
-        .into());
+        return Err(NoTrim::AtZenith { flow_speed_m_s, zenith_rad: FIRST_RAD, moment_n_m: first }.into());
     }
     let step = (LAST_RAD - FIRST_RAD) / SCAN_POINTS as f64;
     let (mut low, mut high) = (1..=SCAN_POINTS)
         .map(|k| FIRST_RAD + step * k as f64)
         .find(|zenith| moment(*zenith) <= 0.0)
         .map(|zenith| (zenith - step, zenith))
-        .ok_or(not_found(LAST_RAD))?;
+        .ok_or(NoTrim::BlownDown { flow_speed_m_s, zenith_rad: LAST_RAD })?;
     loop {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {
-            break;
+            return Ok(middle);
         }
         if moment(middle) > 0.0 {
             low = middle;
@@ -160,7 +191,6 @@ pub fn trim(plant: &Plant, request: &TrimRequest) -> Result<Trim, Error> {
             high = middle;
         }
     }
-    at_equilibrium(plant, request, 0.5 * (low + high))
 }
 
 /// Altitude of the joint with the center of mass at `altitude`, without roll.
@@ -177,16 +207,16 @@ fn coordinates(plant: &Plant, request: &TrimRequest, zenith: f64) -> Coordinates
     [zenith, request.flow.direction_rad, 0.0, length, request.pitch_rad - zenith, 0.0]
 }
 
-fn at_equilibrium(plant: &Plant, request: &TrimRequest, zenith: f64) -> Result<Trim, Error> {
-    let q = coordinates(plant, request, zenith);
+fn at_equilibrium(plant: &Plant, flow: &Flow, q: Coordinates) -> Result<Trim, Error> {
     let lines = lines_of_driven(plant, [q[3], q[4], q[5]]);
     let shortest_line_m = lines[0].min(lines[1]).min(lines[2]);
     if q[4].abs() >= core::f64::consts::FRAC_PI_2 || shortest_line_m <= 0.0 {
-        return Err(NoTrim::PitchOutOfReach { pitch_rad: request.pitch_rad, induced_rad: q[4], shortest_line_m }.into());
+        let pitch_rad = q[0] + q[4];
+        return Err(NoTrim::PitchOutOfReach { pitch_rad, induced_rad: q[4], shortest_line_m }.into());
     }
     let rest = [0.0; 6];
-    let motion = accelerations(plant, &q, &rest, [0.0; 3], &request.flow)?;
-    let bias = gravity_vector(plant, &q) - generalized_forces(plant, &q, &rest, &request.flow);
+    let motion = accelerations(plant, &q, &rest, [0.0; 3], flow)?;
+    let bias = gravity_vector(plant, &q) - generalized_forces(plant, &q, &rest, flow);
     let mut residual: [f64; 6] = bias.into();
     for (left, supplied) in residual[3..].iter_mut().zip(motion.supplied) {
         *left -= supplied;

@@ -80,7 +80,7 @@ fn fly_lanes(
         settings,
         used: batch.len(),
     };
-    let start = core::array::from_fn(|k| &lane(k).trim.state);
+    let start = core::array::from_fn(|k| &lane(k).start);
     integrate_lanes(&setup, start)
 }
 

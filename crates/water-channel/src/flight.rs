@@ -1,6 +1,6 @@
-//! One flight: from trim through the test profile, with what it cost and what it came close to.
+//! One flight: from trim, or beside it, through the test profile, with what it cost and what it came close to.
 
-use bat_dynamics::{Fidelity, FlightState, Flow, Plant, Trim, TrimHeight, TrimRequest, trim};
+use bat_dynamics::{Fidelity, FlightState, Flow, Plant, Trim, TrimHeight, TrimRequest, check_state, trim};
 use serde::{Deserialize, Serialize};
 use tether_control::{Controller, SetPoints};
 
@@ -105,7 +105,7 @@ pub struct Flight {
     pub extremes: Extremes,
     /// The first slack line, where that is only a warning.
     pub slack: Option<SlackEvent>,
-    /// The equilibrium from which it started.
+    /// The equilibrium at the first flow, from which it started unless the test starts it elsewhere.
     pub trim: Trim,
     /// Where it ended.
     pub final_state: FlightState,
@@ -133,11 +133,12 @@ pub(crate) fn trim_at(plant: &Plant, set_points: &SetPoints, flow: Flow) -> Resu
     Ok(trim(plant, &TrimRequest { flow, pitch_rad: set_points.pitch_rad, height })?)
 }
 
-/// A rig made ready: checked plant and controller, and the trim at the first flow.
+/// A rig made ready: checked plant and controller, the trim at the first flow, and the state at the start.
 pub(crate) struct Ready {
     pub(crate) plant: Plant,
     pub(crate) controller: Controller,
     pub(crate) trim: Trim,
+    pub(crate) start: FlightState,
 }
 
 impl Ready {
@@ -145,7 +146,13 @@ impl Ready {
         let plant = request.rig.plant(request.fidelity)?;
         let controller = request.rig.controller()?;
         let trim = trim_at(&plant, &request.rig.set_points, profile.flow().at(0.0))?;
-        Ok(Self { plant, controller, trim })
+        let departure = profile.start();
+        let mut start = trim.state;
+        start[0] += departure.zenith_rad;
+        start[1] += departure.azimuth_rad;
+        start[2] += departure.twist_rad;
+        check_state(&start, 0.0)?;
+        Ok(Self { plant, controller, trim, start })
     }
 
     pub(crate) fn finish(self, landing: Landing) -> Result<Flight, FlightError> {
@@ -162,7 +169,7 @@ impl Ready {
     }
 }
 
-/// Flies `request` through `profile`, from trim at the profile's first flow.
+/// Flies `request` through `profile`, from trim at the profile's first flow or the departure from it that the profile sets.
 ///
 /// # Errors
 /// [`FlightError`]: the flight cannot start, leaves the model, or a line goes slack where that is an error.
@@ -213,5 +220,5 @@ fn one(
         settings,
         used: 1,
     };
-    integrate::<f64, 1>(&setup, [&ready.trim.state], watch)
+    integrate::<f64, 1>(&setup, [&ready.start], watch)
 }

@@ -8,6 +8,7 @@ mod fleet;
 mod flight;
 mod integrate;
 mod log;
+mod open_loop;
 mod profile;
 mod quantity;
 mod rig;
@@ -22,6 +23,7 @@ pub use flight::{
     Extremes, Flight, FlightRequest, FlightSettings, SlackEvent, SlackPolicy, fly, fly_logged, footprint_m2,
 };
 pub use log::{FlightLog, LogRow};
-pub use profile::{ProfileFile, TestProfile, Window};
+pub use open_loop::{OpenLoop, open_loop_modes};
+pub use profile::{Control, Departure, ProfileFile, TestProfile, Window};
 pub use quantity::{Provenance, Record};
 pub use rig::{Rig, RigFile};

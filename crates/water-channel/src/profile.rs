@@ -1,8 +1,10 @@
-//! The test profile: flow over time, and windows in which the winches are driven by hand: (22)–(26).
+//! The test profile: where a flight starts, flow over time, and windows in which the winches are driven by hand:
+//! (22)–(26).
 
 use std::path::Path;
 
 use bat_dynamics::{Flow, FlowHistory, FlowKnot, Transition};
+use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, FileError};
 use crate::quantity::{Range, Reader, Record, read_file};
@@ -21,12 +23,36 @@ pub struct Window {
     pub commands: [f64; 3],
 }
 
+/// How far from trim a flight starts, at rest: the free coordinates only, because the lines hold the others.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Departure {
+    /// Added to the zenith angle Phi, in rad.
+    pub zenith_rad: f64,
+    /// Added to the azimuth Theta, in rad.
+    pub azimuth_rad: f64,
+    /// Added to the twist Psi, in rad.
+    pub twist_rad: f64,
+}
+
+/// Who commands the winches outside the windows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Control {
+    /// The controller.
+    #[default]
+    ClosedLoop,
+    /// Nobody: the lines keep their lengths.
+    OpenLoop,
+}
+
 /// What happens during one experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TestProfile {
     duration_s: f64,
     flow: FlowHistory,
     windows: Vec<Window>,
+    control: Control,
+    start: Departure,
 }
 
 /// A test profile with the title and the provenance of every number of its file.
@@ -44,7 +70,7 @@ pub struct ProfileFile {
 const SAME_INSTANT: f64 = 1e-6;
 
 impl TestProfile {
-    /// A profile from its parts. Where two windows share a sample, the earlier entry wins.
+    /// A closed-loop profile that starts from trim. Where two windows share a sample, the earlier entry wins.
     ///
     /// # Errors
     /// [`Error::Argument`] for a duration that is not positive, a window that ends before it begins or lies
@@ -68,7 +94,41 @@ impl TestProfile {
         if let Some(knot) = flow.knots().iter().find(|knot| knot.from_s > duration_s) {
             return bad("time of a flow knot in s", knot.from_s, "within the test");
         }
-        Ok(Self { duration_s, flow, windows })
+        Ok(Self { duration_s, flow, windows, control: Control::ClosedLoop, start: Departure::default() })
+    }
+
+    /// The same test with or without the controller.
+    #[must_use]
+    pub fn with_control(self, control: Control) -> Self {
+        Self { control, ..self }
+    }
+
+    /// The same test from another start.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for an angle that is not finite or reaches a half turn.
+    pub fn with_start(self, start: Departure) -> Result<Self, Error> {
+        let angles = [
+            ("start: departure of the zenith angle in rad", start.zenith_rad),
+            ("start: departure of the azimuth in rad", start.azimuth_rad),
+            ("start: departure of the twist in rad", start.twist_rad),
+        ];
+        match angles.into_iter().find(|(_, angle)| angle.is_nan() || angle.abs() >= core::f64::consts::PI) {
+            Some((name, value)) => Err(Error::Argument { name, value, allowed: "short of a half turn to either side" }),
+            None => Ok(Self { start, ..self }),
+        }
+    }
+
+    /// Who commands the winches outside the windows.
+    #[must_use]
+    pub fn control(&self) -> Control {
+        self.control
+    }
+
+    /// How far from trim a flight starts.
+    #[must_use]
+    pub fn start(&self) -> Departure {
+        self.start
     }
 
     /// Length of the test in s.
@@ -89,7 +149,8 @@ impl TestProfile {
         &self.windows
     }
 
-    /// The fractions of the speed limit that replace the command at `time_s`, if a window holds.
+    /// The fractions of the speed limit that replace the command at `time_s`: those of the window that holds, else
+    /// zeros in open loop, else `None`.
     #[must_use]
     #[inline]
     pub fn override_at(&self, time_s: f64, sample_time_s: f64) -> Option<[f64; 3]> {
@@ -98,6 +159,7 @@ impl TestProfile {
             .iter()
             .find(|window| time_s >= window.from_s - slack && time_s <= window.to_s + slack)
             .map(|window| window.commands)
+            .or((self.control == Control::OpenLoop).then_some([0.0; 3]))
     }
 
     /// The first knot of the flow inside (`from_s`, `to_s`), or `to_s`.
@@ -132,6 +194,16 @@ impl ProfileFile {
         let ((title, profile), records) = Reader::parse(text, |top| {
             let title = top.text("title")?;
             let duration_s = top.quantity("duration", "s", Range::Positive)?;
+            let control = top.choice("control", "closed-loop or open-loop", Some(Control::ClosedLoop))?;
+            let start = top.optional_section("start", |start| {
+                let angle = |name| start.quantity_or(name, "rad", Range::WithinHalfTurn, 0.0);
+                Ok(Departure {
+                    zenith_rad: angle("zenith")?,
+                    azimuth_rad: angle("azimuth")?,
+                    twist_rad: angle("twist")?,
+                })
+            })?;
+            let start = start.unwrap_or_default();
             let mut before_s = None;
             let knots = top.list("flow", |knot| {
                 let from_s = knot.quantity("from", "s", Range::NonNegative)?;
@@ -170,7 +242,7 @@ impl ProfileFile {
             })?;
             let profile = FlowHistory::new(knots)
                 .map_err(Error::Plant)
-                .and_then(|flow| TestProfile::new(duration_s, flow, windows))
+                .and_then(|flow| TestProfile::new(duration_s, flow, windows)?.with_control(control).with_start(start))
                 .map_err(FileError::Inconsistent)?;
             Ok((title, profile))
         })?;

@@ -47,6 +47,8 @@ pub(crate) enum Range {
     UnitInterval,
     /// An angle in rad short of a quarter turn.
     WithinQuarterTurn,
+    /// An angle in rad short of a half turn.
+    WithinHalfTurn,
 }
 
 impl Range {
@@ -58,6 +60,7 @@ impl Range {
                 Self::Positive => value > 0.0,
                 Self::UnitInterval => value.abs() <= 1.0,
                 Self::WithinQuarterTurn => value.abs() < core::f64::consts::FRAC_PI_2,
+                Self::WithinHalfTurn => value.abs() < core::f64::consts::PI,
             }
     }
 
@@ -68,6 +71,7 @@ impl Range {
             Self::Positive => "finite and more than zero",
             Self::UnitInterval => "within -1 and 1",
             Self::WithinQuarterTurn => "finite and short of a quarter turn to either side",
+            Self::WithinHalfTurn => "finite and short of a half turn to either side",
         }
     }
 }
@@ -203,6 +207,15 @@ impl<'a> Section<'a> {
         let value = read(&section)?;
         section.finish()?;
         Ok(value)
+    }
+
+    /// Like [`Section::section`], `None` when absent.
+    pub(crate) fn optional_section<T>(
+        &self,
+        name: &str,
+        read: impl FnOnce(&Section<'a>) -> Result<T, FileError>,
+    ) -> Result<Option<T>, FileError> {
+        self.get(name).map(|_| self.section(name, read)).transpose()
     }
 
     /// The array of tables `name`, empty when absent.

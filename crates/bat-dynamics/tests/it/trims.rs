@@ -2,6 +2,7 @@
 
 use bat_dynamics::{
     Error, Fidelity, Flow, NoTrim, Parameters, Plant, Trim, TrimHeight, TrimRequest, evaluate, sight, trim,
+    trim_with_lines,
 };
 
 use crate::oracle::{self, fly};
@@ -157,5 +158,53 @@ fn meaningless_requests_are_refused_by_name() {
     for (request, name) in cases {
         let error = trim(&plant, &request).unwrap_err();
         assert!(matches!(error, Error::Argument { .. }) && error.to_string().contains(name), "{name}: {error}");
+    }
+}
+
+/// Lines that were trimmed at one speed, held at that and at another.
+#[test]
+fn trim_with_held_lines_is_the_trim_they_came_from_and_an_equilibrium_elsewhere() {
+    for p in [rig(), everything()] {
+        for fidelity in FIDELITIES {
+            let plant = Plant::new(&p, fidelity).unwrap();
+            let asked = request(0.205, 12.0, 0.61);
+            let first = trim(&plant, &asked).unwrap();
+            let lines = [first.state[6], first.state[7], first.state[8]];
+            let again = trim_with_lines(&plant, &asked.flow, lines).unwrap();
+            for k in 0..12 {
+                assert!((again.state[k] - first.state[k]).abs() < 1e-12, "state {k} of the same trim");
+            }
+            let faster = Flow { speed_m_s: 0.285, ..asked.flow };
+            let held = trim_with_lines(&plant, &faster, lines).unwrap();
+            assert_eq!(
+                held.coordinates[4].to_bits(),
+                again.coordinates[4].to_bits(),
+                "the induced pitch is the lines'"
+            );
+            assert!(
+                (held.coordinates[0] - first.coordinates[0]).abs() > 1e-3,
+                "the body moves to another zenith angle"
+            );
+            for (k, line) in lines.iter().enumerate() {
+                assert!((held.state[6 + k] - line).abs() < 1e-14, "line {k}");
+            }
+            for (k, rate) in evaluate(&plant, &held.state, [0.0; 3], &faster).derivative.into_iter().enumerate() {
+                assert!(rate.abs() < 1e-10, "rate {k} at the trim with held lines: {rate}");
+            }
+        }
+    }
+}
+
+#[test]
+fn trim_with_held_lines_refuses_what_would_rest_rolled() {
+    let plant = Plant::new(&rig(), Fidelity::NUMERICAL).unwrap();
+    let flow = Flow { speed_m_s: 0.245, direction_rad: 0.0 };
+    for (lines, words) in [
+        ([0.6, 0.6, 0.61], "starboard line less port line"),
+        ([0.6, -0.6, 0.6], "length of a line"),
+        ([f64::NAN, 0.6, 0.6], "length of a line"),
+    ] {
+        let error = trim_with_lines(&plant, &flow, lines).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
     }
 }

@@ -102,7 +102,11 @@ fn unknown_key_is_an_error_at_every_level() {
         "prot = 1\nport =",
         "unknown key `window[0].prot`; known here: center, from, port, starboard, to",
     );
-    profile("duration =", "start = 0\nduration =", "unknown key `start`; known here: duration, flow, title, window");
+    profile(
+        "duration =",
+        "begin = 0\nduration =",
+        "unknown key `begin`; known here: control, duration, flow, start, title, window",
+    );
     weights(
         "k7_ballast =",
         "k8 = 0\nk7_ballast =",

@@ -11,6 +11,7 @@ mod golden;
 mod kick;
 mod landscape;
 mod log;
+mod open_loop;
 mod profile;
 mod reference;
 mod rigs;
