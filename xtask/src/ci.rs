@@ -28,6 +28,8 @@ const STEPS: &[Step] = &[
     Step { heading: "examples", run: examples },
     Step { heading: "benches compile", run: || cargo(&["bench", "--workspace", "--no-run"]) },
     Step { heading: "packages", run: packages },
+    Step { heading: "Chapter 2", run: || cargo(&["xtask", "reproduce-chapter2", "--check"]) },
+    Step { heading: "Chapter 3", run: || cargo(&["xtask", "reproduce-chapter3", "--check"]) },
     Step { heading: "Chapter 4", run: || cargo(&["xtask", "reproduce-chapter4", "--check"]) },
 ];
 
@@ -60,8 +62,9 @@ fn examples() -> Result<()> {
     if !output.status.success() {
         bail!("cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
     }
-    for Example { package, name } in examples_in(&output.stdout)? {
-        cargo(&["run", "--release", "--package", &package, "--example", &name])?;
+    for Example { package, name, features } in examples_in(&output.stdout)? {
+        let features = features.join(",");
+        cargo(&["run", "--release", "--package", &package, "--features", &features, "--example", &name])?;
     }
     Ok(())
 }
@@ -102,6 +105,7 @@ fn describe(command: &Command) -> String {
 struct Example {
     package: String,
     name: String,
+    features: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -119,6 +123,8 @@ struct Package {
 struct Target {
     name: String,
     kind: Vec<String>,
+    #[serde(default, rename = "required-features")]
+    required_features: Vec<String>,
 }
 
 /// The examples of all packages in the answer of `cargo metadata`.
@@ -128,7 +134,8 @@ fn examples_in(metadata: &[u8]) -> Result<Vec<Example>> {
     for package in metadata.packages {
         for target in package.targets {
             if target.kind.iter().any(|kind| kind == "example") {
-                examples.push(Example { package: package.name.clone(), name: target.name });
+                let Target { name, required_features: features, .. } = target;
+                examples.push(Example { package: package.name.clone(), name, features });
             }
         }
     }
@@ -150,10 +157,10 @@ mod tests {
     #[test]
     fn examples_are_found_by_their_kind() {
         let metadata = br#"{"packages": [{"name": "a", "targets": [
-            {"name": "a", "kind": ["lib"]}, {"name": "first", "kind": ["example"]}]},
+            {"name": "a", "kind": ["lib"]}, {"name": "first", "kind": ["example"], "required-features": ["b"]}]},
             {"name": "b", "targets": [{"name": "it", "kind": ["test"]}]}]}"#;
         let found = examples_in(metadata).expect("valid");
-        let first = Example { package: "a".into(), name: "first".into() };
+        let first = Example { package: "a".into(), name: "first".into(), features: vec!["b".into()] };
         assert_eq!(found, [first]);
     }
 

@@ -10,7 +10,7 @@ mod spread;
 mod thinning;
 
 pub(crate) use axis::Axis;
-pub(crate) use landscape::{Landscape, Path, landscape_figure};
+pub(crate) use landscape::{Landscape, Path, landscape_figure, landscape_panels_figure};
 pub(crate) use lines::{LineFigure, Panel, Series, Shaded, line_figure};
 pub(crate) use spread::{Group, Reference, SpreadFigure, Summary, spread_figure};
 #[cfg(test)]

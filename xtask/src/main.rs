@@ -1,29 +1,51 @@
 //! Runs the studies and the checks of the workspace: `cargo xtask <command>`.
 #![expect(clippy::print_stdout, reason = "a program of the command line talks")]
 
+mod chapter2;
+mod chapter3;
 mod chapter4;
 mod ci;
 mod figures;
 mod page;
+mod reproduction;
 mod study;
 mod table;
 mod tidy;
 mod workspace;
 
+use std::path::Path;
 use std::process::ExitCode;
+
+use reproduction::Chapter;
 
 const USAGE: &str = "\
 cargo xtask <command>
 
 Studies:
-  reproduce-chapter4   the loop of Chapter 3 on the case study of Chapter 4; writes target/reproduction/chapter4/;
-                       with --check, fails when docs/results-chapter4.md says something else
+  reproduce-chapter2   similarity: dimensionless groups, Table 2, flights of three models, the rig at full scale
+  reproduce-chapter3   open loop: Figure 14, cost over trim pitch and center of mass for four configurations
+  reproduce-chapter4   the loop of Chapter 3 on the case study of Chapter 4
+
+  Each writes target/reproduction/chapterN/; with --check it fails when docs/results-chapterN.md says something else.
 
 Checks:
   ci      everything that a change must pass; quiet until a step fails
   tidy    the rules of the tree that no compiler checks
 
   help    this text";
+
+static CHAPTERS: [Chapter; 3] = [chapter2::CHAPTER, chapter3::CHAPTER, chapter4::CHAPTER];
+
+/// The study that a command names.
+fn study(command: &str) -> Option<&'static Chapter> {
+    let number = command.strip_prefix("reproduce-chapter")?;
+    CHAPTERS.iter().find(|chapter| chapter.number.to_string() == number)
+}
+
+fn run_study(command: &str, run: impl Fn(&Chapter, &Path) -> anyhow::Result<()>) -> anyhow::Result<()> {
+    let root = workspace::root()?;
+    study(command).map_or(Ok(()), |chapter| run(chapter, &root))
+}
 
 /// The exit code for a command that does not exist.
 const USAGE_ERROR: u8 = 2;
@@ -32,8 +54,8 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match words.as_slice() {
-        ["reproduce-chapter4"] => workspace::root().and_then(|root| chapter4::reproduce(&root)),
-        ["reproduce-chapter4", "--check"] => workspace::root().and_then(|root| chapter4::check(&root)),
+        [name] if study(name).is_some() => run_study(name, |chapter, root| (chapter.reproduce)(root)),
+        [name, "--check"] if study(name).is_some() => run_study(name, Chapter::check),
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
         ["help" | "--help" | "-h"] => {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
+use water_channel::{Provenance, Record};
 
 /// The head of a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,6 +101,33 @@ fn write(path: &Path, columns: &[Column], rows: impl Iterator<Item = Vec<String>
         writer.write_record(row).with_context(context)?;
     }
     writer.flush().with_context(context)
+}
+
+/// Every number of the plant, the controller, the test and the cost, with where it comes from.
+pub(crate) fn provenance_table(records: &[Record]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Key", ""),
+        Column::new("Value", "1"),
+        Column::new("Unit", ""),
+        Column::new("Provenance", ""),
+        Column::new("Source", ""),
+    ]);
+    for record in records {
+        let provenance = match record.provenance {
+            Provenance::Given => "given",
+            Provenance::Derived => "derived",
+            Provenance::Estimated => "estimated",
+            Provenance::Calibrated => "calibrated",
+        };
+        table.push(vec![
+            record.key.clone(),
+            record.value.to_string(),
+            record.unit.clone(),
+            provenance.to_owned(),
+            record.source.clone(),
+        ]);
+    }
+    table
 }
 
 #[cfg(test)]

@@ -13,9 +13,10 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("bat-dynamics", &[]),
     ("doe", &[]),
     ("infuse", &["doe"]),
+    ("scaling", &[]),
     ("tether-control", &[]),
     ("water-channel", &["bat-dynamics", "tether-control"]),
-    ("xtask", &["bat-dynamics", "doe", "infuse", "tether-control", "water-channel"]),
+    ("xtask", &["bat-dynamics", "doe", "infuse", "scaling", "tether-control", "water-channel"]),
 ];
 
 /// First parts of paths that exist on one machine only.

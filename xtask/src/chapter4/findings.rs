@@ -4,9 +4,10 @@ use infuse::{CodesignReport, StopReason};
 use water_channel::Provenance;
 
 use super::file::Published;
-use super::pictures::{Material, Picture};
+use super::pictures::Material;
 use super::results::{ERRORS, Rows, fall_pct, falls_pct};
 use crate::figures::Summary;
+use crate::reproduction::Picture;
 use crate::study::{MODEL, STAND_IN};
 use crate::table::{Column, Table};
 

@@ -12,46 +12,30 @@ mod results;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context as _, Result, bail, ensure};
-use indicatif::{ProgressBar, ProgressStyle};
+use anyhow::{Context as _, Result};
 use rayon::prelude::*;
 
 use file::Setup;
 use findings::Findings;
 use lattice::Lattice;
-use pictures::{Material, Picture};
+use pictures::Material;
 use results::{Digits, Rows};
 
+use crate::reproduction::{self, Chapter, Picture, progress};
 use crate::study::{MODEL, STAND_IN};
 use crate::table::{Column, write_columns_csv};
 
 /// Points at which interpolation is held against a flight of its own.
 const CHECKED_POINTS: usize = 32;
 
-/// Where everything is written.
-const OUT: &str = "target/reproduction/chapter4";
-
-/// The committed copy of the results.
-const RESULTS: &str = "docs/results-chapter4.md";
-
-/// Runs the study and fails when it finds something else than the committed page of results says.
-pub(crate) fn check(root: &Path) -> Result<()> {
-    reproduce(root)?;
-    let fresh = std::fs::read_to_string(root.join(OUT).join("results.md"))?;
-    let committed = std::fs::read_to_string(root.join(RESULTS)).context(RESULTS)?;
-    let differing = fresh.lines().zip(committed.lines()).find(|(a, b)| a != b);
-    if let Some((found, said)) = differing {
-        bail!("{RESULTS} is out of date; copy {OUT}/results.md over it\n  page: {said}\n  run:  {found}");
-    }
-    ensure!(fresh == committed, "{RESULTS} is out of date: it is longer or shorter than what the run finds");
-    Ok(())
-}
+/// The study, and the committed copy of its results.
+pub(crate) const CHAPTER: Chapter = Chapter { number: 4, reproduce };
 
 /// Runs the study of Chapter 4 and writes the page, the figures and the data.
-pub(crate) fn reproduce(root: &Path) -> Result<()> {
+fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter4.toml"))?;
-    let out = root.join(OUT);
+    let out = root.join(reproduction::out(CHAPTER.number));
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
 
@@ -99,15 +83,6 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
     Ok(())
 }
 
-fn progress(what: &str, length: usize) -> ProgressBar {
-    let bar = ProgressBar::new(length as u64);
-    if let Ok(style) = ProgressStyle::with_template("{msg:52} [{bar:24}] {pos}/{len} {elapsed}") {
-        bar.set_style(style);
-    }
-    bar.set_message(what.to_owned());
-    bar
-}
-
 /// All figures, drawn side by side.
 fn pictures(material: &Material<'_>) -> Vec<Picture> {
     let draw: [fn(&Material<'_>) -> Vec<Picture>; 4] = [
@@ -143,10 +118,7 @@ fn interpolation_error(setup: &Setup, model: &Lattice) -> Result<f64> {
 
 /// The page, the figures and the data.
 fn write(out: &Path, findings: &Findings<'_>) -> Result<()> {
-    let save = |name: &str, text: &str| {
-        let path = out.join(name);
-        std::fs::write(&path, text).with_context(|| path.display().to_string())
-    };
+    let save = |name: &str, text: &str| reproduction::save(out, name, text);
     for picture in findings.pictures {
         save(&format!("{}.svg", picture.name), &picture.svg)?;
     }

@@ -10,14 +10,7 @@ use crate::figures::{
     Axis, Group, Landscape, LineFigure, Panel, Path, Reference, Series, Shaded, SpreadFigure, landscape_figure,
     line_figure, spread_figure,
 };
-
-/// A picture with the name of its file and what it shows.
-#[derive(Clone, Debug)]
-pub(crate) struct Picture {
-    pub(crate) name: String,
-    pub(crate) svg: String,
-    pub(crate) caption: String,
-}
+use crate::reproduction::Picture;
 
 /// Everything that a picture can be made of.
 pub(crate) struct Material<'a> {
@@ -62,10 +55,12 @@ pub(crate) fn test_profile(m: &Material<'_>) -> Picture {
         x_axis: time_axis(m.setup),
         panels: vec![
             Panel {
+                x_axis: None,
                 y_axis: Axis::new("flow speed", "m/s").with_range(0.19, 0.30),
                 series: vec![Series::step("flow speed", &t, &column(row, |r| r.flow_speed_m_s))],
             },
             Panel {
+                x_axis: None,
                 y_axis: Axis::new("command", "mm/s"),
                 series: vec![
                     Series::step("center line", &t, &command(0)),
@@ -91,6 +86,7 @@ fn squared(m: &Material<'_>, what: &str, number: u32, error: Angle) -> Picture {
         title: format!("{} error squared, before and after infusion", capital(what)),
         x_axis: time_axis(m.setup),
         panels: vec![Panel {
+            x_axis: None,
             y_axis: Axis::new(&format!("{what} error squared"), "deg²"),
             series: vec![
                 Series::line(&label("before", before), &time(before), &before.squared_deg2(error)),
@@ -139,6 +135,10 @@ fn landscape(m: &Material<'_>, lattice: &Lattice, name: &'static str, title: &st
         y,
         z,
         missing_label: "flight failed".to_owned(),
+        marked: Vec::new(),
+        marked_label: String::new(),
+        verticals: Vec::new(),
+        verticals_label: String::new(),
         paths: m
             .rows
             .iter()

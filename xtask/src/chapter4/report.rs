@@ -3,12 +3,11 @@
 use std::path::Path;
 
 use super::findings::{Findings, change_words};
-use super::results::{
-    Digits, cost_table, falls_pct, flight_table, provenance_table, seed_table, side_by_side, variant_table,
-};
+use super::results::{Digits, cost_table, falls_pct, flight_table, seed_table, side_by_side, variant_table};
 use crate::figures::Summary;
 use crate::page::Page;
 use crate::study::{MODEL, STAND_IN};
+use crate::table::provenance_table;
 
 const BOX_CAPTION: &str = "Flights over the box of the four parameters of Table 4 (pitch to 22 deg): center of mass and \
     pitch set point at five values each, both stabilizers at their smallest, nominal and largest area; one step per sample. \

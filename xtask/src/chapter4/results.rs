@@ -2,9 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use infuse::IterationReport;
-use water_channel::{
-    CostBreakdown, Flight, FlightLog, LogRow, Provenance, Record, TERM_NAMES, closed_loop_modes, footprint_m2,
-};
+use water_channel::{CostBreakdown, Flight, FlightLog, LogRow, TERM_NAMES, closed_loop_modes, footprint_m2};
 
 use super::file::Setup;
 use super::loops::{Campaign, Seeded};
@@ -400,31 +398,4 @@ fn seed_summaries(setup: &Setup, all: &[Seeded]) -> Vec<([String; 3], Vec<Summar
         }
     }
     rows
-}
-
-/// Every number of the plant, the controller, the test and the cost, with where it comes from.
-pub(crate) fn provenance_table(records: &[Record]) -> Table {
-    let mut table = Table::new(vec![
-        Column::new("Key", ""),
-        Column::new("Value", "1"),
-        Column::new("Unit", ""),
-        Column::new("Provenance", ""),
-        Column::new("Source", ""),
-    ]);
-    for record in records {
-        let provenance = match record.provenance {
-            Provenance::Given => "given",
-            Provenance::Derived => "derived",
-            Provenance::Estimated => "estimated",
-            Provenance::Calibrated => "calibrated",
-        };
-        table.push(vec![
-            record.key.clone(),
-            record.value.to_string(),
-            record.unit.clone(),
-            provenance.to_owned(),
-            record.source.clone(),
-        ]);
-    }
-    table
 }

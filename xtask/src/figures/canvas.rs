@@ -86,6 +86,7 @@ pub(super) enum Grid {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Mark {
     Line,
+    Dashes,
     Box,
     Dot,
     Diamond,
@@ -198,6 +199,7 @@ impl Canvas {
     fn legend_mark(&mut self, entry: &LegendEntry, at: (f64, f64)) {
         match entry.mark {
             Mark::Line => self.line(&[(at.0 - 10.0, at.1), (at.0 + 10.0, at.1)], &entry.fill, 2.5),
+            Mark::Dashes => self.dashed_line(&[(at.0 - 10.0, at.1), (at.0 + 10.0, at.1)], &entry.fill, 2.5),
             Mark::Box => self.rect((at.0 - 10.0, at.1 - 6.0), (20.0, 12.0), &entry.fill, &entry.outline),
             Mark::Dot => self.dot(at, 4.0, &entry.fill, &entry.outline),
             Mark::Diamond => self.diamond(at, &entry.fill, &entry.outline),

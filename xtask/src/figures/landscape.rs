@@ -28,6 +28,12 @@ pub(crate) struct Landscape {
     pub(crate) z: Vec<Vec<f64>>,
     /// What a missing value means.
     pub(crate) missing_label: String,
+    /// Grid points with a value to be wary of.
+    pub(crate) marked: Vec<(f64, f64)>,
+    pub(crate) marked_label: String,
+    /// Values of x to draw a line at.
+    pub(crate) verticals: Vec<f64>,
+    pub(crate) verticals_label: String,
     /// At most three, the most important one first.
     pub(crate) paths: Vec<Path>,
     /// Where the landscape itself is lowest.
@@ -71,11 +77,13 @@ pub(crate) fn landscape_figure(landscape: &Landscape) -> String {
     };
     canvas.frame(&frame, &text, Vec::new());
 
-    let levels = Levels::of(landscape);
+    let levels = Levels::of(&landscape.z_axis, landscape.z.iter().flatten().copied());
     let mut room = room(landscape, &frame);
     draw_bands(&mut canvas, landscape, &frame, &levels);
     let lines = draw_iso_lines(&mut canvas, landscape, &frame, &levels);
     draw_missing(&mut canvas, landscape, &frame);
+    draw_verticals(&mut canvas, landscape, &frame);
+    draw_marked(&mut canvas, landscape, &frame);
     canvas.outline(&frame);
     for (path, fill) in landscape.paths.iter().zip(PATH_FILLS).rev() {
         draw_path(&mut canvas, &frame, path, fill);
@@ -88,7 +96,64 @@ pub(crate) fn landscape_figure(landscape: &Landscape) -> String {
     }
     keep_paths_free(&mut room, landscape, &frame);
     label_iso_lines(&mut canvas, &lines, &mut room);
-    draw_color_bar(&mut canvas, landscape.z_axis.label(), &levels);
+    draw_color_bar(&mut canvas, landscape.z_axis.label(), &levels, bottom);
+    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    canvas.svg()
+}
+
+const COLUMNS: usize = 2;
+const SMALL_HEIGHT_PX: f64 = 300.0;
+const COLUMN_GAP_PX: f64 = 60.0;
+const ROW_GAP_PX: f64 = 40.0;
+/// Space above a panel, with its title in it.
+const PANEL_TITLE_PX: f64 = 24.0;
+
+/// Draws landscapes over the same axes side by side, with one scale of colors; each title stands above its panel.
+pub(crate) fn landscape_panels_figure(title: &str, landscapes: &[Landscape]) -> String {
+    let Some(first) = landscapes.first() else { return Canvas::new(title, TITLE_PX).svg() };
+    let rows = landscapes.len().div_ceil(COLUMNS);
+    let top_of = |row: usize| TITLE_PX + PANEL_TITLE_PX + row as f64 * (SMALL_HEIGHT_PX + ROW_GAP_PX);
+    let bottom = top_of(rows - 1) + SMALL_HEIGHT_PX;
+    let mut legend: Vec<LegendEntry> = Vec::new();
+    for entry in landscapes.iter().flat_map(legend_without_counts) {
+        if legend.iter().all(|known| known.text != entry.text) {
+            legend.push(entry);
+        }
+    }
+    let mut canvas = Canvas::new(title, bottom + BELOW_PX + legend_height_px(&legend, LEFT_PX));
+    let levels = Levels::of(&first.z_axis, landscapes.iter().flat_map(|one| one.z.iter().flatten().copied()));
+    let width = (RIGHT_PX - LEFT_PX - COLUMN_GAP_PX) / COLUMNS as f64;
+    for (number, landscape) in landscapes.iter().enumerate() {
+        let (row, column) = (number / COLUMNS, number % COLUMNS);
+        let left = LEFT_PX + column as f64 * (width + COLUMN_GAP_PX);
+        let frame = Frame {
+            left,
+            top: top_of(row),
+            right: left + width,
+            bottom: top_of(row) + SMALL_HEIGHT_PX,
+            x: grid_scale(&landscape.x_axis, &landscape.x),
+            y: grid_scale(&landscape.y_axis, &landscape.y),
+        };
+        let text = FrameText {
+            x_label: (row + 1 == rows).then_some(landscape.x_axis.label()),
+            y_label: if column == 0 { landscape.y_axis.label() } else { "" },
+            grid: super::canvas::Grid::Hidden,
+        };
+        canvas.frame(&frame, &text, Vec::new());
+        canvas.text_as(&landscape.title, (left, frame.top - 8.0), TEXT_SIZE, TextAnchor::Start);
+        let mut room = room(landscape, &frame);
+        draw_bands(&mut canvas, landscape, &frame, &levels);
+        let lines = draw_iso_lines(&mut canvas, landscape, &frame, &levels);
+        draw_missing(&mut canvas, landscape, &frame);
+        draw_verticals(&mut canvas, landscape, &frame);
+        draw_marked(&mut canvas, landscape, &frame);
+        canvas.outline(&frame);
+        if let Some(minimum) = landscape.minimum {
+            canvas.diamond(frame.px(minimum), color(4), PAPER);
+        }
+        label_iso_lines(&mut canvas, &lines, &mut room);
+    }
+    draw_color_bar(&mut canvas, first.z_axis.label(), &levels, bottom);
     canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
@@ -111,17 +176,17 @@ struct Levels {
 }
 
 impl Levels {
-    fn of(landscape: &Landscape) -> Self {
-        let mut values: Vec<f64> = landscape.z.iter().flatten().copied().filter(|z| z.is_finite()).collect();
+    fn of(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
+        let mut values: Vec<f64> = values.filter(|z| z.is_finite()).collect();
         values.sort_by(f64::total_cmp);
         let mut shown = values.clone();
         if let (Some(lowest), Some(highest)) = (values.first(), values.last()) {
             let most = values[(values.len() - 1) * 4 / 5];
-            if !landscape.z_axis.has_range() && most > *lowest && highest - lowest > 1.5 * (most - lowest) {
+            if !axis.has_range() && most > *lowest && highest - lowest > 1.5 * (most - lowest) {
                 shown.retain(|value| *value <= most);
             }
         }
-        let scale = landscape.z_axis.scale(shown.into_iter(), BANDS);
+        let scale = axis.scale(shown.into_iter(), BANDS);
         let borders = scale.ticks();
         let exceeded = match (borders.last(), values.last()) {
             (Some(border), Some(highest)) => *highest > border + 1e-9 * border.abs(),
@@ -208,6 +273,18 @@ fn draw_missing(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame) {
     }
 }
 
+fn draw_verticals(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame) {
+    for x in landscape.verticals.iter().filter(|x| (frame.x.min..=frame.x.max).contains(x)) {
+        canvas.dashed_line(&[(frame.x_px(*x), frame.top), (frame.x_px(*x), frame.bottom)], PAPER, 1.6);
+    }
+}
+
+fn draw_marked(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame) {
+    for point in &landscape.marked {
+        canvas.dot(frame.px(*point), 2.4, PAPER, "#000000");
+    }
+}
+
 /// What labels must not cover: the points of all paths and the minimum.
 fn room(landscape: &Landscape, frame: &Frame) -> Room {
     let points = landscape.paths.iter().flat_map(|path| &path.points).chain(&landscape.minimum);
@@ -256,8 +333,8 @@ fn label_path(canvas: &mut Canvas, frame: &Frame, path: &Path, fill: &str, room:
 }
 
 /// The bar beside the frame, with a tip when values go on above it.
-fn draw_color_bar(canvas: &mut Canvas, label: &str, levels: &Levels) {
-    let (top, bottom) = (TITLE_PX + 24.0, TITLE_PX + HEIGHT_PX - 10.0);
+fn draw_color_bar(canvas: &mut Canvas, label: &str, levels: &Levels, frame_bottom: f64) {
+    let (top, bottom) = (TITLE_PX + 24.0, frame_bottom - 10.0);
     let bands = levels.bands();
     let height = (bottom - top) / bands.max(1) as f64;
     for band in 0..bands {
@@ -290,21 +367,57 @@ fn legend(landscape: &Landscape) -> Vec<LegendEntry> {
         })
         .collect();
     if landscape.minimum.is_some() {
-        entries.push(LegendEntry {
-            mark: Mark::Diamond,
-            fill: color(4).into(),
-            outline: PAPER.into(),
-            text: landscape.minimum_label.clone(),
-        });
+        entries.push(minimum_entry(landscape));
     }
     let (missing, all) = (missing(landscape).len(), landscape.x.len() * landscape.y.len());
+    entries.extend(verticals_entry(landscape));
+    if !landscape.marked.is_empty() {
+        entries.push(marked_entry(landscape));
+    }
     if missing > 0 {
-        entries.push(LegendEntry {
-            mark: Mark::Cross,
-            fill: "#888888".into(),
-            outline: "none".into(),
-            text: format!("blank: {} ({missing} of {all})", landscape.missing_label),
-        });
+        entries.push(missing_entry(format!("blank: {} ({missing} of {all})", landscape.missing_label)));
     }
     entries
+}
+
+/// For panels that share a legend: counts differ between them.
+fn legend_without_counts(landscape: &Landscape) -> Vec<LegendEntry> {
+    let mut entries = Vec::new();
+    if landscape.minimum.is_some() {
+        entries.push(minimum_entry(landscape));
+    }
+    entries.extend(verticals_entry(landscape));
+    if !landscape.marked.is_empty() {
+        entries.push(marked_entry(landscape));
+    }
+    if !missing(landscape).is_empty() {
+        entries.push(missing_entry(format!("blank: {}", landscape.missing_label)));
+    }
+    entries
+}
+
+fn minimum_entry(landscape: &Landscape) -> LegendEntry {
+    LegendEntry {
+        mark: Mark::Diamond,
+        fill: color(4).into(),
+        outline: PAPER.into(),
+        text: landscape.minimum_label.clone(),
+    }
+}
+
+fn verticals_entry(landscape: &Landscape) -> Option<LegendEntry> {
+    (!landscape.verticals.is_empty()).then(|| LegendEntry {
+        mark: Mark::Dashes,
+        fill: "#888888".into(),
+        outline: "none".into(),
+        text: landscape.verticals_label.clone(),
+    })
+}
+
+fn marked_entry(landscape: &Landscape) -> LegendEntry {
+    LegendEntry { mark: Mark::Dot, fill: PAPER.into(), outline: "#000000".into(), text: landscape.marked_label.clone() }
+}
+
+fn missing_entry(text: String) -> LegendEntry {
+    LegendEntry { mark: Mark::Cross, fill: "#888888".into(), outline: "none".into(), text }
 }

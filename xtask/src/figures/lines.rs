@@ -13,6 +13,7 @@ use super::thinning::{MAX_POINTS, changes, finite_stretches, thin};
 #[derive(Clone, Debug)]
 pub(crate) struct LineFigure {
     pub(crate) title: String,
+    /// Below the last panel, for all that have none of their own.
     pub(crate) x_axis: Axis,
     /// From top to bottom.
     pub(crate) panels: Vec<Panel>,
@@ -23,6 +24,8 @@ pub(crate) struct LineFigure {
 /// One y axis and its series.
 #[derive(Clone, Debug)]
 pub(crate) struct Panel {
+    /// An x axis of the panel's own, below it.
+    pub(crate) x_axis: Option<Axis>,
     pub(crate) y_axis: Axis,
     /// Series of the same label have the same color in all panels.
     pub(crate) series: Vec<Series>,
@@ -41,6 +44,7 @@ pub(crate) struct Series {
     label: String,
     points: Vec<(f64, f64)>,
     shape: Shape,
+    dashed: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,16 +67,22 @@ impl Series {
     fn new(label: &str, x: &[f64], y: &[f64], shape: Shape) -> Self {
         debug_assert_eq!(x.len(), y.len(), "series `{label}`");
         let points = x.iter().copied().zip(y.iter().copied()).collect();
-        Self { label: label.to_owned(), points, shape }
+        Self { label: label.to_owned(), points, shape, dashed: false }
+    }
+
+    /// The same with gaps, through which a line that it covers can be seen.
+    pub(crate) fn dashed(self) -> Self {
+        Self { dashed: true, ..self }
     }
 
     fn plots(&self, color: &str) -> Vec<Plot> {
         let mut plots = Vec::new();
         for stretch in finite_stretches(&self.points) {
-            plots.push(match self.shape {
-                Shape::Step => lines(thin(&changes(stretch), MAX_POINTS), color).with_step().into(),
-                Shape::Line => lines(thin(stretch, MAX_POINTS), color).into(),
-            });
+            let line = match self.shape {
+                Shape::Step => lines(thin(&changes(stretch), MAX_POINTS), color).with_step(),
+                Shape::Line => lines(thin(stretch, MAX_POINTS), color),
+            };
+            plots.push(if self.dashed { line.with_dashed() } else { line }.into());
         }
         if self.shape == Shape::Line && self.points.len() <= FEW_POINTS {
             let finite = finite_stretches(&self.points).concat();
@@ -92,6 +102,7 @@ fn lines(points: Vec<(f64, f64)>, color: &str) -> LinePlot {
 const RIGHT_PX: f64 = WIDTH_PX - 24.0;
 const SINGLE_PANEL_PX: f64 = 300.0;
 const STACKED_PANEL_PX: f64 = 150.0;
+const OWN_AXIS_PANEL_PX: f64 = 230.0;
 const GAP_PX: f64 = 20.0;
 const SHADE: &str = "#ececec";
 
@@ -100,37 +111,50 @@ pub(crate) fn line_figure(figure: &LineFigure) -> String {
     let labels = labels(figure);
     let legend = legend(figure, &labels);
     let count = figure.panels.len();
-    let panel_px = if count == 1 { SINGLE_PANEL_PX } else { STACKED_PANEL_PX };
-    let bottom = TITLE_PX + count as f64 * (panel_px + GAP_PX) - GAP_PX;
+    let panel_px = |panel: &Panel| match count {
+        1 => SINGLE_PANEL_PX,
+        _ if panel.x_axis.is_some() => OWN_AXIS_PANEL_PX,
+        _ => STACKED_PANEL_PX,
+    };
+    let frames_px: f64 = figure.panels.iter().map(|panel| panel_px(panel) + gap_px(panel)).sum();
+    let bottom = TITLE_PX + frames_px - figure.panels.last().map_or(0.0, gap_px);
     let mut canvas = Canvas::new(&figure.title, bottom + BELOW_PX + legend_height_px(&legend, LEFT_PX));
-    let x = x_scale(figure);
+    let shared = x_scale(&figure.x_axis, figure.panels.iter().filter(|panel| panel.x_axis.is_none()));
+    let mut top = TITLE_PX;
     for (number, panel) in figure.panels.iter().enumerate() {
-        let top = TITLE_PX + number as f64 * (panel_px + GAP_PX);
         let values = panel.series.iter().flat_map(|series| &series.points).map(|point| point.1);
         let y = panel.y_axis.roomy_scale(values, if count == 1 { 6 } else { 4 });
-        let frame = Frame { left: LEFT_PX, top, right: RIGHT_PX, bottom: top + panel_px, x, y };
+        let x = panel.x_axis.as_ref().map_or(shared, |axis| x_scale(axis, std::iter::once(panel)));
+        let frame = Frame { left: LEFT_PX, top, right: RIGHT_PX, bottom: top + panel_px(panel), x, y };
         shade(&mut canvas, &frame, figure.shaded.as_ref());
+        let below = (number + 1 == count).then_some(&figure.x_axis);
         let text = FrameText {
-            x_label: (number + 1 == count).then_some(figure.x_axis.label()),
+            x_label: panel.x_axis.as_ref().or(below).map(Axis::label),
             y_label: panel.y_axis.label(),
             grid: Grid::Shown,
         };
         let plots = panel.series.iter().flat_map(|series| series.plots(color_of(&series.label, &labels)));
         canvas.frame(&frame, &text, plots.collect());
+        top += panel_px(panel) + gap_px(panel);
     }
     canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 
+/// Room below a panel: more where it has an axis of its own.
+fn gap_px(panel: &Panel) -> f64 {
+    if panel.x_axis.is_some() { BELOW_PX + GAP_PX } else { GAP_PX }
+}
+
 /// The x axis ends with the data: a flight of 300 s needs no room after it.
-fn x_scale(figure: &LineFigure) -> Scale {
+fn x_scale<'a>(axis: &Axis, panels: impl Iterator<Item = &'a Panel> + Clone) -> Scale {
     let values = || {
-        let series = figure.panels.iter().flat_map(|panel| &panel.series);
+        let series = panels.clone().flat_map(|panel| &panel.series);
         series.flat_map(|series| &series.points).map(|point| point.0).filter(|x| x.is_finite())
     };
-    let scale = figure.x_axis.scale(values(), 8);
+    let scale = axis.scale(values(), 8);
     let (first, last) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
-    if figure.x_axis.has_range() || first >= last {
+    if axis.has_range() || first >= last {
         return scale;
     }
     Scale { min: scale.min.max(first), max: scale.max.min(last), ..scale }
@@ -162,10 +186,12 @@ fn color_of(label: &str, labels: &[&str]) -> &'static str {
 }
 
 fn legend(figure: &LineFigure, labels: &[&str]) -> Vec<LegendEntry> {
+    let series = || figure.panels.iter().flat_map(|panel| &panel.series);
+    let is_dashed = |label: &str| series().any(|series| series.label == label && series.dashed);
     let mut entries: Vec<LegendEntry> = labels
         .iter()
         .map(|label| LegendEntry {
-            mark: Mark::Line,
+            mark: if is_dashed(label) { Mark::Dashes } else { Mark::Line },
             fill: color_of(label, labels).into(),
             outline: color_of(label, labels).into(),
             text: (*label).to_owned(),

@@ -28,6 +28,7 @@ fn errors() -> LineFigure {
     let (time, before) = flight(0.3);
     let (_, after) = flight(0.2);
     let panel = |quantity: &str| Panel {
+        x_axis: None,
         y_axis: Axis::new(quantity, "rad²"),
         series: vec![Series::line("before", &time, &before), Series::line("after", &time, &after)],
     };
@@ -66,6 +67,7 @@ fn series_with_gaps_and_steps_are_drawn() {
         title: "Shapes".into(),
         x_axis: Axis::new("iteration", "1").counting_to(3),
         panels: vec![Panel {
+            x_axis: None,
             y_axis: Axis::new("value", "1").with_range(-5.0, 5.0),
             series: vec![Series::line("line", &x, &y), Series::step("step", &x, &y), Series::line("nothing", &[], &[])],
         }],
@@ -87,6 +89,10 @@ fn landscape(value: impl Fn(f64, f64) -> f64) -> Landscape {
         y,
         z,
         missing_label: "flight failed".into(),
+        marked: Vec::new(),
+        marked_label: String::new(),
+        verticals: Vec::new(),
+        verticals_label: String::new(),
         paths: vec![Path { label: "optimum".into(), points: vec![(46.1, 17.3), (50.1, 18.9), (50.1, 18.9)] }],
         minimum: Some((48.0, 18.0)),
         minimum_label: "lowest".into(),
@@ -126,6 +132,49 @@ fn far_higher_corner_does_not_flatten_the_rest() {
     let svg = landscape_figure(&landscape(|x, y| bowl(x, y) + if x > 51.0 { 1000.0 } else { 0.0 }));
     check(&svg, &["cost (s)"]);
     assert!(!svg.contains(">1000<"), "the colors end with the bowl");
+}
+
+#[test]
+fn panels_share_their_scale_of_colors_and_their_legend() {
+    let of = |title: &str, value: fn(f64, f64) -> f64| Landscape {
+        title: title.into(),
+        marked: vec![(47.0, 15.0)],
+        marked_label: "unstable".into(),
+        ..landscape(value)
+    };
+    let panels = [
+        of("low", bowl),
+        of("high", |x, y| 2.0 * bowl(x, y)),
+        of("gap", |x, y| if x < 46.0 { f64::NAN } else { bowl(x, y) }),
+    ];
+    let svg = landscape_panels_figure("Three", &panels);
+    let texts = ["Three", "low", "high", "gap", "center of mass (% chord)", "pitch (deg)", "unstable", "lowest"];
+    check(&svg, &texts);
+    check(&svg, &["blank: flight failed", "20"]);
+    for once in ["unstable", "lowest", "blank: flight failed", "cost (s)"] {
+        assert_eq!(svg.matches(&format!(">{once}<")).count(), 1, "`{once}` is said once");
+    }
+    check(&landscape_panels_figure("None", &[]), &["None"]);
+}
+
+#[test]
+fn panel_with_an_axis_of_its_own_shows_it() {
+    let (t, y) = flight(0.3);
+    let half: Vec<f64> = t.iter().map(|t| 0.5 * t).collect();
+    let panel = |axis: Option<Axis>, x: &[f64]| Panel {
+        x_axis: axis,
+        y_axis: Axis::new("heading", "rad"),
+        series: vec![Series::line("model", x, &y)],
+    };
+    let figure = LineFigure {
+        title: "Two times".into(),
+        x_axis: Axis::new("unused", "s"),
+        panels: vec![panel(Some(Axis::new("time", "s")), &t), panel(Some(Axis::new("normalized time", "1")), &half)],
+        shaded: None,
+    };
+    let svg = line_figure(&figure);
+    check(&svg, &["Two times", "time (s)", "normalized time", "300", "140"]);
+    assert!(!svg.contains("unused"), "an axis that no panel uses");
 }
 
 #[test]

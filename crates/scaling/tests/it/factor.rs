@@ -1,0 +1,108 @@
+//! Exact ratios.
+
+use scaling::{Error, Factor};
+
+use crate::ratio;
+
+fn factor(text: &str) -> Factor {
+    text.parse().unwrap()
+}
+
+#[test]
+fn perfect_powers_are_reduced() {
+    for (base, power, expected) in [
+        ("100", "1/2", "10"),
+        ("49/40000", "1/2", "7/200"),
+        ("1000000", "1/3", "100"),
+        ("12", "1/2", "2*3^(1/2)"),
+        ("8/27", "2/3", "4/9"),
+        ("10", "-1/2", "1/10^(1/2)"),
+        ("1", "1/7", "1"),
+        ("5", "0", "1"),
+    ] {
+        let power = factor(base).pow(&ratio(power));
+        assert_eq!(power, factor(expected), "{base}");
+    }
+    assert_eq!(factor("100").pow(&ratio("1/2")).to_string(), "10");
+    assert_eq!((&factor("2^(1/2)") * &factor("50^(1/2)")).to_string(), "10");
+}
+
+#[test]
+fn large_primes_cancel_exactly() {
+    // 65537 and 1000003 are primes beyond trial division.
+    let p = factor("65537");
+    let q = factor("1000003");
+    let product = factor("65537196611");
+    assert_eq!(&p * &q, product);
+    let root = (&product * &p).pow(&ratio("1/2"));
+    assert_eq!(root, &p * &q.pow(&ratio("1/2")));
+    assert!((&root / &(&p * &q.pow(&ratio("1/2")))).is_one());
+    assert_eq!(factor("65537^5").pow(&ratio("1/5")).to_string(), "65537");
+    assert_eq!(factor("4295098369").pow(&ratio("1/2")).to_string(), "65537");
+}
+
+#[test]
+fn texts_read_back() {
+    for text in ["1", "1225", "49/40000", "10^(1/2)", "pi/180", "1/pi^(1/2)", "3*2^(1/3)/(7*5^(2/3))", "pi^2"] {
+        assert_eq!(factor(&factor(text).to_string()), factor(text), "{text}");
+    }
+    assert_eq!(factor("1.225/1000").to_string(), "49/40000");
+    assert_eq!(factor("pi/180").to_string(), "pi/180");
+}
+
+#[test]
+fn values_are_the_nearest_doubles() {
+    assert_eq!(factor("2^(1/2)").to_f64().to_bits(), std::f64::consts::SQRT_2.to_bits());
+    assert_eq!(Factor::pi().to_f64().to_bits(), std::f64::consts::PI.to_bits());
+    assert_eq!(factor("1/pi").to_f64().to_bits(), std::f64::consts::FRAC_1_PI.to_bits());
+    assert_eq!(factor("2/pi^(1/2)").to_f64().to_bits(), std::f64::consts::FRAC_2_SQRT_PI.to_bits());
+    assert_eq!(factor("1/3").to_f64().to_bits(), (1.0f64 / 3.0).to_bits());
+    // Ends of the range, subnormals and the ties between them.
+    assert_eq!(factor("1.7976931348623157e308").to_f64().to_bits(), f64::MAX.to_bits());
+    assert_eq!(factor("1.7976931348623159e308").to_f64().to_bits(), f64::INFINITY.to_bits());
+    assert_eq!(factor("4.9406564584124654e-324").to_f64().to_bits(), 1);
+    assert_eq!(factor("2.4703282292062327e-324").to_f64().to_bits(), 0);
+    assert_eq!(factor("2.4703282292062328e-324").to_f64().to_bits(), 1);
+    assert_eq!(factor("2.2250738585072011e-308").to_f64().to_bits(), f64::MIN_POSITIVE.to_bits() - 1);
+    assert_eq!(factor("2.2250738585072014e-308").to_f64().to_bits(), f64::MIN_POSITIVE.to_bits());
+    // 2^53 + 1 is a tie, which goes to the even neighbor; a hair above it is not.
+    assert_eq!(factor("9007199254740993").to_f64().to_bits(), 9_007_199_254_740_992.0_f64.to_bits());
+    assert_eq!(factor("9007199254740993.0000000001").to_f64().to_bits(), 9_007_199_254_740_994.0_f64.to_bits());
+}
+
+#[test]
+fn factors_beyond_every_double_stay_finite_work() {
+    let huge = factor("10^1000").pow(&ratio("1000000000000"));
+    assert_eq!(huge.to_f64().to_bits(), f64::INFINITY.to_bits());
+    assert_eq!(huge.inverse().to_f64().to_bits(), 0);
+    assert!(huge.rational().is_none());
+    assert!((huge.log10() - 1e15).abs() < 1.0);
+    assert!((&huge * &huge.inverse()).is_one());
+    assert_eq!(huge.pow(&ratio("1/1000000000000")), factor("10^1000"));
+}
+
+#[test]
+fn large_powers_are_still_rounded_once() {
+    // (1 + 1/10^6)^(10^6), and roots of it, by mpmath with 60 digits.
+    let base = factor("1000001/1000000");
+    assert_eq!(base.pow(&ratio("1000000")).to_f64().to_bits(), 2.718_280_469_319_376_7_f64.to_bits());
+    assert_eq!(base.pow(&ratio("1000000/3")).to_f64().to_bits(), 1.395_612_192_484_193_f64.to_bits());
+    assert_eq!(base.pow(&ratio("-1000000")).to_f64().to_bits(), 0.367_879_625_111_086_24_f64.to_bits());
+    // Huge powers that nearly cancel: (2/3)^(10^9) * 3^(10^9) / 2^(10^9) is 1.
+    let cancelled = &factor("2/3").pow(&ratio("1000000000")) * &factor("3/2").pow(&ratio("999999999"));
+    assert_eq!(cancelled.to_f64().to_bits(), (2.0f64 / 3.0).to_bits());
+}
+
+#[test]
+fn only_positive_numbers_are_ratios() {
+    for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(Factor::from_f64(value), Err(Error::NotPositive { .. })), "{value}");
+    }
+    assert_eq!(Factor::from_f64(0.1).unwrap().to_string(), "1/10");
+    assert_eq!(
+        "2*x".parse::<Factor>().unwrap_err().to_string(),
+        "\"2*x\", character 3: unknown number `x`; did you mean `pi`?"
+    );
+    assert!("".parse::<Factor>().is_err());
+    assert!("-3".parse::<Factor>().is_err());
+}

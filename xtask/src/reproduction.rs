@@ -1,0 +1,79 @@
+//! What the studies of all chapters share: where they write, how they show progress, and the committed copy of their results.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, bail, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::page::Page;
+
+/// A study that writes a page and keeps its short form in `docs/`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chapter {
+    pub(crate) number: u32,
+    /// Runs the study and writes everything, `results.md` included.
+    pub(crate) reproduce: fn(&Path) -> Result<()>,
+}
+
+impl Chapter {
+    /// Runs the study and fails when it finds something else than the committed page of results says.
+    pub(crate) fn check(&self, root: &Path) -> Result<()> {
+        (self.reproduce)(root)?;
+        let out = out(self.number);
+        let committed_at = format!("docs/results-chapter{}.md", self.number);
+        let fresh = std::fs::read_to_string(root.join(&out).join("results.md"))?;
+        let committed = std::fs::read_to_string(root.join(&committed_at)).context(committed_at.clone())?;
+        let differing = fresh.lines().zip(committed.lines()).find(|(a, b)| a != b);
+        if let Some((found, said)) = differing {
+            bail!(
+                "{committed_at} is out of date; copy {}/results.md over it\n  page: {said}\n  run:  {found}",
+                out.display()
+            );
+        }
+        ensure!(fresh == committed, "{committed_at} is out of date: it is longer or shorter than what the run finds");
+        Ok(())
+    }
+}
+
+/// Where a chapter's study writes, from the root.
+pub(crate) fn out(chapter: u32) -> PathBuf {
+    PathBuf::from(format!("target/reproduction/chapter{chapter}"))
+}
+
+/// A picture with the name of its file and what it shows.
+#[derive(Clone, Debug)]
+pub(crate) struct Picture {
+    pub(crate) name: String,
+    pub(crate) svg: String,
+    pub(crate) caption: String,
+}
+
+impl Picture {
+    pub(crate) fn show_in(&self, page: &mut Page) {
+        page.figure(&self.svg, &self.caption);
+    }
+}
+
+/// Writes a file of a study's output.
+pub(crate) fn save(out: &Path, name: &str, text: &str) -> Result<()> {
+    let path = out.join(name);
+    if let Some(directory) = path.parent() {
+        std::fs::create_dir_all(directory).with_context(|| directory.display().to_string())?;
+    }
+    std::fs::write(&path, text).with_context(|| path.display().to_string())
+}
+
+/// A bar that fills while a part of a study runs.
+pub(crate) fn progress(what: &str, length: usize) -> ProgressBar {
+    let bar = ProgressBar::new(length as u64);
+    if let Ok(style) = ProgressStyle::with_template("{msg:52} [{bar:24}] {pos}/{len} {elapsed}") {
+        bar.set_style(style);
+    }
+    bar.set_message(what.to_owned());
+    bar
+}
+
+/// A list in Markdown.
+pub(crate) fn markdown_list(items: &[String]) -> String {
+    items.iter().map(|item| format!("- {item}\n")).collect()
+}
