@@ -16,7 +16,7 @@ mod workspace;
 use std::path::Path;
 use std::process::ExitCode;
 
-use reproduction::Chapter;
+use reproduction::Reproduction;
 
 const USAGE: &str = "\
 cargo xtask <command>
@@ -26,7 +26,8 @@ Studies:
   reproduce-chapter3   open loop: Figure 14, cost over trim pitch and center of mass for four configurations
   reproduce-chapter4   the loop of Chapter 3 on the case study of Chapter 4
 
-  Each writes target/reproduction/chapterN/; with --check it fails when docs/results-chapterN.md says something else.
+
+  Each writes to its folder in target/reproduction/; with --check it fails when its page docs/results-*.md says something else.
 
 Checks:
   ci      everything that a change must pass; quiet until a step fails
@@ -34,17 +35,16 @@ Checks:
 
   help    this text";
 
-static CHAPTERS: [Chapter; 3] = [chapter2::CHAPTER, chapter3::CHAPTER, chapter4::CHAPTER];
+static STUDIES: [Reproduction; 3] = [chapter2::CHAPTER, chapter3::CHAPTER, chapter4::CHAPTER];
 
 /// The study that a command names.
-fn study(command: &str) -> Option<&'static Chapter> {
-    let number = command.strip_prefix("reproduce-chapter")?;
-    CHAPTERS.iter().find(|chapter| chapter.number.to_string() == number)
+fn study(command: &str) -> Option<&'static Reproduction> {
+    STUDIES.iter().find(|study| study.command == command)
 }
 
-fn run_study(command: &str, run: impl Fn(&Chapter, &Path) -> anyhow::Result<()>) -> anyhow::Result<()> {
+fn run_study(command: &str, run: impl Fn(&Reproduction, &Path) -> anyhow::Result<()>) -> anyhow::Result<()> {
     let root = workspace::root()?;
-    study(command).map_or(Ok(()), |chapter| run(chapter, &root))
+    study(command).map_or(Ok(()), |study| run(study, &root))
 }
 
 /// The exit code for a command that does not exist.
@@ -54,8 +54,8 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match words.as_slice() {
-        [name] if study(name).is_some() => run_study(name, |chapter, root| (chapter.reproduce)(root)),
-        [name, "--check"] if study(name).is_some() => run_study(name, Chapter::check),
+        [name] if study(name).is_some() => run_study(name, |study, root| (study.run)(root)),
+        [name, "--check"] if study(name).is_some() => run_study(name, Reproduction::check),
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
         ["help" | "--help" | "-h"] => {

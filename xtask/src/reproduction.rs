@@ -1,4 +1,4 @@
-//! What the studies of all chapters share: where they write, how they show progress, and the committed copy of their results.
+//! What all studies share: where they write, how they show progress, and the committed copy of their results.
 
 use std::path::{Path, PathBuf};
 
@@ -9,18 +9,26 @@ use crate::page::Page;
 
 /// A study that writes a page and keeps its short form in `docs/`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Chapter {
-    pub(crate) number: u32,
+pub(crate) struct Reproduction {
+    /// What a person types.
+    pub(crate) command: &'static str,
+    /// What its folder and its page of results are called.
+    pub(crate) name: &'static str,
     /// Runs the study and writes everything, `results.md` included.
-    pub(crate) reproduce: fn(&Path) -> Result<()>,
+    pub(crate) run: fn(&Path) -> Result<()>,
 }
 
-impl Chapter {
+impl Reproduction {
+    /// Where the study writes, from the root.
+    pub(crate) fn out(&self) -> PathBuf {
+        PathBuf::from(format!("target/reproduction/{}", self.name))
+    }
+
     /// Runs the study and fails when it finds something else than the committed page of results says.
     pub(crate) fn check(&self, root: &Path) -> Result<()> {
-        (self.reproduce)(root)?;
-        let out = out(self.number);
-        let committed_at = format!("docs/results-chapter{}.md", self.number);
+        (self.run)(root)?;
+        let out = self.out();
+        let committed_at = format!("docs/results-{}.md", self.name);
         let fresh = std::fs::read_to_string(root.join(&out).join("results.md"))?;
         let committed = std::fs::read_to_string(root.join(&committed_at)).context(committed_at.clone())?;
         let differing = fresh.lines().zip(committed.lines()).find(|(a, b)| a != b);
@@ -33,11 +41,6 @@ impl Chapter {
         ensure!(fresh == committed, "{committed_at} is out of date: it is longer or shorter than what the run finds");
         Ok(())
     }
-}
-
-/// Where a chapter's study writes, from the root.
-pub(crate) fn out(chapter: u32) -> PathBuf {
-    PathBuf::from(format!("target/reproduction/chapter{chapter}"))
 }
 
 /// A picture with the name of its file and what it shows.

@@ -252,5 +252,5 @@ fn join(path: &str, key: &str) -> String {
 }
 
 fn at(path: &str, error: Error) -> Error {
-    Error::AtKey { path: path.to_owned(), source: Box::new(error) }
+    Error::AtKey { path: path.to_owned(), fault: Box::new(error) }
 }

@@ -184,6 +184,16 @@ pub enum Error {
         /// The dimension of the variable.
         expected: String,
     },
+    /// A value or a unit that a set-up cannot take.
+    #[error("set-up \"{set_up}\", {variable}: {fault}")]
+    InSetUp {
+        /// The set-up.
+        set_up: String,
+        /// The variable.
+        variable: String,
+        /// What is wrong. Its words are in this error's words, so it is not its source.
+        fault: Box<Error>,
+    },
     /// Fewer than two set-ups.
     #[error("{count} set-up(s) given, but similarity needs at least 2")]
     TooFewSetUps {
@@ -270,12 +280,12 @@ pub enum Error {
         message: String,
     },
     /// Something wrong at a key of a document.
-    #[error("{path}: {source}")]
+    #[error("{path}: {fault}")]
     AtKey {
-        /// The key, as a dotted path.
+        /// The key as a dotted path, or the name of a ratio.
         path: String,
-        /// What is wrong.
-        source: Box<Error>,
+        /// What is wrong. Its words are in this error's words, so it is not its source.
+        fault: Box<Error>,
     },
     /// A value in a document that is not a number or a list of numbers.
     #[error("the value is {found}, expected a finite number or a list of them")]

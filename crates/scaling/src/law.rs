@@ -46,7 +46,7 @@ impl System {
     pub fn law(&self, ratios: &[(&str, &str)]) -> Result<ScalingLaw, Error> {
         let read = |(name, ratio): &(&str, &str)| match ratio.parse() {
             Ok(factor) => Ok(((*name).to_owned(), factor)),
-            Err(source) => Err(Error::AtKey { path: (*name).to_owned(), source: Box::new(source) }),
+            Err(source) => Err(Error::AtKey { path: (*name).to_owned(), fault: Box::new(source) }),
         };
         let ratios: Vec<(String, Factor)> = ratios.iter().map(read).collect::<Result<_, _>>()?;
         self.law_from_factors(&ratios)

@@ -40,7 +40,7 @@ impl SetUp {
     /// Adds a value in a unit, taken as exact; the check of similarity compares the unit with the variable.
     ///
     /// # Errors
-    /// What [`Units::parse`] says of the unit.
+    /// [`Error::InSetUp`] with what [`Units::parse`] says of the unit.
     pub fn with_unit(
         mut self,
         units: &Units,
@@ -48,10 +48,11 @@ impl SetUp {
         value: f64,
         unit: &str,
     ) -> Result<Self, Error> {
-        let read = units.parse(unit)?;
+        let variable = variable.into();
+        let read = units.parse(unit).map_err(|fault| self.fault(&variable, fault))?;
         let value = read.factor.apply(value);
         let unit = Some((unit.to_owned(), read.dimension));
-        self.values.insert(variable.into(), Value { value, half_unit: 0.0, unit });
+        self.values.insert(variable, Value { value, half_unit: 0.0, unit });
         Ok(self)
     }
 
@@ -60,7 +61,7 @@ impl SetUp {
     /// A check then tells a mismatch from what rounding explains.
     ///
     /// # Errors
-    /// [`Error::NotANumber`], or what [`Units::parse`] says of the unit.
+    /// [`Error::InSetUp`] with [`Error::NotANumber`], or with what [`Units::parse`] says of the unit.
     pub fn printed(
         mut self,
         units: &Units,
@@ -68,24 +69,14 @@ impl SetUp {
         printed: &str,
         unit: &str,
     ) -> Result<Self, Error> {
-        let not_a_number = || Error::NotANumber { found: format!("\"{printed}\"") };
-        let value: f64 = printed.trim().parse().map_err(|_| not_a_number())?;
-        if shortest_decimal(value).is_none() {
-            return Err(not_a_number());
-        }
-        let (mantissa, power) = printed.trim().split_once(['e', 'E']).unwrap_or((printed.trim(), "0"));
-        let decimals = mantissa.split_once('.').map_or(0, |(_, fraction)| fraction.len());
-        let half: f64 = format!("0.5e{}", power.parse::<i64>().map_err(|_| not_a_number())? - decimals as i64)
-            .parse()
-            .map_err(|_| not_a_number())?;
-        let read = units.parse(unit)?;
-        let value = Value {
-            value: read.factor.apply(value),
-            half_unit: read.factor.apply(half),
-            unit: Some((unit.to_owned(), read.dimension)),
-        };
-        self.values.insert(variable.into(), value);
+        let variable = variable.into();
+        let value = read_printed(units, printed, unit).map_err(|fault| self.fault(&variable, fault))?;
+        self.values.insert(variable, value);
         Ok(self)
+    }
+
+    fn fault(&self, variable: &str, fault: Error) -> Error {
+        Error::InSetUp { set_up: self.name.clone(), variable: variable.to_owned(), fault: Box::new(fault) }
     }
 
     /// The name.
@@ -117,4 +108,24 @@ impl SetUp {
     pub(crate) fn unit(&self, variable: &str) -> Option<&(String, Dimension)> {
         self.values.get(variable)?.unit.as_ref()
     }
+}
+
+/// A value with half a unit of its last printed digit.
+fn read_printed(units: &Units, printed: &str, unit: &str) -> Result<Value, Error> {
+    let not_a_number = || Error::NotANumber { found: format!("\"{printed}\"") };
+    let value: f64 = printed.trim().parse().map_err(|_| not_a_number())?;
+    if shortest_decimal(value).is_none() {
+        return Err(not_a_number());
+    }
+    let (mantissa, power) = printed.trim().split_once(['e', 'E']).unwrap_or((printed.trim(), "0"));
+    let decimals = mantissa.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+    let half: f64 = format!("0.5e{}", power.parse::<i64>().map_err(|_| not_a_number())? - decimals as i64)
+        .parse()
+        .map_err(|_| not_a_number())?;
+    let read = units.parse(unit)?;
+    Ok(Value {
+        value: read.factor.apply(value),
+        half_unit: read.factor.apply(half),
+        unit: Some((unit.to_owned(), read.dimension)),
+    })
 }

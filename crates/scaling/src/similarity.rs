@@ -7,6 +7,7 @@ use num_traits::{Signed, ToPrimitive, Zero};
 
 use crate::error::Error;
 use crate::group::{Group, Groups};
+use crate::near::near_misses;
 use crate::number::significant;
 use crate::set_up::SetUp;
 
@@ -155,12 +156,17 @@ impl Similarity {
     /// the tolerance; then it is the one that the first mismatched group asks for.
     ///
     /// # Errors
-    /// [`Error::NoSuchSetUp`]; [`Error::NoRemedy`] if no mismatched group contains the variable;
+    /// [`Error::NoSuchSetUp`], [`Error::UnknownVariable`]; [`Error::NoRemedy`] if no mismatched group contains the variable;
     /// [`Error::NoSingleValue`] if the groups ask for different values; [`Error::Unreachable`].
     pub fn remedy(&self, variable: &str, reference: usize) -> Result<Remedies, Error> {
         let Some(reference_set_up) = self.set_ups.get(reference) else {
             return Err(Error::NoSuchSetUp { index: reference, count: self.set_ups.len() });
         };
+        let known: Vec<&str> = self.set_ups.iter().flat_map(SetUp::variables).collect();
+        if !known.contains(&variable) {
+            let near = near_misses(variable, known.into_iter().map(str::to_owned));
+            return Err(Error::UnknownVariable { name: variable.to_owned(), near });
+        }
         let (with, without): (Vec<_>, Vec<_>) =
             self.mismatches().partition(|row| !row.group.exponent(variable).is_zero());
         let Some(first) = with.first() else {

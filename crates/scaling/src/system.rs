@@ -57,7 +57,7 @@ impl System {
     pub fn parse(units: &Units, variables: &[(&str, &str)]) -> Result<Self, Error> {
         let variable = |(name, unit): &(&str, &str)| match units.parse(unit) {
             Ok(unit) => Ok(Variable { name: (*name).to_owned(), dimension: unit.dimension }),
-            Err(source) => Err(Error::AtKey { path: (*name).to_owned(), source: Box::new(source) }),
+            Err(source) => Err(Error::AtKey { path: (*name).to_owned(), fault: Box::new(source) }),
         };
         Self::new(variables.iter().map(variable).collect::<Result<_, _>>()?)
     }

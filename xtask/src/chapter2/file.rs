@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result, ensure};
 use scaling::{BigRational, Groups, SetUp, System, Units};
 use serde::Deserialize;
+use water_channel::RigFile;
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -21,6 +22,8 @@ pub(crate) struct StudyFile {
     similarity: SimilarityEntry,
     pub(crate) release: Release,
     full_scale: Ratios,
+    viscosity: Viscosity,
+    pub(crate) printed_full_scale: Vec<PrintedFullScale>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -43,6 +46,7 @@ struct Also {
 pub(crate) struct Stated {
     pub(crate) variable: String,
     power: String,
+    pub(crate) place: String,
 }
 
 /// A column of Table 2, as printed.
@@ -71,6 +75,25 @@ pub(crate) struct Release {
     pub(crate) twist_deg: f64,
     pub(crate) duration_s: f64,
     pub(crate) steps_per_sample: usize,
+}
+
+/// Kinematic viscosity of water and air.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Viscosity {
+    unit: String,
+    laboratory: String,
+    full_scale: String,
+}
+
+/// A number of the machine itself, as printed.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PrintedFullScale {
+    pub(crate) key: String,
+    pub(crate) value: f64,
+    pub(crate) unit: String,
+    pub(crate) place: String,
 }
 
 /// Full scale over laboratory.
@@ -147,6 +170,10 @@ pub(crate) struct Setup {
     pub(crate) tolerance: f64,
     /// Position of the reference model.
     pub(crate) reference: usize,
+    /// The system of chord, speed and viscosity, whose only group is the Reynolds number.
+    reynolds: Groups,
+    /// The rig file, read.
+    pub(crate) rig: RigFile,
     pub(crate) texts: Texts,
 }
 
@@ -165,6 +192,23 @@ fn units_of_the_files() -> Result<Units> {
     units.define("chord", "1")?;
     units.define("u_max", "1")?;
     Ok(units)
+}
+
+/// The rig that flies must be the model that the others are compared with.
+fn check_reference(model: &Model, rig: &water_channel::Rig) -> Result<()> {
+    let body = rig.plant.body;
+    for (key, text, unit, flown) in
+        [("chord_cm", &model.chord_cm, 0.01, body.chord_m), ("mass_g", &model.mass_g, 0.001, body.mass_kg)]
+    {
+        let printed = unit * model.number(key, text)?;
+        ensure!(
+            (printed / flown - 1.0).abs() < 1e-9,
+            "model `{}`: {key} = `{text}`, but the rig file, which is this model, has {} in that unit",
+            model.name,
+            flown / unit
+        );
+    }
+    Ok(())
 }
 
 impl Setup {
@@ -196,8 +240,9 @@ impl Setup {
             Ok((name.to_owned(), std::fs::read_to_string(&path).with_context(|| path.display().to_string())?))
         };
         let texts = Texts { rig: read(&file.rig)?, profile: read(&file.profile)?, cost: read(&file.cost)? };
-        let rig = water_channel::RigFile::parse(&texts.rig.1).with_context(|| file.rig.clone())?.rig;
-        let water = [rig.plant.fluid.density_kg_m3, rig.plant.fluid.gravity_m_s2];
+        let rig = RigFile::parse(&texts.rig.1).with_context(|| file.rig.clone())?;
+        let fluid = rig.rig.plant.fluid;
+        let water = [fluid.density_kg_m3, fluid.gravity_m_s2];
         ensure!(file.model.len() >= 2, "model: {} entries, at least two are needed", file.model.len());
         let set_up = |model: &Model| model.set_up(&units, water).with_context(|| format!("model `{}`", model.name));
         let set_ups = file.model.iter().map(set_up).collect::<Result<Vec<_>>>()?;
@@ -213,6 +258,7 @@ impl Setup {
         let reference = file.model.iter().position(|model| model.name == *wanted);
         let reference =
             reference.with_context(|| format!("similarity.reference = `{wanted}`: no model has this name"))?;
+        check_reference(&file.model[reference], &rig.rig)?;
         let Release { twist_deg, duration_s, .. } = file.release;
         ensure!(
             twist_deg.is_finite() && twist_deg.abs() < 180.0,
@@ -223,9 +269,42 @@ impl Setup {
             .validate()
             .context("release.steps_per_sample")?;
         let tolerance = file.similarity.tolerance;
-        let setup = Self { file, units, plant, controller, both, set_ups, tolerance, reference, texts };
+        scaling::Similarity::check(&plant.groups, &set_ups, tolerance).context("similarity and model")?;
+        let reynolds = System::parse(&units, &[("L_c", "m"), ("V", "m/s"), ("nu", &file.viscosity.unit)])
+            .and_then(|system| system.groups(&["L_c", "nu"]))
+            .context("viscosity")?;
+        let setup = Self { file, units, plant, controller, both, set_ups, tolerance, reference, reynolds, rig, texts };
         setup.full_scale_law()?;
+        setup.reynolds()?;
         Ok(setup)
+    }
+
+    /// The Reynolds number of the chord: of each model as printed, then of the reference model at full scale.
+    pub(crate) fn reynolds(&self) -> Result<Vec<(String, f64)>> {
+        let number = |name: &str, length: f64, speed: f64, viscosity: &str| -> Result<f64> {
+            let set_up = SetUp::new(name).with("L_c", length).with("V", speed);
+            let set_up =
+                set_up.printed(&self.units, "nu", viscosity, &self.file.viscosity.unit).context("viscosity")?;
+            let group = self.reynolds.iter().next().context("viscosity: no Reynolds number")?;
+            Ok(group.value(&set_up)?)
+        };
+        let mut numbers = Vec::new();
+        let printed = |model: &Model| -> Result<[f64; 2]> {
+            Ok([
+                0.01 * model.number("chord_cm", &model.chord_cm)?,
+                0.01 * model.number("speed_cm_s", &model.speed_cm_s)?,
+            ])
+        };
+        for model in &self.file.model {
+            let [length, speed] = printed(model)?;
+            numbers.push((model.name.clone(), number(&model.name, length, speed, &self.file.viscosity.laboratory)?));
+        }
+        let law = self.full_scale_law()?;
+        let [length, speed] = printed(&self.file.model[self.reference])?;
+        let (length, speed) = (law.rule("L_c")?.factor.apply(length), law.rule("V")?.factor.apply(speed));
+        let name = "full scale, in air";
+        numbers.push((name.to_owned(), number(name, length, speed, &self.file.viscosity.full_scale)?));
+        Ok(numbers)
     }
 
     /// Laboratory to full scale.
@@ -266,6 +345,10 @@ mod tests {
             &["plant.repeating", "V", "g"],
         );
         refuses("\"L_t^3*rho/M_a\"", "\"L_t^2*rho/M_a\"", &["plant.listed", "L_t^2*rho/M_a"]);
+        refuses("mass_g = \"180\"", "mass_g = \"150\"", &["Model 2", "mass_g", "150", "180"]);
+        refuses("tolerance = 0.01", "tolerance = -0.01", &["similarity", "-0.01", "at least 0"]);
+        refuses("name = \"Model 3\"", "name = \"Model 1\"", &["Model 1", "twice"]);
+        refuses("laboratory = \"1.0e-6\"", "laboratory = \"zero\"", &["viscosity", "zero"]);
         refuses("mass_g = \"135\"", "mass_g = \"heavy\"", &["Model 1", "heavy"]);
         refuses("reference = \"Model 2\"", "reference = \"Model 4\"", &["similarity.reference", "Model 4"]);
         refuses("twist_deg = 10.0", "twist_deg = 200.0", &["release.twist_deg", "200", "180"]);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
 use bat_dynamics::Fidelity;
-use scaling::{Conversion, Converted, Dimension, DocumentOptions, ScalingLaw, Units};
+use scaling::{Conversion, Converted, DocumentOptions, ScalingLaw, Units};
 use water_channel::{CostFile, FlightLog, FlightRequest, FlightSettings, ProfileFile, RigFile, fly_logged};
 
 use super::file::Setup;
@@ -83,7 +83,7 @@ impl FullScale {
             full.rows.len()
         );
         let (largest_difference, largest_difference_in) = largest_difference(&setup.units, law, &lab, &full)?;
-        let time = law.factor(&"T".parse::<Dimension>()?)?.to_f64();
+        let time = law.rule("t")?.factor.to_f64();
         Ok(BothScales {
             physics,
             samples: lab.rows.len(),

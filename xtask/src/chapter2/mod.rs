@@ -18,11 +18,12 @@ use file::Setup;
 use full_scale::FullScale;
 use models::{Case, Releases};
 
-use crate::reproduction::{self, Chapter, Picture, progress};
+use crate::reproduction::{self, Picture, Reproduction, progress};
 use crate::table::{Column, write_columns_csv};
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Chapter = Chapter { number: 2, reproduce };
+pub(crate) const CHAPTER: Reproduction =
+    Reproduction { command: "reproduce-chapter2", name: "chapter2", run: reproduce };
 
 /// Everything that the study found.
 pub(crate) struct Findings<'a> {
@@ -41,7 +42,7 @@ pub(crate) struct Findings<'a> {
 fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter2.toml"))?;
-    let out = root.join(reproduction::out(CHAPTER.number));
+    let out = root.join(CHAPTER.out());
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
 
@@ -49,7 +50,7 @@ fn reproduce(root: &Path) -> Result<()> {
     let similarity = Similarity::check(&setup.plant.groups, &setup.set_ups, setup.tolerance)?;
     let remedies = remedies(&setup, &similarity)?;
     bar.inc(1);
-    let releases = Case::ALL.iter().map(|case| Releases::fly(&setup, *case)).collect::<Result<Vec<_>>>()?;
+    let releases = Case::FLOWN.iter().map(|case| Releases::fly(&setup, *case)).collect::<Result<Vec<_>>>()?;
     let models = setup.file.model.iter();
     let in_similar_hulls = models.map(|model| models::in_a_similar_hull(&setup, model)).collect::<Result<Vec<_>>>()?;
     bar.inc(1);
@@ -72,15 +73,15 @@ fn reproduce(root: &Path) -> Result<()> {
     for picture in &pictures {
         reproduction::save(&out, &format!("{}.svg", picture.name), &picture.svg)?;
     }
-    reproduction::save(&out, "index.html", &report::page(&findings, &pictures).html())?;
-    reproduction::save(&out, "results.md", &report::markdown(&findings))?;
+    reproduction::save(&out, "index.html", &report::page(&findings, &pictures)?.html())?;
+    reproduction::save(&out, "results.md", &report::markdown(&findings)?)?;
     findings.full_scale.save(&setup, &out)?;
     tables::full_scale(&findings).write_csv(&out.join("full-scale.csv"))?;
     tables::laws(&findings)?.write_csv(&out.join("laws.csv"))?;
     for (number, releases) in findings.releases.iter().enumerate() {
         releases_csv(releases, &out.join(format!("releases-{}.csv", number + 1)))?;
     }
-    report::print(&findings, &reproduction::out(CHAPTER.number));
+    report::print(&findings, &CHAPTER.out());
     Ok(())
 }
 
@@ -147,6 +148,23 @@ mod tests {
         assert!(printed.heading > 0.05 && printed.lateral > 0.05, "{printed:?}");
         let apart = Releases::fly(&setup, Case::Similar).expect("flies").apart();
         assert!(apart.heading > 0.05, "against time they differ: {apart:?}");
+    }
+
+    /// The period by the modes is that by the zeros of the heading, half a period apart each, in every case.
+    #[test]
+    fn period_is_that_of_the_zeros_of_the_heading() {
+        let setup = setup();
+        for case in Case::FLOWN {
+            for release in Releases::fly(&setup, case).expect("flies").models {
+                let zeros: Vec<f64> = (1..release.time_s.len())
+                    .filter(|k| (release.heading_rad[*k] > 0.0) != (release.heading_rad[k - 1] > 0.0))
+                    .map(|k| release.time_s[k])
+                    .collect();
+                assert!(zeros.len() >= 4, "{case:?}, {}: {zeros:?}", release.model);
+                let period_s = zeros[3] - zeros[1];
+                assert!((release.period_s / period_s - 1.0).abs() < 0.03, "{case:?}, {}: {period_s}", release.model);
+            }
+        }
     }
 
     #[test]

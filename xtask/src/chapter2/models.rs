@@ -2,9 +2,9 @@
 
 use anyhow::{Context as _, Result};
 use bat_dynamics::{Flow, FlowHistory, FlowKnot, Transition};
-use scaling::{Dimension, DocumentOptions};
+use scaling::DocumentOptions;
 use water_channel::{
-    Control, Departure, FlightRequest, FlightSettings, Rig, RigFile, TestProfile, fly_logged, open_loop_modes,
+    Control, Departure, Error, FlightRequest, FlightSettings, Rig, RigFile, TestProfile, fly_logged, open_loop_modes,
 };
 
 use super::file::{Model, Setup};
@@ -19,16 +19,20 @@ pub(crate) enum Case {
     Rounded,
     /// As `Rounded` with the masses as printed, the displaced volume in proportion to them.
     PrintedMasses,
+    /// As `PrintedMasses` with the displaced volume by the scale factor.
+    PrintedMassesInSimilarHulls,
 }
 
 impl Case {
-    pub(crate) const ALL: [Self; 3] = [Self::Similar, Self::Rounded, Self::PrintedMasses];
+    /// The cases in which every model floats.
+    pub(crate) const FLOWN: [Self; 3] = [Self::Similar, Self::Rounded, Self::PrintedMasses];
 
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::Similar => "similar: everything by the scale factor",
             Self::Rounded => "printed lengths, speeds and time scales, masses by the scale factor",
             Self::PrintedMasses => "printed masses (displaced volume in proportion)",
+            Self::PrintedMassesInSimilarHulls => "printed masses in hulls of similar shape",
         }
     }
 }
@@ -129,8 +133,8 @@ fn between(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
     }
 }
 
-/// The rig of a model; with `similar_hull` the displaced volume follows the scale factor whatever the mass.
-fn rig(setup: &Setup, model: &Model, case: Case, similar_hull: bool) -> Result<Rig> {
+/// The rig of a model.
+fn rig(setup: &Setup, model: &Model, case: Case) -> Result<Rig> {
     let law = setup.law_to(model)?;
     let converted = law.convert_document(&setup.units, &setup.texts.rig.1, &DocumentOptions::default())?;
     let mut rig = RigFile::parse(&converted.text)?.rig;
@@ -141,13 +145,13 @@ fn rig(setup: &Setup, model: &Model, case: Case, similar_hull: bool) -> Result<R
     let ratio = |key: &str, of: fn(&Model) -> &String| -> Result<f64> {
         Ok(model.number(key, of(model))? / reference.number(key, of(reference))?)
     };
-    let base = RigFile::parse(&setup.texts.rig.1)?.rig;
+    let base = &setup.rig.rig;
     rig.set_points.altitude_m = base.set_points.altitude_m * ratio("tether_cm", |m| &m.tether_cm)?;
-    if case == Case::PrintedMasses {
+    if matches!(case, Case::PrintedMasses | Case::PrintedMassesInSimilarHulls) {
         let (mass, length) = (ratio("mass_g", |m| &m.mass_g)?, ratio("scale_factor", |m| &m.scale_factor)?);
         let (body, like) = (&mut rig.plant.body, &base.plant.body);
         body.mass_kg = like.mass_kg * mass;
-        if !similar_hull {
+        if case == Case::PrintedMasses {
             body.volume_m3 = like.volume_m3 * mass;
         }
         // The same distribution of mass in a body of another mass and length.
@@ -168,36 +172,34 @@ fn speed_m_s(setup: &Setup, model: &Model, case: Case) -> Result<f64> {
             let factor = setup.law_to(model)?.rule("V")?.factor;
             Ok(factor.to_f64() * printed(&setup.file.model[setup.reference])?)
         }
-        Case::Rounded | Case::PrintedMasses => printed(model),
+        Case::Rounded | Case::PrintedMasses | Case::PrintedMassesInSimilarHulls => printed(model),
     }
+}
+
+/// Time scale a and tether length of a model: as printed, or by the scale factor from the reference model's.
+fn scales(setup: &Setup, model: &Model, case: Case) -> Result<(f64, f64)> {
+    let printed = |model: &Model| -> Result<(f64, f64)> {
+        Ok((model.number("time_scale", &model.time_scale)?, 0.01 * model.number("tether_cm", &model.tether_cm)?))
+    };
+    if case != Case::Similar {
+        return printed(model);
+    }
+    let law = setup.law_to(model)?;
+    let (time_scale, length_m) = printed(&setup.file.model[setup.reference])?;
+    Ok((time_scale / law.rule("t")?.factor.to_f64(), length_m * law.rule("L_t")?.factor.to_f64()))
 }
 
 fn release(setup: &Setup, model: &Model, case: Case) -> Result<Release> {
     let context = || format!("{} ({})", model.name, case.words());
-    let rig = rig(setup, model, case, false)?;
-    let law = setup.law_to(model)?;
-    let time: f64 = law.factor(&"T".parse::<Dimension>()?)?.to_f64();
     let flow = Flow::straight(speed_m_s(setup, model, case)?);
-    let release = setup.file.release;
-    let knots = vec![FlowKnot { from_s: 0.0, flow, transition: Transition::Step }];
-    let start = Departure { twist_rad: release.twist_deg.to_radians(), ..Departure::default() };
-    let profile = TestProfile::new(release.duration_s * time, FlowHistory::new(knots)?, Vec::new())?
-        .with_control(Control::OpenLoop)
-        .with_start(start)?;
-    let request = FlightRequest { rig, fidelity: STAND_IN };
-    let (flight, log) = fly_logged(&request, &profile, &FlightSettings::with_steps(release.steps_per_sample), 1)
-        .with_context(context)?;
+    let request = FlightRequest { rig: rig(setup, model, case)?, fidelity: STAND_IN };
+    let profile = test(setup, model, flow)?;
+    let settings = FlightSettings::with_steps(setup.file.release.steps_per_sample);
+    let (flight, log) = fly_logged(&request, &profile, &settings, 1).with_context(context)?;
     flight.with_context(context)?;
     let modes = open_loop_modes(&request, &[flow]).with_context(context)?.remove(0).modes;
     let swing = modes.modes.iter().find(|mode| mode.eigenvalue.im > 0.0).with_context(context)?;
-
-    let reference = &setup.file.model[setup.reference];
-    let exact = case == Case::Similar;
-    let shown = if exact { reference } else { model };
-    let time_scale = shown.number("time_scale", &shown.time_scale)? / if exact { time } else { 1.0 };
-    let length_m = 0.01
-        * shown.number("tether_cm", &shown.tether_cm)?
-        * if exact { law.rule("L_t")?.factor.to_f64() } else { 1.0 };
+    let (time_scale, length_m) = scales(setup, model, case)?;
     let column = |f: fn(&water_channel::LogRow) -> f64| -> Vec<f64> { log.rows.iter().map(f).collect() };
     Ok(Release {
         model: model.name.clone(),
@@ -210,12 +212,26 @@ fn release(setup: &Setup, model: &Model, case: Case) -> Result<Release> {
     })
 }
 
-/// What a model of the printed mass does in a hull that is geometrically similar to the reference's: displaced mass in kg,
-/// and the reason why it cannot fly, if it cannot.
+/// The release of a model: as long as the reference model's in normalized time.
+fn test(setup: &Setup, model: &Model, flow: Flow) -> Result<TestProfile> {
+    let release = setup.file.release;
+    let time = setup.law_to(model)?.rule("t")?.factor.to_f64();
+    let knots = vec![FlowKnot { from_s: 0.0, flow, transition: Transition::Step }];
+    let start = Departure { twist_rad: release.twist_deg.to_radians(), ..Departure::default() };
+    let test = TestProfile::new(release.duration_s * time, FlowHistory::new(knots)?, Vec::new())?;
+    Ok(test.with_control(Control::OpenLoop).with_start(start)?)
+}
+
+/// What a model of the printed mass does in a hull that is similar to the reference's: displaced mass in kg, and why there
+/// is no trim, if there is none.
 pub(crate) fn in_a_similar_hull(setup: &Setup, model: &Model) -> Result<(f64, Option<String>)> {
-    let rig = rig(setup, model, Case::PrintedMasses, true)?;
+    let case = Case::PrintedMassesInSimilarHulls;
+    let rig = rig(setup, model, case)?;
     let displaced_kg = rig.plant.fluid.density_kg_m3 * rig.plant.body.volume_m3;
-    let flow = Flow::straight(speed_m_s(setup, model, Case::PrintedMasses)?);
-    let request = FlightRequest { rig, fidelity: STAND_IN };
-    Ok((displaced_kg, open_loop_modes(&request, &[flow]).err().map(|reason| reason.to_string())))
+    let flow = Flow::straight(speed_m_s(setup, model, case)?);
+    match open_loop_modes(&FlightRequest { rig, fidelity: STAND_IN }, &[flow]) {
+        Ok(_) => Ok((displaced_kg, None)),
+        Err(Error::Plant(bat_dynamics::Error::NoTrim(reason))) => Ok((displaced_kg, Some(reason.to_string()))),
+        Err(error) => Err(error).with_context(|| model.name.clone()),
+    }
 }

@@ -12,7 +12,7 @@ pub(crate) fn of(setup: &Setup, releases: &Releases) -> Vec<Picture> {
     let lateral = |release: &Release| -> Vec<f64> { release.lateral_m.iter().map(|y| 100.0 * y).collect() };
     let (name, masses) = match releases.case {
         Case::Similar | Case::Rounded => ("similar", "similar masses"),
-        Case::PrintedMasses => ("printed-masses", "the printed masses"),
+        Case::PrintedMasses | Case::PrintedMassesInSimilarHulls => ("printed-masses", "the printed masses"),
     };
     let panel =
         |x_axis: Axis, y_axis: Axis, x: &dyn Fn(&Release) -> Vec<f64>, y: &dyn Fn(&Release) -> Vec<f64>| Panel {

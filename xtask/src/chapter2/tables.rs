@@ -8,13 +8,10 @@ use super::file::Analysis;
 use super::models::Departures;
 use crate::table::{Column, Table};
 
-/// The groups that come out, beside those that the dissertation lists.
-pub(crate) fn groups(analysis: &Analysis) -> Table {
-    let mut table = Table::new(vec![
-        Column::new("variable", ""),
-        Column::new("computed group", ""),
-        Column::new("listed in the dissertation", ""),
-    ]);
+/// The groups that come out, beside the listed ones.
+pub(crate) fn groups(analysis: &Analysis, listed: &str) -> Table {
+    let mut table =
+        Table::new(vec![Column::new("variable", ""), Column::new("computed group", ""), Column::new(listed, "")]);
     let own = |group: &scaling::Group| {
         let others = group.factors().map(|(name, _)| name.to_owned());
         others.filter(|name| !analysis.groups.repeating().contains(name)).collect::<Vec<_>>()
@@ -109,22 +106,30 @@ pub(crate) fn laws(findings: &Findings<'_>) -> Result<Table> {
         Column::new("law", ""),
         Column::new("full scale / laboratory", "1"),
         Column::new("power of length", "1"),
-        Column::new("dissertation", "1"),
-        Column::new("verdict", ""),
+        Column::new("stated in the dissertation", ""),
     ]);
     for rule in law.rules() {
         let power = power_of_length(&rule);
-        let stated = setup.file.stated.iter().find(|stated| stated.variable == rule.quantity);
-        let stated = stated.map(super::file::Stated::power).transpose()?;
-        let verdict =
-            stated.as_ref().map_or("not stated", |stated| if *stated == power { "agrees" } else { "DIFFERS" });
+        let mut stated = Vec::new();
+        for statement in setup.file.stated.iter().filter(|stated| stated.variable == rule.quantity) {
+            let verdict = if statement.power()? == power { "agrees" } else { "DIFFERS" };
+            stated.push(format!("{} ({}): {verdict}", statement.power()?, statement.place));
+        }
         table.push(vec![
             rule.to_string(),
             significant(rule.factor.to_f64(), 6),
             power.to_string(),
-            stated.map_or(String::new(), |stated| stated.to_string()),
-            verdict.to_owned(),
+            if stated.is_empty() { "–".to_owned() } else { stated.join("; ") },
         ]);
+    }
+    Ok(table)
+}
+
+/// Chord, speed and viscosity at every scale.
+pub(crate) fn reynolds(findings: &Findings<'_>) -> Result<Table> {
+    let mut table = Table::new(vec![Column::new("set-up", ""), Column::new("Reynolds number of the chord", "1")]);
+    for (name, number) in findings.setup.reynolds()? {
+        table.push(vec![name, format!("{number:.0}")]);
     }
     Ok(table)
 }

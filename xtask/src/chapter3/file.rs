@@ -65,6 +65,12 @@ impl Range {
             "{name}.step = {}: it must divide the range into a whole number of at most {MOST_PLACES} parts",
             self.step
         );
+        if let Some([low, high]) = self.table4 {
+            ensure!(
+                low.is_finite() && low < high,
+                "{name}.table4 = [{low}, {high}]: the first must be below the second"
+            );
+        }
         Ok(())
     }
 
@@ -72,6 +78,14 @@ impl Range {
     pub(crate) fn places(&self) -> Vec<f64> {
         let count = ((self.upper - self.lower) / self.step).round();
         (0..=count as usize).map(|k| self.lower + (self.upper - self.lower) * k as f64 / count).collect()
+    }
+}
+
+#[cfg(test)]
+impl Range {
+    /// As few places as a test needs.
+    pub(crate) fn coarsen(&mut self, places: usize) {
+        self.step = (self.upper - self.lower) / (places - 1) as f64;
     }
 }
 
@@ -101,6 +115,9 @@ impl Setup {
 
     fn parse(text: &str, directory: &Path) -> Result<Self> {
         let file: StudyFile = toml::from_str(text)?;
+        for (key, pitch) in [("lower", file.trim_pitch.lower), ("upper", file.trim_pitch.upper)] {
+            ensure!(pitch.abs() < 90.0, "trim_pitch.{key} = {pitch}: it must be within 90 to either side");
+        }
         file.center_of_mass.check("center_of_mass", "% chord")?;
         file.trim_pitch.check("trim_pitch", "deg")?;
         for (key, weight) in [("heading", file.cost.heading), ("lateral", file.cost.lateral)] {
@@ -108,6 +125,7 @@ impl Setup {
         }
         ensure!(!file.panel.is_empty(), "panel: at least one is needed");
         for panel in &file.panel {
+            ensure!(!panel.label.trim().is_empty(), "panel.label is empty");
             ensure!(
                 panel.incidence_deg.abs() < 90.0,
                 "panel `{}`: incidence_deg = {}: it must be within 90 to either side",
@@ -163,7 +181,9 @@ mod tests {
     fn bad_study_files_name_the_field_and_what_is_allowed() {
         refuses("lateral = 0.0125", "laterl = 0.0125", &["laterl", "unknown field"]);
         refuses("lateral = 0.0125", "lateral = nan", &["cost.lateral", "NaN", "zero or more"]);
-        refuses("upper = 53.0", "upper = 39.0", &["center_of_mass.upper", "39", "40"]);
+        refuses("upper = 54.05", "upper = 39.0", &["center_of_mass.upper", "39", "40.05"]);
+        refuses("upper = 22.0", "upper = 400.0", &["trim_pitch.upper", "400", "90"]);
+        refuses("table4 = [45.65, 51.25]", "table4 = [51.25, 45.65]", &["center_of_mass.table4", "51.25"]);
         refuses("step = 1.0", "step = 0.3", &["trim_pitch.step", "0.3", "whole number"]);
         refuses("unit = \"deg\"", "unit = \"rad\"", &["trim_pitch.unit", "`rad`", "`deg`"]);
         refuses("incidence_deg = -5.0", "incidence_deg = 500.0", &["fin −5 deg", "500", "90"]);

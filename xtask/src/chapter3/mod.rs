@@ -15,12 +15,13 @@ use water_channel::{FlightLog, fly_logged};
 use file::Setup;
 use panels::PanelFlights;
 
-use crate::reproduction::{self, Chapter, Picture, progress};
+use crate::reproduction::{self, Picture, Reproduction, progress};
 use crate::study::{MODEL, STAND_IN};
 use crate::table::{Column, Table, write_columns_csv};
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Chapter = Chapter { number: 3, reproduce };
+pub(crate) const CHAPTER: Reproduction =
+    Reproduction { command: "reproduce-chapter3", name: "chapter3", run: reproduce };
 
 /// Every flight of the study.
 pub(crate) struct Findings<'a> {
@@ -37,7 +38,7 @@ pub(crate) struct Findings<'a> {
 fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter3.toml"))?;
-    let out = root.join(reproduction::out(CHAPTER.number));
+    let out = root.join(CHAPTER.out());
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.title);
 
@@ -68,7 +69,7 @@ fn reproduce(root: &Path) -> Result<()> {
     reproduction::save(&out, "index.html", &report::page(&findings, &pictures).html())?;
     reproduction::save(&out, "results.md", &report::markdown(&findings))?;
     designs_csv(&findings, &out.join("designs.csv"))?;
-    report::print(&findings, &reproduction::out(CHAPTER.number));
+    report::print(&findings, &CHAPTER.out());
     Ok(())
 }
 
@@ -98,7 +99,7 @@ fn designs_csv(findings: &Findings<'_>, path: &Path) -> Result<()> {
                     design.at[1],
                     heading,
                     lateral,
-                    design.growth_per_s,
+                    design.growth_per_s.clone().unwrap_or(f64::NAN),
                     slack,
                 ];
                 for (column, value) in columns.iter_mut().zip(row) {

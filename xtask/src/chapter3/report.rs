@@ -33,6 +33,7 @@ pub(crate) fn in_table4(setup: &Setup, design: &Design) -> bool {
 /// Four landscapes with one scale of colors.
 pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], name: &str, physics: &str) -> Picture {
     let setup = findings.setup;
+    let z_axis = cost_axis(findings);
     let landscapes: Vec<Landscape> = panels
         .iter()
         .zip('a'..)
@@ -40,7 +41,7 @@ pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], nam
             title: format!("({letter}) {}", panel.configuration.label),
             x_axis: Axis::new("center of mass", "% chord"),
             y_axis: Axis::new("trim pitch", "deg"),
-            z_axis: Axis::new("log10 of the cost (20) in s", "1"),
+            z_axis: z_axis.clone(),
             x: setup.center_of_mass.places(),
             y: setup.trim_pitch.places(),
             z: panel
@@ -67,8 +68,22 @@ pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], nam
         svg: landscape_panels_figure(&format!("Open-loop cost in {physics}"), &landscapes),
         caption: format!(
             "The counterpart of Figure 14 in {physics}: cost (20) over trim pitch and center of mass, for four settings of fin \
-             incidence and lines. Colors are decades, because the cost spans several."
+             incidence and lines. Colors go by the logarithm, the same in both physics; above the highest, all values have its color."
         ),
+    }
+}
+
+/// One scale of colors for both physics, up to what nine tenths of the designs stay below.
+fn cost_axis(findings: &Findings<'_>) -> Axis {
+    let panels = findings.stand_in.iter().chain(&findings.model);
+    let mut costs: Vec<f64> = panels.flat_map(PanelFlights::designs).filter_map(Design::cost).map(f64::log10).collect();
+    costs.sort_by(f64::total_cmp);
+    let axis = Axis::new("log10 of the cost (20) in s", "1");
+    match (costs.first(), costs.get(costs.len() * 9 / 10)) {
+        (Some(lowest), Some(high)) if lowest < high => {
+            axis.with_range((5.0 * lowest).floor() / 5.0, (5.0 * high).ceil() / 5.0)
+        }
+        _ => axis,
     }
 }
 
@@ -125,7 +140,7 @@ fn best_table(findings: &Findings<'_>, panels: &[PanelFlights<'_>]) -> Table {
     ]);
     for panel in panels {
         let whole = panel.best(|_| true).map_or("none".to_owned(), |(design, cost)| {
-            format!("{:.1} % chord, {:.0} deg: {cost:.4} s", design.at[0], design.at[1])
+            format!("{:.2} % chord, {:.0} deg: {cost:.4} s", design.at[0], design.at[1])
         });
         let mut row = vec![panel.configuration.label.clone()];
         row.extend(match panel.best(|design| in_table4(findings.setup, design)) {
@@ -133,12 +148,12 @@ fn best_table(findings: &Findings<'_>, panels: &[PanelFlights<'_>]) -> Table {
             Some((design, cost)) => {
                 let terms = design.outcome.clone().unwrap_or([f64::NAN; 2]);
                 vec![
-                    format!("{:.1}", design.at[0]),
+                    format!("{:.2}", design.at[0]),
                     format!("{:.0}", design.at[1]),
                     format!("{cost:.4}"),
                     format!("{:.1}", 100.0 * terms[0] / cost),
                     format!("{:.1}", 100.0 * terms[1] / cost),
-                    format!("{:.2}", design.growth_per_s),
+                    design.growth_per_s.as_ref().map_or("–".to_owned(), |growth| format!("{growth:.2}")),
                 ]
             }
         });
@@ -154,20 +169,22 @@ fn count_table(panels: &[PanelFlights<'_>]) -> Table {
         Column::new("designs", "1"),
         Column::new("slack line", "1"),
         Column::new("left the model, or no trim", "1"),
+        Column::new("no equilibrium at some speed", "1"),
         Column::new("unstable", "1"),
+        Column::new("of these without a cost", "1"),
         Column::new("unstable up to", "% chord"),
-        Column::new("and up to", "deg"),
     ]);
     for panel in panels {
-        let furthest = |k: usize| panel.unstable().map(|design| design.at[k]).reduce(f64::max);
+        let furthest = panel.unstable().map(|design| design.at[0]).reduce(f64::max);
         table.push(vec![
             panel.configuration.label.clone(),
             panel.designs().count().to_string(),
             panel.slack().to_string(),
             panel.other_failures().to_string(),
+            panel.without_equilibrium().to_string(),
             panel.unstable().count().to_string(),
-            furthest(0).map_or("–".to_owned(), |x| format!("{x:.1}")),
-            furthest(1).map_or("–".to_owned(), |y| format!("{y:.0}")),
+            panel.unstable().filter(|design| design.cost().is_none()).count().to_string(),
+            furthest.map_or("–".to_owned(), |x| format!("{x:.2}")),
         ]);
     }
     table
@@ -180,46 +197,82 @@ fn spread(mut values: Vec<f64>) -> Option<[f64; 3]> {
     Some([at(0.1)?, at(0.5)?, at(0.9)?])
 }
 
-/// The cost of each design relative to the same design elsewhere.
-fn ratios<'a>(of: &'a PanelFlights<'_>, to: &'a PanelFlights<'_>) -> Vec<f64> {
-    of.designs().zip(to.designs()).filter_map(|(a, b)| Some(a.cost()? / b.cost()?)).collect()
+/// The cost of each stable design within Table 4 relative to the same design elsewhere.
+fn ratios(setup: &Setup, of: &PanelFlights<'_>, to: &PanelFlights<'_>) -> Vec<f64> {
+    let pairs = of.designs().zip(to.designs());
+    pairs
+        .filter(|(a, b)| a.is_stable() && b.is_stable() && in_table4(setup, a))
+        .filter_map(|(a, b)| Some(a.cost()? / b.cost()?))
+        .collect()
 }
 
-/// Whether a design lies where the lattice ends.
-fn at_an_end(setup: &Setup, design: &Design) -> &'static str {
-    let ends = setup.trim_pitch.places();
-    let is_end = |end: Option<&f64>| end.is_some_and(|end| (end - design.at[1]).abs() < 1e-9);
-    if is_end(ends.first()) || is_end(ends.last()) { ", at an end of the range of trim pitch" } else { "" }
+/// Whether the best of the allowed designs lies where the allowed lattice ends.
+fn is_at_an_end(setup: &Setup, design: &Design) -> bool {
+    let [lower, upper] = setup.center_of_mass.table4.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let mut x = setup.center_of_mass.places();
+    x.retain(|x| (lower..=upper).contains(x));
+    [(x, design.at[0]), (setup.trim_pitch.places(), design.at[1])].iter().any(|(places, at)| {
+        let is_end = |end: Option<&f64>| end.is_some_and(|end| (end - at).abs() < 1e-9);
+        is_end(places.first()) || is_end(places.last())
+    })
+}
+
+/// Where the best designs lie, and what moves them.
+fn about_the_best(findings: &Findings<'_>) -> Vec<String> {
+    let (setup, panels) = (findings.setup, &findings.stand_in);
+    let inside = |design: &Design| in_table4(setup, design);
+    let mut sentences = Vec::new();
+    let best: Vec<&Design> = panels.iter().filter_map(|panel| Some(panel.best(inside)?.0)).collect();
+    let at_an_end = best.iter().filter(|design| is_at_an_end(setup, design)).count();
+    sentences.push(format!(
+        "Within Table 4, {at_an_end} of the {} best designs lie at an end of the range of center of mass or trim pitch: there the \
+         range decides and not the cost.",
+        best.len()
+    ));
+    let first = &panels[0];
+    if let (Some((_, low)), Some((_, high))) = (first.best(inside), first.worst(inside)) {
+        sentences.push(format!(
+            "In the first panel the cost varies by a factor of {:.0} over the stable designs within Table 4.",
+            high / low
+        ));
+    }
+    for panel in &panels[1..] {
+        let at_best = first.best(inside).and_then(|(best, cost)| {
+            let same = panel.designs().find(|design| design.at.map(f64::to_bits) == best.at.map(f64::to_bits))?;
+            Some(same.cost()? / cost)
+        });
+        if let (Some([low, middle, high]), Some(at_best)) = (spread(ratios(setup, panel, first)), at_best) {
+            sentences.push(format!(
+                "{}: {middle:.2} times the cost of the same design in the first panel (median of the stable designs within Table 4; \
+                 {low:.2} to {high:.2} for four fifths); {at_best:.2} times at the first panel's best design.",
+                panel.configuration.label
+            ));
+        }
+    }
+    sentences
+}
+
+/// How far apart the growth rates of two panels are, at most.
+fn growth_apart(a: &PanelFlights<'_>, b: &PanelFlights<'_>) -> Option<f64> {
+    let pairs = a.designs().zip(b.designs());
+    pairs
+        .filter_map(|(a, b)| Some((a.growth_per_s.as_ref().ok()? - b.growth_per_s.as_ref().ok()?).abs()))
+        .reduce(f64::max)
 }
 
 /// What the panels say, in sentences.
 fn sentences(findings: &Findings<'_>) -> Vec<String> {
     let (setup, panels) = (findings.setup, &findings.stand_in);
     let inside = |design: &Design| in_table4(setup, design);
-    let mut sentences = Vec::new();
-    let best = panels.iter().filter_map(|panel| Some((panel, panel.best(inside)?)));
-    if let Some((panel, (design, cost))) = best.min_by(|a, b| a.1.1.total_cmp(&b.1.1)) {
-        sentences.push(format!(
-            "Lowest cost of all within Table 4: {}, center of mass {:.1} % chord, trim pitch {:.0} deg, {cost:.4} s{}.",
-            panel.configuration.label,
-            design.at[0],
-            design.at[1],
-            at_an_end(setup, design)
-        ));
-    }
-    let first = &panels[0];
-    if let (Some((_, low)), Some((_, high))) = (first.best(inside), first.worst(inside)) {
-        sentences.push(format!(
-            "Center of mass and trim pitch matter much: in the first panel the cost varies by a factor of {:.0} over the stable \
-             designs within Table 4.",
-            high / low
-        ));
-    }
+    let mut sentences = about_the_best(findings);
     for panel in &panels[1..] {
-        if let Some([low, middle, high]) = spread(ratios(panel, first)) {
+        if let Some(apart) = growth_apart(panel, &panels[0]).filter(|apart| *apart < 1e-9) {
             sentences.push(format!(
-                "{}: {:.2} times the cost of the same design in the first panel (median; {low:.2} to {high:.2} for four fifths).",
-                panel.configuration.label, middle
+                "{}: its modes are those of the first panel (growth rates within {:.0e} 1/s). In this plant the layout decides only \
+                 which way a reeled line pitches the body, so the difference in cost is the answer to the perturbation, whose times \
+                 are ours, and no better or worse flight by itself.",
+                panel.configuration.label,
+                10.0_f64.powf(apart.max(1e-16).log10().ceil())
             ));
         }
     }
@@ -228,7 +281,7 @@ fn sentences(findings: &Findings<'_>) -> Vec<String> {
     if let Some(aft) = unstable.iter().map(|design| design.at[0]).reduce(f64::max) {
         let within = unstable.iter().filter(|design| inside(design)).count();
         sentences.push(format!(
-            "{} of {} designs are unstable in the stand-in, none with the center of mass aft of {aft:.1} % chord ({within} within \
+            "{} of {} designs are unstable in the stand-in, none with the center of mass aft of {aft:.2} % chord ({within} within \
              Table 4); in the numerical model {model_unstable} are.",
             unstable.len(),
             panels.iter().flat_map(PanelFlights::designs).count()
@@ -236,23 +289,21 @@ fn sentences(findings: &Findings<'_>) -> Vec<String> {
     } else {
         sentences.push(format!("No design is unstable in the stand-in; in the numerical model {model_unstable} are."));
     }
-    let shares = |panels: &[PanelFlights<'_>]| {
-        let terms = panels.iter().flat_map(PanelFlights::designs).filter_map(|design| design.outcome.as_ref().ok());
+    let terms = panels.iter().flat_map(PanelFlights::designs).filter_map(|design| design.outcome.as_ref().ok());
+    if let Some([low, middle, high]) =
         spread(terms.map(|[heading, lateral]| 100.0 * lateral / (heading + lateral)).collect())
-    };
-    if let Some([low, middle, high]) = shares(panels) {
+    {
         sentences.push(format!(
             "The two terms of (20) are called equally important; as weighted, the lateral position makes {middle:.1} % of the \
              cost (median; {low:.1} to {high:.1} % for four fifths): 10 deg of heading weigh as much as {:.2} m of position.",
             10.0_f64.to_radians() * (setup.weights.heading / setup.weights.lateral).sqrt()
         ));
     }
-    if let Some([low, middle, high]) =
-        spread(findings.stand_in.iter().zip(&findings.model).flat_map(|(a, b)| ratios(a, b)).collect())
-    {
+    let pairs = findings.stand_in.iter().zip(&findings.model);
+    if let Some([low, middle, high]) = spread(pairs.flat_map(|(a, b)| ratios(setup, a, b)).collect()) {
         sentences.push(format!(
-            "The stand-in's cost is {middle:.1} times the numerical model's at the same design (median; {low:.1} to {high:.1} for \
-             four fifths): stall and added mass are what makes the body swing longer."
+            "The stand-in's cost is {middle:.1} times the numerical model's at the same design (median of the stable designs within \
+             Table 4; {low:.1} to {high:.1} for four fifths)."
         ));
     }
     sentences

@@ -21,7 +21,7 @@ use lattice::Lattice;
 use pictures::Material;
 use results::{Digits, Rows};
 
-use crate::reproduction::{self, Chapter, Picture, progress};
+use crate::reproduction::{self, Picture, Reproduction, progress};
 use crate::study::{MODEL, STAND_IN};
 use crate::table::{Column, write_columns_csv};
 
@@ -29,13 +29,14 @@ use crate::table::{Column, write_columns_csv};
 const CHECKED_POINTS: usize = 32;
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Chapter = Chapter { number: 4, reproduce };
+pub(crate) const CHAPTER: Reproduction =
+    Reproduction { command: "reproduce-chapter4", name: "chapter4", run: reproduce };
 
 /// Runs the study of Chapter 4 and writes the page, the figures and the data.
 fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter4.toml"))?;
-    let out = root.join(reproduction::out(CHAPTER.number));
+    let out = root.join(CHAPTER.out());
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
 

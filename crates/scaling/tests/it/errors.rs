@@ -96,7 +96,7 @@ fn bad_comparisons_are_refused() {
     );
     check(
         one.clone().printed(&units, "a", "2,5", "cm"),
-        "the value is \"2,5\", expected a finite number or a list of them",
+        "set-up \"one\", a: the value is \"2,5\", expected a finite number or a list of them",
     );
     check(one.printed(&units, "a", "inf", "cm"), "the value is \"inf\", expected a finite number or a list of them");
 }

@@ -85,6 +85,21 @@ fn remedy_makes_the_groups_match() {
     assert!(Similarity::check(&groups, &corrected, 0.01).unwrap().is_similar());
 }
 
+/// V stands in its group with the exponent 2: V = sqrt(g L) keeps L g/V². L stands with 1 and 3.
+#[test]
+fn remedy_takes_the_root_that_the_exponent_asks_for() {
+    let groups = system(&[("L", "m"), ("V", "m/s"), ("g", "m/s^2")]).groups(&["L", "V"]).unwrap();
+    let set_up = |name: &str, length: f64| SetUp::new(name).with("L", length).with("V", 3.0).with("g", 9.81);
+    let check = Similarity::check(&groups, &[set_up("long", 9.0), set_up("short", 4.0)], 0.01).unwrap();
+    near(&[check.remedy("V", 0).unwrap().values[1].required], &[2.0], 1e-12);
+    near(&[check.remedy("L", 0).unwrap().values[1].required], &[9.0], 1e-12);
+
+    let groups = system(&[("L", "m"), ("rho", "kg/m^3"), ("M", "kg")]).groups(&["L", "rho"]).unwrap();
+    let set_up = |name: &str, mass: f64| SetUp::new(name).with("L", 2.0).with("rho", 1000.0).with("M", mass);
+    let check = Similarity::check(&groups, &[set_up("light", 1.0), set_up("heavy", 27.0)], 0.01).unwrap();
+    near(&[check.remedy("L", 0).unwrap().values[1].required], &[6.0], 1e-12);
+}
+
 #[test]
 fn printed_digits_tell_rounding_from_mismatch() {
     // At a tolerance of 0.1 % the Froude group is off by 0.27 %, which the two digits of 26 and 30 cm/s explain.

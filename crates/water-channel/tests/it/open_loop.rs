@@ -43,6 +43,21 @@ fn eigenvalues_match_an_independent_linearization_with_locked_lines() {
     }
 }
 
+/// A center of mass ahead of the joint turns the body away from the flow: what the modes call unstable grows in flight, at the
+/// rate that they say.
+#[test]
+fn unstable_body_departs_at_the_rate_of_its_fastest_growth() {
+    let request = request(Fidelity::STALLED_WITH_ADDED_MASS, 41.0, 2.0);
+    let found = open_loop_modes(&request, &[Flow::straight(0.245)]).unwrap().remove(0);
+    let growth = found.growth_rate_per_s();
+    assert!(!found.is_stable() && growth > 0.1, "growth in 1/s: {growth}");
+    assert!(found.modes.modes.iter().any(|mode| mode.eigenvalue.re < -1.0), "other modes die out");
+    let log = logged(&request, &twisted(open(30.0, vec![]), 1e-7));
+    let twist = |time_s: f64| log.rows[(time_s / 0.025).round() as usize].state[2].abs();
+    let rate = (twist(25.0) / twist(20.0)).ln() / 5.0;
+    assert_close(rate, growth, 0.002 * growth, "growth of the twist in 1/s");
+}
+
 /// At the later speed a small twist must die out as the modes there say, about the equilibrium that they name.
 #[test]
 fn flight_after_a_change_of_speed_follows_the_modes_there() {
