@@ -5,6 +5,7 @@ mod chapter2;
 mod chapter3;
 mod chapter4;
 mod ci;
+mod doe_records;
 mod figures;
 mod page;
 mod reproduction;
@@ -26,6 +27,7 @@ Studies:
   reproduce-chapter3   open loop: Figure 14, cost over trim pitch and center of mass for four configurations
   reproduce-chapter4   the loop of Chapter 3 on the case study of Chapter 4
 
+  doe-records          optimal designs: the kept ones verified beside the published record, and searched for anew
 
   Each writes to its folder in target/reproduction/; with --check it fails when its page docs/results-*.md says something else.
 
@@ -35,7 +37,7 @@ Checks:
 
   help    this text";
 
-static STUDIES: [Reproduction; 3] = [chapter2::CHAPTER, chapter3::CHAPTER, chapter4::CHAPTER];
+static STUDIES: [Reproduction; 4] = [chapter2::CHAPTER, chapter3::CHAPTER, chapter4::CHAPTER, doe_records::RECORDS];
 
 /// The study that a command names.
 fn study(command: &str) -> Option<&'static Reproduction> {

@@ -12,8 +12,9 @@ use crate::workspace;
 const ARROWS: &[(&str, &[&str])] = &[
     ("bat-dynamics", &[]),
     ("doe", &[]),
-    ("infuse", &["doe"]),
+    ("infuse", &["doe", "surface"]),
     ("scaling", &[]),
+    ("surface", &["doe"]),
     ("tether-control", &[]),
     ("water-channel", &["bat-dynamics", "tether-control"]),
     ("xtask", &["bat-dynamics", "doe", "infuse", "scaling", "tether-control", "water-channel"]),

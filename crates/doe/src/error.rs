@@ -1,6 +1,8 @@
-//! What can be wrong with a parameter, a region or a point.
+//! What can be wrong with a parameter, a region, a model, a space, a design or a search.
 
-/// Every fault of this crate, each naming the parameter, the value and what was allowed.
+use crate::{Confounding, FileFault};
+
+/// Every fault of this crate, each naming the field, the value and what was allowed.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -147,4 +149,217 @@ pub enum Error {
         /// Number of points of the grid.
         n_points: u64,
     },
+    /// Too few or too many of something.
+    #[error("{found} {name}, expected {least} to {most}")]
+    Count {
+        /// Of what.
+        name: &'static str,
+        /// The number given.
+        found: usize,
+        /// The smallest number allowed.
+        least: usize,
+        /// The largest number allowed.
+        most: usize,
+    },
+    /// A term with another number of exponents than the model has factors.
+    #[error("term {term} has {found} exponents, expected one per factor: {expected}")]
+    WrongTermLength {
+        /// Index of the term.
+        term: usize,
+        /// Number of factors of the model.
+        expected: usize,
+        /// Number of exponents given.
+        found: usize,
+    },
+    /// An exponent beyond what the model supports.
+    #[error("term {term} has the exponent {exponent}, expected 0 to {largest}")]
+    ExponentTooLarge {
+        /// Index of the term.
+        term: usize,
+        /// The exponent given.
+        exponent: u8,
+        /// The largest exponent allowed.
+        largest: u8,
+    },
+    /// The same term twice.
+    #[error("terms {first} and {second} are the same monomial, expected distinct terms")]
+    DuplicateTerm {
+        /// Index of the first.
+        first: usize,
+        /// Index of the second.
+        second: usize,
+    },
+    /// A term index past the last term.
+    #[error("term index {index}, expected less than {n_terms}")]
+    NoSuchTerm {
+        /// The index given.
+        index: usize,
+        /// Number of terms.
+        n_terms: usize,
+    },
+    /// A parameter name that the region does not have.
+    #[error("the region has no parameter `{name}`")]
+    NoSuchParameter {
+        /// The name given.
+        name: String,
+    },
+    /// A coded point with another number of coordinates than there are factors.
+    #[error("a point has {found} coordinates, expected {expected}")]
+    PointLength {
+        /// Number of factors.
+        expected: usize,
+        /// Number of coordinates given.
+        found: usize,
+    },
+    /// Flat coordinates that do not fill whole points.
+    #[error("{n_coordinates} coordinates do not fill points of {n_factors} coordinates each")]
+    RaggedPoints {
+        /// Number of factors.
+        n_factors: usize,
+        /// Number of coordinates given.
+        n_coordinates: usize,
+    },
+    /// A coordinate that is NaN or infinite.
+    #[error("coordinate {factor} of point {point} is {value:?}, expected a finite number")]
+    NotFinite {
+        /// Index of the point.
+        point: usize,
+        /// Index of the coordinate.
+        factor: usize,
+        /// The value given.
+        value: f64,
+    },
+    /// A candidate outside of coded coordinates.
+    #[error("coordinate {factor} of candidate {point} is {value:?}, expected coded coordinates from -1 to 1")]
+    OutsideCube {
+        /// Index of the candidate.
+        point: usize,
+        /// Index of the coordinate.
+        factor: usize,
+        /// The value given.
+        value: f64,
+    },
+    /// The same candidate twice.
+    #[error("candidates {first} and {second} are the same point, expected distinct candidates")]
+    DuplicateCandidate {
+        /// Index of the first.
+        first: usize,
+        /// Index of the second.
+        second: usize,
+    },
+    /// Fewer than two levels along an axis.
+    #[error("an axis has {count} level(s), expected at least 2: leave a factor that cannot vary out of the model")]
+    TooFewAxisLevels {
+        /// Number of levels given.
+        count: usize,
+    },
+    /// Levels that are not distinct values in rising order within −1 to 1.
+    #[error("the levels of factor {factor} are not finite, rising and within -1 to 1")]
+    LevelsNotRising {
+        /// Index of the factor.
+        factor: usize,
+    },
+    /// A forbidden box without any range.
+    #[error("a forbidden box has no range, so it forbids everything, expected at least one range")]
+    ForbidsEverything,
+    /// A forbidden range that is NaN or inverted.
+    #[error("factor {factor}: the forbidden range {lower:?} to {upper:?} is not a range, expected lower <= upper")]
+    ForbiddenRange {
+        /// Index of the factor.
+        factor: usize,
+        /// Lower end given.
+        lower: f64,
+        /// Upper end given.
+        upper: f64,
+    },
+    /// Forbidden boxes that leave nothing.
+    #[error("nothing of the space is left once the forbidden boxes are gone")]
+    EmptySpace,
+    /// Two things that must agree in their number of factors.
+    #[error("{what} has {found} factors, expected {expected}")]
+    FactorMismatch {
+        /// What does not fit.
+        what: &'static str,
+        /// Number of factors of the other.
+        expected: usize,
+        /// Number of factors of this.
+        found: usize,
+    },
+    /// A run that does not belong to the space.
+    #[error("run {run} lies outside the space: {point:?}")]
+    RunOutside {
+        /// Index of the run.
+        run: usize,
+        /// Its coded coordinates.
+        point: Vec<f64>,
+    },
+    /// Fewer runs than the model has terms.
+    #[error("{n_runs} runs cannot determine {n_terms} terms, expected at least {n_terms} runs")]
+    TooFewRuns {
+        /// Number of runs.
+        n_runs: usize,
+        /// Number of terms.
+        n_terms: usize,
+    },
+    /// Terms that are linear combinations of others over a design or a space.
+    #[error("the {what} cannot tell the terms apart: {list}", list = confounding_list(confounded))]
+    Confounded {
+        /// `"design"` or `"space"`.
+        what: &'static str,
+        /// Each term that is a combination of earlier ones.
+        confounded: Vec<Confounding>,
+    },
+    /// A space with fewer points than there are distinct runs.
+    #[error("the space has {n_points} points, too few for {n_distinct} distinct runs: plan replicates or allow them")]
+    TooFewPoints {
+        /// Number of distinct runs.
+        n_distinct: usize,
+        /// Number of points of the space.
+        n_points: u64,
+    },
+    /// A setting of a search outside what is allowed.
+    #[error("the setting `{name}` is {value:?}, expected {allowed}")]
+    Setting {
+        /// Name of the setting.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// What was allowed.
+        allowed: &'static str,
+    },
+    /// No start of a search led to a usable design.
+    #[error("none of {starts} starts led to a design that determines the model under the rule for replicates")]
+    NoDesign {
+        /// Number of starts made.
+        starts: u64,
+    },
+    /// An information matrix that double precision cannot invert.
+    #[error("the information matrix is singular in double precision")]
+    Singular,
+    /// A file that is not a design in a region.
+    #[error("{list}", list = fault_list(faults))]
+    File {
+        /// Each fault, from the top of the file down.
+        faults: Vec<FileFault>,
+    },
+    /// A factor index past the last factor.
+    #[error("factor index {index}, expected less than {n_factors}")]
+    NoSuchFactor {
+        /// The index given.
+        index: usize,
+        /// Number of factors.
+        n_factors: usize,
+    },
+}
+
+fn confounding_list(confounded: &[Confounding]) -> String {
+    confounded.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}
+
+/// The first faults of a file, and how many more there are.
+fn fault_list(faults: &[FileFault]) -> String {
+    const SHOWN: usize = 20;
+    let shown: Vec<String> = faults.iter().take(SHOWN).map(ToString::to_string).collect();
+    let more = faults.len().saturating_sub(SHOWN);
+    shown.join("; ") + &if more > 0 { format!("; and {more} more") } else { String::new() }
 }

@@ -129,4 +129,89 @@ pub enum Error {
         /// What is allowed.
         expected: &'static str,
     },
+    /// A region from which every cell was dropped.
+    #[error("the region has no cells, expected at least one")]
+    EmptyRegion,
+    /// A list with one entry too many or too few.
+    #[error("`{name}` has {found} entries, expected {expected}: one per {per}")]
+    WrongCount {
+        /// Which list.
+        name: &'static str,
+        /// Number of entries given.
+        found: usize,
+        /// Number of entries expected.
+        expected: usize,
+        /// What an entry belongs to.
+        per: &'static str,
+    },
+    /// An entry of a list that is out of range.
+    #[error("`{name}` has {value:?} at index {index}, expected {expected}")]
+    Entry {
+        /// Which list.
+        name: &'static str,
+        /// Where, from 0.
+        index: usize,
+        /// The value given.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// The number of a cell that the region does not have.
+    #[error("cell {cell_idx} does not exist, expected less than {n_cells}")]
+    UnknownCell {
+        /// The number given, from 0.
+        cell_idx: usize,
+        /// How many cells there are.
+        n_cells: usize,
+    },
+    /// Data that a response surface refuses.
+    #[error(transparent)]
+    Surface(#[from] surface::Error),
+    /// A grid with more cells than the retained set can hold.
+    #[error("the grid has {n_cells} cells, expected at most {most}: fewer levels or fewer parameters")]
+    TooManyCells {
+        /// Cells of the grid.
+        n_cells: u64,
+        /// The largest number allowed.
+        most: u64,
+    },
+    /// Validation experiments that had entered the surface they were to validate.
+    #[error(
+        "the surface already rests on validation trials {}, expected one that has not seen them",
+        trials.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+    )]
+    ValidationLeak {
+        /// The trials on both sides.
+        trials: Vec<TrialId>,
+    },
+    /// Settings of an experiment that are too far outside the region.
+    #[error("trial {id}: the actual setting of parameter `{parameter}` is {actual:?}, expected {expected}")]
+    ActualSettingOf {
+        /// The id given.
+        id: TrialId,
+        /// Name of the parameter.
+        parameter: String,
+        /// The setting given, in the parameter's unit.
+        actual: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// So many simulations failed that the others do not determine their surface.
+    #[error("{n_failed} of {n_simulations} simulations failed, and the others determine no surface: {reason}")]
+    TooFewSimulations {
+        /// How many failed.
+        n_failed: usize,
+        /// How many were run.
+        n_simulations: usize,
+        /// Why the surface could not be fitted.
+        reason: surface::Error,
+    },
+    /// A surface that is a number at no retained cell.
+    #[error("the {surface} surface of iteration {iteration} is a number at no retained cell")]
+    NoMinimum {
+        /// Which surface.
+        surface: &'static str,
+        /// The iteration, from 1.
+        iteration: usize,
+    },
 }

@@ -22,6 +22,11 @@ impl Axis {
         self
     }
 
+    /// The same axis with ticks this far apart, if it has a range.
+    pub(crate) fn with_step(self, step: f64) -> Self {
+        Self { step: Some(step), ..self }
+    }
+
     /// The same axis for counting from 1: whole numbers, half a step of room on either side.
     pub(crate) fn counting_to(self, count: usize) -> Self {
         let step = if count <= 20 { 1.0 } else { 5.0 };

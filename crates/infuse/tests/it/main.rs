@@ -2,9 +2,17 @@
 
 #![expect(clippy::unwrap_used, clippy::missing_assert_message, reason = "the helpers of tests fail like tests")]
 
+mod convergence;
 mod correction;
 mod errors;
 mod failures;
+mod global_convergence;
+mod global_failures;
+mod global_problems;
+mod global_saved_state;
+mod global_screening;
+mod global_settings;
+mod global_small;
 mod invariants;
 mod problems;
 mod saved_state;

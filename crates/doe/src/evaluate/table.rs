@@ -1,0 +1,89 @@
+//! An evaluation as text.
+
+use std::fmt;
+
+use super::{Correlations, Evaluation, Precision};
+
+impl fmt::Display for Evaluation {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (n, p) = (self.n_runs, self.terms.len());
+        writeln!(formatter, "{n} runs, {p} terms of {}, predictions over the {}", self.factors.join(", "), self.over)?;
+        let freedom = self.degrees_of_freedom;
+        writeln!(
+            formatter,
+            "degrees of freedom: {} model, {} lack of fit, {} pure error",
+            freedom.model, freedom.lack_of_fit, freedom.pure_error
+        )?;
+        for group in &self.replicates {
+            writeln!(formatter, "replicates: runs {}", numbers(group))?;
+        }
+        if !self.outside.is_empty() {
+            writeln!(formatter, "outside the space: runs {}", numbers(&self.outside))?;
+        }
+        if let Some(precision) = &self.precision {
+            precision.write(formatter)?;
+        } else {
+            writeln!(formatter, "\nthe runs do not determine the model:")?;
+            for alias in &self.aliases {
+                writeln!(formatter, "  {alias}")?;
+            }
+        }
+        self.correlations.write(formatter)
+    }
+}
+
+impl Precision {
+    fn write(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(formatter, "\nefficiencies")?;
+        for efficiency in &self.efficiencies {
+            writeln!(formatter, "  {efficiency}")?;
+        }
+        let predictions = &self.predictions;
+        writeln!(formatter, "\nprediction variance, for unit variance of a run (coded points)")?;
+        writeln!(formatter, "  largest  {:8.4} at {}", predictions.maximum, point(&predictions.maximum_at))?;
+        writeln!(formatter, "  mean     {:8.4}", predictions.mean)?;
+        writeln!(formatter, "  smallest {:8.4} at {}", predictions.minimum, point(&predictions.minimum_at))?;
+        let curve = &self.fraction_of_space;
+        writeln!(formatter, "\nfraction of the space with at most this variance ({})", curve.sampling)?;
+        for fraction in [0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 1.0] {
+            let variance = curve.variance_at(fraction).unwrap_or(f64::NAN);
+            writeln!(formatter, "  {:3.0} % {variance:8.4}", 100.0 * fraction)?;
+        }
+        let width = self.coefficients.iter().map(|row| row.term.chars().count()).max().unwrap_or(0).max(4);
+        writeln!(formatter, "\n{:<width$}  standard error  variance inflation", "term")?;
+        for row in &self.coefficients {
+            let inflation = row.variance_inflation.map_or_else(|| "-".to_owned(), |value| format!("{value:.4}"));
+            writeln!(formatter, "{:<width$}  {:14.4}  {inflation:>18}", row.term, row.standard_error)?;
+        }
+        writeln!(formatter, "\nleverage")?;
+        for (run, leverage) in self.leverages.iter().enumerate() {
+            writeln!(formatter, "  run {:3}  {leverage:.4}", run + 1)?;
+        }
+        Ok(())
+    }
+}
+
+impl Correlations {
+    fn write(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.largest() {
+            Some((first, second, value)) => writeln!(
+                formatter,
+                "\nlargest correlation of terms: {value:.4}, {} with {}",
+                self.terms[first], self.terms[second]
+            ),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Runs as people count them, from one.
+fn numbers(runs: &[usize]) -> String {
+    runs.iter().map(|run| (run + 1).to_string()).collect::<Vec<_>>().join(", ")
+}
+
+fn point(coordinates: &[f64]) -> String {
+    // Adding zero turns −0 into 0.
+    let texts: Vec<String> =
+        coordinates.iter().map(|x| format!("{:.3}", (x * 1000.0).round() / 1000.0 + 0.0)).collect();
+    format!("({})", texts.join(", "))
+}

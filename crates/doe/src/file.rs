@@ -1,0 +1,320 @@
+//! Designs in CSV files, in natural units.
+
+use std::fmt;
+use std::io::{Read, Write};
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+use crate::{Design, Error, Levels, Parameter, Region};
+
+/// A design as a file gave it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignFile {
+    /// The runs, in the order of the file.
+    pub design: Design,
+    /// Columns that are no parameter of the region, such as notes and responses: not read.
+    pub ignored: Vec<String>,
+}
+
+/// What is wrong with a file of a design. Lines are counted from 1, the header and comments included.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FileFault {
+    /// The file cannot be read, or is not CSV with as many fields in each line as in the header.
+    Unreadable {
+        /// Why.
+        reason: String,
+    },
+    /// A parameter of the region has no column.
+    MissingColumn {
+        /// The parameter.
+        name: String,
+        /// The header that was found.
+        header: Vec<String>,
+    },
+    /// A parameter of the region has two columns.
+    DuplicateColumn {
+        /// The parameter.
+        name: String,
+    },
+    /// A column states another unit than the parameter has.
+    WrongUnit {
+        /// The parameter.
+        name: String,
+        /// The unit in the header.
+        found: String,
+        /// The unit of the parameter.
+        expected: String,
+    },
+    /// An empty field.
+    Missing {
+        /// Line of the file.
+        line: u64,
+        /// The parameter.
+        name: String,
+    },
+    /// A field that is not a finite number.
+    NotANumber {
+        /// Line of the file.
+        line: u64,
+        /// The parameter.
+        name: String,
+        /// What the field holds.
+        text: String,
+    },
+    /// A number outside the bounds of its parameter.
+    OutOfBounds {
+        /// Line of the file.
+        line: u64,
+        /// The parameter.
+        name: String,
+        /// The number, in the unit of the parameter.
+        value: f64,
+        /// Lower bound.
+        lower: f64,
+        /// Upper bound.
+        upper: f64,
+        /// Unit of the bounds.
+        unit: String,
+    },
+    /// No line after the header.
+    NoRuns,
+    /// A parameter bears the name of a column that is written beside the settings.
+    ReservedName {
+        /// The name.
+        name: &'static str,
+    },
+}
+
+impl fmt::Display for FileFault {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unreadable { reason } => write!(formatter, "the file cannot be read: {reason}"),
+            Self::MissingColumn { name, header } => {
+                write!(formatter, "no column `{name}`, the columns are: {}", header.join(", "))
+            }
+            Self::DuplicateColumn { name } => write!(formatter, "two columns `{name}`, expected one"),
+            Self::WrongUnit { name, found, expected } => {
+                write!(formatter, "column `{name}` is in {found}, expected {expected}")
+            }
+            Self::Missing { line, name } => {
+                write!(formatter, "line {line}, column `{name}`: nothing, expected a number")
+            }
+            Self::NotANumber { line, name, text } => {
+                write!(formatter, "line {line}, column `{name}`: \"{text}\", expected a finite number")
+            }
+            Self::OutOfBounds { line, name, value, lower, upper, unit } => {
+                write!(formatter, "line {line}, column `{name}`: {value:?}, expected {lower:?} to {upper:?}")?;
+                if unit.is_empty() { Ok(()) } else { write!(formatter, " {unit}") }
+            }
+            Self::NoRuns => write!(formatter, "no runs after the header, expected at least one"),
+            Self::ReservedName { name } => {
+                write!(formatter, "a parameter is called `{name}`, which is the name of a column beside the settings")
+            }
+        }
+    }
+}
+
+/// In which order runs are written, and to be made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RunOrder {
+    /// As they are in the design.
+    #[default]
+    Standard,
+    /// Shuffled, so that drifts of the rig do not pass for effects of the factors; the same for the same seed.
+    Random {
+        /// The order follows from it.
+        seed: u64,
+    },
+}
+
+/// Columns beside the settings.
+const LABELS: [&str; 4] = ["run", "standard", "point", "replicate"];
+
+impl Design {
+    /// Reads the runs of a CSV file in natural units: a header with the names of the region's parameters, in any order,
+    /// with or without the unit in brackets (`pitch` or `pitch [deg]`), and one line per run. Empty lines, lines that
+    /// begin with `#` and other columns are passed over; values between levels are read as they are.
+    ///
+    /// ```
+    /// use doe::{Design, Parameter, Region};
+    /// let region = Region::new(vec![Parameter::continuous("pitch", "deg", 10.0, 22.0)?])?;
+    /// let file = Design::read_csv(&region, "note,pitch [deg]\nlow,10\nmiddle,16\n".as_bytes())?;
+    /// assert_eq!(file.design.coordinates(), [-1.0, 0.0]);
+    /// assert_eq!(file.ignored, ["note"]);
+    /// let error = Design::read_csv(&region, "pitch\n1O\n25\n".as_bytes()).unwrap_err();
+    /// assert_eq!(
+    ///     error.to_string(),
+    ///     "line 2, column `pitch`: \"1O\", expected a finite number; \
+    ///      line 3, column `pitch`: 25.0, expected 10.0 to 22.0 deg"
+    /// );
+    /// # Ok::<(), doe::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] with every fault there is: of the header, or else of the fields.
+    pub fn read_csv(region: &Region, mut reader: impl Read) -> Result<DesignFile, Error> {
+        let mut text = String::new();
+        reader.read_to_string(&mut text).map_err(|error| unreadable(error.into()))?;
+        let text = text.trim_start_matches('\u{feff}');
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
+        let header: Vec<String> = reader.headers().map_err(unreadable)?.iter().map(str::to_owned).collect();
+        let columns = columns(region, &header)?;
+        let mut coordinates = Vec::new();
+        let mut faults = Vec::new();
+        for record in reader.records() {
+            let record = record.map_err(unreadable)?;
+            let line = record.position().map_or(0, |position| line_of_record(text, position));
+            for (parameter, &column) in region.parameters().iter().zip(&columns) {
+                match field(parameter, record.get(column).unwrap_or_default(), line) {
+                    Ok(value) => coordinates.push(parameter.coded(value)),
+                    Err(fault) => faults.push(fault),
+                }
+            }
+        }
+        if coordinates.is_empty() && faults.is_empty() {
+            faults.push(FileFault::NoRuns);
+        }
+        if !faults.is_empty() {
+            return Err(Error::File { faults });
+        }
+        let design = Self::new(region.n_parameters(), coordinates)?;
+        let unused = (0..header.len()).filter(|column| !columns.contains(column));
+        Ok(DesignFile { design, ignored: unused.map(|column| header[column].clone()).collect() })
+    }
+
+    /// Writes the runs as CSV in natural units, in a form that [`read_csv`](Self::read_csv) reads.
+    ///
+    /// The columns are `run` (1, 2, … in the order to be made), `standard` (the run's number in the design), `point`
+    /// (number of the distinct point) and `replicate` (how often the point has been in the design up to this run),
+    /// then the settings with their units. Levels are written with all their digits, other settings are rounded to
+    /// within 1e-10 of the width of their range.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::WrongDimension`]; [`Error::File`] if it cannot be written, or a parameter bears the name of one of the
+    /// other columns.
+    pub fn write_csv(&self, region: &Region, order: RunOrder, writer: impl Write) -> Result<(), Error> {
+        if let Some(name) = LABELS.into_iter().find(|name| region.index_of(name).is_some()) {
+            return Err(Error::File { faults: vec![FileFault::ReservedName { name }] });
+        }
+        let settings = self.natural(region)?;
+        let labels = self.labels();
+        let mut sequence: Vec<usize> = (0..self.n_runs()).collect();
+        if let RunOrder::Random { seed } = order {
+            let mut generator = Pcg64::seed_from_u64(seed);
+            for last in (1..sequence.len()).rev() {
+                sequence.swap(last, generator.random_range(0..=last));
+            }
+        }
+        let mut writer = csv::Writer::from_writer(writer);
+        let names = region.parameters().iter().map(heading);
+        writer.write_record(LABELS.into_iter().map(str::to_owned).chain(names)).map_err(unreadable)?;
+        for (position, &run) in sequence.iter().enumerate() {
+            let (point, replicate) = labels[run];
+            let numbers = [position + 1, run + 1, point, replicate].map(|number| number.to_string());
+            let settings = region.parameters().iter().zip(&settings[run]);
+            let settings = settings.map(|(parameter, &value)| rounded(parameter, value).to_string());
+            writer.write_record(numbers.into_iter().chain(settings)).map_err(unreadable)?;
+        }
+        writer.flush().map_err(|error| unreadable(error.into()))
+    }
+
+    /// Number of the distinct point, from 1 in order of appearance, and number of the visit, of each run.
+    fn labels(&self) -> Vec<(usize, usize)> {
+        let pairs = self.replicates(1e-6);
+        let mut labels: Vec<(usize, usize)> = Vec::with_capacity(self.n_runs());
+        let mut n_points = 0;
+        for run in 0..self.n_runs() {
+            match pairs.iter().rfind(|&&(_, second)| second == run) {
+                Some(&(first, _)) => labels.push((labels[first].0, labels[first].1 + 1)),
+                None => {
+                    n_points += 1;
+                    labels.push((n_points, 1));
+                }
+            }
+        }
+        labels
+    }
+}
+
+/// `name [unit]`, or the name alone.
+fn heading(parameter: &Parameter) -> String {
+    if parameter.unit().is_empty() {
+        parameter.name().to_owned()
+    } else {
+        format!("{} [{}]", parameter.name(), parameter.unit())
+    }
+}
+
+/// The shortest decimal within 1e-10 of the width, so that a search's last bits do not fill the file.
+fn rounded(parameter: &Parameter, value: f64) -> f64 {
+    if parameter.levels() != Levels::Continuous {
+        return value;
+    }
+    let digits = (10.0 - parameter.width().log10()).ceil();
+    let scale = 10.0_f64.powf(digits.clamp(0.0, 300.0));
+    let short = (value * scale).round() / scale;
+    // Past a bound, or beyond what a double can scale, the value stays as it is.
+    if short.is_finite() && parameter.contains(short) { short } else { value }
+}
+
+/// The column of each parameter.
+fn columns(region: &Region, header: &[String]) -> Result<Vec<usize>, Error> {
+    let mut faults = Vec::new();
+    let mut columns = Vec::new();
+    for parameter in region.parameters() {
+        let name = parameter.name();
+        // The text in the brackets behind the name, or none if the name stands alone.
+        let unit_of = |text: &str| match text.strip_prefix(name)?.trim() {
+            "" => Some(None),
+            rest => rest.strip_prefix('[')?.strip_suffix(']').map(|unit| Some(unit.trim().to_owned())),
+        };
+        let found: Vec<(usize, Option<String>)> =
+            header.iter().enumerate().filter_map(|(column, text)| Some((column, unit_of(text)?))).collect();
+        match &found[..] {
+            [] => faults.push(FileFault::MissingColumn { name: name.to_owned(), header: header.to_vec() }),
+            [(_, Some(unit))] if unit != parameter.unit() => faults.push(FileFault::WrongUnit {
+                name: name.to_owned(),
+                found: unit.clone(),
+                expected: if parameter.unit().is_empty() { "no unit".to_owned() } else { parameter.unit().to_owned() },
+            }),
+            [(column, _)] => columns.push(*column),
+            _ => faults.push(FileFault::DuplicateColumn { name: name.to_owned() }),
+        }
+    }
+    if faults.is_empty() { Ok(columns) } else { Err(Error::File { faults }) }
+}
+
+/// The line that a record begins in: its position is where the one before it ended, ahead of comments and empty lines.
+fn line_of_record(text: &str, position: &csv::Position) -> u64 {
+    let rest = usize::try_from(position.byte()).ok().and_then(|byte| text.get(byte..)).unwrap_or_default();
+    let passed = rest.lines().take_while(|line| line.is_empty() || line.starts_with('#')).count();
+    position.line() + passed as u64
+}
+
+fn field(parameter: &Parameter, text: &str, line: u64) -> Result<f64, FileFault> {
+    let name = parameter.name().to_owned();
+    if text.is_empty() {
+        return Err(FileFault::Missing { line, name });
+    }
+    match text.parse::<f64>() {
+        Ok(value) if !value.is_finite() => Err(FileFault::NotANumber { line, name, text: text.to_owned() }),
+        Err(_) => Err(FileFault::NotANumber { line, name, text: text.to_owned() }),
+        Ok(value) if parameter.contains(value) => Ok(value),
+        Ok(value) => Err(FileFault::OutOfBounds {
+            line,
+            name,
+            value,
+            lower: parameter.lower(),
+            upper: parameter.upper(),
+            unit: parameter.unit().to_owned(),
+        }),
+    }
+}
+
+fn unreadable(error: csv::Error) -> Error {
+    Error::File { faults: vec![FileFault::Unreadable { reason: error.to_string() }] }
+}

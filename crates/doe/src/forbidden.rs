@@ -1,0 +1,79 @@
+//! Combinations of settings that must not be run.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Error, Region};
+
+/// A box of coded coordinates that no run may lie in: all its ranges at once, any value of the factors without range.
+///
+/// Along an axis with levels and in a list the ends of a range are forbidden too; along a continuous axis the ends
+/// are allowed, so that the allowed points are a closed set. A range that reaches −1 or 1 goes on beyond it: the
+/// ranges −1 to 0.5 and 0.5 to 1 take the face of the cube with them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "UncheckedForbidden")]
+pub struct Forbidden {
+    ranges: Vec<Option<[f64; 2]>>,
+}
+
+impl Forbidden {
+    /// The box with these coded ranges, one entry per factor, `None` for any value.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ForbidsEverything`] if no factor has a range, [`Error::ForbiddenRange`] for a NaN or inverted range.
+    pub fn new(ranges: Vec<Option<[f64; 2]>>) -> Result<Self, Error> {
+        if ranges.iter().all(Option::is_none) {
+            return Err(Error::ForbidsEverything);
+        }
+        for (factor, range) in ranges.iter().enumerate() {
+            if let &Some([lower, upper]) = range {
+                // NaN is not at most anything.
+                if lower.is_nan() || upper.is_nan() || lower > upper {
+                    return Err(Error::ForbiddenRange { factor, lower, upper });
+                }
+            }
+        }
+        Ok(Self { ranges })
+    }
+
+    /// The box with these natural ranges of named parameters.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchParameter`], and as [`new`](Self::new).
+    pub fn in_region(region: &Region, ranges: &[(&str, f64, f64)]) -> Result<Self, Error> {
+        let mut coded = vec![None; region.n_parameters()];
+        for &(name, lower, upper) in ranges {
+            let index = region.index_of(name).ok_or_else(|| Error::NoSuchParameter { name: name.to_owned() })?;
+            let parameter = &region.parameters()[index];
+            coded[index] = Some([parameter.coded(lower), parameter.coded(upper)]);
+        }
+        Self::new(coded)
+    }
+
+    /// The coded ranges, one entry per factor.
+    #[must_use]
+    pub fn ranges(&self) -> &[Option<[f64; 2]>] {
+        &self.ranges
+    }
+
+    /// Lower and upper end along one axis, infinite where the box goes on.
+    pub(crate) fn range(&self, factor: usize) -> [f64; 2] {
+        let [lower, upper] = self.ranges[factor].unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        [if lower <= -1.0 { f64::NEG_INFINITY } else { lower }, if upper >= 1.0 { f64::INFINITY } else { upper }]
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Forbidden")]
+struct UncheckedForbidden {
+    ranges: Vec<Option<[f64; 2]>>,
+}
+
+impl TryFrom<UncheckedForbidden> for Forbidden {
+    type Error = Error;
+
+    fn try_from(unchecked: UncheckedForbidden) -> Result<Self, Error> {
+        Self::new(unchecked.ranges)
+    }
+}

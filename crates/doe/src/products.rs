@@ -1,0 +1,88 @@
+//! The monomials that products of two terms consist of.
+//!
+//! v(x) = r(x)' D r(x) is a polynomial; with its coefficients collected per monomial it costs a third of the
+//! quadratic form, and along one axis it is a polynomial of one variable.
+
+use crate::Model;
+
+/// Exponents of every distinct product of two terms of a model.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Products {
+    pub(crate) n_factors: usize,
+    pub(crate) n_terms: usize,
+    /// n_monomials × n_factors.
+    exponents: Vec<u8>,
+    /// Monomial of each pair (i, j ≥ i), row by row of the upper triangle.
+    pairs: Vec<u32>,
+    /// Largest exponent in any product.
+    pub(crate) largest: usize,
+}
+
+impl Products {
+    pub(crate) fn of(model: &Model) -> Self {
+        let mut found = std::collections::HashMap::new();
+        let mut exponents = Vec::new();
+        let mut pairs = Vec::new();
+        for (i, a) in model.terms().iter().enumerate() {
+            for b in &model.terms()[i..] {
+                let sum: Vec<u8> = a.exponents().iter().zip(b.exponents()).map(|(x, y)| x + y).collect();
+                let next = found.len() as u32;
+                let index = *found.entry(sum.clone()).or_insert(next);
+                if index == next {
+                    exponents.extend(sum);
+                }
+                pairs.push(index);
+            }
+        }
+        let largest = exponents.iter().copied().max().map_or(0, usize::from);
+        Self { n_factors: model.n_factors(), n_terms: model.n_terms(), exponents, pairs, largest }
+    }
+
+    pub(crate) fn n_monomials(&self) -> usize {
+        self.exponents.len() / self.n_factors
+    }
+
+    pub(crate) fn monomials(&self) -> std::slice::ChunksExact<'_, u8> {
+        self.exponents.chunks_exact(self.n_factors)
+    }
+
+    /// Coefficients of x ↦ r(x)' D r(x) for a symmetric p × p matrix D.
+    pub(crate) fn collect(&self, matrix: &[f64], coefficients: &mut [f64]) {
+        coefficients.fill(0.0);
+        let mut pair = 0;
+        for (i, row) in matrix.chunks_exact(self.n_terms).enumerate() {
+            coefficients[self.pairs[pair] as usize] += row[i];
+            for (offset, value) in row[i + 1..].iter().enumerate() {
+                coefficients[self.pairs[pair + 1 + offset] as usize] += 2.0 * value;
+            }
+            pair += self.n_terms - i;
+        }
+    }
+
+    /// The symmetric matrix Σ w r r', full, from the moments Σ w x^e of every monomial.
+    pub(crate) fn spread(&self, moments: &[f64], matrix: &mut [f64]) {
+        let p = self.n_terms;
+        let mut pair = 0;
+        for i in 0..p {
+            for j in i..p {
+                let value = moments[self.pairs[pair] as usize];
+                matrix[i * p + j] = value;
+                matrix[j * p + i] = value;
+                pair += 1;
+            }
+        }
+    }
+
+    /// Every monomial at a point.
+    pub(crate) fn fill(&self, point: &[f64], values: &mut [f64]) {
+        for (value, exponents) in values.iter_mut().zip(self.monomials()) {
+            let mut product = 1.0;
+            for (&exponent, &x) in exponents.iter().zip(point) {
+                for _ in 0..exponent {
+                    product *= x;
+                }
+            }
+            *value = product;
+        }
+    }
+}

@@ -1,0 +1,472 @@
+//! The points that a discrete search may choose, of a grid that is never stored or of a list.
+
+use std::collections::HashSet;
+
+use multiversion::multiversion;
+use rand::RngExt;
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+
+use super::nested::Nested;
+use super::runs::Regressors;
+use crate::PredictionVariance;
+use crate::maximum::Lattice;
+use crate::measure::Measure;
+use crate::polynomial;
+use crate::products::Products;
+use crate::space::{Axis, BoxShape, List};
+
+/// Points per block of a scan.
+const BLOCK: usize = 16;
+
+/// Grids up to this size are evaluated as a whole, larger ones line by line.
+const MOST_CELLS: usize = 1 << 22;
+/// A list is evaluated as part of a grid if it fills at least one in so many of its points.
+const SPARSEST: usize = 8;
+/// Local maxima watched, and how high they must be.
+const MOST_PEAKS: usize = 250;
+const PEAK_SHARE: f64 = 0.5;
+
+/// Where runs are chosen from, and how v is evaluated on all of it.
+#[derive(Debug)]
+pub(crate) struct Candidates<'a> {
+    points: Points<'a>,
+    values: Values,
+    /// Levels of the grid, or of a list that is part of one.
+    lattice: Lattice,
+}
+
+#[derive(Debug)]
+enum Points<'a> {
+    Grid { shape: &'a BoxShape, measure: Measure },
+    List(&'a List),
+}
+
+#[derive(Debug)]
+enum Values {
+    /// The whole grid at once.
+    Whole(Nested),
+    /// Line by line.
+    Lines,
+    /// The quadratic form, for lists that are not part of a grid.
+    Blocks(Blocks),
+}
+
+/// Points with v near its maximum.
+#[derive(Debug)]
+pub(crate) struct NearActive {
+    pub(crate) highest: f64,
+    /// Point by point, without repetition.
+    pub(crate) points: Vec<f64>,
+    /// The first of them are local maxima, as many as this.
+    pub(crate) n_peaks: usize,
+}
+
+impl<'a> Candidates<'a> {
+    pub(crate) fn grid(shape: &'a BoxShape, products: &Products) -> Self {
+        let mut lattice = full_lattice(shape);
+        let cells = lattice.levels.iter().fold(1_usize, |product, levels| product.saturating_mul(levels.len()));
+        let values = if cells > MOST_CELLS {
+            Values::Lines
+        } else {
+            if !shape.forbidden.is_empty() {
+                lattice.allowed = Some((0..cells).map(|index| !shape.forbids(&lattice.point(index))).collect());
+            }
+            Values::Whole(Nested::of(products, lattice.levels.clone()))
+        };
+        Self { points: Points::Grid { shape, measure: Measure::of(shape) }, values, lattice }
+    }
+
+    pub(crate) fn list(list: &'a List, regressors: &Regressors, products: &Products) -> Self {
+        let points = Points::List(list);
+        match grid_around(list) {
+            Some(lattice) => {
+                let values = Values::Whole(Nested::of(products, lattice.levels.clone()));
+                Self { points, values, lattice }
+            }
+            None => {
+                let lattice = Lattice { levels: Vec::new(), allowed: None };
+                Self { points, values: Values::Blocks(Blocks::of(list, regressors)), lattice }
+            }
+        }
+    }
+
+    /// A random candidate.
+    pub(crate) fn sample(&self, generator: &mut Pcg64) -> Vec<f64> {
+        match &self.points {
+            Points::Grid { measure, .. } => measure.sample(generator),
+            Points::List(list) => list.point(generator.random_range(0..list.n_points())).to_vec(),
+        }
+    }
+
+    /// Up to `count` candidates close to a point, the nearest first; on a grid with a nearest allowed level.
+    pub(crate) fn near(&self, point: &[f64], count: usize) -> Vec<Vec<f64>> {
+        match &self.points {
+            Points::List(list) => {
+                let near = match self.values {
+                    Values::Whole(_) => near_on_grid(&self.lattice, point, count, |_| true),
+                    _ => Vec::new(),
+                };
+                if near.len() >= count / 2 { near } else { nearest_of_list(list, point, count) }
+            }
+            Points::Grid { shape, .. } => {
+                let near = near_on_grid(&self.lattice, point, count, |at| !shape.forbids(at));
+                if !near.is_empty() {
+                    return near;
+                }
+                // All around is forbidden: the nearest allowed point of the whole grid.
+                let square = |at: &[f64]| at.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+                let points = (0..self.lattice.n_points()).map(|i| self.lattice.point(i));
+                let allowed = points.filter(|at| !shape.forbids(at));
+                allowed.min_by(|a, b| square(a).total_cmp(&square(b))).into_iter().collect()
+            }
+        }
+    }
+
+    /// The highest v over all candidates; its local maxima along the axes, and the candidates above a share of it, at
+    /// most `most`, both the highest first. `values` is scratch.
+    pub(crate) fn scan(
+        &self,
+        variance: &PredictionVariance,
+        inverse: &[f64],
+        (share, most): (f64, usize),
+        values: &mut Vec<f64>,
+    ) -> NearActive {
+        let mut found: Vec<(f64, usize)>;
+        let highest;
+        let mut peaks = Vec::new();
+        match (&self.values, &self.points) {
+            (Values::Lines, Points::Grid { shape, .. }) => (highest, found) = scan_lines(variance, shape, share),
+            _ => {
+                match &self.values {
+                    Values::Blocks(blocks) => blocks.values(inverse, values),
+                    Values::Lines => values.clear(),
+                    Values::Whole(nested) => {
+                        nested.values(variance.coefficients(), values);
+                        if let Some(allowed) = &self.lattice.allowed {
+                            for (value, allowed) in values.iter_mut().zip(allowed) {
+                                *value = if *allowed { *value } else { f64::NEG_INFINITY };
+                            }
+                        }
+                        peaks = peaks_of(&self.lattice, values);
+                    }
+                }
+                highest = largest(values);
+                let above = values.iter().enumerate().filter(|(_, v)| **v >= share * highest);
+                found = above.map(|(index, v)| (*v, index)).collect();
+            }
+        }
+        let compare = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+        if found.len() > most {
+            found.select_nth_unstable_by(most, compare);
+            found.truncate(most);
+        }
+        found.sort_by(compare);
+        let n_peaks = peaks.len();
+        let mut seen: HashSet<usize> = peaks.iter().copied().collect();
+        peaks.extend(found.iter().map(|&(_, index)| index).filter(|&index| seen.insert(index)));
+        let points = match (&self.values, &self.points) {
+            (Values::Blocks(_), Points::List(list)) => {
+                peaks.iter().flat_map(|&index| list.point(index).to_vec()).collect()
+            }
+            _ => peaks.iter().flat_map(|&index| self.lattice.point(index)).collect(),
+        };
+        NearActive { highest, points, n_peaks }
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+fn largest(values: &[f64]) -> f64 {
+    let mut lanes = [0.0; BLOCK];
+    let blocks = values.chunks_exact(BLOCK);
+    let rest = blocks.remainder().iter().copied().fold(0.0, f64::max);
+    for block in blocks {
+        for (lane, value) in lanes.iter_mut().zip(block) {
+            *lane = if *value > *lane { *value } else { *lane };
+        }
+    }
+    lanes.iter().copied().fold(rest, f64::max)
+}
+
+fn full_lattice(shape: &BoxShape) -> Lattice {
+    let levels = |axis: &Axis| match axis {
+        Axis::Levels(levels) => levels.clone(),
+        Axis::Continuous => vec![-1.0, 1.0],
+    };
+    Lattice { levels: shape.axes.iter().map(levels).collect(), allowed: None }
+}
+
+/// Points as high as their neighbors along every axis, above a share of the highest, the highest first.
+fn peaks_of(lattice: &Lattice, values: &[f64]) -> Vec<usize> {
+    let Some((last, others)) = lattice.levels.split_last() else {
+        return Vec::new();
+    };
+    let threshold = PEAK_SHARE * largest(values);
+    let mut found = Vec::new();
+    for (line_index, line) in values.chunks_exact(last.len()).enumerate() {
+        for (i, &value) in line.iter().enumerate() {
+            let is_peak_of_line =
+                value >= threshold && (i == 0 || line[i - 1] <= value) && (i + 1 == line.len() || line[i + 1] <= value);
+            if !is_peak_of_line {
+                continue;
+            }
+            // Divisions are left to the few points that get here.
+            let index = line_index * last.len() + i;
+            let (mut stride, mut rest) = (last.len(), line_index);
+            let is_peak = others.iter().rev().all(|levels| {
+                let (n, at, step) = (levels.len(), rest % levels.len(), stride);
+                rest /= n;
+                stride *= n;
+                (at == 0 || values[index - step] <= value) && (at + 1 == n || values[index + step] <= value)
+            });
+            if is_peak {
+                found.push(index);
+            }
+        }
+    }
+    found.sort_by(|&a, &b| values[b].total_cmp(&values[a]).then(a.cmp(&b)));
+    found.truncate(MOST_PEAKS);
+    found
+}
+
+/// The grid that a list is part of, with its points allowed; none if they would be few among many others.
+fn grid_around(list: &List) -> Option<Lattice> {
+    let mut levels: Vec<Vec<f64>> = Vec::with_capacity(list.n_factors);
+    let mut cells = 1_usize;
+    for axis in 0..list.n_factors {
+        let mut found: Vec<f64> = list.points().map(|point| point[axis] + 0.0).collect();
+        found.sort_unstable_by(f64::total_cmp);
+        found.dedup();
+        cells = cells.saturating_mul(found.len());
+        levels.push(found);
+        if cells > MOST_CELLS.min(list.n_points().saturating_mul(SPARSEST)) {
+            return None;
+        }
+    }
+    let mut allowed = vec![false; cells];
+    for point in list.points() {
+        let mut index = 0;
+        for (levels, x) in levels.iter().zip(point) {
+            index = index * levels.len() + levels.binary_search_by(|level| level.total_cmp(&(x + 0.0))).ok()?;
+        }
+        allowed[index] = true;
+    }
+    Some(Lattice { levels, allowed: Some(allowed) })
+}
+
+/// By visiting all of the list.
+fn nearest_of_list(list: &List, point: &[f64], count: usize) -> Vec<Vec<f64>> {
+    let distance = |other: &[f64]| other.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+    // A ball that holds about four times as many if the list fills the cube, larger until there are enough.
+    let share = (4.0 * count as f64 / list.n_points() as f64).powf(1.0 / point.len() as f64);
+    let mut square = share * share;
+    let mut near: Vec<(f64, usize)>;
+    loop {
+        let within = list.points().map(distance).enumerate().filter(|(_, d)| *d <= square);
+        near = within.map(|(index, d)| (d, index)).collect();
+        if near.len() >= count.min(list.n_points()) {
+            break;
+        }
+        square *= 4.0;
+    }
+    near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    near.truncate(count);
+    near.into_iter().map(|(_, index)| list.point(index).to_vec()).collect()
+}
+
+/// The highest v of a grid, and the points above a share of it with their indices, line by line along the last axis.
+fn scan_lines(variance: &PredictionVariance, shape: &BoxShape, share: f64) -> (f64, Vec<(f64, usize)>) {
+    let lattice = full_lattice(shape);
+    let last = shape.axes.len() - 1;
+    let levels = &lattice.levels[last];
+    let n = levels.len();
+    let n_lines = lattice.n_points() / n;
+    let along = |line_index: usize| {
+        let point = lattice.point(line_index * n);
+        let mut line = vec![0.0; variance.largest_power() + 1];
+        variance.along(&point, last, &mut line);
+        (point, line)
+    };
+    // The allowed values of a line above a threshold, with their places.
+    let above = |line_index: usize, threshold: f64, mut take: Box<dyn FnMut(f64, usize) + '_>| {
+        let (mut point, line) = along(line_index);
+        for (i, &x) in levels.iter().enumerate() {
+            let value = polynomial::value(&line, x);
+            point[last] = x;
+            if value >= threshold && !shape.forbids(&point) {
+                take(value, line_index * n + i);
+            }
+        }
+    };
+    let tops: Vec<f64> = (0..n_lines)
+        .into_par_iter()
+        .with_min_len(64)
+        .map(|line_index| {
+            let mut top = 0.0;
+            above(line_index, 0.0, Box::new(|value, _| top = f64::max(top, value)));
+            top
+        })
+        .collect();
+    let highest = tops.iter().copied().fold(0.0, f64::max);
+    let mut found = Vec::new();
+    for (line_index, _) in tops.iter().enumerate().filter(|(_, top)| **top >= share * highest) {
+        above(line_index, share * highest, Box::new(|value, index| found.push((value, index))));
+    }
+    (highest, found)
+}
+
+/// Points of a grid around a point: the products of the levels nearest along each axis, as many as give `count`.
+fn near_on_grid(lattice: &Lattice, point: &[f64], count: usize, is_free: impl Fn(&[f64]) -> bool) -> Vec<Vec<f64>> {
+    // Steps in units of levels from the nearest level, ordered by their squared length.
+    let k = point.len();
+    let reach: i64 = if k <= 3 { 3 } else { 2 };
+    let nearest = |levels: &Vec<f64>, x: f64| {
+        let distance = |i: &usize| (levels[*i] - x).abs();
+        (0..levels.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0) as i64
+    };
+    let center: Vec<i64> = lattice.levels.iter().zip(point).map(|(levels, &x)| nearest(levels, x)).collect();
+    let mut found: Vec<(i64, Vec<f64>)> = Vec::new();
+    let mut steps = vec![0_i64; k];
+    // At most two axes move at once: the number of neighbors grows with the square of the number of axes.
+    let mut consider = |steps: &[i64]| {
+        let mut at = Vec::with_capacity(k);
+        let mut index = 0;
+        for ((levels, center), step) in lattice.levels.iter().zip(&center).zip(steps) {
+            let Some(level) = usize::try_from(center + step).ok().filter(|i| *i < levels.len()) else {
+                return;
+            };
+            at.push(levels[level]);
+            index = index * levels.len() + level;
+        }
+        if lattice.is_allowed(index) && is_free(&at) {
+            found.push((steps.iter().map(|s| s * s).sum(), at));
+        }
+    };
+    consider(&steps);
+    for a in 0..k {
+        for first in (-reach..=reach).filter(|&s| s != 0) {
+            steps[a] = first;
+            consider(&steps);
+            for b in a + 1..k {
+                for second in (-reach..=reach).filter(|&s| s != 0) {
+                    steps[b] = second;
+                    consider(&steps);
+                }
+                steps[b] = 0;
+            }
+        }
+        steps[a] = 0;
+    }
+    found.sort_by_key(|(square, _)| *square);
+    found.truncate(count);
+    found.into_iter().map(|(_, at)| at).collect()
+}
+
+/// Regressors of a list, block by block, term by term, point by point.
+#[derive(Debug)]
+pub(crate) struct Blocks {
+    n_terms: usize,
+    n_points: usize,
+    values: Vec<f64>,
+}
+
+impl Blocks {
+    fn of(list: &List, regressors: &Regressors) -> Self {
+        let p = regressors.n_terms;
+        let mut values = vec![0.0; list.n_points().div_ceil(BLOCK) * p * BLOCK];
+        let blocks = values.par_chunks_exact_mut(p * BLOCK).zip(list.coordinates.par_chunks(BLOCK * list.n_factors));
+        blocks.for_each(|(block, points)| {
+            let mut row = vec![0.0; p];
+            for (lane, point) in points.chunks_exact(list.n_factors).enumerate() {
+                regressors.fill(point, &mut row);
+                for (term, value) in row.iter().enumerate() {
+                    block[term * BLOCK + lane] = *value;
+                }
+            }
+        });
+        Self { n_terms: p, n_points: list.n_points(), values }
+    }
+
+    /// v at every point.
+    fn values(&self, inverse: &[f64], values: &mut Vec<f64>) {
+        let p = self.n_terms;
+        // The upper triangle with the off-diagonal elements doubled: half of the products.
+        let mut upper = Vec::with_capacity(p * (p + 1) / 2);
+        for i in 0..p {
+            upper.push(inverse[i * p + i]);
+            upper.extend((i + 1..p).map(|j| 2.0 * inverse[i * p + j]));
+        }
+        values.clear();
+        values.resize(self.values.len() / p, 0.0);
+        let chunk = 256;
+        values
+            .par_chunks_mut(chunk * BLOCK)
+            .zip(self.values.par_chunks(chunk * BLOCK * p))
+            .for_each(|(values, blocks)| quadratic_forms(blocks, &upper, p, values));
+        values.truncate(self.n_points);
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+fn quadratic_forms(blocks: &[f64], upper: &[f64], p: usize, values: &mut [f64]) {
+    for (block, values) in blocks.chunks_exact(p * BLOCK).zip(values.chunks_exact_mut(BLOCK)) {
+        let mut sums = [0.0; BLOCK];
+        let mut at = 0;
+        for i in 0..p {
+            let mut inner = [0.0; BLOCK];
+            for j in i..p {
+                let column = &block[j * BLOCK..j * BLOCK + BLOCK];
+                let d = upper[at];
+                at += 1;
+                for lane in 0..BLOCK {
+                    inner[lane] += d * column[lane];
+                }
+            }
+            let row = &block[i * BLOCK..i * BLOCK + BLOCK];
+            for lane in 0..BLOCK {
+                sums[lane] += row[lane] * inner[lane];
+            }
+        }
+        values.copy_from_slice(&sums);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Design, Model};
+
+    #[test]
+    fn a_list_that_is_part_of_a_grid_is_scanned_as_any_other_list() {
+        let model = Model::quadratic(3).expect("a model");
+        let number = |i: usize| ((i * i * 7919 + i * 31) % 2003) as f64 / 1001.0 - 1.0;
+        let design = Design::new(3, (0..42).map(number).collect()).expect("a design");
+        let products = Products::of(&model);
+        let information = crate::Information::of(&model, &design).expect("not singular");
+        let variance = PredictionVariance::from_information(&model, &information).expect("a variance");
+        let cells = (0..7_usize.pow(3)).filter(|cell| cell % 5 != 2);
+        let coordinates = cells.flat_map(|cell| [1, 7, 49].map(|stride| (cell / stride % 7) as f64 / 3.0 - 1.0));
+        let list = List { n_factors: 3, coordinates: coordinates.collect() };
+        let regressors = Regressors::of(&model);
+        let gridded = Candidates::list(&list, &regressors, &products);
+        assert!(matches!(gridded.values, Values::Whole(_)), "four in five of the points of a grid");
+        let lattice = Lattice { levels: Vec::new(), allowed: None };
+        let blocks = Values::Blocks(Blocks::of(&list, &regressors));
+        let any = Candidates { points: Points::List(&list), values: blocks, lattice };
+        let scan = |candidates: &Candidates<'_>| {
+            candidates.scan(&variance, information.inverse(), (0.5, 1000), &mut Vec::new())
+        };
+        let (one, other) = (scan(&gridded), scan(&any));
+        assert!((one.highest - other.highest).abs() < 1e-9 * other.highest, "{} {}", one.highest, other.highest);
+        let sorted = |points: &[f64]| {
+            let mut points: Vec<Vec<u64>> =
+                points.chunks_exact(3).map(|point| point.iter().map(|x| (x + 0.0).to_bits()).collect()).collect();
+            points.sort();
+            points
+        };
+        assert_eq!(sorted(&one.points), sorted(&other.points));
+        assert!(one.n_peaks > 1, "a quadratic has several maxima");
+        let n_inside = list.points().filter(|point| variance.value(point) >= 0.5 * one.highest).count();
+        assert_eq!(one.points.len() / 3, n_inside, "by the polynomial itself");
+    }
+}

@@ -1,0 +1,240 @@
+//! One start of a search over continuous coordinates.
+
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+use super::bounded::{self, Objective as _, minimize};
+use super::polish::{self, Peaks, polish};
+use super::settings::Effort;
+use super::smooth::{Frame, Smooth};
+use super::starts::{Attempt, Incumbents};
+use crate::maximum::{Lattice, highest};
+use crate::measure::Measure;
+use crate::space::{Axis, BoxShape};
+use crate::{Criterion, Forbidden};
+
+/// A search over a box with continuous axes, or the continuous relaxation of a grid.
+#[derive(Debug)]
+pub(crate) struct Continuous<'a> {
+    pub(crate) frame: &'a Frame,
+    /// Continuous in every axis.
+    pub(crate) shape: &'a BoxShape,
+    pub(crate) lattice: &'a Lattice,
+    pub(crate) effort: Effort,
+}
+
+/// Exponents of the smoothing, as powers of 2, and how far a start may be behind the best at each without being given up.
+const STAGES: [(u32, f64); 4] = [(5, 0.12), (7, 0.06), (9, 0.03), (11, 0.02)];
+/// Polishes of one design at most.
+const MOST_CHECKS: usize = 4;
+/// Exponent of the last smoothing of E, as a power of 2.
+const LAST_LOG_Q: u32 = 12;
+/// A design being refined may be this far behind the best, less and less so with every step.
+const BEHIND_REFINED: f64 = 0.01;
+
+impl Continuous<'_> {
+    /// One start; `is_over` is asked between the stages of the smoothing.
+    pub(crate) fn start(
+        &self,
+        generator: &mut Pcg64,
+        incumbents: &Incumbents,
+        is_over: &(dyn Fn() -> bool + Sync),
+    ) -> Attempt {
+        let mut x = self.first_runs(generator, incumbents);
+        let (lower, upper) = self.bounds(&x);
+        match self.frame.criterion {
+            Criterion::G => self.descend_worst_case(generator, incumbents, &mut x, (&lower, &upper), is_over),
+            _ => self.descend(&mut x, (&lower, &upper)),
+        }
+    }
+
+    fn descend(&self, x: &mut [f64], bounds: (&[f64], &[f64])) -> Attempt {
+        let stages: &[u32] =
+            if self.frame.criterion == Criterion::E { &[3, 5, 7, 9, LAST_LOG_Q] } else { &[LAST_LOG_Q] };
+        let mut smooth = Smooth::new(self.frame, 0);
+        let mut value = f64::INFINITY;
+        for &log_q in stages {
+            smooth.set_log_q(log_q);
+            value = minimize(&mut smooth, x, bounds, bounded::Limits { iterations: 300, improvement: 1e-12 });
+        }
+        if value.is_finite() { Attempt::Found { x: x.to_vec(), value, stages: Vec::new() } } else { Attempt::Failed }
+    }
+
+    fn descend_worst_case(
+        &self,
+        generator: &mut Pcg64,
+        incumbents: &Incumbents,
+        x: &mut [f64],
+        bounds: (&[f64], &[f64]),
+        is_over: &(dyn Fn() -> bool + Sync),
+    ) -> Attempt {
+        let first: u32 = generator.random_range(2..=5);
+        let mut smooth = Smooth::new(self.frame, first);
+        let coarse = bounded::Limits { iterations: 60, improvement: 1e-4 };
+        if !minimize(&mut smooth, x, bounds, coarse).is_finite() {
+            return Attempt::Failed;
+        }
+        let mut stages = Vec::with_capacity(STAGES.len());
+        let mut value = f64::INFINITY;
+        for (stage, (log_q, behind)) in STAGES.into_iter().enumerate() {
+            if is_over() {
+                return Attempt::Cut;
+            }
+            smooth.set_log_q(log_q);
+            value = minimize(&mut smooth, x, bounds, bounded::Limits { iterations: 150, improvement: 1e-6 });
+            if !value.is_finite() {
+                return Attempt::Failed;
+            }
+            if value > incumbents.best_at_stage(stage) + behind {
+                return Attempt::Abandoned;
+            }
+            stages.push(value);
+        }
+        Attempt::Found { x: x.to_vec(), value, stages }
+    }
+
+    /// The design of a start taken to its local optimum; none if it is singular.
+    pub(crate) fn refine(&self, mut x: Vec<f64>, incumbents: &Incumbents) -> Option<(Vec<f64>, f64)> {
+        if self.frame.criterion != Criterion::G {
+            let mut smooth = Smooth::new(self.frame, LAST_LOG_Q);
+            let mut gradient = vec![0.0; x.len()];
+            let value = smooth.evaluate(&x, &mut gradient);
+            return value.is_finite().then_some((x, value));
+        }
+        let best = incumbents.best_log_value();
+        let (lower, upper) = self.bounds(&x);
+        let mut peaks = Peaks::new(self.frame, self.shape, self.lattice);
+        let steps = if self.effort == Effort::Thorough { 150 } else { 15 };
+        let limits = polish::Limits { steps, radius: 0.01, least_radius: 1e-8 };
+        // The further it is, the closer to the best it must be to go on.
+        let is_worth = |made: usize, value: f64| value.ln() < best + BEHIND_REFINED / (1.0 + made as f64).sqrt();
+        let mut value = f64::INFINITY;
+        for _ in 0..MOST_CHECKS {
+            value = polish(&mut peaks, &mut x, (&lower, &upper), limits, is_worth);
+            if !value.is_finite() {
+                return None;
+            }
+            // A finer lattice may know a higher maximum; then it takes part in a further polish.
+            let (at, highest) = highest(peaks.variance(), self.shape);
+            if highest <= value * (1.0 + 1e-9) {
+                break;
+            }
+            value = highest;
+            peaks.also(at);
+        }
+        Some((x, value.ln()))
+    }
+
+    /// A refined design with the coordinates of gridded axes on their levels and the others refined again.
+    pub(crate) fn on_levels(&self, shape: &BoxShape, mut x: Vec<f64>) -> Option<(Vec<f64>, f64)> {
+        let k = self.frame.n_factors();
+        let (mut lower, mut upper) = self.bounds(&x);
+        for (at, value) in x.iter_mut().enumerate() {
+            if let Axis::Levels(levels) = &shape.axes[at % k] {
+                let distance = |level: &&f64| (**level - *value).abs();
+                *value = levels.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied()?;
+                (lower[at], upper[at]) = (*value, *value);
+            }
+        }
+        if x.chunks_exact(k).any(|run| shape.forbids(run)) {
+            return None;
+        }
+        if self.frame.criterion == Criterion::G {
+            let mut peaks = Peaks::new(self.frame, shape, self.lattice);
+            let limits = polish::Limits { steps: 60, radius: 0.02, least_radius: 1e-8 };
+            let value = polish(&mut peaks, &mut x, (&lower, &upper), limits, |_, _| true);
+            return value.is_finite().then(|| (x, value.ln()));
+        }
+        let mut smooth = Smooth::new(self.frame, LAST_LOG_Q);
+        let limits = bounded::Limits { iterations: 300, improvement: 1e-12 };
+        let value = minimize(&mut smooth, &mut x, (&lower, &upper), limits);
+        value.is_finite().then_some((x, value))
+    }
+
+    /// Half of the starts, once there is something to start from, are changed copies of good designs; the others are
+    /// random, in one of several ways, because a variety of starts finds what many of one kind miss.
+    fn first_runs(&self, generator: &mut Pcg64, incumbents: &Incumbents) -> Vec<f64> {
+        let k = self.frame.n_factors();
+        let n = self.frame.multiplicities.len();
+        if let Some(elite) = incumbents.pick(generator) {
+            let mut x = elite.to_vec();
+            if generator.random_range(0..3) == 0 {
+                let size = [0.05, 0.15, 0.4][generator.random_range(0..3)];
+                for value in &mut x {
+                    *value = (*value + size * (2.0 * generator.random::<f64>() - 1.0)).clamp(-1.0, 1.0);
+                }
+            } else {
+                let most = (n / 4).max(1);
+                for _ in 0..generator.random_range(1..=most) {
+                    let run = generator.random_range(0..n);
+                    let point = self.random_point(generator, 0.5);
+                    x[run * k..run * k + k].copy_from_slice(&point);
+                }
+            }
+            if !self.shape.forbidden.is_empty() {
+                let fix = |run: &[f64]| if self.shape.forbids(run) { None } else { Some(run.to_vec()) };
+                let runs: Vec<Vec<f64>> = x
+                    .chunks_exact(k)
+                    .map(|run| fix(run).unwrap_or_else(|| self.random_point(generator, 0.0)))
+                    .collect();
+                x = runs.concat();
+            }
+            return x;
+        }
+        let snap = [0.0, 0.3, 0.7, 0.95][generator.random_range(0..4)];
+        (0..n).flat_map(|_| self.random_point(generator, snap)).collect()
+    }
+
+    /// A random allowed point; each coordinate is put on −1, 0 or 1 with the chance `snap`.
+    fn random_point(&self, generator: &mut Pcg64, snap: f64) -> Vec<f64> {
+        if !self.shape.forbidden.is_empty() {
+            return Measure::of(self.shape).sample(generator);
+        }
+        let coordinate = |generator: &mut Pcg64| {
+            let x = 2.0 * generator.random::<f64>() - 1.0;
+            if generator.random::<f64>() < snap { f64::from(generator.random_range(-1..=1)) } else { x }
+        };
+        (0..self.frame.n_factors()).map(|_| coordinate(generator)).collect()
+    }
+
+    /// Bounds of every coordinate: the cube, or around each run a box without forbidden points, grown from the run
+    /// axis by axis, each run beginning with another axis.
+    fn bounds(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (mut lower, mut upper) = (vec![-1.0; x.len()], vec![1.0; x.len()]);
+        let k = self.frame.n_factors();
+        if self.shape.forbidden.is_empty() {
+            return (lower, upper);
+        }
+        for (run, point) in x.chunks_exact(k).enumerate() {
+            let (lower, upper) = (&mut lower[run * k..run * k + k], &mut upper[run * k..run * k + k]);
+            lower.copy_from_slice(point);
+            upper.copy_from_slice(point);
+            for axis in (0..k).map(|j| (j + run) % k) {
+                let [from, to] = self.free_range(point, lower, upper, axis);
+                lower[axis] = from;
+                upper[axis] = to;
+            }
+        }
+        (lower, upper)
+    }
+
+    /// How far a box may grow along an axis before it meets the inside of a forbidden box.
+    fn free_range(&self, point: &[f64], lower: &[f64], upper: &[f64], axis: usize) -> [f64; 2] {
+        let meets = |forbidden: &&Forbidden| {
+            (0..point.len()).filter(|&j| j != axis).all(|j| {
+                let [a, b] = forbidden.range(j);
+                a < upper[j] && lower[j] < b || lower[j] >= upper[j] && a < lower[j] && lower[j] < b
+            })
+        };
+        let mut range = [-1.0, 1.0];
+        for forbidden in self.shape.forbidden.iter().filter(meets) {
+            let [a, b] = forbidden.range(axis);
+            if b <= point[axis] {
+                range[0] = f64::max(range[0], b);
+            } else if a >= point[axis] {
+                range[1] = f64::min(range[1], a);
+            }
+        }
+        range
+    }
+}

@@ -1,0 +1,577 @@
+//! Exchange of runs for candidates, by the change of the criterion that each exchange would make.
+//!
+//! Replacing the run g by f changes M by f f' − g g'. With D = M⁻¹, d_fg = f'D g and
+//! Δ = (1 + d_ff)(1 − d_gg) + d_fg²,
+//!
+//! ```text
+//! |M'| = Δ |M|
+//! x'D'x = x'D x − [(1 − d_gg)(x'D f)² + 2 d_fg (x'D f)(x'D g) − (1 + d_ff)(x'D g)²] / Δ
+//! tr(B D') = tr(B D) − [(1 − d_gg) b_ff + 2 d_fg b_fg − (1 + d_ff) b_gg] / Δ,   b_fg = f'D B D g
+//! ```
+
+use std::collections::HashMap;
+
+use multiversion::multiversion;
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+use super::bounded::Objective as _;
+use super::candidates::Candidates;
+use super::continuous::Continuous;
+use super::smooth::{Frame, Matrices, Smooth};
+use super::starts::{Attempt, Incumbents};
+use crate::matrix::{dot, multiply};
+use crate::{Criterion, PredictionVariance};
+
+/// A search over candidates.
+#[derive(Debug)]
+pub(crate) struct Discrete<'a> {
+    pub(crate) frame: &'a Frame,
+    pub(crate) candidates: &'a Candidates<'a>,
+    /// The same problem with continuous coordinates, whose solutions are rounded to start from.
+    pub(crate) relaxed: Option<Continuous<'a>>,
+    /// Whether no run may be made twice, not even a fixed one.
+    pub(crate) is_distinct: bool,
+    /// Runs whose coordinates differ by no more are made twice.
+    pub(crate) apart: f64,
+    pub(crate) fixed: Vec<Vec<f64>>,
+}
+
+/// Exponents of the smoothed worst prediction, as powers of 2; `None` is the worst prediction itself.
+const STAGES: [Option<u32>; 4] = [Some(5), Some(7), Some(10), None];
+/// Scans of all candidates per stage at most, and passes over all runs between them.
+const PASSES: usize = 10;
+const PASSES_PER_SCAN: usize = 2;
+/// Candidates near a run, and candidates with a high prediction variance, tried in an exchange.
+const NEAR: usize = 60;
+const HIGH: usize = 40;
+/// Points that the worst prediction of an exchange is taken over, between scans of all.
+const WATCHED: usize = 500;
+const WATCHED_SHARE: f64 = 0.75;
+/// Watched points per block: an exchange that a block shows to be too bad is not looked at further.
+const BLOCK: usize = 32;
+/// Least relative improvement worth an exchange.
+const LEAST: f64 = 1e-9;
+
+impl Discrete<'_> {
+    /// One start; `is_over` is asked between passes.
+    pub(crate) fn start(
+        &self,
+        generator: &mut Pcg64,
+        incumbents: &Incumbents,
+        is_over: &(dyn Fn() -> bool + Sync),
+    ) -> Attempt {
+        let Some(x) = self.first_runs(generator, incumbents, is_over) else {
+            return if is_over() { Attempt::Cut } else { Attempt::Failed };
+        };
+        let mut runs = Runs::new(self, x);
+        let is_worst_case = self.frame.criterion == Criterion::G;
+        let Some(value) = runs.look_around() else {
+            return Attempt::Failed;
+        };
+        let mut best = (value, runs.x.clone());
+        for stage in STAGES.into_iter().skip(if is_worst_case { 0 } else { 3 }) {
+            for _ in 0..PASSES {
+                let mut changed = false;
+                for _ in 0..PASSES_PER_SCAN {
+                    if is_over() {
+                        return Attempt::Cut;
+                    }
+                    let pass = runs.pass(stage, generator);
+                    changed |= pass;
+                    if !pass {
+                        break;
+                    }
+                }
+                // Without a change the last scan still holds.
+                if !changed {
+                    break;
+                }
+                let Some(value) = runs.look_around() else {
+                    break;
+                };
+                if value < best.0 {
+                    best = (value, runs.x.clone());
+                }
+            }
+        }
+        let (value, x) = best;
+        Attempt::Found { x, value, stages: Vec::new() }
+    }
+
+    fn is_taken(&self, point: &[f64], x: &[f64], except: usize) -> bool {
+        let same = |other: &[f64]| other.iter().zip(point).all(|(a, b)| (a - b).abs() <= self.apart);
+        let runs = x.chunks_exact(point.len()).enumerate().filter(|&(run, _)| run != except);
+        self.is_distinct && (runs.map(|(_, run)| run).any(same) || self.fixed.iter().any(|run| same(run)))
+    }
+
+    /// A rounded continuous design, a changed good design, or random candidates chosen one by one where v is largest.
+    fn first_runs(
+        &self,
+        generator: &mut Pcg64,
+        incumbents: &Incumbents,
+        is_over: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Vec<f64>> {
+        let (k, n) = (self.frame.n_factors(), self.frame.multiplicities.len());
+        if let Some(elite) = incumbents.pick(generator) {
+            let mut x = elite.to_vec();
+            for _ in 0..generator.random_range(1..=(n / 4).max(1)) {
+                let run = generator.random_range(0..n);
+                let point = if generator.random::<bool>() {
+                    self.candidates.sample(generator)
+                } else {
+                    let near = self.candidates.near(&x[run * k..run * k + k], NEAR);
+                    near[generator.random_range(0..near.len())].clone()
+                };
+                if !self.is_taken(&point, &x, run) {
+                    x[run * k..run * k + k].copy_from_slice(&point);
+                }
+            }
+            return Some(x);
+        }
+        if let Some(relaxed) = &self.relaxed
+            && generator.random_range(0..4) != 0
+        {
+            match relaxed.start(generator, &Incumbents::default(), is_over) {
+                Attempt::Found { x, .. } => return self.rounded(&x),
+                Attempt::Cut => return None,
+                _ => {}
+            }
+        }
+        self.greedy(generator)
+    }
+
+    /// Every run at its nearest free candidate.
+    fn rounded(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let k = self.frame.n_factors();
+        let mut rounded: Vec<f64> = Vec::with_capacity(x.len());
+        for run in x.chunks_exact(k) {
+            let mut near = self.candidates.near(run, 8);
+            if near.iter().all(|point| self.is_taken(point, &rounded, usize::MAX)) {
+                near = self.candidates.near(run, 8 + 2 * x.len() / k);
+            }
+            let free = near.into_iter().find(|point| !self.is_taken(point, &rounded, usize::MAX))?;
+            rounded.extend(free);
+        }
+        Some(rounded)
+    }
+
+    /// Runs added one after the other where the regressor is least explained by those before, among random candidates.
+    fn greedy(&self, generator: &mut Pcg64) -> Option<Vec<f64>> {
+        const SAMPLE: usize = 400;
+        let (p, n) = (self.frame.n_terms(), self.frame.multiplicities.len());
+        let sample: Vec<Vec<f64>> = (0..SAMPLE).map(|_| self.candidates.sample(generator)).collect();
+        let regressors: Vec<Vec<f64>> = sample
+            .iter()
+            .map(|point| {
+                let mut row = vec![0.0; p];
+                self.frame.regressors.fill(point, &mut row);
+                row
+            })
+            .collect();
+        // (fixed + ε I)⁻¹, then one rank-one update a run.
+        let mut information = self.frame.fixed.clone();
+        information.iter_mut().step_by(p + 1).for_each(|d| *d += 1e-4);
+        let mut inverse = vec![0.0; p * p];
+        let mut scratch = vec![0.0; p * p];
+        crate::matrix::cholesky(&mut information, p, 0.0)?;
+        crate::matrix::inverse_of_factor(&information, p, &mut inverse, &mut scratch);
+        let mut x: Vec<f64> = Vec::new();
+        let mut u = vec![0.0; p];
+        for _ in 0..n {
+            let mut best: Option<(f64, usize)> = None;
+            for (index, row) in regressors.iter().enumerate() {
+                multiply(&inverse, p, row, &mut u);
+                let v = dot(row, &u) * (0.5 + generator.random::<f64>());
+                if best.is_none_or(|best| v > best.0) && !self.is_taken(&sample[index], &x, usize::MAX) {
+                    best = Some((v, index));
+                }
+            }
+            let (_, index) = best?;
+            multiply(&inverse, p, &regressors[index], &mut u);
+            let scale = -1.0 / (1.0 + dot(&regressors[index], &u));
+            crate::matrix::add_outer(&mut inverse, p, scale, &u.clone());
+            x.extend_from_slice(&sample[index]);
+        }
+        Some(x)
+    }
+}
+
+/// A design in exchange.
+struct Runs<'a> {
+    search: &'a Discrete<'a>,
+    x: Vec<f64>,
+    rows: Vec<f64>,
+    matrices: Matrices,
+    variance: PredictionVariance,
+    smooth: Smooth<'a>,
+    /// Candidates with high v.
+    high: Vec<Vec<f64>>,
+    /// Regressors of the watched points, block by block, term by term, the highest peaks first; zeros fill the last.
+    watched: Vec<f64>,
+    values: Vec<f64>,
+    /// v at all candidates.
+    everywhere: Vec<f64>,
+    /// Candidates near points asked for before: most runs stay where they are.
+    near: HashMap<Vec<u64>, Vec<Vec<f64>>>,
+}
+
+impl<'a> Runs<'a> {
+    fn new(search: &'a Discrete<'a>, x: Vec<f64>) -> Self {
+        let p = search.frame.n_terms();
+        let matrices = Matrices::new(p);
+        Self {
+            rows: vec![0.0; search.frame.multiplicities.len() * p],
+            variance: PredictionVariance::with_products(search.frame.products.clone(), &matrices.inverse),
+            smooth: Smooth::new(search.frame, 12),
+            matrices,
+            search,
+            x,
+            high: Vec::new(),
+            watched: Vec::new(),
+            values: Vec::new(),
+            everywhere: Vec::new(),
+            near: HashMap::new(),
+        }
+    }
+
+    /// Scans all candidates; the logarithm of the criterion, none if the design is singular.
+    fn look_around(&mut self) -> Option<f64> {
+        let frame = self.search.frame;
+        frame.invert(&self.x, &mut self.rows, &mut self.matrices)?;
+        self.variance.update(&self.matrices.inverse);
+        let most = (WATCHED_SHARE, WATCHED);
+        let near = self.search.candidates.scan(&self.variance, &self.matrices.inverse, most, &mut self.everywhere);
+        let (k, p) = (frame.n_factors(), frame.n_terms());
+        // The local maxima if they are known, else spread over the near-active points, not only the very highest.
+        let n_near = near.points.len() / k;
+        let stride = if near.n_peaks > 0 { 1 } else { (n_near / HIGH).max(1) };
+        self.high = near.points.chunks_exact(k).step_by(stride).take(HIGH).map(<[f64]>::to_vec).collect();
+        self.watched.clear();
+        self.watched.resize(n_near.div_ceil(BLOCK) * p * BLOCK, 0.0);
+        let mut row = vec![0.0; p];
+        for (at, point) in near.points.chunks_exact(k).enumerate() {
+            frame.regressors.fill(point, &mut row);
+            let block = &mut self.watched[at / BLOCK * p * BLOCK..][..p * BLOCK];
+            for (values, value) in block.chunks_exact_mut(BLOCK).zip(&row) {
+                values[at % BLOCK] = *value;
+            }
+        }
+        if frame.criterion == Criterion::G {
+            return Some(near.highest.ln());
+        }
+        let mut gradient = vec![0.0; self.x.len()];
+        Some(self.smooth.evaluate(&self.x, &mut gradient)).filter(|value| value.is_finite())
+    }
+
+    /// Offers every run, in random order, its best exchange; whether any was made.
+    fn pass(&mut self, stage: Option<u32>, generator: &mut Pcg64) -> bool {
+        let n = self.search.frame.multiplicities.len();
+        let mut order: Vec<usize> = (0..n).collect();
+        for i in (1..n).rev() {
+            order.swap(i, generator.random_range(0..=i));
+        }
+        let mut changed = false;
+        for run in order {
+            changed |= self.exchange(run, stage);
+        }
+        changed
+    }
+
+    fn exchange(&mut self, run: usize, stage: Option<u32>) -> bool {
+        let frame = self.search.frame;
+        let (k, p) = (frame.n_factors(), frame.n_terms());
+        let own: Vec<f64> = self.x[run * k..run * k + k].to_vec();
+        let key = own.iter().map(|x| x.to_bits()).collect();
+        let mut offers = self.near.entry(key).or_insert_with(|| self.search.candidates.near(&own, NEAR)).clone();
+        offers.extend(self.high.iter().cloned());
+        offers.retain(|point| *point != own && !self.search.is_taken(point, &self.x, run));
+        if offers.is_empty() {
+            return false;
+        }
+        let best = match frame.criterion {
+            Criterion::E | Criterion::T => self.best_exactly(run, &offers),
+            _ if frame.multiplicities[run] > 1.0 => self.best_exactly(run, &offers),
+            _ => {
+                let row = self.rows[run * p..run * p + p].to_vec();
+                self.best_by_formula(&row, &offers, stage)
+            }
+        };
+        let Some(index) = best else {
+            return false;
+        };
+        self.x[run * k..run * k + k].copy_from_slice(&offers[index]);
+        if frame.invert(&self.x, &mut self.rows, &mut self.matrices).is_some() {
+            return true;
+        }
+        self.x[run * k..run * k + k].copy_from_slice(&own);
+        frame.invert(&self.x, &mut self.rows, &mut self.matrices);
+        false
+    }
+
+    /// The offer with the best criterion, computed from scratch.
+    fn best_exactly(&mut self, run: usize, offers: &[Vec<f64>]) -> Option<usize> {
+        let frame = self.search.frame;
+        let k = frame.n_factors();
+        let mut x = self.x.clone();
+        let mut gradient = vec![0.0; x.len()];
+        let mut best = (self.value_of(&x, &mut gradient), None);
+        for (index, offer) in offers.iter().enumerate() {
+            x[run * k..run * k + k].copy_from_slice(offer);
+            let value = self.value_of(&x, &mut gradient);
+            if value < best.0 - LEAST {
+                best = (value, Some(index));
+            }
+        }
+        best.1
+    }
+
+    fn value_of(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        if self.search.frame.criterion != Criterion::G {
+            return self.smooth.evaluate(x, gradient);
+        }
+        let frame = self.search.frame;
+        let p = frame.n_terms();
+        let mut rows = vec![0.0; self.rows.len()];
+        let mut matrices = Matrices::new(p);
+        if frame.invert(x, &mut rows, &mut matrices).is_none() {
+            return f64::INFINITY;
+        }
+        let mut values = Vec::new();
+        watched_variances(&self.watched, &matrices.inverse, p, &mut values);
+        let highest = values.iter().copied().fold(0.0, f64::max);
+        highest.ln()
+    }
+
+    /// The offer with the best criterion by the formulas above.
+    fn best_by_formula(&mut self, g: &[f64], offers: &[Vec<f64>], stage: Option<u32>) -> Option<usize> {
+        let frame = self.search.frame;
+        let p = frame.n_terms();
+        let inverse = &self.matrices.inverse;
+        let mut d_g = vec![0.0; p];
+        multiply(inverse, p, g, &mut d_g);
+        let d_gg = dot(g, &d_g);
+        let (mut f, mut d_f) = (vec![0.0; p], vec![0.0; p]);
+        let mut best: (f64, Option<usize>) = (0.0, None);
+        let mut along_g = Vec::new();
+        let trace = matches!(frame.criterion, Criterion::A | Criterion::I);
+        let (mut b_d_g, mut b_d_f) = (vec![0.0; p], vec![0.0; p]);
+        match frame.criterion {
+            Criterion::G => {
+                // x'D g and v at the watched points.
+                combine(&self.watched, &d_g, &mut along_g);
+                watched_variances(&self.watched, inverse, p, &mut self.values);
+                best.0 = size(&self.values, stage);
+            }
+            Criterion::D => best.0 = 0.0,
+            Criterion::I => multiply(&frame.moments, p, &d_g, &mut b_d_g),
+            _ => b_d_g.copy_from_slice(&d_g),
+        }
+        for (index, offer) in offers.iter().enumerate() {
+            frame.regressors.fill(offer, &mut f);
+            multiply(inverse, p, &f, &mut d_f);
+            let (d_ff, d_fg) = (dot(&f, &d_f), dot(g, &d_f));
+            let delta = (1.0 + d_ff) * (1.0 - d_gg) + d_fg * d_fg;
+            // An exchange that leaves almost nothing of the determinant leads nowhere.
+            if delta.is_nan() || delta < 1e-6 {
+                continue;
+            }
+            let value = if frame.criterion == Criterion::D {
+                -delta.ln()
+            } else if trace {
+                match frame.criterion {
+                    Criterion::I => multiply(&frame.moments, p, &d_f, &mut b_d_f),
+                    _ => b_d_f.copy_from_slice(&d_f),
+                }
+                let (b_ff, b_fg, b_gg) = (dot(&d_f, &b_d_f), dot(&d_g, &b_d_f), dot(&d_g, &b_d_g));
+                -((1.0 - d_gg) * b_ff + 2.0 * d_fg * b_fg - (1.0 + d_ff) * b_gg) / delta
+            } else {
+                let weights = [(1.0 - d_gg) / delta, 2.0 * d_fg / delta, (1.0 + d_ff) / delta];
+                let exchange = Exchange { d_f: &d_f, weights, values: &self.values, along_g: &along_g };
+                match size_exchanged(&self.watched, exchange, stage, best.0) {
+                    Some(size) => size,
+                    None => continue,
+                }
+            };
+            if value < best.0 - LEAST * best.0.abs().max(1.0) {
+                best = (value, Some(index));
+            }
+        }
+        best.1
+    }
+}
+
+/// (Σ v^q)^(1/q), or the largest v.
+fn size(values: &[f64], stage: Option<u32>) -> f64 {
+    let highest = values.iter().copied().fold(0.0, f64::max);
+    match stage {
+        Some(log_q) if highest > 0.0 => {
+            let sum: f64 = values.iter().map(|v| power(v / highest, log_q)).sum();
+            highest * (sum.ln() / f64::from(1 << log_q)).exp()
+        }
+        _ => highest,
+    }
+}
+
+/// x to the power 2^`log`.
+#[inline(always)]
+fn power(x: f64, log: u32) -> f64 {
+    (0..log).fold(x, |power, _| power * power)
+}
+
+/// What an exchange of g for f changes at the watched points.
+#[derive(Clone, Copy)]
+struct Exchange<'a> {
+    d_f: &'a [f64],
+    /// Of (x'D f)², (x'D f)(x'D g) and −(x'D g)².
+    weights: [f64; 3],
+    /// v and x'D g at the watched points, before.
+    values: &'a [f64],
+    along_g: &'a [f64],
+}
+
+/// The size of v after an exchange; none as soon as it is known to be no smaller than the best.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+fn size_exchanged(watched: &[f64], exchange: Exchange<'_>, stage: Option<u32>, best: f64) -> Option<f64> {
+    let [ff, fg, gg] = exchange.weights;
+    let scale = 1.0 / best;
+    let log_q = stage.unwrap_or(0);
+    let (mut highest, mut sum) = (0.0, 0.0);
+    let blocks = watched.chunks_exact(exchange.d_f.len() * BLOCK);
+    let known = exchange.values.chunks_exact(BLOCK).zip(exchange.along_g.chunks_exact(BLOCK));
+    for (block, (values, along_g)) in blocks.zip(known) {
+        let mut along_f = [0.0; BLOCK];
+        for (row, c) in block.chunks_exact(BLOCK).zip(exchange.d_f) {
+            for lane in 0..BLOCK {
+                along_f[lane] += c * row[lane];
+            }
+        }
+        let mut changed = [0.0; BLOCK];
+        for lane in 0..BLOCK {
+            let (f, g) = (along_f[lane], along_g[lane]);
+            changed[lane] = scale * (values[lane] - (ff * f * f + fg * f * g - gg * g * g));
+        }
+        let mut lanes = [0.0; 8];
+        for eight in changed.chunks_exact(8) {
+            for lane in 0..8 {
+                lanes[lane] = if eight[lane] > lanes[lane] { eight[lane] } else { lanes[lane] };
+            }
+        }
+        highest = lanes.iter().copied().fold(highest, f64::max);
+        if highest >= 1.0 {
+            return None;
+        }
+        if stage.is_some() {
+            for _ in 0..log_q {
+                for value in &mut changed {
+                    *value *= *value;
+                }
+            }
+            let mut lanes = [0.0; 8];
+            for eight in changed.chunks_exact(8) {
+                for lane in 0..8 {
+                    lanes[lane] += eight[lane];
+                }
+            }
+            sum += lanes.iter().sum::<f64>();
+            if sum >= 1.0 {
+                return None;
+            }
+        }
+    }
+    Some(if stage.is_some() { best * (sum.ln() / f64::from(1 << log_q)).exp() } else { best * highest })
+}
+
+/// Σ_t c_t x_t at every watched point.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+fn combine(watched: &[f64], coefficients: &[f64], sums: &mut Vec<f64>) {
+    sums.clear();
+    for block in watched.chunks_exact(coefficients.len() * BLOCK) {
+        let mut lanes = [0.0; BLOCK];
+        for (row, c) in block.chunks_exact(BLOCK).zip(coefficients) {
+            for lane in 0..BLOCK {
+                lanes[lane] += c * row[lane];
+            }
+        }
+        sums.extend_from_slice(&lanes);
+    }
+}
+
+/// v at every watched point.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+fn watched_variances(watched: &[f64], inverse: &[f64], p: usize, values: &mut Vec<f64>) {
+    values.clear();
+    for block in watched.chunks_exact(p * BLOCK) {
+        let mut lanes = [0.0; BLOCK];
+        for (i, row) in block.chunks_exact(BLOCK).enumerate() {
+            let mut sums = [0.0; BLOCK];
+            for (other, c) in block.chunks_exact(BLOCK).zip(&inverse[i * p..i * p + p]) {
+                for lane in 0..BLOCK {
+                    sums[lane] += c * other[lane];
+                }
+            }
+            for lane in 0..BLOCK {
+                lanes[lane] += sums[lane] * row[lane];
+            }
+        }
+        values.extend_from_slice(&lanes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::products::Products;
+    use crate::search::frame;
+    use crate::space::Shape;
+    use crate::{Model, Problem, Space};
+    use rand::SeedableRng;
+
+    #[test]
+    fn formulas_choose_what_computing_from_scratch_chooses() {
+        let space = Space::grid(&[5, 5]).expect("a grid");
+        let Shape::Box(shape) = space.shape() else { unreachable!("a grid is a box") };
+        let candidates = Candidates::grid(shape, &Products::of(&Model::quadratic(2).expect("a model")));
+        let mut generator = Pcg64::seed_from_u64(5);
+        let mut compared = 0;
+        for criterion in [Criterion::D, Criterion::A, Criterion::I, Criterion::G] {
+            let problem =
+                Problem::new(Model::quadratic(2).expect("a model"), space.clone(), 9, criterion).expect("sound");
+            let frame = frame(&problem, Some(&shape.relaxed()), <[f64]>::to_vec).expect("a frame");
+            let search = Discrete {
+                frame: &frame,
+                candidates: &candidates,
+                relaxed: None,
+                apart: 1e-6,
+                is_distinct: false,
+                fixed: Vec::new(),
+            };
+            for _ in 0..20 {
+                let x = search.greedy(&mut generator).expect("nine runs");
+                let mut runs = Runs::new(&search, x);
+                if runs.look_around().is_none() {
+                    continue;
+                }
+                let offers: Vec<Vec<f64>> = (0..12).map(|_| candidates.sample(&mut generator)).collect();
+                for run in 0..9 {
+                    let row = runs.rows[run * 6..run * 6 + 6].to_vec();
+                    let by_formula = runs.best_by_formula(&row, &offers, None);
+                    let exactly = runs.best_exactly(run, &offers);
+                    // Mirror images and the same candidate twice may tie: then the values count.
+                    let mut value = |choice: Option<usize>| {
+                        let mut x = runs.x.clone();
+                        if let Some(index) = choice {
+                            x[run * 2..run * 2 + 2].copy_from_slice(&offers[index]);
+                        }
+                        let mut gradient = vec![0.0; x.len()];
+                        runs.value_of(&x, &mut gradient)
+                    };
+                    let (one, other) = (value(by_formula), value(exactly));
+                    assert!((one - other).abs() < 1e-7, "{criterion}: {one} is not {other}");
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 400, "{compared}");
+    }
+}

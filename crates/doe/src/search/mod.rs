@@ -1,0 +1,371 @@
+//! The search for a design.
+
+mod bounded;
+mod candidates;
+mod continuous;
+mod curvature;
+mod exchange;
+mod minimax_step;
+mod nested;
+mod polish;
+mod problem;
+mod report;
+mod runs;
+mod settings;
+mod smooth;
+mod starts;
+mod table;
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use rand_pcg::Pcg64;
+
+use problem::{APART, SAME_RUN};
+pub use problem::{Problem, Replicates};
+pub use report::{Found, Progress, Report, StopReason};
+pub use settings::{Effort, Settings};
+
+use crate::criterion::moment_matrix;
+use crate::matrix::add_outer;
+use crate::maximum::Lattice;
+use crate::products::Products;
+use crate::space::{Axis, BoxShape, List, Shape};
+use crate::{Criterion, Design, Error, Space};
+use candidates::Candidates;
+use continuous::Continuous;
+use exchange::Discrete;
+use runs::Regressors;
+use smooth::Frame;
+use starts::{Attempt, Incumbents};
+use table::Table;
+
+/// How a caller watches a search and ends it.
+#[derive(Default)]
+pub struct Watch<'a> {
+    /// Once true no further start begins and those on their way are cut; the best design so far is the result.
+    pub interrupt: Option<&'a AtomicBool>,
+    /// Called now and then.
+    pub progress: Option<&'a mut dyn FnMut(Progress)>,
+}
+
+impl std::fmt::Debug for Watch<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Watch").field("interrupt", &self.interrupt).finish_non_exhaustive()
+    }
+}
+
+/// The best design that the settings allow to find.
+///
+/// # Errors
+///
+/// [`Error::Setting`]; [`Error::NoDesign`] if no start led to a design that determines the model.
+pub fn search(problem: &Problem, settings: &Settings) -> Result<Found, Error> {
+    search_watched(problem, settings, Watch::default())
+}
+
+/// As [`search`], watched and interruptible.
+///
+/// # Errors
+///
+/// As [`search`].
+pub fn search_watched(problem: &Problem, settings: &Settings, mut watch: Watch<'_>) -> Result<Found, Error> {
+    settings.validate()?;
+    let began = Instant::now();
+    let percent = |log_value: f64| percent(problem, log_value);
+    let target = settings.target_percent.map(|target| log_value(problem, target));
+    let progress = |starts: u64, value: f64| {
+        if let Some(progress) = watch.progress.as_mut() {
+            progress(Progress {
+                starts,
+                best_value: value.exp(),
+                best_percent: percent(value),
+                elapsed: began.elapsed(),
+            });
+        }
+    };
+    let runner = Runner { settings, began, interrupt: watch.interrupt, target };
+    let outcome = match problem.space().shape() {
+        Shape::Box(shape) if shape.is_discrete() => over_grid(problem, shape, runner, progress)?,
+        Shape::Box(shape) if shape.is_continuous() && problem.replicates() == Replicates::Allowed => {
+            over_box(problem, shape, runner, progress)?
+        }
+        Shape::Box(shape) => over_fine_grid(problem, shape, runner, progress)?,
+        Shape::List(list) => over_list(problem, list, runner, progress)?,
+    };
+    let Some((_, best_start, x)) = outcome.best else {
+        return Err(Error::NoDesign { starts: outcome.starts });
+    };
+    let design = problem.design(&x)?;
+    let efficiency = problem.criterion().efficiency(problem.model(), problem.space(), &design)?;
+    let report = Report {
+        stop: outcome.stop,
+        starts: outcome.starts,
+        best_start,
+        times_found: outcome.times_found,
+        abandoned: outcome.abandoned,
+        failed: outcome.failed,
+        elapsed: began.elapsed(),
+    };
+    Ok(Found { design, efficiency, report })
+}
+
+/// A continuous box, replicates allowed.
+fn over_box(
+    problem: &Problem,
+    shape: &BoxShape,
+    runner: Runner<'_>,
+    progress: impl FnMut(u64, f64),
+) -> Result<starts::Outcome, Error> {
+    let relaxed = shape.relaxed();
+    let frame = frame(problem, Some(&relaxed), |point| point.to_vec())?;
+    let lattice = lattice(&relaxed);
+    let search = Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort: runner.settings.effort };
+    let attempt = |generator: &mut Pcg64, incumbents: &Incumbents, is_over: &(dyn Fn() -> bool + Sync)| {
+        search.start(generator, incumbents, is_over)
+    };
+    let refine = |x: Vec<f64>, _: f64, incumbents: &Incumbents| search.refine(x, incumbents);
+    Ok(runner.run(attempt, refine, progress))
+}
+
+/// A box with a continuous axis and one with levels, or whose free runs must differ: on a fine grid, and off it along the
+/// continuous axes as far as runs that must differ stay apart.
+fn over_fine_grid(
+    problem: &Problem,
+    shape: &BoxShape,
+    runner: Runner<'_>,
+    progress: impl FnMut(u64, f64),
+) -> Result<starts::Outcome, Error> {
+    let gridded = gridded(shape)?;
+    let is_distinct = problem.replicates() != Replicates::Allowed;
+    let relaxed = shape.relaxed();
+    let frame = frame(problem, Some(&relaxed), |point| point.to_vec())?;
+    let lattice = lattice(&relaxed);
+    let continuous = Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort: Effort::Quick };
+    let polish = Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort: runner.settings.effort };
+    let candidates = Candidates::grid(&gridded, &frame.products);
+    let fixed = problem.fixed().iter().flat_map(|fixed| Design::runs(fixed)).map(<[f64]>::to_vec).collect();
+    let search = Discrete {
+        frame: &frame,
+        candidates: &candidates,
+        relaxed: Some(continuous),
+        is_distinct,
+        apart: APART,
+        fixed,
+    };
+    let attempt = |generator: &mut Pcg64, incumbents: &Incumbents, is_over: &(dyn Fn() -> bool + Sync)| {
+        search.start(generator, incumbents, is_over)
+    };
+    // The value on the grid is not that over the space: both designs are scored where they count.
+    let score = |x: &[f64]| -> Option<f64> {
+        let design = problem.design(x).ok()?;
+        let efficiency = problem.criterion().efficiency(problem.model(), problem.space(), &design).ok()?;
+        Some(log_value(problem, efficiency.percent))
+    };
+    let refine = |x: Vec<f64>, _: f64, incumbents: &Incumbents| {
+        let value = score(&x)?;
+        let moved = if shape.is_continuous() {
+            polish.refine(x.clone(), incumbents)
+        } else {
+            polish.on_levels(shape, x.clone())
+        };
+        let moved = moved.map(|(moved, _)| moved).filter(|moved| problem.keeps_replicates(moved));
+        match moved.and_then(|moved| Some((score(&moved)?, moved))) {
+            Some((better, moved)) if better < value => Some((moved, better)),
+            _ => Some((x, value)),
+        }
+    };
+    Ok(runner.run(attempt, refine, progress))
+}
+
+/// Points of a grid in place of a box with continuous axes, at most: as many as can be scanned quickly.
+const GRID_POINTS: f64 = 4_194_304.0;
+/// Levels of such a grid along a continuous axis, at most: a twentieth of half the axis apart.
+const GRID_LEVELS: u32 = 41;
+
+/// The box with levels along its continuous axes, an odd number so that ends and middle are among them.
+fn gridded(shape: &BoxShape) -> Result<BoxShape, Error> {
+    let given = |axis: &Axis| match axis {
+        Axis::Continuous => None,
+        Axis::Levels(levels) => Some(levels.len() as f64),
+    };
+    let n_continuous = shape.axes.iter().filter(|axis| given(axis).is_none()).count();
+    let given: f64 = shape.axes.iter().filter_map(given).product();
+    let most = (GRID_POINTS / given).powf(1.0 / n_continuous as f64);
+    let levels = (3..=GRID_LEVELS).rev().step_by(2).find(|&levels| f64::from(levels) <= most).unwrap_or(3);
+    let axis = |axis: &Axis| match axis {
+        Axis::Continuous => Axis::equally_spaced(levels),
+        Axis::Levels(_) => Ok(axis.clone()),
+    };
+    let axes = shape.axes.iter().map(axis).collect::<Result<Vec<_>, Error>>()?;
+    Ok(BoxShape { axes, forbidden: shape.forbidden.clone() })
+}
+
+/// A box with levels along every axis.
+fn over_grid(
+    problem: &Problem,
+    shape: &BoxShape,
+    runner: Runner<'_>,
+    progress: impl FnMut(u64, f64),
+) -> Result<starts::Outcome, Error> {
+    let relaxed = shape.relaxed();
+    let frame = frame(problem, Some(&relaxed), |point| point.to_vec())?;
+    let lattice = lattice(&relaxed);
+    let continuous = Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort: Effort::Quick };
+    let candidates = Candidates::grid(shape, &frame.products);
+    let fixed = problem.fixed().iter().flat_map(|fixed| Design::runs(fixed)).map(<[f64]>::to_vec).collect();
+    let is_distinct = problem.replicates() != Replicates::Allowed;
+    let search = Discrete {
+        frame: &frame,
+        candidates: &candidates,
+        relaxed: Some(continuous),
+        is_distinct,
+        apart: SAME_RUN,
+        fixed,
+    };
+    let attempt = |generator: &mut Pcg64, incumbents: &Incumbents, is_over: &(dyn Fn() -> bool + Sync)| {
+        search.start(generator, incumbents, is_over)
+    };
+    Ok(runner.run(attempt, as_it_is, progress))
+}
+
+/// A list of candidates, stretched to fill the cube where that does not change the problem, so that a list shrunken to
+/// a small part of it is as well conditioned as any.
+fn over_list(
+    problem: &Problem,
+    list: &List,
+    runner: Runner<'_>,
+    progress: impl FnMut(u64, f64),
+) -> Result<starts::Outcome, Error> {
+    let k = list.n_factors;
+    let mut ends = vec![[f64::INFINITY, f64::NEG_INFINITY]; k];
+    for point in list.points() {
+        for ([lower, upper], &x) in ends.iter_mut().zip(point) {
+            *lower = lower.min(x);
+            *upper = upper.max(x);
+        }
+    }
+    let is_invariant = matches!(problem.criterion(), Criterion::D | Criterion::G | Criterion::I);
+    let fills = ends.iter().all(|[lower, upper]| *lower <= -1.0 && *upper >= 1.0);
+    let stretches = is_invariant && problem.model().is_affine_closed() && ends.iter().all(|[a, b]| b - a > 1e-9);
+    let stretch = |point: &[f64]| -> Vec<f64> {
+        let stretched = |(x, [a, b]): (&f64, &[f64; 2])| ((x - a) - (b - x)) / (b - a);
+        if stretches && !fills { point.iter().zip(&ends).map(stretched).collect() } else { point.to_vec() }
+    };
+    let stretched = List { n_factors: k, coordinates: list.points().flat_map(stretch).collect() };
+    let cube = BoxShape { axes: vec![Axis::Continuous; k], forbidden: Vec::new() };
+    let is_boxed = fills || stretches;
+    let frame = frame(problem, is_boxed.then_some(&cube), stretch)?;
+    let lattice = lattice(&cube);
+    let relaxed =
+        is_boxed.then_some(Continuous { frame: &frame, shape: &cube, lattice: &lattice, effort: Effort::Quick });
+    let candidates = Candidates::list(&stretched, &frame.regressors, &frame.products);
+    let fixed = problem.fixed().iter().flat_map(|fixed| Design::runs(fixed)).map(stretch).collect();
+    let is_distinct = problem.replicates() != Replicates::Allowed;
+    let search = Discrete { frame: &frame, candidates: &candidates, relaxed, is_distinct, apart: SAME_RUN, fixed };
+    let attempt = |generator: &mut Pcg64, incumbents: &Incumbents, is_over: &(dyn Fn() -> bool + Sync)| {
+        search.start(generator, incumbents, is_over)
+    };
+    let mut outcome = runner.run(attempt, as_it_is, progress);
+    if let Some((_, _, x)) = &mut outcome.best {
+        // Back to the very candidates.
+        let original = x.chunks_exact(k).flat_map(|run| list.point(stretched.nearest(run).0).to_vec());
+        *x = original.collect();
+    }
+    Ok(outcome)
+}
+
+/// A discrete start is refined already.
+fn as_it_is(x: Vec<f64>, value: f64, _: &Incumbents) -> Option<(Vec<f64>, f64)> {
+    Some((x, value))
+}
+
+/// Levels per axis of the lattice on which the prediction variance is smoothed: enough to see its maxima, few enough to
+/// be quick. With more factors nearly all maxima are on −1, 0, 1.
+fn lattice_levels(n_factors: usize) -> usize {
+    match n_factors {
+        1 => 33,
+        2 => 9,
+        3 => 5,
+        _ => 3,
+    }
+}
+
+fn lattice(shape: &BoxShape) -> Lattice {
+    Lattice::with_levels(shape, lattice_levels(shape.axes.len()))
+}
+
+/// What the search for a problem needs; the lattice of G is that of a continuous shape, if there is one.
+fn frame(problem: &Problem, shape: Option<&BoxShape>, map: impl Fn(&[f64]) -> Vec<f64>) -> Result<Frame, Error> {
+    let (model, criterion) = (problem.model(), problem.criterion());
+    let products = Arc::new(Products::of(model));
+    let p = model.n_terms();
+    let mut fixed = vec![0.0; p * p];
+    for run in problem.fixed().iter().flat_map(|fixed| Design::runs(fixed)) {
+        add_outer(&mut fixed, p, 1.0, &model.regressor(&map(run))?);
+    }
+    let moments = match (criterion, problem.space().shape()) {
+        (Criterion::I, Shape::List(list)) => {
+            let mapped = Space::list_unchecked(list.n_factors, list.points().flat_map(&map).collect());
+            moment_matrix(model, &mapped)?
+        }
+        (Criterion::I, Shape::Box(_)) => moment_matrix(model, problem.space())?,
+        _ => Vec::new(),
+    };
+    let table = shape.filter(|_| criterion == Criterion::G).map(|shape| Table::of(&products, &lattice(shape)));
+    let regressors = Regressors::of(model);
+    let least_log_determinant =
+        if criterion == Criterion::T { least_log_determinant(problem)? } else { f64::NEG_INFINITY };
+    let multiplicities = problem.multiplicities();
+    Ok(Frame { criterion, regressors, products, fixed, multiplicities, moments, least_log_determinant, table })
+}
+
+/// log det(M) / p of a good D design, less what T may give up.
+fn least_log_determinant(problem: &Problem) -> Result<f64, Error> {
+    let settings = Settings { starts: 16, ..Settings::default() };
+    let best = search(&problem.clone().with_criterion(Criterion::D), &settings)?;
+    Ok(-best.efficiency.value + Criterion::T_LEAST_D.ln())
+}
+
+/// What runs the starts of any search.
+struct Runner<'a> {
+    settings: &'a Settings,
+    began: Instant,
+    interrupt: Option<&'a AtomicBool>,
+    target: Option<f64>,
+}
+
+impl Runner<'_> {
+    fn run(
+        self,
+        attempt: impl Fn(&mut Pcg64, &Incumbents, &(dyn Fn() -> bool + Sync)) -> Attempt + Sync,
+        refine: impl Fn(Vec<f64>, f64, &Incumbents) -> Option<(Vec<f64>, f64)> + Sync,
+        progress: impl FnMut(u64, f64),
+    ) -> starts::Outcome {
+        starts::run(self.settings, self.began, self.interrupt, self.target, attempt, refine, progress)
+    }
+}
+
+/// Efficiency of a logarithmic value, for progress and targets.
+fn percent(problem: &Problem, log_value: f64) -> f64 {
+    let (n, p) = (problem.n_runs() as f64, problem.model().n_terms() as f64);
+    100.0
+        * match problem.criterion() {
+            Criterion::D => (-log_value).exp() / n,
+            Criterion::A | Criterion::G | Criterion::I => p / (n * log_value.exp()),
+            Criterion::E => (-log_value).exp() / n,
+            Criterion::T => (-log_value).exp() / (n * p),
+        }
+}
+
+/// The inverse of [`percent`].
+fn log_value(problem: &Problem, percent: f64) -> f64 {
+    let (n, p) = (problem.n_runs() as f64, problem.model().n_terms() as f64);
+    let fraction = percent / 100.0;
+    match problem.criterion() {
+        Criterion::D | Criterion::E => -(fraction * n).ln(),
+        Criterion::A | Criterion::G | Criterion::I => (p / (n * fraction)).ln(),
+        Criterion::T => -(fraction * n * p).ln(),
+    }
+}

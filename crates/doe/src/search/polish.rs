@@ -1,0 +1,306 @@
+//! The last digits of a G-optimal design: sequential quadratic programs over all near-active maxima.
+
+use super::curvature::Local;
+use super::minimax_step::{MinimaxStep, Solution, solve};
+use super::smooth::{Frame, Matrices};
+use crate::PredictionVariance;
+use crate::matrix::{dot, multiply};
+use crate::maximum::{Lattice, climb};
+use crate::space::BoxShape;
+
+/// How far a polish goes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    pub(crate) steps: usize,
+    /// First bound on the change of a coordinate.
+    pub(crate) radius: f64,
+    /// A radius at which to stop.
+    pub(crate) least_radius: f64,
+}
+
+/// Maxima below this fraction of the highest cannot become active within a step.
+const NEAR_ACTIVE: f64 = 0.5;
+/// And at most this many are kept.
+const MOST_MAXIMA: usize = 600;
+/// A maximum closer than this to an older one is the same, moved by a step.
+const NEAR_MAXIMUM: f64 = 0.2;
+/// Maxima closer than this are one.
+const SAME_MAXIMUM: f64 = 1e-4;
+
+/// The largest v over the shape for the runs at x, and every near-active maximum; none if singular.
+pub(crate) struct Peaks<'a> {
+    frame: &'a Frame,
+    shape: &'a BoxShape,
+    lattice: &'a Lattice,
+    rows: Vec<f64>,
+    matrices: Matrices,
+    variance: PredictionVariance,
+    /// The last maxima: they start the next ascents too.
+    known: Vec<Vec<f64>>,
+}
+
+impl<'a> Peaks<'a> {
+    pub(crate) fn new(frame: &'a Frame, shape: &'a BoxShape, lattice: &'a Lattice) -> Self {
+        let p = frame.n_terms();
+        let matrices = Matrices::new(p);
+        let variance = PredictionVariance::with_products(frame.products.clone(), &matrices.inverse);
+        let rows = vec![0.0; frame.multiplicities.len() * p];
+        Self { frame, shape, lattice, rows, matrices, variance, known: Vec::new() }
+    }
+
+    /// v of the design last looked at.
+    pub(crate) fn variance(&self) -> &PredictionVariance {
+        &self.variance
+    }
+
+    /// Starts the next ascents from this point too.
+    pub(crate) fn also(&mut self, point: Vec<f64>) {
+        self.known.push(point);
+    }
+
+    /// Maxima as points with their heights, the highest first.
+    pub(crate) fn at(&mut self, x: &[f64]) -> Option<Vec<(Vec<f64>, f64)>> {
+        self.frame.invert(x, &mut self.rows, &mut self.matrices)?;
+        self.variance.update(&self.matrices.inverse);
+        let values = match &self.frame.table {
+            // The table holds the same lattice where nothing is forbidden.
+            Some(table) if table.n_points() == self.lattice.n_points() => {
+                let (mut folded, mut values) = (Vec::new(), Vec::new());
+                let mut coefficients = vec![0.0; self.frame.products.n_monomials()];
+                self.frame.products.collect(&self.matrices.inverse, &mut coefficients);
+                table.values(&coefficients, &mut folded, &mut values);
+                values
+            }
+            _ => self.lattice.values(&self.variance),
+        };
+        let starts = self.lattice.local_maxima(&values, NEAR_ACTIVE, MOST_MAXIMA);
+        let starts = starts.into_iter().map(|index| self.lattice.point(index));
+        let mut peaks: Vec<(Vec<f64>, f64)> = Vec::new();
+        for start in starts.chain(std::mem::take(&mut self.known)) {
+            let peak = climb(&self.variance, self.shape, &start);
+            let near = |other: &(Vec<f64>, f64)| other.0.iter().zip(&peak.0).all(|(a, b)| (a - b).abs() < SAME_MAXIMUM);
+            if !peaks.iter().any(near) {
+                peaks.push(peak);
+            }
+        }
+        peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let highest = peaks.first()?.1;
+        peaks.retain(|peak| peak.1 >= NEAR_ACTIVE * highest);
+        peaks.truncate(MOST_MAXIMA);
+        self.known = peaks.iter().map(|peak| peak.0.clone()).collect();
+        highest.is_finite().then_some(peaks)
+    }
+
+    /// ∂v(z)/∂x = −2 (r(z)' D rᵢ) (∂rᵢ/∂x)' D r(z) for the runs of the last call.
+    fn slopes(&self, x: &[f64], peak: &[f64], slopes: &mut [f64]) {
+        let (p, k) = (self.frame.n_terms(), self.frame.n_factors());
+        let mut regressor = vec![0.0; p];
+        let mut u = vec![0.0; p];
+        self.frame.regressors.fill(peak, &mut regressor);
+        multiply(&self.matrices.inverse, p, &regressor, &mut u);
+        slopes.fill(0.0);
+        let runs = self.rows.chunks_exact(p).zip(x.chunks_exact(k)).zip(&self.frame.multiplicities);
+        for (((row, point), multiplicity), slopes) in runs.zip(slopes.chunks_exact_mut(k)) {
+            let covariance: f64 = row.iter().zip(&u).map(|(a, b)| a * b).sum();
+            self.frame.regressors.add_slopes(point, &u, -2.0 * covariance * multiplicity, slopes);
+        }
+    }
+}
+
+/// A maximum met on the way. It bounds the steps to come for a while, because where v is flat a maximum moves far.
+struct Met {
+    point: Vec<f64>,
+    /// Steps since it last was a maximum or held a step back.
+    age: u32,
+    /// Its share in holding back the last step.
+    multiplier: f64,
+}
+
+/// Steps after which a maximum that did not matter is forgotten.
+const FORGOTTEN: u32 = 4;
+
+/// Improves x in place by steps that lower all near-active maxima at once: min t + d'Hd/2 with v_j + g_j · d ≤ t within
+/// a radius that grows where the maxima move as predicted; H is the curvature of the maxima weighted by their
+/// multipliers. Goes on while `is_worth` says so of the number of steps made
+/// and the largest v; returns the largest v.
+pub(crate) fn polish(
+    peaks: &mut Peaks<'_>,
+    x: &mut [f64],
+    bounds: (&[f64], &[f64]),
+    limits: Limits,
+    is_worth: impl Fn(usize, f64) -> bool,
+) -> f64 {
+    let n = x.len();
+    let movable: Vec<usize> = (0..n).filter(|&i| bounds.1[i] > bounds.0[i]).collect();
+    let Some(mut current) = peaks.at(x) else {
+        return f64::INFINITY;
+    };
+    let mut radius = limits.radius;
+    let mut pool: Vec<Met> = Vec::new();
+    remember(&mut pool, &current);
+    let mut stalled = 0;
+    for made in 0..limits.steps {
+        let highest = current[0].1;
+        if movable.is_empty() || radius < limits.least_radius || stalled == 3 || !is_worth(made, highest) {
+            break;
+        }
+        let free = not_pressed(peaks, x, &pool, &movable, bounds);
+        let (considered, heights, slopes) = linearize(peaks, x, &pool, &free, radius);
+        let lower: Vec<f64> = free.iter().map(|&i| (bounds.0[i] - x[i]).max(-radius)).collect();
+        let upper: Vec<f64> = free.iter().map(|&i| (bounds.1[i] - x[i]).min(radius)).collect();
+        let mut problem =
+            MinimaxStep { heights: &heights, slopes: &slopes, lower: &lower, upper: &upper, curvature: &[] };
+        if pool.iter().all(|met| met.multiplier <= 0.0) {
+            let Some(Solution { multipliers, .. }) = solve(&problem) else {
+                break;
+            };
+            hold(&mut pool, &considered, &multipliers);
+        }
+        let hessian = hessian(peaks, x, &pool, &free);
+        problem.curvature = &hessian;
+        let Some(Solution { step, multipliers }) = solve(&problem) else {
+            break;
+        };
+        hold(&mut pool, &considered, &multipliers);
+        let reached = |row: (&f64, &[f64])| row.0 + row.1.iter().zip(&step).map(|(g, d)| g * d).sum::<f64>();
+        let predicted = heights.iter().zip(slopes.chunks_exact(free.len())).map(reached).fold(0.0, f64::max);
+        let bend: f64 = hessian.chunks_exact(free.len()).zip(&step).map(|(row, d)| d * dot(row, &step)).sum();
+        let predicted = predicted + 0.5 * bend;
+        if predicted >= 1.0 - 1e-8 {
+            break;
+        }
+        let mut trial = x.to_vec();
+        for (&i, d) in free.iter().zip(&step) {
+            trial[i] = (x[i] + d).clamp(bounds.0[i], bounds.1[i]);
+        }
+        let before = peaks.known.clone();
+        pool.retain(|met| met.age <= FORGOTTEN);
+        match peaks.at(&trial) {
+            Some(next) if next[0].1 < highest => {
+                let gain = 1.0 - next[0].1 / highest;
+                let ratio = gain / (1.0 - predicted);
+                radius *= if ratio > 0.7 {
+                    2.0
+                } else if ratio < 0.25 {
+                    0.5
+                } else {
+                    1.0
+                };
+                stalled = if gain < 1e-8 { stalled + 1 } else { 0 };
+                x.copy_from_slice(&trial);
+                current = next;
+                remember(&mut pool, &current);
+            }
+            other => {
+                if let Some(next) = other {
+                    remember(&mut pool, &next);
+                }
+                peaks.known = before;
+                peaks.at(x);
+                let moved = step.iter().fold(0.0, |a: f64, d| a.max(d.abs()));
+                radius = 0.25 * radius.min(moved);
+            }
+        }
+    }
+    current[0].1
+}
+
+/// A coordinate whose bound holds it back by more than this relative slope stays there for the step.
+const PRESSED: f64 = 0.01;
+
+/// The movable coordinates less those that the multipliers of the last step press against a bound.
+fn not_pressed(peaks: &Peaks<'_>, x: &[f64], pool: &[Met], movable: &[usize], bounds: (&[f64], &[f64])) -> Vec<usize> {
+    let total: f64 = pool.iter().map(|met| met.multiplier).sum();
+    let mut gradient = vec![0.0; x.len()];
+    let mut row = vec![0.0; x.len()];
+    for met in pool.iter().filter(|met| met.multiplier > 0.0) {
+        peaks.slopes(x, &met.point, &mut row);
+        let weight = met.multiplier / (total * peaks.variance.value(&met.point));
+        gradient.iter_mut().zip(&row).for_each(|(sum, slope)| *sum += weight * slope);
+    }
+    let pressed = |i: usize| {
+        x[i] <= bounds.0[i] + 1e-9 && gradient[i] > PRESSED || x[i] >= bounds.1[i] - 1e-9 && gradient[i] < -PRESSED
+    };
+    let free: Vec<usize> = movable.iter().copied().filter(|&i| !pressed(i)).collect();
+    if free.is_empty() { movable.to_vec() } else { free }
+}
+
+/// Heights and slopes, relative to the highest, of the maxima that can reach, within the radius, what the highest can
+/// fall to; with their places in the pool.
+fn linearize(
+    peaks: &Peaks<'_>,
+    x: &[f64],
+    pool: &[Met],
+    free: &[usize],
+    radius: f64,
+) -> (Vec<usize>, Vec<f64>, Vec<f64>) {
+    let mut candidates: Vec<(usize, f64)> =
+        pool.iter().map(|met| peaks.variance.value(&met.point)).enumerate().collect();
+    candidates.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let highest = candidates[0].1;
+    let (mut considered, mut heights, mut slopes) = (Vec::new(), Vec::new(), Vec::new());
+    let mut row = vec![0.0; x.len()];
+    let mut floor = f64::NEG_INFINITY;
+    for (index, height) in candidates {
+        peaks.slopes(x, &pool[index].point, &mut row);
+        let relative = height / highest;
+        let reach = radius * free.iter().map(|&i| row[i].abs()).sum::<f64>() / highest;
+        floor = floor.max(relative - reach);
+        if relative + reach >= floor {
+            considered.push(index);
+            heights.push(relative);
+            slopes.extend(free.iter().map(|&i| row[i] / highest));
+        }
+    }
+    (considered, heights, slopes)
+}
+
+/// Σ λ_j ∇²v_j / highest over the maxima that held the last step back.
+fn hessian(peaks: &Peaks<'_>, x: &[f64], pool: &[Met], free: &[usize]) -> Vec<f64> {
+    let mut hessian = vec![0.0; free.len() * free.len()];
+    let local = Local {
+        regressors: &peaks.frame.regressors,
+        multiplicities: &peaks.frame.multiplicities,
+        x,
+        rows: &peaks.rows,
+        inverse: &peaks.matrices.inverse,
+        free,
+    };
+    let total: f64 = pool.iter().map(|met| met.multiplier).sum();
+    let highest = pool.iter().map(|met| peaks.variance.value(&met.point)).fold(0.0, f64::max);
+    for met in pool.iter().filter(|met| met.multiplier > 1e-5 * total) {
+        local.add(&met.point, met.multiplier / (total * highest), &mut hessian);
+    }
+    hessian
+}
+
+/// Adds maxima to the pool, fresh. What held the last step back near a maximum passes its multiplier on to it.
+fn remember(pool: &mut Vec<Met>, peaks: &[(Vec<f64>, f64)]) {
+    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+    let mut inherited = vec![0.0; peaks.len()];
+    for met in pool.iter_mut().filter(|met| met.multiplier > 0.0) {
+        let distances = peaks.iter().map(|(point, _)| distance(point, &met.point)).enumerate();
+        if let Some((nearest, _)) = distances.filter(|&(_, d)| d < NEAR_MAXIMUM).min_by(|a, b| a.1.total_cmp(&b.1)) {
+            inherited[nearest] += met.multiplier;
+            met.multiplier = 0.0;
+        }
+    }
+    for ((point, _), multiplier) in peaks.iter().zip(inherited) {
+        pool.retain(|met| distance(&met.point, point) >= SAME_MAXIMUM);
+        pool.push(Met { point: point.clone(), age: 0, multiplier });
+    }
+}
+
+/// Notes the multipliers of a step. Everything grows older but what held the step back; what is too old goes.
+fn hold(pool: &mut [Met], considered: &[usize], multipliers: &[f64]) {
+    for met in pool.iter_mut() {
+        met.age += 1;
+        met.multiplier = 0.0;
+    }
+    for (&index, &multiplier) in considered.iter().zip(multipliers) {
+        if multiplier > 1e-6 {
+            pool[index].age = 0;
+            pool[index].multiplier = multiplier;
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! What is searched for.
+
+use crate::confounding::check_support;
+use crate::{Criterion, Design, Error, Model, Space};
+
+/// A model, a space, a number of runs and a criterion; and what is settled beforehand.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    model: Model,
+    space: Space,
+    n_runs: usize,
+    criterion: Criterion,
+    fixed: Option<Design>,
+    replicates: Replicates,
+}
+
+/// Whether a run may be made twice.
+///
+/// Runs are the same where no coordinate differs by more than 1e-6. Fixed runs may be replicates of each other as they
+/// please.
+///
+/// Along a continuous axis a rule against replicates would be met by runs a millionth apart, which no rig can tell. With
+/// [`Planned`](Self::Planned) a search therefore chooses free runs on a fine grid (41 levels per axis, fewer with many
+/// factors), and moves them off it only as far as they stay 0.049 apart in some coded coordinate, fixed runs included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Replicates {
+    /// As often as the criterion likes: the default on continuous spaces.
+    Allowed,
+    /// Exactly this many free runs are a second run of another free one, and nothing else is repeated, neither a free
+    /// run nor a fixed one: the default with 0 on grids and lists.
+    Planned(usize),
+}
+
+/// Coordinates that differ by no more make two runs replicates.
+pub(crate) const SAME_RUN: f64 = 1e-6;
+/// Runs that must be distinct along a continuous axis are at least this far apart, coded.
+pub(crate) const APART: f64 = 0.049;
+
+impl Problem {
+    /// A design of `n_runs` runs from the space, good by the criterion for the model.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::FactorMismatch`]; [`Error::TooFewRuns`] for fewer runs than terms; [`Error::Confounded`] if no
+    /// design from this space can tell the terms apart, with the terms; [`Error::TooFewPoints`] if the space has fewer
+    /// points than distinct runs are needed.
+    pub fn new(model: Model, space: Space, n_runs: usize, criterion: Criterion) -> Result<Self, Error> {
+        let (expected, found) = (model.n_factors(), space.n_factors());
+        if expected != found {
+            return Err(Error::FactorMismatch { what: "the space", expected, found });
+        }
+        if n_runs < model.n_terms() {
+            return Err(Error::TooFewRuns { n_runs, n_terms: model.n_terms() });
+        }
+        check_support(&model, &space)?;
+        let replicates = if space.n_points().is_none() { Replicates::Allowed } else { Replicates::Planned(0) };
+        let problem = Self { model, space, n_runs, criterion, fixed: None, replicates };
+        problem.check_distinct()?;
+        Ok(problem)
+    }
+
+    /// The first runs of the design are these, already made or wished for; the search adds the others.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::FactorMismatch`], [`Error::RunOutside`]; [`Error::Count`] if no run is left to choose.
+    pub fn with_fixed_runs(mut self, fixed: Design) -> Result<Self, Error> {
+        fixed.check_within(&self.space)?;
+        if fixed.n_runs() >= self.n_runs {
+            return Err(Error::Count { name: "fixed runs", found: fixed.n_runs(), least: 0, most: self.n_runs - 1 });
+        }
+        self.fixed = Some(fixed);
+        Ok(self)
+    }
+
+    /// Another rule for replicates than the default of the space.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Count`] for more planned replicates than there are runs to repeat, [`Error::TooFewRuns`] if the
+    /// distinct runs are fewer than the terms, [`Error::TooFewPoints`].
+    pub fn with_replicates(mut self, replicates: Replicates) -> Result<Self, Error> {
+        self.replicates = replicates;
+        if let Replicates::Planned(found) = replicates {
+            let most = self.n_free() / 2;
+            if found > most {
+                return Err(Error::Count { name: "planned replicates", found, least: 0, most });
+            }
+            let distinct = self.n_runs - found;
+            if distinct < self.model.n_terms() {
+                return Err(Error::TooFewRuns { n_runs: distinct, n_terms: self.model.n_terms() });
+            }
+        }
+        self.check_distinct()?;
+        Ok(self)
+    }
+
+    /// The same problem with another criterion.
+    #[must_use]
+    pub fn with_criterion(mut self, criterion: Criterion) -> Self {
+        self.criterion = criterion;
+        self
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The space that runs are chosen from and predictions are made in.
+    #[must_use]
+    pub fn space(&self) -> &Space {
+        &self.space
+    }
+
+    /// Number of runs, N, fixed ones included.
+    #[must_use]
+    pub fn n_runs(&self) -> usize {
+        self.n_runs
+    }
+
+    /// The criterion.
+    #[must_use]
+    pub fn criterion(&self) -> Criterion {
+        self.criterion
+    }
+
+    /// The runs that are settled.
+    #[must_use]
+    pub fn fixed(&self) -> Option<&Design> {
+        self.fixed.as_ref()
+    }
+
+    /// The rule for replicates.
+    #[must_use]
+    pub fn replicates(&self) -> Replicates {
+        self.replicates
+    }
+
+    pub(crate) fn n_free(&self) -> usize {
+        self.n_runs - self.fixed.as_ref().map_or(0, Design::n_runs)
+    }
+
+    /// How often each distinct free run is made, the planned replicates first.
+    pub(crate) fn multiplicities(&self) -> Vec<f64> {
+        let planned = match self.replicates {
+            Replicates::Allowed => 0,
+            Replicates::Planned(planned) => planned,
+        };
+        (0..self.n_free() - planned).map(|run| if run < planned { 2.0 } else { 1.0 }).collect()
+    }
+
+    /// Whether the free runs at these coordinates keep apart as the rule for replicates wants it on a continuous axis.
+    pub(crate) fn keeps_replicates(&self, x: &[f64]) -> bool {
+        if self.replicates == Replicates::Allowed {
+            return true;
+        }
+        let k = self.model.n_factors();
+        let runs: Vec<&[f64]> = x.chunks_exact(k).collect();
+        let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(x, y)| (x - y).abs() < APART);
+        let fixed: Vec<&[f64]> = self.fixed.iter().flat_map(Design::runs).collect();
+        runs.iter().enumerate().all(|(i, a)| !runs[..i].iter().any(|b| same(a, b)) && !fixed.iter().any(|b| same(a, b)))
+    }
+
+    /// The whole design: fixed runs, distinct free runs, planned replicates.
+    pub(crate) fn design(&self, x: &[f64]) -> Result<Design, Error> {
+        let k = self.model.n_factors();
+        let repeated = self.multiplicities().iter().filter(|&&multiplicity| multiplicity > 1.0).count();
+        let free = Design::new(k, [x, &x[..repeated * k]].concat())?;
+        match &self.fixed {
+            Some(fixed) => fixed.followed_by(&free),
+            None => Ok(free),
+        }
+    }
+
+    fn check_distinct(&self) -> Result<(), Error> {
+        if let (Replicates::Planned(planned), Some(n_points)) = (self.replicates, self.space.n_points()) {
+            let n_distinct = self.n_runs - planned;
+            if (n_distinct as u64) > n_points {
+                return Err(Error::TooFewPoints { n_distinct, n_points });
+            }
+        }
+        Ok(())
+    }
+}

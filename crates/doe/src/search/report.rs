@@ -1,0 +1,62 @@
+//! What a search found and how.
+
+use std::time::Duration;
+
+use crate::{Design, Efficiency};
+
+/// The best design of a search, its efficiency, and how the search went.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// Fixed runs first, then the others, planned replicates last.
+    pub design: Design,
+    /// Efficiency by the criterion searched for, and over which set; computed anew from the design.
+    pub efficiency: Efficiency,
+    /// How the search went.
+    pub report: Report,
+}
+
+/// How a search went.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// Why it ended.
+    pub stop: StopReason,
+    /// Starts 0 to this less one were made: [`Settings::starts`](crate::Settings::starts) with this number repeats the
+    /// search.
+    pub starts: u64,
+    /// The start that found the best.
+    pub best_start: u64,
+    /// Number of starts that came within one part in a million of the best.
+    pub times_found: u64,
+    /// Starts that were given up because they fell behind.
+    pub abandoned: u64,
+    /// Starts that led to no usable design.
+    pub failed: u64,
+    /// How long it took. Nothing is computed with it.
+    pub elapsed: Duration,
+}
+
+/// Why a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StopReason {
+    /// All starts were made.
+    StartsDone,
+    /// The time limit passed.
+    TimeLimit,
+    /// The target was reached.
+    TargetReached,
+    /// The caller interrupted.
+    Interrupted,
+}
+
+/// What a search knows on its way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Starts made.
+    pub starts: u64,
+    /// Value of the criterion of the best design so far; smaller is better.
+    pub best_value: f64,
+    /// Efficiency of the best design so far, per cent.
+    pub best_percent: f64,
+    /// Time since the search began.
+    pub elapsed: Duration,
+}

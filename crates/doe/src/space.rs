@@ -1,0 +1,410 @@
+//! Where runs may lie: a box with continuous and gridded axes, or a list of candidates.
+
+use std::fmt;
+
+use crate::design::check_points;
+use crate::measure::Measure;
+use crate::model::check_count;
+use crate::{Error, Forbidden, Levels, Model, Region};
+
+/// The values one coded coordinate can take.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Axis {
+    /// All of −1 to 1.
+    Continuous,
+    /// These values, rising, within −1 to 1.
+    Levels(Vec<f64>),
+}
+
+impl Axis {
+    /// `count` equally spaced levels from −1 to 1.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFewAxisLevels`] below two.
+    pub fn equally_spaced(count: u32) -> Result<Self, Error> {
+        if count < 2 {
+            return Err(Error::TooFewAxisLevels { count: count as usize });
+        }
+        let last = f64::from(count - 1);
+        Ok(Self::Levels((0..count).map(|i| (2.0 * f64::from(i) - last) / last).collect()))
+    }
+}
+
+/// A design space in coded coordinates: runs are chosen from it, and the worst prediction is looked for in it.
+///
+/// ```
+/// use doe::{Forbidden, Space};
+/// let cube = Space::cube(2)?;
+/// let grid = Space::grid(&[24; 4])?;
+/// assert_eq!(grid.n_points(), Some(331_776));
+/// let cut = Space::grid(&[3, 3])?.forbid(vec![Forbidden::new(vec![Some([0.5, 1.0]), Some([0.5, 1.0])])?])?;
+/// assert_eq!(cut.n_points(), Some(8));
+/// let list = Space::list(2, vec![-1.0, -1.0, 0.0, 0.5, 1.0, 1.0])?;
+/// assert!(list.contains(&[0.0, 0.5]) && !list.contains(&[0.0, 0.0]));
+/// # Ok::<(), doe::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Space {
+    shape: Shape,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Shape {
+    Box(BoxShape),
+    List(List),
+}
+
+/// Axes without the forbidden boxes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct BoxShape {
+    pub(crate) axes: Vec<Axis>,
+    pub(crate) forbidden: Vec<Forbidden>,
+}
+
+/// Candidates, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct List {
+    pub(crate) n_factors: usize,
+    pub(crate) coordinates: Vec<f64>,
+}
+
+/// How far a coordinate may be from a level, a bound or a candidate and still be it.
+pub(crate) const SAME: f64 = 1e-9;
+
+impl Space {
+    /// The largest number of forbidden boxes.
+    pub const MOST_FORBIDDEN: usize = 64;
+
+    /// The continuous cube from −1 to 1 in every factor.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Count`] for no factor or more than [`Model::MOST_FACTORS`].
+    pub fn cube(n_factors: usize) -> Result<Self, Error> {
+        check_count("factors", n_factors, Model::MOST_FACTORS)?;
+        Self::of_axes(vec![Axis::Continuous; n_factors])
+    }
+
+    /// Every combination of equally spaced levels from −1 to 1, this many per factor; nothing is stored.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Count`]; [`Error::TooFewAxisLevels`] below two levels.
+    pub fn grid(counts: &[u32]) -> Result<Self, Error> {
+        Self::of_axes(counts.iter().map(|&count| Axis::equally_spaced(count)).collect::<Result<_, _>>()?)
+    }
+
+    /// A box with these axes.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Count`]; [`Error::TooFewAxisLevels`]; [`Error::LevelsNotRising`] for levels that are NaN, outside
+    /// −1 to 1 or not in rising order.
+    pub fn of_axes(axes: Vec<Axis>) -> Result<Self, Error> {
+        check_count("factors", axes.len(), Model::MOST_FACTORS)?;
+        for (factor, axis) in axes.iter().enumerate() {
+            if let Axis::Levels(levels) = axis {
+                if levels.len() < 2 {
+                    return Err(Error::TooFewAxisLevels { count: levels.len() });
+                }
+                let rises = levels.windows(2).all(|pair| pair[1] - pair[0] > SAME);
+                if !rises || levels.iter().any(|level| !(-1.0..=1.0).contains(level)) {
+                    return Err(Error::LevelsNotRising { factor });
+                }
+            }
+        }
+        Ok(Self { shape: Shape::Box(BoxShape { axes, forbidden: Vec::new() }) })
+    }
+
+    /// The box of a region: its continuous parameters and its levels, coded.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Count`] for more parameters than [`Model::MOST_FACTORS`].
+    pub fn of_region(region: &Region) -> Result<Self, Error> {
+        let axis = |parameter: &crate::Parameter| match parameter.levels() {
+            Levels::Continuous => Ok(Axis::Continuous),
+            Levels::Count(count) => Axis::equally_spaced(count),
+        };
+        Self::of_axes(region.parameters().iter().map(axis).collect::<Result<_, _>>()?)
+    }
+
+    /// Only these candidates, coded, row by row, as a shrinking design space leaves them behind.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Count`], [`Error::RaggedPoints`], [`Error::NotFinite`], [`Error::OutsideCube`],
+    /// [`Error::DuplicateCandidate`].
+    pub fn list(n_factors: usize, coordinates: Vec<f64>) -> Result<Self, Error> {
+        check_points("candidates", n_factors, &coordinates)?;
+        if let Some(at) = coordinates.iter().position(|x| x.abs() > 1.0 + SAME) {
+            return Err(Error::OutsideCube { point: at / n_factors, factor: at % n_factors, value: coordinates[at] });
+        }
+        let list = List { n_factors, coordinates };
+        list.check_distinct()?;
+        Ok(Self { shape: Shape::List(list) })
+    }
+
+    /// A list whose points are known to be good.
+    pub(crate) fn list_unchecked(n_factors: usize, coordinates: Vec<f64>) -> Self {
+        Self { shape: Shape::List(List { n_factors, coordinates }) }
+    }
+
+    /// This space without some boxes.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::FactorMismatch`], [`Error::Count`] beyond [`MOST_FORBIDDEN`](Self::MOST_FORBIDDEN) boxes,
+    /// [`Error::EmptySpace`] if nothing is left.
+    pub fn forbid(mut self, forbidden: Vec<Forbidden>) -> Result<Self, Error> {
+        let expected = self.n_factors();
+        for forbidden in &forbidden {
+            let found = forbidden.ranges().len();
+            if found != expected {
+                return Err(Error::FactorMismatch { what: "a forbidden box", expected, found });
+            }
+        }
+        match &mut self.shape {
+            Shape::Box(shape) => {
+                shape.forbidden.extend(forbidden);
+                let (found, most) = (shape.forbidden.len(), Self::MOST_FORBIDDEN);
+                if found > most {
+                    return Err(Error::Count { name: "forbidden boxes", found, least: 0, most });
+                }
+                if Measure::of(shape).total() <= 0.0 {
+                    return Err(Error::EmptySpace);
+                }
+            }
+            Shape::List(list) => {
+                list.retain(|point| !forbidden.iter().any(|forbidden| within_closed(forbidden, point)));
+                if list.coordinates.is_empty() {
+                    return Err(Error::EmptySpace);
+                }
+            }
+        }
+        Ok(self)
+    }
+
+    /// Number of factors, K.
+    #[must_use]
+    pub fn n_factors(&self) -> usize {
+        match &self.shape {
+            Shape::Box(shape) => shape.axes.len(),
+            Shape::List(list) => list.n_factors,
+        }
+    }
+
+    /// Number of allowed points; none if an axis is continuous or the count exceeds 2⁵³.
+    #[must_use]
+    pub fn n_points(&self) -> Option<u64> {
+        match &self.shape {
+            Shape::Box(shape) => Measure::of(shape).n_points(),
+            Shape::List(list) => Some(list.n_points() as u64),
+        }
+    }
+
+    /// The axes of a box; none for a list.
+    #[must_use]
+    pub fn axes(&self) -> Option<&[Axis]> {
+        match &self.shape {
+            Shape::Box(shape) => Some(&shape.axes),
+            Shape::List(_) => None,
+        }
+    }
+
+    /// The forbidden boxes of a box; from a list they are gone together with their points.
+    #[must_use]
+    pub fn forbidden(&self) -> &[Forbidden] {
+        match &self.shape {
+            Shape::Box(shape) => &shape.forbidden,
+            Shape::List(_) => &[],
+        }
+    }
+
+    /// The candidates of a list, coded, row by row; none for a box.
+    #[must_use]
+    pub fn candidates(&self) -> Option<&[f64]> {
+        match &self.shape {
+            Shape::Box(_) => None,
+            Shape::List(list) => Some(&list.coordinates),
+        }
+    }
+
+    /// Whether a coded point belongs to the space, to within 1e-9 of a bound, a level or a candidate.
+    #[must_use]
+    pub fn contains(&self, point: &[f64]) -> bool {
+        point.len() == self.n_factors()
+            && match &self.shape {
+                Shape::Box(shape) => shape.contains(point),
+                Shape::List(list) => list.nearest(point).1 <= SAME,
+            }
+    }
+
+    /// What a maximum or an average over this space is over.
+    #[must_use]
+    pub fn over(&self) -> Over {
+        match &self.shape {
+            Shape::Box(shape) => {
+                let forbidden = shape.forbidden.len();
+                let level_count = |axis: &Axis| match axis {
+                    Axis::Continuous => None,
+                    Axis::Levels(levels) => Some(levels.len()),
+                };
+                let counts: Vec<Option<usize>> = shape.axes.iter().map(level_count).collect();
+                if counts.iter().all(Option::is_none) {
+                    Over::Cube { n_factors: counts.len(), forbidden }
+                } else {
+                    Over::Grid { levels: counts, forbidden }
+                }
+            }
+            Shape::List(list) => Over::List { n_points: list.n_points() },
+        }
+    }
+
+    pub(crate) fn shape(&self) -> &Shape {
+        &self.shape
+    }
+}
+
+/// The set over which the largest or the mean prediction variance was taken. No efficiency goes without it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Over {
+    /// All of [−1, 1]^K, not a lattice, less a number of forbidden boxes.
+    Cube {
+        /// Number of factors, K.
+        n_factors: usize,
+        /// Number of forbidden boxes.
+        forbidden: usize,
+    },
+    /// All combinations of levels, `None` for a continuous axis, less a number of forbidden boxes.
+    Grid {
+        /// Number of levels of each axis.
+        levels: Vec<Option<usize>>,
+        /// Number of forbidden boxes.
+        forbidden: usize,
+    },
+    /// A list of candidates.
+    List {
+        /// Number of candidates.
+        n_points: usize,
+    },
+}
+
+impl fmt::Display for Over {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let forbidden = match self {
+            Self::Cube { n_factors, forbidden } => {
+                write!(formatter, "cube [-1, 1]^{n_factors}")?;
+                *forbidden
+            }
+            Self::Grid { levels, forbidden } => {
+                let count = |count: &Option<usize>| count.map_or_else(|| "continuous".to_owned(), |n| n.to_string());
+                let counts: Vec<String> = levels.iter().map(count).collect();
+                write!(formatter, "grid of {} levels", counts.join(" x "))?;
+                *forbidden
+            }
+            Self::List { n_points } => return write!(formatter, "list of {n_points} points"),
+        };
+        if forbidden == 0 { Ok(()) } else { write!(formatter, " less {forbidden} forbidden boxes") }
+    }
+}
+
+impl BoxShape {
+    /// The box with all axes continuous.
+    pub(crate) fn relaxed(&self) -> Self {
+        Self { axes: vec![Axis::Continuous; self.axes.len()], forbidden: self.forbidden.clone() }
+    }
+
+    pub(crate) fn is_discrete(&self) -> bool {
+        self.axes.iter().all(|axis| matches!(axis, Axis::Levels(_)))
+    }
+
+    pub(crate) fn is_continuous(&self) -> bool {
+        self.axes.iter().all(|axis| *axis == Axis::Continuous)
+    }
+
+    pub(crate) fn contains(&self, point: &[f64]) -> bool {
+        let on_axes = self.axes.iter().zip(point).all(|(axis, &x)| match axis {
+            Axis::Continuous => x.abs() <= 1.0 + SAME,
+            Axis::Levels(levels) => levels.iter().any(|level| (level - x).abs() <= SAME),
+        });
+        on_axes && !self.forbids(point)
+    }
+
+    pub(crate) fn forbids(&self, point: &[f64]) -> bool {
+        self.forbidden.iter().any(|forbidden| (0..point.len()).all(|j| self.blocks(forbidden, j, point[j])))
+    }
+
+    /// Whether a value of one coordinate lies in the range of a forbidden box.
+    pub(crate) fn blocks(&self, forbidden: &Forbidden, axis: usize, x: f64) -> bool {
+        let [lower, upper] = forbidden.range(axis);
+        match self.axes[axis] {
+            Axis::Continuous => lower + SAME < x && x < upper - SAME,
+            Axis::Levels(_) => lower - SAME <= x && x <= upper + SAME,
+        }
+    }
+
+    /// Ranges of the forbidden boxes that the line through `point` along `axis` passes.
+    pub(crate) fn blocked_along(&self, point: &[f64], axis: usize) -> Vec<[f64; 2]> {
+        let elsewhere =
+            |forbidden: &&Forbidden| (0..point.len()).all(|j| j == axis || self.blocks(forbidden, j, point[j]));
+        self.forbidden.iter().filter(elsewhere).map(|forbidden| forbidden.range(axis)).collect()
+    }
+}
+
+impl List {
+    pub(crate) fn n_points(&self) -> usize {
+        self.coordinates.len() / self.n_factors
+    }
+
+    pub(crate) fn points(&self) -> std::slice::ChunksExact<'_, f64> {
+        self.coordinates.chunks_exact(self.n_factors)
+    }
+
+    pub(crate) fn point(&self, index: usize) -> &[f64] {
+        &self.coordinates[index * self.n_factors..][..self.n_factors]
+    }
+
+    /// Index of the nearest candidate and the largest distance along an axis to it; the first of equals.
+    pub(crate) fn nearest(&self, point: &[f64]) -> (usize, f64) {
+        let mut best = (0, f64::INFINITY, f64::INFINITY);
+        for (index, candidate) in self.points().enumerate() {
+            let square: f64 = candidate.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum();
+            if square < best.1 {
+                let largest = candidate.iter().zip(point).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                best = (index, square, largest);
+            }
+        }
+        (best.0, best.2)
+    }
+
+    fn retain(&mut self, keep: impl Fn(&[f64]) -> bool) {
+        let kept: Vec<f64> = self.points().filter(|point| keep(point)).flatten().copied().collect();
+        self.coordinates = kept;
+    }
+
+    fn check_distinct(&self) -> Result<(), Error> {
+        let mut order: Vec<usize> = (0..self.n_points()).collect();
+        let compare = |&a: &usize, &b: &usize| {
+            let pairs = self.point(a).iter().zip(self.point(b));
+            // Adding zero makes the two zeros one.
+            pairs
+                .map(|(x, y)| (x + 0.0).total_cmp(&(y + 0.0)))
+                .find(|order| order.is_ne())
+                .unwrap_or(std::cmp::Ordering::Equal)
+        };
+        order.sort_unstable_by(|a, b| compare(a, b).then(a.cmp(b)));
+        match order.windows(2).find(|pair| compare(&pair[0], &pair[1]).is_eq()) {
+            Some(pair) => Err(Error::DuplicateCandidate { first: pair[0], second: pair[1] }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn within_closed(forbidden: &Forbidden, point: &[f64]) -> bool {
+    (0..point.len()).all(|j| {
+        let [lower, upper] = forbidden.range(j);
+        lower - SAME <= point[j] && point[j] <= upper + SAME
+    })
+}

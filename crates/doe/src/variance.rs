@@ -1,0 +1,176 @@
+//! The prediction variance as a function of where one predicts.
+
+use std::sync::Arc;
+
+use crate::maximum::{self, Maximum};
+use crate::products::Products;
+use crate::{Design, Error, Information, Model, Space};
+
+/// v(x) = r(x)' (R'R)⁻¹ r(x), the variance of the prediction at x for unit variance of a run, as the polynomial it is.
+///
+/// ```
+/// use doe::{Design, Model, PredictionVariance, Space};
+/// let model = Model::quadratic(1)?;
+/// let design = Design::new(1, vec![-1.0, 0.0, 1.0])?;
+/// let variance = PredictionVariance::of(&model, &design)?;
+/// assert!((variance.at(&[0.0])? - 1.0).abs() < 1e-12);
+/// let worst = variance.maximum(&Space::cube(1)?)?;
+/// assert!((worst.value - 1.0).abs() < 1e-12);
+/// # Ok::<(), doe::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct PredictionVariance {
+    products: Arc<Products>,
+    coefficients: Vec<f64>,
+}
+
+impl PredictionVariance {
+    /// The prediction variance of a design.
+    ///
+    /// # Errors
+    ///
+    /// As [`Information::of`].
+    pub fn of(model: &Model, design: &Design) -> Result<Self, Error> {
+        Self::from_information(model, &Information::of(model, design)?)
+    }
+
+    /// The prediction variance with this information about the terms of the model.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::PointLength`] if model and information differ in the number of terms.
+    pub fn from_information(model: &Model, information: &Information) -> Result<Self, Error> {
+        let (expected, found) = (model.n_terms(), information.n_terms());
+        if expected != found {
+            return Err(Error::PointLength { expected, found });
+        }
+        let products = Arc::new(Products::of(model));
+        Ok(Self::with_products(products, information.inverse()))
+    }
+
+    pub(crate) fn with_products(products: Arc<Products>, inverse: &[f64]) -> Self {
+        let mut coefficients = vec![0.0; products.n_monomials()];
+        products.collect(inverse, &mut coefficients);
+        Self { products, coefficients }
+    }
+
+    pub(crate) fn update(&mut self, inverse: &[f64]) {
+        self.products.collect(inverse, &mut self.coefficients);
+    }
+
+    /// v at a coded point.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::PointLength`].
+    pub fn at(&self, point: &[f64]) -> Result<f64, Error> {
+        self.check(point)?;
+        Ok(self.value(point))
+    }
+
+    /// Gradient of v at a coded point.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::PointLength`].
+    pub fn gradient(&self, point: &[f64]) -> Result<Vec<f64>, Error> {
+        self.check(point)?;
+        let mut line = vec![0.0; self.products.largest + 1];
+        let slope = |j: usize| {
+            self.along(point, j, &mut line);
+            crate::polynomial::slope(&line, point[j])
+        };
+        Ok((0..point.len()).map(slope).collect())
+    }
+
+    /// The largest v over a space, and where: over every point of a list or of a grid up to
+    /// [`Maximum::MOST_SCANNED`] points, else by ascent from every local maximum of a lattice; see [`Maximum`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::FactorMismatch`].
+    pub fn maximum(&self, space: &Space) -> Result<Maximum, Error> {
+        let (expected, found) = (self.products.n_factors, space.n_factors());
+        if expected != found {
+            return Err(Error::FactorMismatch { what: "the space", expected, found });
+        }
+        Ok(maximum::over(self, space))
+    }
+
+    /// Number of factors, K.
+    #[must_use]
+    pub fn n_factors(&self) -> usize {
+        self.products.n_factors
+    }
+
+    /// Coefficients of the monomials that products of two terms consist of.
+    pub(crate) fn coefficients(&self) -> &[f64] {
+        &self.coefficients
+    }
+
+    /// Largest power of one coordinate, 4 for models with squares.
+    pub(crate) fn largest_power(&self) -> usize {
+        self.products.largest
+    }
+
+    pub(crate) fn value(&self, point: &[f64]) -> f64 {
+        let mut powers = [[0.0; 17]; Model::MOST_FACTORS];
+        self.fill_powers(point, &mut powers);
+        let monomials = self.products.monomials().zip(&self.coefficients);
+        let term = |(exponents, c): (&[u8], &f64)| {
+            exponents.iter().zip(&powers).fold(*c, |product, (&e, powers)| product * powers[usize::from(e)])
+        };
+        monomials.map(term).sum()
+    }
+
+    /// Coefficients of v along one axis through a point, from the constant up.
+    pub(crate) fn along(&self, point: &[f64], axis: usize, line: &mut [f64]) {
+        let mut powers = [[0.0; 17]; Model::MOST_FACTORS];
+        self.fill_powers(point, &mut powers);
+        powers[axis] = [1.0; 17];
+        line.fill(0.0);
+        for (exponents, c) in self.products.monomials().zip(&self.coefficients) {
+            let product =
+                exponents.iter().zip(&powers).fold(*c, |product, (&e, powers)| product * powers[usize::from(e)]);
+            line[usize::from(exponents[axis])] += product;
+        }
+    }
+
+    /// ∂²v/∂xᵢ∂xⱼ at a point.
+    pub(crate) fn second(&self, point: &[f64], i: usize, j: usize) -> f64 {
+        let mut powers = [[0.0; 17]; Model::MOST_FACTORS];
+        self.fill_powers(point, &mut powers);
+        let term = |(exponents, c): (&[u8], &f64)| {
+            let mut lowered = [0_u8; Model::MOST_FACTORS];
+            lowered[..exponents.len()].copy_from_slice(exponents);
+            let mut product = *c;
+            for axis in [i, j] {
+                if lowered[axis] == 0 {
+                    return 0.0;
+                }
+                product *= f64::from(lowered[axis]);
+                lowered[axis] -= 1;
+            }
+            lowered
+                .iter()
+                .zip(&powers)
+                .take(exponents.len())
+                .fold(product, |product, (&e, powers)| product * powers[usize::from(e)])
+        };
+        self.products.monomials().zip(&self.coefficients).map(term).sum()
+    }
+
+    fn fill_powers(&self, point: &[f64], powers: &mut [[f64; 17]; Model::MOST_FACTORS]) {
+        for (powers, &x) in powers.iter_mut().zip(point) {
+            powers[0] = 1.0;
+            for e in 1..=self.products.largest {
+                powers[e] = powers[e - 1] * x;
+            }
+        }
+    }
+
+    fn check(&self, point: &[f64]) -> Result<(), Error> {
+        let (expected, found) = (self.products.n_factors, point.len());
+        if expected == found { Ok(()) } else { Err(Error::PointLength { expected, found }) }
+    }
+}

@@ -1,0 +1,166 @@
+//! Designs in CSV files: what is read, what is refused, and that nothing is lost on the way.
+
+use doe::{Design, Error, FileFault, Parameter, Region, RunOrder};
+use proptest::prelude::*;
+
+fn region() -> Region {
+    Region::new(vec![
+        Parameter::continuous("pitch", "deg", 10.0, 22.0).unwrap().with_levels(25).unwrap(),
+        Parameter::continuous("mass", "kg", 1.0, 3.0).unwrap(),
+        Parameter::continuous("gain", "", -0.5, 0.5).unwrap(),
+    ])
+    .unwrap()
+}
+
+fn read(text: &str) -> Result<Design, Error> {
+    Design::read_csv(&region(), text.as_bytes()).map(|file| file.design)
+}
+
+#[track_caller]
+fn check_refused(text: &str, messages: &[&str]) {
+    let Err(Error::File { faults }) = read(text) else { panic!("{text} was read") };
+    assert_eq!(faults.iter().map(ToString::to_string).collect::<Vec<_>>(), messages, "{text}");
+}
+
+#[test]
+fn columns_may_be_in_any_order_with_units_and_company() {
+    let expected = [-1.0, 0.0, 1.0, 1.0, -1.0, 0.0];
+    for text in [
+        "pitch,mass,gain\n10,2,0.5\n22,1,0\n",
+        "gain, mass [kg],pitch [deg]\n0.5,2,10\n0,1,22\n",
+        "# a comment\nnote,pitch [ deg ],mass,gain\nfirst,10,2,0.5\n\nsecond,22,1,0",
+        "\u{feff}pitch,mass,gain []\r\n1e1,2.,.5\r\n22,1,-0\r\n",
+    ] {
+        assert_eq!(read(text).unwrap().coordinates(), expected, "{text}");
+    }
+    let file = Design::read_csv(&region(), "note,pitch,mass,gain,J\na,10,2,0.5,3\n".as_bytes()).unwrap();
+    assert_eq!(file.ignored, ["note", "J"]);
+}
+
+#[test]
+fn faults_of_the_header_name_the_column() {
+    check_refused(
+        "pitch,mas\n",
+        &["no column `mass`, the columns are: pitch, mas", "no column `gain`, the columns are: pitch, mas"],
+    );
+    check_refused("pitch,mass,gain,mass [kg]\n", &["two columns `mass`, expected one"]);
+    check_refused(
+        "pitch [rad],mass [g],gain [s]\n",
+        &[
+            "column `pitch` is in rad, expected deg",
+            "column `mass` is in g, expected kg",
+            "column `gain` is in s, expected no unit",
+        ],
+    );
+    check_refused(
+        "",
+        &[
+            "no column `pitch`, the columns are: ",
+            "no column `mass`, the columns are: ",
+            "no column `gain`, the columns are: ",
+        ],
+    );
+}
+
+#[test]
+fn faults_of_fields_name_line_and_column_all_at_once() {
+    check_refused(
+        "pitch,mass,gain\n10,2,0\n9.9,,0\n# half way\n\n10,\"2,5\",nan\n10,2,inf\n",
+        &[
+            "line 3, column `pitch`: 9.9, expected 10.0 to 22.0 deg",
+            "line 3, column `mass`: nothing, expected a number",
+            "line 6, column `mass`: \"2,5\", expected a finite number",
+            "line 6, column `gain`: \"nan\", expected a finite number",
+            "line 7, column `gain`: \"inf\", expected a finite number",
+        ],
+    );
+    check_refused("pitch,mass,gain\n10,2,0.6\n", &["line 2, column `gain`: 0.6, expected -0.5 to 0.5"]);
+    check_refused("pitch,mass,gain\n", &["no runs after the header, expected at least one"]);
+    let Err(Error::File { faults }) = read("pitch,mass,gain\n10,2\n") else { panic!("a short line was read") };
+    assert!(matches!(&faults[..], [FileFault::Unreadable { reason }] if reason.contains("line: 2")), "{faults:?}");
+    let many = format!("pitch,mass,gain\n{}", "10,2,9\n".repeat(30));
+    assert!(read(&many).unwrap_err().to_string().ends_with("; and 10 more"));
+}
+
+fn written(design: &Design, order: RunOrder) -> String {
+    let mut bytes = Vec::new();
+    design.write_csv(&region(), order, &mut bytes).unwrap();
+    String::from_utf8(bytes).unwrap()
+}
+
+#[test]
+fn a_file_says_units_points_and_replicates() {
+    let design = read("pitch,mass,gain\n10,2,0.5\n22,1.5,0\n10,2,0.5\n10,2,0.5\n").unwrap();
+    let expected = "run,standard,point,replicate,pitch [deg],mass [kg],gain\n\
+                    1,1,1,1,10,2,0.5\n2,2,2,1,22,1.5,0\n3,3,1,2,10,2,0.5\n4,4,1,3,10,2,0.5\n";
+    assert_eq!(written(&design, RunOrder::Standard), expected);
+}
+
+#[test]
+fn settings_are_written_as_short_as_a_rig_can_be_set() {
+    let pitch = |coded: f64| {
+        let text = written(&Design::new(3, vec![1.0, coded, 0.0]).unwrap(), RunOrder::Standard);
+        text.lines().nth(1).unwrap().split(',').nth(5).unwrap().to_owned()
+    };
+    assert_eq!(pitch(-1.0 + 1e-13), "1");
+    assert_eq!(pitch(1.0 - 1e-13), "3");
+    assert_eq!(pitch(0.123_456_789_012_345), "2.123456789");
+    // Rounded, this bound would be passed: it is written in full.
+    let region = Region::new(vec![Parameter::continuous("x", "", 0.0, 2.0 / 3.0).unwrap()]).unwrap();
+    let mut bytes = Vec::new();
+    Design::new(1, vec![1.0]).unwrap().write_csv(&region, RunOrder::Standard, &mut bytes).unwrap();
+    assert_eq!(Design::read_csv(&region, &bytes[..]).unwrap().design.coordinates(), [1.0]);
+}
+
+#[test]
+fn a_random_order_is_a_permutation_that_the_seed_decides() {
+    let runs: Vec<[f64; 3]> = (0..20).map(|i| [f64::from(i) / 19.0, 0.0, 0.0]).collect();
+    let design = Design::from_runs(&runs).unwrap();
+    let shuffled = |seed| written(&design, RunOrder::Random { seed });
+    assert_eq!(shuffled(4), shuffled(4));
+    assert_ne!(shuffled(4), shuffled(5));
+    let mut standard: Vec<usize> =
+        shuffled(4).lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect();
+    assert_ne!(standard, (1..=20).collect::<Vec<_>>());
+    standard.sort_unstable();
+    assert_eq!(standard, (1..=20).collect::<Vec<_>>());
+}
+
+#[test]
+fn every_order_comes_first_equally_often() {
+    // 24 orders of 4 runs, 2,400 seeds: 100 each, give or take 10; 5 sigma are 50.
+    let design = Design::from_runs(&[[-1.0; 3], [0.0; 3], [0.5; 3], [1.0; 3]]).unwrap();
+    let mut counts = std::collections::BTreeMap::new();
+    for seed in 0..2400 {
+        *counts.entry(written(&design, RunOrder::Random { seed })).or_insert(0) += 1;
+    }
+    assert_eq!(counts.len(), 24);
+    assert!(counts.values().all(|count| (50..=150).contains(count)), "{:?}", counts.values());
+}
+
+#[test]
+fn reserved_and_foreign_names_are_refused() {
+    let region = Region::new(vec![Parameter::continuous("run", "", 0.0, 1.0).unwrap()]).unwrap();
+    let error = Design::new(1, vec![0.0]).unwrap().write_csv(&region, RunOrder::Standard, Vec::new()).unwrap_err();
+    assert!(error.to_string().starts_with("a parameter is called `run`"), "{error}");
+    let error =
+        Design::new(1, vec![0.0]).unwrap().write_csv(&self::region(), RunOrder::Standard, Vec::new()).unwrap_err();
+    assert!(matches!(error, Error::WrongDimension { expected: 3, found: 1, .. }), "{error}");
+}
+
+proptest! {
+    #[test]
+    fn what_is_written_is_read_back(flat in prop::collection::vec(-1.0..=1.0, 3..30), seed: u64) {
+        let flat = &flat[..flat.len() / 3 * 3];
+        let design = Design::new(3, flat.to_vec()).unwrap();
+        let back = read(&written(&design, RunOrder::Standard)).unwrap();
+        for (x, y) in back.coordinates().iter().zip(design.coordinates()) {
+            // A continuous value is rounded to 1e-10 of its range, a value this near a level is the level.
+            prop_assert!((x - y).abs() <= 2e-9);
+        }
+        for (x, y) in back.natural(&region()).unwrap().iter().flatten().zip(design.natural(&region()).unwrap().iter().flatten()) {
+            prop_assert!((x - y).abs() <= 1e-9);
+        }
+        prop_assert_eq!(read(&written(&design, RunOrder::Random { seed })).unwrap().n_runs(), design.n_runs());
+    }
+}

@@ -1,0 +1,314 @@
+//! Searches: what they find, what they promise, what they refuse.
+
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use doe::{
+    Axis, Criterion, Design, Effort, Error, Forbidden, Found, Model, Problem, Replicates, Settings, Space, StopReason,
+    Term, Watch, search, search_watched,
+};
+use proptest::prelude::*;
+
+fn settings(starts: u64) -> Settings {
+    let mut settings = Settings::default();
+    settings.starts = starts;
+    settings
+}
+
+fn g_optimal(k: usize, n: usize, starts: u64) -> Found {
+    let problem = Problem::new(Model::quadratic(k).unwrap(), Space::cube(k).unwrap(), n, Criterion::G).unwrap();
+    search(&problem, &settings(starts)).unwrap()
+}
+
+#[test]
+fn reaches_the_published_record_on_the_cube() {
+    // K, N, best published design over the cube, and starts. In one factor the record is the optimum.
+    for (k, n, record, starts) in [
+        (1, 3, 100.0, 32),
+        (1, 4, 82.918, 64),
+        (1, 6, 100.0, 64),
+        (2, 6, 74.865, 64),
+        (2, 8, 87.943, 200),
+        (2, 12, 88.114, 64),
+    ] {
+        let found = g_optimal(k, n, starts);
+        assert!(found.efficiency.percent > record - 5e-4, "K {k} N {n}: {}", found.efficiency);
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
+    let problem = Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), 7, Criterion::G).unwrap();
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| search(&problem, &settings(40)).unwrap())
+    };
+    let (one, three) = (on(1), on(3));
+    assert_eq!(one.design, three.design);
+    assert_eq!(one.report.best_start, three.report.best_start);
+    assert_eq!(one.report.times_found, three.report.times_found);
+}
+
+#[test]
+fn a_search_cut_short_is_repeated_by_its_number_of_starts() {
+    let problem = Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), 8, Criterion::G).unwrap();
+    let mut limited = settings(u64::MAX);
+    limited.time_limit = Some(Duration::from_millis(30));
+    let cut = search(&problem, &limited).unwrap();
+    assert_eq!(cut.report.stop, StopReason::TimeLimit);
+    let again = search(&problem, &settings(cut.report.starts)).unwrap();
+    assert_eq!(again.design, cut.design);
+    assert_eq!(again.report.stop, StopReason::StartsDone);
+}
+
+#[test]
+fn an_interrupted_search_returns_what_it_has_or_says_that_it_has_nothing() {
+    let problem = Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), 8, Criterion::G).unwrap();
+    let interrupt = AtomicBool::new(false);
+    let mut heard = 0;
+    let mut progress = |progress: doe::Progress| {
+        heard += 1;
+        assert!(progress.starts > 0);
+        interrupt.store(true, std::sync::atomic::Ordering::Relaxed);
+    };
+    let watch = Watch { interrupt: Some(&interrupt), progress: Some(&mut progress) };
+    let found = search_watched(&problem, &settings(u64::MAX), watch).unwrap();
+    assert_eq!(found.report.stop, StopReason::Interrupted);
+    assert!(heard >= 1 && found.efficiency.percent > 60.0, "{}", found.efficiency);
+    let watch = Watch { interrupt: Some(&interrupt), progress: None };
+    assert_eq!(search_watched(&problem, &settings(5), watch).unwrap_err(), Error::NoDesign { starts: 0 });
+}
+
+#[test]
+fn stops_at_the_target() {
+    let problem = Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), 8, Criterion::G).unwrap();
+    let mut settings = settings(100_000);
+    settings.target_percent = Some(86.0);
+    let found = search(&problem, &settings).unwrap();
+    assert_eq!(found.report.stop, StopReason::TargetReached);
+    assert!(found.efficiency.percent >= 86.0, "{}", found.efficiency);
+}
+
+#[test]
+fn each_criterion_is_best_served_by_its_own_search() {
+    let (model, space) = (Model::quadratic(2).unwrap(), Space::cube(2).unwrap());
+    let criteria = [Criterion::D, Criterion::A, Criterion::G, Criterion::E, Criterion::I];
+    let designs: Vec<Design> = criteria
+        .iter()
+        .map(|&criterion| {
+            let problem = Problem::new(model.clone(), space.clone(), 9, criterion).unwrap();
+            search(&problem, &settings(60)).unwrap().design
+        })
+        .collect();
+    for (own, criterion) in criteria.iter().enumerate() {
+        let percent: Vec<f64> =
+            designs.iter().map(|design| criterion.efficiency(&model, &space, design).unwrap().percent).collect();
+        for (other, value) in percent.iter().enumerate() {
+            assert!(percent[own] >= value - 1e-3, "{criterion}: {} found {value}, {}", criteria[other], percent[own]);
+        }
+    }
+}
+
+#[test]
+fn a_search_for_the_trace_keeps_its_share_of_the_determinant() {
+    let (model, space) = (Model::quadratic(2).unwrap(), Space::cube(2).unwrap());
+    let best = |criterion| {
+        let problem = Problem::new(model.clone(), space.clone(), 9, criterion).unwrap();
+        search(&problem, &settings(24)).unwrap().design
+    };
+    let (trace, determinant) = (best(Criterion::T), best(Criterion::D));
+    let percent = |criterion: Criterion, design| criterion.efficiency(&model, &space, design).unwrap().percent;
+    assert!(percent(Criterion::T, &trace) > percent(Criterion::T, &determinant));
+    let share = percent(Criterion::D, &trace) / percent(Criterion::D, &determinant);
+    assert!((Criterion::T_LEAST_D..1.0).contains(&share), "{share}");
+}
+
+#[test]
+fn d_optimal_designs_are_those_of_the_tables() {
+    // Box and Draper 1971: for N = 6 and K = 2 the determinant |R'R|^(1/6)/6 of the optimum is 0.4574 or 5.74e-3 N^6.
+    let problem = Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), 6, Criterion::D).unwrap();
+    let found = search(&problem, &settings(60)).unwrap();
+    let determinant = (found.efficiency.percent / 100.0).powi(6);
+    assert!((determinant - 5.74e-3).abs() < 1e-5, "{determinant}");
+}
+
+#[test]
+fn additive_designs_reach_one_hundred_where_orthogonal_arrays_do() {
+    let grid = Space::grid(&[3; 4]).unwrap();
+    let problem = Problem::new(Model::additive_quadratic(4).unwrap(), grid, 9, Criterion::G).unwrap();
+    let found = search(&problem, &settings(160)).unwrap();
+    assert!(found.efficiency.percent > 99.999, "{}", found.efficiency);
+}
+
+#[test]
+fn lists_and_grids_give_designs_of_their_points_without_replicates() {
+    let model = Model::quadratic(2).unwrap();
+    let level = |i: u32| 2.0 * f64::from(i) / 6.0 - 1.0;
+    let triangle: Vec<f64> = (0..7).flat_map(|i| (0..=i).flat_map(move |j| [level(i), level(j)])).collect();
+    let cut = Forbidden::new(vec![Some([0.4, 1.0]), Some([-0.2, 1.0])]).unwrap();
+    let spaces = [
+        Space::grid(&[7, 5]).unwrap(),
+        Space::grid(&[7, 5]).unwrap().forbid(vec![cut]).unwrap(),
+        Space::list(2, triangle).unwrap(),
+    ];
+    for space in spaces {
+        for criterion in Criterion::ALL {
+            let problem = Problem::new(model.clone(), space.clone(), 9, criterion).unwrap();
+            let found = search(&problem, &settings(16)).unwrap();
+            found.design.check_within(&space).unwrap();
+            assert_eq!(found.design.replicates(1e-9), [], "{criterion} over the {}", space.over());
+            assert_eq!(found.design.n_runs(), 9);
+        }
+    }
+}
+
+#[test]
+fn a_shrunken_list_far_from_the_center_is_searched_as_well_as_a_large_one() {
+    // The same list at a thousandth of its size: the design is the same, G does not notice.
+    let points = |scale: f64, shift: f64| -> Vec<f64> {
+        (0..9)
+            .flat_map(|i| (0..9).flat_map(move |j| [i, j].map(|t| shift + scale * (f64::from(t) / 4.0 - 1.0))))
+            .collect()
+    };
+    let percent = |scale: f64, shift: f64| {
+        let space = Space::list(2, points(scale, shift)).unwrap();
+        let problem = Problem::new(Model::quadratic(2).unwrap(), space, 8, Criterion::G).unwrap();
+        search(&problem, &settings(24)).unwrap().efficiency.percent
+    };
+    assert!((percent(1.0, 0.0) - percent(0.01, 0.9)).abs() < 1e-2, "{} and {}", percent(1.0, 0.0), percent(0.01, 0.9));
+}
+
+#[test]
+fn fixed_runs_stay_first_and_the_others_make_the_best_of_them() {
+    let fixed = Design::from_runs(&[[0.3, 0.3], [0.3, 0.3], [-0.5, 0.1]]).unwrap();
+    let (model, space) = (Model::quadratic(2).unwrap(), Space::cube(2).unwrap());
+    let problem = Problem::new(model, space, 9, Criterion::G).unwrap().with_fixed_runs(fixed.clone()).unwrap();
+    let found = search(&problem, &settings(60)).unwrap();
+    assert_eq!(&found.design.coordinates()[..6], fixed.coordinates());
+    let free = g_optimal(2, 6, 60);
+    assert!(found.efficiency.value < free.efficiency.value, "nine runs predict better than six");
+}
+
+#[test]
+fn planned_replicates_are_made_and_no_others() {
+    let (model, space) = (Model::quadratic(2).unwrap(), Space::grid(&[5, 5]).unwrap());
+    let problem =
+        Problem::new(model, space, 10, Criterion::G).unwrap().with_replicates(Replicates::Planned(2)).unwrap();
+    let found = search(&problem, &settings(24)).unwrap();
+    assert_eq!(found.design.n_runs(), 10);
+    assert_eq!(found.design.replicates(1e-9).len(), 2);
+}
+
+#[test]
+fn a_forbidden_corner_is_avoided_on_the_cube() {
+    let corner = Forbidden::new(vec![Some([0.2, 1.0]), Some([0.4, 1.0])]).unwrap();
+    let space = Space::cube(2).unwrap().forbid(vec![corner]).unwrap();
+    let problem = Problem::new(Model::quadratic(2).unwrap(), space.clone(), 8, Criterion::G).unwrap();
+    let found = search(&problem, &settings(60)).unwrap();
+    found.design.check_within(&space).unwrap();
+    assert!(found.efficiency.percent > 70.0, "{}", found.efficiency);
+    assert_eq!(found.efficiency.over, Some(space.over()));
+}
+
+#[test]
+fn a_gridded_axis_beside_a_continuous_one_keeps_its_levels() {
+    let space = Space::of_axes(vec![Axis::equally_spaced(4).unwrap(), Axis::Continuous]).unwrap();
+    let problem = Problem::new(Model::quadratic(2).unwrap(), space.clone(), 8, Criterion::G).unwrap();
+    let found = search(&problem, &settings(60)).unwrap();
+    found.design.check_within(&space).unwrap();
+    assert!(found.efficiency.percent > 75.0, "{}", found.efficiency);
+}
+
+#[test]
+fn any_list_of_monomials_is_searched() {
+    let terms = [[0, 0], [1, 0], [0, 1], [2, 0], [3, 0], [1, 1]].map(Term::new).to_vec();
+    let model = Model::new(2, terms).unwrap();
+    let problem = Problem::new(model, Space::cube(2).unwrap(), 8, Criterion::G).unwrap();
+    let mut settings = settings(40);
+    settings.effort = Effort::Quick;
+    let found = search(&problem, &settings).unwrap();
+    assert!(found.efficiency.percent > 80.0, "{}", found.efficiency);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn a_g_search_is_never_worse_than_a_d_search_and_never_singular(n in 6..12_usize, seed in 0..1000_u64) {
+        let (model, space) = (Model::quadratic(2).unwrap(), Space::cube(2).unwrap());
+        let percent = |criterion| {
+            let problem = Problem::new(model.clone(), space.clone(), n, criterion).unwrap();
+            let mut settings = settings(48);
+            settings.seed = seed;
+            let found = search(&problem, &settings).unwrap();
+            Criterion::G.efficiency(&model, &space, &found.design).unwrap().percent
+        };
+        prop_assert!(percent(Criterion::G) >= percent(Criterion::D) - 1e-6);
+    }
+}
+
+#[test]
+fn refuses_problems_without_a_solution() {
+    let (model, cube) = (Model::quadratic(2).unwrap(), Space::cube(2).unwrap());
+    let new = |space: Space, n: usize| Problem::new(model.clone(), space, n, Criterion::G);
+    let check = |problem: Result<Problem, Error>, message: &str| assert_eq!(problem.unwrap_err().to_string(), message);
+    check(new(cube.clone(), 5), "5 runs cannot determine 6 terms, expected at least 6 runs");
+    check(new(Space::cube(3).unwrap(), 9), "the space has 3 factors, expected 2");
+    check(new(Space::grid(&[2, 3]).unwrap(), 6), "the space cannot tell the terms apart: term 4 = 1.000000 term 0");
+    check(
+        new(Space::grid(&[3, 3]).unwrap(), 10),
+        "the space has 9 points, too few for 10 distinct runs: plan replicates or allow them",
+    );
+    let fixed = Design::new(2, vec![0.0, 2.0]).unwrap();
+    check(new(cube.clone(), 8).unwrap().with_fixed_runs(fixed), "run 0 lies outside the space: [0.0, 2.0]");
+    check(
+        new(cube.clone(), 8).unwrap().with_replicates(Replicates::Planned(5)),
+        "5 planned replicates, expected 0 to 4",
+    );
+    check(
+        new(cube.clone(), 8).unwrap().with_replicates(Replicates::Planned(3)),
+        "5 runs cannot determine 6 terms, expected at least 6 runs",
+    );
+    let refused = |change: fn(&mut Settings), message: &str| {
+        let mut settings = Settings::default();
+        change(&mut settings);
+        let error = search(&new(cube.clone(), 8).unwrap(), &settings).unwrap_err();
+        assert_eq!(error.to_string(), message);
+    };
+    refused(|settings| settings.starts = 0, "the setting `starts` is 0.0, expected at least 1");
+    refused(
+        |settings| settings.target_percent = Some(f64::NAN),
+        "the setting `target_percent` is NaN, expected above 0",
+    );
+}
+
+/// Solvable problems are solved, and what must differ does so by more than a rig could miss.
+#[test]
+fn runs_that_must_differ_do_so_on_any_box_and_by_any_criterion() {
+    let eight = Axis::equally_spaced(8).unwrap();
+    let spaces = [Space::cube(2).unwrap(), Space::of_axes(vec![eight.clone(), Axis::Continuous]).unwrap()];
+    for space in spaces {
+        for criterion in [Criterion::G, Criterion::D, Criterion::A, Criterion::E, Criterion::I, Criterion::T] {
+            for planned in 0..=2 {
+                for fixed in [None, Some(Design::from_runs(&[[1.0, 0.3]]).unwrap())] {
+                    let mut problem = Problem::new(Model::quadratic(2).unwrap(), space.clone(), 11, criterion).unwrap();
+                    let n_fixed = usize::from(fixed.is_some());
+                    if let Some(fixed) = fixed {
+                        problem = problem.with_fixed_runs(fixed).unwrap();
+                    }
+                    let problem = problem.with_replicates(Replicates::Planned(planned)).unwrap();
+                    let mut settings = Settings::default();
+                    settings.starts = 6;
+                    settings.effort = Effort::Quick;
+                    let case = format!("{criterion} over the {}, {planned} planned, {n_fixed} fixed", space.over());
+                    let found = search(&problem, &settings).unwrap_or_else(|error| panic!("{case}: {error}"));
+                    assert_eq!(found.design.n_runs(), 11, "{case}");
+                    assert_eq!(found.design.replicates(0.04).len(), planned, "{case}: {:?}", found.design);
+                }
+            }
+            let problem = Problem::new(Model::quadratic(2).unwrap(), space.clone(), 8, criterion).unwrap();
+            let allowed = search(&problem.with_replicates(Replicates::Allowed).unwrap(), &settings(6));
+            assert!(allowed.is_ok(), "{criterion} over the {} with replicates allowed: {allowed:?}", space.over());
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Spaces, their moments and their points, against counting.
+
+use doe::{Axis, Error, Forbidden, Model, Space, confounded_terms, moment_matrix};
+use proptest::prelude::*;
+
+fn corner(from: f64) -> Forbidden {
+    Forbidden::new(vec![Some([from, 1.0]), Some([from, 1.0])]).unwrap()
+}
+
+#[test]
+fn a_forbidden_corner_takes_its_face_with_it() {
+    let cube = Space::cube(2).unwrap().forbid(vec![corner(0.5)]).unwrap();
+    assert!(!cube.contains(&[1.0, 1.0]) && !cube.contains(&[0.6, 0.9]));
+    assert!(cube.contains(&[0.5, 1.0]), "its inner edge is allowed on a continuous axis");
+    let grid = Space::grid(&[5, 5]).unwrap().forbid(vec![corner(0.5)]).unwrap();
+    assert!(!grid.contains(&[0.5, 1.0]), "but not on levels");
+    assert_eq!(grid.n_points(), Some(25 - 4));
+    assert!(!grid.contains(&[0.1, 0.0]), "no level");
+}
+
+#[test]
+fn moments_of_the_cube_are_those_of_the_uniform_distribution() {
+    let moments = moment_matrix(&Model::quadratic(1).unwrap(), &Space::cube(1).unwrap()).unwrap();
+    let expected = [1.0, 0.0, 1.0 / 3.0, 0.0, 1.0 / 3.0, 0.0, 1.0 / 3.0, 0.0, 0.2];
+    assert!(moments.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{moments:?}");
+}
+
+#[test]
+fn moments_without_a_quarter_are_three_quarters_of_the_square() {
+    let space = Space::cube(2).unwrap().forbid(vec![corner(0.0)]).unwrap();
+    let moments = moment_matrix(&Model::linear(2).unwrap(), &space).unwrap();
+    // E x = (0 · 4 − 1/2 · 1) / 3, E xy = (0 · 4 − 1/4 · 1) / 3.
+    for (at, expected) in [(0, 1.0), (1, -1.0 / 6.0), (2, -1.0 / 6.0), (5, -1.0 / 12.0), (4, 1.0 / 3.0)] {
+        assert!((moments[at] - expected).abs() < 1e-15, "{at}: {} is not {expected}", moments[at]);
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_grid_has_the_moments_of_the_list_of_its_points(
+        n in 2..6_u32,
+        m in 2..6_u32,
+        (a, b) in (-1.2..0.9_f64, 0.0..1.5_f64),
+        (c, d) in (-1.2..0.9_f64, 0.0..1.5_f64),
+    ) {
+        let forbidden = Forbidden::new(vec![Some([a, a + b]), Some([c, c + d])]).unwrap();
+        let grid = Space::grid(&[n, m]).unwrap();
+        let level = |i: u32, n: u32| 2.0 * f64::from(i) / f64::from(n - 1) - 1.0;
+        let points = (0..n).flat_map(|i| (0..m).flat_map(move |j| [level(i, n), level(j, m)])).collect();
+        let list = Space::list(2, points).unwrap().forbid(vec![forbidden.clone()]);
+        let model = Model::quadratic(2).unwrap();
+        match (grid.forbid(vec![forbidden]), list) {
+            (Ok(grid), Ok(list)) => {
+                prop_assert_eq!(grid.n_points(), list.n_points());
+                let pairs = moment_matrix(&model, &grid).unwrap().into_iter().zip(moment_matrix(&model, &list).unwrap());
+                for (one, other) in pairs {
+                    prop_assert!((one - other).abs() < 1e-12);
+                }
+            }
+            (Err(one), Err(other)) => prop_assert_eq!(one, other),
+            (one, other) => prop_assert!(false, "{one:?} and {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_space_names_the_terms_it_confounds() {
+    // On the diagonal both factors are one, and on two levels squares are constant.
+    let diagonal = Space::list(2, vec![-1.0, -1.0, 0.0, 0.0, 0.5, 0.5, 1.0, 1.0]).unwrap();
+    let confounded = confounded_terms(&Model::linear(2).unwrap(), &diagonal).unwrap();
+    assert_eq!(confounded.len(), 1);
+    assert_eq!(confounded[0].to_string(), "term 2 = 1.000000 term 1");
+    let square = Space::grid(&[2, 2]).unwrap();
+    let model = Model::quadratic(2).unwrap();
+    let dropped: Vec<usize> = confounded_terms(&model, &square).unwrap().iter().map(|c| c.term).collect();
+    assert_eq!(dropped, [4, 5]);
+    let left = model.without_terms(&dropped).unwrap();
+    assert!(confounded_terms(&left, &square).unwrap().is_empty());
+}
+
+#[test]
+fn refuses_spaces_that_are_none() {
+    let check = |space: Result<Space, Error>, message: &str| assert_eq!(space.unwrap_err().to_string(), message);
+    check(Space::cube(0), "0 factors, expected 1 to 12");
+    check(
+        Space::grid(&[3, 1]),
+        "an axis has 1 level(s), expected at least 2: leave a factor that cannot vary out of the model",
+    );
+    check(
+        Space::of_axes(vec![Axis::Levels(vec![0.5, 0.5])]),
+        "the levels of factor 0 are not finite, rising and within -1 to 1",
+    );
+    check(
+        Space::of_axes(vec![Axis::Levels(vec![0.5, f64::NAN])]),
+        "the levels of factor 0 are not finite, rising and within -1 to 1",
+    );
+    check(
+        Space::list(2, vec![0.0, 0.0, 1.0, 1.0, 0.0, -0.0]),
+        "candidates 0 and 2 are the same point, expected distinct candidates",
+    );
+    check(
+        Space::list(1, vec![0.0, 1.5]),
+        "coordinate 0 of candidate 1 is 1.5, expected coded coordinates from -1 to 1",
+    );
+    check(Space::list(2, vec![f64::NAN, 0.0]), "coordinate 0 of point 0 is NaN, expected a finite number");
+    check(Space::list(2, vec![]), "0 candidates, expected 1 to 18446744073709551615");
+    let all = Forbidden::new(vec![Some([-1.0, 1.0]), None]).unwrap();
+    check(
+        Space::cube(2).unwrap().forbid(vec![all.clone()]),
+        "nothing of the space is left once the forbidden boxes are gone",
+    );
+    check(
+        Space::grid(&[2, 2]).unwrap().forbid(vec![all.clone()]),
+        "nothing of the space is left once the forbidden boxes are gone",
+    );
+    check(Space::cube(3).unwrap().forbid(vec![all]), "a forbidden box has 2 factors, expected 3");
+    assert_eq!(Forbidden::new(vec![None, None]), Err(Error::ForbidsEverything));
+    let error = Forbidden::new(vec![Some([0.5, f64::NAN])]).unwrap_err();
+    assert_eq!(error.to_string(), "factor 0: the forbidden range 0.5 to NaN is not a range, expected lower <= upper");
+}

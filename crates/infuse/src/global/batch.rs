@@ -1,0 +1,147 @@
+//! The G-optimal batch of an iteration: Section 5.1 over what is left of the gridded space.
+
+use doe::{Criterion, Design, Effort, Model, Problem, Settings, SplitSettings, confounded_terms, search, split};
+use serde::{Deserialize, Serialize};
+
+use crate::global::candidates::Candidates;
+use crate::global::cells::Cells;
+use crate::global::retained::RetainedSet;
+use crate::global::trial::TrialUse;
+use crate::{Error, GlobalSettings};
+
+/// What a batch was designed over, and how good it is.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Batch {
+    /// Cells that the designs were chosen from, and over which their variance was looked at: all retained
+    /// cells up to [`GlobalSettings::candidate_limit`], a part of them beyond.
+    pub n_candidates: u64,
+    /// Terms of the regressor that these cells cannot tell apart, left out in this iteration.
+    pub dropped_terms: Vec<DroppedTerm>,
+    /// G-efficiency of the experiments for the terms that are left, over the candidates, per cent.
+    pub experiment_efficiency: f64,
+    /// G-efficiency of the simulations, likewise.
+    pub simulation_efficiency: f64,
+}
+
+/// A term that equals a combination of earlier terms wherever an experiment may be made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DroppedTerm {
+    /// Its index in the regressor of the settings.
+    pub term: usize,
+    /// Its name, of the parameters' names.
+    pub name: String,
+    /// Names and coefficients of the terms it equals, in coded coordinates; empty if it vanishes.
+    pub equals: Vec<(String, f64)>,
+}
+
+impl Batch {
+    /// The regressor of this iteration.
+    pub(crate) fn model(&self, settings: &GlobalSettings) -> Result<Model, Error> {
+        let dropped: Vec<usize> = self.dropped_terms.iter().map(|dropped| dropped.term).collect();
+        Ok(settings.model.without_terms(&dropped)?)
+    }
+}
+
+/// Which of an iteration's designs is searched for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Purpose {
+    Candidates,
+    Experiments,
+    Simulations,
+}
+
+/// What is left to design in: candidates, and the regressor they support.
+#[derive(Debug)]
+pub(crate) struct DesignSpace<'a> {
+    cells: &'a Cells,
+    settings: &'a GlobalSettings,
+    iteration: usize,
+    candidates: Candidates,
+    model: Model,
+    dropped: Vec<DroppedTerm>,
+}
+
+impl<'a> DesignSpace<'a> {
+    pub(crate) fn of(
+        retained: &RetainedSet,
+        cells: &'a Cells,
+        settings: &'a GlobalSettings,
+        iteration: usize,
+    ) -> Result<Self, Error> {
+        let seed = seed(settings.seed, iteration, Purpose::Candidates);
+        let candidates = Candidates::of(retained, cells, settings.candidate_limit, seed)?;
+        let names: Vec<&str> = cells.region().parameters().iter().map(doe::Parameter::name).collect();
+        let names = settings.model.term_names(&names);
+        let named = |confounding: doe::Confounding| DroppedTerm {
+            term: confounding.term,
+            name: names[confounding.term].clone(),
+            equals: confounding.equals.iter().map(|&(term, coefficient)| (names[term].clone(), coefficient)).collect(),
+        };
+        let confounded = confounded_terms(&settings.model, &candidates.space)?;
+        let dropped: Vec<DroppedTerm> = confounded.into_iter().map(named).collect();
+        let terms: Vec<usize> = dropped.iter().map(|dropped| dropped.term).collect();
+        let model = settings.model.without_terms(&terms)?;
+        Ok(Self { cells, settings, iteration, candidates, model, dropped })
+    }
+
+    /// Cells of a design with the smallest maximum of the prediction variance, the repaired (29).
+    ///
+    /// Distinct while there are more candidates than runs. Otherwise every candidate is run equally often, and some,
+    /// evenly spaced, once more.
+    pub(crate) fn design(&self, n_runs: usize, purpose: Purpose) -> Result<Vec<u64>, Error> {
+        let candidates = &self.candidates.cells;
+        if candidates.len() <= n_runs {
+            let n = candidates.len();
+            let (rounds, rest) = (n_runs / n, n_runs % n);
+            let again = (0..rest).map(|number| candidates[number * n / rest]);
+            return Ok(candidates.iter().copied().cycle().take(rounds * n).chain(again).collect());
+        }
+        let problem = Problem::new(self.model.clone(), self.candidates.space.clone(), n_runs, Criterion::G)?;
+        let mut settings = Settings::default();
+        settings.seed = seed(self.settings.seed, self.iteration, purpose);
+        settings.starts = self.settings.design_starts;
+        settings.effort = Effort::Quick;
+        let found = search(&problem, &settings)?;
+        Ok(found.design.runs().map(|run| self.cells.of_coded(run)).collect())
+    }
+
+    /// What the experiments at these cells are used for, in their order.
+    pub(crate) fn uses(&self, experiments: &[u64]) -> Result<Vec<TrialUse>, Error> {
+        let mut how = SplitSettings::default();
+        how.method = self.settings.split;
+        let halves = split(&self.model, &self.candidates.space, &self.as_design(experiments)?, &how)?;
+        let mut uses = vec![TrialUse::Validation; experiments.len()];
+        for run in halves.training {
+            uses[run] = TrialUse::Training;
+        }
+        Ok(uses)
+    }
+
+    pub(crate) fn batch(&self, experiments: &[u64], simulations: &[u64]) -> Result<Batch, Error> {
+        Ok(Batch {
+            n_candidates: self.candidates.cells.len() as u64,
+            dropped_terms: self.dropped.clone(),
+            experiment_efficiency: self.efficiency(experiments)?,
+            simulation_efficiency: self.efficiency(simulations)?,
+        })
+    }
+
+    fn efficiency(&self, runs: &[u64]) -> Result<f64, Error> {
+        let efficiency = Criterion::G.efficiency(&self.model, &self.candidates.space, &self.as_design(runs)?)?;
+        Ok(efficiency.percent)
+    }
+
+    fn as_design(&self, runs: &[u64]) -> Result<Design, Error> {
+        let coded = runs.iter().map(|&cell| self.cells.coded(cell));
+        Ok(Design::from_runs(&coded.collect::<Result<Vec<_>, _>>()?)?)
+    }
+}
+
+/// One stream of random numbers per iteration and purpose.
+fn seed(seed: u64, iteration: usize, purpose: Purpose) -> u64 {
+    let stream = 3 * iteration as u64 + purpose as u64;
+    seed ^ stream.wrapping_mul(0x9E37_79B9_7F4A_7C15)
+}

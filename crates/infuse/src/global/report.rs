@@ -1,0 +1,91 @@
+//! What an iteration of the global loop did, and why a campaign ended.
+
+use serde::{Deserialize, Serialize};
+
+use crate::global::batch::Batch;
+use crate::global::changes::SurfaceChanges;
+use crate::global::screening::Screening;
+use crate::global::trial::GlobalTrialRecord;
+use crate::{GlobalSettings, Outcome};
+
+/// Why a global campaign ended.
+#[non_exhaustive]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GlobalStopReason {
+    /// Fewer than two cells are left: nothing remains to be chosen.
+    FewerThanTwoCells,
+    /// [`GlobalSettings::max_iterations`] were made.
+    IterationLimit,
+    /// So many experiments of the last iteration failed that Ĵexp could not be fitted: there is nothing to
+    /// correct the simulation with.
+    NoInformation,
+    /// The validation experiments of the last iteration gave no spread S, and
+    /// [`SpreadFallback::Stop`](crate::SpreadFallback::Stop) was set.
+    NoSpread,
+}
+
+/// One simulation of a batch.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SimulationRecord {
+    /// The cell, by its index in the grid.
+    pub cell: u64,
+    /// Its settings, natural.
+    pub point: Vec<f64>,
+    /// Cost, or why there is none.
+    pub outcome: Outcome,
+}
+
+/// One closed iteration of Figure 19.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GlobalReport {
+    /// Number of the iteration, from 1.
+    pub iteration: usize,
+    /// What was designed, and over what.
+    pub batch: Batch,
+    /// Every simulation, failed ones included.
+    pub simulations: Vec<SimulationRecord>,
+    /// Every experiment with its outcome.
+    pub trials: Vec<GlobalTrialRecord>,
+    /// The optimum, the z-test and what it left.
+    pub screening: Screening,
+    /// Why the experiments could not be fitted; nothing if they were and the correction was updated.
+    pub not_corrected: Option<String>,
+    /// How the surfaces moved, largest magnitudes over the cells at the onset of the iteration.
+    pub changes: SurfaceChanges,
+}
+
+impl GlobalReport {
+    /// The experiments that were told as failed.
+    pub fn failed_trials(&self) -> impl Iterator<Item = &GlobalTrialRecord> {
+        let is_failed = |record: &&GlobalTrialRecord| matches!(record.outcome, Some(Outcome::Failed { .. }));
+        self.trials.iter().filter(is_failed)
+    }
+
+    /// The simulations that gave no cost.
+    pub fn failed_simulations(&self) -> impl Iterator<Item = &SimulationRecord> {
+        self.simulations.iter().filter(|record| matches!(record.outcome, Outcome::Failed { .. }))
+    }
+
+    /// Why a campaign that has come this far ends here, if it does.
+    pub(crate) fn stop(&self, settings: &GlobalSettings) -> Option<GlobalStopReason> {
+        self.own_stop(settings)
+            .or_else(|| (self.iteration >= settings.max_iterations).then_some(GlobalStopReason::IterationLimit))
+    }
+
+    /// The same, whatever the limit on the iterations.
+    pub(crate) fn own_stop(&self, settings: &GlobalSettings) -> Option<GlobalStopReason> {
+        if self.not_corrected.is_some() {
+            Some(GlobalStopReason::NoInformation)
+        } else if self.screening.ends_campaign(settings) {
+            Some(GlobalStopReason::NoSpread)
+        } else if self.screening.n_after < 2 {
+            Some(GlobalStopReason::FewerThanTwoCells)
+        } else {
+            None
+        }
+    }
+}

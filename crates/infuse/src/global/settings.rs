@@ -1,0 +1,254 @@
+//! The numbers and choices of the global loop.
+
+use doe::{Model, Region, SplitMethod};
+use serde::{Deserialize, Serialize};
+use surface::{Confounded, InverseDistance, Kind};
+
+use crate::{CorrectionLaw, CorrectionRule, Error, Gain};
+
+/// How one of the three response surfaces is estimated.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum SurfaceKind {
+    /// Weighted least squares on the regressor, (30) and (31).
+    #[default]
+    Regression,
+    /// Inverse distance, (32) and (33).
+    InverseDistance {
+        /// The power of the distance, above 0; 2 in (33).
+        #[serde(default = "default_power")]
+        power: f64,
+    },
+    /// Squared exponential, (34).
+    SquaredExponential {
+        /// The scale c, above 0, per coded unit; chosen by leaving out one place at a time if there is none.
+        #[serde(default)]
+        scale: Option<f64>,
+    },
+}
+
+fn default_power() -> f64 {
+    InverseDistance::POWER
+}
+
+impl SurfaceKind {
+    pub(crate) fn with_model(self, model: &Model) -> Kind {
+        match self {
+            Self::Regression => Kind::Regression { model: model.clone(), confounded: Confounded::Refuse },
+            Self::InverseDistance { power } => Kind::InverseDistance { power },
+            Self::SquaredExponential { scale } => Kind::SquaredExponential { scale },
+        }
+    }
+
+    fn validate(self) -> Result<(), Error> {
+        match self {
+            Self::InverseDistance { power } => positive("power", power),
+            Self::SquaredExponential { scale: Some(scale) } => positive("scale", scale),
+            Self::Regression | Self::SquaredExponential { scale: None } => Ok(()),
+        }
+    }
+}
+
+/// The kinds of the three surfaces of Section 5.3. Default: regressions.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SurfaceKinds {
+    /// Ĵexp, of the experiments alone.
+    pub experiment: SurfaceKind,
+    /// Ĵsim, of the simulations alone.
+    pub simulation: SurfaceKind,
+    /// Ĵ, of training experiments and corrected simulations.
+    pub combined: SurfaceKind,
+}
+
+/// What an iteration does when its validation experiments give no spread S: fewer than two of them
+/// succeeded, or they were predicted without error, or so badly that S is not finite.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SpreadFallback {
+    /// It drops nothing.
+    #[default]
+    KeepAll,
+    /// It uses this S, in the unit of the cost, above 0.
+    Given(f64),
+    /// It drops nothing and ends the campaign.
+    Stop,
+}
+
+/// The settings of a global loop.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GlobalSettings {
+    /// The regressor r(p) of (28), in coordinates coded to the original box: of the designs, and of
+    /// every surface that is a regression.
+    pub model: Model,
+    /// N_E, experiments per iteration: at least 4, and at least the number of terms.
+    pub n_experiments: usize,
+    /// N_S, simulations per iteration: at least the number of terms.
+    pub n_simulations: usize,
+    /// How the surfaces are estimated.
+    #[serde(default)]
+    pub surfaces: SurfaceKinds,
+    /// w of (31) of each training experiment, above 0. Default 0.7, as in Section 7.2.
+    ///
+    /// Weights are per point: with 9 training experiments and 36 simulations, 0.7 and 0.3 give the
+    /// simulations 63 % of the total.
+    #[serde(default = "default_experiment_weight")]
+    pub experiment_weight: f64,
+    /// w of (31) of each simulation, above 0. Default 0.3.
+    #[serde(default = "default_simulation_weight")]
+    pub simulation_weight: f64,
+    /// Level of the one-sided z-test, between 0.5 and 1. Default 0.9, as in Section 5.5.
+    #[serde(default = "default_confidence")]
+    pub confidence: f64,
+    /// How the experiments correct the simulation. Default: the recursion of the proof with gain 0.5;
+    /// the dissertation does not tell its gain.
+    #[serde(default = "default_correction")]
+    pub correction: CorrectionRule,
+    /// What to do without a spread.
+    #[serde(default)]
+    pub fallback: SpreadFallback,
+    /// How experiments are divided into training and validation. Default: the alternation of Section 5.1.
+    /// The balanced split needs a training half with as many runs as the model has terms.
+    #[serde(default = "default_split")]
+    pub split: SplitMethod,
+    /// Limit on the iterations. Default 10.
+    #[serde(default = "default_max_iterations")]
+    pub max_iterations: usize,
+    /// Everything random follows from this. Default 1.
+    #[serde(default = "default_seed")]
+    pub seed: u64,
+    /// Starts of each search for a design. Default 2; the time of an iteration is nearly all theirs.
+    #[serde(default = "default_design_starts")]
+    pub design_starts: u64,
+    /// Designs are searched among at most about this many cells, at least 1000: a larger set is
+    /// represented by a part of it. Default 400,000.
+    #[serde(default = "default_candidate_limit")]
+    pub candidate_limit: u64,
+}
+
+fn default_experiment_weight() -> f64 {
+    0.7
+}
+
+fn default_simulation_weight() -> f64 {
+    0.3
+}
+
+fn default_confidence() -> f64 {
+    0.9
+}
+
+fn default_correction() -> CorrectionRule {
+    // One half is a gain, so the other branch is never taken.
+    let gain = Gain::constant(0.5).unwrap_or_else(|_| Gain::harmonic());
+    CorrectionRule::new(CorrectionLaw::ProofRecursion, gain)
+}
+
+fn default_split() -> SplitMethod {
+    SplitMethod::Alternating
+}
+
+fn default_max_iterations() -> usize {
+    10
+}
+
+fn default_seed() -> u64 {
+    1
+}
+
+fn default_design_starts() -> u64 {
+    2
+}
+
+fn default_candidate_limit() -> u64 {
+    400_000
+}
+
+impl GlobalSettings {
+    /// The largest number of experiments or simulations of an iteration.
+    pub const MOST_RUNS: usize = 10_000;
+
+    /// Settings with this regressor and these numbers of experiments and simulations per iteration;
+    /// the rest as documented per field.
+    #[must_use]
+    pub fn new(model: Model, n_experiments: usize, n_simulations: usize) -> Self {
+        Self {
+            model,
+            n_experiments,
+            n_simulations,
+            surfaces: SurfaceKinds::default(),
+            experiment_weight: default_experiment_weight(),
+            simulation_weight: default_simulation_weight(),
+            confidence: default_confidence(),
+            correction: default_correction(),
+            fallback: SpreadFallback::default(),
+            split: default_split(),
+            max_iterations: default_max_iterations(),
+            seed: default_seed(),
+            design_starts: default_design_starts(),
+            candidate_limit: default_candidate_limit(),
+        }
+    }
+
+    /// Whether every setting is usable for this region.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Region`] for a regressor of another number of factors, [`Error::Setting`],
+    /// [`Error::SettingCount`].
+    pub fn validate(&self, region: &Region) -> Result<(), Error> {
+        let (expected, found) = (region.n_parameters(), self.model.n_factors());
+        if expected != found {
+            return Err(doe::Error::FactorMismatch { what: "the setting `model`", expected, found }.into());
+        }
+        let n_terms = self.model.n_terms();
+        let runs = "at least the number of terms of the model, at most 10000";
+        count(
+            "n_experiments",
+            self.n_experiments,
+            self.n_experiments >= 4,
+            "at least 4: two to train, two to validate",
+        )?;
+        for (name, value) in [("n_experiments", self.n_experiments), ("n_simulations", self.n_simulations)] {
+            count(name, value, (n_terms..=Self::MOST_RUNS).contains(&value), runs)?;
+        }
+        let trains = self.split != SplitMethod::Balanced || self.n_experiments.div_ceil(2) >= n_terms;
+        let expected = "twice the number of terms less one for the balanced split, or the alternating split";
+        count("n_experiments", self.n_experiments, trains, expected)?;
+        for kind in [self.surfaces.experiment, self.surfaces.simulation, self.surfaces.combined] {
+            kind.validate()?;
+        }
+        positive("experiment_weight", self.experiment_weight)?;
+        positive("simulation_weight", self.simulation_weight)?;
+        if !(self.confidence > 0.5 && self.confidence < 1.0) {
+            return Err(Error::Setting {
+                name: "confidence",
+                value: self.confidence,
+                expected: "0.5 < confidence < 1",
+            });
+        }
+        if let SpreadFallback::Given(spread) = self.fallback {
+            positive("fallback", spread)?;
+        }
+        count("max_iterations", self.max_iterations, self.max_iterations > 0, "at least 1")?;
+        let positive_count = |name, value: u64, least: u64, expected| {
+            let value_shown = usize::try_from(value).unwrap_or(usize::MAX);
+            count(name, value_shown, value >= least, expected)
+        };
+        positive_count("design_starts", self.design_starts, 1, "at least 1")?;
+        positive_count("candidate_limit", self.candidate_limit, 1000, "at least 1000")
+    }
+}
+
+fn positive(name: &'static str, value: f64) -> Result<(), Error> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::Setting { name, value, expected: "a positive number" })
+}
+
+fn count(name: &'static str, value: usize, is_usable: bool, expected: &'static str) -> Result<(), Error> {
+    if is_usable { Ok(()) } else { Err(Error::SettingCount { name, value, expected }) }
+}

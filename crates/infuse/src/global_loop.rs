@@ -1,0 +1,437 @@
+//! The loop of Figures 4 and 19: design, experiment and simulate, fit, correct, test, reduce, repeat.
+
+use doe::Region;
+use serde::{Deserialize, Serialize};
+
+use crate::global::batch::{DesignSpace, Purpose};
+use crate::global::cells::Cells;
+use crate::global::changes::SurfaceChanges;
+use crate::global::iteration::{OpenIteration, simulate, simulated, trials};
+use crate::global::report::{GlobalReport, GlobalStopReason};
+use crate::global::retained::RetainedSet;
+use crate::global::screening::{Dropped, Screening, Spread, threshold, z};
+use crate::global::state::State;
+use crate::global::surfaces::{IterationSurfaces, correction};
+use crate::global::traced::TracedSurface;
+use crate::global::trial::{GlobalTrial, TrialUse};
+use crate::{Error, GlobalSettings, Outcome, TrialId};
+
+/// What there is to do next.
+#[derive(Debug, Clone, PartialEq)]
+pub enum GlobalAsk {
+    /// Run these experiments, in any order, and tell the outcome of each.
+    Trials(Vec<GlobalTrial>),
+    /// Nothing: the campaign has ended.
+    Stopped(GlobalStopReason),
+}
+
+/// Experimentally infused optimization over a gridded design space: the loop of Chapters 5 and 6, as ask
+/// and tell.
+///
+/// The value is the whole state. It serializes with serde, a few hundred bytes per run and nothing per cell: what is
+/// left of the grid is found again when it is read, bit for bit, provided the format keeps doubles exactly
+/// (`serde_json` does so only with its feature `float_roundtrip`). The simulation is not part of
+/// it: give the same one to every [`ask`](Self::ask).
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(try_from = "State", into = "State")]
+pub struct GlobalLoop {
+    pub(crate) cells: Cells,
+    pub(crate) settings: GlobalSettings,
+    pub(crate) retained: RetainedSet,
+    pub(crate) history: Vec<GlobalReport>,
+    pub(crate) surfaces: Vec<IterationSurfaces>,
+    pub(crate) open: Option<OpenIteration>,
+}
+
+/// One turn of Figure 19.
+impl GlobalLoop {
+    /// The upper half of the figure: G-optimal experiments and simulations over what is left.
+    fn begin(&self, simulation: &mut impl FnMut(&[f64]) -> Result<f64, String>) -> Result<OpenIteration, Error> {
+        let (cells, settings) = (&self.cells, &self.settings);
+
+        // 5.1: the terms that what is left supports, both designs (29), training and validation.
+        let space = DesignSpace::of(&self.retained, cells, settings, self.iteration())?;
+        let experiments = space.design(settings.n_experiments, Purpose::Experiments)?;
+        let runs = space.design(settings.n_simulations, Purpose::Simulations)?;
+        let uses = space.uses(&experiments)?;
+        let batch = space.batch(&experiments, &runs)?;
+
+        // 5.2: simulations now, experiments by whoever has the rig.
+        let simulations = simulate(&runs, cells, simulation)?;
+        let trials = trials(&experiments, &uses, cells, self.iteration(), self.n_asked())?;
+        let open = OpenIteration { batch, simulations, trials };
+        self.check_simulations(&open)?;
+        Ok(open)
+    }
+
+    /// The lower half: surfaces, correction, combined surface, optimum, z-test, reduction.
+    pub(crate) fn finish(&self, open: OpenIteration) -> Result<Closed, Error> {
+        let (cells, settings, k) = (&self.cells, &self.settings, self.cells.n_factors());
+        let model = open.batch.model(settings)?;
+        let training = open.experiments(TrialUse::Training, cells.region())?;
+        let validation = open.experiments(TrialUse::Validation, cells.region())?;
+        let simulations = open.simulations(cells)?;
+
+        // 5.3, 1: all experiments. 2: the simulations as they are.
+        let all = training.clone().followed_by(&validation)?;
+        let experiment = TracedSurface::fit(&settings.surfaces.experiment.with_model(&model), &all);
+        let simulation = TracedSurface::fit(&settings.surfaces.simulation.with_model(&model), &simulations)?;
+
+        // (35) at the onset of this iteration, with the correction of the one before: see 7.1.
+        let corrected = simulations.corrected_by(&self.correction()?)?;
+
+        // 5.3, 3: training experiments and corrected simulations, weighted as in (31).
+        let weighted = training.weighted(settings.experiment_weight);
+        let weighted = weighted.followed_by(&corrected.weighted(settings.simulation_weight))?;
+        let combined = TracedSurface::fit(&settings.surfaces.combined.with_model(&model), &weighted)?;
+
+        // (36) by the law of the settings, for the next iteration.
+        let not_corrected = experiment.as_ref().err().map(Error::to_string);
+        let experiment = experiment.ok();
+        let correction = self.correction_with(experiment.as_ref(), &simulation)?;
+        let numerical = TracedSurface::combination(k, [(1.0, &simulation), (1.0, &correction)])?;
+        let surfaces = IterationSurfaces { experiment, simulation, combined, correction, numerical };
+        let changes = SurfaceChanges::between(self.surfaces.last(), &surfaces, &self.retained, cells)?;
+
+        // 5.5: the optimum, S of (40), and the test (37) to (39) of every cell against it.
+        let spread = Spread::of(&surfaces.combined, &validation, settings.fallback)?;
+        let (screening, retained) = self.screen(&surfaces, spread)?;
+        let OpenIteration { batch, simulations, trials } = open;
+        let iteration = self.iteration();
+        let report = GlobalReport { iteration, batch, simulations, trials, screening, not_corrected, changes };
+        Ok(Closed { report, surfaces, retained })
+    }
+
+    /// The optimum of the combined surface, and the cells that are not worse beyond doubt.
+    fn screen(&self, surfaces: &IterationSurfaces, spread: Spread) -> Result<(Screening, RetainedSet), Error> {
+        let points = self.cells.points();
+        let minimum = |name, surface: &TracedSurface| {
+            let minimum = self.retained.minimum(points, surface.surface());
+            minimum.ok_or(Error::NoMinimum { surface: name, iteration: self.iteration() })
+        };
+        let optimum = minimum("combined", &surfaces.combined)?;
+        let simulated = minimum("simulation", &surfaces.simulation)?;
+        let n_before = self.retained.n_retained();
+        let mut screening = Screening {
+            optimum_cell: optimum.index,
+            optimum: self.cells.natural(optimum.index)?,
+            optimum_value: optimum.value,
+            simulation_optimum_cell: simulated.index,
+            simulation_optimum: self.cells.natural(simulated.index)?,
+            spread,
+            threshold: threshold(self.settings.confidence),
+            n_before,
+            n_after: n_before,
+        };
+        let retained = reduced(&self.retained, &self.cells, &screening, &surfaces.combined);
+        screening.n_after = retained.n_retained();
+        Ok((screening, retained))
+    }
+}
+
+/// M_i+1: the cells of M_i that the test of an iteration keeps.
+fn reduced(before: &RetainedSet, cells: &Cells, screening: &Screening, combined: &TracedSurface) -> RetainedSet {
+    let mut after = before.clone();
+    if screening.spread.s().is_some() {
+        after.retain(cells.points(), combined.surface(), |value| screening.keeps(value));
+    }
+    after
+}
+
+/// What the lower half of an iteration gives.
+#[derive(Debug)]
+pub(crate) struct Closed {
+    pub(crate) report: GlobalReport,
+    pub(crate) surfaces: IterationSurfaces,
+    pub(crate) retained: RetainedSet,
+}
+
+/// Asking, telling and looking.
+impl GlobalLoop {
+    /// A campaign that has not begun, over every combination of the levels of this region.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Region`] for a parameter without levels, [`Error::TooManyCells`], and those of
+    /// [`GlobalSettings::validate`].
+    pub fn new(region: &Region, settings: GlobalSettings) -> Result<Self, Error> {
+        settings.validate(region)?;
+        let cells = Cells::of(region)?;
+        let retained = RetainedSet::full(cells.n_cells());
+        Ok(Self { cells, settings, retained, history: Vec::new(), surfaces: Vec::new(), open: None })
+    }
+
+    /// The experiments to run now.
+    ///
+    /// While trials are outstanding it returns those not yet told, and the simulation is not called.
+    /// Otherwise it opens the next iteration: both designs are searched for, the simulations are run, and
+    /// the experiments are handed out, N_E of them.
+    ///
+    /// `simulation` maps a natural point to a cost or to the reason why there is none; failures are
+    /// survived and reported, as long as those that succeed determine the surface.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::EverySimulationFailed`], [`Error::TooFewSimulations`]; [`Error::Region`] if no design was found. The
+    /// state is then as before.
+    pub fn ask(&mut self, simulation: &mut impl FnMut(&[f64]) -> Result<f64, String>) -> Result<GlobalAsk, Error> {
+        if let Some(reason) = self.stop() {
+            return Ok(GlobalAsk::Stopped(reason));
+        }
+        if self.open.is_none() {
+            self.open = Some(self.begin(simulation)?);
+        }
+        Ok(GlobalAsk::Trials(self.outstanding()))
+    }
+
+    /// The outcome of an outstanding trial, at the settings asked for.
+    ///
+    /// The last outcome of an iteration closes it: surfaces are fitted, the correction is updated, cells are dropped,
+    /// and the iteration appears in [`reports`](Self::reports). The order of telling does not matter.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownTrial`], [`Error::AlreadyTold`], [`Error::NonFiniteOutcome`]; [`Error::Surface`] if a cost is too
+    /// large to be fitted. The state is then as before.
+    pub fn tell(&mut self, id: TrialId, outcome: Outcome) -> Result<(), Error> {
+        self.record(id, None, outcome)
+    }
+
+    /// The outcome of an outstanding trial that could not be set exactly as asked: `actual` holds the settings made of
+    /// all parameters, natural. The surfaces then use them; they may be off the grid, and outside the region by up
+    /// to half a parameter's width.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`tell`](Self::tell), [`Error::Region`] for a wrong number of settings, and [`Error::ActualSettingOf`].
+    pub fn tell_at(&mut self, id: TrialId, actual: &[f64], outcome: Outcome) -> Result<(), Error> {
+        self.record(id, Some(actual.to_vec()), outcome)
+    }
+
+    /// Asks and tells until the campaign ends, with an experiment that answers at once.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`ask`](Self::ask) and [`tell`](Self::tell).
+    pub fn run(
+        &mut self,
+        simulation: &mut impl FnMut(&[f64]) -> Result<f64, String>,
+        experiment: &mut impl FnMut(&GlobalTrial) -> Result<f64, String>,
+    ) -> Result<GlobalStopReason, Error> {
+        loop {
+            match self.ask(simulation)? {
+                GlobalAsk::Stopped(reason) => return Ok(reason),
+                GlobalAsk::Trials(trials) => {
+                    for trial in trials {
+                        self.tell(trial.id, experiment(&trial).into())?;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The parameters and their levels.
+    #[must_use]
+    pub fn region(&self) -> &Region {
+        self.cells.region()
+    }
+
+    /// The settings it was begun with.
+    #[must_use]
+    pub fn settings(&self) -> &GlobalSettings {
+        &self.settings
+    }
+
+    /// The closed iterations, first to last.
+    #[must_use]
+    pub fn reports(&self) -> &[GlobalReport] {
+        &self.history
+    }
+
+    /// The surfaces of the closed iterations, first to last.
+    #[must_use]
+    pub fn surfaces(&self) -> &[IterationSurfaces] {
+        &self.surfaces
+    }
+
+    /// The trials handed out and not yet told.
+    #[must_use]
+    pub fn outstanding(&self) -> Vec<GlobalTrial> {
+        let trials = self.open.iter().flat_map(|open| &open.trials);
+        let untold = trials.filter(|record| record.outcome.is_none());
+        untold.map(|record| record.trial.clone()).collect()
+    }
+
+    /// Why the campaign has ended; nothing while it goes on.
+    #[must_use]
+    pub fn stop(&self) -> Option<GlobalStopReason> {
+        let last = self.history.last()?;
+        if self.open.is_some() { None } else { last.stop(&self.settings) }
+    }
+
+    /// What is left of the grid.
+    #[must_use]
+    pub fn retained(&self) -> &RetainedSet {
+        &self.retained
+    }
+
+    /// M_i, what was left at the onset of iteration i from 1: recomputed from the surfaces of the iterations before.
+    /// None beyond the iteration that is open or comes next.
+    #[must_use]
+    pub fn retained_at(&self, iteration: usize) -> Option<RetainedSet> {
+        if !(1..=self.iteration()).contains(&iteration) {
+            return None;
+        }
+        let closed = self.history.iter().zip(&self.surfaces).take(iteration - 1);
+        let full = RetainedSet::full(self.cells.n_cells());
+        Some(
+            closed.fold(full, |left, (report, surfaces)| {
+                reduced(&left, &self.cells, &report.screening, &surfaces.combined)
+            }),
+        )
+    }
+
+    /// Whether this cell is still in the running.
+    #[must_use]
+    pub fn is_retained(&self, cell: u64) -> bool {
+        self.retained.contains(cell)
+    }
+
+    /// When and why a cell was dropped, from the surfaces of that iteration; none if it was not, or is no cell.
+    #[must_use]
+    pub fn why_dropped(&self, cell: u64) -> Option<Dropped> {
+        let point = self.cells.coded(cell).ok()?;
+        self.history.iter().zip(&self.surfaces).find_map(|(report, surfaces)| {
+            let screening = &report.screening;
+            let (spread, value) = (screening.spread.s()?, surfaces.combined.surface().predict(&point));
+            let (optimum_value, iteration) = (screening.optimum_value, report.iteration);
+            let z = z(value, optimum_value, spread);
+            let z0 = screening.threshold;
+            (!screening.keeps(value)).then_some(Dropped { iteration, value, optimum_value, spread, z, z0 })
+        })
+    }
+
+    /// Settings of a cell, natural.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Region`] for a cell outside the grid.
+    pub fn point(&self, cell: u64) -> Result<Vec<f64>, Error> {
+        self.cells.natural(cell)
+    }
+
+    /// Settings of a cell, coded to the original box: where to evaluate [`surfaces`](Self::surfaces).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownCell`].
+    pub fn coded(&self, cell: u64) -> Result<Vec<f64>, Error> {
+        self.cells.coded(cell)
+    }
+
+    /// The cell nearest to a natural point.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Region`] for a point outside the region.
+    pub fn cell(&self, point: &[f64]) -> Result<u64, Error> {
+        self.cells.nearest(point)
+    }
+
+    /// Number of the iteration that is open or comes next, from 1.
+    pub(crate) fn iteration(&self) -> usize {
+        self.history.len() + 1
+    }
+
+    /// How many trials the closed iterations handed out.
+    pub(crate) fn n_asked(&self) -> u64 {
+        self.history.iter().map(|report| report.trials.len() as u64).sum()
+    }
+
+    /// The correction learned so far: Ĵcor of the last closed iteration.
+    fn correction(&self) -> Result<TracedSurface, Error> {
+        match self.surfaces.last() {
+            Some(surfaces) => Ok(surfaces.correction.clone()),
+            None => TracedSurface::combination(self.cells.n_factors(), []),
+        }
+    }
+
+    /// The correction after one more iteration; unchanged without its experiments.
+    fn correction_with(
+        &self,
+        experiment: Option<&TracedSurface>,
+        simulation: &TracedSurface,
+    ) -> Result<TracedSurface, Error> {
+        let Some(experiment) = experiment else {
+            return self.correction();
+        };
+        let past = self.surfaces.iter();
+        let experiments: Vec<_> =
+            past.clone().filter_map(|past| past.experiment.as_ref()).chain([experiment]).collect();
+        let simulations: Vec<_> = past.map(|past| &past.simulation).chain([simulation]).collect();
+        correction(self.settings.correction, self.cells.n_factors(), &experiments, &simulations)
+    }
+
+    /// Whether the simulations that succeeded determine their surface.
+    pub(crate) fn check_simulations(&self, open: &OpenIteration) -> Result<(), Error> {
+        let n_simulations = open.simulations.len();
+        let failures = || {
+            let failed = |record: &crate::SimulationRecord| match &record.outcome {
+                Outcome::Failed { reason } => Some((record.point.clone(), reason.clone())),
+                Outcome::Value(_) => None,
+            };
+            open.simulations.iter().filter_map(failed)
+        };
+        let n_failed = failures().count();
+        if n_failed == n_simulations {
+            let (first_point, first_reason) = failures().next().unwrap_or_default();
+            return Err(Error::EverySimulationFailed { n_simulations, first_point, first_reason });
+        }
+        let kind = self.settings.surfaces.simulation.with_model(&open.batch.model(&self.settings)?);
+        match TracedSurface::fit(&kind, &simulated(&open.simulations, &self.cells)?) {
+            Err(Error::Surface(reason)) if n_failed > 0 => {
+                Err(Error::TooFewSimulations { n_failed, n_simulations, reason })
+            }
+            result => result.map(|_| ()),
+        }
+    }
+
+    fn record(&mut self, id: TrialId, actual: Option<Vec<f64>>, outcome: Outcome) -> Result<(), Error> {
+        let n_asked = self.n_asked();
+        let absent =
+            if (1..=n_asked).contains(&id.number()) { Error::AlreadyTold { id } } else { Error::UnknownTrial { id } };
+        let Some(mut open) = self.open.clone() else {
+            return Err(absent);
+        };
+        let mut records = open.trials.iter_mut();
+        let Some(record) = records.find(|record| record.trial.id == id) else {
+            return Err(absent);
+        };
+        record.tell(actual, outcome, self.cells.region())?;
+        if open.is_complete() {
+            let closed = self.finish(open)?;
+            self.close(closed);
+        } else {
+            self.open = Some(open);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn close(&mut self, closed: Closed) {
+        let Closed { report, surfaces, retained } = closed;
+        self.history.push(report);
+        self.surfaces.push(surfaces);
+        self.retained = retained;
+        self.open = None;
+    }
+}
+
+/// Everything else follows from these.
+impl PartialEq for GlobalLoop {
+    fn eq(&self, other: &Self) -> bool {
+        self.region() == other.region()
+            && self.settings == other.settings
+            && self.history == other.history
+            && self.open == other.open
+    }
+}

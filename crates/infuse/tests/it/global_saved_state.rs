@@ -1,0 +1,178 @@
+//! A saved campaign goes on bit for bit, or is refused.
+
+use infuse::{GlobalAsk, GlobalLoop, GlobalTrial, Outcome};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+use crate::global_problems::{asked, experiment, grid, planar, save, settings, simulation};
+
+fn load(text: &str) -> GlobalLoop {
+    serde_json::from_str(text).unwrap()
+}
+
+/// An awkward rig: some trials fail, one is set elsewhere.
+fn answer(campaign: &mut GlobalLoop, trial: &GlobalTrial) {
+    let value = Outcome::Value(experiment(trial) / 3.0);
+    let result = match trial.id.number() {
+        4 => campaign.tell(trial.id, Outcome::Failed { reason: "ballast lost".to_owned() }),
+        7 => campaign.tell_at(trial.id, &[trial.point[0] - 0.0123, trial.point[1] + 0.2], value),
+        _ => campaign.tell(trial.id, value),
+    };
+    result.unwrap();
+}
+
+fn small(seed: u64) -> GlobalLoop {
+    let mut settings = settings(doe::Model::quadratic(2).unwrap(), 8, 10);
+    settings.seed = seed;
+    settings.max_iterations = 3;
+    GlobalLoop::new(&grid(&[10, 9]), settings).unwrap()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6))]
+    #[test]
+    fn saving_and_loading_at_every_point_changes_no_bit(seed in any::<u64>()) {
+        let mut kept = small(seed);
+        let mut restored = small(seed);
+        while let GlobalAsk::Trials(trials) = kept.ask(&mut simulation).unwrap() {
+            restored = load(&save(&restored));
+            prop_assert_eq!(asked(restored.ask(&mut simulation).unwrap()), trials.clone());
+            for trial in trials.iter().rev() {
+                restored = load(&save(&restored));
+                answer(&mut kept, trial);
+                answer(&mut restored, trial);
+                prop_assert_eq!(save(&restored), save(&kept));
+                prop_assert_eq!(restored.retained(), kept.retained());
+            }
+        }
+        prop_assert_eq!(kept.reports().len(), 3);
+    }
+
+    #[test]
+    fn the_order_of_telling_does_not_matter(seed in any::<u64>(), order in any::<u64>()) {
+        let mut forward = small(seed);
+        let mut shuffled = small(seed);
+        while let GlobalAsk::Trials(trials) = forward.ask(&mut simulation).unwrap() {
+            let mut others = asked(shuffled.ask(&mut simulation).unwrap());
+            prop_assert_eq!(&trials, &others);
+            others.sort_by_key(|trial| (trial.id.number() ^ order).wrapping_mul(0x9E37_79B9_7F4A_7C15));
+            trials.iter().for_each(|trial| answer(&mut forward, trial));
+            others.iter().for_each(|trial| answer(&mut shuffled, trial));
+        }
+        prop_assert_eq!(save(&forward), save(&shuffled));
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let campaign = || {
+        let (region, mut settings) = planar();
+        settings.design_starts = 4;
+        settings.max_iterations = 3;
+        settings.candidate_limit = 1000;
+        let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+        campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
+        save(&campaign)
+    };
+    let with = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(campaign);
+    let one = with(1);
+    assert_eq!(with(2), one);
+    assert_eq!(with(5), one);
+}
+
+/// One closed iteration and one open with two trials told.
+fn in_the_middle() -> GlobalLoop {
+    let mut campaign = small(3);
+    for trial in asked(campaign.ask(&mut simulation).unwrap()) {
+        answer(&mut campaign, &trial);
+    }
+    for trial in &asked(campaign.ask(&mut simulation).unwrap())[..2] {
+        answer(&mut campaign, trial);
+    }
+    campaign
+}
+
+#[track_caller]
+fn check_refused(pointer: &str, value: Value, message: &str) {
+    let mut state = serde_json::to_value(in_the_middle()).unwrap();
+    *state.pointer_mut(pointer).expect("the field is there") = value;
+    let error = serde_json::from_str::<GlobalLoop>(&state.to_string()).unwrap_err();
+    assert!(error.to_string().contains(message), "{pointer}: {error}");
+}
+
+#[test]
+fn a_state_that_was_tampered_with_is_refused() {
+    check_refused("/format", json!(2), "format 2, expected 1");
+    check_refused("/region/parameters/0/lower", json!(25.0), "is above the upper bound");
+    check_refused("/region/parameters/0/lower", json!(9.0), "handed out");
+    check_refused("/region/parameters/1/levels", json!("continuous"), "`p1`");
+    check_refused("/settings/confidence", json!(0.95), "what follows from");
+    check_refused("/settings/experiment_weight", json!(0.6), "what follows from");
+    check_refused("/settings/correction/gain", json!({"constant": 0.4}), "what follows from");
+    check_refused("/settings/split", json!("alternating_from_mean"), "handed out");
+    check_refused("/settings/n_experiments", json!(9), "as many experiments and simulations");
+    check_refused("/settings/n_experiments", json!(3), "`n_experiments` is 3");
+    check_refused("/history/0/iteration", json!(2), "what follows from");
+    check_refused("/history/0/batch/n_candidates", json!(3), "`batch`");
+    check_refused("/history/0/batch/experiment_efficiency", json!(99.0), "`batch`");
+    check_refused("/history/0/simulations/0/outcome", json!({"value": 1.0}), "what follows from");
+    check_refused("/history/0/simulations/0/point", json!([11.0, 12.0]), "`simulations`");
+    check_refused("/history/0/simulations/0/cell", json!(90), "a cell that was left");
+    check_refused("/history/0/trials/0/outcome", json!({"value": 9.0}), "what follows from");
+    check_refused("/history/0/trials/0/outcome", json!(null), "an outcome for each of its trials");
+    check_refused("/history/0/trials/0/trial/id", json!(9), "handed out");
+    check_refused("/history/0/trials/0/trial/point/0", json!(11.1), "handed out");
+    check_refused("/history/0/trials/0/actual", json!([12.0, 17.0]), "`p1` is 17.0");
+    check_refused("/history/0/screening/n_after", json!(5), "what follows from");
+    check_refused("/history/0/screening/threshold", json!(1.0), "what follows from");
+    check_refused("/history/0/screening/optimum_value", json!(0.0), "what follows from");
+    check_refused("/history/0/changes/model", json!(0.0), "what follows from");
+    check_refused("/history/0/not_corrected", json!("no"), "what follows from");
+    check_refused("/open/trials/7/actual", json!([12.0, 12.0]), "nothing while the trial is outstanding");
+    check_refused("/open/trials/7/trial/cell", json!(90), "a cell that was left");
+    check_refused("/open/trials", json!([]), "as many experiments and simulations");
+}
+
+#[test]
+fn unknown_keys_are_refused_everywhere() {
+    for pointer in [
+        "",
+        "/region",
+        "/settings",
+        "/settings/surfaces",
+        "/settings/correction",
+        "/history/0",
+        "/history/0/batch",
+        "/history/0/simulations/0",
+        "/history/0/trials/0",
+        "/history/0/trials/0/trial",
+        "/history/0/screening",
+        "/history/0/changes",
+        "/open",
+    ] {
+        let mut state = serde_json::to_value(in_the_middle()).unwrap();
+        let map = state.pointer_mut(pointer).and_then(Value::as_object_mut).unwrap();
+        map.insert("surprise".to_owned(), json!(1));
+        let error = serde_json::from_str::<GlobalLoop>(&state.to_string()).unwrap_err();
+        assert!(error.to_string().contains("unknown field `surprise`"), "{pointer}: {error}");
+    }
+}
+
+#[test]
+fn one_iteration_too_many_is_refused_and_the_limit_may_be_raised() {
+    let mut campaign = small(1);
+    campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
+    assert_eq!(campaign.stop(), Some(infuse::GlobalStopReason::IterationLimit));
+    let mut state = serde_json::to_value(&campaign).unwrap();
+    state["settings"]["max_iterations"] = json!(4);
+    let mut longer = load(&state.to_string());
+    assert_eq!(longer.stop(), None);
+    assert_eq!(asked(longer.ask(&mut simulation).unwrap()).len(), 8);
+    let mut ended = small(1);
+    ended.run(&mut simulation, &mut |_| Err("no water".to_owned())).unwrap();
+    let mut state = serde_json::to_value(&ended).unwrap();
+    let history = state["history"].as_array_mut().unwrap();
+    history.push(history[0].clone());
+    let error = serde_json::from_str::<GlobalLoop>(&state.to_string()).unwrap_err();
+    assert!(error.to_string().contains("none after the campaign had ended"), "{error}");
+}

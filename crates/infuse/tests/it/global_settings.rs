@@ -1,0 +1,84 @@
+//! What a global loop refuses to begin with.
+
+use doe::{Model, Parameter, Region, SplitMethod};
+use infuse::{Error, GlobalLoop, GlobalSettings, SpreadFallback, SurfaceKind};
+
+use crate::global_problems::{grid, planar};
+
+#[track_caller]
+fn check_refused(change: impl FnOnce(&mut GlobalSettings), message: &str) {
+    let (region, mut settings) = planar();
+    change(&mut settings);
+    let error = GlobalLoop::new(&region, settings).unwrap_err();
+    assert!(error.to_string().contains(message), "{error}");
+}
+
+#[test]
+fn settings_out_of_range_are_named() {
+    check_refused(|settings| settings.n_experiments = 5, "`n_experiments` is 5, expected at least the number of terms");
+    check_refused(|settings| settings.n_experiments = 3, "`n_experiments` is 3, expected at least 4");
+    check_refused(|settings| settings.n_simulations = 5, "`n_simulations` is 5");
+    check_refused(|settings| settings.n_simulations = 10_001, "`n_simulations` is 10001");
+    check_refused(
+        |settings| settings.model = Model::linear(3).unwrap(),
+        "the setting `model` has 3 factors, expected 2",
+    );
+    check_refused(|settings| settings.experiment_weight = 0.0, "`experiment_weight` is 0.0");
+    check_refused(|settings| settings.simulation_weight = f64::NAN, "`simulation_weight` is NaN");
+    check_refused(|settings| settings.confidence = 0.5, "`confidence` is 0.5, expected 0.5 < confidence < 1");
+    check_refused(|settings| settings.confidence = 1.0, "`confidence` is 1.0");
+    check_refused(|settings| settings.max_iterations = 0, "`max_iterations` is 0");
+    check_refused(|settings| settings.design_starts = 0, "`design_starts` is 0");
+    check_refused(|settings| settings.candidate_limit = 999, "`candidate_limit` is 999");
+    check_refused(|settings| settings.fallback = SpreadFallback::Given(-1.0), "`fallback` is -1.0");
+    check_refused(
+        |settings| settings.surfaces.experiment = SurfaceKind::InverseDistance { power: 0.0 },
+        "`power` is 0.0",
+    );
+    let scale = Some(f64::INFINITY);
+    check_refused(|settings| settings.surfaces.combined = SurfaceKind::SquaredExponential { scale }, "`scale` is inf");
+    let balanced = |settings: &mut GlobalSettings| {
+        settings.split = SplitMethod::Balanced;
+        settings.n_experiments = 10;
+    };
+    check_refused(balanced, "`n_experiments` is 10, expected twice the number of terms less one");
+}
+
+#[test]
+fn a_continuous_parameter_is_named() {
+    let level = Parameter::continuous("pitch", "deg", 10.0, 22.0).unwrap();
+    let region = Region::new(vec![level, grid(&[4]).parameters()[0].clone()]).unwrap();
+    let error = GlobalLoop::new(&region, planar().1).unwrap_err();
+    assert!(error.to_string().contains("`pitch`"), "{error}");
+}
+
+#[test]
+fn a_grid_beyond_the_bits_of_a_machine_is_refused() {
+    let region = grid(&[24; 8]);
+    let settings = GlobalSettings::new(Model::additive_quadratic(8).unwrap(), 20, 40);
+    let error = GlobalLoop::new(&region, settings).unwrap_err();
+    assert_eq!(error, Error::TooManyCells { n_cells: 24_u64.pow(8), most: 1 << 34 });
+}
+
+#[test]
+fn settings_with_nothing_but_the_necessary_can_be_read() {
+    let text =
+        r#"{"model": {"n_factors": 2, "terms": "additive quadratic"}, "n_experiments": 10, "n_simulations": 20}"#;
+    let read: GlobalSettings = serde_json::from_str(text).unwrap();
+    assert_eq!(read, GlobalSettings::new(Model::additive_quadratic(2).unwrap(), 10, 20));
+}
+
+#[test]
+fn cells_and_points_agree() {
+    let (region, settings) = planar();
+    let campaign = GlobalLoop::new(&region, settings).unwrap();
+    for cell in 0..576 {
+        let point = campaign.point(cell).unwrap();
+        assert_eq!(campaign.cell(&point).unwrap(), cell);
+        let coded = campaign.region().coded(&point).unwrap();
+        for (a, b) in coded.iter().zip(campaign.coded(cell).unwrap()) {
+            assert!((a - b).abs() < 1e-14);
+        }
+    }
+    assert!(campaign.point(576).is_err() && campaign.coded(576).is_err() && campaign.cell(&[9.0, 12.0]).is_err());
+}

@@ -1,0 +1,29 @@
+#![doc = include_str!("../README.md")]
+
+mod compare;
+mod data;
+mod distance;
+mod error;
+mod exponential;
+mod inverse_distance;
+mod lack_of_fit;
+mod leave_one_out;
+mod points;
+mod polynomial;
+mod regression;
+mod scale_choice;
+mod squared_exponential;
+mod surface;
+mod weighted_average;
+
+pub use compare::{Comparison, Kind, compare};
+pub use data::Data;
+pub use error::Error;
+pub use inverse_distance::InverseDistance;
+pub use lack_of_fit::LackOfFit;
+pub use leave_one_out::LeaveOneOut;
+pub use points::{GridPoints, PointSource, Rows};
+pub use regression::{Confounded, Regression};
+pub use scale_choice::ScaleChoice;
+pub use squared_exponential::SquaredExponential;
+pub use surface::{LANES, Lanes, MOST_FACTORS, Minimum, Surface};

@@ -1,0 +1,250 @@
+//! Squared-exponential weighting, (34).
+
+use multiversion::multiversion;
+use serde::{Deserialize, Serialize};
+
+use crate::exponential::exp_of_negative;
+use crate::surface::{is_usable, one_lane};
+use crate::weighted_average::{Datum, Packed, mean, squared_distances, used};
+use crate::{Data, Error, LANES, Lanes, LeaveOneOut, MOST_FACTORS, ScaleChoice, Surface};
+
+/// The average of the values, each weighted by a squared exponential of the distance to its point.
+///
+/// ```text
+/// Ĵ(p) = Σ w_i J_i exp(−(c d_i)²) / Σ w_i exp(−(c d_i)²)        d_i = ‖p − p_i‖
+/// ```
+///
+/// Source: (34), with w_i = 1.
+/// Differs from the source: as printed, the square is outside of the sign, and the weight would grow with distance.
+///
+/// It smooths and does not interpolate: 1/c is the distance at which a weight has fallen to 1/e. Where every
+/// exponential vanishes the ratio still has a limit, the value at the nearest point, and that is what is returned.
+/// It never leaves the range of the values.
+///
+/// ```
+/// use surface::{Data, SquaredExponential, Surface};
+/// let data = Data::new(1, vec![0.0, 1.0], vec![2.0, 6.0])?;
+/// let surface = SquaredExponential::fit(data, 1.5)?;
+/// assert!((surface.predict(&[0.5]) - 4.0).abs() < 1e-15);
+/// // At a datum the other counts exp(-2.25).
+/// let other = (-2.25_f64).exp();
+/// assert!((surface.predict(&[0.0]) - (2.0 + 6.0 * other) / (1.0 + other)).abs() < 1e-15);
+/// assert_eq!(surface.predict(&[-1e9]), 2.0);
+/// # Ok::<(), surface::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Unchecked", into = "Unchecked")]
+pub struct SquaredExponential {
+    data: Data,
+    scale: f64,
+    choice: Option<ScaleChoice>,
+    packed: Packed,
+}
+
+/// Up to this (c d)² of the nearest datum the exponentials are summed as they are: none is below 1e-260.
+const PLAIN: f64 = 600.0;
+
+impl SquaredExponential {
+    /// Bounds of the scale c, far beyond use, so that no product with it overflows.
+    pub const SCALES: [f64; 2] = [1e-100, 1e100];
+
+    /// A surface through these data with a given scale c, in the inverse unit of the coordinates.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] unless c lies within [`SCALES`](Self::SCALES).
+    pub fn fit(data: Data, scale: f64) -> Result<Self, Error> {
+        let [least, most] = Self::SCALES;
+        if !(least..=most).contains(&scale) {
+            return Err(Error::Parameter { name: "scale", value: scale, allowed: "a number from 1e-100 to 1e100" });
+        }
+        let packed = Packed::new(&data);
+        Ok(Self { data, scale, choice: None, packed })
+    }
+
+    /// A surface with the scale that predicts each place best from the other places.
+    ///
+    /// The source leaves c to the user. This rule takes the least weighted mean square of the residuals when all
+    /// points of one place are left out together: were replicates left out one by one, each would be predicted by
+    /// its partners and the scale would grow without bound. [`ScaleChoice`] tells how it went.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFewSites`] for fewer than two different points of positive weight.
+    pub fn fit_scale(data: Data) -> Result<Self, Error> {
+        let choice = ScaleChoice::of(&data)?;
+        let surface = Self::fit(data, choice.scale)?;
+        Ok(Self { choice: Some(choice), ..surface })
+    }
+
+    /// The data it was fitted to.
+    #[must_use]
+    pub fn data(&self) -> &Data {
+        &self.data
+    }
+
+    /// The scale c.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// How the scale was chosen; none if it was given.
+    #[must_use]
+    pub fn choice(&self) -> Option<&ScaleChoice> {
+        self.choice.as_ref()
+    }
+
+    /// What each value differs from the estimate of the others by, with the scale as it is.
+    ///
+    /// A point that was measured twice is estimated with the help of its other measurement.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFewSites`] if there is only one point of positive weight.
+    pub fn leave_one_out(&self) -> Result<LeaveOneOut, Error> {
+        LeaveOneOut::of_averages(&self.data, |point, left_out| {
+            self.packed.within(average(point, used(&self.data, left_out), self.scale))
+        })
+    }
+
+    #[inline(always)]
+    fn estimate<const L: usize>(&self, block: &[[f64; L]]) -> [f64; L] {
+        let (mut totals, mut sums, mut nearest) = ([0.0; L], [0.0; L], [f64::INFINITY; L]);
+        let rate = self.scale * self.scale;
+        for row in self.packed.rows() {
+            let squares = squared_distances(block, row.point);
+            for lane in 0..L {
+                let exponent = rate * squares[lane];
+                nearest[lane] = if exponent < nearest[lane] { exponent } else { nearest[lane] };
+                let omega = exp_of_negative(-exponent);
+                totals[lane] += omega * row.weight;
+                sums[lane] += omega * row.weighted_value;
+            }
+        }
+        let mut all_plain = true;
+        for lane in 0..L {
+            sums[lane] = self.packed.within(sums[lane] / totals[lane]);
+            all_plain &= nearest[lane] <= PLAIN;
+        }
+        if !all_plain {
+            self.repair(block, &nearest, &mut sums);
+        }
+        sums
+    }
+
+    /// Estimates again relative to the nearest datum where a lane is far from all.
+    #[cold]
+    fn repair<const L: usize>(&self, block: &[[f64; L]], nearest: &[f64; L], estimates: &mut [f64; L]) {
+        let mut point = [0.0; MOST_FACTORS];
+        let point = &mut point[..block.len()];
+        for lane in 0..L {
+            if nearest[lane] <= PLAIN {
+                continue;
+            }
+            point.iter_mut().zip(block).for_each(|(x, coordinate)| *x = coordinate[lane]);
+            estimates[lane] = self.packed.within(average(point, self.packed.data(), self.scale));
+        }
+    }
+}
+
+/// (34) with all exponents relative to the largest: right at any distance. NaN without data or at a point that is not
+/// finite.
+pub(crate) fn average<'a>(point: &[f64], data: impl Iterator<Item = Datum<'a>> + Clone, scale: f64) -> f64 {
+    if !is_usable(point, point.len()) {
+        return f64::NAN;
+    }
+    let Some(nearest) = nearest(point, data.clone()) else {
+        return f64::NAN;
+    };
+    let relative = |datum: Datum<'_>| (datum.value, datum.weight * relative_weight(point, datum.point, nearest, scale));
+    mean(data.map(relative).filter(|&(_, weight)| weight > 0.0))
+}
+
+/// The nearest point, the first of equals.
+fn nearest<'a>(point: &[f64], data: impl Iterator<Item = Datum<'a>>) -> Option<&'a [f64]> {
+    let closer = |a: &'a [f64], b: &'a [f64]| if excess(point, b, a).0 < 0.0 { b } else { a };
+    data.map(|datum| datum.point).reduce(closer)
+}
+
+/// |p − a|² − |p − b|² as a number and a factor of at least 1 that it has to be multiplied by.
+///
+/// It is (b − a)·((p − a) + (p − b)), which neither cancels nor overflows however far p is.
+fn excess(point: &[f64], a: &[f64], b: &[f64]) -> (f64, f64) {
+    let size = point.iter().fold(1.0, |largest: f64, x| largest.max(x.abs()));
+    let parts = point.iter().zip(a.iter().zip(b)).map(|(x, (a, b))| (b - a) * ((x - a) / size + (x - b) / size));
+    (parts.sum(), size)
+}
+
+/// exp(−c² (d² − d_nearest²)).
+fn relative_weight(point: &[f64], datum: &[f64], nearest: &[f64], scale: f64) -> f64 {
+    let (excess, size) = excess(point, datum, nearest);
+    // An excess below zero is rounding; zero times an overflown factor would not be a number.
+    if excess <= 0.0 { 1.0 } else { exp_of_negative(-(scale * excess) * (scale * size)) }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+fn estimate_lanes(surface: &SquaredExponential, block: &[Lanes], estimates: &mut Lanes) {
+    *estimates = surface.estimate::<LANES>(block);
+}
+
+impl Surface for SquaredExponential {
+    fn n_factors(&self) -> usize {
+        self.data.n_factors()
+    }
+
+    fn predict(&self, point: &[f64]) -> f64 {
+        match one_lane(point, self.n_factors()) {
+            Some(block) => self.estimate::<1>(&block[..point.len()])[0],
+            None => f64::NAN,
+        }
+    }
+
+    fn predict_lanes(&self, block: &[Lanes], estimates: &mut Lanes) {
+        estimate_lanes(self, block, estimates);
+    }
+
+    /// ∇Ĵ = 2 c² Σ ω_i (J_i − Ĵ) p_i / Σ ω_i.
+    fn gradient(&self, point: &[f64]) -> Option<Vec<f64>> {
+        if !is_usable(point, self.n_factors()) {
+            return None;
+        }
+        let nearest = nearest(point, self.packed.data())?;
+        let omega = |datum: &Datum<'_>| datum.weight * relative_weight(point, datum.point, nearest, self.scale);
+        let total: f64 = self.packed.data().map(|datum| omega(&datum)).sum();
+        let estimate = average(point, self.packed.data(), self.scale);
+        let mut gradient = vec![0.0; point.len()];
+        for datum in self.packed.data() {
+            let factor = 2.0 * self.scale * (omega(&datum) / total) * (datum.value - estimate) * self.scale;
+            // Any common origin will do, since the ω_i (J_i − Ĵ) sum to zero; the nearest point cancels least.
+            for (slope, (coordinate, origin)) in gradient.iter_mut().zip(datum.point.iter().zip(nearest)) {
+                *slope += factor * (coordinate - origin);
+            }
+        }
+        gradient.iter().all(|slope| slope.is_finite()).then_some(gradient)
+    }
+}
+
+/// The surface as it stands in a file: what it was fitted to, and where the scale comes from.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename = "SquaredExponential")]
+struct Unchecked {
+    data: Data,
+    scale: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    choice: Option<ScaleChoice>,
+}
+
+impl TryFrom<Unchecked> for SquaredExponential {
+    type Error = Error;
+
+    fn try_from(unchecked: Unchecked) -> Result<Self, Error> {
+        Ok(Self { choice: unchecked.choice, ..Self::fit(unchecked.data, unchecked.scale)? })
+    }
+}
+
+impl From<SquaredExponential> for Unchecked {
+    fn from(surface: SquaredExponential) -> Self {
+        Self { data: surface.data, scale: surface.scale, choice: surface.choice }
+    }
+}

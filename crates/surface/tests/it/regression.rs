@@ -1,0 +1,139 @@
+//! Weighted least squares in closed forms.
+
+use doe::{Model, Term};
+use proptest::prelude::*;
+use surface::{Confounded, Data, Regression, Surface};
+
+use crate::{any_data, check_close, check_list};
+
+fn quadratic(n_factors: usize) -> Model {
+    Model::quadratic(n_factors).expect("a valid model")
+}
+
+#[test]
+fn weighted_mean_is_the_regression_on_a_constant() {
+    let model = Model::new(1, vec![Term::new([0])]).expect("a valid model");
+    let data =
+        Data::new(1, vec![0.0, 1.0, 2.0], vec![1.0, 4.0, 7.0]).and_then(|data| data.with_weights(vec![1.0, 2.0, 3.0]));
+    let fit = Regression::fit(&model, &data.expect("valid data")).expect("enough data");
+    // Mean 5; residuals -4, -1, 2; Σ w e² = 16 + 2 + 12 = 30; σ² = 15; variance of the mean 15/6.
+    check_list(fit.coefficients(), &[5.0], 1e-15, "mean");
+    check_list(fit.residuals(), &[-4.0, -1.0, 2.0], 1e-15, "residuals");
+    check_close(fit.sigma_squared().expect("two degrees of freedom"), 15.0, 1e-13, "sigma squared");
+    check_close(fit.variance(&[0.3]).expect("two degrees of freedom"), 2.5, 1e-14, "variance of the mean");
+    check_list(fit.leverages(), &[1.0 / 6.0, 1.0 / 3.0, 0.5], 1e-15, "leverages");
+    check_close(fit.r_squared().expect("variation"), 0.0, 1e-15, "a mean explains nothing");
+    // A factor in no term has no slope, but must be a number.
+    assert_eq!(fit.gradient(&[0.3]), Some(vec![0.0]));
+    assert!(fit.predict(&[f64::INFINITY]).is_nan() && fit.predict(&[f64::NAN]).is_nan());
+}
+
+#[test]
+fn no_degrees_of_freedom_means_no_variance() {
+    let data = Data::new(1, vec![-1.0, 0.0, 1.0], vec![3.0, 1.0, 2.0]).expect("valid data");
+    let fit = Regression::fit(&quadratic(1), &data).expect("as many data as terms");
+    assert_eq!(fit.degrees_of_freedom(), 0);
+    assert_eq!((fit.sigma_squared(), fit.covariance(), fit.standard_errors()), (None, None, None));
+    assert_eq!((fit.variance(&[0.0]), fit.adjusted_r_squared()), (None, None));
+    check_list(fit.coefficients(), &[1.0, -0.5, 1.5], 1e-14, "through the points");
+}
+
+#[test]
+fn constant_values_leave_nothing_to_explain() {
+    let data = Data::new(1, vec![-1.0, 0.0, 1.0], vec![0.0; 3]).expect("valid data");
+    let fit = Regression::fit(&Model::linear(1).expect("a valid model"), &data).expect("enough data");
+    assert_eq!((fit.r_squared(), fit.adjusted_r_squared()), (None, None));
+}
+
+#[test]
+fn confounded_terms_are_dropped_on_request_and_reported() {
+    // Two levels of the second factor: its square is the constant. The truth has none of it.
+    let points: Vec<f64> = [-1.0, 0.0, 1.0].iter().flat_map(|&x| [x, -1.0, x, 1.0]).collect();
+    let values =
+        points.chunks_exact(2).map(|x| 1.0 + 2.0 * x[0] - x[1] + 0.5 * x[0] * x[1] + 3.0 * x[0] * x[0]).collect();
+    let data = Data::new(2, points, values).expect("valid data");
+    assert!(Regression::fit(&quadratic(2), &data).is_err());
+    let fit = Regression::fit_with(&quadratic(2), &data, Confounded::Drop).expect("five terms are left");
+    assert_eq!(fit.dropped().len(), 1);
+    assert_eq!((fit.dropped()[0].term, fit.model().n_terms()), (5, 5));
+    check_list(fit.coefficients(), &[1.0, 2.0, -1.0, 0.5, 3.0], 1e-14, "coefficients");
+    // With nothing to drop, the request changes nothing.
+    let line = Model::linear(2).expect("a valid model");
+    let dropped = Regression::fit_with(&line, &data, Confounded::Drop).expect("enough data");
+    assert_eq!(dropped.coefficients(), Regression::fit(&line, &data).expect("enough data").coefficients());
+    // Fewer points than terms is a case of it too.
+    let few = Data::new(1, vec![-1.0, 1.0], vec![1.0, 5.0]).expect("valid data");
+    let fit = Regression::fit_with(&quadratic(1), &few, Confounded::Drop).expect("a line is left");
+    check_list(fit.coefficients(), &[3.0, 2.0], 1e-14, "the line");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn polynomial_in_the_model_is_reproduced(
+        data in any_data(2, 20, 30),
+        b in prop::collection::vec(-3.0..3.0_f64, 6),
+        x in prop::collection::vec(-1.0..1.0_f64, 2),
+    ) {
+        let truth = |x: &[f64]| {
+            b[0] + b[1] * x[0] + b[2] * x[1] + b[3] * x[0] * x[1] + b[4] * x[0] * x[0] + b[5] * x[1] * x[1]
+        };
+        let values = data.points().map(truth).collect();
+        let exact = Data::new(2, data.coordinates().to_vec(), values).expect("valid data");
+        let exact = exact.with_weights(data.weights().to_vec()).expect("valid weights");
+        prop_assume!(exact.n_used() >= 10);
+        let fit = Regression::fit(&quadratic(2), &exact).expect("points in general position");
+        let scale = 1.0 + b.iter().map(|b| b.abs()).sum::<f64>();
+        check_list(fit.coefficients(), &b, 1e-10, "coefficients");
+        check_close(fit.predict(&x), truth(&x), 1e-11 * scale, "prediction");
+        let slopes = [b[1] + b[3] * x[1] + 2.0 * b[4] * x[0], b[2] + b[3] * x[0] + 2.0 * b[5] * x[1]];
+        let gradient = fit.gradient(&x).expect("a polynomial has one");
+        for (found, expected) in gradient.iter().zip(slopes) {
+            check_close(*found, expected, 1e-10 * scale, "slope");
+        }
+    }
+
+    #[test]
+    fn scaling_the_weights_scales_sigma_squared_and_nothing_else(
+        data in any_data(2, 12, 20), exponent in -30..30_i32, x in prop::collection::vec(-1.0..1.0_f64, 2),
+    ) {
+        prop_assume!(data.n_used() >= 8);
+        let factor = 10.0_f64.powi(exponent);
+        let weights = data.weights().iter().map(|weight| weight * factor).collect();
+        let scaled = data.clone().with_weights(weights).expect("valid weights");
+        let fit = |data: &Data| Regression::fit(&quadratic(2), data).expect("points in general position");
+        let (plain, scaled) = (fit(&data), fit(&scaled));
+        check_list(scaled.coefficients(), plain.coefficients(), 1e-9, "coefficients");
+        check_list(&scaled.covariance().expect("freedom"), &plain.covariance().expect("freedom"), 1e-8, "covariance");
+        let variance = |fit: &Regression| fit.variance(&x).expect("freedom");
+        check_list(&[variance(&scaled)], &[variance(&plain)], 1e-8, "variance");
+        let sigma_squared = |fit: &Regression| fit.sigma_squared().expect("freedom");
+        check_list(&[sigma_squared(&scaled)], &[factor * sigma_squared(&plain)], 1e-8, "sigma squared");
+    }
+
+    #[test]
+    fn leverages_sum_to_the_number_of_terms_and_residuals_are_orthogonal(data in any_data(3, 16, 30)) {
+        prop_assume!(data.n_used() >= 12);
+        let model = quadratic(3);
+        let fit = Regression::fit(&model, &data).expect("points in general position");
+        check_close(fit.leverages().iter().sum(), 10.0, 1e-10, "sum of the leverages");
+        prop_assert!(fit.leverages().iter().all(|h| (0.0..=1.0).contains(h)));
+        for term in model.terms() {
+            let residuals = data.points().zip(fit.residuals()).zip(data.weights());
+            let product: f64 = residuals.map(|((x, e), w)| w * e * term.value(x)).sum();
+            check_close(product, 0.0, 1e-9, "weighted residuals times a term");
+        }
+    }
+
+    #[test]
+    fn variance_is_that_of_a_sum_of_coefficients(data in any_data(2, 14, 20), x in prop::collection::vec(-1.5..1.5_f64, 2)) {
+        prop_assume!(data.n_used() >= 9);
+        let fit = Regression::fit(&quadratic(2), &data).expect("points in general position");
+        let covariance = fit.covariance().expect("freedom");
+        let r = fit.model().regressor(&x).expect("two coordinates");
+        let expected: f64 = (0..36).map(|at| r[at / 6] * covariance[at] * r[at % 6]).sum();
+        let size: f64 = (0..36).map(|at| (r[at / 6] * covariance[at] * r[at % 6]).abs()).sum();
+        check_close(fit.variance(&x).expect("freedom"), expected, 1e-12 * size, "r' C r");
+    }
+}

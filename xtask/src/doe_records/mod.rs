@@ -1,0 +1,155 @@
+//! `cargo xtask doe-records`: our optimal designs verified beside the published record, and searched for anew.
+
+mod file;
+mod pictures;
+mod report;
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context as _, Result};
+use doe::{Criterion, Effort, Found, Model, PredictionVariance, Problem, Settings, Space, search};
+use rayon::prelude::*;
+
+use file::{Kept, Record, Size};
+
+use crate::reproduction::{self, Picture, Reproduction, progress};
+
+/// The study, and the committed copy of its results.
+pub(crate) const RECORDS: Reproduction = Reproduction { command: "doe-records", name: "doe-records", run: reproduce };
+
+/// Share of the best known efficiency at which a search of this run stops.
+const GOAL: f64 = 0.99;
+/// Starts after which it gives up.
+const MOST_STARTS: u64 = 400;
+/// Levels of each of the four factors of the case study's grid.
+const GRID: [u32; 4] = [24; 4];
+/// Starts of a search over that grid.
+const GRID_STARTS: u64 = 48;
+/// Sizes beyond the record, to see how the time grows: searched with a few starts.
+const LARGE: [Size; 3] = [(5, 30), (6, 40), (7, 50)];
+const LARGE_STARTS: u64 = 2;
+
+/// A kept design beside the record, and the search for its like in this run.
+struct Row {
+    size: Size,
+    kept: Kept,
+    /// The largest prediction variance on a dense lattice over that over the cube: at most 1.
+    lattice_share: f64,
+    again: Found,
+}
+
+/// A search over the grid of the case study.
+struct GridRow {
+    model: &'static str,
+    runs: usize,
+    found: Found,
+}
+
+/// Everything that the study found.
+struct Findings {
+    record: Record,
+    rows: Vec<Row>,
+    grid: Vec<GridRow>,
+    large: Vec<(Size, Found)>,
+    seconds: f64,
+}
+
+fn reproduce(root: &Path) -> Result<()> {
+    let started = Instant::now();
+    let out = root.join(RECORDS.out());
+    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    let record = Record::read(&root.join("fixtures/doe"))?;
+
+    let bar = progress("1/3 kept designs verified, and searched for anew", record.kept.len());
+    let rows = record
+        .kept
+        .iter()
+        .map(|(size, kept)| {
+            bar.inc(1);
+            row(*size, kept.clone())
+        })
+        .collect::<Result<Vec<_>>>()?;
+    bar.finish();
+    let bar = progress("2/3 the grid of the case study", 4);
+    let grid = [("quadratic", 18), ("quadratic", 36), ("additive quadratic", 18), ("additive quadratic", 36)]
+        .into_iter()
+        .map(|(model, runs)| {
+            bar.inc(1);
+            grid_row(model, runs)
+        })
+        .collect::<Result<Vec<_>>>()?;
+    bar.finish();
+    let bar = progress("3/3 large problems, pictures", LARGE.len() + 1);
+    let large = LARGE
+        .into_iter()
+        .map(|(factors, runs)| {
+            bar.inc(1);
+            let problem = Problem::new(Model::quadratic(factors)?, Space::cube(factors)?, runs, Criterion::G)?;
+            let mut settings = Settings::default();
+            settings.starts = LARGE_STARTS;
+            settings.effort = Effort::Quick;
+            Ok(((factors, runs), search(&problem, &settings)?))
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let findings = Findings { record, rows, grid, large, seconds: started.elapsed().as_secs_f64() };
+    let draw: [fn(&Findings) -> Result<Picture>; 4] =
+        [pictures::record, pictures::surfaces, pictures::fractions, pictures::grid_fractions];
+    let pictures = draw.par_iter().map(|one| one(&findings)).collect::<Result<Vec<_>>>()?;
+    bar.inc(1);
+    bar.finish();
+
+    for picture in &pictures {
+        reproduction::save(&out, &format!("{}.svg", picture.name), &picture.svg)?;
+    }
+    reproduction::save(&out, "index.html", &report::page(&findings, &pictures).html())?;
+    reproduction::save(&out, "results.md", &report::markdown(&findings))?;
+    report::record_table(&findings).write_csv(&out.join("record.csv"))?;
+    report::search_table(&findings).write_csv(&out.join("searches.csv"))?;
+    report::grid_table(&findings).write_csv(&out.join("grid.csv"))?;
+    report::print(&findings, &RECORDS.out());
+    Ok(())
+}
+
+fn row(size: Size, kept: Kept) -> Result<Row> {
+    let (factors, runs) = size;
+    let problem = Problem::new(Model::quadratic(factors)?, Space::cube(factors)?, runs, Criterion::G)?;
+    let mut settings = Settings::default();
+    settings.starts = MOST_STARTS;
+    settings.effort = Effort::Quick;
+    settings.target_percent = Some(GOAL * kept.efficiency.percent);
+    let again = search(&problem, &settings)?;
+    let lattice_share = largest_on_lattice(&kept)? / kept.efficiency.value;
+    Ok(Row { size, kept, lattice_share, again })
+}
+
+/// The largest prediction variance of a design on a lattice of about a hundred thousand points.
+fn largest_on_lattice(kept: &Kept) -> Result<f64> {
+    let factors = kept.design.n_factors();
+    let variance = PredictionVariance::of(&Model::quadratic(factors)?, &kept.design)?;
+    let levels = (1e5_f64.powf(1.0 / factors as f64).round() as usize).clamp(3, 2001);
+    // An odd number, so that the middle is among them.
+    let levels = levels + 1 - levels % 2;
+    let mut largest = 0.0_f64;
+    for index in 0..levels.pow(factors as u32) {
+        let mut rest = index;
+        let point: Vec<f64> = (0..factors)
+            .map(|_| {
+                let level = rest % levels;
+                rest /= levels;
+                2.0 * level as f64 / (levels - 1) as f64 - 1.0
+            })
+            .collect();
+        largest = largest.max(variance.at(&point)?);
+    }
+    Ok(largest)
+}
+
+fn grid_row(model: &'static str, runs: usize) -> Result<GridRow> {
+    let terms =
+        if model == "quadratic" { Model::quadratic(GRID.len())? } else { Model::additive_quadratic(GRID.len())? };
+    let problem = Problem::new(terms, Space::grid(&GRID)?, runs, Criterion::G)?;
+    let mut settings = Settings::default();
+    settings.starts = GRID_STARTS;
+    Ok(GridRow { model, runs, found: search(&problem, &settings)? })
+}
