@@ -25,7 +25,11 @@ const MOST_STARTS: u64 = 400;
 /// Levels of each of the four factors of the case study's grid.
 const GRID: [u32; 4] = [24; 4];
 /// Starts of a search over that grid.
-const GRID_STARTS: u64 = 48;
+const GRID_STARTS: u64 = 32;
+/// Levels per factor of candidate lists in four factors, to see how the time grows with their length.
+const LIST_LEVELS: [u32; 4] = [6, 12, 18, 24];
+const LIST_RUNS: usize = 18;
+const LIST_STARTS: u64 = 4;
 /// Sizes beyond the record, to see how the time grows: searched with a few starts.
 const LARGE: [Size; 3] = [(5, 30), (6, 40), (7, 50)];
 const LARGE_STARTS: u64 = 2;
@@ -52,6 +56,8 @@ struct Findings {
     rows: Vec<Row>,
     grid: Vec<GridRow>,
     large: Vec<(Size, Found)>,
+    /// Searches over lists, by the number of their candidates.
+    lists: Vec<(usize, Found)>,
     seconds: f64,
 }
 
@@ -80,7 +86,14 @@ fn reproduce(root: &Path) -> Result<()> {
         })
         .collect::<Result<Vec<_>>>()?;
     bar.finish();
-    let bar = progress("3/3 large problems, pictures", LARGE.len() + 1);
+    let bar = progress("3/3 lists, large problems, pictures", LARGE.len() + LIST_LEVELS.len() + 1);
+    let lists = LIST_LEVELS
+        .into_iter()
+        .map(|levels| {
+            bar.inc(1);
+            over_list(levels)
+        })
+        .collect::<Result<Vec<_>>>()?;
     let large = LARGE
         .into_iter()
         .map(|(factors, runs)| {
@@ -92,7 +105,7 @@ fn reproduce(root: &Path) -> Result<()> {
             Ok(((factors, runs), search(&problem, &settings)?))
         })
         .collect::<Result<Vec<_>>>()?;
-    let findings = Findings { record, rows, grid, large, seconds: started.elapsed().as_secs_f64() };
+    let findings = Findings { record, rows, grid, large, lists, seconds: started.elapsed().as_secs_f64() };
     let draw: [fn(&Findings) -> Result<Picture>; 4] =
         [pictures::record, pictures::surfaces, pictures::fractions, pictures::grid_fractions];
     let pictures = draw.par_iter().map(|one| one(&findings)).collect::<Result<Vec<_>>>()?;
@@ -107,6 +120,7 @@ fn reproduce(root: &Path) -> Result<()> {
     report::record_table(&findings).write_csv(&out.join("record.csv"))?;
     report::search_table(&findings).write_csv(&out.join("searches.csv"))?;
     report::grid_table(&findings).write_csv(&out.join("grid.csv"))?;
+    report::list_table(&findings).write_csv(&out.join("lists.csv"))?;
     report::print(&findings, &RECORDS.out());
     Ok(())
 }
@@ -152,4 +166,18 @@ fn grid_row(model: &'static str, runs: usize) -> Result<GridRow> {
     let mut settings = Settings::default();
     settings.starts = GRID_STARTS;
     Ok(GridRow { model, runs, found: search(&problem, &settings)? })
+}
+
+/// A search over a list of the points of a grid in four factors, as candidates and not as a grid.
+fn over_list(levels: u32) -> Result<(usize, Found)> {
+    let level = |index: u32| 2.0 * f64::from(index) / f64::from(levels - 1) - 1.0;
+    let mut candidates = Vec::new();
+    for point in 0..levels.pow(4) {
+        candidates.extend((0..4).map(|factor| level(point / levels.pow(factor) % levels)));
+    }
+    let n_candidates = candidates.len() / 4;
+    let problem = Problem::new(Model::quadratic(4)?, Space::list(4, candidates)?, LIST_RUNS, Criterion::G)?;
+    let mut settings = Settings::default();
+    settings.starts = LIST_STARTS;
+    Ok((n_candidates, search(&problem, &settings)?))
 }
