@@ -98,5 +98,8 @@ fn bad_comparisons_are_refused() {
         one.clone().printed(&units, "a", "2,5", "cm"),
         "set-up \"one\", a: the value is \"2,5\", expected a finite number or a list of them",
     );
-    check(one.printed(&units, "a", "inf", "cm"), "set-up \"one\", a: the value is \"inf\", expected a finite number or a list of them");
+    check(
+        one.printed(&units, "a", "inf", "cm"),
+        "set-up \"one\", a: the value is \"inf\", expected a finite number or a list of them",
+    );
 }
