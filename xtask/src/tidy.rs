@@ -240,13 +240,13 @@ mod tests {
     fn wrong_arrows_are_found() {
         let check =
             |name: &str, manifest: &str| arrow_complaints(name, &manifest.parse().expect("a manifest")).join("\n");
-        assert_eq!(check("infuse", "[dependencies]\ndoe.workspace = true\nserde = \"1\""), "");
+        assert_eq!(check("surface", "[dependencies]\ndoe.workspace = true\nserde = \"1\""), "");
         assert_eq!(
             check("doe", "[dev-dependencies]\ninfuse = { path = \"../infuse\" }"),
             "doe: must not depend on infuse"
         );
         assert_eq!(check("doe", "[target.'cfg(unix)'.dependencies]\ninfuse = \"1\""), "doe: must not depend on infuse");
-        assert_eq!(check("infuse", "[dependencies]"), "infuse: the table says it depends on doe, but it does not");
+        assert_eq!(check("surface", "[dependencies]"), "surface: the table says it depends on doe, but it does not");
         assert_eq!(check("new", ""), "new: not in the table of arrows");
     }
 
