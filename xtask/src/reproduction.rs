@@ -24,6 +24,13 @@ impl Reproduction {
         PathBuf::from(format!("target/reproduction/{}", self.name))
     }
 
+    /// The same from anywhere, made if it is not there: a study should not find out after its flights that it cannot write.
+    pub(crate) fn prepare(&self, root: &Path) -> Result<PathBuf> {
+        let out = root.join(self.out());
+        std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+        Ok(out)
+    }
+
     /// Runs the study and fails when it finds something else than the committed page of results says.
     pub(crate) fn check(&self, root: &Path) -> Result<()> {
         (self.run)(root)?;
@@ -55,6 +62,41 @@ impl Picture {
     pub(crate) fn show_in(&self, page: &mut Page) {
         page.figure(&self.svg, &self.caption);
     }
+}
+
+/// Reads a study file with a parser that is told the folder in which other files are looked up; errors name the file.
+pub(crate) fn read_study<T>(path: &Path, parse: impl FnOnce(&str, &Path) -> Result<T>) -> Result<T> {
+    let name = || path.display().to_string();
+    let text = std::fs::read_to_string(path).with_context(name)?;
+    parse(&text, path.parent().unwrap_or(Path::new("."))).with_context(name)
+}
+
+/// That a study file of `fixtures/bat` with its first `from` replaced by `to` is refused in these words.
+#[cfg(test)]
+#[track_caller]
+pub(crate) fn assert_refused<T: std::fmt::Debug>(
+    name: &str,
+    parse: fn(&str, &Path) -> Result<T>,
+    [from, to]: [&str; 2],
+    words: &[&str],
+) {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/bat");
+    let text = std::fs::read_to_string(directory.join(name)).expect("the study file");
+    let changed = text.replacen(from, to, 1);
+    assert_ne!(changed, text, "the change changes something");
+    let error = format!("{:#}", parse(&changed, &directory).expect_err("an error"));
+    for word in words {
+        assert!(error.contains(word), "`{word}` is not in: {error}");
+    }
+}
+
+/// Writes what every study has: its pictures, the page that shows them, and its results in short.
+pub(crate) fn save_page(out: &Path, pictures: &[Picture], page: &Page, results: &str) -> Result<()> {
+    for picture in pictures {
+        save(out, &format!("{}.svg", picture.name), &picture.svg)?;
+    }
+    save(out, "index.html", &page.html())?;
+    save(out, "results.md", results)
 }
 
 /// Writes a file of a study's output.

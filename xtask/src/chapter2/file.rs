@@ -7,6 +7,8 @@ use scaling::{BigRational, Groups, SetUp, System, Units};
 use serde::Deserialize;
 use water_channel::RigFile;
 
+use crate::reproduction::read_study;
+
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StudyFile {
@@ -213,9 +215,7 @@ fn check_reference(model: &Model, rig: &water_channel::Rig) -> Result<()> {
 
 impl Setup {
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        let directory = path.parent().unwrap_or(Path::new("."));
-        Self::parse(&text, directory).with_context(|| path.display().to_string())
+        read_study(path, Self::parse)
     }
 
     fn parse(text: &str, directory: &Path) -> Result<Self> {
@@ -323,17 +323,11 @@ impl Setup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reproduction::assert_refused;
 
     #[track_caller]
     fn refuses(from: &str, to: &str, words: &[&str]) {
-        let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/bat");
-        let text = std::fs::read_to_string(directory.join("chapter2.toml")).expect("the study file");
-        assert!(text.contains(from), "`{from}` is in the file");
-        let error = Setup::parse(&text.replacen(from, to, 1), &directory).expect_err("an error");
-        let error = format!("{error:#}");
-        for word in words {
-            assert!(error.contains(word), "`{word}` is not in: {error}");
-        }
+        assert_refused("chapter2.toml", Setup::parse, [from, to], words);
     }
 
     #[test]

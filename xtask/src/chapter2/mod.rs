@@ -10,7 +10,7 @@ mod tables;
 use std::path::Path;
 use std::time::Instant;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use rayon::prelude::*;
 use scaling::{Remedies, Similarity};
 
@@ -42,8 +42,7 @@ pub(crate) struct Findings<'a> {
 fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter2.toml"))?;
-    let out = root.join(CHAPTER.out());
-    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    let out = CHAPTER.prepare(root)?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
 
     let bar = progress("groups, releases, full scale, pictures", 4);
@@ -70,11 +69,7 @@ fn reproduce(root: &Path) -> Result<()> {
     bar.inc(1);
     bar.finish();
 
-    for picture in &pictures {
-        reproduction::save(&out, &format!("{}.svg", picture.name), &picture.svg)?;
-    }
-    reproduction::save(&out, "index.html", &report::page(&findings, &pictures)?.html())?;
-    reproduction::save(&out, "results.md", &report::markdown(&findings)?)?;
+    reproduction::save_page(&out, &pictures, &report::page(&findings, &pictures)?, &report::markdown(&findings)?)?;
     findings.full_scale.save(&setup, &out)?;
     tables::full_scale(&findings).write_csv(&out.join("full-scale.csv"))?;
     tables::laws(&findings)?.write_csv(&out.join("laws.csv"))?;

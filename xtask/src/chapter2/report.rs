@@ -175,8 +175,7 @@ impl Findings<'_> {
             let read = |value: f64, unit: &str| -> Result<f64> { Ok(units.parse(unit)?.factor.apply(value)) };
             let (here, there) = (read(converted.new, &converted.unit)?, read(printed.value, &printed.unit)?);
             sentences.push(format!(
-                "{}: {} {} by conversion, {} {} in {} of the dissertation, a ratio of {:.1}: a group of (15) that our rig does not \
-                 match{}.",
+                "{}: {} {} by conversion, {} {} in {} of the dissertation, a ratio of {:.1}: a group of (15) that our rig {}.",
                 printed.key,
                 converted.new,
                 converted.unit,
@@ -184,7 +183,7 @@ impl Findings<'_> {
                 printed.unit,
                 printed.place,
                 here / there,
-                if (here / there - 1.0).abs() < self.setup.tolerance { " to better than the tolerance" } else { "" }
+                if (here / there - 1.0).abs() <= self.setup.tolerance { "matches" } else { "does not match" }
             ));
         }
         Ok(sentences)

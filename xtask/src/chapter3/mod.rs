@@ -38,8 +38,7 @@ pub(crate) struct Findings<'a> {
 fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter3.toml"))?;
-    let out = root.join(CHAPTER.out());
-    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    let out = CHAPTER.prepare(root)?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.title);
 
     let designs = setup.center_of_mass.places().len() * setup.trim_pitch.places().len();
@@ -63,11 +62,7 @@ fn reproduce(root: &Path) -> Result<()> {
     bar.inc(1);
     bar.finish();
 
-    for picture in &pictures {
-        reproduction::save(&out, &format!("{}.svg", picture.name), &picture.svg)?;
-    }
-    reproduction::save(&out, "index.html", &report::page(&findings, &pictures).html())?;
-    reproduction::save(&out, "results.md", &report::markdown(&findings))?;
+    reproduction::save_page(&out, &pictures, &report::page(&findings, &pictures), &report::markdown(&findings))?;
     designs_csv(&findings, &out.join("designs.csv"))?;
     report::print(&findings, &CHAPTER.out());
     Ok(())

@@ -87,20 +87,20 @@ impl<'a> PanelFlights<'a> {
         self.rows.iter().flatten()
     }
 
-    /// The stable design of the lowest cost among those that `counts`.
-    pub(crate) fn best(&self, counts: impl Fn(&Design) -> bool) -> Option<(&Design, f64)> {
-        self.designs()
-            .filter(|design| design.is_stable() && counts(design))
-            .filter_map(|design| Some((design, design.cost()?)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
+    /// The stable designs that `counts`, with their costs.
+    fn stable(&self, counts: impl Fn(&Design) -> bool) -> impl Iterator<Item = (&Design, f64)> {
+        let stable = self.designs().filter(move |design| design.is_stable() && counts(design));
+        stable.filter_map(|design| Some((design, design.cost()?)))
     }
 
-    /// The stable design of the highest cost among those that `counts`.
+    /// The one of the lowest cost among them.
+    pub(crate) fn best(&self, counts: impl Fn(&Design) -> bool) -> Option<(&Design, f64)> {
+        self.stable(counts).min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The one of the highest cost among them.
     pub(crate) fn worst(&self, counts: impl Fn(&Design) -> bool) -> Option<(&Design, f64)> {
-        self.designs()
-            .filter(|design| design.is_stable() && counts(design))
-            .filter_map(|design| Some((design, design.cost()?)))
-            .max_by(|a, b| a.1.total_cmp(&b.1))
+        self.stable(counts).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     pub(crate) fn unstable(&self) -> impl Iterator<Item = &Design> {

@@ -24,10 +24,14 @@ const COUNT_CAPTION: &str = "What the designs of the lattice do. Unstable: a sma
     with the lines held as they are trimmed at the first; such a design may still get through the test, slowly growing. \
     A slack line or a state outside the model ends a flight without a cost.";
 
+/// Whether Table 4 allows a center of mass.
+fn is_allowed(setup: &Setup, center_of_mass: f64) -> bool {
+    setup.center_of_mass.table4.is_none_or(|[lower, upper]| (lower..=upper).contains(&center_of_mass))
+}
+
 /// Whether the center of mass is one that Table 4 allows.
 pub(crate) fn in_table4(setup: &Setup, design: &Design) -> bool {
-    let [lower, upper] = setup.center_of_mass.table4.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    (lower..=upper).contains(&design.at[0])
+    is_allowed(setup, design.at[0])
 }
 
 /// Four landscapes with one scale of colors.
@@ -208,9 +212,8 @@ fn ratios(setup: &Setup, of: &PanelFlights<'_>, to: &PanelFlights<'_>) -> Vec<f6
 
 /// Whether the best of the allowed designs lies where the allowed lattice ends.
 fn is_at_an_end(setup: &Setup, design: &Design) -> bool {
-    let [lower, upper] = setup.center_of_mass.table4.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let mut x = setup.center_of_mass.places();
-    x.retain(|x| (lower..=upper).contains(x));
+    x.retain(|x| is_allowed(setup, *x));
     [(x, design.at[0]), (setup.trim_pitch.places(), design.at[1])].iter().any(|(places, at)| {
         let is_end = |end: Option<&f64>| end.is_some_and(|end| (end - at).abs() < 1e-9);
         is_end(places.first()) || is_end(places.last())

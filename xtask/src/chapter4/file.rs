@@ -7,6 +7,7 @@ use doe::{Parameter, Region};
 use infuse::{BoundPolicy, CodesignProblem, CorrectionForm, LoopSettings, Role};
 use serde::Deserialize;
 
+use crate::reproduction::read_study;
 use crate::study::{Study, Variable};
 
 /// The file as written.
@@ -109,9 +110,7 @@ pub(crate) struct Setup {
 
 impl Setup {
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        let directory = path.parent().unwrap_or(Path::new("."));
-        Self::parse(&text, directory).with_context(|| path.display().to_string())
+        read_study(path, Self::parse)
     }
 
     pub(super) fn parse(text: &str, directory: &Path) -> Result<Self> {
@@ -192,21 +191,11 @@ impl Setup {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn read(change: impl Fn(&str) -> String) -> Result<Setup> {
-        let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/bat");
-        let text = std::fs::read_to_string(directory.join("chapter4.toml"))?;
-        let changed = change(&text);
-        assert_ne!(changed, text, "the change changes something");
-        Setup::parse(&changed, &directory)
-    }
+    use crate::reproduction::assert_refused;
 
     #[track_caller]
     fn refuses(from: &str, to: &str, words: &[&str]) {
-        let error = format!("{:#}", read(|text| text.replacen(from, to, 1)).expect_err("an error"));
-        for word in words {
-            assert!(error.contains(word), "`{word}` is not in: {error}");
-        }
+        assert_refused("chapter4.toml", Setup::parse, [from, to], words);
     }
 
     #[test]

@@ -9,7 +9,7 @@ mod pictures;
 mod report;
 mod results;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
@@ -36,8 +36,7 @@ pub(crate) const CHAPTER: Reproduction =
 fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter4.toml"))?;
-    let out = root.join(CHAPTER.out());
-    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    let out = CHAPTER.prepare(root)?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
 
     let bar = progress("1/4 cost landscapes: flights of model and stand-in", 2 * Lattice::size(&setup));
@@ -80,7 +79,7 @@ fn reproduce(root: &Path) -> Result<()> {
         pictures: &pictures,
     };
     write(&out, &findings)?;
-    report::print(&findings, &relative(&out, root));
+    report::print(&findings, &CHAPTER.out());
     Ok(())
 }
 
@@ -119,12 +118,7 @@ fn interpolation_error(setup: &Setup, model: &Lattice) -> Result<f64> {
 
 /// The page, the figures and the data.
 fn write(out: &Path, findings: &Findings<'_>) -> Result<()> {
-    let save = |name: &str, text: &str| reproduction::save(out, name, text);
-    for picture in findings.pictures {
-        save(&format!("{}.svg", picture.name), &picture.svg)?;
-    }
-    save("index.html", &report::page(findings).html())?;
-    save("results.md", &report::markdown(findings))?;
+    reproduction::save_page(out, findings.pictures, &report::page(findings), &report::markdown(findings))?;
     let m = &findings.material;
     results::iteration_table(m.setup, &m.rows[0], Digits::All).write_csv(&out.join("table-3.csv"))?;
     results::variant_table(m.rows, Digits::All).write_csv(&out.join("loops.csv"))?;
@@ -179,8 +173,4 @@ fn seeds_csv(findings: &Findings<'_>, path: &Path) -> Result<()> {
         }
     }
     table.write_csv(path)
-}
-
-fn relative(path: &Path, root: &Path) -> PathBuf {
-    path.strip_prefix(root).unwrap_or(path).to_path_buf()
 }

@@ -7,7 +7,7 @@ mod report;
 use std::path::Path;
 use std::time::Instant;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use doe::{Criterion, Effort, Found, Model, PredictionVariance, Problem, Settings, Space, search};
 use rayon::prelude::*;
 
@@ -63,8 +63,7 @@ struct Findings {
 
 fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
-    let out = root.join(RECORDS.out());
-    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    let out = RECORDS.prepare(root)?;
     let record = Record::read(&root.join("fixtures/doe"))?;
 
     let bar = progress("1/3 kept designs verified, and searched for anew", record.kept.len());
@@ -112,11 +111,7 @@ fn reproduce(root: &Path) -> Result<()> {
     bar.inc(1);
     bar.finish();
 
-    for picture in &pictures {
-        reproduction::save(&out, &format!("{}.svg", picture.name), &picture.svg)?;
-    }
-    reproduction::save(&out, "index.html", &report::page(&findings, &pictures).html())?;
-    reproduction::save(&out, "results.md", &report::markdown(&findings))?;
+    reproduction::save_page(&out, &pictures, &report::page(&findings, &pictures), &report::markdown(&findings))?;
     report::record_table(&findings).write_csv(&out.join("record.csv"))?;
     report::search_table(&findings).write_csv(&out.join("searches.csv"))?;
     report::grid_table(&findings).write_csv(&out.join("grid.csv"))?;

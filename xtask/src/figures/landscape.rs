@@ -79,12 +79,7 @@ pub(crate) fn landscape_figure(landscape: &Landscape) -> String {
 
     let levels = Levels::of(&landscape.z_axis, landscape.z.iter().flatten().copied());
     let mut room = room(landscape, &frame);
-    draw_bands(&mut canvas, landscape, &frame, &levels);
-    let lines = draw_iso_lines(&mut canvas, landscape, &frame, &levels);
-    draw_missing(&mut canvas, landscape, &frame);
-    draw_verticals(&mut canvas, landscape, &frame);
-    draw_marked(&mut canvas, landscape, &frame);
-    canvas.outline(&frame);
+    let lines = draw_field(&mut canvas, landscape, &frame, &levels);
     for (path, fill) in landscape.paths.iter().zip(PATH_FILLS).rev() {
         draw_path(&mut canvas, &frame, path, fill);
     }
@@ -115,7 +110,7 @@ pub(crate) fn landscape_panels_figure(title: &str, landscapes: &[Landscape]) -> 
     let top_of = |row: usize| TITLE_PX + PANEL_TITLE_PX + row as f64 * (SMALL_HEIGHT_PX + ROW_GAP_PX);
     let bottom = top_of(rows - 1) + SMALL_HEIGHT_PX;
     let mut legend: Vec<LegendEntry> = Vec::new();
-    for entry in landscapes.iter().flat_map(legend_without_counts) {
+    for entry in landscapes.iter().flat_map(|landscape| marks(landscape, "")) {
         if legend.iter().all(|known| known.text != entry.text) {
             legend.push(entry);
         }
@@ -142,12 +137,7 @@ pub(crate) fn landscape_panels_figure(title: &str, landscapes: &[Landscape]) -> 
         canvas.frame(&frame, &text, Vec::new());
         canvas.text_as(&landscape.title, (left, frame.top - 8.0), TEXT_SIZE, TextAnchor::Start);
         let mut room = room(landscape, &frame);
-        draw_bands(&mut canvas, landscape, &frame, &levels);
-        let lines = draw_iso_lines(&mut canvas, landscape, &frame, &levels);
-        draw_missing(&mut canvas, landscape, &frame);
-        draw_verticals(&mut canvas, landscape, &frame);
-        draw_marked(&mut canvas, landscape, &frame);
-        canvas.outline(&frame);
+        let lines = draw_field(&mut canvas, landscape, &frame, &levels);
         if let Some(minimum) = landscape.minimum {
             canvas.diamond(frame.px(minimum), color(4), PAPER);
         }
@@ -156,6 +146,22 @@ pub(crate) fn landscape_panels_figure(title: &str, landscapes: &[Landscape]) -> 
     draw_color_bar(&mut canvas, first.z_axis.label(), &levels, bottom);
     canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
+}
+
+/// Colors, lines and marks of the field itself, under its frame; the pieces of each iso-line with its text.
+fn draw_field(
+    canvas: &mut Canvas,
+    landscape: &Landscape,
+    frame: &Frame,
+    levels: &Levels,
+) -> Vec<(String, Vec<Segment>)> {
+    draw_bands(canvas, landscape, frame, levels);
+    let lines = draw_iso_lines(canvas, landscape, frame, levels);
+    draw_missing(canvas, landscape, frame);
+    draw_verticals(canvas, landscape, frame);
+    draw_marked(canvas, landscape, frame);
+    canvas.outline(frame);
+    lines
 }
 
 /// A grid fills its frame.
@@ -355,69 +361,30 @@ fn draw_color_bar(canvas: &mut Canvas, label: &str, levels: &Levels, frame_botto
 }
 
 fn legend(landscape: &Landscape) -> Vec<LegendEntry> {
-    let mut entries: Vec<LegendEntry> = landscape
-        .paths
-        .iter()
-        .zip(PATH_FILLS)
-        .map(|(path, fill)| LegendEntry {
-            mark: Mark::Dot,
-            fill: fill.into(),
-            outline: "#000000".into(),
-            text: path.label.clone(),
-        })
-        .collect();
-    if landscape.minimum.is_some() {
-        entries.push(minimum_entry(landscape));
-    }
+    let paths = landscape.paths.iter().zip(PATH_FILLS).map(|(path, fill)| LegendEntry {
+        mark: Mark::Dot,
+        fill: fill.into(),
+        outline: "#000000".into(),
+        text: path.label.clone(),
+    });
     let (missing, all) = (missing(landscape).len(), landscape.x.len() * landscape.y.len());
-    entries.extend(verticals_entry(landscape));
-    if !landscape.marked.is_empty() {
-        entries.push(marked_entry(landscape));
-    }
-    if missing > 0 {
-        entries.push(missing_entry(format!("blank: {} ({missing} of {all})", landscape.missing_label)));
-    }
-    entries
+    paths.chain(marks(landscape, &format!(" ({missing} of {all})"))).collect()
 }
 
-/// For panels that share a legend: counts differ between them.
-fn legend_without_counts(landscape: &Landscape) -> Vec<LegendEntry> {
-    let mut entries = Vec::new();
-    if landscape.minimum.is_some() {
-        entries.push(minimum_entry(landscape));
-    }
-    entries.extend(verticals_entry(landscape));
-    if !landscape.marked.is_empty() {
-        entries.push(marked_entry(landscape));
-    }
-    if !missing(landscape).is_empty() {
-        entries.push(missing_entry(format!("blank: {}", landscape.missing_label)));
-    }
-    entries
-}
-
-fn minimum_entry(landscape: &Landscape) -> LegendEntry {
-    LegendEntry {
-        mark: Mark::Diamond,
-        fill: color(4).into(),
-        outline: PAPER.into(),
-        text: landscape.minimum_label.clone(),
-    }
-}
-
-fn verticals_entry(landscape: &Landscape) -> Option<LegendEntry> {
-    (!landscape.verticals.is_empty()).then(|| LegendEntry {
-        mark: Mark::Dashes,
-        fill: "#888888".into(),
-        outline: "none".into(),
-        text: landscape.verticals_label.clone(),
-    })
-}
-
-fn marked_entry(landscape: &Landscape) -> LegendEntry {
-    LegendEntry { mark: Mark::Dot, fill: PAPER.into(), outline: "#000000".into(), text: landscape.marked_label.clone() }
-}
-
-fn missing_entry(text: String) -> LegendEntry {
-    LegendEntry { mark: Mark::Cross, fill: "#888888".into(), outline: "none".into(), text }
+/// What the marks of a field mean; `missing` is added to what a missing value means.
+fn marks(landscape: &Landscape, missing: &str) -> Vec<LegendEntry> {
+    let entry = |is_there: bool, mark: Mark, [fill, outline]: [&str; 2], text: String| {
+        is_there.then(|| LegendEntry { mark, fill: fill.into(), outline: outline.into(), text })
+    };
+    let is_blank = !self::missing(landscape).is_empty();
+    let blank = format!("blank: {}{missing}", landscape.missing_label);
+    let [minimum, verticals, marked] =
+        [&landscape.minimum_label, &landscape.verticals_label, &landscape.marked_label].map(Clone::clone);
+    let entries = [
+        entry(landscape.minimum.is_some(), Mark::Diamond, [color(4), PAPER], minimum),
+        entry(!landscape.verticals.is_empty(), Mark::Dashes, ["#888888", "none"], verticals),
+        entry(!landscape.marked.is_empty(), Mark::Dot, [PAPER, "#000000"], marked),
+        entry(is_blank, Mark::Cross, ["#888888", "none"], blank),
+    ];
+    entries.into_iter().flatten().collect()
 }
