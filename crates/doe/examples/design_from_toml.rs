@@ -1,30 +1,24 @@
 //! From a problem in TOML to a design in CSV: `design_from_toml [problem.toml [design.csv]]`.
 //!
-//! Without a file to write to, the design is printed; the evaluation always is.
+//! Without a file to write to, the design is printed; the evaluation always is. Settings have nine significant digits, and
+//! the figures are those of the design as it is written.
 
 mod problem;
 
 use std::error::Error;
+use std::io::{Write as _, stdout};
 use std::process::ExitCode;
 
-use doe::{RunOrder, evaluate, search};
+use doe::{Design, RunOrder, StopReason, evaluate, search};
 use problem::ProblemFile;
 
 const BUNDLED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/rig.toml");
 
-#[expect(clippy::print_stderr, reason = "this is where a program complains")]
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    match design(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::FAILURE
-        }
-    }
+    problem::finish(design(&arguments))
 }
 
-#[expect(clippy::print_stdout, reason = "an example shows what it computes")]
 fn design(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let (file, csv) = match arguments {
         [] => (BUNDLED, None),
@@ -35,17 +29,31 @@ fn design(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let file = ProblemFile::read(file)?;
     let (region, problem) = (file.region()?, file.problem()?);
     let found = search(&problem, &file.settings()?)?;
-    found.design.check_within(problem.space())?;
+    let n_fixed = problem.fixed().map_or(0, Design::n_runs);
+    let design = found.design.rounded(&region, problem.space(), n_fixed)?;
+    design.check_within(problem.space())?;
 
     let order = file.order_seed.map_or(RunOrder::Standard, |seed| RunOrder::Random { seed });
     let mut text = Vec::new();
-    found.design.write_csv(&region, order, &mut text)?;
+    design.write_csv_with_kinds(&region, order, n_fixed, &mut text)?;
     match csv {
         Some(path) => std::fs::write(path, text).map_err(|error| format!("{path}: {error}"))?,
-        None => println!("{}", String::from_utf8(text)?),
+        None => writeln!(stdout(), "{}", String::from_utf8(text)?)?,
     }
     let report = &found.report;
-    println!("{}, best of {} starts, found {} times\n", found.efficiency, report.starts, report.times_found);
-    println!("{}", evaluate(problem.model(), problem.space(), &found.design, &file.evaluation_settings())?);
+    let efficiency = problem.criterion().efficiency(problem.model(), problem.space(), &design)?;
+    let times = match report.times_found {
+        1 => "once".to_owned(),
+        times => format!("{times} times"),
+    };
+    let stop = match report.stop {
+        StopReason::StartsDone => "all starts were made",
+        StopReason::TimeLimit => "the time was over",
+        StopReason::TargetReached => "the target was reached",
+        StopReason::Interrupted => "it was interrupted",
+    };
+    let starts = if report.starts == 1 { "start" } else { "starts" };
+    writeln!(stdout(), "{efficiency}, found {times} in {} {starts}; the search ended because {stop}\n", report.starts)?;
+    writeln!(stdout(), "{}", evaluate(problem.model(), problem.space(), &design, &file.evaluation_settings())?)?;
     Ok(())
 }

@@ -6,6 +6,7 @@ mod problem;
 
 use std::error::Error;
 use std::fs::File;
+use std::io::{Write as _, stdout};
 use std::process::ExitCode;
 
 use doe::{Design, evaluate};
@@ -16,19 +17,11 @@ const BUNDLED: [&str; 2] = [
     concat!(env!("CARGO_MANIFEST_DIR"), "/examples/handmade.csv"),
 ];
 
-#[expect(clippy::print_stderr, reason = "this is where a program complains")]
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    match score(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::FAILURE
-        }
-    }
+    problem::finish(score(&arguments))
 }
 
-#[expect(clippy::print_stdout, reason = "an example shows what it computes")]
 fn score(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let (problem, csv, json) = match arguments {
         [] => (BUNDLED[0], BUNDLED[1], None),
@@ -39,11 +32,11 @@ fn score(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let file = ProblemFile::read(problem)?;
     let reader = File::open(csv).map_err(|error| format!("{csv}: {error}"))?;
     let read = Design::read_csv(&file.region()?, reader).map_err(|error| format!("{csv}: {error}"))?;
-    if !read.ignored.is_empty() {
-        println!("not read: {}", read.ignored.join(", "));
-    }
     let evaluation = evaluate(&file.model()?, &file.space()?, &read.design, &file.evaluation_settings())?;
-    println!("{evaluation}");
+    writeln!(stdout(), "{evaluation}")?;
+    if !read.ignored.is_empty() {
+        writeln!(stdout(), "not read: {}", read.ignored.join(", "))?;
+    }
     if let Some(path) = json {
         serde_json::to_writer_pretty(File::create(path).map_err(|error| format!("{path}: {error}"))?, &evaluation)?;
     }

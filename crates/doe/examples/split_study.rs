@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 use std::error::Error;
+use std::io::{Write as _, stdout};
 
 use doe::{
     Criterion, Design, Effort, Information, Model, Problem, Settings, Space, SplitMethod, SplitSettings, search, split,
@@ -26,7 +27,6 @@ const ALL_RUNS: &str = "no split, leave one out";
 /// Logarithms of the error of the fit, and of the estimate over the error, noise included in both of the latter.
 type Record = Vec<[f64; 2]>;
 
-#[expect(clippy::print_stdout, reason = "an example shows what it computes")]
 fn main() -> Result<(), Box<dyn Error>> {
     let repetitions: usize = std::env::args().nth(1).map_or(Ok(2), |text| text.parse())?;
     let mut generator = Pcg64::seed_from_u64(5);
@@ -50,8 +50,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     for (is_optimal, title) in [(true, "G-optimal designs"), (false, "Latin hypercubes")] {
-        println!("{title}\n{:<26}{:>14}{:>22}{:>10}", "", "error of fit", "log(estimate/error)", "");
-        println!("{:<26}{:>14}{:>22}{:>10}", "", "/ alternating", "mean", "rms");
+        writeln!(stdout(), "{title}\n{:<26}{:>14}{:>22}{:>10}", "", "error of fit", "log(estimate/error)", "")?;
+        writeln!(stdout(), "{:<26}{:>14}{:>22}{:>10}", "", "/ alternating", "mean", "rms")?;
         let mean = |name, at: usize| {
             let record = &records[&(is_optimal, name)];
             record.iter().map(|pair: &[f64; 2]| pair[at]).sum::<f64>() / record.len() as f64
@@ -60,9 +60,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             let record = &records[&(is_optimal, name)];
             let rms = (record.iter().map(|pair| pair[1] * pair[1]).sum::<f64>() / record.len() as f64).sqrt();
             let ratio = (mean(name, 0) - mean(METHODS[1].0, 0)).exp();
-            println!("{name:<26}{ratio:>14.2}{:>22.2}{rms:>10.2}", mean(name, 1));
+            writeln!(stdout(), "{name:<26}{ratio:>14.2}{:>22.2}{rms:>10.2}", mean(name, 1))?;
         }
-        println!();
+        writeln!(stdout())?;
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use rand_pcg::Pcg64;
 
 use crate::measure::Measure;
 use crate::space::Shape;
+use crate::wording::combination;
 use crate::{Design, Error, Model, Space};
 
 /// A term that is a linear combination of earlier terms on every point looked at.
@@ -18,23 +19,36 @@ use crate::{Design, Error, Model, Space};
 pub struct Confounding {
     /// Index of the dependent term.
     pub term: usize,
+    /// Its name.
+    pub name: String,
     /// Indices and coefficients of the earlier terms it equals, empty if it vanishes everywhere.
     pub equals: Vec<(usize, f64)>,
+    /// Their names, in the same order.
+    pub equal_names: Vec<String>,
+}
+
+impl Confounding {
+    /// The same with other names: one per term of the model, as of [`Model::term_names`](crate::Model::term_names);
+    /// where one is missing it stays as it is.
+    #[must_use]
+    pub fn with_names(mut self, names: &[String]) -> Self {
+        let rename = |name: &mut String, term: usize| {
+            if let Some(other) = names.get(term) {
+                name.clone_from(other);
+            }
+        };
+        rename(&mut self.name, self.term);
+        for (name, &(term, _)) in self.equal_names.iter_mut().zip(&self.equals) {
+            rename(name, term);
+        }
+        self
+    }
 }
 
 impl fmt::Display for Confounding {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "term {} = ", self.term)?;
-        if self.equals.is_empty() {
-            return write!(formatter, "0");
-        }
-        for (position, &(term, coefficient)) in self.equals.iter().enumerate() {
-            let sign = if coefficient < 0.0 { "-" } else { "+" };
-            let sign = if position == 0 && coefficient >= 0.0 { "" } else { sign };
-            let space = if position == 0 { "" } else { " " };
-            write!(formatter, "{space}{sign}{space}{:.6} term {term}", coefficient.abs())?;
-        }
-        Ok(())
+        let parts = self.equal_names.iter().zip(&self.equals).map(|(name, &(_, c))| (name.as_str(), c));
+        write!(formatter, "`{}` = {}", self.name, combination(parts))
     }
 }
 
@@ -53,7 +67,7 @@ const LISTED: f64 = 1e-6;
 /// let confounded = doe::confounded_terms(&Model::additive_quadratic(2)?, &Space::grid(&[2, 3])?)?;
 /// assert_eq!(confounded.len(), 1);
 /// assert_eq!(confounded[0].term, 3);
-/// assert_eq!(confounded[0].to_string(), "term 3 = 1.000000 term 0");
+/// assert_eq!(confounded[0].to_string(), "`x1^2` = 1");
 /// # Ok::<(), doe::Error>(())
 /// ```
 ///
@@ -116,7 +130,7 @@ fn dependent<'a>(model: &Model, points: impl Iterator<Item = &'a [f64]>) -> Vec<
     fold(&mut rows, p);
     let n_rows = rows.len() / p;
     let columns: Vec<Vec<f64>> = (0..p).map(|j| (0..n_rows).map(|i| rows[i * p + j]).collect()).collect();
-    in_order(&columns)
+    in_order(&columns, &model.term_names(&[]))
 }
 
 /// Replaces rows by the triangular factor of their QR factorization.
@@ -129,7 +143,7 @@ fn fold(rows: &mut Vec<f64>, p: usize) {
 }
 
 /// Gram-Schmidt in the order of the columns, orthogonalized twice, each dependent column expressed by the kept ones.
-fn in_order(columns: &[Vec<f64>]) -> Vec<Confounding> {
+fn in_order(columns: &[Vec<f64>], names: &[String]) -> Vec<Confounding> {
     // Per kept column: its index, its unit direction, and its components along the directions before and its own.
     let mut kept: Vec<(usize, Vec<f64>, Vec<f64>)> = Vec::new();
     let mut confounded = Vec::new();
@@ -162,7 +176,9 @@ fn in_order(columns: &[Vec<f64>]) -> Vec<Confounding> {
         let sized = |k: usize| coefficients[k].abs() * norm(&columns[kept[k].0]);
         let largest = (0..kept.len()).map(sized).fold(0.0, f64::max);
         let listed = (0..kept.len()).filter(|&k| length > 0.0 && sized(k) > LISTED * largest);
-        confounded.push(Confounding { term, equals: listed.map(|k| (kept[k].0, coefficients[k])).collect() });
+        let equals: Vec<(usize, f64)> = listed.map(|k| (kept[k].0, coefficients[k])).collect();
+        let equal_names = equals.iter().map(|&(term, _)| names[term].clone()).collect();
+        confounded.push(Confounding { term, name: names[term].clone(), equals, equal_names });
     }
     confounded
 }

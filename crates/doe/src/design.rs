@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::search::SAME_RUN;
 use crate::{Error, Region, Space};
 
 /// An ordered list of runs in coded coordinates: n_runs × n_factors, row by row.
@@ -108,6 +109,12 @@ impl Design {
             });
         }
         Ok(Self { n_factors: self.n_factors, coordinates: [&self.coordinates[..], &other.coordinates].concat() })
+    }
+
+    /// Number of distinct points, to within the tolerance of [`Replicates`](crate::Replicates).
+    pub(crate) fn n_distinct(&self) -> usize {
+        let pairs = self.replicates(SAME_RUN);
+        (0..self.n_runs()).filter(|run| pairs.iter().all(|(_, second)| second != run)).count()
     }
 
     /// Pairs of runs that are the same point to within `tolerance` in every coordinate, first before second.

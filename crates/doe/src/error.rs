@@ -1,5 +1,6 @@
 //! What can be wrong with a parameter, a region, a model, a space, a design or a search.
 
+use crate::wording::{counted, singular};
 use crate::{Confounding, FileFault};
 
 /// Every fault of this crate, each naming the field, the value and what was allowed.
@@ -49,7 +50,7 @@ pub enum Error {
         value: f64,
     },
     /// Fewer than two levels.
-    #[error("parameter `{parameter}`: {count} level(s), expected at least 2, or continuous levels")]
+    #[error("parameter `{parameter}`: {levels}, expected at least 2, or continuous levels", levels = counted(u64::from(*count), "level", "levels"))]
     TooFewLevels {
         /// Name of the parameter.
         parameter: String,
@@ -126,7 +127,7 @@ pub enum Error {
         second: usize,
     },
     /// A point with another number of coordinates than the region has parameters.
-    #[error("a point has {found} coordinates, expected {expected} ({names})")]
+    #[error("a point has {found}, expected {expected} ({names}){hint}", found = coordinates(*found), hint = comma_hint(*found, *expected))]
     WrongDimension {
         /// Number of parameters of the region.
         expected: usize,
@@ -150,7 +151,7 @@ pub enum Error {
         n_points: u64,
     },
     /// Too few or too many of something.
-    #[error("{found} {name}, expected {least} to {most}")]
+    #[error("{}", count(name, *found, *least, *most))]
     Count {
         /// Of what.
         name: &'static str,
@@ -162,7 +163,7 @@ pub enum Error {
         most: usize,
     },
     /// A term with another number of exponents than the model has factors.
-    #[error("term {term} has {found} exponents, expected one per factor: {expected}")]
+    #[error("term number {number} of the list has {exponents}, expected one per factor: {expected}", number = term + 1, exponents = counted(*found as u64, "exponent", "exponents"))]
     WrongTermLength {
         /// Index of the term.
         term: usize,
@@ -172,18 +173,22 @@ pub enum Error {
         found: usize,
     },
     /// An exponent beyond what the model supports.
-    #[error("term {term} has the exponent {exponent}, expected 0 to {largest}")]
+    #[error("term `{name}` has the exponent {exponent}, expected 0 to {largest}")]
     ExponentTooLarge {
         /// Index of the term.
         term: usize,
+        /// Its name.
+        name: String,
         /// The exponent given.
         exponent: u8,
         /// The largest exponent allowed.
         largest: u8,
     },
     /// The same term twice.
-    #[error("terms {first} and {second} are the same monomial, expected distinct terms")]
+    #[error("the term `{name}` is given twice, expected distinct terms")]
     DuplicateTerm {
+        /// Its name.
+        name: String,
         /// Index of the first.
         first: usize,
         /// Index of the second.
@@ -204,7 +209,7 @@ pub enum Error {
         name: String,
     },
     /// A coded point with another number of coordinates than there are factors.
-    #[error("a point has {found} coordinates, expected {expected}")]
+    #[error("a point has {found}, expected {expected}{hint}", found = coordinates(*found), hint = comma_hint(*found, *expected))]
     PointLength {
         /// Number of factors.
         expected: usize,
@@ -248,7 +253,7 @@ pub enum Error {
         second: usize,
     },
     /// Fewer than two levels along an axis.
-    #[error("an axis has {count} level(s), expected at least 2: leave a factor that cannot vary out of the model")]
+    #[error("an axis has {levels}, expected at least 2: leave a factor that cannot vary out of the model", levels = counted(*count as u64, "level", "levels"))]
     TooFewAxisLevels {
         /// Number of levels given.
         count: usize,
@@ -272,11 +277,23 @@ pub enum Error {
         /// Upper end given.
         upper: f64,
     },
+    /// A forbidden range of a parameter that is NaN or inverted, in its unit.
+    #[error(
+        "parameter `{parameter}`: the forbidden range {lower:?} to {upper:?} is not a range, expected lower <= upper"
+    )]
+    ForbiddenRangeOf {
+        /// Name of the parameter.
+        parameter: String,
+        /// Lower end given.
+        lower: f64,
+        /// Upper end given.
+        upper: f64,
+    },
     /// Forbidden boxes that leave nothing.
     #[error("nothing of the space is left once the forbidden boxes are gone")]
     EmptySpace,
     /// Two things that must agree in their number of factors.
-    #[error("{what} has {found} factors, expected {expected}")]
+    #[error("{what} has {factors}, expected {expected}", factors = counted(*found as u64, "factor", "factors"))]
     FactorMismatch {
         /// What does not fit.
         what: &'static str,
@@ -294,7 +311,7 @@ pub enum Error {
         point: Vec<f64>,
     },
     /// Fewer runs than the model has terms.
-    #[error("{n_runs} runs cannot determine {n_terms} terms, expected at least {n_terms} runs")]
+    #[error("{runs} cannot determine {terms}, expected at least {n_terms} {noun}", noun = if *n_terms == 1 { "run" } else { "runs" }, runs = counted(*n_runs as u64, "run", "runs"), terms = counted(*n_terms as u64, "term", "terms"))]
     TooFewRuns {
         /// Number of runs.
         n_runs: usize,
@@ -310,7 +327,7 @@ pub enum Error {
         confounded: Vec<Confounding>,
     },
     /// A space with fewer points than there are distinct runs.
-    #[error("the space has {n_points} points, too few for {n_distinct} distinct runs: plan replicates or allow them")]
+    #[error("the space has {points}, too few for {n_distinct} distinct runs: plan replicates or allow them", points = counted(*n_points, "point", "points"))]
     TooFewPoints {
         /// Number of distinct runs.
         n_distinct: usize,
@@ -328,7 +345,7 @@ pub enum Error {
         allowed: &'static str,
     },
     /// No start of a search led to a usable design.
-    #[error("none of {starts} starts led to a design that determines the model under the rule for replicates")]
+    #[error("{}", no_design(*starts))]
     NoDesign {
         /// Number of starts made.
         starts: u64,
@@ -350,6 +367,50 @@ pub enum Error {
         /// Number of factors.
         n_factors: usize,
     },
+}
+
+impl Error {
+    /// The same error with terms by other names, one per term of the model, as of
+    /// [`Model::term_names`](crate::Model::term_names) with the names of the parameters.
+    #[must_use]
+    pub fn with_term_names(self, names: &[String]) -> Self {
+        match self {
+            Self::Confounded { what, confounded } => {
+                let confounded = confounded.into_iter().map(|one| one.with_names(names)).collect();
+                Self::Confounded { what, confounded }
+            }
+            other => other,
+        }
+    }
+}
+
+fn coordinates(count: usize) -> String {
+    counted(count as u64, "coordinate", "coordinates")
+}
+
+/// Two numbers for each that was expected are what decimal commas make of a point.
+fn comma_hint(found: usize, expected: usize) -> &'static str {
+    if expected > 0 && found > expected && found <= 2 * expected {
+        "; a decimal comma separates numbers, write 20.5 and not 20,5"
+    } else {
+        ""
+    }
+}
+
+fn count(name: &str, found: usize, least: usize, most: usize) -> String {
+    let things = if found == 1 { singular(name) } else { name.to_owned() };
+    match most {
+        usize::MAX => format!("{found} {things}, expected at least {least}"),
+        _ => format!("{found} {things}, expected {least} to {most}"),
+    }
+}
+
+fn no_design(starts: u64) -> String {
+    if starts == 0 {
+        return "the search was over before it had a design".to_owned();
+    }
+    let starts = counted(starts, "start", "starts");
+    format!("none of {starts} led to a design that determines the model under the rule for replicates")
 }
 
 fn confounding_list(confounded: &[Confounding]) -> String {

@@ -6,21 +6,25 @@ use std::io::{Read, Write};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::{Design, Error, Levels, Parameter, Region};
+use crate::search::SAME_RUN;
+use crate::wording::counted;
+use crate::{Design, Error, Levels, Parameter, Region, Space};
 
 /// A design as a file gave it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignFile {
     /// The runs, in the order of the file.
     pub design: Design,
-    /// Columns that are no parameter of the region, such as notes and responses: not read.
+    /// Columns that are no parameter of the region and not written beside them by [`Design::write_csv`], such as notes and
+    /// responses: not read.
     pub ignored: Vec<String>,
 }
 
 /// What is wrong with a file of a design. Lines are counted from 1, the header and comments included.
+#[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub enum FileFault {
-    /// The file cannot be read, or is not CSV with as many fields in each line as in the header.
+    /// The file cannot be read.
     Unreadable {
         /// Why.
         reason: String,
@@ -77,6 +81,22 @@ pub enum FileFault {
         /// Unit of the bounds.
         unit: String,
     },
+    /// Nothing in the file but empty lines and comments.
+    Empty,
+    /// Columns separated by something else than commas.
+    Separator {
+        /// What separates them.
+        found: char,
+    },
+    /// A line with another number of fields than the header.
+    FieldCount {
+        /// Line of the file.
+        line: u64,
+        /// Number of its fields.
+        found: usize,
+        /// Number of columns of the header.
+        expected: usize,
+    },
     /// No line after the header.
     NoRuns,
     /// A parameter bears the name of a column that is written beside the settings.
@@ -101,11 +121,27 @@ impl fmt::Display for FileFault {
                 write!(formatter, "line {line}, column `{name}`: nothing, expected a number")
             }
             Self::NotANumber { line, name, text } => {
-                write!(formatter, "line {line}, column `{name}`: \"{text}\", expected a finite number")
+                write!(formatter, "line {line}, column `{name}`: \"{text}\", expected a finite number")?;
+                let is_decimal_comma = text.matches(',').count() == 1 && text.replace(',', ".").parse::<f64>().is_ok();
+                if is_decimal_comma { write!(formatter, " with a decimal point, not a comma") } else { Ok(()) }
             }
             Self::OutOfBounds { line, name, value, lower, upper, unit } => {
                 write!(formatter, "line {line}, column `{name}`: {value:?}, expected {lower:?} to {upper:?}")?;
                 if unit.is_empty() { Ok(()) } else { write!(formatter, " {unit}") }
+            }
+            Self::Empty => write!(formatter, "the file is empty, expected a header with the names of the parameters"),
+            Self::Separator { found } => {
+                let name = match found {
+                    ';' => "semicolons",
+                    '\t' => "tabs",
+                    _ => "other characters",
+                };
+                write!(formatter, "the columns are separated by {name}, expected commas, and decimal points in numbers")
+            }
+            Self::FieldCount { line, found, expected } => {
+                let fields = counted(*found as u64, "field", "fields");
+                write!(formatter, "line {line}: {fields}, expected {expected} as in the header")?;
+                if found > expected { write!(formatter, " (numbers with decimal commas?)") } else { Ok(()) }
             }
             Self::NoRuns => write!(formatter, "no runs after the header, expected at least one"),
             Self::ReservedName { name } => {
@@ -130,6 +166,8 @@ pub enum RunOrder {
 
 /// Columns beside the settings.
 const LABELS: [&str; 4] = ["run", "standard", "point", "replicate"];
+/// One more where runs are settled.
+const KIND: &str = "kind";
 
 impl Design {
     /// Reads the runs of a CSV file in natural units: a header with the names of the region's parameters, in any order,
@@ -158,15 +196,28 @@ impl Design {
         let mut text = String::new();
         reader.read_to_string(&mut text).map_err(|error| unreadable(error.into()))?;
         let text = text.trim_start_matches('\u{feff}');
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .flexible(true)
+            .from_reader(text.as_bytes());
         let header: Vec<String> = reader.headers().map_err(unreadable)?.iter().map(str::to_owned).collect();
+        if header.iter().all(String::is_empty) {
+            return Err(Error::File { faults: vec![FileFault::Empty] });
+        }
+        if let Some(found) = separator(region, &header) {
+            return Err(Error::File { faults: vec![FileFault::Separator { found }] });
+        }
         let columns = columns(region, &header)?;
         let mut coordinates = Vec::new();
         let mut faults = Vec::new();
         for record in reader.records() {
             let record = record.map_err(unreadable)?;
             let line = record.position().map_or(0, |position| line_of_record(text, position));
+            if record.len() != header.len() {
+                faults.push(FileFault::FieldCount { line, found: record.len(), expected: header.len() });
+                continue;
+            }
             for (parameter, &column) in region.parameters().iter().zip(&columns) {
                 match field(parameter, record.get(column).unwrap_or_default(), line) {
                     Ok(value) => coordinates.push(parameter.coded(value)),
@@ -181,7 +232,8 @@ impl Design {
             return Err(Error::File { faults });
         }
         let design = Self::new(region.n_parameters(), coordinates)?;
-        let unused = (0..header.len()).filter(|column| !columns.contains(column));
+        let is_ours = |text: &String| LABELS.contains(&text.as_str()) || text == KIND;
+        let unused = (0..header.len()).filter(|column| !columns.contains(column) && !is_ours(&header[*column]));
         Ok(DesignFile { design, ignored: unused.map(|column| header[column].clone()).collect() })
     }
 
@@ -197,11 +249,44 @@ impl Design {
     /// [`Error::WrongDimension`]; [`Error::File`] if it cannot be written, or a parameter bears the name of one of the
     /// other columns.
     pub fn write_csv(&self, region: &Region, order: RunOrder, writer: impl Write) -> Result<(), Error> {
-        if let Some(name) = LABELS.into_iter().find(|name| region.index_of(name).is_some()) {
+        self.write(region, order, None, writer)
+    }
+
+    /// As [`write_csv`](Self::write_csv), of a design whose first `n_fixed` runs were settled before the others were
+    /// chosen: one more column, `kind`, says `fixed`, `new` or `replicate of` and a run's number in the design.
+    ///
+    /// # Errors
+    ///
+    /// As [`write_csv`](Self::write_csv).
+    pub fn write_csv_with_kinds(
+        &self,
+        region: &Region,
+        order: RunOrder,
+        n_fixed: usize,
+        writer: impl Write,
+    ) -> Result<(), Error> {
+        let pairs = self.replicates(SAME_RUN);
+        let kind = |run: usize| match pairs.iter().find(|&&(_, second)| second == run) {
+            _ if run < n_fixed => "fixed".to_owned(),
+            Some((first, _)) => format!("replicate of {}", first + 1),
+            None => "new".to_owned(),
+        };
+        self.write(region, order, Some((0..self.n_runs()).map(kind).collect()), writer)
+    }
+
+    fn write(
+        &self,
+        region: &Region,
+        order: RunOrder,
+        kinds: Option<Vec<String>>,
+        writer: impl Write,
+    ) -> Result<(), Error> {
+        let labels: Vec<&'static str> = LABELS.into_iter().chain(kinds.as_ref().map(|_| KIND)).collect();
+        if let Some(&name) = labels.iter().find(|name| region.index_of(name).is_some()) {
             return Err(Error::File { faults: vec![FileFault::ReservedName { name }] });
         }
         let settings = self.natural(region)?;
-        let labels = self.labels();
+        let visits = self.visits();
         let mut sequence: Vec<usize> = (0..self.n_runs()).collect();
         if let RunOrder::Random { seed } = order {
             let mut generator = Pcg64::seed_from_u64(seed);
@@ -211,20 +296,49 @@ impl Design {
         }
         let mut writer = csv::Writer::from_writer(writer);
         let names = region.parameters().iter().map(heading);
-        writer.write_record(LABELS.into_iter().map(str::to_owned).chain(names)).map_err(unreadable)?;
+        writer.write_record(labels.into_iter().map(str::to_owned).chain(names)).map_err(unreadable)?;
         for (position, &run) in sequence.iter().enumerate() {
-            let (point, replicate) = labels[run];
+            let (point, replicate) = visits[run];
             let numbers = [position + 1, run + 1, point, replicate].map(|number| number.to_string());
             let settings = region.parameters().iter().zip(&settings[run]);
             let settings = settings.map(|(parameter, &value)| rounded(parameter, value).to_string());
-            writer.write_record(numbers.into_iter().chain(settings)).map_err(unreadable)?;
+            let kind = kinds.as_ref().map(|kinds| kinds[run].clone());
+            writer.write_record(numbers.into_iter().chain(kind).chain(settings)).map_err(unreadable)?;
         }
         writer.flush().map_err(|error| unreadable(error.into()))
     }
 
+    /// The same runs at settings of nine significant digits, which nobody minds to read, as long as they stay in the space
+    /// and what was a replicate stays one. Levels and the first `n_fixed` runs stay as they are.
+    ///
+    /// ```
+    /// use doe::{Design, Parameter, Region, Space};
+    /// let region = Region::new(vec![Parameter::continuous("pitch", "deg", 10.0, 22.0)?])?;
+    /// let design = Design::new(1, vec![1.0 / 3.0])?.rounded(&region, &Space::of_region(&region)?, 0)?;
+    /// assert_eq!(design.natural(&region)?, [[18.0]]);
+    /// # Ok::<(), doe::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::WrongDimension`].
+    pub fn rounded(&self, region: &Region, space: &Space, n_fixed: usize) -> Result<Self, Error> {
+        let mut runs = Vec::with_capacity(self.coordinates().len());
+        for (index, (run, settings)) in self.runs().zip(self.natural(region)?).enumerate() {
+            let parameters = region.parameters().iter().zip(settings);
+            let short = parameters.map(|(parameter, value)| match parameter.levels() {
+                Levels::Continuous => to_nine_digits(value),
+                Levels::Count(_) => value,
+            });
+            let short = region.coded(&short.collect::<Vec<_>>())?;
+            runs.extend(if index >= n_fixed && space.contains(&short) { short } else { run.to_vec() });
+        }
+        Self::new(self.n_factors(), runs)
+    }
+
     /// Number of the distinct point, from 1 in order of appearance, and number of the visit, of each run.
-    fn labels(&self) -> Vec<(usize, usize)> {
-        let pairs = self.replicates(1e-6);
+    fn visits(&self) -> Vec<(usize, usize)> {
+        let pairs = self.replicates(SAME_RUN);
         let mut labels: Vec<(usize, usize)> = Vec::with_capacity(self.n_runs());
         let mut n_points = 0;
         for run in 0..self.n_runs() {
@@ -249,16 +363,37 @@ fn heading(parameter: &Parameter) -> String {
     }
 }
 
+/// A number to nine significant digits.
+fn to_nine_digits(value: f64) -> f64 {
+    format!("{value:.8e}").parse().ok().filter(|short: &f64| short.is_finite()).unwrap_or(value)
+}
+
 /// The shortest decimal within 1e-10 of the width, so that a search's last bits do not fill the file.
 fn rounded(parameter: &Parameter, value: f64) -> f64 {
     if parameter.levels() != Levels::Continuous {
         return value;
+    }
+    let short = to_nine_digits(value);
+    if (short - value).abs() <= 1e-10 * parameter.width() && parameter.contains(short) {
+        return short;
     }
     let digits = (10.0 - parameter.width().log10()).ceil();
     let scale = 10.0_f64.powf(digits.clamp(0.0, 300.0));
     let short = (value * scale).round() / scale;
     // Past a bound, or beyond what a double can scale, the value stays as it is.
     if short.is_finite() && parameter.contains(short) { short } else { value }
+}
+
+/// What separates the columns, if it is not commas: a header of one column whose parts are names of parameters.
+fn separator(region: &Region, header: &[String]) -> Option<char> {
+    let [only] = header else {
+        return None;
+    };
+    let is_name = |part: &str| {
+        let name = part.split('[').next().unwrap_or_default().trim();
+        region.index_of(name).is_some() || LABELS.contains(&name)
+    };
+    [';', '\t'].into_iter().find(|&found| only.contains(found) && only.split(found).any(is_name))
 }
 
 /// The column of each parameter.

@@ -40,12 +40,16 @@ impl Forbidden {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchParameter`], and as [`new`](Self::new).
+    /// [`Error::NoSuchParameter`], [`Error::ForbiddenRangeOf`], [`Error::ForbidsEverything`].
     pub fn in_region(region: &Region, ranges: &[(&str, f64, f64)]) -> Result<Self, Error> {
         let mut coded = vec![None; region.n_parameters()];
         for &(name, lower, upper) in ranges {
             let index = region.index_of(name).ok_or_else(|| Error::NoSuchParameter { name: name.to_owned() })?;
             let parameter = &region.parameters()[index];
+            // NaN is not at most anything.
+            if lower.is_nan() || upper.is_nan() || lower > upper {
+                return Err(Error::ForbiddenRangeOf { parameter: name.to_owned(), lower, upper });
+            }
             coded[index] = Some([parameter.coded(lower), parameter.coded(upper)]);
         }
         Self::new(coded)

@@ -23,6 +23,7 @@ mod space;
 mod split;
 mod term;
 mod variance;
+mod wording;
 
 pub use confounding::{Confounding, confounded_terms, confounded_terms_of_design};
 pub use criterion::{Criterion, Efficiency, moment_matrix};

@@ -51,11 +51,13 @@ impl Model {
                     found: term.exponents().len(),
                 });
             }
+            let name = || term.name(&own_names(n_factors).iter().map(String::as_str).collect::<Vec<_>>());
             if let Some(&exponent) = term.exponents().iter().find(|&&exponent| exponent > Self::LARGEST_EXPONENT) {
-                return Err(Error::ExponentTooLarge { term: second, exponent, largest: Self::LARGEST_EXPONENT });
+                let largest = Self::LARGEST_EXPONENT;
+                return Err(Error::ExponentTooLarge { term: second, name: name(), exponent, largest });
             }
             if let Some(first) = terms[..second].iter().position(|earlier| earlier == term) {
-                return Err(Error::DuplicateTerm { first, second });
+                return Err(Error::DuplicateTerm { name: name(), first, second });
             }
         }
         Ok(Self { n_factors, terms })
@@ -154,7 +156,7 @@ impl Model {
     /// Names of the terms, in order, from names of the factors; missing names are `x1`, `x2`, ….
     #[must_use]
     pub fn term_names(&self, factors: &[&str]) -> Vec<String> {
-        let own: Vec<String> = (1..=self.n_factors).map(|number| format!("x{number}")).collect();
+        let own = own_names(self.n_factors);
         let names: Vec<&str> =
             own.iter().enumerate().map(|(j, own)| *factors.get(j).unwrap_or(&own.as_str())).collect();
         self.terms.iter().map(|term| term.name(&names)).collect()
@@ -172,6 +174,11 @@ impl Model {
             *value = product;
         }
     }
+}
+
+/// `x1`, `x2`, …
+pub(crate) fn own_names(n_factors: usize) -> Vec<String> {
+    (1..=n_factors).map(|number| format!("x{number}")).collect()
 }
 
 pub(crate) fn check_count(name: &'static str, found: usize, most: usize) -> Result<(), Error> {

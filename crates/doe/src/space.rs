@@ -5,6 +5,7 @@ use std::fmt;
 use crate::design::check_points;
 use crate::measure::Measure;
 use crate::model::check_count;
+use crate::wording::counted;
 use crate::{Error, Forbidden, Levels, Model, Region};
 
 /// The values one coded coordinate can take.
@@ -304,9 +305,15 @@ impl fmt::Display for Over {
                 write!(formatter, "grid of {} levels", counts.join(" x "))?;
                 *forbidden
             }
-            Self::List { n_points } => return write!(formatter, "list of {n_points} points"),
+            Self::List { n_points } => {
+                return write!(formatter, "list of {}", counted(*n_points as u64, "point", "points"));
+            }
         };
-        if forbidden == 0 { Ok(()) } else { write!(formatter, " less {forbidden} forbidden boxes") }
+        match forbidden {
+            0 => Ok(()),
+            1 => write!(formatter, " less a forbidden box"),
+            _ => write!(formatter, " less {forbidden} forbidden boxes"),
+        }
     }
 }
 

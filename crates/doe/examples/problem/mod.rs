@@ -2,9 +2,10 @@
 
 #![allow(dead_code, reason = "evaluate_design does not search and needs only a part")]
 
-use std::cmp::Ordering::{Equal, Less};
 use std::collections::BTreeMap;
 use std::error::Error;
+use std::io;
+use std::process::ExitCode;
 use std::time::Duration;
 
 use doe::{
@@ -12,6 +13,26 @@ use doe::{
     Term,
 };
 use serde::Deserialize;
+
+/// Complains about an error; a reader that has seen enough, as `head`, is none.
+#[expect(clippy::print_stderr, reason = "this is where a program complains")]
+pub(crate) fn finish(result: Result<(), Box<dyn Error>>) -> ExitCode {
+    match result {
+        Err(error)
+            if error.downcast_ref::<io::Error>().is_none_or(|error| error.kind() != io::ErrorKind::BrokenPipe) =>
+        {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+        _ => ExitCode::SUCCESS,
+    }
+}
+
+/// A digit, a comma and a digit in what stands after the equals sign.
+fn has_decimal_comma(line: &str) -> bool {
+    let value = line.split('#').next().unwrap_or_default().split('=').nth(1).unwrap_or_default().as_bytes();
+    value.windows(3).any(|three| three[0].is_ascii_digit() && three[1] == b',' && three[2].is_ascii_digit())
+}
 
 /// The file as it stands; a key that is not here is an error.
 #[derive(Deserialize)]
@@ -27,7 +48,7 @@ pub(crate) struct ProblemFile {
     pub(crate) order_seed: Option<u64>,
     parameters: Vec<Parameter>,
     #[serde(default)]
-    forbidden: Vec<BTreeMap<String, [f64; 2]>>,
+    forbidden: Vec<BTreeMap<String, Vec<f64>>>,
     #[serde(default)]
     fixed: Vec<BTreeMap<String, f64>>,
 }
@@ -42,7 +63,12 @@ enum ModelName {
 impl ProblemFile {
     pub(crate) fn read(path: &str) -> Result<Self, Box<dyn Error>> {
         let text = std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"))?;
-        toml::from_str(&text).map_err(|error| format!("{path}: {error}").into())
+        toml::from_str(&text).map_err(|error| {
+            let at = error.span().map_or(0, |span| span.start);
+            let line = text.lines().nth(text[..at.min(text.len())].matches('\n').count()).unwrap_or_default();
+            let hint = if has_decimal_comma(line) { "a decimal comma? write 20.5 and not 20,5\n" } else { "" };
+            format!("{path}: {error}{hint}").into()
+        })
     }
 
     pub(crate) fn region(&self) -> Result<Region, doe::Error> {
@@ -65,15 +91,20 @@ impl ProblemFile {
         })
     }
 
-    pub(crate) fn space(&self) -> Result<Space, Box<dyn Error>> {
+    pub(crate) fn space<'a>(&'a self) -> Result<Space, Box<dyn Error>> {
         let region = self.region()?;
         let forbidden = self.forbidden.iter().enumerate().map(|(index, ranges)| {
-            if let Some((name, [a, b])) =
-                ranges.iter().find(|(_, [a, b])| !matches!(a.partial_cmp(b), Some(Less | Equal)))
-            {
-                return Err(format!("forbidden {}: `{name}` from {a} to {b}, expected a range that rises", index + 1));
-            }
-            let ranges: Vec<(&str, f64, f64)> = ranges.iter().map(|(name, [a, b])| (name.as_str(), *a, *b)).collect();
+            let range = |(name, ends): (&'a String, &Vec<f64>)| match ends[..] {
+                [a, b] => Ok((name.as_str(), a, b)),
+                _ => Err(format!(
+                    "forbidden {}: `{name}` has {} {}, expected 2 as in [20.0, 22.5]{}",
+                    index + 1,
+                    ends.len(),
+                    if ends.len() == 1 { "number" } else { "numbers" },
+                    if ends.len() > 2 { "; a decimal comma separates numbers" } else { "" },
+                )),
+            };
+            let ranges = ranges.iter().map(range).collect::<Result<Vec<(&str, f64, f64)>, String>>()?;
             Forbidden::in_region(&region, &ranges).map_err(|error| format!("forbidden {}: {error}", index + 1))
         });
         Ok(Space::of_region(&region)?.forbid(forbidden.collect::<Result<_, _>>()?)?)
@@ -104,7 +135,11 @@ impl ProblemFile {
     }
 
     pub(crate) fn problem(&self) -> Result<Problem, Box<dyn Error>> {
-        let mut problem = Problem::new(self.model()?, self.space()?, self.runs, self.criterion)?;
+        let model = self.model()?;
+        let names: Vec<&str> = self.parameters.iter().map(Parameter::name).collect();
+        let terms = model.term_names(&names);
+        let mut problem = Problem::new(model, self.space()?, self.runs, self.criterion)
+            .map_err(|error| error.with_term_names(&terms))?;
         if let Some(fixed) = self.fixed()? {
             problem = problem.with_fixed_runs(fixed)?;
         }

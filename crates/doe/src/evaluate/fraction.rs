@@ -6,8 +6,8 @@ use super::sample::Sampling;
 
 /// How much of a space is predicted with at most which variance: Zahran, Anderson-Cook and Myers' curve.
 ///
-/// The ends of the curve are the smallest and the largest value of the sample; the largest over all of the space is in
-/// [`Predictions`](super::Predictions).
+/// The curve begins at the smallest value of the sample and ends at the largest over all of the space, that of G; in
+/// between it is the sample's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FractionOfSpace {
     /// How the space was sampled.
@@ -22,11 +22,13 @@ impl FractionOfSpace {
     /// Number of points of the curve.
     pub const N_POINTS: usize = 201;
 
-    /// The curve through the values at the points of a sample, in any order; at least one value.
-    pub(super) fn of(mut values: Vec<f64>, sampling: Sampling) -> Self {
+    /// The curve through the values at the points of a sample, in any order, at least one, and the largest of all.
+    pub(super) fn of(mut values: Vec<f64>, sampling: Sampling, maximum: f64) -> Self {
         values.sort_by(f64::total_cmp);
         let fractions: Vec<f64> = (0..Self::N_POINTS).map(|i| i as f64 / (Self::N_POINTS - 1) as f64).collect();
-        let variances = fractions.iter().map(|fraction| quantile(&values, *fraction)).collect();
+        let mut variances: Vec<f64> =
+            fractions.iter().map(|fraction| quantile(&values, *fraction).min(maximum)).collect();
+        variances[Self::N_POINTS - 1] = maximum;
         Self { sampling, fractions, variances }
     }
 

@@ -16,7 +16,9 @@ pub use slice::VarianceSlice;
 pub use terms::{Alias, Coefficient, Correlations};
 
 use crate::maximum;
+use crate::model::own_names;
 use crate::products::Products;
+use crate::search::SAME_RUN;
 use crate::space::Shape;
 use crate::{
     Criterion, Design, Efficiency, Error, Information, Model, Over, PredictionVariance, Space,
@@ -61,6 +63,8 @@ pub struct Evaluation {
     pub replicates: Vec<Vec<usize>>,
     /// Runs that do not belong to the space, by index: no fault of itself, but perhaps a mistake.
     pub outside: Vec<usize>,
+    /// Those of them that lie in a forbidden box, by index.
+    pub forbidden: Vec<usize>,
     /// Correlations of the terms over the runs.
     pub correlations: Correlations,
     /// Terms that the runs cannot tell from others; none if the runs determine the model.
@@ -112,8 +116,6 @@ pub struct Predictions {
     pub mean: f64,
 }
 
-/// Runs are the same point where no coordinate differs by more, as for [`Replicates`](crate::Replicates).
-const SAME_RUN: f64 = 1e-6;
 /// Number of points of the sample from which a descent starts.
 const DESCENTS: usize = 16;
 
@@ -131,7 +133,7 @@ const DESCENTS: usize = 16;
 /// // Squares are the constant on two levels.
 /// let evaluation = evaluate(&Model::quadratic(2)?, &Space::cube(2)?, &factorial, &EvaluationSettings::default())?;
 /// assert!(evaluation.precision.is_none());
-/// assert_eq!(evaluation.aliases[0].to_string(), "x1^2 = 1.0000 (1)");
+/// assert_eq!(evaluation.aliases[0].to_string(), "`x1^2` = 1");
 /// # Ok::<(), doe::Error>(())
 /// ```
 ///
@@ -153,11 +155,18 @@ pub fn evaluate(
     let terms = model.term_names(&named);
     let confounded = confounded_terms_of_design(model, design)?;
     let (n_distinct, replicates) = groups(design);
+    let outside: Vec<usize> =
+        design.runs().enumerate().filter(|(_, run)| !space.contains(run)).map(|(index, _)| index).collect();
+    let lies_in_box = |&index: &usize| match space.shape() {
+        Shape::Box(shape) => shape.forbids(&design.coordinates()[index * design.n_factors()..][..design.n_factors()]),
+        Shape::List(_) => false,
+    };
     let rank = model.n_terms() - confounded.len();
     let precision = if confounded.is_empty() { Some(precision(model, space, design, settings, &terms)?) } else { None };
+    let own = own_names(model.n_factors());
     Ok(Evaluation {
         factors: (0..model.n_factors())
-            .map(|j| settings.factors.get(j).cloned().unwrap_or_else(|| format!("x{}", j + 1)))
+            .map(|j| settings.factors.get(j).cloned().unwrap_or_else(|| own[j].clone()))
             .collect(),
         n_runs: design.n_runs(),
         over: space.over(),
@@ -167,7 +176,8 @@ pub fn evaluate(
             pure_error: design.n_runs() - n_distinct,
         },
         replicates,
-        outside: design.runs().enumerate().filter(|(_, run)| !space.contains(run)).map(|(index, _)| index).collect(),
+        forbidden: outside.iter().copied().filter(lies_in_box).collect(),
+        outside,
         correlations: terms::correlations(model, design, &terms)?,
         aliases: confounded.iter().map(|confounding| Alias::of(confounding, &terms)).collect(),
         precision,
@@ -195,8 +205,8 @@ fn precision(
     Ok(Precision {
         coefficients: terms::coefficients(model, design, &information, terms)?,
         leverages: information.leverages(model, design)?,
+        fraction_of_space: FractionOfSpace::of(values, sampling, maximum.value),
         predictions: Predictions { maximum: maximum.value, maximum_at: maximum.at, minimum, minimum_at, mean },
-        fraction_of_space: FractionOfSpace::of(values, sampling),
         efficiencies,
     })
 }

@@ -17,14 +17,14 @@ pub enum Sampling {
         /// How many.
         n_points: usize,
     },
-    /// A lattice of irrational steps (Roberts' R sequence), shifted at random.
+    /// A lattice of irrational steps (Roberts' R sequence), shifted at random, less what is forbidden.
     QuasiRandom {
         /// How many.
         n_points: usize,
         /// The shift follows from it.
         seed: u64,
     },
-    /// Drawn independently and uniformly from what the forbidden boxes leave.
+    /// Drawn independently and uniformly from what the forbidden boxes leave: where they leave very little.
     Random {
         /// How many.
         n_points: usize,
@@ -55,8 +55,8 @@ impl std::fmt::Display for Sampling {
 
 /// Points that cover a space evenly, coded, row by row, and how they were chosen.
 ///
-/// A list is taken whole, a grid if it has at most `n_points` points; other boxes are sampled quasi-randomly, or at
-/// random if they have forbidden boxes. An axis with levels takes each of them equally often.
+/// A list is taken whole, a grid if it has at most `n_points` points; other boxes are sampled quasi-randomly,
+/// less the points that are forbidden. An axis with levels takes each of them equally often.
 ///
 /// # Errors
 ///
@@ -80,8 +80,8 @@ pub(super) fn sample(space: &Space, n_points: usize, seed: u64) -> Result<(Vec<f
         return Ok((points, Sampling::All { n_points }));
     }
     let mut generator = Pcg64::seed_from_u64(seed);
-    if shape.forbidden.is_empty() {
-        let points = quasi_random(shape, n_points, &mut generator);
+    let points = quasi_random(shape, n_points, &mut generator);
+    if points.len() == n_points * shape.axes.len() {
         return Ok((points, Sampling::QuasiRandom { n_points, seed }));
     }
     let measure = Measure::of(shape);
@@ -117,7 +117,11 @@ fn grid(shape: &BoxShape, whole: usize) -> Vec<f64> {
     points
 }
 
-/// Fractions (n + 1) / g^j + shift, with g the root above 1 of g^(K+1) = g + 1.
+/// Points of the sequence looked at for each allowed one that is wanted, at most.
+const MOST_LOOKED_AT: usize = 50;
+
+/// Allowed points among (n + 1) / g^j + shift, n = 0, 1, …, with g the root above 1 of g^(K+1) = g + 1: as many as
+/// wanted, fewer only where forbidden boxes leave very little.
 fn quasi_random(shape: &BoxShape, n_points: usize, generator: &mut impl RngExt) -> Vec<f64> {
     let k = shape.axes.len();
     let mut root = 2.0_f64;
@@ -133,5 +137,6 @@ fn quasi_random(shape: &BoxShape, n_points: usize, generator: &mut impl RngExt) 
             Axis::Levels(levels) => levels[((fraction * levels.len() as f64) as usize).min(levels.len() - 1)],
         }
     };
-    (0..n_points).flat_map(|n| (0..k).map(move |j| (n, j))).map(|(n, j)| coordinate(n, j)).collect()
+    let all = (0..n_points.saturating_mul(MOST_LOOKED_AT)).map(|n| (0..k).map(|j| coordinate(n, j)).collect());
+    all.filter(|point: &Vec<f64>| !shape.forbids(point)).take(n_points).flatten().collect()
 }

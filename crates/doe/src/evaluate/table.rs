@@ -3,11 +3,14 @@
 use std::fmt;
 
 use super::{Correlations, Evaluation, Precision};
+use crate::wording::counted;
 
 impl fmt::Display for Evaluation {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (n, p) = (self.n_runs, self.terms.len());
-        writeln!(formatter, "{n} runs, {p} terms of {}, predictions over the {}", self.factors.join(", "), self.over)?;
+        self.warn(formatter)?;
+        let runs = counted(self.n_runs as u64, "run", "runs");
+        let terms = counted(self.terms.len() as u64, "term", "terms");
+        writeln!(formatter, "{runs}, {terms} of {}, predictions over the {}", self.factors.join(", "), self.over)?;
         let freedom = self.degrees_of_freedom;
         writeln!(
             formatter,
@@ -16,9 +19,6 @@ impl fmt::Display for Evaluation {
         )?;
         for group in &self.replicates {
             writeln!(formatter, "replicates: runs {}", numbers(group))?;
-        }
-        if !self.outside.is_empty() {
-            writeln!(formatter, "outside the space: runs {}", numbers(&self.outside))?;
         }
         if let Some(precision) = &self.precision {
             precision.write(formatter)?;
@@ -29,6 +29,23 @@ impl fmt::Display for Evaluation {
             }
         }
         self.correlations.write(formatter)
+    }
+}
+
+impl Evaluation {
+    /// What is likely to be a mistake comes first.
+    fn warn(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let elsewhere: Vec<usize> = self.outside.iter().copied().filter(|run| !self.forbidden.contains(run)).collect();
+        for (runs, verbs, what) in [
+            (&self.forbidden, ["lies", "lie"], "in a forbidden box"),
+            (&elsewhere, ["is", "are"], "not in the space: outside the bounds, or off the levels or the list"),
+        ] {
+            if let Some(verb) = verbs.get(runs.len().min(2).wrapping_sub(1)) {
+                let noun = if runs.len() == 1 { "run" } else { "runs" };
+                writeln!(formatter, "WARNING: {noun} {} {verb} {what}", numbers(runs))?;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::wording::combination;
 use crate::{Confounding, Design, Error, Information, Model};
 
 /// What the runs say about one coefficient.
@@ -98,20 +99,8 @@ impl Alias {
 
 impl std::fmt::Display for Alias {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(formatter, "{} = ", self.term)?;
-        if self.equals.is_empty() {
-            return write!(formatter, "0");
-        }
-        for (position, (term, coefficient)) in self.equals.iter().enumerate() {
-            let sign = match (position, *coefficient < 0.0) {
-                (0, false) => "",
-                (0, true) => "-",
-                (_, false) => " + ",
-                (_, true) => " - ",
-            };
-            write!(formatter, "{sign}{:.4} ({term})", coefficient.abs())?;
-        }
-        Ok(())
+        let parts = self.equals.iter().map(|(name, coefficient)| (name.as_str(), *coefficient));
+        write!(formatter, "`{}` = {}", self.term, combination(parts))
     }
 }
 

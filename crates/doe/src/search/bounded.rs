@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use super::starts::IsOver;
+
 /// A function to make small.
 pub(crate) trait Objective {
     /// Value at x and, into `gradient`, its slopes; infinite where it is not defined.
@@ -19,8 +21,15 @@ pub(crate) struct Limits {
 const MEMORY: usize = 12;
 
 /// Projected limited-memory BFGS: variables that press against a bound are held, the rest move along the
-/// quasi-Newton direction, and the step is bent back into the bounds. x is improved in place; its value is returned.
-pub(crate) fn minimize(objective: &mut impl Objective, x: &mut [f64], bounds: (&[f64], &[f64]), limits: Limits) -> f64 {
+/// quasi-Newton direction, and the step is bent back into the bounds. x is improved in place, until `is_over` says so
+/// between two iterations; its value is returned.
+pub(crate) fn minimize(
+    objective: &mut impl Objective,
+    x: &mut [f64],
+    bounds: (&[f64], &[f64]),
+    limits: Limits,
+    is_over: IsOver<'_>,
+) -> f64 {
     let (lower, upper) = bounds;
     let n = x.len();
     let mut gradient = vec![0.0; n];
@@ -32,6 +41,9 @@ pub(crate) fn minimize(objective: &mut impl Objective, x: &mut [f64], bounds: (&
     let (mut trial, mut trial_gradient) = (vec![0.0; n], vec![0.0; n]);
     let mut small_improvements = 0;
     for _ in 0..limits.iterations {
+        if is_over() {
+            break;
+        }
         let held = |i: usize| x[i] <= lower[i] && gradient[i] > 0.0 || x[i] >= upper[i] && gradient[i] < 0.0;
         let free: Vec<bool> = (0..n).map(|i| !held(i)).collect();
         let steepest: Vec<f64> = (0..n).map(|i| if free[i] { -gradient[i] } else { 0.0 }).collect();
@@ -133,7 +145,7 @@ mod tests {
     fn finds_the_end_of_a_valley() {
         let mut x = [-1.2, 1.0];
         let limits = Limits { iterations: 200, improvement: 1e-16 };
-        minimize(&mut Valley, &mut x, (&[-2.0; 2], &[2.0; 2]), limits);
+        minimize(&mut Valley, &mut x, (&[-2.0; 2], &[2.0; 2]), limits, &|| false);
         assert!((x[0] - 1.0).abs() < 1e-5 && (x[1] - 1.0).abs() < 1e-5, "{x:?}");
     }
 
@@ -142,7 +154,7 @@ mod tests {
         // With x₁ ≤ 1/2 the minimum is at x₂ = 1/4, value 1/4.
         let mut x = [-1.2, 1.0];
         let limits = Limits { iterations: 200, improvement: 1e-16 };
-        let value = minimize(&mut Valley, &mut x, (&[-2.0; 2], &[0.5, 2.0]), limits);
+        let value = minimize(&mut Valley, &mut x, (&[-2.0; 2], &[0.5, 2.0]), limits, &|| false);
         assert!((value - 0.25).abs() < 1e-9 && (x[1] - 0.25).abs() < 1e-4, "{x:?}");
     }
 }

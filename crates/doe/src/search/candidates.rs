@@ -12,15 +12,16 @@ use super::runs::Regressors;
 use crate::PredictionVariance;
 use crate::maximum::Lattice;
 use crate::measure::Measure;
-use crate::polynomial;
 use crate::products::Products;
 use crate::space::{Axis, BoxShape, List};
 
 /// Points per block of a scan.
 const BLOCK: usize = 16;
 
-/// Grids up to this size are evaluated as a whole, larger ones line by line.
+/// Grids up to this size are evaluated as a whole, larger ones part by part.
 const MOST_CELLS: usize = 1 << 22;
+/// Points of a part.
+const PART: usize = 1 << 16;
 /// A list is evaluated as part of a grid if it fills at least one in so many of its points.
 const SPARSEST: usize = 8;
 /// Local maxima watched, and how high they must be.
@@ -46,8 +47,8 @@ enum Points<'a> {
 enum Values {
     /// The whole grid at once.
     Whole(Nested),
-    /// Line by line.
-    Lines,
+    /// So many points at a time.
+    Parts(Nested, usize),
     /// The quadratic form, for lists that are not part of a grid.
     Blocks(Blocks),
 }
@@ -67,7 +68,7 @@ impl<'a> Candidates<'a> {
         let mut lattice = full_lattice(shape);
         let cells = lattice.levels.iter().fold(1_usize, |product, levels| product.saturating_mul(levels.len()));
         let values = if cells > MOST_CELLS {
-            Values::Lines
+            Values::Parts(Nested::of(products, lattice.levels.clone()), PART)
         } else {
             if !shape.forbidden.is_empty() {
                 lattice.allowed = Some((0..cells).map(|index| !shape.forbids(&lattice.point(index))).collect());
@@ -136,11 +137,13 @@ impl<'a> Candidates<'a> {
         let highest;
         let mut peaks = Vec::new();
         match (&self.values, &self.points) {
-            (Values::Lines, Points::Grid { shape, .. }) => (highest, found) = scan_lines(variance, shape, share),
+            (Values::Parts(nested, most), Points::Grid { shape, .. }) => {
+                (highest, found) = self.scan_parts((nested, *most), variance.coefficients(), shape, share);
+            }
             _ => {
                 match &self.values {
                     Values::Blocks(blocks) => blocks.values(inverse, values),
-                    Values::Lines => values.clear(),
+                    Values::Parts(..) => values.clear(),
                     Values::Whole(nested) => {
                         nested.values(variance.coefficients(), values);
                         if let Some(allowed) = &self.lattice.allowed {
@@ -172,6 +175,31 @@ impl<'a> Candidates<'a> {
             _ => peaks.iter().flat_map(|&index| self.lattice.point(index)).collect(),
         };
         NearActive { highest, points, n_peaks }
+    }
+
+    /// The highest allowed v of a grid, and the points above a share of it with their indices.
+    fn scan_parts(
+        &self,
+        (nested, most): (&Nested, usize),
+        coefficients: &[f64],
+        shape: &BoxShape,
+        share: f64,
+    ) -> (f64, Vec<(f64, usize)>) {
+        let mut highest = 0.0_f64;
+        let mut found: Vec<(f64, usize)> = Vec::new();
+        nested.parts(coefficients, most, |first, values| {
+            let before = highest;
+            for (index, &value) in values.iter().enumerate() {
+                if value >= share * highest && !shape.forbids(&self.lattice.point(first + index)) {
+                    highest = highest.max(value);
+                    found.push((value, first + index));
+                }
+            }
+            if highest > before {
+                found.retain(|(value, _)| *value >= share * highest);
+            }
+        });
+        (highest, found)
     }
 }
 
@@ -272,47 +300,6 @@ fn nearest_of_list(list: &List, point: &[f64], count: usize) -> Vec<Vec<f64>> {
     near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     near.truncate(count);
     near.into_iter().map(|(_, index)| list.point(index).to_vec()).collect()
-}
-
-/// The highest v of a grid, and the points above a share of it with their indices, line by line along the last axis.
-fn scan_lines(variance: &PredictionVariance, shape: &BoxShape, share: f64) -> (f64, Vec<(f64, usize)>) {
-    let lattice = full_lattice(shape);
-    let last = shape.axes.len() - 1;
-    let levels = &lattice.levels[last];
-    let n = levels.len();
-    let n_lines = lattice.n_points() / n;
-    let along = |line_index: usize| {
-        let point = lattice.point(line_index * n);
-        let mut line = vec![0.0; variance.largest_power() + 1];
-        variance.along(&point, last, &mut line);
-        (point, line)
-    };
-    // The allowed values of a line above a threshold, with their places.
-    let above = |line_index: usize, threshold: f64, mut take: Box<dyn FnMut(f64, usize) + '_>| {
-        let (mut point, line) = along(line_index);
-        for (i, &x) in levels.iter().enumerate() {
-            let value = polynomial::value(&line, x);
-            point[last] = x;
-            if value >= threshold && !shape.forbids(&point) {
-                take(value, line_index * n + i);
-            }
-        }
-    };
-    let tops: Vec<f64> = (0..n_lines)
-        .into_par_iter()
-        .with_min_len(64)
-        .map(|line_index| {
-            let mut top = 0.0;
-            above(line_index, 0.0, Box::new(|value, _| top = f64::max(top, value)));
-            top
-        })
-        .collect();
-    let highest = tops.iter().copied().fold(0.0, f64::max);
-    let mut found = Vec::new();
-    for (line_index, _) in tops.iter().enumerate().filter(|(_, top)| **top >= share * highest) {
-        above(line_index, share * highest, Box::new(|value, index| found.push((value, index))));
-    }
-    (highest, found)
 }
 
 /// Points of a grid around a point: the products of the levels nearest along each axis, as many as give `count`.
@@ -435,6 +422,36 @@ fn quadratic_forms(blocks: &[f64], upper: &[f64], p: usize, values: &mut [f64]) 
 mod tests {
     use super::*;
     use crate::{Design, Model};
+
+    #[test]
+    fn a_grid_in_parts_is_scanned_as_one_as_a_whole() {
+        let model = Model::quadratic(3).expect("a model");
+        let number = |i: usize| ((i * i * 7919 + i * 31) % 2003) as f64 / 1001.0 - 1.0;
+        let design = Design::new(3, (0..42).map(number).collect()).expect("a design");
+        let products = Products::of(&model);
+        let information = crate::Information::of(&model, &design).expect("not singular");
+        let variance = PredictionVariance::from_information(&model, &information).expect("a variance");
+        let corner = crate::Forbidden::new(vec![Some([0.3, 1.0]), None, Some([-1.0, -0.2])]).expect("a box");
+        let axes = [7, 6, 5].map(|n| Axis::equally_spaced(n).expect("levels")).to_vec();
+        let shape = BoxShape { axes, forbidden: vec![corner] };
+        let whole = Candidates::grid(&shape, &products);
+        let scan = |candidates: &Candidates<'_>| {
+            let near = candidates.scan(&variance, information.inverse(), (0.5, 1000), &mut Vec::new());
+            let mut points: Vec<Vec<u64>> =
+                near.points.chunks_exact(3).map(|point| point.iter().map(|x| (x + 0.0).to_bits()).collect()).collect();
+            points.sort();
+            (near.highest, points)
+        };
+        let expected = scan(&whole);
+        assert!(expected.1.len() >= 5, "{}", expected.1.len());
+        for most in [1, 5, 30, 210] {
+            let nested = Nested::of(&products, whole.lattice.levels.clone());
+            let points = Points::Grid { shape: &shape, measure: Measure::of(&shape) };
+            let lattice = full_lattice(&shape);
+            let (highest, points) = scan(&Candidates { points, values: Values::Parts(nested, most), lattice });
+            assert!((highest - expected.0).abs() < 1e-12 * highest && points == expected.1, "{most} points at a time");
+        }
+    }
 
     #[test]
     fn a_list_that_is_part_of_a_grid_is_scanned_as_any_other_list() {

@@ -7,7 +7,7 @@ use super::bounded::{self, Objective as _, minimize};
 use super::polish::{self, Peaks, polish};
 use super::settings::Effort;
 use super::smooth::{Frame, Smooth};
-use super::starts::{Attempt, Incumbents};
+use super::starts::{Attempt, Incumbents, IsOver};
 use crate::maximum::{Lattice, highest};
 use crate::measure::Measure;
 use crate::space::{Axis, BoxShape};
@@ -33,31 +33,33 @@ const LAST_LOG_Q: u32 = 12;
 const BEHIND_REFINED: f64 = 0.01;
 
 impl Continuous<'_> {
-    /// One start; `is_over` is asked between the stages of the smoothing.
-    pub(crate) fn start(
-        &self,
-        generator: &mut Pcg64,
-        incumbents: &Incumbents,
-        is_over: &(dyn Fn() -> bool + Sync),
-    ) -> Attempt {
+    /// One start; `is_over` is asked between any two iterations.
+    pub(crate) fn start(&self, generator: &mut Pcg64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Attempt {
         let mut x = self.first_runs(generator, incumbents);
         let (lower, upper) = self.bounds(&x);
         match self.frame.criterion {
             Criterion::G => self.descend_worst_case(generator, incumbents, &mut x, (&lower, &upper), is_over),
-            _ => self.descend(&mut x, (&lower, &upper)),
+            _ => self.descend(&mut x, (&lower, &upper), is_over),
         }
     }
 
-    fn descend(&self, x: &mut [f64], bounds: (&[f64], &[f64])) -> Attempt {
+    fn descend(&self, x: &mut [f64], bounds: (&[f64], &[f64]), is_over: IsOver<'_>) -> Attempt {
         let stages: &[u32] =
             if self.frame.criterion == Criterion::E { &[3, 5, 7, 9, LAST_LOG_Q] } else { &[LAST_LOG_Q] };
         let mut smooth = Smooth::new(self.frame, 0);
         let mut value = f64::INFINITY;
         for &log_q in stages {
             smooth.set_log_q(log_q);
-            value = minimize(&mut smooth, x, bounds, bounded::Limits { iterations: 300, improvement: 1e-12 });
+            let limits = bounded::Limits { iterations: 300, improvement: 1e-12 };
+            value = minimize(&mut smooth, x, bounds, limits, is_over);
+            if !value.is_finite() {
+                return Attempt::Failed;
+            }
+            if is_over() {
+                return Attempt::Cut { x: x.to_vec(), value };
+            }
         }
-        if value.is_finite() { Attempt::Found { x: x.to_vec(), value, stages: Vec::new() } } else { Attempt::Failed }
+        Attempt::Found { x: x.to_vec(), value, stages: Vec::new() }
     }
 
     fn descend_worst_case(
@@ -66,24 +68,24 @@ impl Continuous<'_> {
         incumbents: &Incumbents,
         x: &mut [f64],
         bounds: (&[f64], &[f64]),
-        is_over: &(dyn Fn() -> bool + Sync),
+        is_over: IsOver<'_>,
     ) -> Attempt {
         let first: u32 = generator.random_range(2..=5);
         let mut smooth = Smooth::new(self.frame, first);
         let coarse = bounded::Limits { iterations: 60, improvement: 1e-4 };
-        if !minimize(&mut smooth, x, bounds, coarse).is_finite() {
+        if !minimize(&mut smooth, x, bounds, coarse, is_over).is_finite() {
             return Attempt::Failed;
         }
         let mut stages = Vec::with_capacity(STAGES.len());
         let mut value = f64::INFINITY;
         for (stage, (log_q, behind)) in STAGES.into_iter().enumerate() {
-            if is_over() {
-                return Attempt::Cut;
-            }
             smooth.set_log_q(log_q);
-            value = minimize(&mut smooth, x, bounds, bounded::Limits { iterations: 150, improvement: 1e-6 });
+            value = minimize(&mut smooth, x, bounds, bounded::Limits { iterations: 150, improvement: 1e-6 }, is_over);
             if !value.is_finite() {
                 return Attempt::Failed;
+            }
+            if is_over() {
+                return Attempt::Cut { x: x.to_vec(), value };
             }
             if value > incumbents.best_at_stage(stage) + behind {
                 return Attempt::Abandoned;
@@ -93,8 +95,13 @@ impl Continuous<'_> {
         Attempt::Found { x: x.to_vec(), value, stages }
     }
 
-    /// The design of a start taken to its local optimum; none if it is singular.
-    pub(crate) fn refine(&self, mut x: Vec<f64>, incumbents: &Incumbents) -> Option<(Vec<f64>, f64)> {
+    /// The design of a start taken to its local optimum, or as far as it comes until `is_over`; none if it is singular.
+    pub(crate) fn refine(
+        &self,
+        mut x: Vec<f64>,
+        incumbents: &Incumbents,
+        is_over: IsOver<'_>,
+    ) -> Option<(Vec<f64>, f64)> {
         if self.frame.criterion != Criterion::G {
             let mut smooth = Smooth::new(self.frame, LAST_LOG_Q);
             let mut gradient = vec![0.0; x.len()];
@@ -110,7 +117,7 @@ impl Continuous<'_> {
         let is_worth = |made: usize, value: f64| value.ln() < best + BEHIND_REFINED / (1.0 + made as f64).sqrt();
         let mut value = f64::INFINITY;
         for _ in 0..MOST_CHECKS {
-            value = polish(&mut peaks, &mut x, (&lower, &upper), limits, is_worth);
+            value = polish(&mut peaks, &mut x, (&lower, &upper), limits, is_worth, is_over);
             if !value.is_finite() {
                 return None;
             }
@@ -121,12 +128,15 @@ impl Continuous<'_> {
             }
             value = highest;
             peaks.also(at);
+            if is_over() {
+                break;
+            }
         }
         Some((x, value.ln()))
     }
 
     /// A refined design with the coordinates of gridded axes on their levels and the others refined again.
-    pub(crate) fn on_levels(&self, shape: &BoxShape, mut x: Vec<f64>) -> Option<(Vec<f64>, f64)> {
+    pub(crate) fn on_levels(&self, shape: &BoxShape, mut x: Vec<f64>, is_over: IsOver<'_>) -> Option<(Vec<f64>, f64)> {
         let k = self.frame.n_factors();
         let (mut lower, mut upper) = self.bounds(&x);
         for (at, value) in x.iter_mut().enumerate() {
@@ -142,12 +152,12 @@ impl Continuous<'_> {
         if self.frame.criterion == Criterion::G {
             let mut peaks = Peaks::new(self.frame, shape, self.lattice);
             let limits = polish::Limits { steps: 60, radius: 0.02, least_radius: 1e-8 };
-            let value = polish(&mut peaks, &mut x, (&lower, &upper), limits, |_, _| true);
+            let value = polish(&mut peaks, &mut x, (&lower, &upper), limits, |_, _| true, is_over);
             return value.is_finite().then(|| (x, value.ln()));
         }
         let mut smooth = Smooth::new(self.frame, LAST_LOG_Q);
         let limits = bounded::Limits { iterations: 300, improvement: 1e-12 };
-        let value = minimize(&mut smooth, &mut x, (&lower, &upper), limits);
+        let value = minimize(&mut smooth, &mut x, (&lower, &upper), limits, is_over);
         value.is_finite().then_some((x, value))
     }
 

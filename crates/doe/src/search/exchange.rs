@@ -19,7 +19,7 @@ use super::bounded::Objective as _;
 use super::candidates::Candidates;
 use super::continuous::Continuous;
 use super::smooth::{Frame, Matrices, Smooth};
-use super::starts::{Attempt, Incumbents};
+use super::starts::{Attempt, Incumbents, IsOver};
 use crate::matrix::{dot, multiply};
 use crate::{Criterion, PredictionVariance};
 
@@ -54,19 +54,23 @@ const BLOCK: usize = 32;
 const LEAST: f64 = 1e-9;
 
 impl Discrete<'_> {
-    /// One start; `is_over` is asked between passes.
-    pub(crate) fn start(
-        &self,
-        generator: &mut Pcg64,
-        incumbents: &Incumbents,
-        is_over: &(dyn Fn() -> bool + Sync),
-    ) -> Attempt {
+    /// One start; `is_over` is asked before every run.
+    pub(crate) fn start(&self, generator: &mut Pcg64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Attempt {
         let Some(x) = self.first_runs(generator, incumbents, is_over) else {
-            return if is_over() { Attempt::Cut } else { Attempt::Failed };
+            return Attempt::Failed;
         };
-        let mut runs = Runs::new(self, x);
         let is_worst_case = self.frame.criterion == Criterion::G;
-        let Some(value) = runs.look_around() else {
+        let mut runs = Runs::new(self, x);
+        let mut value = runs.look_around();
+        if value.is_none() {
+            // What few candidates determine, such as a rare level, is easily missed by rounding and by samples.
+            let Some(x) = self.supporting() else {
+                return Attempt::Failed;
+            };
+            runs = Runs::new(self, x);
+            value = runs.look_around();
+        }
+        let Some(value) = value else {
             return Attempt::Failed;
         };
         let mut best = (value, runs.x.clone());
@@ -74,10 +78,12 @@ impl Discrete<'_> {
             for _ in 0..PASSES {
                 let mut changed = false;
                 for _ in 0..PASSES_PER_SCAN {
+                    let pass = runs.pass(stage, generator, is_over);
                     if is_over() {
-                        return Attempt::Cut;
+                        // The last scan of all candidates is what is known of it.
+                        let (value, x) = best;
+                        return Attempt::Cut { x, value };
                     }
-                    let pass = runs.pass(stage, generator);
                     changed |= pass;
                     if !pass {
                         break;
@@ -106,12 +112,7 @@ impl Discrete<'_> {
     }
 
     /// A rounded continuous design, a changed good design, or random candidates chosen one by one where v is largest.
-    fn first_runs(
-        &self,
-        generator: &mut Pcg64,
-        incumbents: &Incumbents,
-        is_over: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Vec<f64>> {
+    fn first_runs(&self, generator: &mut Pcg64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Option<Vec<f64>> {
         let (k, n) = (self.frame.n_factors(), self.frame.multiplicities.len());
         if let Some(elite) = incumbents.pick(generator) {
             let mut x = elite.to_vec();
@@ -133,8 +134,7 @@ impl Discrete<'_> {
             && generator.random_range(0..4) != 0
         {
             match relaxed.start(generator, &Incumbents::default(), is_over) {
-                Attempt::Found { x, .. } => return self.rounded(&x),
-                Attempt::Cut => return None,
+                Attempt::Found { x, .. } | Attempt::Cut { x, .. } => return self.rounded(&x),
                 _ => {}
             }
         }
@@ -159,7 +159,7 @@ impl Discrete<'_> {
     /// Runs added one after the other where the regressor is least explained by those before, among random candidates.
     fn greedy(&self, generator: &mut Pcg64) -> Option<Vec<f64>> {
         const SAMPLE: usize = 400;
-        let (p, n) = (self.frame.n_terms(), self.frame.multiplicities.len());
+        let p = self.frame.n_terms();
         let sample: Vec<Vec<f64>> = (0..SAMPLE).map(|_| self.candidates.sample(generator)).collect();
         let regressors: Vec<Vec<f64>> = sample
             .iter()
@@ -169,29 +169,55 @@ impl Discrete<'_> {
                 row
             })
             .collect();
-        // (fixed + ε I)⁻¹, then one rank-one update a run.
-        let mut information = self.frame.fixed.clone();
-        information.iter_mut().step_by(p + 1).for_each(|d| *d += 1e-4);
-        let mut inverse = vec![0.0; p * p];
-        let mut scratch = vec![0.0; p * p];
-        crate::matrix::cholesky(&mut information, p, 0.0)?;
-        crate::matrix::inverse_of_factor(&information, p, &mut inverse, &mut scratch);
-        let mut x: Vec<f64> = Vec::new();
-        let mut u = vec![0.0; p];
-        for _ in 0..n {
-            let mut best: Option<(f64, usize)> = None;
+        self.grown(|inverse, x| {
+            let (mut u, mut best) = (vec![0.0; p], None);
             for (index, row) in regressors.iter().enumerate() {
-                multiply(&inverse, p, row, &mut u);
+                multiply(inverse, p, row, &mut u);
                 let v = dot(row, &u) * (0.5 + generator.random::<f64>());
-                if best.is_none_or(|best| v > best.0) && !self.is_taken(&sample[index], &x, usize::MAX) {
+                if best.is_none_or(|best: (f64, usize)| v > best.0) && !self.is_taken(&sample[index], x, usize::MAX) {
                     best = Some((v, index));
                 }
             }
-            let (_, index) = best?;
-            multiply(&inverse, p, &regressors[index], &mut u);
-            let scale = -1.0 / (1.0 + dot(&regressors[index], &u));
-            crate::matrix::add_outer(&mut inverse, p, scale, &u.clone());
-            x.extend_from_slice(&sample[index]);
+            best.map(|(_, index)| sample[index].clone())
+        })
+    }
+
+    /// The same among all candidates: not singular unless they do not support the model.
+    fn supporting(&self) -> Option<Vec<f64>> {
+        let (k, p) = (self.frame.n_factors(), self.frame.n_terms());
+        let n_taken = self.frame.multiplicities.len() + self.fixed.len();
+        let mut variance = PredictionVariance::with_products(self.frame.products.clone(), &vec![0.0; p * p]);
+        let (mut values, mut row, mut u) = (Vec::new(), vec![0.0; p], vec![0.0; p]);
+        self.grown(|inverse, x| {
+            variance.update(inverse);
+            let high = self.candidates.scan(&variance, inverse, (0.0, n_taken + 1), &mut values);
+            let free = high.points.chunks_exact(k).filter(|point| !self.is_taken(point, x, usize::MAX));
+            let with_v = free.map(|point| {
+                self.frame.regressors.fill(point, &mut row);
+                multiply(inverse, p, &row, &mut u);
+                (dot(&row, &u), point)
+            });
+            with_v.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point.to_vec())
+        })
+    }
+
+    /// Runs added one after the other, each by a choice that knows (RᵀR + ε I)⁻¹ and the runs so far.
+    fn grown(&self, mut choose: impl FnMut(&[f64], &[f64]) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
+        const RIDGE: f64 = 1e-4;
+        let p = self.frame.n_terms();
+        let mut information = self.frame.fixed.clone();
+        information.iter_mut().step_by(p + 1).for_each(|d| *d += RIDGE);
+        let (mut inverse, mut scratch) = (vec![0.0; p * p], vec![0.0; p * p]);
+        crate::matrix::cholesky(&mut information, p, 0.0)?;
+        crate::matrix::inverse_of_factor(&information, p, &mut inverse, &mut scratch);
+        let (mut x, mut row, mut u) = (Vec::new(), vec![0.0; p], vec![0.0; p]);
+        for _ in 0..self.frame.multiplicities.len() {
+            let point = choose(&inverse, &x)?;
+            self.frame.regressors.fill(&point, &mut row);
+            multiply(&inverse, p, &row, &mut u);
+            let scale = -1.0 / (1.0 + dot(&row, &u));
+            crate::matrix::add_outer(&mut inverse, p, scale, &u);
+            x.extend(point);
         }
         Some(x)
     }
@@ -264,8 +290,8 @@ impl<'a> Runs<'a> {
         Some(self.smooth.evaluate(&self.x, &mut gradient)).filter(|value| value.is_finite())
     }
 
-    /// Offers every run, in random order, its best exchange; whether any was made.
-    fn pass(&mut self, stage: Option<u32>, generator: &mut Pcg64) -> bool {
+    /// Offers every run, in random order, its best exchange, until `is_over`; whether any was made.
+    fn pass(&mut self, stage: Option<u32>, generator: &mut Pcg64, is_over: IsOver<'_>) -> bool {
         let n = self.search.frame.multiplicities.len();
         let mut order: Vec<usize> = (0..n).collect();
         for i in (1..n).rev() {
@@ -273,6 +299,9 @@ impl<'a> Runs<'a> {
         }
         let mut changed = false;
         for run in order {
+            if is_over() {
+                break;
+            }
             changed |= self.exchange(run, stage);
         }
         changed
@@ -523,6 +552,7 @@ mod tests {
     use super::*;
     use crate::products::Products;
     use crate::search::frame;
+    use crate::search::problem::SAME_RUN;
     use crate::space::Shape;
     use crate::{Model, Problem, Space};
     use rand::SeedableRng;
@@ -537,12 +567,12 @@ mod tests {
         for criterion in [Criterion::D, Criterion::A, Criterion::I, Criterion::G] {
             let problem =
                 Problem::new(Model::quadratic(2).expect("a model"), space.clone(), 9, criterion).expect("sound");
-            let frame = frame(&problem, Some(&shape.relaxed()), <[f64]>::to_vec).expect("a frame");
+            let frame = frame(&problem, Some(&shape.relaxed()), f64::NEG_INFINITY, <[f64]>::to_vec).expect("a frame");
             let search = Discrete {
                 frame: &frame,
                 candidates: &candidates,
                 relaxed: None,
-                apart: 1e-6,
+                apart: SAME_RUN,
                 is_distinct: false,
                 fixed: Vec::new(),
             };

@@ -1,5 +1,6 @@
 //! One step of the minimax polish: least worst case of linear functions, plus a curvature, within bounds.
 
+use super::starts::IsOver;
 use crate::matrix::{axpy, cholesky, dot};
 
 /// min over d and t of t + d'Hd/2, with heights + slopes d ≤ t and lower ≤ d ≤ upper.
@@ -28,14 +29,15 @@ pub(crate) struct Solution {
 /// curvature that is not convex enough is raised until it is.
 ///
 /// The problems are small and dense, with about as many functions as variables; a general sparse solver would spend
-/// its time on bookkeeping.
-pub(crate) fn solve(problem: &MinimaxStep<'_>) -> Option<Solution> {
+/// its time on bookkeeping. None if it cannot be solved, or if `is_over` says so between two iterations.
+pub(crate) fn solve(problem: &MinimaxStep<'_>, is_over: IsOver<'_>) -> Option<Solution> {
     let n = problem.lower.len();
     let size = problem.curvature.iter().step_by(n + 1).fold(0.0, |a: f64, b| a.max(b.abs()));
     let mut shift = 0.0;
     for _ in 0..8 {
-        match solve_shifted(problem, shift) {
+        match solve_shifted(problem, shift, is_over) {
             Outcome::Solved(solution) => return Some(solution),
+            Outcome::Cut => return None,
             Outcome::NotConvex => shift = f64::max(10.0 * shift, 1e-3 * size.max(1e-3)),
         }
     }
@@ -45,9 +47,10 @@ pub(crate) fn solve(problem: &MinimaxStep<'_>) -> Option<Solution> {
 enum Outcome {
     Solved(Solution),
     NotConvex,
+    Cut,
 }
 
-fn solve_shifted(problem: &MinimaxStep<'_>, shift: f64) -> Outcome {
+fn solve_shifted(problem: &MinimaxStep<'_>, shift: f64, is_over: IsOver<'_>) -> Outcome {
     const MOST_ITERATIONS: usize = 40;
     const GAP: f64 = 1e-11;
     let (m, n) = (problem.heights.len(), problem.lower.len());
@@ -55,6 +58,9 @@ fn solve_shifted(problem: &MinimaxStep<'_>, shift: f64) -> Outcome {
     let mut work = Work::new(m, n, shift);
     let mut iterations = 0;
     while iterations < MOST_ITERATIONS {
+        if is_over() {
+            return Outcome::Cut;
+        }
         iterations += 1;
         let mu = state.mu();
         if mu * state.n_products() <= GAP * (1.0 + state.t.abs())
@@ -320,7 +326,7 @@ mod tests {
         // max(1 + d, −d) is least at d = −1/2, where both are 1/2.
         let problem =
             MinimaxStep { heights: &[1.0, 0.0], slopes: &[1.0, -1.0], lower: &[-2.0], upper: &[2.0], curvature: &[] };
-        let Solution { step, multipliers } = solve(&problem).expect("solvable");
+        let Solution { step, multipliers } = solve(&problem, &|| false).expect("solvable");
         assert!((step[0] + 0.5).abs() < 1e-7, "{step:?}");
         assert!(multipliers.iter().all(|lambda| (lambda - 0.5).abs() < 1e-7), "{multipliers:?}");
     }
@@ -330,7 +336,7 @@ mod tests {
         let (lower, upper) = ([-0.5, 0.0], [0.0, 0.25]);
         let problem =
             MinimaxStep { heights: &[1.0], slopes: &[1.0, -3.0], lower: &lower, upper: &upper, curvature: &[] };
-        let step = solve(&problem).expect("solvable").step;
+        let step = solve(&problem, &|| false).expect("solvable").step;
         assert!((step[0] + 0.5).abs() < 1e-7 && (step[1] - 0.25).abs() < 1e-7, "{step:?}");
     }
 
@@ -340,7 +346,7 @@ mod tests {
         let step = |h: f64| {
             let problem =
                 MinimaxStep { heights: &[0.0], slopes: &[1.0], lower: &[-2.0], upper: &[2.0], curvature: &[h] };
-            solve(&problem).expect("solvable").step[0]
+            solve(&problem, &|| false).expect("solvable").step[0]
         };
         assert!((step(2.0) + 0.5).abs() < 1e-6, "{}", step(2.0));
         assert!((step(-2.0) + 2.0).abs() < 1e-3, "{}", step(-2.0));

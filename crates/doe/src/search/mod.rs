@@ -4,6 +4,8 @@ mod bounded;
 mod candidates;
 mod continuous;
 mod curvature;
+#[cfg(test)]
+mod cutting;
 mod exchange;
 mod minimax_step;
 mod nested;
@@ -17,12 +19,13 @@ mod starts;
 mod table;
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use rand_pcg::Pcg64;
 
-use problem::{APART, SAME_RUN};
+use problem::APART;
+pub(crate) use problem::SAME_RUN;
 pub use problem::{Problem, Replicates};
 pub use report::{Found, Progress, Report, StopReason};
 pub use settings::{Effort, Settings};
@@ -32,13 +35,13 @@ use crate::matrix::add_outer;
 use crate::maximum::Lattice;
 use crate::products::Products;
 use crate::space::{Axis, BoxShape, List, Shape};
-use crate::{Criterion, Design, Error, Space};
+use crate::{Criterion, Design, Error, Forbidden, Space};
 use candidates::Candidates;
 use continuous::Continuous;
 use exchange::Discrete;
 use runs::Regressors;
 use smooth::Frame;
-use starts::{Attempt, Incumbents};
+use starts::{Attempt, Ending, Incumbents, IsOver};
 use table::Table;
 
 /// How a caller watches a search and ends it.
@@ -70,34 +73,52 @@ pub fn search(problem: &Problem, settings: &Settings) -> Result<Found, Error> {
 /// # Errors
 ///
 /// As [`search`].
-pub fn search_watched(problem: &Problem, settings: &Settings, mut watch: Watch<'_>) -> Result<Found, Error> {
+pub fn search_watched(problem: &Problem, settings: &Settings, watch: Watch<'_>) -> Result<Found, Error> {
+    let Watch { interrupt, mut progress } = watch;
+    let is_interrupted = || interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
+    search_until(problem, settings, &is_interrupted, |state| {
+        if let Some(progress) = progress.as_mut() {
+            progress(state);
+        }
+    })
+}
+
+fn search_until(
+    problem: &Problem,
+    settings: &Settings,
+    is_interrupted: IsOver<'_>,
+    mut progress: impl FnMut(Progress),
+) -> Result<Found, Error> {
     settings.validate()?;
+    problem.validate()?;
     let began = Instant::now();
     let percent = |log_value: f64| percent(problem, log_value);
     let target = settings.target_percent.map(|target| log_value(problem, target));
     let progress = |starts: u64, value: f64| {
-        if let Some(progress) = watch.progress.as_mut() {
-            progress(Progress {
-                starts,
-                best_value: value.exp(),
-                best_percent: percent(value),
-                elapsed: began.elapsed(),
-            });
-        }
+        progress(Progress { starts, best_value: value.exp(), best_percent: percent(value), elapsed: began.elapsed() });
     };
-    let runner = Runner { settings, began, interrupt: watch.interrupt, target };
+    let reference = match problem.criterion() {
+        Criterion::T => Some(determinant_reference(problem, settings, is_interrupted)?),
+        _ => None,
+    };
+    let least = |reference: &Found| -reference.efficiency.value + Criterion::T_LEAST_D.ln();
+    let least_log_determinant = reference.as_ref().map_or(f64::NEG_INFINITY, least);
+    let unfinished = reference.as_ref().map_or(0, |reference| reference.report.unfinished);
+    let ending = Ending { began, time_limit: settings.time_limit, is_interrupted };
+    let runner = Runner { settings, ending, target, least_log_determinant };
     let outcome = match problem.space().shape() {
-        Shape::Box(shape) if shape.is_discrete() => over_grid(problem, shape, runner, progress)?,
         Shape::Box(shape) if shape.is_continuous() && problem.replicates() == Replicates::Allowed => {
             over_box(problem, shape, runner, progress)?
         }
-        Shape::Box(shape) => over_fine_grid(problem, shape, runner, progress)?,
+        Shape::Box(shape) => over_grid(problem, shape, runner, progress)?,
         Shape::List(list) => over_list(problem, list, runner, progress)?,
     };
-    let Some((_, best_start, x)) = outcome.best else {
-        return Err(Error::NoDesign { starts: outcome.starts });
+    let (design, best_start) = match (outcome.best, reference) {
+        (Some((_, best_start, x)), _) => (problem.design(&x)?, best_start),
+        // Cut before there was anything else: the D design has its whole determinant.
+        (None, Some(reference)) => (reference.design, 0),
+        (None, None) => return Err(Error::NoDesign { starts: outcome.starts }),
     };
-    let design = problem.design(&x)?;
     let efficiency = problem.criterion().efficiency(problem.model(), problem.space(), &design)?;
     let report = Report {
         stop: outcome.stop,
@@ -106,6 +127,7 @@ pub fn search_watched(problem: &Problem, settings: &Settings, mut watch: Watch<'
         times_found: outcome.times_found,
         abandoned: outcome.abandoned,
         failed: outcome.failed,
+        unfinished: unfinished + outcome.unfinished,
         elapsed: began.elapsed(),
     };
     Ok(Found { design, efficiency, report })
@@ -119,28 +141,31 @@ fn over_box(
     progress: impl FnMut(u64, f64),
 ) -> Result<starts::Outcome, Error> {
     let relaxed = shape.relaxed();
-    let frame = frame(problem, Some(&relaxed), |point| point.to_vec())?;
+    let frame = frame(problem, Some(&relaxed), runner.least_log_determinant, <[f64]>::to_vec)?;
     let lattice = lattice(&relaxed);
-    let search = Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort: runner.settings.effort };
-    let attempt = |generator: &mut Pcg64, incumbents: &Incumbents, is_over: &(dyn Fn() -> bool + Sync)| {
+    let effort = runner.settings.effort;
+    let search = Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort };
+    let attempt = |generator: &mut Pcg64, incumbents: &Incumbents, is_over: IsOver<'_>| {
         search.start(generator, incumbents, is_over)
     };
-    let refine = |x: Vec<f64>, _: f64, incumbents: &Incumbents| search.refine(x, incumbents);
+    let refine =
+        |x: Vec<f64>, _: f64, incumbents: &Incumbents, is_over: IsOver<'_>| search.refine(x, incumbents, is_over);
     Ok(runner.run(attempt, refine, progress))
 }
 
-/// A box with a continuous axis and one with levels, or whose free runs must differ: on a fine grid, and off it along the
-/// continuous axes as far as runs that must differ stay apart.
-fn over_fine_grid(
+/// A grid as it is; a box with a continuous axis and one with levels, or whose free runs must differ, on a fine grid, and
+/// off it along the continuous axes as far as runs that must differ stay apart.
+fn over_grid(
     problem: &Problem,
     shape: &BoxShape,
     runner: Runner<'_>,
     progress: impl FnMut(u64, f64),
 ) -> Result<starts::Outcome, Error> {
-    let gridded = gridded(shape)?;
+    let is_discrete = shape.is_discrete();
+    let gridded = if is_discrete { shape.clone() } else { gridded(shape)? };
     let is_distinct = problem.replicates() != Replicates::Allowed;
     let relaxed = shape.relaxed();
-    let frame = frame(problem, Some(&relaxed), |point| point.to_vec())?;
+    let frame = frame(problem, Some(&relaxed), runner.least_log_determinant, <[f64]>::to_vec)?;
     let lattice = lattice(&relaxed);
     let continuous = Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort: Effort::Quick };
     let polish = Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort: runner.settings.effort };
@@ -151,10 +176,10 @@ fn over_fine_grid(
         candidates: &candidates,
         relaxed: Some(continuous),
         is_distinct,
-        apart: APART,
+        apart: if is_discrete { SAME_RUN } else { APART },
         fixed,
     };
-    let attempt = |generator: &mut Pcg64, incumbents: &Incumbents, is_over: &(dyn Fn() -> bool + Sync)| {
+    let attempt = |generator: &mut Pcg64, incumbents: &Incumbents, is_over: IsOver<'_>| {
         search.start(generator, incumbents, is_over)
     };
     // The value on the grid is not that over the space: both designs are scored where they count.
@@ -163,12 +188,15 @@ fn over_fine_grid(
         let efficiency = problem.criterion().efficiency(problem.model(), problem.space(), &design).ok()?;
         Some(log_value(problem, efficiency.percent))
     };
-    let refine = |x: Vec<f64>, _: f64, incumbents: &Incumbents| {
+    let refine = |x: Vec<f64>, value: f64, incumbents: &Incumbents, is_over: IsOver<'_>| {
+        if is_discrete {
+            return Some((x, value));
+        }
         let value = score(&x)?;
         let moved = if shape.is_continuous() {
-            polish.refine(x.clone(), incumbents)
+            polish.refine(x.clone(), incumbents, is_over)
         } else {
-            polish.on_levels(shape, x.clone())
+            polish.on_levels(shape, x.clone(), is_over)
         };
         let moved = moved.map(|(moved, _)| moved).filter(|moved| problem.keeps_replicates(moved));
         match moved.and_then(|moved| Some((score(&moved)?, moved))) {
@@ -194,40 +222,39 @@ fn gridded(shape: &BoxShape) -> Result<BoxShape, Error> {
     let given: f64 = shape.axes.iter().filter_map(given).product();
     let most = (GRID_POINTS / given).powf(1.0 / n_continuous as f64);
     let levels = (3..=GRID_LEVELS).rev().step_by(2).find(|&levels| f64::from(levels) <= most).unwrap_or(3);
-    let axis = |axis: &Axis| match axis {
-        Axis::Continuous => Axis::equally_spaced(levels),
+    let axis = |(factor, axis): (usize, &Axis)| match axis {
+        Axis::Continuous => Ok(with_ends(Axis::equally_spaced(levels)?, shape, factor)),
         Axis::Levels(_) => Ok(axis.clone()),
     };
-    let axes = shape.axes.iter().map(axis).collect::<Result<Vec<_>, Error>>()?;
-    Ok(BoxShape { axes, forbidden: shape.forbidden.clone() })
+    let axes = shape.axes.iter().enumerate().map(axis).collect::<Result<Vec<_>, Error>>()?;
+    let forbidden = shape.forbidden.iter().filter_map(|forbidden| opened(forbidden, shape));
+    Ok(BoxShape { axes, forbidden: forbidden.collect() })
 }
 
-/// A box with levels along every axis.
-fn over_grid(
-    problem: &Problem,
-    shape: &BoxShape,
-    runner: Runner<'_>,
-    progress: impl FnMut(u64, f64),
-) -> Result<starts::Outcome, Error> {
-    let relaxed = shape.relaxed();
-    let frame = frame(problem, Some(&relaxed), |point| point.to_vec())?;
-    let lattice = lattice(&relaxed);
-    let continuous = Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort: Effort::Quick };
-    let candidates = Candidates::grid(shape, &frame.products);
-    let fixed = problem.fixed().iter().flat_map(|fixed| Design::runs(fixed)).map(<[f64]>::to_vec).collect();
-    let is_distinct = problem.replicates() != Replicates::Allowed;
-    let search = Discrete {
-        frame: &frame,
-        candidates: &candidates,
-        relaxed: Some(continuous),
-        is_distinct,
-        apart: SAME_RUN,
-        fixed,
+/// The levels of an axis with the ends of its forbidden ranges: the worst prediction is often there.
+fn with_ends(axis: Axis, shape: &BoxShape, factor: usize) -> Axis {
+    let Axis::Levels(mut levels) = axis else {
+        return axis;
     };
-    let attempt = |generator: &mut Pcg64, incumbents: &Incumbents, is_over: &(dyn Fn() -> bool + Sync)| {
-        search.start(generator, incumbents, is_over)
+    let ends = shape.forbidden.iter().flat_map(|forbidden| forbidden.range(factor));
+    levels.extend(ends.filter(|end| end.abs() < 1.0));
+    levels.sort_by(f64::total_cmp);
+    levels.dedup_by(|a, b| (*a - *b).abs() <= SAME_RUN);
+    Axis::Levels(levels)
+}
+
+/// A forbidden box whose ends along continuous axes are allowed though those axes now have levels; none if nothing is
+/// left of it.
+fn opened(forbidden: &Forbidden, shape: &BoxShape) -> Option<Forbidden> {
+    const INWARD: f64 = 2.0 * crate::space::SAME;
+    let range = |(range, axis): (&Option<[f64; 2]>, &Axis)| match (range, axis) {
+        (&Some([lower, upper]), Axis::Continuous) => {
+            let lower = if lower <= -1.0 { lower } else { lower + INWARD };
+            Some([lower, if upper >= 1.0 { upper } else { upper - INWARD }])
+        }
+        (range, _) => *range,
     };
-    Ok(runner.run(attempt, as_it_is, progress))
+    Forbidden::new(forbidden.ranges().iter().zip(&shape.axes).map(range).collect()).ok()
 }
 
 /// A list of candidates, stretched to fill the cube where that does not change the problem, so that a list shrunken to
@@ -256,7 +283,7 @@ fn over_list(
     let stretched = List { n_factors: k, coordinates: list.points().flat_map(stretch).collect() };
     let cube = BoxShape { axes: vec![Axis::Continuous; k], forbidden: Vec::new() };
     let is_boxed = fills || stretches;
-    let frame = frame(problem, is_boxed.then_some(&cube), stretch)?;
+    let frame = frame(problem, is_boxed.then_some(&cube), runner.least_log_determinant, stretch)?;
     let lattice = lattice(&cube);
     let relaxed =
         is_boxed.then_some(Continuous { frame: &frame, shape: &cube, lattice: &lattice, effort: Effort::Quick });
@@ -264,21 +291,18 @@ fn over_list(
     let fixed = problem.fixed().iter().flat_map(|fixed| Design::runs(fixed)).map(stretch).collect();
     let is_distinct = problem.replicates() != Replicates::Allowed;
     let search = Discrete { frame: &frame, candidates: &candidates, relaxed, is_distinct, apart: SAME_RUN, fixed };
-    let attempt = |generator: &mut Pcg64, incumbents: &Incumbents, is_over: &(dyn Fn() -> bool + Sync)| {
+    let attempt = |generator: &mut Pcg64, incumbents: &Incumbents, is_over: IsOver<'_>| {
         search.start(generator, incumbents, is_over)
     };
-    let mut outcome = runner.run(attempt, as_it_is, progress);
+    // What is found on the list needs no refinement.
+    let refine = |x: Vec<f64>, value: f64, _: &Incumbents, _: IsOver<'_>| Some((x, value));
+    let mut outcome = runner.run(attempt, refine, progress);
     if let Some((_, _, x)) = &mut outcome.best {
         // Back to the very candidates.
         let original = x.chunks_exact(k).flat_map(|run| list.point(stretched.nearest(run).0).to_vec());
         *x = original.collect();
     }
     Ok(outcome)
-}
-
-/// A discrete start is refined already.
-fn as_it_is(x: Vec<f64>, value: f64, _: &Incumbents) -> Option<(Vec<f64>, f64)> {
-    Some((x, value))
 }
 
 /// Levels per axis of the lattice on which the prediction variance is smoothed: enough to see its maxima, few enough to
@@ -297,7 +321,12 @@ fn lattice(shape: &BoxShape) -> Lattice {
 }
 
 /// What the search for a problem needs; the lattice of G is that of a continuous shape, if there is one.
-fn frame(problem: &Problem, shape: Option<&BoxShape>, map: impl Fn(&[f64]) -> Vec<f64>) -> Result<Frame, Error> {
+fn frame(
+    problem: &Problem,
+    shape: Option<&BoxShape>,
+    least_log_determinant: f64,
+    map: impl Fn(&[f64]) -> Vec<f64>,
+) -> Result<Frame, Error> {
     let (model, criterion) = (problem.model(), problem.criterion());
     let products = Arc::new(Products::of(model));
     let p = model.n_terms();
@@ -315,35 +344,34 @@ fn frame(problem: &Problem, shape: Option<&BoxShape>, map: impl Fn(&[f64]) -> Ve
     };
     let table = shape.filter(|_| criterion == Criterion::G).map(|shape| Table::of(&products, &lattice(shape)));
     let regressors = Regressors::of(model);
-    let least_log_determinant =
-        if criterion == Criterion::T { least_log_determinant(problem)? } else { f64::NEG_INFINITY };
     let multiplicities = problem.multiplicities();
     Ok(Frame { criterion, regressors, products, fixed, multiplicities, moments, least_log_determinant, table })
 }
 
-/// log det(M) / p of a good D design, less what T may give up.
-fn least_log_determinant(problem: &Problem) -> Result<f64, Error> {
-    let settings = Settings { starts: 16, ..Settings::default() };
-    let best = search(&problem.clone().with_criterion(Criterion::D), &settings)?;
-    Ok(-best.efficiency.value + Criterion::T_LEAST_D.ln())
+/// A good D design, of whose determinant a search for T keeps a share; of a time limit it takes half.
+fn determinant_reference(problem: &Problem, settings: &Settings, is_interrupted: IsOver<'_>) -> Result<Found, Error> {
+    let time_limit = settings.time_limit.map(|limit| limit / 2);
+    let settings = Settings { starts: 16, time_limit, ..Settings::default() };
+    search_until(&problem.clone().with_criterion(Criterion::D), &settings, is_interrupted, |_| ())
 }
 
 /// What runs the starts of any search.
 struct Runner<'a> {
     settings: &'a Settings,
-    began: Instant,
-    interrupt: Option<&'a AtomicBool>,
+    ending: Ending<'a>,
     target: Option<f64>,
+    /// For T.
+    least_log_determinant: f64,
 }
 
 impl Runner<'_> {
     fn run(
         self,
-        attempt: impl Fn(&mut Pcg64, &Incumbents, &(dyn Fn() -> bool + Sync)) -> Attempt + Sync,
-        refine: impl Fn(Vec<f64>, f64, &Incumbents) -> Option<(Vec<f64>, f64)> + Sync,
+        attempt: impl Fn(&mut Pcg64, &Incumbents, IsOver<'_>) -> Attempt + Sync,
+        refine: impl Fn(Vec<f64>, f64, &Incumbents, IsOver<'_>) -> Option<(Vec<f64>, f64)> + Sync,
         progress: impl FnMut(u64, f64),
     ) -> starts::Outcome {
-        starts::run(self.settings, self.began, self.interrupt, self.target, attempt, refine, progress)
+        starts::run(self.settings, self.ending, self.target, attempt, refine, progress)
     }
 }
 

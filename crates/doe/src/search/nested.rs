@@ -68,6 +68,38 @@ impl Nested {
         self.fill(0, coefficients, &mut scratch, &mut line, values);
     }
 
+    /// As [`values`](Self::values), at most `most` at a time where a line is no longer: `visit` gets the index of the first
+    /// point and the values from there on.
+    pub(crate) fn parts(&self, coefficients: &[f64], most: usize, mut visit: impl FnMut(usize, &[f64])) {
+        let mut scratch: Vec<Vec<f64>> = self.steps.iter().map(|step| vec![0.0; step.n_left]).collect();
+        self.visit_parts((0, 0), most, coefficients, &mut scratch, &mut visit);
+    }
+
+    fn visit_parts(
+        &self,
+        (axis, first): (usize, usize),
+        most: usize,
+        coefficients: &[f64],
+        scratch: &mut [Vec<f64>],
+        visit: &mut impl FnMut(usize, &[f64]),
+    ) {
+        let n_points: usize = self.levels[axis..].iter().map(Vec::len).product();
+        let (Some(step), true) = (self.steps.get(axis), n_points > most) else {
+            let (mut line, mut values) = (vec![0.0; self.n_powers], vec![0.0; n_points]);
+            self.fill(axis, coefficients, scratch, &mut line, &mut values);
+            return visit(first, &values);
+        };
+        let Some((left, deeper)) = scratch.split_first_mut() else { return };
+        let part = n_points / self.levels[axis].len();
+        for (index, powers) in step.powers.chunks_exact(self.n_powers).enumerate() {
+            left.fill(0.0);
+            for (&(target, power), c) in step.targets.iter().zip(coefficients) {
+                left[target] += c * powers[power];
+            }
+            self.visit_parts((axis + 1, first + index * part), most, left, deeper, visit);
+        }
+    }
+
     fn fill(&self, axis: usize, coefficients: &[f64], scratch: &mut [Vec<f64>], line: &mut [f64], values: &mut [f64]) {
         let (Some(step), Some((left, deeper))) = (self.steps.get(axis), scratch.split_first_mut()) else {
             line.fill(0.0);

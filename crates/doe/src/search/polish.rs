@@ -3,6 +3,7 @@
 use super::curvature::Local;
 use super::minimax_step::{MinimaxStep, Solution, solve};
 use super::smooth::{Frame, Matrices};
+use super::starts::IsOver;
 use crate::PredictionVariance;
 use crate::matrix::{dot, multiply};
 use crate::maximum::{Lattice, climb};
@@ -121,14 +122,15 @@ const FORGOTTEN: u32 = 4;
 
 /// Improves x in place by steps that lower all near-active maxima at once: min t + d'Hd/2 with v_j + g_j · d ≤ t within
 /// a radius that grows where the maxima move as predicted; H is the curvature of the maxima weighted by their
-/// multipliers. Goes on while `is_worth` says so of the number of steps made
-/// and the largest v; returns the largest v.
+/// multipliers. Goes on while `is_worth` says so of the number of steps made and the largest v, and until `is_over` does;
+/// returns the largest v.
 pub(crate) fn polish(
     peaks: &mut Peaks<'_>,
     x: &mut [f64],
     bounds: (&[f64], &[f64]),
     limits: Limits,
     is_worth: impl Fn(usize, f64) -> bool,
+    is_over: IsOver<'_>,
 ) -> f64 {
     let n = x.len();
     let movable: Vec<usize> = (0..n).filter(|&i| bounds.1[i] > bounds.0[i]).collect();
@@ -141,7 +143,7 @@ pub(crate) fn polish(
     let mut stalled = 0;
     for made in 0..limits.steps {
         let highest = current[0].1;
-        if movable.is_empty() || radius < limits.least_radius || stalled == 3 || !is_worth(made, highest) {
+        if movable.is_empty() || radius < limits.least_radius || stalled == 3 || !is_worth(made, highest) || is_over() {
             break;
         }
         let free = not_pressed(peaks, x, &pool, &movable, bounds);
@@ -151,14 +153,14 @@ pub(crate) fn polish(
         let mut problem =
             MinimaxStep { heights: &heights, slopes: &slopes, lower: &lower, upper: &upper, curvature: &[] };
         if pool.iter().all(|met| met.multiplier <= 0.0) {
-            let Some(Solution { multipliers, .. }) = solve(&problem) else {
+            let Some(Solution { multipliers, .. }) = solve(&problem, is_over) else {
                 break;
             };
             hold(&mut pool, &considered, &multipliers);
         }
         let hessian = hessian(peaks, x, &pool, &free);
         problem.curvature = &hessian;
-        let Some(Solution { step, multipliers }) = solve(&problem) else {
+        let Some(Solution { step, multipliers }) = solve(&problem, is_over) else {
             break;
         };
         hold(&mut pool, &considered, &multipliers);

@@ -37,13 +37,13 @@ pub(crate) const SAME_RUN: f64 = 1e-6;
 pub(crate) const APART: f64 = 0.049;
 
 impl Problem {
-    /// A design of `n_runs` runs from the space, good by the criterion for the model.
+    /// A design of `n_runs` runs from the space, good by the criterion for the model. Fixed runs and the rule for
+    /// replicates may follow in any order: what they mean for each other [`validate`](Self::validate) checks.
     ///
     /// # Errors
     ///
     /// [`Error::FactorMismatch`]; [`Error::TooFewRuns`] for fewer runs than terms; [`Error::Confounded`] if no
-    /// design from this space can tell the terms apart, with the terms; [`Error::TooFewPoints`] if the space has fewer
-    /// points than distinct runs are needed.
+    /// design from this space can tell the terms apart, with the terms.
     pub fn new(model: Model, space: Space, n_runs: usize, criterion: Criterion) -> Result<Self, Error> {
         let (expected, found) = (model.n_factors(), space.n_factors());
         if expected != found {
@@ -54,9 +54,7 @@ impl Problem {
         }
         check_support(&model, &space)?;
         let replicates = if space.n_points().is_none() { Replicates::Allowed } else { Replicates::Planned(0) };
-        let problem = Self { model, space, n_runs, criterion, fixed: None, replicates };
-        problem.check_distinct()?;
-        Ok(problem)
+        Ok(Self { model, space, n_runs, criterion, fixed: None, replicates })
     }
 
     /// The first runs of the design are these, already made or wished for; the search adds the others.
@@ -77,22 +75,37 @@ impl Problem {
     ///
     /// # Errors
     ///
-    /// [`Error::Count`] for more planned replicates than there are runs to repeat, [`Error::TooFewRuns`] if the
-    /// distinct runs are fewer than the terms, [`Error::TooFewPoints`].
+    /// [`Error::Count`] for more planned replicates than half of the runs, [`Error::TooFewRuns`] if the distinct runs
+    /// are fewer than the terms.
     pub fn with_replicates(mut self, replicates: Replicates) -> Result<Self, Error> {
         self.replicates = replicates;
         if let Replicates::Planned(found) = replicates {
-            let most = self.n_free() / 2;
-            if found > most {
-                return Err(Error::Count { name: "planned replicates", found, least: 0, most });
-            }
+            check_planned(found, self.n_runs)?;
             let distinct = self.n_runs - found;
             if distinct < self.model.n_terms() {
                 return Err(Error::TooFewRuns { n_runs: distinct, n_terms: self.model.n_terms() });
             }
         }
-        self.check_distinct()?;
         Ok(self)
+    }
+
+    /// Nothing if there can be a design: what no part of the problem can tell alone. A search calls it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Count`] for more planned replicates than free runs to repeat; [`Error::TooFewPoints`] if the space has
+    /// fewer points than distinct runs are needed.
+    pub fn validate(&self) -> Result<(), Error> {
+        let Replicates::Planned(planned) = self.replicates else {
+            return Ok(());
+        };
+        check_planned(planned, self.n_free())?;
+        let n_fixed = self.fixed.as_ref().map_or(0, Design::n_distinct);
+        let n_distinct = n_fixed + self.n_free() - planned;
+        match self.space.n_points() {
+            Some(n_points) if (n_distinct as u64) > n_points => Err(Error::TooFewPoints { n_distinct, n_points }),
+            _ => Ok(()),
+        }
     }
 
     /// The same problem with another criterion.
@@ -173,14 +186,10 @@ impl Problem {
             None => Ok(free),
         }
     }
+}
 
-    fn check_distinct(&self) -> Result<(), Error> {
-        if let (Replicates::Planned(planned), Some(n_points)) = (self.replicates, self.space.n_points()) {
-            let n_distinct = self.n_runs - planned;
-            if (n_distinct as u64) > n_points {
-                return Err(Error::TooFewPoints { n_distinct, n_points });
-            }
-        }
-        Ok(())
-    }
+/// Each planned replicate repeats another of these runs.
+fn check_planned(found: usize, n_runs: usize) -> Result<(), Error> {
+    let most = n_runs / 2;
+    if found > most { Err(Error::Count { name: "planned replicates", found, least: 0, most }) } else { Ok(()) }
 }

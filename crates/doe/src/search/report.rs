@@ -20,8 +20,9 @@ pub struct Found {
 pub struct Report {
     /// Why it ended.
     pub stop: StopReason,
-    /// Starts 0 to this less one were made: [`Settings::starts`](crate::Settings::starts) with this number repeats the
-    /// search.
+    /// Starts 0 to this less one were made. Where nothing was left [`unfinished`](Self::unfinished),
+    /// [`Settings::starts`](crate::Settings::starts) with this number repeats the search; otherwise that number, and at
+    /// least one more than [`best_start`](Self::best_start), leads to this design or a better one.
     pub starts: u64,
     /// The start that found the best.
     pub best_start: u64,
@@ -31,6 +32,9 @@ pub struct Report {
     pub abandoned: u64,
     /// Starts that led to no usable design.
     pub failed: u64,
+    /// Starts and refinements that were cut on their way. A refinement keeps what it has reached; of the starts cut the
+    /// best is the result where no start is whole.
+    pub unfinished: u64,
     /// How long it took. Nothing is computed with it.
     pub elapsed: Duration,
 }

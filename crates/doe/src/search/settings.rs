@@ -20,8 +20,9 @@ pub struct Settings {
     pub seed: u64,
     /// The largest number of starts.
     pub starts: u64,
-    /// No further start begins after this time, and those on their way are cut, except the very first. How many starts that allows depends on the machine; the report says how
-    /// many there were, and the same number of starts without a limit repeats the search.
+    /// No further start begins after this time, and what is on its way is cut; only a first design is waited for, if
+    /// only as far as it determines the model. How many starts that allows depends on the machine: the
+    /// [`Report`](crate::Report) says how many there were and whether the same number without a limit repeats the search.
     pub time_limit: Option<Duration>,
     /// Stop as soon as the efficiency reaches this many per cent.
     pub target_percent: Option<f64>,

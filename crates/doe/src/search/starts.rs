@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -22,8 +22,34 @@ pub(crate) enum Attempt {
     },
     Abandoned,
     Failed,
-    /// The search was over before the start was.
-    Cut,
+    /// The search was over before the start was: what it had, not singular.
+    Cut {
+        x: Vec<f64>,
+        value: f64,
+    },
+}
+
+/// Whether a search is over, asked wherever it may have to end: cheap, and true from some time on.
+pub(crate) type IsOver<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// What ends a search from outside.
+#[derive(Clone, Copy)]
+pub(crate) struct Ending<'a> {
+    pub(crate) began: Instant,
+    pub(crate) time_limit: Option<Duration>,
+    pub(crate) is_interrupted: IsOver<'a>,
+}
+
+impl Ending<'_> {
+    fn reason(&self) -> Option<StopReason> {
+        if (self.is_interrupted)() {
+            Some(StopReason::Interrupted)
+        } else if self.time_limit.is_some_and(|limit| self.began.elapsed() >= limit) {
+            Some(StopReason::TimeLimit)
+        } else {
+            None
+        }
+    }
 }
 
 /// The best designs of the rounds before.
@@ -93,6 +119,7 @@ pub(crate) struct Outcome {
     pub(crate) times_found: u64,
     pub(crate) abandoned: u64,
     pub(crate) failed: u64,
+    pub(crate) unfinished: u64,
 }
 
 /// A start this far behind the best before refinement is not refined.
@@ -104,30 +131,28 @@ const REFINED: usize = 2;
 /// its best.
 ///
 /// A start begins only if all before it have begun. Where a search is over, the starts on their way are cut, and the
-/// first of them and all after it do not count, so the starts made are 0 to some number however the search is stopped.
-/// A time limit does not cut the very first start: a search that ends has a design. `target` is a value at which to stop; `progress` hears of every round.
+/// first of them and all after it do not count, so the starts made are 0 to some number however the search is stopped;
+/// refinements on their way end with what they have reached. Without a whole start the best of those cut is the result.
+/// A time limit lets the first round begin until one of its starts has a design. `target` is a value at which to stop;
+/// `progress` hears of every round.
 pub(crate) fn run(
     settings: &Settings,
-    began: Instant,
-    interrupt: Option<&AtomicBool>,
+    ending: Ending<'_>,
     target: Option<f64>,
-    attempt: impl Fn(&mut Pcg64, &Incumbents, &(dyn Fn() -> bool + Sync)) -> Attempt + Sync,
-    refine: impl Fn(Vec<f64>, f64, &Incumbents) -> Option<(Vec<f64>, f64)> + Sync,
+    attempt: impl Fn(&mut Pcg64, &Incumbents, IsOver<'_>) -> Attempt + Sync,
+    refine: impl Fn(Vec<f64>, f64, &Incumbents, IsOver<'_>) -> Option<(Vec<f64>, f64)> + Sync,
     mut progress: impl FnMut(u64, f64),
 ) -> Outcome {
     let mut incumbents = Incumbents::default();
     let mut best: Option<(f64, u64, Vec<f64>)> = None;
     let mut values: Vec<f64> = Vec::new();
-    let (mut abandoned, mut failed) = (0, 0);
+    let (mut abandoned, mut failed, mut unfinished) = (0, 0, 0);
     let mut done = 0;
-    let over = |start: u64| {
-        if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
-            Some(StopReason::Interrupted)
-        } else if start > 0 && settings.time_limit.is_some_and(|limit| began.elapsed() >= limit) {
-            Some(StopReason::TimeLimit)
-        } else {
-            None
-        }
+    let has_design = AtomicBool::new(false);
+    let is_over = || ending.reason().is_some();
+    let begins_no_more = |start: u64| {
+        let waits = start < ROUND && !has_design.load(Ordering::Relaxed);
+        ending.reason().filter(|reason| !(waits && *reason == StopReason::TimeLimit))
     };
     let mut stop = StopReason::StartsDone;
     while done < settings.starts && stop == StopReason::StartsDone {
@@ -137,7 +162,7 @@ pub(crate) fn run(
         let results = Mutex::new(Vec::new());
         let work = || {
             loop {
-                let reason = over(next.load(Ordering::Relaxed));
+                let reason = begins_no_more(next.load(Ordering::Relaxed));
                 let mut said = lock(&why);
                 if said.is_some() || reason.is_some() {
                     *said = said.or(reason);
@@ -149,10 +174,13 @@ pub(crate) fn run(
                     break;
                 }
                 let mut generator = stream(settings.seed, start);
-                let attempt = attempt(&mut generator, &incumbents, &|| over(start).is_some());
-                if matches!(attempt, Attempt::Cut) {
+                let attempt = attempt(&mut generator, &incumbents, &is_over);
+                if matches!(attempt, Attempt::Cut { .. }) {
                     let mut said = lock(&why);
-                    *said = said.or_else(|| over(start));
+                    *said = said.or_else(|| ending.reason());
+                }
+                if matches!(attempt, Attempt::Cut { .. } | Attempt::Found { .. }) {
+                    has_design.store(true, Ordering::Relaxed);
                 }
                 lock(&results).push((start, attempt));
             }
@@ -165,8 +193,14 @@ pub(crate) fn run(
         });
         let mut results = results.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         results.sort_by_key(|result| result.0);
-        let n_whole = results.iter().take_while(|(_, attempt)| !matches!(attempt, Attempt::Cut)).count();
-        results.truncate(n_whole);
+        let n_whole = results.iter().take_while(|(_, attempt)| !matches!(attempt, Attempt::Cut { .. })).count();
+        let rest = results.split_off(n_whole);
+        let cut = rest.into_iter().filter_map(|(start, attempt)| match attempt {
+            Attempt::Cut { x, value } => Some((value, start, x)),
+            _ => None,
+        });
+        let cut: Vec<(f64, u64, Vec<f64>)> = cut.collect();
+        unfinished += cut.len() as u64;
         done += results.len() as u64;
         let mut worth = Vec::new();
         for (start, attempt) in results {
@@ -176,7 +210,7 @@ pub(crate) fn run(
                     worth.push((value, start, x));
                 }
                 Attempt::Abandoned => abandoned += 1,
-                Attempt::Failed | Attempt::Cut => failed += 1,
+                Attempt::Failed | Attempt::Cut { .. } => failed += 1,
             }
         }
         let least = incumbents.coarse.unwrap_or(f64::INFINITY);
@@ -184,9 +218,28 @@ pub(crate) fn run(
         let n_worth = worth.iter().take_while(|start| start.0 <= least + WORTH_REFINING).count();
         abandoned += worth.len().saturating_sub(n_worth.min(REFINED)) as u64;
         worth.truncate(n_worth.min(REFINED));
-        let refined: Vec<_> =
-            worth.into_par_iter().map(|(value, start, x)| (start, refine(x, value, &incumbents))).collect();
-        for (start, refined) in refined {
+        if worth.is_empty() && best.is_none() {
+            worth = cut;
+        }
+        let refined: Vec<_> = worth
+            .into_par_iter()
+            .map(|(value, start, x)| {
+                let was_cut = AtomicBool::new(false);
+                let is_over = || {
+                    let is_over = is_over();
+                    was_cut.fetch_or(is_over, Ordering::Relaxed);
+                    is_over
+                };
+                let refined = refine(x, value, &incumbents, &is_over);
+                (start, refined, was_cut.into_inner())
+            })
+            .collect();
+        for (start, refined, was_cut) in refined {
+            if was_cut {
+                unfinished += 1;
+                let mut said = lock(&why);
+                *said = said.or_else(|| ending.reason());
+            }
             match refined {
                 Some((x, value)) => {
                     values.push(value);
@@ -210,7 +263,7 @@ pub(crate) fn run(
     }
     let least = best.as_ref().map_or(f64::INFINITY, |best| best.0);
     let times_found = values.iter().filter(|value| **value <= least + SAME_VALUE).count() as u64;
-    Outcome { best, stop, starts: done, times_found, abandoned, failed }
+    Outcome { best, stop, starts: done, times_found, abandoned, failed, unfinished }
 }
 
 /// The random numbers of one start: they depend on seed and start and on nothing else.

@@ -42,8 +42,8 @@ fn rejects_bounds_that_are_no_numbers() {
 #[test]
 fn rejects_levels_that_are_none() {
     let tail = "expected at least 2, or continuous levels";
-    check(pitch().with_levels(1), &format!("parameter `pitch`: 1 level(s), {tail}"));
-    check(pitch().with_levels(0), &format!("parameter `pitch`: 0 level(s), {tail}"));
+    check(pitch().with_levels(1), &format!("parameter `pitch`: 1 level, {tail}"));
+    check(pitch().with_levels(0), &format!("parameter `pitch`: 0 levels, {tail}"));
     let narrow = Parameter::continuous("narrow", "", 1.0, 1.0 + 1e-14).unwrap();
     assert!(narrow.clone().with_levels(2).is_ok(), "the two bounds differ");
     check(
@@ -70,7 +70,7 @@ fn rejects_names_that_do_not_name() {
 fn rejects_points_of_another_dimension() {
     let mass = Parameter::continuous("mass", "kg", 0.0, 1.0).unwrap();
     let region = Region::new(vec![mass, pitch()]).unwrap();
-    let message = "a point has 1 coordinates, expected 2 (mass, pitch)";
+    let message = "a point has 1 coordinate, expected 2 (mass, pitch)";
     check(region.coded(&[1.0]), message);
     check(region.natural(&[1.0]), message);
     check(region.contains(&[1.0]), message);

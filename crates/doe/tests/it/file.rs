@@ -1,6 +1,6 @@
 //! Designs in CSV files: what is read, what is refused, and that nothing is lost on the way.
 
-use doe::{Design, Error, FileFault, Parameter, Region, RunOrder};
+use doe::{Criterion, Design, Error, FileFault, Model, Parameter, Region, RunOrder, Space};
 use proptest::prelude::*;
 
 fn region() -> Region {
@@ -52,14 +52,13 @@ fn faults_of_the_header_name_the_column() {
             "column `gain` is in s, expected no unit",
         ],
     );
-    check_refused(
-        "",
-        &[
-            "no column `pitch`, the columns are: ",
-            "no column `mass`, the columns are: ",
-            "no column `gain`, the columns are: ",
-        ],
-    );
+    for empty in ["", "\n\n", "# only a comment\n", " \n"] {
+        check_refused(empty, &["the file is empty, expected a header with the names of the parameters"]);
+    }
+    let message = "the columns are separated by semicolons, expected commas, and decimal points in numbers";
+    check_refused("pitch;mass;gain\n10,5;2,0;0,5\n", &[message]);
+    check_refused("note;pitch [deg];mass [kg];gain\n;10;2;0\n", &[message]);
+    check_refused("pitch\tmass\tgain\n10\t2\t0\n", &[&message.replace("semicolons", "tabs")]);
 }
 
 #[test]
@@ -69,15 +68,23 @@ fn faults_of_fields_name_line_and_column_all_at_once() {
         &[
             "line 3, column `pitch`: 9.9, expected 10.0 to 22.0 deg",
             "line 3, column `mass`: nothing, expected a number",
-            "line 6, column `mass`: \"2,5\", expected a finite number",
+            "line 6, column `mass`: \"2,5\", expected a finite number with a decimal point, not a comma",
             "line 6, column `gain`: \"nan\", expected a finite number",
             "line 7, column `gain`: \"inf\", expected a finite number",
         ],
     );
     check_refused("pitch,mass,gain\n10,2,0.6\n", &["line 2, column `gain`: 0.6, expected -0.5 to 0.5"]);
     check_refused("pitch,mass,gain\n", &["no runs after the header, expected at least one"]);
-    let Err(Error::File { faults }) = read("pitch,mass,gain\n10,2\n") else { panic!("a short line was read") };
-    assert!(matches!(&faults[..], [FileFault::Unreadable { reason }] if reason.contains("line: 2")), "{faults:?}");
+    check_refused(
+        "pitch,mass,gain\n10,2\n# decimal commas\n10,5,2,0,0,5\n9,2,0\n",
+        &[
+            "line 2: 2 fields, expected 3 as in the header",
+            "line 4: 6 fields, expected 3 as in the header (numbers with decimal commas?)",
+            "line 5, column `pitch`: 9.0, expected 10.0 to 22.0 deg",
+        ],
+    );
+    let Err(Error::File { faults }) = Design::read_csv(&region(), &[0xff, 0xfe, 0x00][..]) else { panic!("no text") };
+    assert!(matches!(&faults[..], [FileFault::Unreadable { .. }]), "{faults:?}");
     let many = format!("pitch,mass,gain\n{}", "10,2,9\n".repeat(30));
     assert!(read(&many).unwrap_err().to_string().ends_with("; and 10 more"));
 }
@@ -94,6 +101,38 @@ fn a_file_says_units_points_and_replicates() {
     let expected = "run,standard,point,replicate,pitch [deg],mass [kg],gain\n\
                     1,1,1,1,10,2,0.5\n2,2,2,1,22,1.5,0\n3,3,1,2,10,2,0.5\n4,4,1,3,10,2,0.5\n";
     assert_eq!(written(&design, RunOrder::Standard), expected);
+}
+
+#[test]
+fn a_file_tells_runs_that_were_settled_from_new_ones() {
+    let design = read("pitch,mass,gain\n10,2,0.5\n22,1.5,0\n12,2,0.5\n22,1.5,0\n").unwrap();
+    let mut bytes = Vec::new();
+    design.write_csv_with_kinds(&region(), RunOrder::Standard, 1, &mut bytes).unwrap();
+    let expected = "run,standard,point,replicate,kind,pitch [deg],mass [kg],gain\n1,1,1,1,fixed,10,2,0.5\n\
+                    2,2,2,1,new,22,1.5,0\n3,3,3,1,new,12,2,0.5\n4,4,2,2,replicate of 2,22,1.5,0\n";
+    assert_eq!(String::from_utf8(bytes.clone()).unwrap(), expected);
+    let back = Design::read_csv(&region(), &bytes[..]).unwrap();
+    assert_eq!((back.design, back.ignored), (design, Vec::<String>::new()));
+}
+
+#[test]
+fn a_rounded_design_reads_back_to_the_same_efficiency() {
+    let (model, space) = (Model::quadratic(3).unwrap(), Space::of_region(&region()).unwrap());
+    let angle = |i: u32| (f64::from(i * i) * 0.7).sin();
+    let runs: Vec<[f64; 3]> = (0..14).map(|i| [f64::from(i % 5) / 2.0 - 1.0, angle(3 * i), angle(3 * i + 1)]).collect();
+    let design = Design::from_runs(&runs).unwrap();
+    let rounded = design.rounded(&region(), &space, 2).unwrap();
+    assert_eq!(rounded.coordinates()[..6], design.coordinates()[..6], "settled runs stay as they are");
+    let text = written(&rounded, RunOrder::Standard);
+    for line in text.lines().skip(3) {
+        for field in line.split(',').skip(4) {
+            let digits = field.trim_start_matches(['-', '0', '.']).chars().filter(char::is_ascii_digit).count();
+            assert!(digits <= 9, "{line}");
+        }
+    }
+    let g = |design: &Design| Criterion::G.efficiency(&model, &space, design).unwrap().percent;
+    assert!((g(&read(&text).unwrap()) - g(&rounded)).abs() < 1e-9);
+    assert!((g(&design) - g(&rounded)).abs() < 1e-5, "nobody notices");
 }
 
 #[test]

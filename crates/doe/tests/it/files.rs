@@ -33,7 +33,7 @@ fn refuses_what_a_constructor_refuses() {
     check_refused("10.0", "null", "invalid type: null");
     check_refused("10.0", "1e300", "the lower bound is 1e300");
     check_refused("\"pitch\"", "\"\"", "empty name");
-    check_refused("25", "1", "1 level(s)");
+    check_refused("25", "1", "1 level");
     check_refused("25", "-3", "expected the word \"continuous\" or a whole number of levels");
     check_refused("25", "2.5", "expected the word \"continuous\" or a whole number of levels");
     check_refused("25", "5000000000", "expected the word \"continuous\" or a whole number of levels");

@@ -26,9 +26,9 @@ fn refuses_terms_that_cannot_be() {
         assert_eq!(Model::new(2, terms).unwrap_err().to_string(), message);
     };
     check(vec![], "0 terms of a model, expected 1 to 256");
-    check(vec![Term::new([1])], "term 0 has 1 exponents, expected one per factor: 2");
-    check(vec![Term::new([9, 0])], "term 0 has the exponent 9, expected 0 to 8");
-    check(vec![Term::new([1, 0]), Term::new([1, 0])], "terms 0 and 1 are the same monomial, expected distinct terms");
+    check(vec![Term::new([1])], "term number 1 of the list has 1 exponent, expected one per factor: 2");
+    check(vec![Term::new([9, 0])], "term `x1^9` has the exponent 9, expected 0 to 8");
+    check(vec![Term::new([1, 0]), Term::new([1, 0])], "the term `x1` is given twice, expected distinct terms");
     assert_eq!(Model::quadratic(0).unwrap_err().to_string(), "0 factors of a model, expected 1 to 12");
     assert_eq!(Model::quadratic(13).unwrap_err().to_string(), "13 factors of a model, expected 1 to 12");
 }

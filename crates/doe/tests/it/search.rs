@@ -56,9 +56,14 @@ fn a_search_cut_short_is_repeated_by_its_number_of_starts() {
     limited.time_limit = Some(Duration::from_millis(30));
     let cut = search(&problem, &limited).unwrap();
     assert_eq!(cut.report.stop, StopReason::TimeLimit);
-    let again = search(&problem, &settings(cut.report.starts)).unwrap();
-    assert_eq!(again.design, cut.design);
-    assert_eq!(again.report.stop, StopReason::StartsDone);
+    let starts = cut.report.starts.max(cut.report.best_start + 1);
+    let again = search(&problem, &settings(starts)).unwrap();
+    assert_eq!((again.report.stop, again.report.unfinished), (StopReason::StartsDone, 0));
+    if cut.report.unfinished == 0 {
+        assert_eq!(again.design, cut.design);
+    } else {
+        assert!(again.efficiency.percent >= cut.efficiency.percent - 1e-9, "{} {}", again.efficiency, cut.efficiency);
+    }
 }
 
 #[test]
@@ -162,6 +167,34 @@ fn lists_and_grids_give_designs_of_their_points_without_replicates() {
     }
 }
 
+/// The third level of the second factor is in two candidates of 222, and the model cannot do without it.
+#[test]
+fn a_level_that_few_candidates_have_is_found_by_every_start() {
+    let level = |index: u32, count: u32| -1.0 + 2.0 * f64::from(index) / f64::from(count - 1);
+    let mut coordinates = Vec::new();
+    for (a, c) in (0..10).flat_map(|a| (0..11).map(move |c| (a, c))) {
+        for b in [8, 9] {
+            coordinates.extend([level(a, 10), level(b, 10), level(c, 11)]);
+        }
+    }
+    coordinates.extend([level(0, 10), level(4, 10), level(8, 11)]);
+    coordinates.extend([level(0, 10), level(4, 10), level(9, 11)]);
+    let space = Space::list(3, coordinates).expect("a list");
+    let model = Model::additive_quadratic(3).expect("a model");
+    for criterion in [Criterion::G, Criterion::D] {
+        let problem = Problem::new(model.clone(), space.clone(), 9, criterion).expect("a problem");
+        for seed in 1..=20 {
+            let mut settings = Settings::default();
+            settings.seed = seed;
+            settings.starts = 1;
+            let report =
+                search(&problem, &settings).unwrap_or_else(|error| panic!("{criterion:?}, seed {seed}: {error}"));
+            let rare = report.design.runs().filter(|run| (run[1] - level(4, 10)).abs() < 1e-9).count();
+            assert!((1..=2).contains(&rare), "{criterion:?}, seed {seed}: {rare} runs at the rare level");
+        }
+    }
+}
+
 #[test]
 fn a_shrunken_list_far_from_the_center_is_searched_as_well_as_a_large_one() {
     // The same list at a thousandth of its size: the design is the same, G does not notice.
@@ -230,6 +263,55 @@ fn any_list_of_monomials_is_searched() {
     assert!(found.efficiency.percent > 80.0, "{}", found.efficiency);
 }
 
+/// The cube, a grid, a list, mixed axes, and forbidden boxes in each, in two factors.
+fn regions() -> Vec<Space> {
+    let level = |i: u32| 2.0 * f64::from(i) / 6.0 - 1.0;
+    let triangle: Vec<f64> = (0..7).flat_map(|i| (0..=i).flat_map(move |j| [level(i), level(j)])).collect();
+    let corner = Forbidden::new(vec![Some([0.4, 1.0]), Some([-0.2, 1.0])]).unwrap();
+    let mixed = || Space::of_axes(vec![Axis::equally_spaced(5).unwrap(), Axis::Continuous]).unwrap();
+    vec![
+        Space::cube(2).unwrap(),
+        Space::grid(&[7, 5]).unwrap(),
+        Space::list(2, triangle).unwrap(),
+        mixed(),
+        Space::cube(2).unwrap().forbid(vec![corner.clone()]).unwrap(),
+        Space::grid(&[7, 5]).unwrap().forbid(vec![corner.clone()]).unwrap(),
+        mixed().forbid(vec![corner]).unwrap(),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn a_g_search_is_never_worse_than_a_d_search_over_any_region(
+        region in 0..7_usize,
+        n in 8..12_usize,
+        planned in 0..2_usize,
+        is_fixed: bool,
+        seed in 0..1000_u64,
+    ) {
+        let (model, space) = (Model::quadratic(2).unwrap(), regions()[region].clone());
+        let percent = |criterion| {
+            let mut problem = Problem::new(model.clone(), space.clone(), n, criterion).unwrap();
+            if is_fixed {
+                let fixed = space.candidates().map_or([0.0, -1.0], |points| [points[2], points[3]]);
+                problem = problem.with_fixed_runs(Design::from_runs(&[fixed]).unwrap()).unwrap();
+            }
+            if planned > 0 {
+                problem = problem.with_replicates(Replicates::Planned(planned)).unwrap();
+            }
+            let mut settings = settings(48);
+            settings.seed = seed;
+            let found = search(&problem, &settings).unwrap();
+            found.design.check_within(&space).unwrap();
+            Criterion::G.efficiency(&model, &space, &found.design).unwrap().percent
+        };
+        let (g, d) = (percent(Criterion::G), percent(Criterion::D));
+        prop_assert!(g.is_finite() && d > 0.0 && g >= d - 1e-6, "{} < {} over the {}", g, d, space.over());
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
@@ -254,11 +336,11 @@ fn refuses_problems_without_a_solution() {
     let check = |problem: Result<Problem, Error>, message: &str| assert_eq!(problem.unwrap_err().to_string(), message);
     check(new(cube.clone(), 5), "5 runs cannot determine 6 terms, expected at least 6 runs");
     check(new(Space::cube(3).unwrap(), 9), "the space has 3 factors, expected 2");
-    check(new(Space::grid(&[2, 3]).unwrap(), 6), "the space cannot tell the terms apart: term 4 = 1.000000 term 0");
-    check(
-        new(Space::grid(&[3, 3]).unwrap(), 10),
-        "the space has 9 points, too few for 10 distinct runs: plan replicates or allow them",
-    );
+    check(new(Space::grid(&[2, 3]).unwrap(), 6), "the space cannot tell the terms apart: `x1^2` = 1");
+    let many = new(Space::grid(&[3, 3]).unwrap(), 10).unwrap();
+    let message = "the space has 9 points, too few for 10 distinct runs: plan replicates or allow them";
+    assert_eq!(many.validate().unwrap_err().to_string(), message);
+    assert_eq!(search(&many, &settings(2)).unwrap_err().to_string(), message);
     let fixed = Design::new(2, vec![0.0, 2.0]).unwrap();
     check(new(cube.clone(), 8).unwrap().with_fixed_runs(fixed), "run 0 lies outside the space: [0.0, 2.0]");
     check(
@@ -280,6 +362,28 @@ fn refuses_problems_without_a_solution() {
         |settings| settings.target_percent = Some(f64::NAN),
         "the setting `target_percent` is NaN, expected above 0",
     );
+}
+
+#[test]
+fn fixed_runs_and_replicates_may_be_said_in_any_order() {
+    let (model, grid) = (Model::quadratic(2).unwrap(), Space::grid(&[3, 3]).unwrap());
+    let fixed = Design::from_runs(&[[0.0, 0.0], [0.0, 0.0], [1.0, 1.0]]).unwrap();
+    let new = |n| Problem::new(model.clone(), grid.clone(), n, Criterion::G).unwrap();
+    for replicates in [Replicates::Allowed, Replicates::Planned(1)] {
+        let one = new(10).with_replicates(replicates).unwrap().with_fixed_runs(fixed.clone()).unwrap();
+        let other = new(10).with_fixed_runs(fixed.clone()).unwrap().with_replicates(replicates).unwrap();
+        let (one, other) = (search(&one, &settings(8)).unwrap(), search(&other, &settings(8)).unwrap());
+        assert_eq!(one.design, other.design);
+    }
+    // Of ten runs two are one fixed point: nine points are enough for the rest, each run once.
+    let whole = search(&new(10).with_fixed_runs(fixed.clone()).unwrap(), &settings(8)).unwrap();
+    assert_eq!(whole.design.replicates(1e-9), [(0, 1)]);
+    // Five planned replicates are half of ten runs, but more than half of the seven that are free.
+    let linear = Problem::new(Model::linear(2).unwrap(), grid.clone(), 10, Criterion::G).unwrap();
+    let planned = linear.with_replicates(Replicates::Planned(5)).unwrap();
+    planned.validate().unwrap();
+    let error = planned.with_fixed_runs(fixed).unwrap().validate().unwrap_err();
+    assert_eq!(error.to_string(), "5 planned replicates, expected 0 to 3");
 }
 
 /// Solvable problems are solved, and what must differ does so by more than a rig could miss.
