@@ -54,14 +54,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     fs::remove_file(&file)?;
     for report in campaign.reports() {
         let (number, screening) = (report.iteration, &report.screening);
-        let (p, s) = (&screening.optimum, screening.spread.s());
+        let p = &screening.optimum;
+        let s = screening.spread.s().map_or("undefined".to_owned(), |s| format!("{s:.3}"));
         let left = 100.0 * screening.n_after as f64 / campaign.retained().n_cells() as f64;
-        println!(
-            "{number}: {:.2} % {:.2} deg, J {:.3}, S {s:.3?}, {left:.1} % left",
-            p[0], p[1], screening.optimum_value
-        );
+        println!("{number}: {:.2} % {:.2} deg, J {:.3}, S {s}, {left:.1} % left", p[0], p[1], screening.optimum_value);
     }
-    println!("{:?}", campaign.stop());
+    if let Some(reason) = campaign.stop() {
+        println!("{reason}");
+    }
     if let Some(dropped) = campaign.why_dropped(campaign.cell(&[46.2, 17.5])?) {
         println!(
             "46.20 % 17.50 deg was dropped in iteration {}: z = {:.1} > {:.2}",

@@ -52,8 +52,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     for report in campaign.reports() {
         let (best, cost) = (&report.numerical, report.experiment_cost);
         let (mass, pitch, number) = (best.point[0], best.point[1], report.iteration);
-        println!("{number}: {mass:.2} % {pitch:.2} deg {:.3} {cost:.3?}", best.corrected_cost);
+        let measured = cost.map_or("not measured".to_owned(), |cost| format!("{cost:.3}"));
+        println!("{number}: {mass:.2} % {pitch:.2} deg {:.3} {measured}", best.corrected_cost);
     }
-    println!("{:?}", campaign.stop());
+    if let Some(reason) = campaign.stop() {
+        println!("{reason}");
+    }
     Ok(())
 }

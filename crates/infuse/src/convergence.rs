@@ -17,5 +17,6 @@ pub use certificate::{RegretCertificate, possible_optima};
 pub use coefficients::Coefficients;
 pub use field::CorrectedField;
 pub use gain::Gain;
+pub(crate) use input::check_not_negative;
 pub use law::{CorrectionLaw, CorrectionRule, ModelStage};
 pub use norm::{Norm, NormOrder, NormScaling, coded_cell_measure};

@@ -65,8 +65,8 @@ pub enum Error {
         /// What is allowed.
         expected: &'static str,
     },
-    /// Not one simulation of an optimization gave a finite cost.
-    #[error("all {n_simulations} simulations of the optimization failed, the first at {first_point:?}: {first_reason}")]
+    /// Not one simulation of an optimization or of a batch gave a finite cost.
+    #[error("all {n_simulations} simulations failed, the first at {first_point:?}: {first_reason}")]
     EverySimulationFailed {
         /// How many were tried.
         n_simulations: usize,
@@ -128,6 +128,21 @@ pub enum Error {
         iteration: usize,
         /// What is allowed.
         expected: &'static str,
+    },
+    /// A saved state that its own outcomes contradict.
+    #[error(
+        "the saved state does not follow from its outcomes and settings: `{field}` of iteration {iteration} is {saved}, \
+         found {found}"
+    )]
+    StateDiffers {
+        /// The field at fault.
+        field: &'static str,
+        /// The iteration it belongs to, from 1.
+        iteration: usize,
+        /// What the file says.
+        saved: String,
+        /// What follows from the outcomes.
+        found: String,
     },
     /// A region from which every cell was dropped.
     #[error("the region has no cells, expected at least one")]

@@ -1,8 +1,12 @@
 //! The loop of Figures 4 and 19: design, experiment and simulate, fit, correct, test, reduce, repeat.
 
+use std::collections::BTreeSet;
+
 use doe::Region;
 use serde::{Deserialize, Serialize};
+use surface::Surface;
 
+use crate::convergence::check_not_negative;
 use crate::global::batch::{DesignSpace, Purpose};
 use crate::global::cells::Cells;
 use crate::global::changes::SurfaceChanges;
@@ -14,7 +18,7 @@ use crate::global::state::State;
 use crate::global::surfaces::{IterationSurfaces, correction};
 use crate::global::traced::TracedSurface;
 use crate::global::trial::{GlobalTrial, TrialUse};
-use crate::{Error, GlobalSettings, Outcome, TrialId};
+use crate::{Error, GlobalSettings, Norm, Outcome, RegretCertificate, TrialId, coded_cell_measure};
 
 /// What there is to do next.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,9 +33,11 @@ pub enum GlobalAsk {
 /// and tell.
 ///
 /// The value is the whole state. It serializes with serde, a few hundred bytes per run and nothing per cell: what is
-/// left of the grid is found again when it is read, bit for bit, provided the format keeps doubles exactly
-/// (`serde_json` does so only with its feature `float_roundtrip`). The simulation is not part of
-/// it: give the same one to every [`ask`](Self::ask).
+/// left of the grid is found again when it is read, provided the format keeps doubles exactly (`serde_json` does so only
+/// with its feature `float_roundtrip`). On the machine that wrote it the campaign then goes on bit for bit. Elsewhere
+/// factorizations may round differently: what was chosen and told must agree exactly, what was computed from it to
+/// 1e-9, and the next designs may be others. The simulation is not part of it: give the same one to every
+/// [`ask`](Self::ask).
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(try_from = "State", into = "State")]
 pub struct GlobalLoop {
@@ -41,6 +47,8 @@ pub struct GlobalLoop {
     pub(crate) history: Vec<GlobalReport>,
     pub(crate) surfaces: Vec<IterationSurfaces>,
     pub(crate) open: Option<OpenIteration>,
+    /// Where simulations failed in calls of `ask` that opened no iteration.
+    pub(crate) failed_cells: BTreeSet<u64>,
 }
 
 /// One turn of Figure 19.
@@ -51,17 +59,15 @@ impl GlobalLoop {
 
         // 5.1: the terms that what is left supports, both designs (29), training and validation.
         let space = DesignSpace::of(&self.retained, cells, settings, self.iteration())?;
-        let experiments = space.design(settings.n_experiments, Purpose::Experiments)?;
-        let runs = space.design(settings.n_simulations, Purpose::Simulations)?;
+        let experiments = space.design(settings.n_experiments, Purpose::Experiments, &BTreeSet::new())?;
+        let runs = space.design(settings.n_simulations, Purpose::Simulations, &self.failed_cells)?;
         let uses = space.uses(&experiments)?;
         let batch = space.batch(&experiments, &runs)?;
 
         // 5.2: simulations now, experiments by whoever has the rig.
         let simulations = simulate(&runs, cells, simulation)?;
         let trials = trials(&experiments, &uses, cells, self.iteration(), self.n_asked())?;
-        let open = OpenIteration { batch, simulations, trials };
-        self.check_simulations(&open)?;
-        Ok(open)
+        Ok(OpenIteration { batch, simulations, trials })
     }
 
     /// The lower half: surfaces, correction, combined surface, optimum, z-test, reduction.
@@ -85,9 +91,12 @@ impl GlobalLoop {
         let weighted = weighted.followed_by(&corrected.weighted(settings.simulation_weight))?;
         let combined = TracedSurface::fit(&settings.surfaces.combined.with_model(&model), &weighted)?;
 
-        // (36) by the law of the settings, for the next iteration.
-        let not_corrected = experiment.as_ref().err().map(Error::to_string);
-        let experiment = experiment.ok();
+        // (36) by the law of the settings, for the next iteration; without enough experiments it stays as it was.
+        let (experiment, not_corrected) = match experiment {
+            Ok(experiment) => (Some(experiment), None),
+            Err(Error::Surface(error)) if is_lack_of_data(&error) => (None, Some(error.to_string())),
+            Err(error) => return Err(error),
+        };
         let correction = self.correction_with(experiment.as_ref(), &simulation)?;
         let numerical = TracedSurface::combination(k, [(1.0, &simulation), (1.0, &correction)])?;
         let surfaces = IterationSurfaces { experiment, simulation, combined, correction, numerical };
@@ -138,6 +147,12 @@ fn reduced(before: &RetainedSet, cells: &Cells, screening: &Screening, combined:
     after
 }
 
+/// Whether a fit failed because there were too few data, or too few different ones.
+fn is_lack_of_data(error: &surface::Error) -> bool {
+    use surface::Error::{Confounded, Count, IllConditioned, TooFewPoints, TooFewSites};
+    matches!(error, Count { .. } | TooFewPoints { .. } | Confounded { .. } | IllConditioned { .. } | TooFewSites { .. })
+}
+
 /// What the lower half of an iteration gives.
 #[derive(Debug)]
 pub(crate) struct Closed {
@@ -158,7 +173,8 @@ impl GlobalLoop {
         settings.validate(region)?;
         let cells = Cells::of(region)?;
         let retained = RetainedSet::full(cells.n_cells());
-        Ok(Self { cells, settings, retained, history: Vec::new(), surfaces: Vec::new(), open: None })
+        let (history, surfaces, failed_cells) = (Vec::new(), Vec::new(), BTreeSet::new());
+        Ok(Self { cells, settings, retained, history, surfaces, open: None, failed_cells })
     }
 
     /// The experiments to run now.
@@ -172,14 +188,21 @@ impl GlobalLoop {
     ///
     /// # Errors
     ///
-    /// [`Error::EverySimulationFailed`], [`Error::TooFewSimulations`]; [`Error::Region`] if no design was found. The
-    /// state is then as before.
+    /// [`Error::EverySimulationFailed`], [`Error::TooFewSimulations`]. The state is then as before, but for a note of
+    /// the cells that failed: the next call simulates elsewhere, until the other cells no longer support the model,
+    /// and then begins anew. So whatever was wrong with the simulation, mend it and ask again, or just ask again.
     pub fn ask(&mut self, simulation: &mut impl FnMut(&[f64]) -> Result<f64, String>) -> Result<GlobalAsk, Error> {
         if let Some(reason) = self.stop() {
             return Ok(GlobalAsk::Stopped(reason));
         }
         if self.open.is_none() {
-            self.open = Some(self.begin(simulation)?);
+            let open = self.begin(simulation)?;
+            if let Err(error) = self.check_simulations(&open) {
+                self.avoid(open.failed_cells());
+                return Err(error);
+            }
+            self.failed_cells.clear();
+            self.open = Some(open);
         }
         Ok(GlobalAsk::Trials(self.outstanding()))
     }
@@ -191,8 +214,8 @@ impl GlobalLoop {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownTrial`], [`Error::AlreadyTold`], [`Error::NonFiniteOutcome`]; [`Error::Surface`] if a cost is too
-    /// large to be fitted. The state is then as before.
+    /// [`Error::UnknownTrial`], [`Error::AlreadyTold`], [`Error::NonFiniteOutcome`]; [`Error::Surface`] if a cost, or a
+    /// corrected one, is too large to be fitted. The state is then as before.
     pub fn tell(&mut self, id: TrialId, outcome: Outcome) -> Result<(), Error> {
         self.record(id, None, outcome)
     }
@@ -297,6 +320,59 @@ impl GlobalLoop {
         self.retained.contains(cell)
     }
 
+    /// A norm (42) of a surface over M_i, i from 1, cells measured in coordinates coded to the original box. Nothing is
+    /// stored per cell, and the number of threads changes no bit.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::SettingCount`] for an iteration beyond the one that is open or comes next, [`Error::WrongLength`] for a
+    /// surface with another number of factors, [`Error::Entry`] with the first cell at which it is not finite,
+    /// [`Error::Setting`] if the norm itself is too large for a double.
+    pub fn norm_over(&self, iteration: usize, surface: &dyn Surface, norm: Norm) -> Result<f64, Error> {
+        let k = self.cells.n_factors();
+        crate::problem::check_length("surface", k, surface.n_factors())?;
+        let expected = "1 to that of the iteration that is open or comes next";
+        let absent = Error::SettingCount { name: "iteration", value: iteration, expected };
+        let cell = coded_cell_measure(k, usize::try_from(self.cells.n_cells()).unwrap_or(usize::MAX))?;
+        let region = self.retained_at(iteration).ok_or(absent)?;
+        region.norm(self.cells.points(), surface, norm, cell)
+    }
+
+    /// What `eps` promises of the optimum p̂* of the last closed iteration, with the corrected model Ĵnum of that
+    /// iteration, over what it left: eps must bound |Ĵnum − J_true| there, in the sup norm. None before the
+    /// first iteration is closed.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Setting`] for an `eps` that is negative, NaN or infinite.
+    pub fn certificate(&self, eps: f64) -> Result<Option<RegretCertificate>, Error> {
+        let Some((report, surfaces)) = self.history.last().zip(self.surfaces.last()) else {
+            return Ok(None);
+        };
+        let (model, cell) = (surfaces.numerical.surface(), report.screening.optimum_cell);
+        let least_other = self.retained.minimum_but(Some(cell), self.cells.points(), model);
+        let least_other = least_other.map_or(f64::INFINITY, |least| least.value);
+        RegretCertificate::of_cell_among(model.predict(&self.cells.coded(cell)?), least_other, eps).map(Some)
+    }
+
+    /// The cells left that may still be the best of them, if `eps` bounds |Ĵnum − J_true| as for the
+    /// [`certificate`](Self::certificate): how many, and which. None before the first iteration is closed.
+    ///
+    /// # Errors
+    ///
+    /// As [`certificate`](Self::certificate).
+    pub fn possible_optima(&self, eps: f64) -> Result<Option<RetainedSet>, Error> {
+        check_not_negative("eps", eps)?;
+        let (points, mut possible) = (self.cells.points(), self.retained.clone());
+        let Some(model) = self.surfaces.last().map(|surfaces| surfaces.numerical.surface()) else {
+            return Ok(None);
+        };
+        if let Some(least) = possible.minimum(points, model) {
+            possible.retain(points, model, |value| value.is_nan() || value - least.value <= 2.0 * eps);
+        }
+        Ok(Some(possible))
+    }
+
     /// When and why a cell was dropped, from the surfaces of that iteration; none if it was not, or is no cell.
     #[must_use]
     pub fn why_dropped(&self, cell: u64) -> Option<Dropped> {
@@ -365,11 +441,17 @@ impl GlobalLoop {
         let Some(experiment) = experiment else {
             return self.correction();
         };
-        let past = self.surfaces.iter();
-        let experiments: Vec<_> =
-            past.clone().filter_map(|past| past.experiment.as_ref()).chain([experiment]).collect();
-        let simulations: Vec<_> = past.map(|past| &past.simulation).chain([simulation]).collect();
+        let past = self.surfaces.iter().filter_map(|past| Some((past.experiment.as_ref()?, &past.simulation)));
+        let (experiments, simulations): (Vec<_>, Vec<_>) = past.chain([(experiment, simulation)]).unzip();
         correction(self.settings.correction, self.cells.n_factors(), &experiments, &simulations)
+    }
+
+    /// Notes cells for the next design to avoid. A noted cell among them says that it could not be avoided.
+    fn avoid(&mut self, failed: BTreeSet<u64>) {
+        if !self.failed_cells.is_disjoint(&failed) {
+            self.failed_cells.clear();
+        }
+        self.failed_cells.extend(failed);
     }
 
     /// Whether the simulations that succeeded determine their surface.
@@ -433,5 +515,6 @@ impl PartialEq for GlobalLoop {
             && self.settings == other.settings
             && self.history == other.history
             && self.open == other.open
+            && self.failed_cells == other.failed_cells
     }
 }

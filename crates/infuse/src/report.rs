@@ -1,5 +1,7 @@
 //! What an iteration did and why a campaign ended.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::trial::TrialRecord;
@@ -19,6 +21,16 @@ pub enum StopReason {
     /// So many trials of the last iteration failed that no parameter could be corrected: another
     /// iteration would ask the same again.
     NoInformation,
+}
+
+impl fmt::Display for StopReason {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Converged => "converged",
+            Self::IterationLimit => "the limit on the iterations was reached",
+            Self::NoInformation => "too many trials of the last iteration failed",
+        })
+    }
 }
 
 /// The numerical half of an iteration: the optimum p* of J + J_cor with the correction known then.

@@ -73,7 +73,9 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    pub(crate) fn cost(&self) -> Option<f64> {
+    /// The cost, if there is one.
+    #[must_use]
+    pub fn cost(&self) -> Option<f64> {
         match self {
             Self::Value(cost) => Some(*cost),
             Self::Failed { .. } => None,

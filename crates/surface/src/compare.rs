@@ -31,6 +31,19 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Whether its power or scale is one that a fit accepts, before there are data.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`].
+    pub fn check(&self) -> Result<(), Error> {
+        match self {
+            Self::Regression { .. } | Self::SquaredExponential { scale: None } => Ok(()),
+            Self::InverseDistance { power } => InverseDistance::check_power(*power),
+            Self::SquaredExponential { scale: Some(scale) } => SquaredExponential::check_scale(*scale),
+        }
+    }
+
     /// The surface of this kind for these data.
     ///
     /// # Errors

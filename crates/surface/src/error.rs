@@ -7,7 +7,7 @@ use doe::Confounding;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// Too few or too many of something.
-    #[error("{found} {name}, expected {least} to {most}")]
+    #[error("number of {name}: {found}, expected {}", count_range(*least, *most))]
     Count {
         /// Of what.
         name: &'static str,
@@ -15,7 +15,7 @@ pub enum Error {
         found: usize,
         /// The smallest number allowed.
         least: usize,
-        /// The largest number allowed.
+        /// The largest number allowed; `usize::MAX` if there is no limit.
         most: usize,
     },
     /// Flat coordinates that do not fill whole points.
@@ -27,7 +27,7 @@ pub enum Error {
         n_coordinates: usize,
     },
     /// A list of another length than something it belongs to.
-    #[error("{found} {name}, expected {expected}")]
+    #[error("number of {name}: {found}, expected {expected}")]
     Length {
         /// Of what.
         name: &'static str,
@@ -37,7 +37,7 @@ pub enum Error {
         found: usize,
     },
     /// Two things that must agree in their number of factors.
-    #[error("{what} has {found} factors, expected {expected}")]
+    #[error("number of factors of {what}: {found}, expected {expected}")]
     FactorMismatch {
         /// What does not fit.
         what: &'static str,
@@ -195,9 +195,23 @@ pub enum Error {
     Model(#[from] doe::Error),
 }
 
-/// Dependences with the names of the terms: `x1^2 = 1.000000 1`.
+fn count_range(least: usize, most: usize) -> String {
+    if most == usize::MAX { format!("at least {least}") } else { format!("{least} to {most}") }
+}
+
+/// Dependences with the names of the terms: `x1^2 = 1; x2^2 = 0.5 x1 + 0.25`.
 fn confounding_list(names: &[String], confounded: &[Confounding]) -> String {
     let name = |term: usize| names.get(term).map_or("?", String::as_str);
+    let product = |coefficient: f64, name: &str| {
+        // Six decimals, without the zeros at their end.
+        let rounded = format!("{coefficient:.6}");
+        let number = rounded.trim_end_matches('0').trim_end_matches('.');
+        match (number, name) {
+            (number, "1") => number.to_owned(),
+            ("1", name) => name.to_owned(),
+            (number, name) => format!("{number} {name}"),
+        }
+    };
     let written = |confounding: &Confounding| {
         let parts = confounding.equals.iter().enumerate().map(|(position, &(term, coefficient))| {
             let sign = match (position, coefficient < 0.0) {
@@ -206,7 +220,7 @@ fn confounding_list(names: &[String], confounded: &[Confounding]) -> String {
                 (_, false) => " + ",
                 (_, true) => " - ",
             };
-            format!("{sign}{:.6} {}", coefficient.abs(), name(term))
+            format!("{sign}{}", product(coefficient.abs(), name(term)))
         });
         let right: String = parts.collect();
         format!("{} = {}", name(confounding.term), if right.is_empty() { "0" } else { &right })

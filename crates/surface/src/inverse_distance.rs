@@ -62,15 +62,20 @@ impl InverseDistance {
     ///
     /// [`Error::Parameter`] unless 0 < power ≤ [`LARGEST_POWER`](Self::LARGEST_POWER).
     pub fn fit(data: Data, power: f64) -> Result<Self, Error> {
-        if !(power > 0.0 && power <= Self::LARGEST_POWER) {
-            return Err(Error::Parameter { name: "power", value: power, allowed: "a number above 0, at most 100" });
-        }
+        Self::check_power(power)?;
         let weighting =
             if (power - 2.0).abs() <= 0.0 { Weighting::InverseSquare } else { Weighting::Power(-0.5 * power) };
         // Weights of at most 1e100 and values of at most 1e100 have sums that are far from overflow.
         let plain = [1e-100_f64.powf(2.0 / power).max(1e-280), 1e100_f64.powf(2.0 / power).min(1e280)];
         let packed = Packed::new(&data);
         Ok(Self { data, power, packed, weighting, plain })
+    }
+
+    pub(crate) fn check_power(power: f64) -> Result<(), Error> {
+        if power > 0.0 && power <= Self::LARGEST_POWER {
+            return Ok(());
+        }
+        Err(Error::Parameter { name: "power", value: power, allowed: "a number above 0, at most 100" })
     }
 
     /// The data it was fitted to.

@@ -23,6 +23,7 @@ pub use inverse_distance::InverseDistance;
 pub use lack_of_fit::LackOfFit;
 pub use leave_one_out::LeaveOneOut;
 pub use points::{GridPoints, PointSource, Rows};
+pub use polynomial::Polynomial;
 pub use regression::{Confounded, Regression};
 pub use scale_choice::ScaleChoice;
 pub use squared_exponential::SquaredExponential;

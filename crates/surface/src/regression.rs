@@ -152,9 +152,9 @@ impl Regression {
         for (i, &point) in used.iter().enumerate() {
             leverages[point] = (0..p).map(|k| q[(i, k)] * q[(i, k)]).sum::<f64>().min(1.0);
         }
-        let polynomial = Polynomial::new(&model, &coefficients);
+        let polynomial = Polynomial::new(&model, &coefficients)?;
         let residuals =
-            data.points().zip(data.values()).map(|(point, value)| value - polynomial.value(point)).collect();
+            data.points().zip(data.values()).map(|(point, value)| value - polynomial.predict(point)).collect();
         Ok(Self {
             requested,
             confounded,
@@ -191,6 +191,12 @@ impl Regression {
     #[must_use]
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
+    }
+
+    /// r'b, the estimate itself.
+    #[must_use]
+    pub fn polynomial(&self) -> &Polynomial {
+        &self.polynomial
     }
 
     /// Number of points of positive weight less number of terms.
@@ -298,15 +304,15 @@ impl Surface for Regression {
     }
 
     fn predict(&self, point: &[f64]) -> f64 {
-        self.polynomial.value(point)
+        self.polynomial.predict(point)
     }
 
     fn predict_lanes(&self, block: &[Lanes], estimates: &mut Lanes) {
-        self.polynomial.value_lanes(block, estimates);
+        self.polynomial.predict_lanes(block, estimates);
     }
 
     fn gradient(&self, point: &[f64]) -> Option<Vec<f64>> {
-        is_usable(point, self.n_factors()).then(|| self.polynomial.gradient(point))
+        self.polynomial.gradient(point)
     }
 
     /// σ² r'(R'WR)⁻¹ r: the variance of the estimate of the mean response, to which a new observation of weight w adds

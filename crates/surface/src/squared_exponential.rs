@@ -54,12 +54,17 @@ impl SquaredExponential {
     ///
     /// [`Error::Parameter`] unless c lies within [`SCALES`](Self::SCALES).
     pub fn fit(data: Data, scale: f64) -> Result<Self, Error> {
-        let [least, most] = Self::SCALES;
-        if !(least..=most).contains(&scale) {
-            return Err(Error::Parameter { name: "scale", value: scale, allowed: "a number from 1e-100 to 1e100" });
-        }
+        Self::check_scale(scale)?;
         let packed = Packed::new(&data);
         Ok(Self { data, scale, choice: None, packed })
+    }
+
+    pub(crate) fn check_scale(scale: f64) -> Result<(), Error> {
+        let [least, most] = Self::SCALES;
+        if (least..=most).contains(&scale) {
+            return Ok(());
+        }
+        Err(Error::Parameter { name: "scale", value: scale, allowed: "a number from 1e-100 to 1e100" })
     }
 
     /// A surface with the scale that predicts each place best from the other places.

@@ -15,7 +15,8 @@ pub type Lanes = [f64; LANES];
 /// The largest number of factors of a surface, the same as of a model.
 pub const MOST_FACTORS: usize = doe::Model::MOST_FACTORS;
 
-/// Points that one thread takes at a time: a few hundred microseconds of work for some fifty data.
+/// Points that one thread takes at a time: for some fifty data 50 to 200 microseconds of work, far above what handing
+/// it over costs.
 const CHUNK: usize = 64 * LANES;
 
 /// A response surface: an estimate of the response at every point, fitted once.

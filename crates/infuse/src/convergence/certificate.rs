@@ -71,7 +71,17 @@ impl RegretCertificate {
         };
         let certificate = Self::of_point(model_cost, model, eps)?;
         let least_other = least(&model[..cell_idx]).min(least(&model[cell_idx + 1..]));
-        Ok(Self { regret: (model_cost - least_other + 2.0 * eps).max(0.0), ..certificate })
+        Ok(Self::among(model_cost, least_other, certificate.model_excess, eps))
+    }
+
+    /// For a retained cell, from the least model cost of the others, infinite without any.
+    pub(crate) fn of_cell_among(model_cost: f64, least_other: f64, eps: f64) -> Result<Self, Error> {
+        check_not_negative("eps", eps)?;
+        Ok(Self::among(model_cost, least_other, model_cost - least_other.min(model_cost), eps))
+    }
+
+    fn among(model_cost: f64, least_other: f64, model_excess: f64, eps: f64) -> Self {
+        Self { model_excess, regret: (model_cost - least_other + 2.0 * eps).max(0.0) }
     }
 
     /// The stopping rule: whether the design is certainly this close to the best, in the unit of the

@@ -38,8 +38,9 @@ pub enum CorrectionLaw {
     /// ```
     ///
     /// Do not use it on a rig. It adds up corrections that are sums already, so a constant gap is
-    /// corrected k, 2k, 4k, 8k, ... times, and after about a thousand iterations its numbers
-    /// overflow. It is offered so that one can watch it fail.
+    /// corrected k, 2k, 4k, 8k, ... times. In the global loop its numbers pass what a surface
+    /// takes, 1e100 ([`Data::LARGEST`](surface::Data::LARGEST)), after some 330 iterations for a gap of 1, and `tell`
+    /// then answers with an error; on their own they overflow after a thousand. It is offered so that one can watch it fail.
     #[serde(rename = "as_printed_36")]
     AsPrinted36,
 }

@@ -129,6 +129,28 @@ impl Norm {
         let expected = "a norm below the largest double";
         if norm.is_finite() { Ok(norm) } else { Err(Error::Setting { name: "norm", value: norm, expected }) }
     }
+
+    /// (|J|/largest)^q, a share of at most 1; 0 for q = ∞ and where everything is 0.
+    pub(crate) fn share(&self, value: f64, largest: f64) -> f64 {
+        match self.order.0 {
+            UncheckedOrder::Finite(q) if largest > 0.0 => raised(value.abs() / largest, q),
+            UncheckedOrder::Finite(_) | UncheckedOrder::Infinity => 0.0,
+        }
+    }
+
+    /// The norm over cells of one measure from the largest magnitude and the sum of the [shares](Self::share).
+    pub(crate) fn of_shares(&self, largest: f64, sum: f64, n_cells: u64, measure: f64) -> Result<f64, Error> {
+        if n_cells == 0 {
+            return Err(Error::EmptyRegion);
+        }
+        let norm = match (self.order.0, self.scaling) {
+            (UncheckedOrder::Infinity, _) => largest,
+            (UncheckedOrder::Finite(q), NormScaling::Mean) => largest * root(sum / n_cells as f64, q),
+            (UncheckedOrder::Finite(q), NormScaling::Integral) => largest * root(sum, q) * root(measure, q),
+        };
+        let expected = "a norm below the largest double";
+        if norm.is_finite() { Ok(norm) } else { Err(Error::Setting { name: "norm", value: norm, expected }) }
+    }
 }
 
 /// The measure of one of `n_cells` equal cells of the whole original box, in coordinates coded to

@@ -1,10 +1,14 @@
 //! The G-optimal batch of an iteration: Section 5.1 over what is left of the gridded space.
 
-use doe::{Criterion, Design, Effort, Model, Problem, Settings, SplitSettings, confounded_terms, search, split};
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
+use doe::{Criterion, Design, Effort, Model, Problem, Settings, SplitSettings, Term, confounded_terms, search, split};
 use serde::{Deserialize, Serialize};
 
 use crate::global::candidates::Candidates;
 use crate::global::cells::Cells;
+use crate::global::greedy::greedy;
 use crate::global::retained::RetainedSet;
 use crate::global::trial::TrialUse;
 use crate::{Error, GlobalSettings};
@@ -19,6 +23,10 @@ pub struct Batch {
     pub n_candidates: u64,
     /// Terms of the regressor that these cells cannot tell apart, left out in this iteration.
     pub dropped_terms: Vec<DroppedTerm>,
+    /// Whether all terms were left out, each vanishing or equal to others that vanish: a constant is then estimated
+    /// in their place.
+    #[serde(default)]
+    pub constant_instead: bool,
     /// G-efficiency of the experiments for the terms that are left, over the candidates, per cent.
     pub experiment_efficiency: f64,
     /// G-efficiency of the simulations, likewise.
@@ -40,9 +48,18 @@ pub struct DroppedTerm {
 impl Batch {
     /// The regressor of this iteration.
     pub(crate) fn model(&self, settings: &GlobalSettings) -> Result<Model, Error> {
-        let dropped: Vec<usize> = self.dropped_terms.iter().map(|dropped| dropped.term).collect();
-        Ok(settings.model.without_terms(&dropped)?)
+        regressor(settings, &self.dropped_terms)
     }
+}
+
+/// The model of the settings without these terms; a constant if none is left.
+fn regressor(settings: &GlobalSettings, dropped: &[DroppedTerm]) -> Result<Model, Error> {
+    let (model, k) = (&settings.model, settings.model.n_factors());
+    if dropped.len() == model.n_terms() {
+        return Ok(Model::new(k, vec![Term::new(vec![0; k])])?);
+    }
+    let terms: Vec<usize> = dropped.iter().map(|dropped| dropped.term).collect();
+    Ok(model.without_terms(&terms)?)
 }
 
 /// Which of an iteration's designs is searched for.
@@ -82,30 +99,48 @@ impl<'a> DesignSpace<'a> {
         };
         let confounded = confounded_terms(&settings.model, &candidates.space)?;
         let dropped: Vec<DroppedTerm> = confounded.into_iter().map(named).collect();
-        let terms: Vec<usize> = dropped.iter().map(|dropped| dropped.term).collect();
-        let model = settings.model.without_terms(&terms)?;
+        let model = regressor(settings, &dropped)?;
         Ok(Self { cells, settings, iteration, candidates, model, dropped })
     }
 
-    /// Cells of a design with the smallest maximum of the prediction variance, the repaired (29).
+    /// Cells of a design with the smallest maximum of the prediction variance, the repaired (29), none of them among
+    /// those to avoid as long as the others support the model.
     ///
     /// Distinct while there are more candidates than runs. Otherwise every candidate is run equally often, and some,
-    /// evenly spaced, once more.
-    pub(crate) fn design(&self, n_runs: usize, purpose: Purpose) -> Result<Vec<u64>, Error> {
-        let candidates = &self.candidates.cells;
-        if candidates.len() <= n_runs {
-            let n = candidates.len();
+    /// evenly spaced, once more. If the search finds nothing, the design is built run by run.
+    pub(crate) fn design(&self, n_runs: usize, purpose: Purpose, avoided: &BTreeSet<u64>) -> Result<Vec<u64>, Error> {
+        let candidates = self.candidates_but(avoided)?;
+        let Candidates { cells, space } = candidates.as_ref();
+        if cells.len() <= n_runs {
+            let n = cells.len();
             let (rounds, rest) = (n_runs / n, n_runs % n);
-            let again = (0..rest).map(|number| candidates[number * n / rest]);
-            return Ok(candidates.iter().copied().cycle().take(rounds * n).chain(again).collect());
+            let again = (0..rest).map(|number| cells[number * n / rest]);
+            return Ok(cells.iter().copied().cycle().take(rounds * n).chain(again).collect());
         }
-        let problem = Problem::new(self.model.clone(), self.candidates.space.clone(), n_runs, Criterion::G)?;
+        let problem = Problem::new(self.model.clone(), space.clone(), n_runs, Criterion::G)?;
         let mut settings = Settings::default();
         settings.seed = seed(self.settings.seed, self.iteration, purpose);
         settings.starts = self.settings.design_starts;
         settings.effort = Effort::Quick;
-        let found = search(&problem, &settings)?;
-        Ok(found.design.runs().map(|run| self.cells.of_coded(run)).collect())
+        let none = match search(&problem, &settings) {
+            Ok(found) => return Ok(found.design.runs().map(|run| self.cells.of_coded(run)).collect()),
+            Err(none @ doe::Error::NoDesign { .. }) => none,
+            Err(error) => return Err(error.into()),
+        };
+        let runs = space.candidates().and_then(|points| greedy(&self.model, points, n_runs)).ok_or(none)?;
+        Ok(runs.into_iter().map(|run| cells[run]).collect())
+    }
+
+    /// The candidates without these, or all if the rest does not support the model.
+    fn candidates_but(&self, avoided: &BTreeSet<u64>) -> Result<Cow<'_, Candidates>, Error> {
+        let others = self.candidates.cells.iter().copied().filter(|cell| !avoided.contains(cell));
+        let others: Vec<u64> = others.collect();
+        if others.is_empty() || others.len() == self.candidates.cells.len() {
+            return Ok(Cow::Borrowed(&self.candidates));
+        }
+        let others = Candidates::of_cells(others, self.cells)?;
+        let supports = confounded_terms(&self.model, &others.space)?.is_empty();
+        Ok(if supports { Cow::Owned(others) } else { Cow::Borrowed(&self.candidates) })
     }
 
     /// What the experiments at these cells are used for, in their order.
@@ -124,6 +159,7 @@ impl<'a> DesignSpace<'a> {
         Ok(Batch {
             n_candidates: self.candidates.cells.len() as u64,
             dropped_terms: self.dropped.clone(),
+            constant_instead: self.dropped.len() == self.settings.model.n_terms(),
             experiment_efficiency: self.efficiency(experiments)?,
             simulation_efficiency: self.efficiency(simulations)?,
         })

@@ -35,6 +35,11 @@ impl Candidates {
             chosen.extend(extremes(retained, cells)?);
             chosen.into_iter().collect()
         };
+        Self::of_cells(chosen, cells)
+    }
+
+    /// These cells, at least one.
+    pub(crate) fn of_cells(chosen: Vec<u64>, cells: &Cells) -> Result<Self, Error> {
         let mut coordinates = Vec::with_capacity(chosen.len() * cells.n_factors());
         for &cell in &chosen {
             coordinates.extend(cells.coded(cell)?);

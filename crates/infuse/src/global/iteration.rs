@@ -1,5 +1,7 @@
 //! An iteration on its way: what was asked, and what has been told.
 
+use std::collections::BTreeSet;
+
 use doe::Region;
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +36,12 @@ impl OpenIteration {
             }
         }
         Ok(observations)
+    }
+
+    /// Where a simulation failed.
+    pub(crate) fn failed_cells(&self) -> BTreeSet<u64> {
+        let failed = self.simulations.iter().filter(|record| record.outcome.cost().is_none());
+        failed.map(|record| record.cell).collect()
     }
 
     pub(crate) fn simulations(&self, cells: &Cells) -> Result<Observations, Error> {

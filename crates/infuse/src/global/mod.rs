@@ -1,9 +1,11 @@
 //! The parts of the global loop of Chapter 5.
 
+pub(crate) mod agreement;
 pub(crate) mod batch;
 pub(crate) mod candidates;
 pub(crate) mod cells;
 pub(crate) mod changes;
+pub(crate) mod greedy;
 pub(crate) mod iteration;
 pub(crate) mod observations;
 pub(crate) mod report;

@@ -1,5 +1,7 @@
 //! What an iteration of the global loop did, and why a campaign ended.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::global::batch::Batch;
@@ -17,12 +19,22 @@ pub enum GlobalStopReason {
     FewerThanTwoCells,
     /// [`GlobalSettings::max_iterations`] were made.
     IterationLimit,
-    /// So many experiments of the last iteration failed that Ĵexp could not be fitted: there is nothing to
-    /// correct the simulation with.
+    /// Every experiment of the last iteration failed.
     NoInformation,
     /// The validation experiments of the last iteration gave no spread S, and
     /// [`SpreadFallback::Stop`](crate::SpreadFallback::Stop) was set.
     NoSpread,
+}
+
+impl fmt::Display for GlobalStopReason {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::FewerThanTwoCells => "fewer than two cells are left",
+            Self::IterationLimit => "the limit on the iterations was reached",
+            Self::NoInformation => "every experiment of the last iteration failed",
+            Self::NoSpread => "the validation experiments gave no spread",
+        })
+    }
 }
 
 /// One simulation of a batch.
@@ -52,7 +64,8 @@ pub struct GlobalReport {
     pub trials: Vec<GlobalTrialRecord>,
     /// The optimum, the z-test and what it left.
     pub screening: Screening,
-    /// Why the experiments could not be fitted; nothing if they were and the correction was updated.
+    /// Why the experiments could not be fitted, too many having failed: the correction is then that of the iteration
+    /// before. Nothing if it was updated.
     pub not_corrected: Option<String>,
     /// How the surfaces moved, largest magnitudes over the cells at the onset of the iteration.
     pub changes: SurfaceChanges,
@@ -78,7 +91,8 @@ impl GlobalReport {
 
     /// The same, whatever the limit on the iterations.
     pub(crate) fn own_stop(&self, settings: &GlobalSettings) -> Option<GlobalStopReason> {
-        if self.not_corrected.is_some() {
+        let failed = |record: &GlobalTrialRecord| record.outcome.as_ref().and_then(Outcome::cost).is_none();
+        if self.trials.iter().all(failed) {
             Some(GlobalStopReason::NoInformation)
         } else if self.screening.ends_campaign(settings) {
             Some(GlobalStopReason::NoSpread)

@@ -5,6 +5,8 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 use surface::{GridPoints, LANES, Lanes, MOST_FACTORS, Minimum, PointSource, Surface};
 
+use crate::{Error, Norm};
+
 /// Words of 64 cells that one thread takes at a time.
 const CHUNK: usize = 64;
 /// With no more cells than this left among a block of lanes, they are evaluated one by one.
@@ -73,9 +75,22 @@ impl RetainedSet {
 
     /// The retained cell of the smallest estimate, of equals the first; none if no estimate is a number.
     pub(crate) fn minimum(&self, points: &GridPoints, surface: &dyn Surface) -> Option<Minimum> {
+        self.minimum_but(None, points, surface)
+    }
+
+    /// The same, one cell left out.
+    pub(crate) fn minimum_but(
+        &self,
+        except: Option<u64>,
+        points: &GridPoints,
+        surface: &dyn Surface,
+    ) -> Option<Minimum> {
         let of_chunk = |(words, at): (&[u64], u64)| {
             let mut best: Option<Minimum> = None;
             each_estimate(words, at, points, surface, |cell, value| {
+                if except == Some(cell) {
+                    return;
+                }
                 if best.map_or(!value.is_nan(), |best| value < best.value) {
                     best = Some(Minimum { index: cell, value });
                 }
@@ -97,6 +112,48 @@ impl RetainedSet {
             largest
         };
         self.words.par_chunks(CHUNK).zip(chunk_starts(&self.words)).map(of_chunk).reduce(|| 0.0, f64::max)
+    }
+
+    /// A norm of a surface over the retained cells, each of this measure; nothing is stored per cell.
+    pub(crate) fn norm(
+        &self,
+        points: &GridPoints,
+        surface: &dyn Surface,
+        norm: Norm,
+        measure: f64,
+    ) -> Result<f64, Error> {
+        if let Some((cell, value)) = self.first_not_finite(points, surface) {
+            let index = usize::try_from(cell).unwrap_or(usize::MAX);
+            return Err(Error::Entry {
+                name: "surface",
+                index,
+                value,
+                expected: "a finite number at each retained cell",
+            });
+        }
+        let largest = self.largest_magnitude(points, surface);
+        let of_chunk = |(words, at): (&[u64], u64)| {
+            let mut sum = 0.0;
+            each_estimate(words, at, points, surface, |_, value| sum += norm.share(value, largest));
+            sum
+        };
+        // One sum per chunk, added up in order: the same bits on any number of threads.
+        let sums: Vec<f64> = self.words.par_chunks(CHUNK).zip(chunk_starts(&self.words)).map(of_chunk).collect();
+        norm.of_shares(largest, sums.iter().sum(), self.n_retained, measure)
+    }
+
+    /// The first retained cell at which a surface is not a finite number.
+    fn first_not_finite(&self, points: &GridPoints, surface: &dyn Surface) -> Option<(u64, f64)> {
+        let of_chunk = |(words, at): (&[u64], u64)| {
+            let mut found = None;
+            each_estimate(words, at, points, surface, |cell, value| {
+                if found.is_none() && !value.is_finite() {
+                    found = Some((cell, value));
+                }
+            });
+            found
+        };
+        self.words.par_chunks(CHUNK).zip(chunk_starts(&self.words)).find_map_first(of_chunk)
     }
 
     /// Drops every retained cell whose estimate is not to be kept.
@@ -135,7 +192,7 @@ fn bits(mut word: u64) -> impl Iterator<Item = u32> {
 /// Calls `each` with every retained cell of these words, rising, and the estimate there. `at` is the index of the first word.
 fn each_estimate(words: &[u64], at: u64, points: &GridPoints, surface: &dyn Surface, mut each: impl FnMut(u64, f64)) {
     let (mut block, mut estimates): ([Lanes; MOST_FACTORS], Lanes) = ([[0.0; LANES]; MOST_FACTORS], [0.0; LANES]);
-    let block = &mut block[..points.n_factors()];
+    let (block, mut point) = (&mut block[..points.n_factors()], [0.0; MOST_FACTORS]);
     for (&word, at) in words.iter().zip(at..) {
         if word == 0 {
             continue;
@@ -149,8 +206,9 @@ fn each_estimate(words: &[u64], at: u64, points: &GridPoints, surface: &dyn Surf
             if lanes.count_ones() <= FEW {
                 for bit in bits(lanes) {
                     let cell = first + u64::from(bit);
-                    let value = points.point(cell).map_or(f64::NAN, |point| surface.predict(&point));
-                    each(cell, value);
+                    points.fill(cell, 1, block);
+                    point.iter_mut().zip(&*block).for_each(|(x, coordinate)| *x = coordinate[0]);
+                    each(cell, surface.predict(&point[..block.len()]));
                 }
                 continue;
             }

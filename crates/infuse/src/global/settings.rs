@@ -2,9 +2,12 @@
 
 use doe::{Model, Region, SplitMethod};
 use serde::{Deserialize, Serialize};
-use surface::{Confounded, InverseDistance, Kind};
+use surface::{Confounded, Data, InverseDistance, Kind};
 
 use crate::{CorrectionLaw, CorrectionRule, Error, Gain};
+
+/// Beyond it a regression may refuse its data as dependent, after the experiments were made.
+const LARGEST_WEIGHT_RATIO: f64 = 1e6;
 
 /// How one of the three response surfaces is estimated.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -15,13 +18,13 @@ pub enum SurfaceKind {
     Regression,
     /// Inverse distance, (32) and (33).
     InverseDistance {
-        /// The power of the distance, above 0; 2 in (33).
+        /// The power of the distance, above 0 and at most 100; 2 in (33).
         #[serde(default = "default_power")]
         power: f64,
     },
     /// Squared exponential, (34).
     SquaredExponential {
-        /// The scale c, above 0, per coded unit; chosen by leaving out one place at a time if there is none.
+        /// The scale c, 1e-100 to 1e100, per coded unit; chosen by leaving out one place at a time if there is none.
         #[serde(default)]
         scale: Option<f64>,
     },
@@ -37,14 +40,6 @@ impl SurfaceKind {
             Self::Regression => Kind::Regression { model: model.clone(), confounded: Confounded::Refuse },
             Self::InverseDistance { power } => Kind::InverseDistance { power },
             Self::SquaredExponential { scale } => Kind::SquaredExponential { scale },
-        }
-    }
-
-    fn validate(self) -> Result<(), Error> {
-        match self {
-            Self::InverseDistance { power } => positive("power", power),
-            Self::SquaredExponential { scale: Some(scale) } => positive("scale", scale),
-            Self::Regression | Self::SquaredExponential { scale: None } => Ok(()),
         }
     }
 }
@@ -90,7 +85,7 @@ pub struct GlobalSettings {
     /// How the surfaces are estimated.
     #[serde(default)]
     pub surfaces: SurfaceKinds,
-    /// w of (31) of each training experiment, above 0. Default 0.7, as in Section 7.2.
+    /// w of (31) of each training experiment, 1e-6 to 1e6 times that of a simulation. Default 0.7, as in Section 7.2.
     ///
     /// Weights are per point: with 9 training experiments and 36 simulations, 0.7 and 0.3 give the
     /// simulations 63 % of the total.
@@ -117,6 +112,10 @@ pub struct GlobalSettings {
     #[serde(default = "default_max_iterations")]
     pub max_iterations: usize,
     /// Everything random follows from this. Default 1.
+    ///
+    /// It may be changed in the file of a saved campaign, and then counts from the next iteration on: designs that
+    /// were made are not searched for again. Only with more cells than the
+    /// [`candidate_limit`](Self::candidate_limit) it also decides what past designs are compared with, and is refused.
     #[serde(default = "default_seed")]
     pub seed: u64,
     /// Starts of each search for a design. Default 2; the time of an iteration is nearly all theirs.
@@ -196,8 +195,8 @@ impl GlobalSettings {
     ///
     /// # Errors
     ///
-    /// [`Error::Region`] for a regressor of another number of factors, [`Error::Setting`],
-    /// [`Error::SettingCount`].
+    /// [`Error::Region`] for a regressor of another number of factors, [`Error::Setting`], [`Error::SettingCount`];
+    /// [`Error::Surface`] for the power or scale of a surface.
     pub fn validate(&self, region: &Region) -> Result<(), Error> {
         let (expected, found) = (region.n_parameters(), self.model.n_factors());
         if expected != found {
@@ -218,10 +217,9 @@ impl GlobalSettings {
         let expected = "twice the number of terms less one for the balanced split, or the alternating split";
         count("n_experiments", self.n_experiments, trains, expected)?;
         for kind in [self.surfaces.experiment, self.surfaces.simulation, self.surfaces.combined] {
-            kind.validate()?;
+            kind.with_model(&self.model).check()?;
         }
-        positive("experiment_weight", self.experiment_weight)?;
-        positive("simulation_weight", self.simulation_weight)?;
+        self.validate_weights()?;
         if !(self.confidence > 0.5 && self.confidence < 1.0) {
             return Err(Error::Setting {
                 name: "confidence",
@@ -239,6 +237,21 @@ impl GlobalSettings {
         };
         positive_count("design_starts", self.design_starts, 1, "at least 1")?;
         positive_count("candidate_limit", self.candidate_limit, 1000, "at least 1000")
+    }
+
+    fn validate_weights(&self) -> Result<(), Error> {
+        let (name, experiment, simulation) = ("experiment_weight", self.experiment_weight, self.simulation_weight);
+        for (name, value) in [(name, experiment), ("simulation_weight", simulation)] {
+            if !(Data::SMALLEST_WEIGHT..=Data::LARGEST).contains(&value) {
+                return Err(Error::Setting { name, value, expected: "a number from 1e-100 to 1e100" });
+            }
+        }
+        let ratio = experiment / simulation;
+        if (1.0 / LARGEST_WEIGHT_RATIO..=LARGEST_WEIGHT_RATIO).contains(&ratio) {
+            return Ok(());
+        }
+        let expected = "1e-6 to 1e6 times `simulation_weight`, or one kind of data would be lost by rounding";
+        Err(Error::Setting { name, value: experiment, expected })
     }
 }
 

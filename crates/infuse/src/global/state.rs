@@ -1,11 +1,15 @@
 //! The state of a global campaign in a file, and what is checked when it is read.
 
+use std::collections::BTreeSet;
+
 use doe::Region;
 use serde::{Deserialize, Serialize};
 
-use crate::global::batch::DesignSpace;
+use crate::global::agreement::Agreement;
+use crate::global::batch::{Batch, DesignSpace};
 use crate::global::iteration::{OpenIteration, trials};
-use crate::global::report::GlobalReport;
+use crate::global::report::{GlobalReport, SimulationRecord};
+use crate::global::trial::GlobalTrialRecord;
 use crate::{Error, GlobalLoop, GlobalSettings, Outcome};
 
 const FORMAT: u32 = 1;
@@ -19,6 +23,8 @@ pub(crate) struct State {
     settings: GlobalSettings,
     history: Vec<GlobalReport>,
     open: Option<OpenIteration>,
+    #[serde(default)]
+    failed_cells: BTreeSet<u64>,
 }
 
 impl From<GlobalLoop> for State {
@@ -29,6 +35,7 @@ impl From<GlobalLoop> for State {
             settings: campaign.settings,
             history: campaign.history,
             open: campaign.open,
+            failed_cells: campaign.failed_cells,
         }
     }
 }
@@ -36,8 +43,9 @@ impl From<GlobalLoop> for State {
 impl TryFrom<State> for GlobalLoop {
     type Error = Error;
 
-    /// Replays the campaign: everything but the outcomes and the choice of the cells is computed anew and must agree,
-    /// number for number. The designs are checked to be designs over what was left, and are not searched for again.
+    /// Replays the campaign: everything but the outcomes and the choice of the cells is computed anew and must agree, what
+    /// was chosen exactly, what was computed to [rounding](Agreement). The numbers found are those that stay. The
+    /// designs are checked to be designs over what was left, and are not searched for again.
     fn try_from(state: State) -> Result<Self, Error> {
         if state.format != FORMAT {
             return Err(Error::StateFormat { found: state.format, supported: FORMAT });
@@ -47,23 +55,26 @@ impl TryFrom<State> for GlobalLoop {
             let iteration = campaign.iteration();
             check_may_go_on(&campaign)?;
             let GlobalReport { batch, simulations, trials, .. } = report.clone();
-            let open = OpenIteration { batch, simulations, trials };
-            check_open(&campaign, &open)?;
+            let mut open = OpenIteration { batch, simulations, trials };
+            open.batch = check_open(&campaign, &open)?;
             if !open.is_complete() {
                 let expected = "an outcome for each of its trials";
                 return Err(Error::State { field: "history", iteration, expected });
             }
             let closed = campaign.finish(open)?;
-            if closed.report != report {
-                let expected = "what follows from its simulations, the outcomes of its trials and the settings";
-                return Err(Error::State { field: "history", iteration, expected });
-            }
+            agreement(&campaign, &closed.report.simulations, &closed.report.trials)
+                .of_reports(&report, &closed.report)?;
             campaign.close(closed);
         }
-        if let Some(open) = state.open {
+        if !state.failed_cells.iter().all(|&cell| state.open.is_none() && campaign.is_retained(cell)) {
+            let expected = "cells that are left, and none in an open iteration";
+            return Err(Error::State { field: "failed_cells", iteration: campaign.iteration(), expected });
+        }
+        campaign.failed_cells = state.failed_cells;
+        if let Some(mut open) = state.open {
             let iteration = campaign.iteration();
             check_may_go_on(&campaign)?;
-            check_open(&campaign, &open)?;
+            open.batch = check_open(&campaign, &open)?;
             if open.is_complete() {
                 let expected = "at least one trial without an outcome";
                 return Err(Error::State { field: "open", iteration, expected });
@@ -72,6 +83,16 @@ impl TryFrom<State> for GlobalLoop {
         }
         Ok(campaign)
     }
+}
+
+fn agreement(campaign: &GlobalLoop, simulations: &[SimulationRecord], trials: &[GlobalTrialRecord]) -> Agreement {
+    let past = campaign.reports().iter().map(|report| (&report.simulations[..], &report.trials[..]));
+    let costs = past.chain([(simulations, trials)]).flat_map(|(simulations, trials)| {
+        let simulated = simulations.iter().map(|record| &record.outcome);
+        simulated.chain(trials.iter().filter_map(|record| record.outcome.as_ref())).filter_map(Outcome::cost)
+    });
+    let largest_cost = costs.fold(0.0_f64, |largest, cost| largest.max(cost.abs()));
+    Agreement { iteration: campaign.iteration(), largest_cost }
 }
 
 /// An iteration can follow only on a campaign that had not ended. The limit on iterations is left
@@ -85,8 +106,8 @@ fn check_may_go_on(campaign: &GlobalLoop) -> Result<(), Error> {
     Ok(())
 }
 
-/// Checks batch, simulations and trials of an iteration against what was left at its onset.
-fn check_open(campaign: &GlobalLoop, open: &OpenIteration) -> Result<(), Error> {
+/// Checks batch, simulations and trials of an iteration against what was left at its onset. Returns the batch as found.
+fn check_open(campaign: &GlobalLoop, open: &OpenIteration) -> Result<Batch, Error> {
     let (cells, settings, iteration) = (&campaign.cells, &campaign.settings, campaign.iteration());
     let wrong = |field, expected| Error::State { field, iteration, expected };
     let experiments: Vec<u64> = open.trials.iter().map(|record| record.trial.cell).collect();
@@ -99,12 +120,12 @@ fn check_open(campaign: &GlobalLoop, open: &OpenIteration) -> Result<(), Error> 
     }
     let space = DesignSpace::of(&campaign.retained, cells, settings, iteration)?;
     let handed_out = trials(&experiments, &space.uses(&experiments)?, cells, iteration, campaign.n_asked())?;
-    if !handed_out.iter().map(|record| &record.trial).eq(open.trials.iter().map(|record| &record.trial)) {
-        return Err(wrong("trials", "the trials that were handed out"));
+    let agreement = agreement(campaign, &open.simulations, &open.trials);
+    for (saved, found) in open.trials.iter().zip(&handed_out) {
+        agreement.of_trials(&saved.trial, &found.trial)?;
     }
-    if space.batch(&experiments, &runs)? != open.batch {
-        return Err(wrong("batch", "what follows from the cells that were left and those that were chosen"));
-    }
+    let batch = space.batch(&experiments, &runs)?;
+    agreement.of_batches(&open.batch, &batch)?;
     for (mut record, told) in handed_out.into_iter().zip(&open.trials) {
         match &told.outcome {
             Some(outcome) => record.tell(told.actual.clone(), outcome.clone(), cells.region())?,
@@ -113,12 +134,11 @@ fn check_open(campaign: &GlobalLoop, open: &OpenIteration) -> Result<(), Error> 
         }
     }
     for record in &open.simulations {
-        if record.point != cells.natural(record.cell)? {
-            return Err(wrong("simulations", "the settings of their cells"));
-        }
+        agreement.exact("simulations.point", &record.point, &cells.natural(record.cell)?)?;
         if matches!(record.outcome, Outcome::Value(cost) if !cost.is_finite()) {
             return Err(wrong("simulations", "finite costs"));
         }
     }
-    campaign.check_simulations(open)
+    campaign.check_simulations(open)?;
+    Ok(batch)
 }

@@ -2,90 +2,64 @@
 
 use std::sync::Arc;
 
-use doe::Model;
-use surface::{LANES, Lanes, Surface};
+use surface::{LANES, Lanes, Polynomial, Surface};
+
+use crate::Error;
 
 /// Σ f_s Ĵ_s: one polynomial for all regressions in it, whatever their number, and the other surfaces.
 #[derive(Debug, Clone)]
 pub(crate) struct Sum {
-    n_factors: usize,
-    monomials: Vec<Monomial>,
+    polynomial: Polynomial,
     others: Vec<(f64, Arc<dyn Surface>)>,
-}
-
-#[derive(Debug, Clone)]
-struct Monomial {
-    exponents: Vec<u8>,
-    coefficient: f64,
 }
 
 impl Sum {
     /// The empty sum, 0 everywhere.
-    pub(crate) fn zero(n_factors: usize) -> Self {
-        Self { n_factors, monomials: Vec::new(), others: Vec::new() }
+    pub(crate) fn zero(n_factors: usize) -> Result<Self, Error> {
+        Ok(Self { polynomial: Polynomial::zero(n_factors)?, others: Vec::new() })
     }
 
-    pub(crate) fn add_polynomial(&mut self, factor: f64, model: &Model, coefficients: &[f64]) {
-        for (term, coefficient) in model.terms().iter().zip(coefficients) {
-            self.add_monomial(factor * coefficient, term.exponents());
-        }
+    pub(crate) fn add_polynomial(&mut self, factor: f64, polynomial: &Polynomial) -> Result<(), Error> {
+        self.polynomial = self.polynomial.plus(factor, polynomial)?;
+        Ok(())
     }
 
     pub(crate) fn add_surface(&mut self, factor: f64, surface: Arc<dyn Surface>) {
         self.others.push((factor, surface));
     }
 
-    pub(crate) fn add_sum(&mut self, factor: f64, sum: &Self) {
-        for monomial in &sum.monomials {
-            self.add_monomial(factor * monomial.coefficient, &monomial.exponents);
-        }
+    pub(crate) fn add_sum(&mut self, factor: f64, sum: &Self) -> Result<(), Error> {
         self.others.extend(sum.others.iter().map(|(own, surface)| (factor * own, Arc::clone(surface))));
-    }
-
-    fn add_monomial(&mut self, coefficient: f64, exponents: &[u8]) {
-        match self.monomials.iter_mut().find(|monomial| monomial.exponents == exponents) {
-            Some(monomial) => monomial.coefficient += coefficient,
-            None => self.monomials.push(Monomial { exponents: exponents.to_vec(), coefficient }),
-        }
-    }
-
-    /// The polynomial part, the same operations for one point and for lanes.
-    fn polynomial<const L: usize>(&self, block: &[[f64; L]]) -> [f64; L] {
-        let mut sums = [0.0; L];
-        for Monomial { exponents, coefficient } in &self.monomials {
-            let mut product = [*coefficient; L];
-            for (&exponent, coordinate) in exponents.iter().zip(block) {
-                for _ in 0..exponent {
-                    product.iter_mut().zip(coordinate).for_each(|(product, x)| *product *= x);
-                }
-            }
-            sums.iter_mut().zip(&product).for_each(|(sum, product)| *sum += product);
-        }
-        sums
+        self.add_polynomial(factor, &sum.polynomial)
     }
 }
 
 impl Surface for Sum {
     fn n_factors(&self) -> usize {
-        self.n_factors
+        self.polynomial.n_factors()
     }
 
     fn predict(&self, point: &[f64]) -> f64 {
-        if point.len() != self.n_factors {
-            return f64::NAN;
-        }
-        let block: Vec<[f64; 1]> = point.iter().map(|&x| [x]).collect();
         let others = self.others.iter().map(|(factor, surface)| factor * surface.predict(point));
-        others.fold(self.polynomial(&block)[0], |sum, value| sum + value)
+        others.fold(self.polynomial.predict(point), |sum, value| sum + value)
     }
 
     fn predict_lanes(&self, block: &[Lanes], estimates: &mut Lanes) {
-        let mut sums = self.polynomial(block);
+        self.polynomial.predict_lanes(block, estimates);
         let mut values = [0.0; LANES];
         for (factor, surface) in &self.others {
             surface.predict_lanes(block, &mut values);
-            sums.iter_mut().zip(&values).for_each(|(sum, value)| *sum += factor * value);
+            estimates.iter_mut().zip(&values).for_each(|(sum, value)| *sum += factor * value);
         }
-        *estimates = sums;
+    }
+
+    /// None where one of the surfaces has none.
+    fn gradient(&self, point: &[f64]) -> Option<Vec<f64>> {
+        let mut slopes = self.polynomial.gradient(point)?;
+        for (factor, surface) in &self.others {
+            let others = surface.gradient(point)?;
+            slopes.iter_mut().zip(others).for_each(|(slope, other)| *slope += factor * other);
+        }
+        Some(slopes)
     }
 }

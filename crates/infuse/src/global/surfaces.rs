@@ -19,7 +19,8 @@ pub struct IterationSurfaces {
     pub numerical: TracedSurface,
 }
 
-/// Ĵcor,n from the surfaces of iterations 1 to n, by the law of the settings; 0 for n = 0.
+/// Ĵcor,n from the surfaces of rounds 1 to n, by the law of the settings; 0 for n = 0. An iteration whose experiments
+/// could not be fitted is no round.
 pub(crate) fn correction<'a>(
     rule: CorrectionRule,
     n_factors: usize,

@@ -50,12 +50,13 @@ impl TracedSurface {
     ///
     /// # Errors
     ///
-    /// [`Error::WrongLength`] for a surface with another number of factors.
+    /// [`Error::WrongLength`] for a surface with another number of factors, [`Error::Surface`] for a number of factors
+    /// that no surface has.
     pub fn combination<'a>(
         n_factors: usize,
         parts: impl IntoIterator<Item = (f64, &'a TracedSurface)>,
     ) -> Result<Self, Error> {
-        let mut sum = Sum::zero(n_factors);
+        let mut sum = Sum::zero(n_factors)?;
         let mut trials = BTreeSet::new();
         for (factor, part) in parts {
             crate::problem::check_length("surface", n_factors, part.surface().n_factors())?;
@@ -65,10 +66,10 @@ impl TracedSurface {
             trials.extend(&part.trials);
             match &part.form {
                 Form::Regression(regression) => {
-                    sum.add_polynomial(factor, regression.model(), regression.coefficients());
+                    sum.add_polynomial(factor, regression.polynomial())?;
                 }
                 Form::Smoother(surface) => sum.add_surface(factor, Arc::clone(surface)),
-                Form::Sum(part) => sum.add_sum(factor, part),
+                Form::Sum(part) => sum.add_sum(factor, part)?,
             }
         }
         Ok(Self { form: Form::Sum(Arc::new(sum)), trials })

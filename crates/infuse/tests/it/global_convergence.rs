@@ -1,9 +1,9 @@
 //! What the loop arrives at, and by which law.
 
 use doe::Model;
-use infuse::{CorrectedField, CorrectionLaw, CorrectionRule, Gain, GlobalLoop};
+use infuse::{CorrectedField, CorrectionLaw, CorrectionRule, Gain, GlobalLoop, TrialUse};
 
-use crate::global_problems::{after, experiment, grid, least, planar, settings, simulation, truth};
+use crate::global_problems::{after, coded, experiment, grid, least, planar, settings, simulation, truth};
 
 /// Nearly flat, so that the test drops nothing and the laws are compared over the whole grid.
 fn flat(point: &[f64]) -> f64 {
@@ -82,27 +82,142 @@ fn the_proofs_recursion_leaves_the_closed_form_of_the_gap_and_36_as_printed_goes
     assert!(printed[6] > 30.0 * gap, "{printed:?}");
 }
 
+/// The simulation with a wave that no term of the model has: its surface is another one in every iteration.
+fn waved(point: &[f64]) -> Result<f64, String> {
+    let x = coded(point);
+    Ok(simulation(point)? + 0.4 * (4.0 * x[0] + 1.0).sin() + 0.3 * (3.0 * x[1]).cos())
+}
+
+fn of_waves(n_iterations: usize, rule: CorrectionRule) -> GlobalLoop {
+    let (region, mut settings) = planar();
+    settings.correction = rule;
+    settings.max_iterations = n_iterations;
+    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    campaign.run(&mut waved, &mut |trial| Ok(experiment(trial))).unwrap();
+    assert_eq!(campaign.reports().len(), n_iterations);
+    campaign
+}
+
+fn sampled(campaign: &GlobalLoop, surface: &infuse::TracedSurface) -> Vec<f64> {
+    let cells = 0..campaign.retained().n_cells();
+    cells.map(|cell| surface.surface().predict(&campaign.coded(cell).unwrap())).collect()
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
 #[test]
 fn the_correction_is_that_of_the_value_recursion_at_every_cell() {
     for law in [CorrectionLaw::ProofRecursion, CorrectionLaw::CurrentSimulation, CorrectionLaw::AsPrinted36] {
         for gain in [Gain::constant(0.3).unwrap(), Gain::harmonic()] {
-            let (_, mut settings) = planar();
-            settings.correction = CorrectionRule::new(law, gain);
-            let campaign = after(4, settings);
-            let n_cells = campaign.retained().n_cells();
-            let sampled = |surface: &infuse::TracedSurface| -> Vec<f64> {
-                (0..n_cells).map(|cell| surface.surface().predict(&campaign.coded(cell).unwrap())).collect()
-            };
-            let mut field =
-                CorrectedField::new(campaign.settings().correction, usize::try_from(n_cells).unwrap()).unwrap();
+            let campaign = of_waves(4, CorrectionRule::new(law, gain));
+            let sampled = |surface| sampled(&campaign, surface);
+            let n_cells = usize::try_from(campaign.retained().n_cells()).unwrap();
+            let simulations: Vec<_> = campaign.surfaces().iter().map(|at| sampled(&at.simulation)).collect();
+            for pair in simulations.windows(2) {
+                assert!(largest_difference(&pair[0], &pair[1]) > 0.01, "each simulation surface is another one");
+            }
+            let mut field = CorrectedField::new(campaign.settings().correction, n_cells).unwrap();
             for surfaces in campaign.surfaces() {
                 field.update(&sampled(surfaces.experiment.as_ref().unwrap()), &sampled(&surfaces.simulation)).unwrap();
                 let pairs = [(&surfaces.correction, field.correction()), (&surfaces.numerical, field.model().unwrap())];
                 for (surface, expected) in pairs {
                     let size = expected.iter().fold(1.0_f64, |size, value| size.max(value.abs()));
-                    let largest = sampled(surface).iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                    let largest = largest_difference(&sampled(surface), expected);
                     assert!(largest < 1e-9 * size, "{law:?} {gain:?}: {largest}");
                 }
+            }
+        }
+    }
+}
+
+/// A full quadratic of two coordinates.
+#[derive(Clone, Copy)]
+struct Quadratic([f64; 6]);
+
+impl Quadratic {
+    fn regressor(x: &[f64]) -> [f64; 6] {
+        [1.0, x[0], x[1], x[0] * x[0], x[0] * x[1], x[1] * x[1]]
+    }
+
+    fn at(&self, x: &[f64]) -> f64 {
+        self.0.iter().zip(Self::regressor(x)).map(|(b, r)| b * r).sum()
+    }
+
+    /// R'WR b = R'WJ by elimination with pivots; each datum a point, a cost and a weight.
+    fn fit(data: &[(Vec<f64>, f64, f64)]) -> Self {
+        let mut rows = [[0.0; 7]; 6];
+        for (x, cost, weight) in data {
+            let r = Self::regressor(x);
+            for i in 0..6 {
+                (0..6).for_each(|j| rows[i][j] += weight * r[i] * r[j]);
+                rows[i][6] += weight * r[i] * cost;
+            }
+        }
+        for k in 0..6 {
+            let pivot = (k..6).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs())).unwrap();
+            rows.swap(k, pivot);
+            let own = rows[k].map(|value| value / rows[k][k]);
+            for (i, row) in rows.iter_mut().enumerate() {
+                let factor = row[k];
+                row.iter_mut().zip(own).for_each(|(value, own)| *value -= factor * own);
+                if i == k {
+                    *row = own;
+                }
+            }
+        }
+        Self(rows.map(|row| row[6]))
+    }
+
+    fn plus(self, times: f64, other: Self) -> Self {
+        let mut sum = self;
+        sum.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += times * b);
+        sum
+    }
+}
+
+/// Two iterations of Section 5.3 from the costs in the reports, written out a second time.
+#[test]
+fn two_iterations_are_those_of_the_normal_equations() {
+    for law in [CorrectionLaw::ProofRecursion, CorrectionLaw::CurrentSimulation] {
+        let campaign = of_waves(2, CorrectionRule::new(law, Gain::constant(0.5).unwrap()));
+        let (mut correction, mut last) = (Quadratic([0.0; 6]), None);
+        for (report, surfaces) in campaign.reports().iter().zip(campaign.surfaces()) {
+            let (mut all, mut simulations, mut both) = (Vec::new(), Vec::new(), Vec::new());
+            for record in &report.trials {
+                let (x, cost) = (coded(&record.trial.point), record.outcome.as_ref().unwrap().cost().unwrap());
+                if record.trial.used_for == TrialUse::Training {
+                    both.push((x.clone(), cost, 0.7));
+                }
+                all.push((x, cost, 1.0));
+            }
+            assert_eq!((all.len(), both.len()), (12, 6));
+            for record in &report.simulations {
+                let (x, cost) = (coded(&record.point), record.outcome.cost().unwrap());
+                both.push((x.clone(), cost + correction.at(&x), 0.3));
+                simulations.push((x, cost, 1.0));
+            }
+            let (experiment, simulation) = (Quadratic::fit(&all), Quadratic::fit(&simulations));
+            // Ĵnum,0 = Ĵsim,1.
+            let compared = match law {
+                CorrectionLaw::ProofRecursion => last.unwrap_or(simulation),
+                _ => simulation.plus(1.0, correction),
+            };
+            correction = correction.plus(0.5, experiment).plus(-0.5, compared);
+            last = Some(simulation.plus(1.0, correction));
+            let pairs = [
+                (surfaces.experiment.as_ref().unwrap(), experiment),
+                (&surfaces.simulation, simulation),
+                (&surfaces.combined, Quadratic::fit(&both)),
+                (&surfaces.correction, correction),
+                (&surfaces.numerical, simulation.plus(1.0, correction)),
+            ];
+            for (number, (surface, expected)) in pairs.into_iter().enumerate() {
+                let cells = (0..576).map(|cell| expected.at(&campaign.coded(cell).unwrap()));
+                let largest = largest_difference(&sampled(&campaign, surface), &cells.collect::<Vec<_>>());
+                assert!(largest < 1e-7, "{law:?}, iteration {}, surface {number}: {largest}", report.iteration);
             }
         }
     }

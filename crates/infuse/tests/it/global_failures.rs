@@ -1,10 +1,11 @@
 //! Experiments and simulations that fail, and settings that were not made.
 
 use infuse::{
-    Error, GlobalAsk, GlobalLoop, GlobalStopReason, Outcome, Spread, SpreadFallback, SpreadFault, TrialId, TrialUse,
+    CorrectedField, CorrectionLaw, CorrectionRule, Error, Gain, GlobalAsk, GlobalLoop, GlobalStopReason, Outcome,
+    Spread, SpreadFallback, SpreadFault, TracedSurface, TrialId, TrialUse,
 };
 
-use crate::global_problems::{asked, experiment, planar, save, simulation, truth};
+use crate::global_problems::{asked, experiment, grid, planar, save, settings, simulation, truth};
 
 fn failed() -> Outcome {
     Outcome::Failed { reason: "a tether broke".to_owned() }
@@ -53,23 +54,51 @@ fn validation_runs_that_all_failed_give_no_spread() {
     }
 }
 
+/// The experiments of iteration 2 are too few for a surface: it is no round of the recursion, and the next one is.
 #[test]
-fn too_many_failures_end_the_campaign_without_information() {
-    let mut campaign = campaign();
-    // 12 experiments less 7 are fewer than the 6 terms.
-    let trials = asked(campaign.ask(&mut simulation).unwrap());
-    for trial in &trials {
-        let outcome = if trial.id.number() <= 7 { failed() } else { Outcome::Value(experiment(trial)) };
-        campaign.tell(trial.id, outcome).unwrap();
+fn too_few_experiments_leave_the_correction_as_it_was() {
+    for law in [CorrectionLaw::ProofRecursion, CorrectionLaw::CurrentSimulation] {
+        let (region, mut settings) = planar();
+        settings.correction = CorrectionRule::new(law, Gain::constant(0.5).unwrap());
+        settings.max_iterations = 4;
+        let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+        let mut curved = |p: &[f64]| Ok(simulation(p)? + 0.3 * (2.0 * p[0]).sin());
+        let mut field = CorrectedField::new(campaign.settings().correction, 576).unwrap();
+        for iteration in 1..=3 {
+            for trial in asked(campaign.ask(&mut curved).unwrap()) {
+                // 12 experiments less 7 are fewer than the 6 terms.
+                let fails = iteration == 2 && trial.id.number() <= 19;
+                let outcome = if fails { failed() } else { Outcome::Value(experiment(&trial)) };
+                campaign.tell(trial.id, outcome).unwrap();
+            }
+            assert_eq!(campaign.stop(), None);
+            // What was saved is read, whatever failed.
+            campaign = serde_json::from_str(&save(&campaign)).unwrap();
+            let sampled = |surface: &TracedSurface| -> Vec<f64> {
+                (0..576).map(|cell| surface.surface().predict(&campaign.coded(cell).unwrap())).collect()
+            };
+            let (report, surfaces) = (&campaign.reports()[iteration - 1], &campaign.surfaces()[iteration - 1]);
+            match &surfaces.experiment {
+                Some(experiment) => field.update(&sampled(experiment), &sampled(&surfaces.simulation)).unwrap(),
+                None => {
+                    assert!(report.not_corrected.as_ref().unwrap().contains("cannot determine 6 terms"), "{report:?}");
+                    assert!(report.changes.gap.is_none() && report.changes.experiment.is_none());
+                }
+            }
+            assert_eq!(surfaces.experiment.is_none(), iteration == 2);
+            for (found, expected) in sampled(&surfaces.correction).iter().zip(field.correction()) {
+                assert!((found - expected).abs() < 1e-9, "{law:?}, iteration {iteration}: {found} {expected}");
+            }
+        }
+        for trial in asked(campaign.ask(&mut curved).unwrap()) {
+            campaign.tell(trial.id, failed()).unwrap();
+        }
+        assert_eq!(campaign.stop(), Some(GlobalStopReason::NoInformation));
+        let ask = campaign.ask(&mut curved).unwrap();
+        assert_eq!(ask, GlobalAsk::Stopped(GlobalStopReason::NoInformation));
+        let read: GlobalLoop = serde_json::from_str(&save(&campaign)).unwrap();
+        assert_eq!(read.stop().unwrap().to_string(), "every experiment of the last iteration failed");
     }
-    assert_eq!(campaign.stop(), Some(GlobalStopReason::NoInformation));
-    let report = &campaign.reports()[0];
-    assert!(report.not_corrected.as_ref().unwrap().contains("cannot determine 6 terms"), "{report:?}");
-    assert!(report.changes.gap.is_none() && campaign.surfaces()[0].experiment.is_none());
-    assert_eq!(campaign.ask(&mut simulation).unwrap(), GlobalAsk::Stopped(GlobalStopReason::NoInformation));
-    // And the file with it can be read.
-    let read: GlobalLoop = serde_json::from_str(&save(&campaign)).unwrap();
-    assert_eq!(read.stop(), Some(GlobalStopReason::NoInformation));
 }
 
 #[test]
@@ -106,21 +135,56 @@ fn simulations_that_fail_are_reported_as_long_as_the_others_suffice() {
 }
 
 #[test]
-fn too_few_simulations_are_an_error_that_changes_nothing() {
+fn too_few_simulations_are_an_error_and_the_next_ask_simulates_elsewhere() {
     let mut campaign = campaign();
-    let before = save(&campaign);
-    let error = campaign.ask(&mut |_| Err("no licence".to_owned())).unwrap_err();
-    assert!(error.to_string().contains("all 18 simulations"), "{error}");
+    let mut asked_before: Vec<Vec<f64>> = Vec::new();
+    let error = campaign.ask(&mut |p| {
+        asked_before.push(p.to_vec());
+        Err("no licence".to_owned())
+    });
+    let error = error.unwrap_err();
+    assert!(error.to_string().starts_with("all 18 simulations failed, the first at ["), "{error}");
     assert!(matches!(error, Error::EverySimulationFailed { n_simulations: 18, .. }));
     let mut count = 0;
-    let error = campaign.ask(&mut |p| {
+    let mut restored: GlobalLoop = serde_json::from_str(&save(&campaign)).unwrap();
+    assert_eq!(restored, campaign);
+    let error = restored.ask(&mut |p| {
         count += 1;
+        assert!(!asked_before.contains(&p.to_vec()), "{p:?} had failed");
         if count > 5 { Err("diverged".to_owned()) } else { simulation(p) }
     });
     let error = error.unwrap_err();
     assert!(error.to_string().starts_with("13 of 18 simulations failed"), "{error}");
-    assert_eq!(save(&campaign), before);
-    assert_eq!(asked(campaign.ask(&mut simulation).unwrap()).len(), 12, "a mended simulation goes on");
+    assert!(restored.reports().is_empty() && restored.outstanding().is_empty());
+    assert_eq!(asked(restored.ask(&mut simulation).unwrap()).len(), 12, "a mended simulation goes on");
+    assert!(save(&restored).ends_with(r#""failed_cells":[]}"#), "and forgets what had failed");
+}
+
+#[test]
+fn a_simulation_that_never_works_is_tried_all_over_the_grid_again_and_again() {
+    let settings = settings(doe::Model::additive_quadratic(2).unwrap(), 6, 8);
+    let mut campaign = GlobalLoop::new(&grid(&[5, 4]), settings).unwrap();
+    let mut batches = Vec::new();
+    for _ in 0..4 {
+        let mut batch = Vec::new();
+        campaign
+            .ask(&mut |p| {
+                batch.push(campaign_cell(p));
+                Err("diverged".to_owned())
+            })
+            .unwrap_err();
+        batch.sort_unstable();
+        batches.push(batch);
+    }
+    // Of 20 cells 8, then 8 others; the last 4 do not determine 5 terms, so it begins anew.
+    assert!(batches[1].iter().all(|cell| !batches[0].contains(cell)), "{batches:?}");
+    assert_eq!((&batches[2], &batches[3]), (&batches[0], &batches[1]));
+}
+
+/// The cell of a natural point of the 5 x 4 grid.
+fn campaign_cell(p: &[f64]) -> u64 {
+    let settings = settings(doe::Model::additive_quadratic(2).unwrap(), 6, 8);
+    GlobalLoop::new(&grid(&[5, 4]), settings).unwrap().cell(p).unwrap()
 }
 
 #[test]

@@ -104,33 +104,93 @@ fn check_refused(pointer: &str, value: Value, message: &str) {
 fn a_state_that_was_tampered_with_is_refused() {
     check_refused("/format", json!(2), "format 2, expected 1");
     check_refused("/region/parameters/0/lower", json!(25.0), "is above the upper bound");
-    check_refused("/region/parameters/0/lower", json!(9.0), "handed out");
+    check_refused("/region/parameters/0/lower", json!(9.0), "`trials.trial.point` of iteration 1 is [10.0, ");
     check_refused("/region/parameters/1/levels", json!("continuous"), "`p1`");
-    check_refused("/settings/confidence", json!(0.95), "what follows from");
-    check_refused("/settings/experiment_weight", json!(0.6), "what follows from");
-    check_refused("/settings/correction/gain", json!({"constant": 0.4}), "what follows from");
-    check_refused("/settings/split", json!("alternating_from_mean"), "handed out");
+    check_refused("/settings/confidence", json!(0.95), "`screening.threshold` of iteration 1 is 1.28");
+    check_refused("/settings/experiment_weight", json!(0.6), "`screening.optimum");
+    check_refused("/settings/correction/gain", json!({"constant": 0.4}), "`changes.model`");
+    check_refused("/settings/split", json!("alternating_from_mean"), "`trials.trial.used_for`");
     check_refused("/settings/n_experiments", json!(9), "as many experiments and simulations");
     check_refused("/settings/n_experiments", json!(3), "`n_experiments` is 3");
-    check_refused("/history/0/iteration", json!(2), "what follows from");
-    check_refused("/history/0/batch/n_candidates", json!(3), "`batch`");
-    check_refused("/history/0/batch/experiment_efficiency", json!(99.0), "`batch`");
-    check_refused("/history/0/simulations/0/outcome", json!({"value": 1.0}), "what follows from");
-    check_refused("/history/0/simulations/0/point", json!([11.0, 12.0]), "`simulations`");
+    check_refused("/history/0/iteration", json!(2), "`iteration` of iteration 1 is 2, found 1");
+    check_refused("/history/0/batch/n_candidates", json!(3), "`batch.n_candidates` of iteration 1 is 3, found 90");
+    check_refused("/history/0/batch/constant_instead", json!(true), "`batch.constant_instead`");
+    check_refused(
+        "/history/0/batch/experiment_efficiency",
+        json!(99.0),
+        "`batch.experiment_efficiency` of iteration 1",
+    );
+    check_refused("/history/0/simulations/0/outcome", json!({"value": 1.0}), "of iteration 1 is");
+    check_refused("/history/0/simulations/0/point", json!([11.0, 12.0]), "`simulations.point`");
     check_refused("/history/0/simulations/0/cell", json!(90), "a cell that was left");
-    check_refused("/history/0/trials/0/outcome", json!({"value": 9.0}), "what follows from");
+    check_refused("/history/0/trials/0/outcome", json!({"value": 9.0}), "of iteration 1 is");
     check_refused("/history/0/trials/0/outcome", json!(null), "an outcome for each of its trials");
-    check_refused("/history/0/trials/0/trial/id", json!(9), "handed out");
-    check_refused("/history/0/trials/0/trial/point/0", json!(11.1), "handed out");
+    check_refused("/history/0/trials/0/trial/id", json!(9), "`trials.trial.id`");
+    check_refused("/history/0/trials/0/trial/point/0", json!(11.1), "`trials.trial.point`");
     check_refused("/history/0/trials/0/actual", json!([12.0, 17.0]), "`p1` is 17.0");
-    check_refused("/history/0/screening/n_after", json!(5), "what follows from");
-    check_refused("/history/0/screening/threshold", json!(1.0), "what follows from");
-    check_refused("/history/0/screening/optimum_value", json!(0.0), "what follows from");
-    check_refused("/history/0/changes/model", json!(0.0), "what follows from");
-    check_refused("/history/0/not_corrected", json!("no"), "what follows from");
+    check_refused("/history/0/screening/optimum_cell", json!(5), "`screening.optimum_cell` of iteration 1 is 5");
+    check_refused("/history/0/screening/n_after", json!(5), "`screening.n_after` of iteration 1 is 5");
+    check_refused("/history/0/screening/spread/estimated/n_validation", json!(9), "`screening.spread.n_validation`");
+    check_refused("/history/0/screening/spread", json!({"undefined": {"because": "zero"}}), "`screening.spread`");
+    check_refused("/history/0/changes/gap", json!(null), "`changes.gap` of iteration 1 is None");
+    check_refused("/history/0/not_corrected", json!("no"), "`not_corrected`");
+    check_refused("/failed_cells", json!([1]), "`failed_cells`");
     check_refused("/open/trials/7/actual", json!([12.0, 12.0]), "nothing while the trial is outstanding");
     check_refused("/open/trials/7/trial/cell", json!(90), "a cell that was left");
     check_refused("/open/trials", json!([]), "as many experiments and simulations");
+}
+
+/// Two closed iterations.
+fn of_two_iterations() -> GlobalLoop {
+    let mut campaign = small(3);
+    for _ in 0..2 {
+        for trial in asked(campaign.ask(&mut simulation).unwrap()) {
+            answer(&mut campaign, &trial);
+        }
+    }
+    campaign
+}
+
+/// What was computed comes from factorizations, which round differently with other instruction sets.
+#[test]
+fn numbers_that_follow_may_differ_by_rounding_and_not_by_more() {
+    let campaign = of_two_iterations();
+    let state = serde_json::to_value(&campaign).unwrap();
+    for (pointer, field) in [
+        ("/history/0/batch/experiment_efficiency", "`batch.experiment_efficiency`"),
+        ("/history/1/batch/simulation_efficiency", "`batch.simulation_efficiency`"),
+        ("/history/0/screening/optimum_value", "`screening.optimum_value`"),
+        ("/history/0/screening/spread/estimated/s", "`screening.spread.s`"),
+        ("/history/1/screening/threshold", "`screening.threshold`"),
+        ("/history/0/changes/gap", "`changes.gap`"),
+        ("/history/0/changes/innovation", "`changes.innovation`"),
+        ("/history/1/changes/model", "`changes.model`"),
+        ("/history/1/changes/experiment", "`changes.experiment`"),
+    ] {
+        let with = |factor: f64| {
+            let mut state = state.clone();
+            let value = state.pointer_mut(pointer).expect("the field is there");
+            *value = json!(value.as_f64().expect("a number") * factor);
+            serde_json::from_str::<GlobalLoop>(&state.to_string())
+        };
+        for slight in [1.0 - 1e-12, 1.0 + 1e-12] {
+            let read = with(slight).unwrap_or_else(|error| panic!("{pointer}: {error}"));
+            assert!(read == campaign, "{pointer}: what was found stays");
+            assert_eq!(read.retained(), campaign.retained());
+        }
+        let error = with(1.0 + 1e-4).unwrap_err().to_string();
+        assert!(error.contains(field) && error.contains(", found "), "{pointer}: {error}");
+    }
+}
+
+#[test]
+fn the_seed_may_be_changed_and_counts_from_the_next_iteration_on() {
+    let campaign = of_two_iterations();
+    let mut state = serde_json::to_value(&campaign).unwrap();
+    state["settings"]["seed"] = json!(77);
+    let read = load(&state.to_string());
+    assert_eq!(read.reports(), campaign.reports());
+    assert_eq!(read.settings().seed, 77);
 }
 
 #[test]

@@ -19,10 +19,7 @@ fn settings_out_of_range_are_named() {
     check_refused(|settings| settings.n_experiments = 3, "`n_experiments` is 3, expected at least 4");
     check_refused(|settings| settings.n_simulations = 5, "`n_simulations` is 5");
     check_refused(|settings| settings.n_simulations = 10_001, "`n_simulations` is 10001");
-    check_refused(
-        |settings| settings.model = Model::linear(3).unwrap(),
-        "the setting `model` has 3 factors, expected 2",
-    );
+    check_refused(|settings| settings.model = Model::linear(3).unwrap(), "the setting `model`");
     check_refused(|settings| settings.experiment_weight = 0.0, "`experiment_weight` is 0.0");
     check_refused(|settings| settings.simulation_weight = f64::NAN, "`simulation_weight` is NaN");
     check_refused(|settings| settings.confidence = 0.5, "`confidence` is 0.5, expected 0.5 < confidence < 1");
@@ -35,6 +32,19 @@ fn settings_out_of_range_are_named() {
         |settings| settings.surfaces.experiment = SurfaceKind::InverseDistance { power: 0.0 },
         "`power` is 0.0",
     );
+    check_refused(
+        |settings| settings.surfaces.simulation = SurfaceKind::InverseDistance { power: 101.0 },
+        "`power` is 101.0, expected a number above 0, at most 100",
+    );
+    let scale = Some(1e101);
+    check_refused(
+        |settings| settings.surfaces.experiment = SurfaceKind::SquaredExponential { scale },
+        "`scale` is 1e101, expected a number from 1e-100 to 1e100",
+    );
+    check_refused(|settings| settings.experiment_weight = 1e101, "`experiment_weight` is 1e101");
+    check_refused(|settings| settings.simulation_weight = 1e-101, "`simulation_weight` is 1e-101");
+    check_refused(|settings| settings.experiment_weight = 0.31e6, "`experiment_weight` is 310000.0, expected 1e-6 to");
+    check_refused(|settings| settings.simulation_weight = 0.71e6, "`experiment_weight` is 0.7, expected 1e-6 to");
     let scale = Some(f64::INFINITY);
     check_refused(|settings| settings.surfaces.combined = SurfaceKind::SquaredExponential { scale }, "`scale` is inf");
     let balanced = |settings: &mut GlobalSettings| {

@@ -104,3 +104,58 @@ fn a_large_grid_is_represented_by_a_part_of_it() {
     assert!(everywhere <= batch.experiment_efficiency + 1e-9);
     assert!(everywhere > 0.97 * batch.experiment_efficiency, "{everywhere} {batch:?}");
 }
+
+#[test]
+fn a_model_of_which_nothing_is_left_becomes_a_constant() {
+    let model = Model::new(2, vec![doe::Term::new(vec![2, 0])]).unwrap();
+    let mut settings = settings(model, 6, 8);
+    settings.fallback = SpreadFallback::Given(0.1);
+    settings.max_iterations = 3;
+    let mut campaign = GlobalLoop::new(&grid(&[11, 7]), settings).unwrap();
+    // Steep in p0 only, so that the middle level of p0 is left, where its square vanishes.
+    let steep = |p: &[f64]| 1e3 * coded(p)[0].powi(2);
+    let mut rig = |trial: &infuse::GlobalTrial| Ok(steep(&trial.point));
+    assert_eq!(campaign.run(&mut |p| Ok(steep(p)), &mut rig).unwrap(), GlobalStopReason::IterationLimit);
+    let batches: Vec<_> = campaign.reports().iter().map(|report| &report.batch).collect();
+    assert_eq!(batches[1].n_candidates, 7);
+    assert_eq!(batches.iter().map(|batch| batch.constant_instead).collect::<Vec<_>>(), [false, true, true]);
+    assert!(batches[1].dropped_terms[0].name == "p0^2" && batches[1].dropped_terms[0].equals.is_empty());
+    // 6 runs determine a constant to 1/6 of the variance, as do all designs of 6 runs.
+    assert!((batches[1].experiment_efficiency - 100.0).abs() < 1e-9, "{:?}", batches[1]);
+    let regression = campaign.surfaces()[2].experiment.as_ref().unwrap().regression().unwrap().coefficients().to_vec();
+    assert!(regression.len() == 1 && regression[0].abs() < 1e-12, "{regression:?}");
+    let read: GlobalLoop = serde_json::from_str(&crate::global_problems::save(&campaign)).unwrap();
+    assert_eq!(read, campaign);
+}
+
+/// Every cell is simulated, and inverse distance gives each its own cost back: what is left is what is cheap.
+#[test]
+fn a_level_that_is_left_in_two_cells_only_is_designed_for() {
+    let model = Model::quadratic(3).unwrap();
+    let mut settings = settings(model.clone(), 14, 12 * 10 * 12);
+    let exact = infuse::SurfaceKind::InverseDistance { power: 2.0 };
+    settings.surfaces = infuse::SurfaceKinds { experiment: exact, simulation: exact, combined: exact };
+    settings.fallback = SpreadFallback::Given(0.1);
+    settings.max_iterations = 2;
+    let region = grid(&[12, 10, 12]);
+    let digits = |p: &[f64]| -> Vec<u32> {
+        let pairs = region.parameters().iter().zip(p);
+        pairs.map(|(parameter, &x)| parameter.nearest_level(x).unwrap()).collect()
+    };
+    let cost = |p: &[f64]| match digits(p)[..] {
+        [_, 8 | 9, _] | [3, 4, 2] | [9, 4, 7] => 0.0,
+        _ => 1e3,
+    };
+    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    campaign.run(&mut |p| Ok(cost(p)), &mut |trial| Ok(cost(&trial.point))).unwrap();
+    let second = &campaign.reports()[1];
+    assert_eq!(second.screening.n_before, 2 * 144 + 2);
+    assert!(second.batch.dropped_terms.is_empty(), "{:?}", second.batch);
+    let mut cells: Vec<u64> = second.trials.iter().map(|record| record.trial.cell).collect();
+    let rare = second.trials.iter().filter(|record| digits(&record.trial.point)[1] == 4).count();
+    assert_eq!(rare, 2, "the square of p1 needs them");
+    cells.sort_unstable();
+    cells.dedup();
+    assert_eq!(cells.len(), 14);
+    assert!(second.batch.experiment_efficiency > 20.0, "{:?}", second.batch);
+}

@@ -6,6 +6,7 @@ mod convergence;
 mod correction;
 mod errors;
 mod failures;
+mod global_accuracy;
 mod global_convergence;
 mod global_failures;
 mod global_problems;

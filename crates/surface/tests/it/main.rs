@@ -9,6 +9,7 @@ mod invariants;
 mod lack_of_fit;
 mod limits;
 mod nist;
+mod polynomial;
 mod regression;
 mod scale;
 mod serde;

@@ -47,7 +47,7 @@ fn what_is_read_is_checked() {
     let weight = refused(r#"{"data":{"points":[[0]],"values":[4],"weights":[-2]},"power":1}"#);
     assert!(weight.contains("the weight of point 0 is -2.0"), "{weight}");
     let ragged = refused(r#"{"data":{"points":[[0],[0,1]],"values":[4,5]},"power":1}"#);
-    assert!(ragged.contains("2 coordinates of a point, expected 1"), "{ragged}");
+    assert!(ragged.contains("number of coordinates of a point: 2, expected 1"), "{ragged}");
     let unknown = refused(r#"{"data":{"points":[[0]],"values":[4]},"power":1,"exponent":2}"#);
     assert!(unknown.contains("unknown field `exponent`"), "{unknown}");
 }
