@@ -1,10 +1,11 @@
 //! `cargo xtask ci`: everything that a change must pass, one step after the other, up to the first that fails.
 
 use std::io::Write as _;
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use serde::Deserialize;
 
 use crate::{tidy, workspace};
@@ -32,6 +33,7 @@ const STEPS: &[Step] = &[
     Step { heading: "Chapter 2", run: || cargo(&["xtask", "reproduce-chapter2", "--check"]) },
     Step { heading: "Chapter 3", run: || cargo(&["xtask", "reproduce-chapter3", "--check"]) },
     Step { heading: "Chapter 4", run: || cargo(&["xtask", "reproduce-chapter4", "--check"]) },
+    Step { heading: "Chapter 6", run: || cargo(&["xtask", "reproduce-chapter6", "--check"]) },
 ];
 
 /// Runs the steps.
@@ -55,17 +57,21 @@ fn documentation() -> Result<()> {
     run_quietly(command.env("RUSTDOCFLAGS", "-D warnings"))
 }
 
-/// Runs every example; optimized, as a user would.
+/// Runs every example; optimized, as a user would. All are built at once: one package at a time, each would have the
+/// features of its own, and the large dependencies would be compiled anew for many of them.
 fn examples() -> Result<()> {
+    cargo(&["build", "--release", "--workspace", "--examples", "--all-features"])?;
     let output = workspace::cargo(&["metadata", "--no-deps", "--format-version", "1"])?
         .output()
         .context("cannot start cargo")?;
     if !output.status.success() {
         bail!("cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
     }
-    for Example { package, name, features } in examples_in(&output.stdout)? {
-        let features = features.join(",");
-        cargo(&["run", "--release", "--package", &package, "--features", &features, "--example", &name])?;
+    let metadata: Metadata = serde_json::from_slice(&output.stdout).context("cargo metadata")?;
+    for name in example_names(&metadata)? {
+        let program = metadata.target_directory.join("release/examples").join(name);
+        let mut command = Command::new(program.with_extension(std::env::consts::EXE_EXTENSION));
+        run_quietly(command.current_dir(workspace::root()?))?;
     }
     Ok(())
 }
@@ -102,21 +108,14 @@ fn describe(command: &Command) -> String {
     std::iter::once("cargo".into()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
-#[derive(Debug, PartialEq)]
-struct Example {
-    package: String,
-    name: String,
-    features: Vec<String>,
-}
-
 #[derive(Deserialize)]
 struct Metadata {
     packages: Vec<Package>,
+    target_directory: PathBuf,
 }
 
 #[derive(Deserialize)]
 struct Package {
-    name: String,
     targets: Vec<Target>,
 }
 
@@ -124,23 +123,18 @@ struct Package {
 struct Target {
     name: String,
     kind: Vec<String>,
-    #[serde(default, rename = "required-features")]
-    required_features: Vec<String>,
 }
 
-/// The examples of all packages in the answer of `cargo metadata`.
-fn examples_in(metadata: &[u8]) -> Result<Vec<Example>> {
-    let metadata: Metadata = serde_json::from_slice(metadata).context("cargo metadata")?;
-    let mut examples = Vec::new();
-    for package in metadata.packages {
-        for target in package.targets {
-            if target.kind.iter().any(|kind| kind == "example") {
-                let Target { name, required_features: features, .. } = target;
-                examples.push(Example { package: package.name.clone(), name, features });
-            }
-        }
+/// The examples of all packages. No two may share a name: they are built into one folder.
+fn example_names(metadata: &Metadata) -> Result<Vec<&str>> {
+    let targets = metadata.packages.iter().flat_map(|package| &package.targets);
+    let examples = targets.filter(|target| target.kind.iter().any(|kind| kind == "example"));
+    let mut names: Vec<&str> = Vec::new();
+    for example in examples {
+        ensure!(!names.contains(&example.name.as_str()), "two examples are called `{}`", example.name);
+        names.push(&example.name);
     }
-    Ok(examples)
+    Ok(names)
 }
 
 #[cfg(test)]
@@ -155,14 +149,22 @@ mod tests {
         assert!(text.contains("no such command: `no-such-command`"), "{text}");
     }
 
+    fn metadata(second: &str) -> Metadata {
+        let text = r#"{"target_directory": "target", "packages": [{"name": "a", "targets": [
+            {"name": "a", "kind": ["lib"]}, {"name": "first", "kind": ["example"]}]},
+            {"name": "b", "targets": [{"name": "it", "kind": ["test"]}, {"name": "SECOND", "kind": ["example"]}]}]}"#;
+        serde_json::from_str(&text.replace("SECOND", second)).expect("valid")
+    }
+
     #[test]
     fn examples_are_found_by_their_kind() {
-        let metadata = br#"{"packages": [{"name": "a", "targets": [
-            {"name": "a", "kind": ["lib"]}, {"name": "first", "kind": ["example"], "required-features": ["b"]}]},
-            {"name": "b", "targets": [{"name": "it", "kind": ["test"]}]}]}"#;
-        let found = examples_in(metadata).expect("valid");
-        let first = Example { package: "a".into(), name: "first".into(), features: vec!["b".into()] };
-        assert_eq!(found, [first]);
+        assert_eq!(example_names(&metadata("second")).expect("different names"), ["first", "second"]);
+    }
+
+    #[test]
+    fn two_examples_of_one_name_are_refused() {
+        let error = example_names(&metadata("first")).expect_err("the same name");
+        assert_eq!(error.to_string(), "two examples are called `first`");
     }
 
     #[test]

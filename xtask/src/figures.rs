@@ -2,6 +2,7 @@
 
 mod axis;
 mod canvas;
+mod cells;
 mod contours;
 mod labels;
 mod landscape;
@@ -10,7 +11,8 @@ mod spread;
 mod thinning;
 
 pub(crate) use axis::Axis;
-pub(crate) use landscape::{Landscape, Path, landscape_figure, landscape_panels_figure};
+pub(crate) use cells::{CellFigure, CellPanel, cell_figure};
+pub(crate) use landscape::{Landscape, Path, Points, landscape_figure, landscape_panels_figure};
 pub(crate) use lines::{LineFigure, Panel, Series, Shaded, line_figure};
 pub(crate) use spread::{Group, Reference, SpreadFigure, Summary, spread_figure};
 #[cfg(test)]

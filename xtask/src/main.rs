@@ -4,10 +4,15 @@
 mod chapter2;
 mod chapter3;
 mod chapter4;
+mod chapter6;
+mod chapter7;
 mod ci;
+mod claims;
 mod doe_records;
 mod figures;
+mod gridded;
 mod page;
+mod reproduce_all;
 mod reproduction;
 mod study;
 mod table;
@@ -17,27 +22,18 @@ mod workspace;
 use std::path::Path;
 use std::process::ExitCode;
 
-use reproduction::Reproduction;
+use reproduction::{Extent, Reproduction};
 
-const USAGE: &str = "\
-cargo xtask <command>
+const USAGE: &str = include_str!("usage.txt");
 
-Studies:
-  reproduce-chapter2   similarity: dimensionless groups, Table 2, flights of three models, the rig at full scale
-  reproduce-chapter3   open loop: Figure 14, cost over trim pitch and center of mass for four configurations
-  reproduce-chapter4   the loop of Chapter 3 on the case study of Chapter 4
-
-  doe-records          optimal designs: the kept ones verified beside the published record, and searched for anew
-
-  Each writes to its folder in target/reproduction/; with --check it fails when its page docs/results-*.md says something else.
-
-Checks:
-  ci      everything that a change must pass; quiet until a step fails
-  tidy    the rules of the tree that no compiler checks
-
-  help    this text";
-
-static STUDIES: [Reproduction; 4] = [chapter2::CHAPTER, chapter3::CHAPTER, chapter4::CHAPTER, doe_records::RECORDS];
+static STUDIES: [Reproduction; 6] = [
+    chapter2::CHAPTER,
+    chapter3::CHAPTER,
+    chapter4::CHAPTER,
+    chapter6::CHAPTER,
+    chapter7::CHAPTER,
+    doe_records::RECORDS,
+];
 
 /// The study that a command names.
 fn study(command: &str) -> Option<&'static Reproduction> {
@@ -56,20 +52,23 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match words.as_slice() {
-        [name] if study(name).is_some() => run_study(name, |study, root| (study.run)(root)),
+        [name] if study(name).is_some() => run_study(name, |study, root| study.run(root, Extent::Default)),
+        [name, "--full"] if study(name).is_some() => run_study(name, |study, root| study.run(root, Extent::Full)),
         [name, "--check"] if study(name).is_some() => run_study(name, Reproduction::check),
+        ["reproduce-all"] => workspace::root().and_then(|root| reproduce_all::run(&root, &STUDIES, false)),
+        ["reproduce-all", "--check"] => workspace::root().and_then(|root| reproduce_all::run(&root, &STUDIES, true)),
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
         ["help" | "--help" | "-h"] => {
-            println!("{USAGE}");
+            print!("{USAGE}");
             Ok(())
         }
         [] => {
-            eprintln!("{USAGE}");
+            eprint!("{USAGE}");
             return ExitCode::from(USAGE_ERROR);
         }
         unknown => {
-            eprintln!("error: no command `{}`\n\n{USAGE}", unknown.join(" "));
+            eprintln!("error: no command `{}`\n\n{}", unknown.join(" "), USAGE.trim_end());
             return ExitCode::from(USAGE_ERROR);
         }
     };

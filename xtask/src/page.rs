@@ -111,7 +111,7 @@ th, td { padding: 5px 9px; border-bottom: 1px solid #ddd; vertical-align: bottom
 thead th { border-bottom: 2px solid #222; }
 th span { font-weight: normal; color: #555; }
 .number { text-align: right; font-variant-numeric: tabular-nums; }
-td { white-space: nowrap; }
+td { white-space: nowrap; vertical-align: top; }
 .words { text-align: left; }
 .long { white-space: normal; }
 @media print { figure, table { break-inside: avoid; } }

@@ -7,6 +7,15 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::page::Page;
 
+/// How much of a study is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// What fits into a few minutes.
+    Default,
+    /// With the finest grid, for as long as it takes: `--full`.
+    Full,
+}
+
 /// A study that writes a page and keeps its short form in `docs/`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reproduction {
@@ -15,39 +24,63 @@ pub(crate) struct Reproduction {
     /// What its folder and its page of results are called.
     pub(crate) name: &'static str,
     /// Runs the study and writes everything, `results.md` included.
-    pub(crate) run: fn(&Path) -> Result<()>,
+    pub(crate) run: Run,
+}
+
+/// A study as a function of the root of the workspace.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Run {
+    /// It has one extent.
+    Always(fn(&Path) -> Result<()>),
+    /// It can also be run in full.
+    OrFull(fn(&Path, Extent) -> Result<()>),
 }
 
 impl Reproduction {
     /// Where the study writes, from the root.
     pub(crate) fn out(&self) -> PathBuf {
-        PathBuf::from(format!("target/reproduction/{}", self.name))
+        self.out_of(Extent::Default)
+    }
+
+    /// Where it writes what it finds in this extent.
+    pub(crate) fn out_of(&self, extent: Extent) -> PathBuf {
+        let suffix = if extent == Extent::Full { "-full" } else { "" };
+        PathBuf::from(format!("target/reproduction/{}{suffix}", self.name))
+    }
+
+    /// Runs the study.
+    pub(crate) fn run(&self, root: &Path, extent: Extent) -> Result<()> {
+        match (self.run, extent) {
+            (Run::Always(run), Extent::Default) => run(root),
+            (Run::OrFull(run), extent) => run(root, extent),
+            (Run::Always(_), Extent::Full) => bail!("{} has no --full: it always runs in full", self.command),
+        }
     }
 
     /// The same from anywhere, made if it is not there: a study should not find out after its flights that it cannot write.
-    pub(crate) fn prepare(&self, root: &Path) -> Result<PathBuf> {
-        let out = root.join(self.out());
+    pub(crate) fn prepare(&self, root: &Path, extent: Extent) -> Result<PathBuf> {
+        let out = root.join(self.out_of(extent));
         std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
         Ok(out)
     }
 
     /// Runs the study and fails when it finds something else than the committed page of results says.
     pub(crate) fn check(&self, root: &Path) -> Result<()> {
-        (self.run)(root)?;
-        let out = self.out();
-        let committed_at = format!("docs/results-{}.md", self.name);
-        let fresh = std::fs::read_to_string(root.join(&out).join("results.md"))?;
-        let committed = std::fs::read_to_string(root.join(&committed_at)).context(committed_at.clone())?;
-        let differing = fresh.lines().zip(committed.lines()).find(|(a, b)| a != b);
-        if let Some((found, said)) = differing {
-            bail!(
-                "{committed_at} is out of date; copy {}/results.md over it\n  page: {said}\n  run:  {found}",
-                out.display()
-            );
-        }
-        ensure!(fresh == committed, "{committed_at} is out of date: it is longer or shorter than what the run finds");
-        Ok(())
+        self.run(root, Extent::Default)?;
+        compare(root, &self.out().join("results.md"), &format!("docs/results-{}.md", self.name))
     }
+}
+
+/// That a committed page says what a run found.
+pub(crate) fn compare(root: &Path, fresh_at: &Path, committed_at: &str) -> Result<()> {
+    let fresh = std::fs::read_to_string(root.join(fresh_at)).with_context(|| fresh_at.display().to_string())?;
+    let committed = std::fs::read_to_string(root.join(committed_at)).with_context(|| committed_at.to_owned())?;
+    let differing = fresh.lines().zip(committed.lines()).find(|(a, b)| a != b);
+    if let Some((found, said)) = differing {
+        bail!("{committed_at} is out of date; copy {} over it\n  page: {said}\n  run:  {found}", fresh_at.display());
+    }
+    ensure!(fresh == committed, "{committed_at} is out of date: it is longer or shorter than what the run finds");
+    Ok(())
 }
 
 /// A picture with the name of its file and what it shows.
@@ -76,7 +109,7 @@ pub(crate) fn read_study<T>(path: &Path, parse: impl FnOnce(&str, &Path) -> Resu
 #[track_caller]
 pub(crate) fn assert_refused<T: std::fmt::Debug>(
     name: &str,
-    parse: fn(&str, &Path) -> Result<T>,
+    parse: impl FnOnce(&str, &Path) -> Result<T>,
     [from, to]: [&str; 2],
     words: &[&str],
 ) {

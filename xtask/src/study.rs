@@ -23,6 +23,10 @@ pub(crate) enum Variable {
     CenterOfMass,
     /// Pitch set point, in degrees.
     PitchSetPoint,
+    /// `A^H`, the factor on the area of the horizontal stabilizer.
+    HorizontalArea,
+    /// `A^V`, the factor on the area of the vertical stabilizer.
+    VerticalArea,
 }
 
 impl Variable {
@@ -30,7 +34,11 @@ impl Variable {
         let (variable, expected) = match name {
             "center_of_mass" => (Self::CenterOfMass, "% chord"),
             "pitch_set_point" => (Self::PitchSetPoint, "deg"),
-            other => bail!("parameter.name = `{other}`: it must be center_of_mass or pitch_set_point"),
+            "horizontal_area" => (Self::HorizontalArea, "1"),
+            "vertical_area" => (Self::VerticalArea, "1"),
+            other => bail!(
+                "parameter.name = `{other}`: it must be center_of_mass, pitch_set_point, horizontal_area or vertical_area"
+            ),
         };
         if unit != expected {
             bail!("parameter `{name}` has the unit `{unit}`: it must be `{expected}`");
@@ -42,6 +50,8 @@ impl Variable {
         match self {
             Self::CenterOfMass => rig.plant.body.center_of_mass_x = value / 100.0,
             Self::PitchSetPoint => rig.set_points.pitch_rad = value.to_radians(),
+            Self::HorizontalArea => rig.plant.horizontal_stabilizer.area_factor = value,
+            Self::VerticalArea => rig.plant.vertical_stabilizer.area_factor = value,
         }
     }
 }
@@ -142,15 +152,31 @@ impl Study {
         let known: Vec<Option<Cost>> = points.iter().map(|point| self.remembered(&key(point, fidelity))).collect();
         let missing: Vec<usize> = (0..points.len()).filter(|k| known[*k].is_none()).collect();
         landed(points.len() - missing.len());
-        let requests: Vec<FlightRequest> = missing.iter().map(|k| self.request(&points[*k], fidelity)).collect();
-        let flown = fly_all(&requests, &self.profile, &self.settings, landed);
+        let unknown: Vec<Vec<f64>> = missing.iter().map(|k| points[*k].clone()).collect();
         let mut costs = known;
-        for (k, flight) in missing.into_iter().zip(flown) {
-            let cost = self.value(&points[k], flight);
+        for (k, cost) in missing.into_iter().zip(self.flown_costs(&unknown, fidelity, landed)) {
             self.remember(key(&points[k], fidelity), cost.clone());
             costs[k] = Some(cost);
         }
         costs.into_iter().flatten().collect()
+    }
+
+    /// The same, all flown and none remembered.
+    pub(crate) fn flown_costs(
+        &self,
+        points: &[Vec<f64>],
+        fidelity: Fidelity,
+        landed: impl Fn(usize) + Sync,
+    ) -> Vec<Cost> {
+        let requests: Vec<FlightRequest> = points.iter().map(|point| self.request(point, fidelity)).collect();
+        let flown = fly_all(&requests, &self.profile, &self.settings, landed);
+        points.iter().zip(flown).map(|(point, flight)| self.value(point, flight)).collect()
+    }
+
+    /// Everything in this study that decides what a design costs in a fidelity, as text: rig, test, weights, step size
+    /// and what the design variables are.
+    pub(crate) fn contents(&self, fidelity: Fidelity) -> String {
+        format!("{:?}", (&self.rig, &self.profile, &self.weights, &self.settings, &self.variables, fidelity))
     }
 
     /// A flight of a reported design with its log, every `every`-th sample.

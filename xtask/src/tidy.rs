@@ -17,7 +17,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("surface", &["doe"]),
     ("tether-control", &[]),
     ("water-channel", &["bat-dynamics", "tether-control"]),
-    ("xtask", &["bat-dynamics", "doe", "infuse", "scaling", "tether-control", "water-channel"]),
+    ("xtask", &["bat-dynamics", "doe", "infuse", "scaling", "surface", "tether-control", "water-channel"]),
 ];
 
 /// First parts of paths that exist on one machine only.

@@ -18,12 +18,13 @@ use file::Setup;
 use full_scale::FullScale;
 use models::{Case, Releases};
 
-use crate::reproduction::{self, Picture, Reproduction, progress};
+use crate::claims;
+use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use crate::table::{Column, write_columns_csv};
 
 /// The study, and the committed copy of its results.
 pub(crate) const CHAPTER: Reproduction =
-    Reproduction { command: "reproduce-chapter2", name: "chapter2", run: reproduce };
+    Reproduction { command: "reproduce-chapter2", name: "chapter2", run: Run::Always(reproduce) };
 
 /// Everything that the study found.
 pub(crate) struct Findings<'a> {
@@ -42,7 +43,7 @@ pub(crate) struct Findings<'a> {
 fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter2.toml"))?;
-    let out = CHAPTER.prepare(root)?;
+    let out = CHAPTER.prepare(root, Extent::Default)?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
 
     let bar = progress("groups, releases, full scale, pictures", 4);
@@ -70,6 +71,7 @@ fn reproduce(root: &Path) -> Result<()> {
     bar.finish();
 
     reproduction::save_page(&out, &pictures, &report::page(&findings, &pictures)?, &report::markdown(&findings)?)?;
+    claims::save(&out, &report::claims(&findings)?)?;
     findings.full_scale.save(&setup, &out)?;
     tables::full_scale(&findings).write_csv(&out.join("full-scale.csv"))?;
     tables::laws(&findings)?.write_csv(&out.join("laws.csv"))?;

@@ -15,13 +15,14 @@ use water_channel::{FlightLog, fly_logged};
 use file::Setup;
 use panels::PanelFlights;
 
-use crate::reproduction::{self, Picture, Reproduction, progress};
+use crate::claims;
+use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use crate::study::{MODEL, STAND_IN};
 use crate::table::{Column, Table, write_columns_csv};
 
 /// The study, and the committed copy of its results.
 pub(crate) const CHAPTER: Reproduction =
-    Reproduction { command: "reproduce-chapter3", name: "chapter3", run: reproduce };
+    Reproduction { command: "reproduce-chapter3", name: "chapter3", run: Run::Always(reproduce) };
 
 /// Every flight of the study.
 pub(crate) struct Findings<'a> {
@@ -38,7 +39,7 @@ pub(crate) struct Findings<'a> {
 fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter3.toml"))?;
-    let out = CHAPTER.prepare(root)?;
+    let out = CHAPTER.prepare(root, Extent::Default)?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.title);
 
     let designs = setup.center_of_mass.places().len() * setup.trim_pitch.places().len();
@@ -63,6 +64,7 @@ fn reproduce(root: &Path) -> Result<()> {
     bar.finish();
 
     reproduction::save_page(&out, &pictures, &report::page(&findings, &pictures), &report::markdown(&findings))?;
+    claims::save(&out, &report::claims(&findings))?;
     designs_csv(&findings, &out.join("designs.csv"))?;
     report::print(&findings, &CHAPTER.out());
     Ok(())

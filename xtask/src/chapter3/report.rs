@@ -7,7 +7,8 @@ use water_channel::LogRow;
 use super::Findings;
 use super::file::Setup;
 use super::panels::{Design, PanelFlights};
-use crate::figures::{Axis, Landscape, LineFigure, Panel, Series, landscape_panels_figure, line_figure};
+use crate::claims::{Claim, Place, Verdict};
+use crate::figures::{Axis, Landscape, LineFigure, Panel, Points, Series, landscape_panels_figure, line_figure};
 use crate::page::Page;
 use crate::reproduction::{Picture, markdown_list};
 use crate::table::{Column, Table, provenance_table};
@@ -54,12 +55,14 @@ pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], nam
                 .map(|row| row.iter().map(|design| design.cost().map_or(f64::NAN, f64::log10)).collect())
                 .collect(),
             missing_label: "a line goes slack, or the state leaves the model".to_owned(),
-            marked: panel
-                .unstable()
-                .filter(|design| design.cost().is_some())
-                .map(|design| (design.at[0], design.at[1]))
-                .collect(),
-            marked_label: "unstable".to_owned(),
+            points: vec![Points::small(
+                "unstable",
+                panel
+                    .unstable()
+                    .filter(|design| design.cost().is_some())
+                    .map(|design| (design.at[0], design.at[1]))
+                    .collect(),
+            )],
             verticals: setup.center_of_mass.table4.map_or(Vec::new(), |bounds| bounds.to_vec()),
             verticals_label: "bounds of Table 4".to_owned(),
             paths: Vec::new(),
@@ -311,6 +314,29 @@ fn sentences(findings: &Findings<'_>) -> Vec<String> {
     }
     sentences
 }
+
+/// What the dissertation claims in this chapter, and what of it came out.
+pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
+    let inside = |design: &Design| in_table4(findings.setup, design);
+    let spans: Vec<f64> =
+        findings.stand_in.iter().filter_map(|panel| Some(panel.worst(inside)?.1 / panel.best(inside)?.1)).collect();
+    let depends = spans.len() == findings.stand_in.len() && spans.iter().all(|span| *span > MATTERS);
+    let words: Vec<String> = spans.iter().map(|span| format!("{span:.1}")).collect();
+    let claim = Claim::new(
+        Place::Figure(14),
+        "In each of four configurations the open-loop cost depends on trim pitch and center of mass",
+        Verdict::in_kind_if(depends),
+        format!(
+            "In the stand-in the highest cost of the stable designs within Table 4 is {} times the lowest, panel by panel. The figure \
+             prints no numbers that could be compared.",
+            words.join(", ")
+        ),
+    );
+    vec![claim.shown_in(&["figure-14"])]
+}
+
+/// A cost that varies by less than this factor would depend on nothing.
+const MATTERS: f64 = 1.5;
 
 /// The page of the study.
 pub(crate) fn page(findings: &Findings<'_>, pictures: &[Picture]) -> Page {

@@ -6,6 +6,7 @@ use water_channel::Provenance;
 use super::file::Published;
 use super::pictures::Material;
 use super::results::{ERRORS, Rows, fall_pct, falls_pct};
+use crate::claims::{Claim, Place, Verdict};
 use crate::figures::Summary;
 use crate::reproduction::Picture;
 use crate::study::{MODEL, STAND_IN};
@@ -207,6 +208,77 @@ impl Findings<'_> {
             if wells.len() == 1 { "one minimum".to_owned() } else { format!("{} minima", wells.len()) },
             list.join("; ")
         )
+    }
+
+    /// What the dissertation claims in this chapter, and what of it came out.
+    pub(super) fn claims(&self) -> Vec<Claim> {
+        let rows = self.printed();
+        let (first, last) = (rows.first(), rows.last());
+        let (theirs, published) = (self.published_fall_pct(), self.published());
+        let falls = rows.fall_pct() > 0.0;
+        let moves = |k: usize| {
+            let theirs = published[published.len() - 1].point()[k] - published[0].point()[k];
+            theirs * (last.point[k] - first.point[k]) > 0.0
+        };
+        let seeds: Vec<String> = self
+            .material
+            .seeded
+            .first()
+            .and_then(|seeded| Some((seeded, Summary::of(&falls_pct(self.material.setup, seeded))?)))
+            .map(|(_, s)| format!(" Over {} noise seeds: median {:.1} %, worst {:.1} %.", s.count, s.median, s.minimum))
+            .into_iter()
+            .collect();
+        let fall = format!(
+            "The experimental cost falls by {:.1} %, in the dissertation by {theirs:.1} %, with {} experiments each.{}",
+            rows.fall_pct(),
+            rows.n_experiments(),
+            seeds.concat()
+        );
+        let mut claims = vec![
+            Claim::new(
+                Place::Contribution(1),
+                "An iterative co-design framework that fuses experiments and simulations by gradients",
+                Verdict::in_kind_if(falls),
+                format!("`infuse::GradientLoop` with the sign of (27) mended. {fall}"),
+            ),
+            Claim::new(
+                Place::Contribution(5),
+                "It is validated on two parameters in the water channel",
+                Verdict::in_kind_if(falls),
+                format!("Against a stand-in, not in water. {fall}"),
+            ),
+            Claim::new(
+                Place::Table(3),
+                "In three iterations the optimum moves aft and to a higher pitch, and the experimental cost falls",
+                Verdict::in_kind_if(falls && moves(0) && moves(1)),
+                format!(
+                    "Row 1 was calibrated and counts for nothing. Last row: {:.2} % chord and {:.2} deg, in the dissertation {} and {}. {fall}",
+                    last.point[0],
+                    last.point[1],
+                    published[published.len() - 1].center_of_mass,
+                    published[published.len() - 1].pitch_set_point
+                ),
+            )
+            .shown_in(&["landscape-stand-in"]),
+            Claim::new(
+                Place::Figure(15),
+                "The test: three speeds, three pulls at the port line",
+                Verdict::TakenOver,
+                "As printed in Section 3.2 and (22)-(26).".to_owned(),
+            )
+            .shown_in(&["figure-15-test-profile"]),
+        ];
+        claims.extend(ERRORS.map(|(what, number, error)| {
+            let (before, after) = (first.mean_squared_deg2(error), last.mean_squared_deg2(error));
+            Claim::new(
+                Place::Figure(number as u8),
+                &format!("The {what} error squared is smaller after infusion"),
+                Verdict::in_kind_if(after < before),
+                format!("Its mean is {before:.2} deg² before and {after:.2} deg² after."),
+            )
+            .shown_in(&[&format!("figure-{number}-{what}")])
+        }));
+        claims
     }
 
     /// How many numbers were fitted, and to how many.

@@ -21,7 +21,8 @@ use lattice::Lattice;
 use pictures::Material;
 use results::{Digits, Rows};
 
-use crate::reproduction::{self, Picture, Reproduction, progress};
+use crate::claims;
+use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use crate::study::{MODEL, STAND_IN};
 use crate::table::{Column, write_columns_csv};
 
@@ -30,13 +31,13 @@ const CHECKED_POINTS: usize = 32;
 
 /// The study, and the committed copy of its results.
 pub(crate) const CHAPTER: Reproduction =
-    Reproduction { command: "reproduce-chapter4", name: "chapter4", run: reproduce };
+    Reproduction { command: "reproduce-chapter4", name: "chapter4", run: Run::Always(reproduce) };
 
 /// Runs the study of Chapter 4 and writes the page, the figures and the data.
 fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter4.toml"))?;
-    let out = CHAPTER.prepare(root)?;
+    let out = CHAPTER.prepare(root, Extent::Default)?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
 
     let bar = progress("1/4 cost landscapes: flights of model and stand-in", 2 * Lattice::size(&setup));
@@ -119,6 +120,7 @@ fn interpolation_error(setup: &Setup, model: &Lattice) -> Result<f64> {
 /// The page, the figures and the data.
 fn write(out: &Path, findings: &Findings<'_>) -> Result<()> {
     reproduction::save_page(out, findings.pictures, &report::page(findings), &report::markdown(findings))?;
+    claims::save(out, &findings.claims())?;
     let m = &findings.material;
     results::iteration_table(m.setup, &m.rows[0], Digits::All).write_csv(&out.join("table-3.csv"))?;
     results::variant_table(m.rows, Digits::All).write_csv(&out.join("loops.csv"))?;

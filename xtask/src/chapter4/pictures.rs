@@ -135,8 +135,7 @@ fn landscape(m: &Material<'_>, lattice: &Lattice, name: &'static str, title: &st
         y,
         z,
         missing_label: "flight failed".to_owned(),
-        marked: Vec::new(),
-        marked_label: String::new(),
+        points: Vec::new(),
         verticals: Vec::new(),
         verticals_label: String::new(),
         paths: m

@@ -4,9 +4,11 @@ use anyhow::Result;
 use doe::{EvaluationSettings, Model, PredictionVariance, Space, VarianceSlice, evaluate};
 
 use super::{Findings, GRID};
-use crate::figures::{Axis, Landscape, LineFigure, Panel, Series, landscape_panels_figure, line_figure};
+use crate::figures::{Axis, Landscape, LineFigure, Panel, Points, Series, landscape_panels_figure, line_figure};
 use crate::reproduction::Picture;
 
+/// Where the axes of a surface end: a little beyond the region, so that runs on its edge are drawn whole.
+const EDGE: f64 = 1.05;
 /// Levels per axis of a variance surface.
 const SURFACE_LEVELS: usize = 61;
 
@@ -53,8 +55,8 @@ pub(crate) fn surfaces(findings: &Findings) -> Result<Picture> {
         let (runs, terms) = (row.size.1 as f64, model.n_terms() as f64);
         landscapes.push(Landscape {
             title: format!("N = {}, G-efficiency {:.2} %", row.size.1, row.kept.efficiency.percent),
-            x_axis: Axis::new("x1", "coded").with_range(-1.0, 1.0).with_step(0.5),
-            y_axis: Axis::new("x2", "coded").with_range(-1.0, 1.0).with_step(0.5),
+            x_axis: Axis::new("x1", "coded").with_range(-EDGE, EDGE).with_step(0.5),
+            y_axis: Axis::new("x2", "coded").with_range(-EDGE, EDGE).with_step(0.5),
             z_axis: Axis::new("N v(x) / p: 1 is the least possible maximum", "1").with_range(0.4, 1.4),
             x: slice.levels.clone(),
             y: slice.levels.clone(),
@@ -64,8 +66,7 @@ pub(crate) fn surfaces(findings: &Findings) -> Result<Picture> {
                 .map(|line| line.iter().map(|v| runs * v / terms).collect())
                 .collect(),
             missing_label: String::new(),
-            marked: row.kept.design.runs().map(|run| (run[0], run[1])).collect(),
-            marked_label: "run".to_owned(),
+            points: vec![Points::small("run", row.kept.design.runs().map(|run| (run[0], run[1])).collect())],
             verticals: Vec::new(),
             verticals_label: String::new(),
             paths: Vec::new(),

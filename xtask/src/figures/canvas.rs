@@ -31,8 +31,9 @@ pub(super) const INK: &str = "#222222";
 pub(super) const PAPER: &str = "#ffffff";
 const GRID: &str = "#dddddd";
 
-/// The palette of Okabe and Ito, which color-blind readers can tell apart, dark and light by turns.
-const COLORS: [&str; 6] = ["#0072b2", "#e69f00", "#cc79a7", "#009e73", "#d55e00", "#56b4e9"];
+/// The palette of Okabe and Ito, which color-blind readers can tell apart, dark and light by turns; its yellow is darkened
+/// to be seen on white.
+const COLORS: [&str; 8] = ["#0072b2", "#e69f00", "#cc79a7", "#009e73", "#d55e00", "#56b4e9", "#000000", "#a89f10"];
 
 /// The color of the series with this index.
 pub(super) fn color(index: usize) -> &'static str {

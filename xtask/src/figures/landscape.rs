@@ -28,9 +28,8 @@ pub(crate) struct Landscape {
     pub(crate) z: Vec<Vec<f64>>,
     /// What a missing value means.
     pub(crate) missing_label: String,
-    /// Grid points with a value to be wary of.
-    pub(crate) marked: Vec<(f64, f64)>,
-    pub(crate) marked_label: String,
+    /// Places to show, such as grid points with a value to be wary of.
+    pub(crate) points: Vec<Points>,
     /// Values of x to draw a line at.
     pub(crate) verticals: Vec<f64>,
     pub(crate) verticals_label: String,
@@ -41,6 +40,32 @@ pub(crate) struct Landscape {
     pub(crate) minimum_label: String,
 }
 
+/// Places that mean the same.
+#[derive(Clone, Debug)]
+pub(crate) struct Points {
+    pub(crate) label: String,
+    pub(crate) points: Vec<(f64, f64)>,
+    pub(crate) fill: &'static str,
+    pub(crate) radius_px: f64,
+}
+
+impl Points {
+    /// Small white dots.
+    pub(crate) fn small(label: &str, points: Vec<(f64, f64)>) -> Self {
+        Self { label: label.to_owned(), points, fill: PAPER, radius_px: 2.4 }
+    }
+
+    pub(super) fn draw(&self, canvas: &mut Canvas, frame: &Frame) {
+        for point in &self.points {
+            canvas.dot(frame.px(*point), self.radius_px, self.fill, "#000000");
+        }
+    }
+
+    pub(super) fn entry(&self) -> LegendEntry {
+        LegendEntry { mark: Mark::Dot, fill: self.fill.into(), outline: "#000000".into(), text: self.label.clone() }
+    }
+}
+
 /// Points in the order in which a search visited them; they are numbered from 1.
 #[derive(Clone, Debug)]
 pub(crate) struct Path {
@@ -48,7 +73,7 @@ pub(crate) struct Path {
     pub(crate) points: Vec<(f64, f64)>,
 }
 
-const RIGHT_PX: f64 = WIDTH_PX - 130.0;
+pub(super) const RIGHT_PX: f64 = WIDTH_PX - 130.0;
 const HEIGHT_PX: f64 = 420.0;
 const BAR_LEFT_PX: f64 = RIGHT_PX + 30.0;
 const BAR_WIDTH_PX: f64 = 20.0;
@@ -96,12 +121,12 @@ pub(crate) fn landscape_figure(landscape: &Landscape) -> String {
     canvas.svg()
 }
 
-const COLUMNS: usize = 2;
-const SMALL_HEIGHT_PX: f64 = 300.0;
-const COLUMN_GAP_PX: f64 = 60.0;
-const ROW_GAP_PX: f64 = 40.0;
+pub(super) const COLUMNS: usize = 2;
+pub(super) const SMALL_HEIGHT_PX: f64 = 300.0;
+pub(super) const COLUMN_GAP_PX: f64 = 60.0;
+pub(super) const ROW_GAP_PX: f64 = 40.0;
 /// Space above a panel, with its title in it.
-const PANEL_TITLE_PX: f64 = 24.0;
+pub(super) const PANEL_TITLE_PX: f64 = 24.0;
 
 /// Draws landscapes over the same axes side by side, with one scale of colors; each title stands above its panel.
 pub(crate) fn landscape_panels_figure(title: &str, landscapes: &[Landscape]) -> String {
@@ -159,7 +184,9 @@ fn draw_field(
     let lines = draw_iso_lines(canvas, landscape, frame, levels);
     draw_missing(canvas, landscape, frame);
     draw_verticals(canvas, landscape, frame);
-    draw_marked(canvas, landscape, frame);
+    for points in &landscape.points {
+        points.draw(canvas, frame);
+    }
     canvas.outline(frame);
     lines
 }
@@ -174,7 +201,7 @@ fn grid_scale(axis: &Axis, places: &[f64]) -> Scale {
 }
 
 /// The borders between the bands of color, lowest first.
-struct Levels {
+pub(super) struct Levels {
     borders: Vec<f64>,
     decimals: usize,
     /// Whether some values lie above the highest border.
@@ -182,7 +209,7 @@ struct Levels {
 }
 
 impl Levels {
-    fn of(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
+    pub(super) fn of(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
         let mut values: Vec<f64> = values.filter(|z| z.is_finite()).collect();
         values.sort_by(f64::total_cmp);
         let mut shown = values.clone();
@@ -207,6 +234,12 @@ impl Levels {
 
     fn color(&self, band: usize) -> String {
         ColorMap::Viridis.map((band as f64 + 0.5) / self.bands() as f64)
+    }
+
+    /// The color of a value: that of the lowest or the highest band beyond them.
+    pub(super) fn color_of(&self, value: f64) -> String {
+        let above = self.borders.iter().filter(|border| **border <= value).count();
+        self.color(above.saturating_sub(1).min(self.bands().saturating_sub(1)))
     }
 
     fn text(&self, border: usize) -> String {
@@ -285,12 +318,6 @@ fn draw_verticals(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame) {
     }
 }
 
-fn draw_marked(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame) {
-    for point in &landscape.marked {
-        canvas.dot(frame.px(*point), 2.4, PAPER, "#000000");
-    }
-}
-
 /// What labels must not cover: the points of all paths and the minimum.
 fn room(landscape: &Landscape, frame: &Frame) -> Room {
     let points = landscape.paths.iter().flat_map(|path| &path.points).chain(&landscape.minimum);
@@ -339,7 +366,7 @@ fn label_path(canvas: &mut Canvas, frame: &Frame, path: &Path, fill: &str, room:
 }
 
 /// The bar beside the frame, with a tip when values go on above it.
-fn draw_color_bar(canvas: &mut Canvas, label: &str, levels: &Levels, frame_bottom: f64) {
+pub(super) fn draw_color_bar(canvas: &mut Canvas, label: &str, levels: &Levels, frame_bottom: f64) {
     let (top, bottom) = (TITLE_PX + 24.0, frame_bottom - 10.0);
     let bands = levels.bands();
     let height = (bottom - top) / bands.max(1) as f64;
@@ -378,13 +405,12 @@ fn marks(landscape: &Landscape, missing: &str) -> Vec<LegendEntry> {
     };
     let is_blank = !self::missing(landscape).is_empty();
     let blank = format!("blank: {}{missing}", landscape.missing_label);
-    let [minimum, verticals, marked] =
-        [&landscape.minimum_label, &landscape.verticals_label, &landscape.marked_label].map(Clone::clone);
-    let entries = [
+    let [minimum, verticals] = [&landscape.minimum_label, &landscape.verticals_label].map(Clone::clone);
+    let points = landscape.points.iter().filter(|points| !points.points.is_empty()).map(Points::entry);
+    let before = [
         entry(landscape.minimum.is_some(), Mark::Diamond, [color(4), PAPER], minimum),
         entry(!landscape.verticals.is_empty(), Mark::Dashes, ["#888888", "none"], verticals),
-        entry(!landscape.marked.is_empty(), Mark::Dot, [PAPER, "#000000"], marked),
-        entry(is_blank, Mark::Cross, ["#888888", "none"], blank),
     ];
-    entries.into_iter().flatten().collect()
+    let after = entry(is_blank, Mark::Cross, ["#888888", "none"], blank);
+    before.into_iter().flatten().chain(points).chain(after).collect()
 }

@@ -89,8 +89,7 @@ fn landscape(value: impl Fn(f64, f64) -> f64) -> Landscape {
         y,
         z,
         missing_label: "flight failed".into(),
-        marked: Vec::new(),
-        marked_label: String::new(),
+        points: Vec::new(),
         verticals: Vec::new(),
         verticals_label: String::new(),
         paths: vec![Path { label: "optimum".into(), points: vec![(46.1, 17.3), (50.1, 18.9), (50.1, 18.9)] }],
@@ -138,8 +137,7 @@ fn far_higher_corner_does_not_flatten_the_rest() {
 fn panels_share_their_scale_of_colors_and_their_legend() {
     let of = |title: &str, value: fn(f64, f64) -> f64| Landscape {
         title: title.into(),
-        marked: vec![(47.0, 15.0)],
-        marked_label: "unstable".into(),
+        points: vec![Points::small("unstable", vec![(47.0, 15.0)])],
         ..landscape(value)
     };
     let panels = [
