@@ -52,8 +52,18 @@ fn design(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         StopReason::TargetReached => "the target was reached",
         StopReason::Interrupted => "it was interrupted",
     };
-    let starts = if report.starts == 1 { "start" } else { "starts" };
-    writeln!(stdout(), "{efficiency}, found {times} in {} {starts}; the search ended because {stop}\n", report.starts)?;
+    let unfinished = match report.unfinished {
+        0 => String::new(),
+        unfinished => format!(", {unfinished} {} left unfinished", if unfinished == 1 { "was" } else { "were" }),
+    };
+    if report.starts == 0 {
+        writeln!(stdout(), "{efficiency}; the search ended because {stop}{unfinished}")?;
+        writeln!(stdout(), "no start is whole: the search needs more time, this is the best that it had on its way\n")?;
+    } else {
+        let starts = if report.starts == 1 { "start" } else { "starts" };
+        let made = format!("found {times} in {} whole {starts}", report.starts);
+        writeln!(stdout(), "{efficiency}, {made}{unfinished}; the search ended because {stop}\n")?;
+    }
     writeln!(stdout(), "{}", evaluate(problem.model(), problem.space(), &design, &file.evaluation_settings())?)?;
     Ok(())
 }

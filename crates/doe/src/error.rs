@@ -289,6 +289,33 @@ pub enum Error {
         /// Upper end given.
         upper: f64,
     },
+    /// A forbidden range that does not meet the parameter's bounds: it forbids nothing, so a unit or a digit slipped.
+    #[error(
+        "parameter `{parameter}`: the forbidden range {lower:?} to {upper:?} lies outside its bounds {:?} to {:?} {unit}, so \
+         that it forbids nothing",
+        bounds[0],
+        bounds[1]
+    )]
+    ForbidsNothing {
+        /// Name of the parameter.
+        parameter: String,
+        /// Lower end given.
+        lower: f64,
+        /// Upper end given.
+        upper: f64,
+        /// Bounds of the parameter.
+        bounds: [f64; 2],
+        /// Unit of the parameter.
+        unit: String,
+    },
+    /// More levels than an axis is stored with.
+    #[error("{count} levels, expected at most {most}: a finer axis is better taken as continuous")]
+    TooManyLevels {
+        /// Number given.
+        count: u32,
+        /// Largest number.
+        most: u32,
+    },
     /// Forbidden boxes that leave nothing.
     #[error("nothing of the space is left once the forbidden boxes are gone")]
     EmptySpace,

@@ -40,7 +40,8 @@ impl Forbidden {
     ///
     /// # Errors
     ///
-    /// [`Error::NoSuchParameter`], [`Error::ForbiddenRangeOf`], [`Error::ForbidsEverything`].
+    /// [`Error::NoSuchParameter`], [`Error::ForbiddenRangeOf`], [`Error::ForbidsNothing`] for a range outside the
+    /// parameter's bounds, [`Error::ForbidsEverything`].
     pub fn in_region(region: &Region, ranges: &[(&str, f64, f64)]) -> Result<Self, Error> {
         let mut coded = vec![None; region.n_parameters()];
         for &(name, lower, upper) in ranges {
@@ -49,6 +50,15 @@ impl Forbidden {
             // NaN is not at most anything.
             if lower.is_nan() || upper.is_nan() || lower > upper {
                 return Err(Error::ForbiddenRangeOf { parameter: name.to_owned(), lower, upper });
+            }
+            if upper < parameter.lower() || lower > parameter.upper() {
+                return Err(Error::ForbidsNothing {
+                    parameter: name.to_owned(),
+                    lower,
+                    upper,
+                    bounds: [parameter.lower(), parameter.upper()],
+                    unit: parameter.unit().to_owned(),
+                });
             }
             coded[index] = Some([parameter.coded(lower), parameter.coded(upper)]);
         }

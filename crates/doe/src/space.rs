@@ -18,12 +18,18 @@ pub enum Axis {
 }
 
 impl Axis {
+    /// The largest number of equally spaced levels.
+    pub const MOST_LEVELS: u32 = 1_000_000;
+
     /// `count` equally spaced levels from −1 to 1.
     ///
     /// # Errors
     ///
-    /// [`Error::TooFewAxisLevels`] below two.
+    /// [`Error::TooFewAxisLevels`] below two, [`Error::TooManyLevels`] above [`MOST_LEVELS`](Self::MOST_LEVELS).
     pub fn equally_spaced(count: u32) -> Result<Self, Error> {
+        if count > Self::MOST_LEVELS {
+            return Err(Error::TooManyLevels { count, most: Self::MOST_LEVELS });
+        }
         if count < 2 {
             return Err(Error::TooFewAxisLevels { count: count as usize });
         }

@@ -204,7 +204,7 @@ fn about_the_searches(findings: &Findings) -> Vec<String> {
         if names.is_empty() { "none".to_owned() } else { names.join("; ") }
     };
     let missed = findings.rows.iter().filter(|row| share(row) < GOAL).collect();
-    let beaten = findings.rows.iter().filter(|row| share(row) > 1.0 + 1e-4).collect();
+    let beaten = findings.rows.iter().filter(|row| share(row) > 1.0 + 1e-6).collect();
     vec![
         format!("Searches that missed their goal of {:.0} % of the kept design: {}.", 100.0 * GOAL, named(missed)),
         format!("Kept designs that a search of this run has beaten, and that should be replaced: {}.", named(beaten)),

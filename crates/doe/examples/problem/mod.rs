@@ -4,24 +4,24 @@
 
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::io;
+use std::io::{self, Write as _};
 use std::process::ExitCode;
 use std::time::Duration;
 
 use doe::{
-    Criterion, Design, EvaluationSettings, Forbidden, Model, Parameter, Problem, Region, Replicates, Settings, Space,
-    Term,
+    Criterion, Design, EvaluationSettings, Forbidden, Levels, Model, Parameter, Problem, Region, Replicates, Settings,
+    Space, Term,
 };
 use serde::Deserialize;
 
 /// Complains about an error; a reader that has seen enough, as `head`, is none.
-#[expect(clippy::print_stderr, reason = "this is where a program complains")]
 pub(crate) fn finish(result: Result<(), Box<dyn Error>>) -> ExitCode {
     match result {
         Err(error)
             if error.downcast_ref::<io::Error>().is_none_or(|error| error.kind() != io::ErrorKind::BrokenPipe) =>
         {
-            eprintln!("{error}");
+            // Where nobody listens to complaints either, the exit code has to do.
+            let _ = writeln!(io::stderr(), "{error}");
             ExitCode::FAILURE
         }
         _ => ExitCode::SUCCESS,
@@ -32,6 +32,23 @@ pub(crate) fn finish(result: Result<(), Box<dyn Error>>) -> ExitCode {
 fn has_decimal_comma(line: &str) -> bool {
     let value = line.split('#').next().unwrap_or_default().split('=').nth(1).unwrap_or_default().as_bytes();
     value.windows(3).any(|three| three[0].is_ascii_digit() && three[1] == b',' && three[2].is_ascii_digit())
+}
+
+/// What a value between two levels lies between; nothing on a level and where any value is one.
+fn off_levels(parameter: &Parameter, value: f64) -> Result<Option<String>, doe::Error> {
+    const ROUNDING: f64 = 1e-9;
+    let Levels::Count(count) = parameter.levels() else { return Ok(None) };
+    let index = parameter.nearest_level(value)?;
+    let nearest = parameter.level(index)?;
+    if (parameter.coded(value) - parameter.coded(nearest)).abs() <= ROUNDING {
+        return Ok(None);
+    }
+    let other = parameter.level(if value > nearest { (index + 1).min(count - 1) } else { index.saturating_sub(1) })?;
+    // Twelve digits: 49.01 and not 49.010000000000005, and still the level when it is typed in.
+    let plain = |level: f64| format!("{level:.11e}").parse().unwrap_or(level);
+    let (below, above) = (plain(nearest.min(other)), plain(nearest.max(other)));
+    let (name, unit) = (parameter.name(), parameter.unit());
+    Ok(Some(format!("`{name}` is {value:?}, which is no level: the nearest are {below:?} and {above:?} {unit}")))
 }
 
 /// The file as it stands; a key that is not here is an error.
@@ -87,12 +104,34 @@ impl ProblemFile {
                     return Err(format!("model \"{name}\": {expected}").into());
                 }
             },
-            ModelName::Listed(terms) => Model::new(k, terms.iter().map(|term| Term::new(term.clone())).collect())?,
+            ModelName::Listed(exponents) => {
+                let terms: Vec<Term> = exponents.iter().map(|term| Term::new(term.clone())).collect();
+                Model::new(k, terms.clone()).map_err(|error| self.in_own_names(&terms, error))?
+            }
         })
     }
 
-    pub(crate) fn space<'a>(&'a self) -> Result<Space, Box<dyn Error>> {
-        let region = self.region()?;
+    fn names(&self) -> Vec<&str> {
+        self.parameters.iter().map(Parameter::name).collect()
+    }
+
+    /// An error about a term, by the names of the parameters.
+    fn in_own_names(&self, terms: &[Term], error: doe::Error) -> Box<dyn Error> {
+        let name = |index: usize| terms.get(index).map(|term| term.name(&self.names())).unwrap_or_default();
+        match error {
+            doe::Error::DuplicateTerm { first, second, .. } => {
+                let (a, b) = (first + 1, second + 1);
+                format!("model: terms {a} and {b} are both `{}`, expected distinct terms", name(first)).into()
+            }
+            doe::Error::ExponentTooLarge { term, exponent, largest, .. } => {
+                doe::Error::ExponentTooLarge { term, name: name(term), exponent, largest }.into()
+            }
+            other => other.into(),
+        }
+    }
+
+    /// The forbidden boxes, each by itself and coded.
+    fn boxes<'a>(&'a self, region: &Region) -> Result<Vec<Forbidden>, Box<dyn Error>> {
         let forbidden = self.forbidden.iter().enumerate().map(|(index, ranges)| {
             let range = |(name, ends): (&'a String, &Vec<f64>)| match ends[..] {
                 [a, b] => Ok((name.as_str(), a, b)),
@@ -105,9 +144,33 @@ impl ProblemFile {
                 )),
             };
             let ranges = ranges.iter().map(range).collect::<Result<Vec<(&str, f64, f64)>, String>>()?;
-            Forbidden::in_region(&region, &ranges).map_err(|error| format!("forbidden {}: {error}", index + 1))
+            Forbidden::in_region(region, &ranges).map_err(|error| format!("forbidden {}: {error}", index + 1))
         });
-        Ok(Space::of_region(&region)?.forbid(forbidden.collect::<Result<_, _>>()?)?)
+        Ok(forbidden.collect::<Result<_, String>>()?)
+    }
+
+    pub(crate) fn space(&self) -> Result<Space, Box<dyn Error>> {
+        let region = self.region()?;
+        Ok(Space::of_region(&region)?.forbid(self.boxes(&region)?)?)
+    }
+
+    /// Why a run within the bounds is not in the space; nothing if it is.
+    fn fault_of(&self, region: &Region, run: &[f64]) -> Result<Option<String>, Box<dyn Error>> {
+        let coded = region.coded(run)?;
+        if self.space()?.contains(&coded) {
+            return Ok(None);
+        }
+        let whole = Space::of_region(region)?;
+        if whole.contains(&coded) {
+            for (index, one) in self.boxes(region)?.into_iter().enumerate() {
+                if !whole.clone().forbid(vec![one])?.contains(&coded) {
+                    return Ok(Some(format!("{run:?} lies in forbidden box {}", index + 1)));
+                }
+            }
+        }
+        let off = self.parameters.iter().zip(run).map(|(parameter, &value)| off_levels(parameter, value));
+        let off: Vec<String> = off.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+        Ok(Some(off.join("; ")))
     }
 
     /// The settled runs, coded.
@@ -125,9 +188,8 @@ impl ProblemFile {
             };
             let run: Vec<f64> = self.parameters.iter().map(value).collect::<Result<_, _>>()?;
             region.check(&run).map_err(|error| at(error.to_string()))?;
-            if !self.space()?.contains(&region.coded(&run)?) {
-                let nearest = region.snap(&run)?;
-                return Err(at(format!("{run:?} is forbidden, or not on the levels (nearest: {nearest:?})")).into());
+            if let Some(fault) = self.fault_of(&region, &run)? {
+                return Err(at(fault).into());
             }
             runs.push(run);
         }
@@ -136,15 +198,22 @@ impl ProblemFile {
 
     pub(crate) fn problem(&self) -> Result<Problem, Box<dyn Error>> {
         let model = self.model()?;
-        let names: Vec<&str> = self.parameters.iter().map(Parameter::name).collect();
-        let terms = model.term_names(&names);
+        let terms = model.term_names(&self.names());
         let mut problem = Problem::new(model, self.space()?, self.runs, self.criterion)
             .map_err(|error| error.with_term_names(&terms))?;
         if let Some(fixed) = self.fixed()? {
             problem = problem.with_fixed_runs(fixed)?;
         }
         Ok(match self.replicates {
-            Some(planned) => problem.with_replicates(Replicates::Planned(planned))?,
+            Some(planned) => problem.with_replicates(Replicates::Planned(planned)).map_err(|error| match error {
+                doe::Error::TooFewRuns { n_runs, n_terms } => {
+                    let (runs, noun) = (self.runs, if planned == 1 { "replicate" } else { "replicates" });
+                    format!(
+                        "{runs} runs less {planned} planned {noun} leave {n_runs} distinct runs, {n_terms} are needed"
+                    )
+                }
+                other => other.to_string(),
+            })?,
             None => problem,
         })
     }
@@ -153,8 +222,11 @@ impl ProblemFile {
         let mut settings = Settings::default();
         settings.seed = self.seed.unwrap_or(settings.seed);
         settings.starts = self.starts.unwrap_or(settings.starts);
-        let limit = self.seconds.map(Duration::try_from_secs_f64).transpose();
-        settings.time_limit = limit.map_err(|error| format!("seconds: {error}"))?;
+        if let Some(seconds) = self.seconds {
+            let limit = Duration::try_from_secs_f64(seconds).ok().filter(|limit| !limit.is_zero());
+            let refused = || format!("seconds = {seconds:?}: expected a positive finite number below 1e19");
+            settings.time_limit = Some(limit.ok_or_else(refused)?);
+        }
         Ok(settings)
     }
 

@@ -162,7 +162,7 @@ fn over_grid(
     progress: impl FnMut(u64, f64),
 ) -> Result<starts::Outcome, Error> {
     let is_discrete = shape.is_discrete();
-    let gridded = if is_discrete { shape.clone() } else { gridded(shape)? };
+    let gridded = if is_discrete { thinned(shape) } else { gridded(shape)? };
     let is_distinct = problem.replicates() != Replicates::Allowed;
     let relaxed = shape.relaxed();
     let frame = frame(problem, Some(&relaxed), runner.least_log_determinant, <[f64]>::to_vec)?;
@@ -205,6 +205,41 @@ fn over_grid(
         }
     };
     Ok(runner.run(attempt, refine, progress))
+}
+
+/// Points of a grid that is searched as a whole, at most: a scan of it takes a fraction of a second.
+const WHOLE_GRID_POINTS: f64 = 16_777_216.0;
+
+/// The grid, or of a large one the part with fewer levels on its longest axes, evenly spread: both ends, and what lies
+/// next to the end of a forbidden range, are among them.
+fn thinned(shape: &BoxShape) -> BoxShape {
+    let counts: Vec<usize> =
+        shape.axes.iter().map(|axis| if let Axis::Levels(levels) = axis { levels.len() } else { 1 }).collect();
+    let n_points = |most: usize| -> f64 { counts.iter().map(|&count| count.min(most) as f64).product() };
+    if n_points(usize::MAX) <= WHOLE_GRID_POINTS {
+        return shape.clone();
+    }
+    let longest = counts.iter().copied().max().unwrap_or(1);
+    let (mut kept, mut too_many) = (2, longest);
+    while too_many - kept > 1 {
+        let middle = kept + (too_many - kept) / 2;
+        if n_points(middle) <= GRID_POINTS { kept = middle } else { too_many = middle }
+    }
+    let axis = |(factor, axis): (usize, &Axis)| match axis {
+        Axis::Levels(levels) if levels.len() > kept => {
+            let last = levels.len() - 1;
+            let mut indices: Vec<usize> = (0..kept).map(|i| (i * last + (kept - 1) / 2) / (kept - 1)).collect();
+            for end in shape.forbidden.iter().flat_map(|forbidden| forbidden.range(factor)) {
+                let above = levels.partition_point(|level| *level < end);
+                indices.extend([above.saturating_sub(1), above.min(last)]);
+            }
+            indices.sort_unstable();
+            indices.dedup();
+            Axis::Levels(indices.into_iter().map(|index| levels[index]).collect())
+        }
+        axis => axis.clone(),
+    };
+    BoxShape { axes: shape.axes.iter().enumerate().map(axis).collect(), forbidden: shape.forbidden.clone() }
 }
 
 /// Points of a grid in place of a box with continuous axes, at most: as many as can be scanned quickly.

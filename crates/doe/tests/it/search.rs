@@ -167,6 +167,30 @@ fn lists_and_grids_give_designs_of_their_points_without_replicates() {
     }
 }
 
+/// 50^6 points would take minutes to look at once; a part of the levels is searched, and the worst prediction is found by
+/// ascent.
+#[test]
+fn a_grid_too_large_to_be_scanned_is_searched_all_the_same() {
+    let mut settings = settings(2);
+    settings.effort = Effort::Quick;
+    let space = Space::grid(&[50; 6]).unwrap();
+    let model = Model::additive_quadratic(6).unwrap();
+    let problem = Problem::new(model, space.clone(), 20, Criterion::G).unwrap();
+    let found = search(&problem, &settings).unwrap();
+    assert!(found.design.runs().all(|run| space.contains(run)), "every run is on the 50 levels");
+    // On the cube, where every level may be taken, no design of few starts is much better.
+    let cube = Problem::new(problem.model().clone(), Space::cube(6).unwrap(), 20, Criterion::G).unwrap();
+    let best = search(&cube, &settings).unwrap().efficiency.percent;
+    assert!(found.efficiency.percent > 0.9 * best, "{} % of {best} %", found.efficiency.percent);
+
+    // Ends of forbidden ranges keep their neighbors, so nothing is given away there.
+    let corner = Forbidden::new(vec![Some([0.9, 1.0]), Some([0.9, 1.0]), None, None, None, None]).unwrap();
+    let cut = Space::grid(&[50; 6]).unwrap().forbid(vec![corner]).unwrap();
+    let problem = Problem::new(problem.model().clone(), cut.clone(), 20, Criterion::D).unwrap();
+    let found = search(&problem, &settings).unwrap();
+    assert!(found.design.runs().all(|run| cut.contains(run)), "no run is forbidden");
+}
+
 /// The third level of the second factor is in two candidates of 222, and the model cannot do without it.
 #[test]
 fn a_level_that_few_candidates_have_is_found_by_every_start() {

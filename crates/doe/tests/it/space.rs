@@ -1,6 +1,6 @@
 //! Spaces, their moments and their points, against counting.
 
-use doe::{Axis, Error, Forbidden, Model, Space, confounded_terms, moment_matrix};
+use doe::{Axis, Error, Forbidden, Model, Parameter, Region, Space, confounded_terms, moment_matrix};
 use proptest::prelude::*;
 
 fn corner(from: f64) -> Forbidden {
@@ -117,4 +117,29 @@ fn refuses_spaces_that_are_none() {
     assert_eq!(Forbidden::new(vec![None, None]), Err(Error::ForbidsEverything));
     let error = Forbidden::new(vec![Some([0.5, f64::NAN])]).unwrap_err();
     assert_eq!(error.to_string(), "factor 0: the forbidden range 0.5 to NaN is not a range, expected lower <= upper");
+}
+
+/// A unit that slipped must not plan the runs that were to be excluded.
+#[test]
+fn a_forbidden_range_outside_the_bounds_is_refused_because_it_forbids_nothing() {
+    let temperature = Parameter::continuous("temperature", "°C", 10.0, 20.0).unwrap();
+    let region = Region::new(vec![temperature]).unwrap();
+    let error = Forbidden::in_region(&region, &[("temperature", 283.0, 285.0)]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "parameter `temperature`: the forbidden range 283.0 to 285.0 lies outside its bounds 10.0 to 20.0 °C, so that it \
+         forbids nothing"
+    );
+    for (lower, upper) in [(20.0, 25.0), (5.0, 10.0), (f64::NEG_INFINITY, 12.0)] {
+        assert!(Forbidden::in_region(&region, &[("temperature", lower, upper)]).is_ok(), "{lower} to {upper} meets it");
+    }
+}
+
+#[test]
+fn an_absurd_number_of_levels_is_refused() {
+    let error = Space::grid(&[3, 1_000_000_000]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "1000000000 levels, expected at most 1000000: a finer axis is better taken as continuous"
+    );
 }
