@@ -30,10 +30,7 @@ const STEPS: &[Step] = &[
     Step { heading: "benches compile", run: || cargo(&["bench", "--workspace", "--no-run"]) },
     Step { heading: "packages", run: packages },
     Step { heading: "optimal designs", run: || cargo(&["xtask", "doe-records", "--check"]) },
-    Step { heading: "Chapter 2", run: || cargo(&["xtask", "reproduce-chapter2", "--check"]) },
-    Step { heading: "Chapter 3", run: || cargo(&["xtask", "reproduce-chapter3", "--check"]) },
-    Step { heading: "Chapter 4", run: || cargo(&["xtask", "reproduce-chapter4", "--check"]) },
-    Step { heading: "Chapter 6", run: || cargo(&["xtask", "reproduce-chapter6", "--check"]) },
+    Step { heading: "all chapters", run: || cargo(&["xtask", "reproduce-all", "--check"]) },
 ];
 
 /// Runs the steps.

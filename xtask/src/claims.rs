@@ -34,10 +34,14 @@ impl fmt::Display for Place {
 pub(crate) enum Verdict {
     /// It comes out, and nothing was fitted to it.
     Reproduced,
-    /// What it says comes out in part, or on a surrogate instead of an experiment, or with other numbers.
+    /// What it says comes out, on a surrogate instead of an experiment or with other numbers.
     InKind,
+    /// It comes out in some cases and not in others.
+    InPart,
     /// It does not come out.
     NotReproduced,
+    /// It was fitted, so that it counts for nothing.
+    Calibrated,
     /// It says what is put in, not what comes out.
     TakenOver,
 }
@@ -47,6 +51,15 @@ impl Verdict {
     pub(crate) fn in_kind_if(holds: bool) -> Self {
         if holds { Self::InKind } else { Self::NotReproduced }
     }
+
+    /// The same where it was looked at in several cases.
+    pub(crate) fn in_kind_of(n_holding: usize, n_cases: usize) -> Self {
+        match n_holding {
+            0 => Self::NotReproduced,
+            n if n < n_cases => Self::InPart,
+            _ => Self::InKind,
+        }
+    }
 }
 
 impl fmt::Display for Verdict {
@@ -54,7 +67,9 @@ impl fmt::Display for Verdict {
         f.write_str(match self {
             Self::Reproduced => "reproduced",
             Self::InKind => "reproduced in kind",
+            Self::InPart => "reproduced in part",
             Self::NotReproduced => "not reproduced",
+            Self::Calibrated => "calibrated",
             Self::TakenOver => "taken over",
         })
     }
@@ -128,13 +143,8 @@ mod tests {
 
     #[test]
     fn places_are_listed_as_the_dissertation_is_read() {
-        let mut places = vec![
-            Place::Figure(3),
-            Place::Table(6),
-            Place::Section("2.4".into()),
-            Place::Contribution(2),
-            Place::Table(5),
-        ];
+        let mut places =
+            [Place::Figure(3), Place::Table(6), Place::Section("2.4".into()), Place::Contribution(2), Place::Table(5)];
         places.sort();
         let words: Vec<String> = places.iter().map(ToString::to_string).collect();
         assert_eq!(words, ["1.3, contribution 2", "Section 2.4", "Table 5", "Table 6", "Figure 3"]);

@@ -8,6 +8,7 @@ mod chapter6;
 mod chapter7;
 mod ci;
 mod claims;
+mod design_page;
 mod doe_records;
 mod figures;
 mod gridded;
@@ -57,6 +58,7 @@ fn main() -> ExitCode {
         [name, "--check"] if study(name).is_some() => run_study(name, Reproduction::check),
         ["reproduce-all"] => workspace::root().and_then(|root| reproduce_all::run(&root, &STUDIES, false)),
         ["reproduce-all", "--check"] => workspace::root().and_then(|root| reproduce_all::run(&root, &STUDIES, true)),
+        ["design-page", evaluation, page] => design_page::run(Path::new(evaluation), Path::new(page)),
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
         ["help" | "--help" | "-h"] => {

@@ -15,8 +15,9 @@ const NOTE: &str = "No experiment was made: the water channel is replaced by a s
     A claim about experiments can therefore be reproduced in kind at most, and what was fitted counts for nothing: the plant to rows 1 \
     of Table 3 and 0 of Table 5, the stand-in to the best designs of Tables 3 and 5, the weights of the costs to both.";
 
-const WORDS: &str = "Reproduced: it comes out, and nothing was fitted to it. Reproduced in kind: what it says comes out in part, on a \
-    surrogate, or with other numbers. Not reproduced: it does not come out. Taken over: it says what is put in.";
+const WORDS: &str = "Reproduced: it comes out, and nothing was fitted to it. In kind: what it says comes out, on a surrogate or with \
+    other numbers. In part: in some cases and not in others. Not reproduced: it does not come out. Calibrated: it was fitted. Taken over: \
+    it says what is put in.";
 
 const NOTHING: &str = "Figures 1 to 10, 13, 19 and 25 are photographs, drawings and flow charts, with nothing in them that could come out. \
     What the charts of Figures 3 and 13 say is `infuse::GradientLoop`, Figures 4 and 19 `infuse::GlobalLoop`, Figure 6 `bat-dynamics`, \
@@ -55,11 +56,13 @@ fn table(told: &[Told<'_>]) -> crate::table::Table {
 fn count_words(told: &[Told<'_>]) -> String {
     let count = |verdict: Verdict| told.iter().filter(|told| told.claim.verdict == verdict).count();
     format!(
-        "Of {} claims {} are reproduced, {} reproduced in kind, {} not reproduced; {} are inputs that are taken over.",
+        "Of {} claims {} are reproduced, {} in kind, {} in part, and {} not; {} were calibrated and {} are inputs.",
         told.len(),
         count(Verdict::Reproduced),
         count(Verdict::InKind),
+        count(Verdict::InPart),
         count(Verdict::NotReproduced),
+        count(Verdict::Calibrated),
         count(Verdict::TakenOver)
     )
 }

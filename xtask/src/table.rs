@@ -44,6 +44,17 @@ impl Table {
         self.rows.push(row);
     }
 
+    /// The table without a column that says the same in every row.
+    pub(crate) fn without(mut self, name: &str) -> Self {
+        if let Some(at) = self.columns.iter().position(|column| column.name == name) {
+            self.columns.remove(at);
+            self.rows.iter_mut().for_each(|row| {
+                row.remove(at);
+            });
+        }
+        self
+    }
+
     /// The table for a terminal.
     pub(crate) fn text(&self) -> String {
         let mut table = comfy_table::Table::new();

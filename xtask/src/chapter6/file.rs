@@ -159,6 +159,15 @@ impl Setup {
         ] {
             ensure!(count > 0, "{name}: at least one is needed");
         }
+        let labels = |name: &str, labels: Vec<String>| -> Result<()> {
+            let twice = labels.iter().enumerate().find(|(at, label)| labels[..*at].contains(label));
+            ensure!(twice.is_none(), "{name}: {} is there twice", twice.map_or("", |(_, label)| label));
+            Ok(())
+        };
+        labels("space.label", file.space.iter().map(|space| space.label.clone()).collect())?;
+        labels("truth.label", file.truth.iter().map(|truth| truth.label.clone()).collect())?;
+        labels("variant.label", file.variant.iter().map(|variant| variant.label.clone()).collect())?;
+        labels("noise.shares", file.noise.shares.iter().map(ToString::to_string).collect())?;
         for share in &file.noise.shares {
             ensure!((0.0..1.0).contains(share), "noise.shares: {share}: it must be 0 or more and less than 1");
         }
@@ -173,9 +182,13 @@ impl Setup {
             .space
             .iter()
             .map(|entry| {
-                let levels = if extent == Extent::Full { entry.full_levels } else { entry.levels };
-                let space = Space::of(&file.parameter, &entry.parameters, levels)
-                    .with_context(|| format!("space `{}`", entry.label))?;
+                let of = |levels| {
+                    Space::of(&file.parameter, &entry.parameters, levels)
+                        .with_context(|| format!("space `{}`", entry.label))
+                };
+                // Both, so that a slip is not found out after a day.
+                let (default, full) = (of(entry.levels)?, of(entry.full_levels).context("full_levels")?);
+                let space = if extent == Extent::Full { full } else { default };
                 let files = [file.rig.as_str(), &file.profile, &file.cost];
                 let study = Study::read(directory, files, space.variables.clone(), steps)?;
                 Ok(SpaceSetup { entry: entry.clone(), space, study })
@@ -209,6 +222,11 @@ impl Setup {
 
     pub(crate) fn variant(&self, case: Case) -> &Variant {
         &self.file.variant[case.variant]
+    }
+
+    /// The one that figures show.
+    pub(crate) fn first_variant(&self) -> &Variant {
+        &self.file.variant[0]
     }
 
     /// A case in words.
@@ -265,6 +283,9 @@ mod tests {
         refuses("constant = 0.1 ", "constant = 2.5 ", &["2.5"]);
         refuses("noise = 0.03", "noise = 0.04", &["variant.only.noise = 0.04", "noise.shares"]);
         refuses("space = \"2 parameters\"", "space = \"3 parameters\"", &["`3 parameters`: no space"]);
+        refuses("full_levels = 24", "full_levels = 1", &["full_levels", "levels = 1"]);
+        refuses("label = \"k = 0.1\"", "label = \"k = 0.5\"", &["variant.label: k = 0.5 is there twice"]);
+        refuses("shares = [0.0, 0.01,", "shares = [0.0, 0.0,", &["noise.shares: 0 is there twice"]);
         refuses("\"horizontal_area\", ", "\"horizontal\", ", &["`horizontal` is no [[parameter]]"]);
     }
 

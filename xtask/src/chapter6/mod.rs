@@ -61,10 +61,7 @@ fn reproduce(root: &Path, extent: Extent) -> Result<()> {
 
     let n_flights: usize = setup.spaces.iter().map(|space| space.space.n_cells() * (1 + setup.n_truths())).sum();
     if extent == Extent::Full {
-        eprintln!(
-            "--full: {n_flights} flights of 300 s, at a few hundred per second; those of an earlier run are remembered, and \
-             an interrupted run goes on where it was."
-        );
+        eprintln!("--full: {}", estimate(&setup, &store)?);
     }
     let bar = progress("1/3 true costs: flights of model and surrogates", n_flights);
     let flown = fly(&setup, &store, |n| bar.inc(n as u64))?;
@@ -92,6 +89,27 @@ fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     tables::iterations(&findings).write_csv(&out.join("iterations.csv"))?;
     tables::campaigns(&findings).write_csv(&out.join("campaigns.csv"))?;
     report::print(&findings, &claims, &CHAPTER.out_of(extent))
+}
+
+/// How long the flights will take, by the pace of a few.
+fn estimate(setup: &Setup, store: &FlightStore) -> Result<String> {
+    const TIMED: usize = 64;
+    let (mut missing, mut seconds) = (0, 0.0);
+    for space in &setup.spaces {
+        let truths = (0..setup.n_truths()).map(|truth| setup.truth(truth).fidelity());
+        for fidelity in std::iter::once(MODEL).chain(truths) {
+            missing += store.n_missing(&space.study, &space.space, fidelity)?;
+        }
+        let cells = (0..TIMED).map(|k| space.space.point(k * (space.space.n_cells() - 1) / TIMED));
+        let started = Instant::now();
+        space.study.flown_costs(&cells.collect::<Result<Vec<_>>>()?, MODEL, |_| {});
+        seconds = started.elapsed().as_secs_f64() / TIMED as f64;
+    }
+    Ok(format!(
+        "{missing} flights of 300 s are missing, about {:.0} minutes at the present pace of this machine; then the campaigns. What was \
+         flown is remembered, and an interrupted run goes on where it was.",
+        (missing as f64 * seconds / 60.0).ceil()
+    ))
 }
 
 fn fly(setup: &Setup, store: &FlightStore, landed: impl Fn(usize) + Sync) -> Result<Vec<Flown>> {
@@ -124,6 +142,16 @@ impl Findings {
         let distance = |ended: &&Ended| (ended.case.noise - SHOWN_NOISE).abs();
         let main = self.main(space, truth).into_iter();
         main.min_by(|a, b| distance(a).total_cmp(&distance(b))).context("no campaign of the first variant")
+    }
+
+    /// Every space with every truth.
+    fn fields(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (0..self.setup.spaces.len()).flat_map(|space| (0..self.setup.n_truths()).map(move |truth| (space, truth)))
+    }
+
+    /// A space and a truth in words.
+    fn field_words(&self, space: usize, truth: usize) -> String {
+        format!("{}, {}", self.setup.spaces[space].entry.label, self.setup.truth(truth).short())
     }
 
     /// A point with its units.

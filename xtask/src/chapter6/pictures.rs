@@ -1,13 +1,11 @@
 //! Figures 20 to 22 from the campaigns and flights of this run.
 
 use anyhow::{Context as _, Result};
-use doe::Levels;
-use infuse::{GlobalReport, RetainedSet, TrialUse};
 
 use super::file::Case;
 use super::{Ended, Findings};
-use crate::figures::{Axis, CellFigure, CellPanel, LineFigure, Panel, Points, Series, cell_figure, line_figure};
-use crate::gridded::{IterationAccuracy, NORMS, NormAccuracy, Space};
+use crate::figures::{Axis, CellFigure, CellPanel, LineFigure, Panel, Series, cell_figure, line_figure};
+use crate::gridded::{IterationAccuracy, NORMS, NormAccuracy, Q2, cell_panel, design_points};
 use crate::reproduction::Picture;
 
 /// Samples per row of a flight log: 0.1 s.
@@ -68,13 +66,13 @@ fn designs(findings: &Findings, ended: &Ended) -> Result<Picture> {
             title: format!("iteration {}: true cost where {share:.1} % is left, and designs", report.iteration),
             points: design_points(report),
             minimum: None,
-            ..cells(space, &retained, |cell| Ok(truth.cost(cell).clone().unwrap_or(f64::NAN)))?
+            ..cell_panel(space, &retained, |cell| Ok(truth.cost(cell).clone().unwrap_or(f64::NAN)))?
         });
         panels.push(CellPanel {
             title: format!("iteration {}: combined response surface", report.iteration),
             points: Vec::new(),
             minimum: Some((report.screening.optimum[0], report.screening.optimum[1])),
-            ..cells(space, &retained, combined)?
+            ..cell_panel(space, &retained, combined)?
         });
     }
     let [x, y] = [0, 1].map(|k| &region.parameters()[k]);
@@ -109,35 +107,6 @@ fn chosen(n: usize) -> Vec<usize> {
     chosen
 }
 
-fn cells(space: &Space, retained: &RetainedSet, value: impl Fn(usize) -> Result<f64>) -> Result<CellPanel> {
-    let (x, y) = (space.levels(0)?, space.levels(1)?);
-    let n_y = match space.region().parameters()[1].levels() {
-        Levels::Count(count) => count as usize,
-        Levels::Continuous => 1,
-    };
-    let at = |i: usize, j: usize| -> Result<f64> {
-        let cell = i * n_y + j;
-        if retained.contains(cell as u64) { value(cell) } else { Ok(f64::NAN) }
-    };
-    let row = |j: usize| (0..x.len()).map(|i| at(i, j)).collect::<Result<Vec<_>>>();
-    let z = (0..y.len()).map(row).collect::<Result<_>>()?;
-    Ok(CellPanel { title: String::new(), x, y, z, points: Vec::new(), minimum: None })
-}
-
-fn design_points(report: &GlobalReport) -> Vec<Points> {
-    let experiments = |used_for: TrialUse| {
-        let trials = report.trials.iter().filter(move |record| record.trial.used_for == used_for);
-        trials.map(|record| (record.trial.point[0], record.trial.point[1])).collect()
-    };
-    let of = |label: &str, points, fill, radius_px| Points { label: label.to_owned(), points, fill, radius_px };
-    let simulations = report.simulations.iter().map(|run| (run.point[0], run.point[1])).collect();
-    vec![
-        of("training experiment", experiments(TrialUse::Training), "#e69f00", 6.0),
-        of("validation experiment", experiments(TrialUse::Validation), "#ffffff", 6.0),
-        of("simulation", simulations, "#000000", 2.2),
-    ]
-}
-
 /// Below it an error is rounding.
 const LEAST_SHOWN: f64 = 1e-8;
 
@@ -145,8 +114,6 @@ const LEAST_SHOWN: f64 = 1e-8;
 fn log10(value: f64) -> f64 {
     if value > LEAST_SHOWN { value.log10() } else { f64::NAN }
 }
-
-const Q2: usize = 1;
 
 /// Figure 21: the error of the corrected model with its bounds, noise by noise, and the shrinking of the space.
 fn bounds(findings: &Findings, space: usize, truth: usize) -> Picture {
@@ -198,11 +165,12 @@ fn bounds(findings: &Findings, space: usize, truth: usize) -> Picture {
         name: format!("figure-21-{}-{}", file_name(label), file_name(name)),
         svg: line_figure(&figure),
         caption: format!(
-            "The counterpart of Figure 21 for {label} with {} as the truth, k = 0.5: the norm (42) with {} of \
+            "The counterpart of Figure 21 for {label} with {} as the truth, {}: the norm (42) with {} of \
              Ĵnum,n − J_true over what is left at the onset of iteration n, noise by noise, and the part of the space that \
-             is left after it. The right-hand side of (55) bounds the limit, not each iteration; the bound above it holds \
-             at every n.",
+             is left after it. The right-hand side of (55) bounds the limit, not each iteration; what the error cannot \
+             exceed holds at every n. Spaces that are left differ between the panels.",
             setup.truth(truth).with_article(),
+            setup.first_variant().label,
             NORMS[Q2]
         ),
     }
@@ -283,9 +251,10 @@ fn flights(findings: &Findings, ended: &Ended) -> Result<Picture> {
         svg: line_figure(&figure),
         caption: format!(
             "The counterpart of Figure 22, {label}: heading and zenith angle of the optima of iterations 1 and {} with {} as the truth, \
-             k = 0.5, noise {} %.",
+             {}, noise {} %.",
             last.iteration,
             truth.with_article(),
+            setup.variant(ended.case).label,
             100.0 * ended.case.noise
         ),
     })

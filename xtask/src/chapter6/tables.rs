@@ -1,15 +1,12 @@
 //! The tables of Chapter 6.
 
 use anyhow::{Context as _, Result};
-use infuse::{Bound, ErrorLevels, GlobalStopReason, ModelStage};
+use infuse::{Bound, CorrectionLaw, ErrorLevels, GlobalStopReason, ModelStage};
 use water_channel::footprint_m2;
 
 use super::{Ended, Findings};
-use crate::gridded::NORMS;
+use crate::gridded::{NORMS, Q2, SUP};
 use crate::table::{Column, Table};
-
-pub(crate) const Q2: usize = 1;
-const SUP: usize = 2;
 
 /// Why a campaign ended before its limit, to be read after the iteration.
 fn stop_words(ended: &Ended) -> String {
@@ -40,7 +37,7 @@ fn or_dash(iteration: Option<usize>) -> String {
 /// One row for each campaign of these.
 pub(crate) fn campaigns_of<'a>(findings: &Findings, ended: impl Iterator<Item = &'a Ended>) -> Table {
     let mut table = Table::new(vec![
-        Column::new("Parameters", "1"),
+        Column::new("Space", ""),
         Column::new("Truth", ""),
         Column::new("Correction", ""),
         Column::new("Noise", "%"),
@@ -51,15 +48,16 @@ pub(crate) fn campaigns_of<'a>(findings: &Findings, ended: impl Iterator<Item = 
         Column::new("of bound", "%"),
         Column::new("within (55) from", "1"),
         Column::new("Best dropped at", "1"),
-        Column::new("Regret", "s"),
+        Column::new("Regret left", "s"),
         Column::new("certified", "s"),
+        Column::new("Regret overall", "s"),
     ]);
     for ended in ended {
         let setup = &findings.setup;
         let accuracy = &ended.accuracy;
         let (Some(first), Some(last)) = (accuracy.iterations.first(), accuracy.last()) else { continue };
         table.push(vec![
-            setup.spaces[ended.case.space].space.region().n_parameters().to_string(),
+            format!("{}-D", setup.spaces[ended.case.space].space.region().n_parameters()),
             setup.truth(ended.case.truth).short().to_owned(),
             setup.variant(ended.case).label.clone(),
             format!("{}", 100.0 * ended.case.noise),
@@ -70,8 +68,9 @@ pub(crate) fn campaigns_of<'a>(findings: &Findings, ended: impl Iterator<Item = 
             format!("{:.1}", 100.0 * accuracy.largest_share_of_bound()),
             or_dash(accuracy.within_proposition_from(Q2)),
             or_dash(accuracy.best_dropped_at()),
-            digits(last.regret),
+            digits(last.retained_regret),
             digits(last.certified_regret),
+            digits(last.regret),
         ]);
     }
     table
@@ -164,8 +163,8 @@ pub(crate) fn norms(findings: &Findings, ended: &Ended) -> Table {
 /// The optimum of the first and of the last iteration, flown in the truth.
 #[derive(Clone, Debug)]
 pub(crate) struct BeforeAfter {
-    space: usize,
-    truth: usize,
+    pub(crate) space: usize,
+    pub(crate) truth: usize,
     pub(crate) designs: [Flown; 2],
 }
 
@@ -254,21 +253,24 @@ pub(crate) fn rounds(findings: &Findings) -> Result<Table> {
                 ended.case.space == space
                     && ended.case.truth == truth
                     && ended.case.noise.to_bits() == shown.case.noise.to_bits()
-                    && (variant.is_general() || variant.label.contains("current"))
+                    && (variant.is_general()
+                        || ended.campaign.settings().correction.law == CorrectionLaw::CurrentSimulation)
             };
             for ended in findings.ended.iter().filter(same) {
                 let Some(first) = ended.accuracy.iterations.first() else { continue };
                 let first = first.norms[SUP];
                 let levels = ErrorLevels::new(first.gap, first.simulation, first.experiment)?;
                 let bound = Bound::new(ended.campaign.settings().correction, ModelStage::Corrected);
-                let limit = bound.limit().map_or("–".to_owned(), |limit| digits(limit.error(&levels)));
+                let limit = bound.limit().map(|limit| limit.error(&levels));
+                let promises = limit.is_some_and(|limit| limit < first.gap);
+                let rounds = if promises { bound.iterations_to(&levels, 0.1 * first.gap)? } else { None };
                 table.push(vec![
                     findings.setup.spaces[space].entry.label.clone(),
                     findings.setup.truth(truth).short().to_owned(),
                     findings.setup.variant(ended.case).label.clone(),
-                    limit,
+                    limit.map_or("–".to_owned(), digits),
                     digits(first.gap),
-                    or_dash(bound.iterations_to(&levels, 0.1 * first.gap)?),
+                    or_dash(rounds),
                 ]);
             }
         }

@@ -194,6 +194,9 @@ fn about_the_growth(findings: &Findings) -> Vec<String> {
     sentences
 }
 
+/// A kept design is beaten by more than this, relative: less is what the last steps of a search leave open.
+const BEATEN: f64 = 5e-6;
+
 /// What the searches of this run say of the kept designs and of their own goal.
 fn about_the_searches(findings: &Findings) -> Vec<String> {
     let size = |row: &super::Row| format!("K = {}, N = {}", row.size.0, row.size.1);
@@ -204,7 +207,7 @@ fn about_the_searches(findings: &Findings) -> Vec<String> {
         if names.is_empty() { "none".to_owned() } else { names.join("; ") }
     };
     let missed = findings.rows.iter().filter(|row| share(row) < GOAL).collect();
-    let beaten = findings.rows.iter().filter(|row| share(row) > 1.0 + 1e-6).collect();
+    let beaten = findings.rows.iter().filter(|row| share(row) > 1.0 + BEATEN).collect();
     vec![
         format!("Searches that missed their goal of {:.0} % of the kept design: {}.", 100.0 * GOAL, named(missed)),
         format!("Kept designs that a search of this run has beaten, and that should be replaced: {}.", named(beaten)),

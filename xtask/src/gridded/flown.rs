@@ -39,11 +39,7 @@ impl FlightStore {
         fidelity: Fidelity,
         landed: impl Fn(usize) + Sync,
     ) -> Result<FlownGrid> {
-        let key = Self::key(study, space, fidelity)?;
-        let path = self.directory.join(format!("{key}.tsv"));
-        fs::create_dir_all(&self.directory).with_context(|| self.directory.display().to_string())?;
-        let mut costs = vec![None; space.n_cells()];
-        let mut file = open(&path, &mut costs).with_context(|| path.display().to_string())?;
+        let Kept { key, path, mut file, mut costs } = self.kept(study, space, fidelity)?;
         let missing: Vec<usize> = (0..costs.len()).filter(|cell| costs[*cell].is_none()).collect();
         landed(costs.len() - missing.len());
         for piece in missing.chunks(PIECE) {
@@ -66,24 +62,45 @@ impl FlightStore {
         fidelity: Fidelity,
         range: f64,
     ) -> Result<OnDemand<'a>> {
+        let Kept { key, path, file, costs } = self.kept(study, space, fidelity)?;
+        let known = costs.into_iter().enumerate().filter_map(|(cell, cost)| Some((cell, cost?))).collect();
+        Ok(OnDemand::new(study, space, fidelity, Begun { key: format!("{key} {range}"), range, known, file, path }))
+    }
+
+    /// How many cells no file knows.
+    pub(crate) fn n_missing(&self, study: &Study, space: &Space, fidelity: Fidelity) -> Result<usize> {
+        Ok(self.kept(study, space, fidelity)?.costs.iter().filter(|cost| cost.is_none()).count())
+    }
+
+    fn kept(&self, study: &Study, space: &Space, fidelity: Fidelity) -> Result<Kept> {
         let key = Self::key(study, space, fidelity)?;
         let path = self.directory.join(format!("{key}.tsv"));
         fs::create_dir_all(&self.directory).with_context(|| self.directory.display().to_string())?;
         let mut costs = vec![None; space.n_cells()];
         let file = open(&path, &mut costs).with_context(|| path.display().to_string())?;
-        let known = costs.into_iter().enumerate().filter_map(|(cell, cost)| Some((cell, cost?))).collect();
-        Ok(OnDemand::new(study, space, fidelity, Begun { key: format!("{key} {range}"), range, known, file, path }))
+        Ok(Kept { key, path, file, costs })
     }
 
-    /// Everything that the costs depend on. That includes the program, of which the costs of three designs tell: they
-    /// change when the plant, the controller or the integration does.
+    /// Everything that the costs depend on. That includes the plant, the controller and the integration of this program,
+    /// of which the costs of designs all over the space tell.
     fn key(study: &Study, space: &Space, fidelity: Fidelity) -> Result<String> {
-        let probes = [0, space.n_cells() / 2, space.n_cells() - 1];
-        let points = probes.iter().map(|cell| space.point(*cell)).collect::<Result<Vec<_>>>()?;
-        let probes: Vec<String> = points.iter().map(|point| format!("{:?}", study.cost(point, fidelity))).collect();
+        let probes = (0..PROBES).map(|probe| probe * (space.n_cells() - 1) / (PROBES - 1));
+        let points = probes.map(|cell| space.point(cell)).collect::<Result<Vec<_>>>()?;
+        let probes = format!("{:?}", study.costs(&points, fidelity, |_| {}));
         let region = serde_json::to_string(space.region())?;
-        Ok(key([study.contents(fidelity).as_str(), &region, &probes.concat()]))
+        Ok(key([study.contents(fidelity).as_str(), &region, &probes]))
     }
+}
+
+/// Designs whose costs stand for the program.
+const PROBES: usize = 24;
+
+/// A file and what it knows.
+struct Kept {
+    key: String,
+    path: PathBuf,
+    file: File,
+    costs: Vec<Option<Cost>>,
 }
 
 pub(super) fn line(cell: usize, cost: &Cost) -> String {

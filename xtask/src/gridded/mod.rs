@@ -13,7 +13,7 @@ mod space;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use accuracy::{Accuracy, IterationAccuracy, NORMS, NormAccuracy};
+pub(crate) use accuracy::{Accuracy, IterationAccuracy, NORMS, NormAccuracy, Q2, SUP};
 pub(crate) use campaign::{Campaigns, SurrogateRig};
 pub(crate) use flown::{FlightStore, FlownGrid};
 pub(crate) use on_demand::OnDemand;

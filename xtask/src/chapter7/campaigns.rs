@@ -1,0 +1,85 @@
+//! The loop with one regressor: once without noise, and once for each seed of it.
+
+use anyhow::{Context as _, Result};
+use infuse::{GlobalLoop, GlobalSettings};
+use rayon::prelude::*;
+
+use crate::gridded::{Campaigns, SurrogateRig};
+
+/// What an iteration found.
+#[derive(Clone, Debug)]
+pub(crate) struct Step {
+    pub(crate) point: Vec<f64>,
+    /// What the design truly costs.
+    pub(crate) cost: f64,
+    /// Per cent of the original cells left after the iteration.
+    pub(crate) share: f64,
+}
+
+/// One campaign, iteration by iteration.
+#[derive(Clone, Debug)]
+pub(crate) struct Steps(pub(crate) Vec<Step>);
+
+impl Steps {
+    fn of(campaign: &GlobalLoop, rig: &SurrogateRig<'_>) -> Result<Self> {
+        let reports = campaign.reports();
+        let cells = reports.iter().map(|report| Ok(usize::try_from(report.screening.optimum_cell)?));
+        let costs = rig.truth.costs(&cells.collect::<Result<Vec<_>>>()?);
+        rig.truth.keep()?;
+        let steps = reports.iter().zip(costs).map(|(report, cost)| {
+            let screening = &report.screening;
+            Step {
+                point: screening.optimum.clone(),
+                cost: cost.unwrap_or(f64::NAN),
+                share: 100.0 * screening.n_after as f64 / rig.space.n_cells() as f64,
+            }
+        });
+        Ok(Self(steps.collect()))
+    }
+
+    /// Of the last iteration that was made.
+    pub(crate) fn last(&self) -> Result<&Step> {
+        self.0.last().context("a campaign without an iteration")
+    }
+}
+
+/// All campaigns with one regressor.
+#[derive(Debug)]
+pub(crate) struct Runs {
+    pub(crate) label: String,
+    /// Without noise.
+    pub(crate) quiet: Steps,
+    pub(crate) quiet_campaign: GlobalLoop,
+    /// One for each seed of noise.
+    pub(crate) noisy: Vec<Steps>,
+}
+
+impl Runs {
+    /// Runs them side by side; `rig` has the noise, and `iterated` hears of every iteration.
+    pub(crate) fn of(
+        label: &str,
+        rig: &SurrogateRig<'_>,
+        settings: &GlobalSettings,
+        seeds: &[u64],
+        campaigns: &Campaigns,
+        iterated: impl Fn(usize) + Sync,
+    ) -> Result<Self> {
+        let mut begun = GlobalLoop::new(rig.space.region(), settings.clone())?;
+        begun.ask(&mut |point| rig.simulate(point))?;
+        let run = |rig: SurrogateRig<'_>| -> Result<(Steps, GlobalLoop)> {
+            let campaign = campaigns.run_from(&rig, &begun, &iterated)?;
+            Ok((Steps::of(&campaign, &rig)?, campaign))
+        };
+        // First, because the others make the same experiments in their first iteration.
+        let (quiet, quiet_campaign) = run(SurrogateRig { noise: 0.0, seed: 0, ..*rig })?;
+        let noisy = seeds.par_iter().map(|seed| Ok(run(SurrogateRig { seed: *seed, ..*rig })?.0));
+        let noisy = noisy.collect::<Result<_>>()?;
+        Ok(Self { label: label.to_owned(), quiet, quiet_campaign, noisy })
+    }
+
+    /// A reading of an iteration from 1, of every campaign with noise that got so far.
+    pub(crate) fn over_seeds(&self, iteration: usize, reading: impl Fn(&Step) -> f64) -> Vec<f64> {
+        let steps = self.noisy.iter().filter_map(|steps| steps.0.get(iteration.checked_sub(1)?));
+        steps.map(reading).collect()
+    }
+}
