@@ -220,7 +220,7 @@ fn impossible_replies_are_refused_and_change_nothing() {
     let value = || Outcome::Value(1.0);
     assert!(refused(TrialId::new(13), None, value()).contains("never handed out"));
     assert!(refused(id, None, Outcome::Value(f64::INFINITY)).contains("told the value inf"));
-    assert!(refused(id, Some(&[12.0]), value()).contains("a point has 1 coordinates"));
+    assert!(refused(id, Some(&[12.0]), value()).contains("a point has 1 coordinate,"));
     assert!(refused(id, Some(&[12.0, 17.0]), value()).contains("of parameter `p1` is 17.0"));
     assert!(refused(id, Some(&[f64::NAN, 12.0]), value()).contains("of parameter `p0` is NaN"));
     campaign.tell(id, value()).unwrap();
