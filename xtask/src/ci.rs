@@ -1,7 +1,8 @@
 //! `cargo xtask ci`: everything that a change must pass, one step after the other, up to the first that fails.
 
+use std::fs;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
@@ -20,6 +21,7 @@ struct Step {
 const STEPS: &[Step] = &[
     Step { heading: "format", run: || cargo(&["fmt", "--all", "--check"]) },
     Step { heading: "tidy", run: tidy::check },
+    // All targets: benches, too, are compiled here.
     Step { heading: "clippy", run: || cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]) },
     Step { heading: "tests", run: || cargo(&["test", "--workspace", "--lib", "--bins", "--tests"]) },
     Step { heading: "tests in the documentation", run: || cargo(&["test", "--workspace", "--doc"]) },
@@ -27,7 +29,6 @@ const STEPS: &[Step] = &[
     // The lanes are other machine code in a release build, and they are what studies fly with.
     Step { heading: "rig, optimized", run: || cargo(&["test", "--release", "--package", "water-channel", "--tests"]) },
     Step { heading: "examples", run: examples },
-    Step { heading: "benches compile", run: || cargo(&["bench", "--workspace", "--no-run"]) },
     Step { heading: "packages", run: packages },
     Step { heading: "optimal designs", run: || cargo(&["xtask", "doe-records", "--check"]) },
     Step { heading: "all chapters", run: || cargo(&["xtask", "reproduce-all", "--check"]) },
@@ -58,13 +59,7 @@ fn documentation() -> Result<()> {
 /// features of its own, and the large dependencies would be compiled anew for many of them.
 fn examples() -> Result<()> {
     cargo(&["build", "--release", "--workspace", "--examples", "--all-features"])?;
-    let output = workspace::cargo(&["metadata", "--no-deps", "--format-version", "1"])?
-        .output()
-        .context("cannot start cargo")?;
-    if !output.status.success() {
-        bail!("cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
-    }
-    let metadata: Metadata = serde_json::from_slice(&output.stdout).context("cargo metadata")?;
+    let metadata = metadata()?;
     for name in example_names(&metadata)? {
         let program = metadata.target_directory.join("release/examples").join(name);
         let mut command = Command::new(program.with_extension(std::env::consts::EXE_EXTENSION));
@@ -73,12 +68,54 @@ fn examples() -> Result<()> {
     Ok(())
 }
 
-/// Packs every crate and builds it from its package.
+/// Packs every crate, and compiles it from what was packed.
 ///
-/// Crates that need each other are found in the packages made just before, so nothing needs to be published; all else was
-/// fetched by the steps before, and `--offline` keeps cargo from asking the registry for news.
+/// Cargo's own verification unpacks into cargo's home under a name that holds the version but not the content, and finds
+/// there what an earlier run has left. So it is done here: the packages are the members of a workspace of their own, in
+/// which they find each other, and nothing needs to be published. All else was fetched by the steps before, and
+/// `--offline` keeps cargo from asking the registry for news.
 fn packages() -> Result<()> {
-    cargo(&["package", "--workspace", "--exclude", "xtask", "--allow-dirty", "--offline"])
+    cargo(&["package", "--workspace", "--exclude", "xtask", "--allow-dirty", "--offline", "--no-verify"])?;
+    let metadata = metadata()?;
+    let folder = metadata.target_directory.join("package");
+    let unpacked = folder.join("unpacked");
+    if unpacked.exists() {
+        fs::remove_dir_all(&unpacked).with_context(|| unpacked.display().to_string())?;
+    }
+    fs::create_dir_all(&unpacked).with_context(|| unpacked.display().to_string())?;
+    let packed = metadata.packages.iter().filter(|package| package.name != "xtask");
+    let packed: Vec<(&str, String)> =
+        packed.map(|package| (&*package.name, format!("{}-{}", package.name, package.version))).collect();
+    for (_, stem) in &packed {
+        let archive = folder.join(format!("{stem}.crate"));
+        run_quietly(Command::new("tar").arg("-xzf").arg(archive).arg("-C").arg(&unpacked))?;
+    }
+    let manifest = unpacked.join("Cargo.toml");
+    fs::write(&manifest, workspace_of(&packed)).with_context(|| manifest.display().to_string())?;
+    let lock = "Cargo.lock";
+    fs::copy(workspace::root()?.join(lock), unpacked.join(lock)).context(lock)?;
+    let arguments = ["check", "--workspace", "--offline"];
+    let mut check = workspace::cargo(&arguments)?;
+    run_quietly(check.current_dir(&unpacked).arg("--target-dir").arg(&metadata.target_directory))
+}
+
+/// A workspace of these unpacked packages, each in the folder of its own name.
+fn workspace_of(packed: &[(&str, String)]) -> String {
+    let stems: Vec<&String> = packed.iter().map(|(_, stem)| stem).collect();
+    let patches: Vec<String> = packed.iter().map(|(name, stem)| format!("{name} = {{ path = {stem:?} }}\n")).collect();
+    // The profile of the workspace itself, so that what was compiled with it is used again.
+    let profile = "[profile.dev]\nopt-level = 1\ndebug = \"line-tables-only\"\n";
+    format!("[workspace]\nresolver = \"3\"\nmembers = {stems:?}\n\n[patch.crates-io]\n{}\n{profile}", patches.concat())
+}
+
+fn metadata() -> Result<Metadata> {
+    let output = workspace::cargo(&["metadata", "--no-deps", "--format-version", "1"])?
+        .output()
+        .context("cannot start cargo")?;
+    if !output.status.success() {
+        bail!("cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    serde_json::from_slice(&output.stdout).context("cargo metadata")
 }
 
 fn cargo(arguments: &[&str]) -> Result<()> {
@@ -101,8 +138,9 @@ fn run_quietly(command: &mut Command) -> Result<()> {
 
 /// The command line as one would type it.
 fn describe(command: &Command) -> String {
+    let program = Path::new(command.get_program()).file_stem().unwrap_or_default().to_string_lossy();
     let arguments = command.get_args().map(|argument| argument.to_string_lossy());
-    std::iter::once("cargo".into()).chain(arguments).collect::<Vec<_>>().join(" ")
+    std::iter::once(program).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
 #[derive(Deserialize)]
@@ -113,6 +151,8 @@ struct Metadata {
 
 #[derive(Deserialize)]
 struct Package {
+    name: String,
+    version: String,
     targets: Vec<Target>,
 }
 
@@ -147,9 +187,9 @@ mod tests {
     }
 
     fn metadata(second: &str) -> Metadata {
-        let text = r#"{"target_directory": "target", "packages": [{"name": "a", "targets": [
+        let text = r#"{"target_directory": "target", "packages": [{"name": "a", "version": "0.1.0", "targets": [
             {"name": "a", "kind": ["lib"]}, {"name": "first", "kind": ["example"]}]},
-            {"name": "b", "targets": [{"name": "it", "kind": ["test"]}, {"name": "SECOND", "kind": ["example"]}]}]}"#;
+            {"name": "b", "version": "0.1.0", "targets": [{"name": "it", "kind": ["test"]}, {"name": "SECOND", "kind": ["example"]}]}]}"#;
         serde_json::from_str(&text.replace("SECOND", second)).expect("valid")
     }
 

@@ -13,6 +13,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("bat-dynamics", &[]),
     ("doe", &[]),
     ("infuse", &["doe", "surface"]),
+    ("infuse-cli", &["doe", "infuse", "surface"]),
     ("scaling", &[]),
     ("surface", &["doe"]),
     ("tether-control", &[]),

@@ -1,0 +1,3 @@
+//! `infuse`: campaigns of experiments and simulations from a shell.
+
+fn main() {}
