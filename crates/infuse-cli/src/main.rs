@@ -1,3 +1,51 @@
 //! `infuse`: campaigns of experiments and simulations from a shell.
 
-fn main() {}
+mod arguments;
+mod campaign;
+mod command;
+mod journal;
+mod number;
+mod problem;
+mod program;
+mod sheet;
+mod simulator;
+
+use std::io::Write as _;
+use std::process::ExitCode;
+use std::sync::atomic::Ordering;
+
+use clap::Parser as _;
+
+use arguments::Arguments;
+use command::Output;
+
+/// As a shell reports a program that was stopped by Ctrl-C.
+const INTERRUPTED: u8 = 130;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    // Without it an interrupt ends the program at once, which loses nothing either.
+    let _ = ctrlc::set_handler(|| program::INTERRUPTED.store(true, Ordering::Relaxed));
+    let outcome = command::run(&arguments);
+    let is_json = arguments.common.json;
+    let written = match &outcome {
+        Ok(output) => show(output, is_json),
+        Err(error) if is_json => {
+            writeln!(std::io::stdout(), "{}", serde_json::json!({ "error": format!("{error:#}") }))
+        }
+        Err(error) => writeln!(std::io::stderr(), "error: {error:#}"),
+    };
+    match outcome {
+        _ if program::INTERRUPTED.load(Ordering::Relaxed) => ExitCode::from(INTERRUPTED),
+        Ok(_) if written.is_ok() => ExitCode::SUCCESS,
+        _ => ExitCode::FAILURE,
+    }
+}
+
+fn show(output: &Output, is_json: bool) -> std::io::Result<()> {
+    for notice in &output.notices {
+        writeln!(std::io::stderr(), "note: {notice}")?;
+    }
+    let mut stdout = std::io::stdout().lock();
+    if is_json { writeln!(stdout, "{}", output.json) } else { writeln!(stdout, "{}", output.text.trim_end()) }
+}

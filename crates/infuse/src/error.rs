@@ -221,6 +221,24 @@ pub enum Error {
         /// Why the surface could not be fitted.
         reason: surface::Error,
     },
+    /// Designs that the next iteration cannot be opened with.
+    #[error("the plan of iteration {iteration} is not usable, expected {expected}")]
+    Plan {
+        /// The iteration, from 1.
+        iteration: usize,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// Settings of an earlier experiment that are too far outside the region.
+    #[error("earlier experiment: parameter `{parameter}` is {value:?}, expected {expected}")]
+    EarlierSetting {
+        /// Name of the parameter.
+        parameter: String,
+        /// The setting given, in the parameter's unit.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
     /// A surface that is a number at no retained cell.
     #[error("the {surface} surface of iteration {iteration} is a number at no retained cell")]
     NoMinimum {

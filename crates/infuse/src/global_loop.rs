@@ -10,7 +10,10 @@ use crate::convergence::check_not_negative;
 use crate::global::batch::{DesignSpace, Purpose};
 use crate::global::cells::Cells;
 use crate::global::changes::SurfaceChanges;
-use crate::global::iteration::{OpenIteration, simulate, simulated, trials};
+use crate::global::earlier::EarlierExperiment;
+use crate::global::iteration::{OpenIteration, simulated, simulation_record, trials};
+use crate::global::observations::Observations;
+use crate::global::plan::GlobalPlan;
 use crate::global::report::{GlobalReport, GlobalStopReason};
 use crate::global::retained::RetainedSet;
 use crate::global::screening::{Dropped, Screening, Spread, threshold, z};
@@ -49,24 +52,46 @@ pub struct GlobalLoop {
     pub(crate) open: Option<OpenIteration>,
     /// Where simulations failed in calls of `ask` that opened no iteration.
     pub(crate) failed_cells: BTreeSet<u64>,
+    /// In the order in which they were added.
+    pub(crate) earlier: Vec<EarlierExperiment>,
 }
 
 /// One turn of Figure 19.
 impl GlobalLoop {
     /// The upper half of the figure: G-optimal experiments and simulations over what is left.
     fn begin(&self, simulation: &mut impl FnMut(&[f64]) -> Result<f64, String>) -> Result<OpenIteration, Error> {
-        let (cells, settings) = (&self.cells, &self.settings);
-
-        // 5.1: the terms that what is left supports, both designs (29), training and validation.
-        let space = DesignSpace::of(&self.retained, cells, settings, self.iteration())?;
-        let experiments = space.design(settings.n_experiments, Purpose::Experiments, &BTreeSet::new())?;
-        let runs = space.design(settings.n_simulations, Purpose::Simulations, &self.failed_cells)?;
-        let uses = space.uses(&experiments)?;
-        let batch = space.batch(&experiments, &runs)?;
-
+        // 5.1: both designs (29) for the terms that what is left supports.
+        let space = self.design_space()?;
+        let plan = self.plan_in(&space)?;
         // 5.2: simulations now, experiments by whoever has the rig.
-        let simulations = simulate(&runs, cells, simulation)?;
-        let trials = trials(&experiments, &uses, cells, self.iteration(), self.n_asked())?;
+        self.open_in(&space, &plan, simulation)
+    }
+
+    fn design_space(&self) -> Result<DesignSpace<'_>, Error> {
+        DesignSpace::of(&self.retained, &self.cells, &self.settings, self.iteration())
+    }
+
+    fn plan_in(&self, space: &DesignSpace) -> Result<GlobalPlan, Error> {
+        let settings = &self.settings;
+        Ok(GlobalPlan {
+            experiments: space.design(settings.n_experiments, Purpose::Experiments, &BTreeSet::new())?,
+            simulations: space.design(settings.n_simulations, Purpose::Simulations, &self.failed_cells)?,
+        })
+    }
+
+    /// Training and validation, the simulations, and the trials.
+    fn open_in(
+        &self,
+        space: &DesignSpace,
+        plan: &GlobalPlan,
+        simulation: &mut impl FnMut(&[f64]) -> Result<f64, String>,
+    ) -> Result<OpenIteration, Error> {
+        let GlobalPlan { experiments, simulations } = plan;
+        let uses = space.uses(experiments)?;
+        let batch = space.batch(experiments, simulations)?;
+        let record = |&cell: &u64| simulation_record(cell, &self.cells, simulation);
+        let simulations = simulations.iter().map(record).collect::<Result<_, _>>()?;
+        let trials = trials(experiments, &uses, &self.cells, self.iteration(), self.n_asked())?;
         Ok(OpenIteration { batch, simulations, trials })
     }
 
@@ -75,10 +100,13 @@ impl GlobalLoop {
         let (cells, settings, k) = (&self.cells, &self.settings, self.cells.n_factors());
         let model = open.batch.model(settings)?;
         let training = open.experiments(TrialUse::Training, cells.region())?;
+        let earlier = self.earlier_observations()?;
+        let n_earlier = earlier.n_points();
+        let training = training.followed_by(&earlier)?;
         let validation = open.experiments(TrialUse::Validation, cells.region())?;
         let simulations = open.simulations(cells)?;
 
-        // 5.3, 1: all experiments. 2: the simulations as they are.
+        // 5.3, 1: all experiments, those made before the campaign too. 2: the simulations as they are.
         let all = training.clone().followed_by(&validation)?;
         let experiment = TracedSurface::fit(&settings.surfaces.experiment.with_model(&model), &all);
         let simulation = TracedSurface::fit(&settings.surfaces.simulation.with_model(&model), &simulations)?;
@@ -107,7 +135,8 @@ impl GlobalLoop {
         let (screening, retained) = self.screen(&surfaces, spread)?;
         let OpenIteration { batch, simulations, trials } = open;
         let iteration = self.iteration();
-        let report = GlobalReport { iteration, batch, simulations, trials, screening, not_corrected, changes };
+        let report =
+            GlobalReport { iteration, batch, simulations, trials, n_earlier, screening, not_corrected, changes };
         Ok(Closed { report, surfaces, retained })
     }
 
@@ -173,8 +202,9 @@ impl GlobalLoop {
         settings.validate(region)?;
         let cells = Cells::of(region)?;
         let retained = RetainedSet::full(cells.n_cells());
-        let (history, surfaces, failed_cells) = (Vec::new(), Vec::new(), BTreeSet::new());
-        Ok(Self { cells, settings, retained, history, surfaces, open: None, failed_cells })
+        let (history, surfaces) = (Vec::new(), Vec::new());
+        let (failed_cells, earlier) = (BTreeSet::new(), Vec::new());
+        Ok(Self { cells, settings, retained, history, surfaces, open: None, failed_cells, earlier })
     }
 
     /// The experiments to run now.
@@ -197,14 +227,101 @@ impl GlobalLoop {
         }
         if self.open.is_none() {
             let open = self.begin(simulation)?;
-            if let Err(error) = self.check_simulations(&open) {
-                self.avoid(open.failed_cells());
-                return Err(error);
-            }
-            self.failed_cells.clear();
-            self.open = Some(open);
+            self.hand_out(open)?;
         }
         Ok(GlobalAsk::Trials(self.outstanding()))
+    }
+
+    /// The cells that the next iteration experiments and simulates on: the first half of [`ask`](Self::ask), for
+    /// callers who run many simulations at once, or who write the designs down before they begin. Nothing while trials
+    /// are outstanding, and after the end.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Region`] if the searches find no design.
+    pub fn plan(&self) -> Result<Option<GlobalPlan>, Error> {
+        if self.open.is_some() || self.stop().is_some() {
+            return Ok(None);
+        }
+        self.plan_in(&self.design_space()?).map(Some)
+    }
+
+    /// Opens the next iteration with these designs: the second half of [`ask`](Self::ask). `simulation` is called once per
+    /// simulation of the plan, in its order, and may look up what has been run before.
+    ///
+    /// The designs need not be those of [`plan`](Self::plan): any cells that are left will do, in the numbers of the
+    /// settings. So a campaign is followed again from its notes without searching.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Plan`], and those of [`ask`](Self::ask), with the same consequence.
+    pub fn open(
+        &mut self,
+        plan: &GlobalPlan,
+        simulation: &mut impl FnMut(&[f64]) -> Result<f64, String>,
+    ) -> Result<Vec<GlobalTrial>, Error> {
+        let wrong = |expected| Error::Plan { iteration: self.iteration(), expected };
+        if self.open.is_some() {
+            return Err(wrong("none while trials are outstanding"));
+        }
+        if self.history.last().is_some_and(|last| last.own_stop(&self.settings).is_some()) {
+            return Err(wrong("none after the campaign has ended"));
+        }
+        if plan.experiments.len() != self.settings.n_experiments
+            || plan.simulations.len() != self.settings.n_simulations
+        {
+            return Err(wrong("as many experiments and simulations as the settings say"));
+        }
+        if !plan.experiments.iter().chain(&plan.simulations).all(|&cell| self.is_retained(cell)) {
+            return Err(wrong("cells that are left"));
+        }
+        let open = self.open_in(&self.design_space()?, plan, simulation)?;
+        self.hand_out(open)?;
+        Ok(self.outstanding())
+    }
+
+    fn hand_out(&mut self, open: OpenIteration) -> Result<(), Error> {
+        if let Err(error) = self.check_simulations(&open) {
+            self.avoid(open.failed_cells());
+            return Err(error);
+        }
+        self.failed_cells.clear();
+        self.open = Some(open);
+        Ok(())
+    }
+
+    /// An experiment made outside the campaign, at these natural settings. From the iteration that is open or comes
+    /// next it counts as one more training experiment of every iteration at whose onset the nearest cell is left;
+    /// it never validates. Designs do not know of it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Region`] for a wrong number of settings, [`Error::EarlierSetting`] for one more than half a parameter's
+    /// width outside its bounds, [`Error::Setting`] for a cost that is not finite.
+    pub fn add_earlier(&mut self, point: &[f64], cost: f64, source: impl Into<String>) -> Result<(), Error> {
+        let since = self.iteration();
+        let earlier = EarlierExperiment { point: point.to_vec(), cost, source: source.into(), since };
+        earlier.check(self.cells.region())?;
+        self.earlier.push(earlier);
+        Ok(())
+    }
+
+    /// The experiments made outside the campaign.
+    #[must_use]
+    pub fn earlier(&self) -> &[EarlierExperiment] {
+        &self.earlier
+    }
+
+    /// Those of them that count in the iteration that is open or comes next.
+    fn earlier_observations(&self) -> Result<Observations, Error> {
+        let mut observations = Observations::none(self.cells.n_factors());
+        for earlier in self.earlier.iter().filter(|earlier| earlier.since <= self.iteration()) {
+            let inside = self.region().clamp(&earlier.point)?;
+            if self.is_retained(self.cells.nearest(&inside)?) {
+                observations.add_simulation(&self.region().coded(&earlier.point)?, earlier.cost)?;
+            }
+        }
+        Ok(observations)
     }
 
     /// The outcome of an outstanding trial, at the settings asked for.
@@ -516,5 +633,6 @@ impl PartialEq for GlobalLoop {
             && self.history == other.history
             && self.open == other.open
             && self.failed_cells == other.failed_cells
+            && self.earlier == other.earlier
     }
 }

@@ -241,6 +241,27 @@ impl Regression {
         Some(rows().flat_map(|a| rows().map(move |b| dot(a, b))).collect())
     }
 
+    /// The polynomial with the coefficients b + σ U z, with U U' = (R'WR)⁻¹: for independent standard normal z, a draw from the
+    /// sampling distribution of the fit. None without degrees of freedom.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Count`] unless there is one z per term.
+    pub fn drawn(&self, normals: &[f64]) -> Result<Option<Polynomial>, Error> {
+        let p = self.model.n_terms();
+        if normals.len() != p {
+            return Err(Error::Count { name: "normals", found: normals.len(), least: p, most: p });
+        }
+        let Some(scale) = self.unit_variance().map(f64::sqrt) else {
+            return Ok(None);
+        };
+        let rows = self.inverse_factor.chunks_exact(p);
+        let moved = rows
+            .zip(&self.coefficients)
+            .map(|(row, coefficient)| coefficient + scale * row.iter().zip(normals).map(|(u, z)| u * z).sum::<f64>());
+        Polynomial::new(&self.model, &moved.collect::<Vec<_>>()).map(Some)
+    }
+
     /// Standard error of each coefficient. None without degrees of freedom.
     #[must_use]
     pub fn standard_errors(&self) -> Option<Vec<f64>> {

@@ -60,6 +60,7 @@ impl Agreement {
     /// Of what is not an outcome and not in the batch.
     pub(crate) fn of_reports(self, saved: &GlobalReport, found: &GlobalReport) -> Result<(), Error> {
         self.exact("iteration", &saved.iteration, &found.iteration)?;
+        self.exact("n_earlier", &saved.n_earlier, &found.n_earlier)?;
         self.of_screenings(&saved.screening, &found.screening)?;
         // The reason may hold numbers, so only whether there is one must agree.
         if saved.not_corrected.is_some() != found.not_corrected.is_some() {

@@ -3,7 +3,10 @@
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-use doe::{Criterion, Design, Effort, Model, Problem, Settings, SplitSettings, Term, confounded_terms, search, split};
+use doe::{
+    Criterion, Design, Effort, Model, Problem, Replicates, Settings, SplitSettings, Term, confounded_terms, search,
+    split,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::global::candidates::Candidates;
@@ -117,7 +120,12 @@ impl<'a> DesignSpace<'a> {
             let again = (0..rest).map(|number| cells[number * n / rest]);
             return Ok(cells.iter().copied().cycle().take(rounds * n).chain(again).collect());
         }
-        let problem = Problem::new(self.model.clone(), space.clone(), n_runs, Criterion::G)?;
+        let mut problem = Problem::new(self.model.clone(), space.clone(), n_runs, Criterion::G)?;
+        if let Purpose::Experiments = purpose
+            && self.settings.replicates > 0
+        {
+            problem = problem.with_replicates(Replicates::Planned(self.settings.replicates))?;
+        }
         let mut settings = Settings::default();
         settings.seed = seed(self.settings.seed, self.iteration, purpose);
         settings.starts = self.settings.design_starts;

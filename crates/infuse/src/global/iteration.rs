@@ -60,21 +60,18 @@ pub(crate) fn simulated(records: &[SimulationRecord], cells: &Cells) -> Result<O
     Ok(observations)
 }
 
-/// Runs the simulation at every cell of a design; what fails is written down.
-pub(crate) fn simulate(
-    design: &[u64],
+/// Runs the simulation at a cell; a failure is written down.
+pub(crate) fn simulation_record(
+    cell: u64,
     cells: &Cells,
     simulation: &mut impl FnMut(&[f64]) -> Result<f64, String>,
-) -> Result<Vec<SimulationRecord>, Error> {
-    let record = |&cell: &u64| {
-        let point = cells.natural(cell)?;
-        let outcome = match simulation(&point) {
-            Ok(cost) if !cost.is_finite() => Outcome::Failed { reason: format!("the simulation returned {cost}") },
-            result => result.into(),
-        };
-        Ok(SimulationRecord { cell, point, outcome })
+) -> Result<SimulationRecord, Error> {
+    let point = cells.natural(cell)?;
+    let outcome = match simulation(&point) {
+        Ok(cost) if !cost.is_finite() => Outcome::Failed { reason: format!("the simulation returned {cost}") },
+        result => result.into(),
     };
-    design.iter().map(record).collect()
+    Ok(SimulationRecord { cell, point, outcome })
 }
 
 /// The trials of an iteration, numbered on from those before.

@@ -62,6 +62,9 @@ pub struct GlobalReport {
     pub simulations: Vec<SimulationRecord>,
     /// Every experiment with its outcome.
     pub trials: Vec<GlobalTrialRecord>,
+    /// How many [earlier experiments](crate::EarlierExperiment) counted in it.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub n_earlier: usize,
     /// The optimum, the z-test and what it left.
     pub screening: Screening,
     /// Why the experiments could not be fitted, too many having failed: the correction is then that of the iteration
@@ -69,6 +72,11 @@ pub struct GlobalReport {
     pub not_corrected: Option<String>,
     /// How the surfaces moved, largest magnitudes over the cells at the onset of the iteration.
     pub changes: SurfaceChanges,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 impl GlobalReport {

@@ -80,6 +80,10 @@ pub struct GlobalSettings {
     pub model: Model,
     /// N_E, experiments per iteration: at least 4, and at least the number of terms.
     pub n_experiments: usize,
+    /// How many of the experiments repeat others of the same iteration, at most half of them: where, the design decides.
+    /// Repeats measure the noise, and against it the lack of fit. Default 0.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub replicates: usize,
     /// N_S, simulations per iteration: at least the number of terms.
     pub n_simulations: usize,
     /// How the surfaces are estimated.
@@ -125,6 +129,11 @@ pub struct GlobalSettings {
     /// represented by a part of it. Default 400,000.
     #[serde(default = "default_candidate_limit")]
     pub candidate_limit: u64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 fn default_experiment_weight() -> f64 {
@@ -176,6 +185,7 @@ impl GlobalSettings {
         Self {
             model,
             n_experiments,
+            replicates: 0,
             n_simulations,
             surfaces: SurfaceKinds::default(),
             experiment_weight: default_experiment_weight(),
@@ -213,6 +223,10 @@ impl GlobalSettings {
         for (name, value) in [("n_experiments", self.n_experiments), ("n_simulations", self.n_simulations)] {
             count(name, value, (n_terms..=Self::MOST_RUNS).contains(&value), runs)?;
         }
+        let distinct = self.n_experiments.saturating_sub(self.replicates);
+        let repeats = 2 * self.replicates <= self.n_experiments && distinct >= n_terms;
+        let expected = "at most half of the experiments, the others at least as many as the model has terms";
+        count("replicates", self.replicates, repeats, expected)?;
         let trains = self.split != SplitMethod::Balanced || self.n_experiments.div_ceil(2) >= n_terms;
         let expected = "twice the number of terms less one for the balanced split, or the alternating split";
         count("n_experiments", self.n_experiments, trains, expected)?;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::global::agreement::Agreement;
 use crate::global::batch::{Batch, DesignSpace};
+use crate::global::earlier::EarlierExperiment;
 use crate::global::iteration::{OpenIteration, trials};
 use crate::global::report::{GlobalReport, SimulationRecord};
 use crate::global::trial::GlobalTrialRecord;
@@ -25,6 +26,8 @@ pub(crate) struct State {
     open: Option<OpenIteration>,
     #[serde(default)]
     failed_cells: BTreeSet<u64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    earlier: Vec<EarlierExperiment>,
 }
 
 impl From<GlobalLoop> for State {
@@ -36,6 +39,7 @@ impl From<GlobalLoop> for State {
             history: campaign.history,
             open: campaign.open,
             failed_cells: campaign.failed_cells,
+            earlier: campaign.earlier,
         }
     }
 }
@@ -51,6 +55,19 @@ impl TryFrom<State> for GlobalLoop {
             return Err(Error::StateFormat { found: state.format, supported: FORMAT });
         }
         let mut campaign = Self::new(&state.region, state.settings)?;
+        let n_iterations = state.history.len() + 1;
+        for earlier in state.earlier {
+            let iteration = earlier.since;
+            earlier.check(&state.region).map_err(|_| {
+                let expected = "finite costs and settings near the region";
+                Error::State { field: "earlier", iteration, expected }
+            })?;
+            if !(1..=n_iterations).contains(&iteration) {
+                let expected = "since an iteration of the campaign";
+                return Err(Error::State { field: "earlier", iteration, expected });
+            }
+            campaign.earlier.push(earlier);
+        }
         for report in state.history {
             let iteration = campaign.iteration();
             check_may_go_on(&campaign)?;

@@ -68,14 +68,20 @@ impl GlobalTrialRecord {
     }
 }
 
-/// Settings may be off the grid and somewhat outside the box, as rigs are; a coded coordinate beyond 2 is a slip.
 fn check_actual(id: TrialId, actual: &[f64], region: &Region) -> Result<(), Error> {
-    for (parameter, (&value, coded)) in region.parameters().iter().zip(actual.iter().zip(region.coded(actual)?)) {
-        if coded.is_nan() || coded.abs() > 2.0 {
-            let expected = "within half the parameter's width of its bounds";
-            let parameter = parameter.name().to_owned();
-            return Err(Error::ActualSettingOf { id, parameter, actual: value, expected });
-        }
-    }
-    Ok(())
+    let Some((parameter, actual)) = far_setting(actual, region)? else {
+        return Ok(());
+    };
+    Err(Error::ActualSettingOf { id, parameter, actual, expected: NEAR_THE_REGION })
+}
+
+pub(crate) const NEAR_THE_REGION: &str = "within half the parameter's width of its bounds";
+
+/// The first of these natural settings that is too far off. Settings may be off the grid and somewhat outside the box, as
+/// rigs are; a coded coordinate beyond 2 is a slip.
+pub(crate) fn far_setting(settings: &[f64], region: &Region) -> Result<Option<(String, f64)>, Error> {
+    let coded = region.coded(settings)?;
+    let mut far = region.parameters().iter().zip(settings.iter().zip(coded));
+    let far = far.find(|(_, (_, coded))| coded.is_nan() || coded.abs() > 2.0);
+    Ok(far.map(|(parameter, (&value, _))| (parameter.name().to_owned(), value)))
 }

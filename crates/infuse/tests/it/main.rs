@@ -7,6 +7,7 @@ mod correction;
 mod errors;
 mod failures;
 mod global_accuracy;
+mod global_campaigns;
 mod global_convergence;
 mod global_failures;
 mod global_problems;

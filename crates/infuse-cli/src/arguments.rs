@@ -1,0 +1,130 @@
+//! What can be typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+/// Which experiments to run next, what they taught, and when to stop.
+///
+/// A campaign is a folder with a file `campaign.toml`: what can be set, what is measured, and a rough simulation. From
+/// a few experiments and many simulations `infuse` learns where the simulation is wrong, and asks for the next experiments
+/// where they count.
+#[derive(Debug, Parser)]
+#[command(name = "infuse", version, after_help = FIRST_STEPS)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) common: Common,
+}
+
+const FIRST_STEPS: &str = "\
+First steps:
+  infuse new my-rig        make a folder with a campaign.toml that works; edit it until it describes your rig
+  cd my-rig
+  infuse ask               run the simulations, and write sheet-1.csv with the experiments to run
+                           ... run them, and fill in the column of the response ...
+  infuse tell sheet-1.csv  take the sheet back, wholly or partly filled
+  infuse status            the best design so far, what was learned, and whether to go on
+  infuse ask               the next experiments; and so on, until it says why to stop
+  infuse report            one HTML page with all of it";
+
+#[derive(Debug, Args)]
+pub(crate) struct Common {
+    /// The folder of the campaign
+    #[arg(short = 'C', long, global = true, default_value = ".", value_name = "FOLDER")]
+    pub(crate) campaign: PathBuf,
+    /// Print one JSON object instead of text
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Wait this long for another infuse in the same folder
+    #[arg(long, global = true, default_value_t = 5.0, value_name = "SECONDS")]
+    pub(crate) wait: f64,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Make a folder with a campaign.toml that works, as a beginning
+    New {
+        /// The folder to make; it must not hold a campaign yet
+        folder: PathBuf,
+    },
+    /// Say which experiments to run now, and write them to a sheet
+    ///
+    /// Begins the next batch if none is waited for: designs it, and runs its simulations. Asking again gives the same
+    /// experiments until they have been told. Interrupt it when you like; what was simulated is remembered.
+    Ask {
+        /// Where the sheet goes [default: sheet-N.csv in the folder of the campaign]
+        #[arg(long, value_name = "FILE")]
+        sheet: Option<PathBuf>,
+        /// Begin another batch even if it seems not worth it
+        #[arg(long)]
+        anyway: bool,
+        /// Simulate everything again in this batch and those to come, after the simulator itself was changed
+        #[arg(long)]
+        resimulate: bool,
+    },
+    /// Take the results of experiments
+    Tell(Tell),
+    /// Take experiments that were made before the campaign, with where they come from
+    ///
+    /// They train the surfaces, and never validate them. The file has one column per parameter and one for the response,
+    /// headed like those of a sheet, and may have one headed `source`.
+    Import {
+        /// The table
+        file: PathBuf,
+        /// Where these experiments come from: a notebook, a report, a date
+        #[arg(long)]
+        source: String,
+    },
+    /// Say where the campaign stands: the best design, what was learned, what is left, and whether to go on
+    Status {
+        /// Also say why a design was dropped, or that it is still in the running: "spring=21000,damper=1500"
+        #[arg(long, value_name = "NAME=VALUE,...")]
+        why: Option<String>,
+    },
+    /// Write one HTML page that stands alone: sheets, surfaces, what is left, bounds, history
+    Report {
+        /// Where it goes [default: report.html in the folder of the campaign]
+        #[arg(long, value_name = "FILE")]
+        output: Option<PathBuf>,
+    },
+    /// Ask and tell by itself until the end, when the experiment, too, is a command
+    Run {
+        /// At most this many batches now
+        #[arg(long, value_name = "N")]
+        batches: Option<usize>,
+        /// Go on even if another batch seems not worth it
+        #[arg(long)]
+        anyway: bool,
+    },
+}
+
+#[derive(Debug, Args)]
+#[group(id = "what", required = true, multiple = true)]
+pub(crate) struct Tell {
+    /// A filled sheet; rows without a value and without a reason are left for later
+    #[arg(conflicts_with = "id")]
+    pub(crate) sheet: Option<PathBuf>,
+    /// One experiment by its id, without a sheet
+    #[arg(long)]
+    pub(crate) id: Option<u64>,
+    /// Its value
+    #[arg(long, requires = "id", conflicts_with = "failed", allow_negative_numbers = true)]
+    pub(crate) value: Option<f64>,
+    /// Or that it gave none, and why
+    #[arg(long, requires = "id", value_name = "REASON")]
+    pub(crate) failed: Option<String>,
+    /// Settings that were made otherwise: "spring=21010,damper=1500"
+    #[arg(long, requires = "id", value_name = "NAME=VALUE,...")]
+    pub(crate) actual: Option<String>,
+    /// It is one more run of an experiment that was told already
+    #[arg(long, requires = "id")]
+    pub(crate) again: bool,
+    /// A remark for the journal
+    #[arg(long, requires = "id", default_value = "")]
+    pub(crate) note: String,
+    /// Put right what was told before about the same experiments, as long as no later batch rests on it
+    #[arg(long)]
+    pub(crate) correct: bool,
+}

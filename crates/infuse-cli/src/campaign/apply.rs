@@ -1,0 +1,191 @@
+//! How each line of a journal changes a campaign.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context as _, Result, bail, ensure};
+use infuse::{Error, GlobalPlan, TrialId};
+
+use super::changes::changes;
+use super::{Campaign, Planned, Remembered};
+use crate::journal::{Event, FORMAT, JOURNAL, Learned, Measured};
+use crate::number::plain;
+use crate::problem::PROBLEM;
+
+/// What was found again may differ from a journal by this, relative: machines round differently.
+const TOLERANCE: f64 = 1e-9;
+
+impl Campaign {
+    /// An event of the journal; an error names its line.
+    pub(super) fn apply_line(&mut self, line: usize, event: Event) -> Result<()> {
+        self.apply(event).with_context(|| format!("{JOURNAL}, line {line}, does not follow from what comes before it"))
+    }
+
+    pub(super) fn apply(&mut self, event: Event) -> Result<()> {
+        ensure!(
+            self.has_begun != matches!(event, Event::Campaign { .. }),
+            "expected the event `campaign` on the first line, and there only"
+        );
+        match event {
+            Event::Campaign { format, problem, .. } => {
+                ensure!(format == FORMAT, "the journal has format {format}, expected {FORMAT}");
+                let changed = changes(&problem, &self.problem.core());
+                ensure!(
+                    changed.is_empty(),
+                    "{PROBLEM} was changed after the journal had begun: {}; change it back, or begin a new campaign in another \
+                     folder and `infuse import` the experiments",
+                    changed.join("; ")
+                );
+                self.has_begun = true;
+            }
+            Event::Planned { batch, experiments, simulations, .. } => {
+                self.settle()?;
+                let expected = self.settled.reports().len() + 1;
+                ensure!(batch == expected, "batch {batch} is planned, expected batch {expected}");
+                // A failure is remembered for the batch it belongs to; another batch may try again.
+                self.memory.retain(|_, known| matches!(known.result, Measured::Value(_)));
+                let plan = GlobalPlan { experiments, simulations };
+                self.plan = Some(Planned { batch, plan, is_open: false });
+            }
+            Event::Simulated { cell, result, by, .. } => {
+                self.memory.insert(cell, Remembered { by, result });
+            }
+            Event::Forgotten { .. } => self.memory.clear(),
+            Event::Opened { batch, .. } => self.open_batch(batch)?,
+            Event::Told { id, result, actual, again, corrects, note, .. } => {
+                self.tell(id, result, actual, again, corrects, note)?;
+            }
+            Event::Imported { point, value, source, .. } => {
+                self.settled.add_earlier(&point, self.problem.response.cost(value), source)?;
+            }
+            Event::Learned(learned) => self.check_learned(&learned)?,
+        }
+        Ok(())
+    }
+
+    fn open_batch(&mut self, batch: usize) -> Result<()> {
+        let Some(planned) = self.plan.as_mut().filter(|planned| planned.batch == batch && !planned.is_open) else {
+            bail!("batch {batch} is opened, expected a batch that was planned just before");
+        };
+        let (memory, problem) = (&self.memory, &self.problem);
+        // The loop asks in the order of the plan.
+        let mut cells = planned.plan.simulations.iter();
+        let mut look_up = |_: &[f64]| match cells.next().and_then(|cell| memory.get(cell)).map(|known| &known.result) {
+            Some(Measured::Value(value)) => Ok(problem.response.cost(*value)),
+            Some(Measured::Failed(reason)) => Err(reason.clone()),
+            None => Err("it was never simulated".to_owned()),
+        };
+        match self.settled.open(&planned.plan, &mut look_up) {
+            Ok(trials) => {
+                planned.is_open = true;
+                self.trials.extend(trials.into_iter().map(|trial| (trial.id.number(), trial)));
+            }
+            // The loop has noted where: the next plan goes elsewhere.
+            Err(error @ (Error::EverySimulationFailed { .. } | Error::TooFewSimulations { .. })) => {
+                self.plan = None;
+                self.failed_opening = Some(error.to_string());
+            }
+            Err(error) => return Err(error.into()),
+        }
+        Ok(())
+    }
+
+    fn tell(
+        &mut self,
+        id: u64,
+        result: Measured,
+        actual: BTreeMap<String, f64>,
+        again: bool,
+        corrects: bool,
+        note: String,
+    ) -> Result<()> {
+        let trial = self.trials.get(&id).with_context(|| format!("experiment {id} was never asked for"))?;
+        let is_open = self.plan.as_ref().is_some_and(|plan| plan.is_open && plan.batch == trial.iteration);
+        ensure!(
+            is_open,
+            "experiment {id} belongs to batch {}, and later batches rest on what was told about it: it stands",
+            trial.iteration
+        );
+        if let Some(name) = actual.keys().find(|name| self.problem.region.index_of(name).is_none()) {
+            bail!("experiment {id}: `actual` has `{name}`, expected names of parameters");
+        }
+        let reading = self.readings.entry(id).or_default();
+        if again {
+            reading.again.push(result);
+            return Ok(());
+        }
+        ensure!(reading.first.is_none() || corrects, "experiment {id} was told before");
+        reading.first = Some(result);
+        reading.actual = actual;
+        reading.note = note;
+        Ok(())
+    }
+
+    /// Closes the batch that is open; from here on it stands.
+    fn settle(&mut self) -> Result<()> {
+        if !self.plan.as_ref().is_some_and(|plan| plan.is_open) {
+            return Ok(());
+        }
+        let outstanding = self.settled.outstanding();
+        let untold = outstanding.iter().filter(|trial| !self.is_told(trial.id)).count();
+        ensure!(untold == 0, "{untold} experiments of the batch before have not been told");
+        for trial in outstanding {
+            let id = trial.id;
+            let Some(outcome) = self.readings.get(&id.number()).and_then(|r| r.outcome(&self.problem.response)) else {
+                continue;
+            };
+            self.settled.tell_at(id, &self.settings_of(id.number()), outcome)?;
+        }
+        self.plan = None;
+        Ok(())
+    }
+
+    pub(crate) fn is_told(&self, id: TrialId) -> bool {
+        self.readings.get(&id.number()).is_some_and(|reading| reading.first.is_some())
+    }
+
+    /// The campaign with all that has been told up to now.
+    pub(super) fn refresh(&mut self) -> Result<()> {
+        let mut now = self.settled.clone();
+        for trial in self.settled.outstanding() {
+            let reading = self.readings.get(&trial.id.number());
+            if let Some(outcome) = reading.and_then(|reading| reading.outcome(&self.problem.response)) {
+                now.tell_at(trial.id, &self.settings_of(trial.id.number()), outcome)?;
+            }
+        }
+        self.now = now;
+        Ok(())
+    }
+
+    /// What was learned follows from the lines before; if it does not, one of them was changed.
+    fn check_learned(&mut self, said: &Learned) -> Result<()> {
+        self.settle()?;
+        let report = self.settled.reports().last().filter(|report| report.iteration == said.batch);
+        let Some(found) = report.map(|report| self.learned(report)) else {
+            bail!("batch {} is not complete", said.batch);
+        };
+        let scale = found.predicted.abs().max(found.spread.unwrap_or(0.0));
+        let is_close = |a: f64, b: f64| (a - b).abs() <= TOLERANCE * scale.max(a.abs());
+        let spreads = match (said.spread, found.spread) {
+            (Some(a), Some(b)) => is_close(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let is_same = said.optimum == found.optimum
+            && is_close(said.predicted, found.predicted)
+            && spreads
+            && (said.kept, said.of) == (found.kept, found.of);
+        let show = |learned: &Learned| {
+            let spread = learned.spread.map_or_else(|| "none".to_owned(), plain);
+            let (predicted, Learned { kept, of, .. }) = (plain(learned.predicted), learned);
+            format!("{} with {predicted}, S {spread}, {kept} of {of} kept", self.problem.describe(&learned.optimum))
+        };
+        ensure!(
+            is_same,
+            "it says that batch {} found {}; from the lines before follows {}: one of them was changed",
+            said.batch,
+            show(said),
+            show(&found)
+        );
+        self.n_learned = said.batch;
+        Ok(())
+    }
+}

@@ -1,0 +1,47 @@
+//! What has been changed in a problem since its journal began.
+
+use serde_json::Value;
+
+/// Every place at which two values differ: path, then and now.
+pub(crate) fn changes(then: &Value, now: &Value) -> Vec<String> {
+    let mut found = Vec::new();
+    collect("", then, now, &mut found);
+    found
+}
+
+fn collect(path: &str, then: &Value, now: &Value, found: &mut Vec<String>) {
+    match (then, now) {
+        (Value::Object(a), Value::Object(b)) => {
+            let mut keys: Vec<&String> = a.keys().chain(b.keys()).collect();
+            keys.sort_unstable();
+            keys.dedup();
+            for key in keys {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                collect(&path, a.get(key).unwrap_or(&Value::Null), b.get(key).unwrap_or(&Value::Null), found);
+            }
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            for (index, (a, b)) in a.iter().zip(b).enumerate() {
+                collect(&format!("{path}[{}]", index + 1), a, b, found);
+            }
+        }
+        (a, b) if a == b => {}
+        (a, b) => found.push(format!("`{path}` was {a} and is {b}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn changes_are_named_by_their_place() {
+        let then = json!({"parameter": [{"name": "a", "upper": 1.0}], "loop": {"seed": 1}});
+        let now = json!({"parameter": [{"name": "a", "upper": 2.0}], "loop": {"seed": 1, "gain": 0.5}});
+        let found = changes(&then, &now);
+        assert_eq!(found, ["`loop.gain` was null and is 0.5", "`parameter[1].upper` was 1.0 and is 2.0"]);
+        assert!(changes(&then, &then).is_empty());
+    }
+}

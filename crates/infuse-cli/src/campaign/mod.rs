@@ -1,0 +1,255 @@
+//! A campaign as it follows from its problem and its journal.
+
+mod apply;
+mod changes;
+mod reading;
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::Result;
+use infuse::{GlobalLoop, GlobalPlan, GlobalStopReason, GlobalTrial, Outlook, PureError};
+use rand::seq::SliceRandom as _;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_pcg::Pcg64;
+
+use crate::journal::{Event, FORMAT, Journal, Learned, Measured, Writer, now};
+use crate::problem::Problem;
+pub(crate) use reading::Reading;
+
+/// Surfaces drawn to see what more experiments could bring.
+const DRAWS: usize = 400;
+
+/// Where a campaign stands.
+#[derive(Debug, Clone)]
+pub(crate) struct Campaign {
+    pub(crate) problem: Problem,
+    /// What a person should know about the journal.
+    pub(crate) notices: Vec<String>,
+    /// With every batch but the last.
+    settled: GlobalLoop,
+    /// With all that has been told.
+    pub(crate) now: GlobalLoop,
+    plan: Option<Planned>,
+    /// Every experiment that was ever handed out, by id.
+    pub(crate) trials: BTreeMap<u64, GlobalTrial>,
+    /// What was told about them.
+    pub(crate) readings: BTreeMap<u64, Reading>,
+    memory: HashMap<u64, Remembered>,
+    n_learned: usize,
+    has_begun: bool,
+    /// Why the last batch that was planned could not be opened.
+    pub(crate) failed_opening: Option<String>,
+}
+
+/// A batch that was designed.
+#[derive(Debug, Clone)]
+struct Planned {
+    batch: usize,
+    plan: GlobalPlan,
+    is_open: bool,
+}
+
+#[derive(Debug, Clone)]
+struct Remembered {
+    by: String,
+    result: Measured,
+}
+
+/// What there is to do next.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Stage {
+    /// A batch is to be designed, or its simulations are to be finished.
+    Ready,
+    /// Experiments are waited for.
+    Pending,
+    /// Nothing: it has ended.
+    Ended(GlobalStopReason),
+    /// Nothing: what another batch can gain is less than it is worth.
+    NotWorth { gain: f64, worth: f64 },
+}
+
+impl Campaign {
+    /// The campaign of this folder, for reading.
+    pub(crate) fn read(folder: &Path) -> Result<Self> {
+        Self::of(Problem::read(folder)?, Journal::read(folder)?)
+    }
+
+    /// The campaign of this folder, and its journal to write to. A journal that has not begun is begun.
+    pub(crate) fn open(folder: &Path, wait: Duration) -> Result<(Self, Writer)> {
+        let problem = Problem::read(folder)?;
+        let (mut writer, journal) = Writer::open(folder, wait)?;
+        let mut campaign = Self::of(problem, journal)?;
+        if !campaign.has_begun {
+            let begin = Event::Campaign { format: FORMAT, at: now(), problem: campaign.problem.core() };
+            campaign.record(&mut writer, vec![begin])?;
+        }
+        Ok((campaign, writer))
+    }
+
+    fn of(problem: Problem, journal: Journal) -> Result<Self> {
+        let settled = GlobalLoop::new(&problem.region, problem.settings.clone())?;
+        let mut campaign = Self {
+            now: settled.clone(),
+            settled,
+            problem,
+            notices: journal.notices,
+            plan: None,
+            trials: BTreeMap::new(),
+            readings: BTreeMap::new(),
+            memory: HashMap::new(),
+            n_learned: 0,
+            has_begun: false,
+            failed_opening: None,
+        };
+        for (line, event) in journal.events {
+            campaign.apply_line(line, event)?;
+        }
+        campaign.refresh()?;
+        Ok(campaign)
+    }
+
+    /// Writes these events down, all or none, and lets them happen.
+    pub(crate) fn record(&mut self, writer: &mut Writer, events: Vec<Event>) -> Result<()> {
+        // Only what can happen is written down.
+        let mut next = self.clone();
+        for event in &events {
+            next.apply(event.clone())?;
+        }
+        next.refresh()?;
+        writer.add(&events)?;
+        *self = next;
+        Ok(())
+    }
+
+    /// A single event after which nothing is asked of the campaign before the next one.
+    pub(crate) fn record_simulation(&mut self, writer: &mut Writer, event: Event) -> Result<()> {
+        writer.add(std::slice::from_ref(&event))?;
+        self.apply(event)
+    }
+
+    pub(crate) fn stage(&self) -> Result<Stage> {
+        if let Some(reason) = self.now.stop() {
+            return Ok(Stage::Ended(reason));
+        }
+        if !self.now.outstanding().is_empty() {
+            return Ok(Stage::Pending);
+        }
+        if self.plan.as_ref().is_some_and(|plan| !plan.is_open) {
+            return Ok(Stage::Ready);
+        }
+        if let (Some(worth), Some(outlook)) = (self.problem.worth, self.outlook()?)
+            && outlook.mean_gain < worth
+        {
+            return Ok(Stage::NotWorth { gain: outlook.mean_gain, worth });
+        }
+        Ok(Stage::Ready)
+    }
+
+    pub(crate) fn outlook(&self) -> Result<Option<Outlook>> {
+        Ok(self.now.outlook(DRAWS)?)
+    }
+
+    /// The number of the batch that is open or comes next.
+    pub(crate) fn batch(&self) -> usize {
+        self.now.reports().len() + 1
+    }
+
+    /// The number of the batch that was handed out last.
+    pub(crate) fn last_batch(&self) -> Option<usize> {
+        self.trials.values().next_back().map(|trial| trial.iteration)
+    }
+
+    /// Whether what was told about this trial stands, because the journal has gone on from it.
+    pub(crate) fn is_settled(&self, trial: &GlobalTrial) -> bool {
+        self.settled.reports().len() >= trial.iteration
+    }
+
+    /// The trials of a batch in the order in which they are to be run, each with the one that it repeats.
+    pub(crate) fn in_run_order(&self, batch: usize) -> Vec<(GlobalTrial, Option<u64>)> {
+        let own = self.trials.values().filter(|trial| trial.iteration == batch);
+        let mut trials: Vec<_> = own.map(|trial| (trial.clone(), self.repeated(trial))).collect();
+        let mut generator = Pcg64::seed_from_u64(self.problem.settings.seed);
+        for _ in 0..batch {
+            generator = Pcg64::seed_from_u64(generator.random());
+        }
+        trials.shuffle(&mut generator);
+        trials
+    }
+
+    /// The first trial of the same batch at the same settings, if this is another.
+    pub(crate) fn repeated(&self, trial: &GlobalTrial) -> Option<u64> {
+        let same = |other: &&GlobalTrial| other.iteration == trial.iteration && other.cell == trial.cell;
+        let first = self.trials.values().find(same)?.id;
+        (first < trial.id).then(|| first.number())
+    }
+
+    /// The simulations that the planned batch still needs from this simulator, each once.
+    pub(crate) fn missing_simulations(&self, by: &str) -> Result<Vec<(u64, Vec<f64>)>> {
+        let Some(Planned { plan, is_open: false, .. }) = &self.plan else {
+            return Ok(Vec::new());
+        };
+        let mut missing = Vec::new();
+        let mut seen = std::collections::BTreeSet::new();
+        for &cell in &plan.simulations {
+            let is_known = self.memory.get(&cell).is_some_and(|known| known.by == by);
+            if !is_known && seen.insert(cell) {
+                missing.push((cell, self.now.point(cell)?));
+            }
+        }
+        Ok(missing)
+    }
+
+    /// The event that plans the next batch; none if one is planned.
+    pub(crate) fn planning(&self) -> Result<Option<Event>> {
+        if self.plan.as_ref().is_some_and(|plan| !plan.is_open) {
+            return Ok(None);
+        }
+        let plan = self.now.plan()?;
+        let event = |plan: GlobalPlan| Event::Planned {
+            batch: self.batch(),
+            at: now(),
+            experiments: plan.experiments,
+            simulations: plan.simulations,
+        };
+        Ok(plan.map(event))
+    }
+
+    /// The event that says what the last closed batch taught; none if the journal has it.
+    pub(crate) fn learning(&self) -> Option<Event> {
+        let report = self.now.reports().last().filter(|report| report.iteration > self.n_learned)?;
+        Some(Event::Learned(self.learned(report)))
+    }
+
+    fn learned(&self, report: &infuse::GlobalReport) -> Learned {
+        let screening = &report.screening;
+        Learned {
+            batch: report.iteration,
+            optimum: screening.optimum.clone(),
+            predicted: self.problem.response.cost(screening.optimum_value),
+            spread: screening.spread.s(),
+            kept: screening.n_after,
+            of: screening.n_before,
+        }
+    }
+
+    /// The noise of the experiments, from all runs at equal settings.
+    pub(crate) fn noise(&self) -> Option<PureError> {
+        let mut groups: BTreeMap<Vec<u64>, Vec<f64>> = BTreeMap::new();
+        for (id, reading) in &self.readings {
+            let settings = self.settings_of(*id);
+            let key = settings.iter().map(|setting| (setting + 0.0).to_bits()).collect();
+            groups.entry(key).or_default().extend(reading.values());
+        }
+        PureError::of_groups(groups.values().map(Vec::as_slice))
+    }
+
+    /// The settings that an experiment was made at.
+    pub(crate) fn settings_of(&self, id: u64) -> Vec<f64> {
+        let Some(trial) = self.trials.get(&id) else { return Vec::new() };
+        let actual = self.readings.get(&id).map(|reading| &reading.actual);
+        let settings = self.problem.names().zip(&trial.point);
+        settings.map(|(name, &asked)| actual.and_then(|actual| actual.get(name).copied()).unwrap_or(asked)).collect()
+    }
+}

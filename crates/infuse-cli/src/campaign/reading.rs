@@ -1,0 +1,41 @@
+//! What was told about one experiment, repeats and all.
+
+use std::collections::BTreeMap;
+
+use infuse::Outcome;
+
+use crate::journal::Measured;
+use crate::problem::Response;
+
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Reading {
+    /// Of the run that was asked for; nothing while only others have been told.
+    pub(crate) first: Option<Measured>,
+    /// Of further runs at the same settings.
+    pub(crate) again: Vec<Measured>,
+    pub(crate) actual: BTreeMap<String, f64>,
+    pub(crate) note: String,
+}
+
+impl Reading {
+    /// All values, as measured.
+    pub(crate) fn values(&self) -> impl Iterator<Item = f64> + '_ {
+        self.first.iter().chain(&self.again).filter_map(|result| match result {
+            Measured::Value(value) => Some(*value),
+            Measured::Failed(_) => None,
+        })
+    }
+
+    /// What the loop is told: the mean of all values, or the failure if there is none. Nothing while the run that was asked
+    /// for has not been told.
+    pub(crate) fn outcome(&self, response: &Response) -> Option<Outcome> {
+        let first = self.first.as_ref()?;
+        let (sum, n) = self.values().fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
+        Some(match first {
+            _ if n > 0 => Outcome::Value(response.cost(sum / f64::from(n))),
+            Measured::Failed(reason) => Outcome::Failed { reason: reason.clone() },
+            // No value among the values cannot be.
+            Measured::Value(value) => Outcome::Value(response.cost(*value)),
+        })
+    }
+}

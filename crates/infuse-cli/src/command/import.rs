@@ -1,0 +1,54 @@
+//! `infuse import`: experiments from before the campaign.
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Result, ensure};
+use serde_json::json;
+
+use super::Output;
+use crate::campaign::Campaign;
+use crate::journal::{Event, now};
+use crate::number::{count, plain};
+use crate::sheet;
+
+pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -> Result<Output> {
+    ensure!(!source.trim().is_empty(), "--source is empty, expected where these experiments come from");
+    let (mut campaign, mut writer) = Campaign::open(folder, wait)?;
+    let notices = std::mem::take(&mut campaign.notices);
+    let found = sheet::imported(file, &campaign.problem)?;
+    let is_known = |one: &sheet::Imported| {
+        campaign.now.earlier().iter().any(|earlier| {
+            let cost = campaign.problem.response.cost(one.value);
+            earlier.point == one.point
+                && earlier.cost.to_bits() == cost.to_bits()
+                && earlier.source == source_of(one, source)
+        })
+    };
+    if let Some(known) = found.iter().find(|one| is_known(one)) {
+        anyhow::bail!(
+            "{}: {} with {} is in the journal already, from the same source; nothing was taken",
+            file.display(),
+            campaign.problem.describe(&known.point),
+            plain(known.value)
+        );
+    }
+    let (rows, at, from) = (found.len(), now(), file.display().to_string());
+    let events = found.into_iter().enumerate().map(|(index, one)| {
+        let source = source_of(&one, source);
+        let sheet::Imported { point, value, .. } = one;
+        Event::Imported { row: index + 1, rows, point, value, source, from: from.clone(), at: at.clone() }
+    });
+    let events: Vec<Event> = events.collect();
+    campaign.record(&mut writer, events)?;
+    let batch = campaign.batch();
+    let text = format!(
+        "Imported: {}. From batch {batch} on they train the surfaces, as long as their settings are in the running; they never validate.\n",
+        count(rows, "experiment")
+    );
+    Ok(Output { text, json: json!({ "imported": rows, "from_batch": batch, "notices": notices }), notices })
+}
+
+fn source_of(one: &sheet::Imported, source: &str) -> String {
+    if one.source.is_empty() { source.to_owned() } else { format!("{source}: {}", one.source) }
+}

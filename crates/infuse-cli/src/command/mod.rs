@@ -1,0 +1,41 @@
+//! One module per command; each gives what to print, as text and as JSON.
+
+mod ask;
+mod import;
+mod new;
+mod run;
+mod settings;
+mod status;
+mod tell;
+
+use std::time::Duration;
+
+use anyhow::{Context as _, Result};
+use serde_json::Value;
+
+use crate::arguments::{Arguments, Command};
+
+/// What a command says.
+#[derive(Debug)]
+pub(crate) struct Output {
+    pub(crate) text: String,
+    pub(crate) json: Value,
+    /// For standard error.
+    pub(crate) notices: Vec<String>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
+    let common = &arguments.common;
+    let wait = Duration::try_from_secs_f64(common.wait)
+        .with_context(|| format!("--wait is {:?}, expected a number of seconds from 0", common.wait))?;
+    let folder = &*common.campaign;
+    match &arguments.command {
+        Command::New { folder } => new::new(folder),
+        Command::Ask { sheet, anyway, resimulate } => ask::ask(folder, wait, sheet.as_deref(), *anyway, *resimulate),
+        Command::Tell(tell) => tell::tell(folder, wait, tell),
+        Command::Import { file, source } => import::import(folder, wait, file, source),
+        Command::Status { why } => status::status(folder, why.as_deref()),
+        Command::Report { output: _ } => anyhow::bail!("not written yet"),
+        Command::Run { batches, anyway } => run::run(folder, wait, *batches, *anyway),
+    }
+}

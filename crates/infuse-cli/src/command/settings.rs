@@ -1,0 +1,33 @@
+//! Settings as they are typed: `spring=21000,damper=1500`.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Result, anyhow, bail, ensure};
+use doe::Region;
+
+use crate::number::parse;
+
+/// The settings that are named, each at most once.
+pub(crate) fn some(text: &str, region: &Region) -> Result<BTreeMap<String, f64>> {
+    let names = || region.parameters().iter().map(|p| format!("`{}`", p.name())).collect::<Vec<_>>().join(", ");
+    let mut settings = BTreeMap::new();
+    for part in text.split(',').filter(|part| !part.trim().is_empty()) {
+        let Some((name, value)) = part.split_once('=') else {
+            bail!("`{part}` is no setting, expected name=value");
+        };
+        let name = name.trim();
+        ensure!(region.index_of(name).is_some(), "no parameter is called `{name}`, expected one of {}", names());
+        let value = parse(value.trim()).map_err(|expected| anyhow!("`{name}` is `{value}`, expected {expected}"))?;
+        ensure!(settings.insert(name.to_owned(), value).is_none(), "`{name}` comes twice");
+    }
+    Ok(settings)
+}
+
+/// A value for every parameter, in order.
+pub(crate) fn all(text: &str, region: &Region) -> Result<Vec<f64>> {
+    let settings = some(text, region)?;
+    let value = |parameter: &doe::Parameter| {
+        settings.get(parameter.name()).copied().ok_or_else(|| anyhow!("no value of `{}` in `{text}`", parameter.name()))
+    };
+    region.parameters().iter().map(value).collect()
+}

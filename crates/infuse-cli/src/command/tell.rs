@@ -1,0 +1,161 @@
+//! `infuse tell`: results come back.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use serde_json::json;
+
+use super::{Output, settings};
+use crate::arguments::Tell;
+use crate::campaign::{Campaign, Reading};
+use crate::journal::{Event, Measured, now};
+use crate::number::{count, plain};
+use crate::problem::Problem;
+use crate::sheet::{Answer, Fault, answers, none_of};
+
+pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output> {
+    let (mut campaign, mut writer) = Campaign::open(folder, wait)?;
+    let notices = std::mem::take(&mut campaign.notices);
+    let (answers, n_empty, from) = match &tell.sheet {
+        Some(path) => {
+            let answers = answers(path, &campaign.problem, &campaign.trials)?;
+            (answers.filled, answers.n_empty, path.display().to_string())
+        }
+        None => (vec![single(tell, &campaign.problem)?], 0, "the command line".to_owned()),
+    };
+    let (fresh, n_known) = fresh(&campaign, answers, &from, tell.correct)?;
+    let batch = campaign.batch();
+    let rows = fresh.len();
+    let at = now();
+    let event = |(index, (answer, corrects)): (usize, (Answer, bool))| {
+        let Answer { id, result, actual, again, note, .. } = answer;
+        let (from, at) = (from.clone(), at.clone());
+        Event::Told { row: index + 1, rows, id, result, actual, again, corrects, note, from, at }
+    };
+    let events: Vec<Event> = fresh.into_iter().enumerate().map(event).collect();
+    if rows > 0 {
+        campaign.record(&mut writer, events)?;
+    }
+    let mut text = String::new();
+    let known = if n_known > 0 { format!(", {n_known} had been told before") } else { String::new() };
+    let _ = writeln!(text, "Taken: {}{known}.", count(rows, "result"));
+    if n_empty > 0 {
+        let _ = writeln!(text, "{} not filled in yet.", count(n_empty, "row"));
+    }
+    let outstanding = campaign.now.outstanding().len();
+    let is_closed = campaign.batch() > batch;
+    if is_closed {
+        let _ = write!(text, "{}", super::status::lesson(&campaign)?);
+        let _ = writeln!(text, "Next: infuse status, then infuse ask");
+    } else if outstanding > 0 {
+        let _ = writeln!(text, "Batch {batch} waits for {}.", count(outstanding, "more experiment"));
+    }
+    let json = json!({
+        "taken": rows, "known": n_known, "empty": n_empty, "batch": batch, "outstanding": outstanding,
+        "batch_is_complete": is_closed, "notices": notices,
+    });
+    Ok(Output { text, json, notices })
+}
+
+/// An experiment told by its id.
+fn single(tell: &Tell, problem: &Problem) -> Result<Answer> {
+    let id = tell.id.context("expected a sheet or --id")?;
+    let result = match (tell.value, &tell.failed) {
+        (Some(value), None) => {
+            ensure!(value.is_finite(), "--value is {value}, expected a finite number, or --failed with the reason");
+            if let Some(expected) = problem.response.fault(value) {
+                bail!("--value is {value}, expected {expected}");
+            }
+            Measured::Value(value)
+        }
+        (None, Some(reason)) if !reason.trim().is_empty() => Measured::Failed(reason.clone()),
+        (None, Some(_)) => bail!("--failed is empty, expected the reason"),
+        _ => bail!("expected --value or --failed beside --id"),
+    };
+    let actual = match &tell.actual {
+        Some(text) => settings::some(text, &problem.region).context("--actual")?,
+        None => BTreeMap::new(),
+    };
+    ensure!(!tell.again || actual.is_empty(), "--again is at the same settings; import a run at others");
+    for (name, &value) in &actual {
+        let index = problem.region.index_of(name).context("a parameter")?;
+        if let Some(expected) = crate::sheet::setting_fault(&problem.region.parameters()[index], value) {
+            bail!("--actual: `{name}` is {}, expected {expected}", plain(value));
+        }
+    }
+    Ok(Answer { id, result, actual, again: tell.again, note: tell.note.clone(), row: 0 })
+}
+
+/// What is new, each with whether it puts right what was told before, and how much was known.
+fn fresh(campaign: &Campaign, answers: Vec<Answer>, from: &str, correct: bool) -> Result<(Vec<(Answer, bool)>, usize)> {
+    let (mut fresh, mut faults): (Vec<(Answer, bool)>, Vec<Fault>) = (Vec::new(), Vec::new());
+    let mut n_known = 0;
+    let mut repeats: BTreeMap<u64, Vec<Measured>> =
+        campaign.readings.iter().map(|(&id, reading)| (id, reading.again.clone())).collect();
+    for answer in answers {
+        let id = answer.id;
+        let Some(trial) = campaign.trials.get(&id) else {
+            return Err(anyhow!("{from}: experiment {id} was never asked for, expected {}", asked(campaign)));
+        };
+        let reading = campaign.readings.get(&id);
+        let mut refuse = |value: String, expected: String| {
+            faults.push(Fault { row: answer.row, column: "id".to_owned(), value, expected });
+        };
+        if answer.again {
+            // A sheet that is told twice does not make runs twice.
+            let known = repeats.entry(id).or_default();
+            if let Some(at) = known.iter().position(|result| *result == answer.result) {
+                known.swap_remove(at);
+                n_known += 1;
+                continue;
+            }
+        } else if let Some(told) = reading.filter(|reading| reading.first.is_some()) {
+            if told.first.as_ref() == Some(&answer.result) && told.actual == answer.actual {
+                n_known += 1;
+                continue;
+            }
+            if !correct {
+                let said = said(campaign, told);
+                let expected = format!("what was told before, {said}; to put it right, tell it again with --correct");
+                refuse(format!("{id}, with {}", result_in_words(campaign, &answer.result)), expected);
+                continue;
+            }
+        }
+        if trial.iteration < campaign.last_batch().unwrap_or(0) || campaign.is_settled(trial) {
+            let expected = format!(
+                "one of batch {}: later batches rest on what was told about the others",
+                campaign.last_batch().unwrap_or(0)
+            );
+            refuse(id.to_string(), expected);
+            continue;
+        }
+        let corrects = !answer.again && reading.is_some_and(|reading| reading.first.is_some());
+        fresh.push((answer, corrects));
+    }
+    none_of(from, &faults)?;
+    Ok((fresh, n_known))
+}
+
+fn asked(campaign: &Campaign) -> String {
+    match (campaign.trials.keys().next(), campaign.trials.keys().next_back()) {
+        (Some(first), Some(last)) => format!("an id from {first} to {last}"),
+        _ => "none yet: nothing was asked for, see `infuse ask`".to_owned(),
+    }
+}
+
+fn said(campaign: &Campaign, reading: &Reading) -> String {
+    let result = reading.first.as_ref().map(|result| result_in_words(campaign, result)).unwrap_or_default();
+    let made = reading.actual.iter().map(|(name, &value)| format!("{name} {}", plain(value)));
+    let made: Vec<String> = made.collect();
+    if made.is_empty() { result } else { format!("{result} at {}", made.join(", ")) }
+}
+
+fn result_in_words(campaign: &Campaign, result: &Measured) -> String {
+    match result {
+        Measured::Value(value) => crate::number::with_unit(&plain(*value), &campaign.problem.response.unit),
+        Measured::Failed(reason) => format!("failed: {reason}"),
+    }
+}

@@ -1,0 +1,117 @@
+//! The journal of a campaign: what happened, line by line, only ever added to.
+
+mod event;
+mod lock;
+mod text;
+
+use std::fs::{File, OpenOptions};
+use std::io::{ErrorKind, Read as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::{Context as _, Result, anyhow};
+
+pub(crate) use event::{Event, FORMAT, Learned, Measured, now};
+use lock::Lock;
+
+/// The name of the file in the folder of a campaign.
+pub(crate) const JOURNAL: &str = "journal.jsonl";
+/// Where lines go that an interrupted call has left behind.
+const TORN: &str = "journal.torn";
+
+/// The journal of a folder, for reading.
+#[derive(Debug)]
+pub(crate) struct Journal {
+    /// With the numbers of their lines.
+    pub(crate) events: Vec<(usize, Event)>,
+    /// What a person should know about the file.
+    pub(crate) notices: Vec<String>,
+}
+
+impl Journal {
+    /// Reads without taking hold of the folder: others may be writing.
+    pub(crate) fn read(folder: &Path) -> Result<Self> {
+        let path = folder.join(JOURNAL);
+        let bytes = match std::fs::read(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
+            other => other.with_context(|| path.display().to_string())?,
+        };
+        let text = text::read(&bytes).with_context(|| format!("{} cannot be read", path.display()))?;
+        let rest = bytes.len() - text.n_bytes;
+        let mut notices = Vec::new();
+        if rest > 0 {
+            notices.push(format!(
+                "the last {rest} bytes of {JOURNAL} are what an interrupted call has left (or one that is writing now); they are not used"
+            ));
+        }
+        Ok(Self { events: text.events, notices })
+    }
+}
+
+/// The journal of a folder, held by this process alone.
+#[derive(Debug)]
+pub(crate) struct Writer {
+    path: PathBuf,
+    file: File,
+    n_bytes: u64,
+    _lock: Lock,
+}
+
+impl Writer {
+    /// Takes hold of the folder, and sets aside what an interrupted call has left at the end of the journal.
+    pub(crate) fn open(folder: &Path, wait: Duration) -> Result<(Self, Journal)> {
+        let lock = Lock::take(folder, wait)?;
+        let path = folder.join(JOURNAL);
+        let name = || path.display().to_string();
+        let file = OpenOptions::new().read(true).append(true).create(true).open(&path).with_context(name)?;
+        let mut bytes = Vec::new();
+        (&file).read_to_end(&mut bytes).with_context(name)?;
+        let text = text::read(&bytes).with_context(|| format!("{} cannot be read", path.display()))?;
+        let mut writer = Self { path: path.clone(), file, n_bytes: bytes.len() as u64, _lock: lock };
+        let mut notices = Vec::new();
+        let rest = &bytes[text.n_bytes..];
+        if !rest.is_empty() {
+            writer.set_aside(folder, rest)?;
+            notices.push(format!(
+                "a call was interrupted while it wrote to {JOURNAL}: {} bytes that it had not finished were moved to {TORN}, nothing else is lost",
+                rest.len()
+            ));
+        }
+        if text.is_open {
+            writer.write(b"\n")?;
+        }
+        Ok((writer, Journal { events: text.events, notices }))
+    }
+
+    fn set_aside(&mut self, folder: &Path, rest: &[u8]) -> Result<()> {
+        let path = folder.join(TORN);
+        let name = || path.display().to_string();
+        let mut torn = OpenOptions::new().append(true).create(true).open(&path).with_context(name)?;
+        torn.write_all(rest).and_then(|()| torn.write_all(b"\n")).and_then(|()| torn.sync_all()).with_context(name)?;
+        let kept = self.n_bytes - rest.len() as u64;
+        self.file.set_len(kept).and_then(|()| self.file.sync_all()).with_context(|| self.path.display().to_string())?;
+        self.n_bytes = kept;
+        Ok(())
+    }
+
+    /// Adds these lines, all or none: on an error the journal is as before.
+    pub(crate) fn add(&mut self, events: &[Event]) -> Result<()> {
+        let mut lines = Vec::new();
+        for event in events {
+            serde_json::to_writer(&mut lines, event).context("cannot write an event")?;
+            lines.push(b'\n');
+        }
+        self.write(&lines)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<()> {
+        let written = self.file.write_all(bytes).and_then(|()| self.file.sync_data());
+        if let Err(error) = written {
+            // What was written in part is taken back; if even that fails, the next call finds it and sets it aside.
+            let _ = self.file.set_len(self.n_bytes);
+            return Err(anyhow!("{}: {error}; nothing was written down", self.path.display()));
+        }
+        self.n_bytes += bytes.len() as u64;
+        Ok(())
+    }
+}

@@ -1,0 +1,109 @@
+//! Numbers as people write and read them.
+
+/// A setting or a measured value: twelve digits, so 8.3 and not 8.3000000000000007.
+pub(crate) fn plain(value: f64) -> String {
+    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    // No minus sign before zero.
+    let rounded = rounded + 0.0;
+    if rounded != 0.0 && !(1e-5..1e15).contains(&rounded.abs()) { format!("{rounded:e}") } else { rounded.to_string() }
+}
+
+/// The number that [`plain`] writes.
+pub(crate) fn rounded(value: f64) -> f64 {
+    plain(value).parse().unwrap_or(value)
+}
+
+/// A computed value: four digits.
+pub(crate) fn short(value: f64) -> String {
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    plain(rounded)
+}
+
+/// With the unit, if there is one.
+pub(crate) fn with_unit(number: &str, unit: &str) -> String {
+    if unit.is_empty() { number.to_owned() } else { format!("{number} {unit}") }
+}
+
+pub(crate) fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+/// A finite number as written in a cell of a table, or what is wrong with it.
+pub(crate) fn parse(text: &str) -> Result<f64, &'static str> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(_) => Err("a finite number; a run without a result is told as failed, with its reason"),
+        Err(_) if is_decimal_comma(text) => Err("a number with a decimal point, not a comma"),
+        Err(_) => Err("a number like 12.5, without its unit"),
+    }
+}
+
+fn is_decimal_comma(text: &str) -> bool {
+    text.matches(',').count() == 1 && text.replace(',', ".").parse::<f64>().is_ok()
+}
+
+/// "1 run", "2 runs".
+pub(crate) fn count(n: usize, noun: &str) -> String {
+    if n == 1 { format!("1 {noun}") } else { format!("{} {}", grouped(n as u64), plural(noun)) }
+}
+
+fn plural(noun: &str) -> String {
+    match noun {
+        "batch" => "batches".to_owned(),
+        _ => format!("{noun}s"),
+    }
+}
+
+/// Digits in groups of three from ten thousand on.
+pub(crate) fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    if digits.len() < 5 {
+        return digits;
+    }
+    let mut grouped = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            grouped.push(',');
+        }
+        grouped.push(digit);
+    }
+    grouped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_written_without_the_noise_of_doubles() {
+        assert_eq!(plain(0.1 + 0.2), "0.3");
+        assert_eq!(plain(-0.0), "0");
+        assert_eq!(plain(21_000.0), "21000");
+        assert_eq!(plain(1.25e-9), "1.25e-9");
+        assert_eq!(short(1.234_567), "1.235");
+        assert_eq!(short(21_344.0), "21340");
+    }
+
+    #[test]
+    fn cells_that_are_no_numbers_are_told_what_is() {
+        assert_eq!(parse("1.5"), Ok(1.5));
+        assert_eq!(parse("-2e3"), Ok(-2000.0));
+        for (text, word) in [("1,5", "comma"), ("NaN", "finite"), ("inf", "finite"), ("1.5 m", "unit"), ("x", "number")]
+        {
+            assert!(parse(text).expect_err("no number").contains(word), "{text}");
+        }
+        assert!(!parse("1,5,2").expect_err("no number").contains("comma"), "not a decimal comma");
+    }
+
+    #[test]
+    fn counts_agree_with_their_nouns() {
+        assert_eq!(count(1, "run"), "1 run");
+        assert_eq!(count(12_345, "run"), "12,345 runs");
+        assert_eq!(count(2, "batch"), "2 batches");
+        assert_eq!(grouped(331_776), "331,776");
+        assert_eq!(grouped(1234), "1234");
+    }
+}

@@ -1,0 +1,116 @@
+//! `campaign.toml` as it stands, before its numbers are checked. A key that is not here is an error.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use infuse::{Gain, Role, SpreadFallback, SurfaceKinds};
+use serde::Deserialize;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ProblemFile {
+    pub(crate) title: String,
+    #[serde(default = "one")]
+    pub(crate) seed: u64,
+    #[serde(rename = "parameter")]
+    pub(crate) parameters: Vec<ParameterEntry>,
+    pub(crate) response: ResponseEntry,
+    pub(crate) simulator: SimulatorEntry,
+    pub(crate) experiment: Option<ProgramEntry>,
+    #[serde(default, rename = "loop")]
+    pub(crate) rule: LoopEntry,
+    #[serde(default)]
+    pub(crate) stop: StopEntry,
+}
+
+fn one() -> u64 {
+    1
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ParameterEntry {
+    pub(crate) name: String,
+    pub(crate) unit: String,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    pub(crate) levels: Option<u32>,
+    pub(crate) step: Option<f64>,
+    pub(crate) role: Role,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Goal {
+    Minimize,
+    Maximize,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ResponseEntry {
+    pub(crate) name: String,
+    pub(crate) unit: String,
+    pub(crate) goal: Goal,
+    pub(crate) lower: Option<f64>,
+    pub(crate) upper: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SimulatorEntry {
+    pub(crate) table: Option<PathBuf>,
+    pub(crate) command: Option<Vec<String>>,
+    pub(crate) input: Option<Input>,
+    pub(crate) timeout_seconds: Option<f64>,
+    pub(crate) jobs: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ProgramEntry {
+    pub(crate) command: Vec<String>,
+    pub(crate) input: Option<Input>,
+    pub(crate) timeout_seconds: Option<f64>,
+}
+
+/// How a program gets a point.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Input {
+    /// Only by the placeholders of its command.
+    #[default]
+    Arguments,
+    /// Also as an object on standard input.
+    Json,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LoopEntry {
+    pub(crate) model: Option<ModelEntry>,
+    pub(crate) experiments: Option<usize>,
+    pub(crate) replicates: Option<usize>,
+    pub(crate) simulations: Option<usize>,
+    pub(crate) batches: Option<usize>,
+    pub(crate) confidence: Option<f64>,
+    pub(crate) gain: Option<Gain>,
+    pub(crate) experiment_weight: Option<f64>,
+    pub(crate) simulation_weight: Option<f64>,
+    pub(crate) surfaces: Option<SurfaceKinds>,
+    pub(crate) without_spread: Option<SpreadFallback>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "expected \"linear\", \"additive quadratic\", \"quadratic\" or a list of terms")]
+pub(crate) enum ModelEntry {
+    Named(String),
+    /// One table per term: the exponent of each parameter in it, those left out 0.
+    Listed(Vec<BTreeMap<String, u8>>),
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StopEntry {
+    pub(crate) worth: Option<f64>,
+}

@@ -1,0 +1,90 @@
+//! How many levels an instrument's step makes.
+
+use anyhow::{Result, bail, ensure};
+use doe::Parameter;
+
+use crate::number::plain;
+use crate::problem::file::ParameterEntry;
+
+/// A step must divide the width to this, relative.
+const ROUNDING: f64 = 1e-9;
+
+/// The parameter with the levels that its entry asks for.
+pub(crate) fn parameter(entry: &ParameterEntry) -> Result<Parameter> {
+    let parameter = Parameter::continuous(&entry.name, &entry.unit, entry.lower, entry.upper)?;
+    ensure!(
+        !entry.name.contains(['{', '}', '[', ']', '"', '\n', ';', ',', '=']) && entry.name.trim() == entry.name,
+        "parameter `{}`: expected a name without braces, brackets, quotes, commas, semicolons, equals signs or spaces at its ends",
+        entry.name
+    );
+    let count = match (entry.levels, entry.step) {
+        (Some(count), None) => count,
+        (None, Some(step)) => count(&parameter, step)?,
+        (None, None) => {
+            bail!("parameter `{}` needs `levels` = how many, or `step` = how finely it can be set", entry.name)
+        }
+        (Some(_), Some(_)) => bail!("parameter `{}` has both `levels` and `step`, expected one of them", entry.name),
+    };
+    Ok(parameter.with_levels(count)?)
+}
+
+fn count(parameter: &Parameter, step: f64) -> Result<u32> {
+    let (name, lower, width) = (parameter.name(), parameter.lower(), parameter.width());
+    ensure!(
+        step > 0.0 && step <= width,
+        "parameter `{name}`: `step` is {step:?}, expected a positive number up to {}, the width of its bounds",
+        plain(width)
+    );
+    let steps = width / step;
+    ensure!(steps < 1e6, "parameter `{name}`: `step` = {step:?} makes {steps:.0} levels, expected at most a million");
+    let whole = steps.round();
+    if (steps - whole).abs() > ROUNDING * steps {
+        let (below, above) = (lower + steps.floor() * step, lower + steps.ceil() * step);
+        bail!(
+            "parameter `{name}`: from {} no whole number of steps of {step:?} reaches {}, expected an upper bound of {} or {}",
+            plain(lower),
+            plain(parameter.upper()),
+            plain(below),
+            plain(above),
+        );
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and a million")]
+    let count = whole as u32 + 1;
+    Ok(count)
+}
+
+#[cfg(test)]
+mod tests {
+    use infuse::Role;
+
+    use super::*;
+
+    fn entry(lower: f64, upper: f64, levels: Option<u32>, step: Option<f64>) -> ParameterEntry {
+        let (name, unit) = ("pitch".to_owned(), "deg".to_owned());
+        ParameterEntry { name, unit, lower, upper, levels, step, role: Role::Plant }
+    }
+
+    #[test]
+    fn steps_that_doubles_cannot_hold_still_divide_the_width() {
+        // 8 to 9.8 by 0.1: 1.8/0.1 is not 18 in doubles.
+        let parameter = parameter(&entry(8.0, 9.8, None, Some(0.1))).expect("19 levels");
+        assert_eq!(parameter.levels(), doe::Levels::Count(19));
+        assert_eq!(plain(parameter.level(3).expect("a level")), "8.3");
+    }
+
+    #[test]
+    fn steps_that_do_not_fit_are_told_which_bounds_would() {
+        for (entry, words) in [
+            (entry(0.0, 1.0, None, Some(0.3)), "upper bound of 0.9 or 1.2"),
+            (entry(0.0, 1.0, None, Some(-0.1)), "`step` is -0.1"),
+            (entry(0.0, 1.0, None, Some(f64::NAN)), "`step` is NaN"),
+            (entry(0.0, 1.0, None, Some(1e-9)), "at most a million"),
+            (entry(0.0, 1.0, None, None), "needs `levels`"),
+            (entry(0.0, 1.0, Some(3), Some(0.5)), "both"),
+            (entry(1.0, 0.0, Some(3), None), "pitch"),
+        ] {
+            let error = parameter(&entry).expect_err(words).to_string();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! A campaign's problem: what `campaign.toml` says, checked.
+
+pub(crate) mod file;
+mod levels;
+mod read;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use doe::Region;
+use infuse::{GlobalSettings, Role};
+use serde_json::{Value, json};
+
+pub(crate) use file::{Goal, Input};
+
+use crate::number::{plain, with_unit};
+
+/// The name of the file in the folder of a campaign.
+pub(crate) const PROBLEM: &str = "campaign.toml";
+
+/// What a campaign is about.
+#[derive(Debug, Clone)]
+pub(crate) struct Problem {
+    pub(crate) title: String,
+    pub(crate) region: Region,
+    pub(crate) roles: Vec<Role>,
+    pub(crate) response: Response,
+    pub(crate) simulator: Simulator,
+    pub(crate) experiment: Option<Program>,
+    pub(crate) settings: GlobalSettings,
+    /// The smallest improvement that another batch is worth, in the unit of the response.
+    pub(crate) worth: Option<f64>,
+}
+
+/// What is measured.
+#[derive(Debug, Clone)]
+pub(crate) struct Response {
+    pub(crate) name: String,
+    pub(crate) unit: String,
+    pub(crate) goal: Goal,
+    pub(crate) lower: Option<f64>,
+    pub(crate) upper: Option<f64>,
+}
+
+impl Response {
+    /// From what is measured to what is minimized; its own inverse.
+    pub(crate) fn cost(&self, value: f64) -> f64 {
+        match self.goal {
+            Goal::Minimize => value,
+            Goal::Maximize => -value,
+        }
+    }
+
+    /// The heading of its column in a sheet.
+    pub(crate) fn heading(&self) -> String {
+        heading(&self.name, &self.unit)
+    }
+
+    /// What is allowed, unless this is.
+    pub(crate) fn fault(&self, value: f64) -> Option<String> {
+        let at_least = self.lower.filter(|&lower| value < lower).map(|lower| ("at least", lower));
+        let at_most = self.upper.filter(|&upper| value > upper).map(|upper| ("at most", upper));
+        let (word, bound) = at_least.or(at_most)?;
+        Some(format!("{word} {}, the bound of the response in {PROBLEM}", with_unit(&plain(bound), &self.unit)))
+    }
+
+    /// "lower" or "higher", whichever is better.
+    pub(crate) fn better(&self) -> &'static str {
+        match self.goal {
+            Goal::Minimize => "lower",
+            Goal::Maximize => "higher",
+        }
+    }
+}
+
+/// `name [unit]`, or the name alone.
+pub(crate) fn heading(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
+}
+
+/// Where simulated values come from.
+#[derive(Debug, Clone)]
+pub(crate) enum Simulator {
+    Table(PathBuf),
+    Program { program: Program, jobs: usize },
+}
+
+/// A command to run per point.
+#[derive(Debug, Clone)]
+pub(crate) struct Program {
+    pub(crate) command: Vec<String>,
+    pub(crate) input: Input,
+    pub(crate) timeout: Duration,
+}
+
+impl Problem {
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.region.parameters().iter().map(doe::Parameter::name)
+    }
+
+    /// "spring 21000 N/m, damper 1450 N s/m".
+    pub(crate) fn describe(&self, point: &[f64]) -> String {
+        let pairs = self.region.parameters().iter().zip(point);
+        let parts = pairs
+            .map(|(parameter, &value)| format!("{} {}", parameter.name(), with_unit(&plain(value), parameter.unit())));
+        parts.collect::<Vec<_>>().join(", ")
+    }
+
+    /// What the journal rests on: once it has begun, none of this may change.
+    pub(crate) fn core(&self) -> Value {
+        let parameters = self.region.parameters().iter().zip(&self.roles).map(|(parameter, role)| {
+            json!({
+                "name": parameter.name(), "unit": parameter.unit(),
+                "lower": parameter.lower(), "upper": parameter.upper(), "levels": parameter.levels(), "role": role,
+            })
+        });
+        let response = &self.response;
+        let mut settings = serde_json::to_value(&self.settings).unwrap_or_default();
+        if let Some(settings) = settings.as_object_mut() {
+            settings.remove("max_iterations");
+        }
+        json!({
+            "parameter": parameters.collect::<Vec<_>>(),
+            "response": {
+                "name": response.name, "unit": response.unit,
+                "goal": match response.goal { Goal::Minimize => "minimize", Goal::Maximize => "maximize" },
+            },
+            "loop": settings,
+        })
+    }
+}

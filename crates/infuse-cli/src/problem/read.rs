@@ -1,0 +1,212 @@
+//! From the file to the problem: every number checked, each error with the field, the value and what is allowed.
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use doe::{Model, Region, Term};
+use infuse::{CorrectionLaw, CorrectionRule, Gain, GlobalSettings};
+
+use super::file::{Input, LoopEntry, ModelEntry, ProblemFile, ResponseEntry, SimulatorEntry};
+use super::levels::parameter;
+use super::{PROBLEM, Problem, Program, Response, Simulator};
+use crate::sheet::RESERVED;
+
+const TIMEOUT_SECONDS: f64 = 600.0;
+const LONGEST_TIMEOUT_SECONDS: f64 = 3.0e7;
+
+impl Problem {
+    /// The problem of the campaign in this folder.
+    pub(crate) fn read(folder: &Path) -> Result<Self> {
+        let path = folder.join(PROBLEM);
+        let text = std::fs::read_to_string(&path).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => anyhow!(
+                "{}: no such file; a campaign is a folder with a {PROBLEM} in it, and `infuse new FOLDER` makes one",
+                path.display()
+            ),
+            _ => anyhow!("{}: {error}", path.display()),
+        })?;
+        Self::parse(&text).with_context(|| path.display().to_string())
+    }
+
+    pub(crate) fn parse(text: &str) -> Result<Self> {
+        let file: ProblemFile = toml::from_str(text).map_err(|error| with_hint(text, &error))?;
+        ensure!(!file.parameters.is_empty(), "no [[parameter]], expected at least one");
+        let parameters = file.parameters.iter().map(parameter).collect::<Result<Vec<_>>>()?;
+        let region = Region::new(parameters)?;
+        let reserved = |name: &str| RESERVED.contains(&name) || name.starts_with("actual ");
+        for name in region.parameters().iter().map(doe::Parameter::name).chain([&*file.response.name]) {
+            ensure!(
+                !reserved(name),
+                "`{name}` is a heading of sheets, expected another name for a parameter or response"
+            );
+        }
+        let response = response(file.response)?;
+        ensure!(
+            region.index_of(&response.name).is_none(),
+            "response: `{}` is also the name of a parameter, expected another",
+            response.name
+        );
+        let settings = settings(&file.rule, &region, file.seed).context("[loop]")?;
+        let simulator = simulator(file.simulator, &region).context("[simulator]")?;
+        let experiment =
+            file.experiment.map(|entry| program(entry.command, entry.input, entry.timeout_seconds, &region));
+        let worth = file.stop.worth;
+        if let Some(worth) = worth {
+            let is_usable = worth > 0.0 && worth.is_finite();
+            ensure!(is_usable, "[stop]: `worth` is {worth:?}, expected a positive number in the unit of the response");
+        }
+        Ok(Self {
+            title: file.title,
+            roles: file.parameters.iter().map(|entry| entry.role).collect(),
+            region,
+            response,
+            simulator,
+            experiment: experiment.transpose().context("[experiment]")?,
+            settings,
+            worth,
+        })
+    }
+}
+
+/// What the parser says, and what people most often meant.
+fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
+    let at = error.span().map_or(0, |span| span.start).min(text.len());
+    let line = text.get(..at).map_or(0, |before| before.matches('\n').count());
+    let line = text.lines().nth(line).unwrap_or_default();
+    let value = line.split('#').next().unwrap_or_default().split('=').nth(1).unwrap_or_default().as_bytes();
+    let is_comma = value.windows(3).any(|w| w[0].is_ascii_digit() && w[1] == b',' && w[2].is_ascii_digit());
+    let hint = if is_comma { "a decimal comma? write 20.5 and not 20,5" } else { "" };
+    anyhow!("{error}{hint}")
+}
+
+fn response(entry: ResponseEntry) -> Result<Response> {
+    let ResponseEntry { name, unit, goal, lower, upper } = entry;
+    let is_plain = !name.trim().is_empty() && name.trim() == name && !name.contains(['[', ']', ',', ';', '"', '\n']);
+    ensure!(is_plain, "response: `name` is {name:?}, expected words without brackets, quotes, commas or semicolons");
+    for (key, bound) in [("lower", lower), ("upper", upper)] {
+        if let Some(value) = bound {
+            ensure!(value.is_finite(), "response: `{key}` is {value:?}, expected a finite number");
+        }
+    }
+    if let Some((lower, upper)) = lower.zip(upper) {
+        ensure!(lower < upper, "response: `lower` is {lower:?}, expected less than `upper`, which is {upper:?}");
+    }
+    Ok(Response { name, unit, goal, lower, upper })
+}
+
+fn simulator(entry: SimulatorEntry, region: &Region) -> Result<Simulator> {
+    match (entry.table, entry.command) {
+        (Some(table), None) => {
+            ensure!(
+                entry.input.is_none() && entry.timeout_seconds.is_none() && entry.jobs.is_none(),
+                "a `table` is not run, expected neither `input` nor `timeout_seconds` nor `jobs` beside it"
+            );
+            Ok(Simulator::Table(table))
+        }
+        (None, Some(command)) => {
+            let jobs = match entry.jobs {
+                Some(0) => bail!("`jobs` is 0, expected at least 1"),
+                Some(jobs) => jobs,
+                None => std::thread::available_parallelism().map_or(1, usize::from),
+            };
+            Ok(Simulator::Program { program: program(command, entry.input, entry.timeout_seconds, region)?, jobs })
+        }
+        (None, None) => bail!("needs `command` = [\"program\", \"argument\", ...] or `table` = \"file.csv\""),
+        (Some(_), Some(_)) => bail!("has both `command` and `table`, expected one of them"),
+    }
+}
+
+fn program(command: Vec<String>, input: Option<Input>, timeout: Option<f64>, region: &Region) -> Result<Program> {
+    ensure!(
+        command.first().is_some_and(|program| !program.is_empty()),
+        "`command` is {command:?}, expected a program and its arguments"
+    );
+    let input = input.unwrap_or_default();
+    let seconds = timeout.unwrap_or(TIMEOUT_SECONDS);
+    ensure!(
+        seconds > 0.0 && seconds <= LONGEST_TIMEOUT_SECONDS,
+        "`timeout_seconds` is {seconds:?}, expected a positive number up to {LONGEST_TIMEOUT_SECONDS:e}"
+    );
+    for placeholder in command.iter().flat_map(|argument| placeholders(argument)) {
+        ensure!(
+            placeholder == "run" || region.index_of(placeholder).is_some(),
+            "`command` has the placeholder {{{placeholder}}}, expected {{run}} or one of {}",
+            region.parameters().iter().map(|p| format!("{{{}}}", p.name())).collect::<Vec<_>>().join(", ")
+        );
+    }
+    for name in region.parameters().iter().map(doe::Parameter::name) {
+        let is_given = command.iter().any(|argument| placeholders(argument).any(|placeholder| placeholder == name));
+        ensure!(
+            input == Input::Json || is_given,
+            "`command` never uses {{{name}}}, so the program cannot know it; put it among the arguments or set `input` = \"json\""
+        );
+    }
+    Ok(Program { command, input, timeout: Duration::from_secs_f64(seconds) })
+}
+
+/// What stands between braces.
+fn placeholders(argument: &str) -> impl Iterator<Item = &str> {
+    argument.split('{').skip(1).filter_map(|rest| rest.split_once('}').map(|(name, _)| name))
+}
+
+fn settings(entry: &LoopEntry, region: &Region, seed: u64) -> Result<GlobalSettings> {
+    let model = model(entry.model.as_ref(), region)?;
+    let n_terms = model.n_terms();
+    let replicates = entry.replicates.unwrap_or(0);
+    let experiments =
+        entry.experiments.unwrap_or_else(|| (n_terms + n_terms.div_ceil(5)).max(n_terms + 2).max(4) + replicates);
+    let simulations = entry.simulations.unwrap_or(2 * experiments);
+    let mut settings = GlobalSettings::new(model, experiments, simulations);
+    settings.replicates = replicates;
+    settings.seed = seed;
+    settings.max_iterations = entry.batches.unwrap_or(settings.max_iterations);
+    settings.confidence = entry.confidence.unwrap_or(settings.confidence);
+    settings.experiment_weight = entry.experiment_weight.unwrap_or(settings.experiment_weight);
+    settings.simulation_weight = entry.simulation_weight.unwrap_or(settings.simulation_weight);
+    settings.surfaces = entry.surfaces.unwrap_or_default();
+    settings.fallback = entry.without_spread.unwrap_or_default();
+    // The harmonic gain forgets the gap at once and averages the noise of all batches.
+    let gain = entry.gain.unwrap_or_else(Gain::harmonic);
+    settings.correction = CorrectionRule::new(CorrectionLaw::ProofRecursion, gain);
+    settings.validate(region).map_err(|error| anyhow!(in_words_of_the_file(&error.to_string())))?;
+    Ok(settings)
+}
+
+/// The settings by the names they have in the file.
+fn in_words_of_the_file(message: &str) -> String {
+    [
+        ("`n_experiments`", "`experiments`"),
+        ("`n_simulations`", "`simulations`"),
+        ("`max_iterations`", "`batches`"),
+        ("`fallback`", "`without_spread`"),
+    ]
+    .iter()
+    .fold(message.to_owned(), |message, (from, to)| message.replace(from, to))
+}
+
+fn model(entry: Option<&ModelEntry>, region: &Region) -> Result<Model> {
+    let k = region.n_parameters();
+    Ok(match entry {
+        None => Model::quadratic(k)?,
+        Some(ModelEntry::Named(name)) => match name.as_str() {
+            "linear" => Model::linear(k)?,
+            "additive quadratic" => Model::additive_quadratic(k)?,
+            "quadratic" => Model::quadratic(k)?,
+            _ => bail!(
+                "`model` is {name:?}, expected \"linear\", \"additive quadratic\", \"quadratic\" or a list of terms"
+            ),
+        },
+        Some(ModelEntry::Listed(terms)) => {
+            let mut exponents = Vec::new();
+            for (number, term) in terms.iter().enumerate() {
+                if let Some(name) = term.keys().find(|name| region.index_of(name).is_none()) {
+                    bail!("`model`, term {}: no parameter is called `{name}`", number + 1);
+                }
+                let exponent = |parameter: &doe::Parameter| term.get(parameter.name()).copied().unwrap_or(0);
+                exponents.push(Term::new(region.parameters().iter().map(exponent).collect::<Vec<u8>>()));
+            }
+            Model::new(k, exponents)?
+        }
+    })
+}

@@ -1,0 +1,176 @@
+//! A command that turns a point into a value.
+
+use std::fs::File;
+use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result};
+use doe::Region;
+use process_wrap::std::{ChildWrapper, CommandWrap};
+use serde_json::{Map, Value, json};
+
+use crate::number::{plain, rounded};
+use crate::problem::{Input, Program};
+
+/// How often a running program is looked at: at first, and at most.
+const PAUSES: (Duration, Duration) = (Duration::from_micros(200), Duration::from_millis(20));
+/// Of what a failing program says, the end is shown.
+const SHOWN: usize = 300;
+
+/// Set when a person wants to stop.
+pub(crate) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// What became of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Ran {
+    Value(f64),
+    /// The point has no value, and the reason is worth writing down.
+    Failed(String),
+    /// Stopped from outside: it says nothing about the point.
+    Interrupted,
+}
+
+impl Program {
+    /// Runs the command once in this folder. `run` is the number of the experiment, if it is one.
+    ///
+    /// # Errors
+    ///
+    /// The command could not be started at all: no such program, no temporary files.
+    pub(crate) fn run(&self, folder: &Path, region: &Region, point: &[f64], run: Option<u64>) -> Result<Ran> {
+        let arguments: Vec<String> = self.command.iter().map(|argument| filled(argument, region, point, run)).collect();
+        let (program, arguments) = (executable(folder, &arguments[0]), &arguments[1..]);
+        // Files and not pipes: whatever a program leaves behind when it is stopped, nobody waits for it.
+        let temporary = || tempfile::tempfile().context("a temporary file for the output of a command");
+        let (mut output, mut errors) = (temporary()?, temporary()?);
+        let input = match self.input {
+            Input::Arguments => Stdio::null(),
+            Input::Json => Stdio::from(standard_input(region, point, run)?),
+        };
+        let mut command = CommandWrap::with_new(&program, |_| {});
+        let inner = command.command_mut();
+        inner.args(arguments).current_dir(folder).stdin(input);
+        inner.stdout(output.try_clone().context("output")?).stderr(errors.try_clone().context("output")?);
+        #[cfg(unix)]
+        command.wrap(process_wrap::std::ProcessGroup::leader());
+        #[cfg(windows)]
+        command.wrap(process_wrap::std::JobObject);
+        let mut child = command.spawn().with_context(|| format!("cannot start `{}`", program.display()))?;
+        let status = match self.wait(child.as_mut())? {
+            Waited::Ended(status) => status,
+            Waited::Interrupted => return Ok(Ran::Interrupted),
+            Waited::TooLong => {
+                let seconds = plain(self.timeout.as_secs_f64());
+                return Ok(Ran::Failed(format!("stopped after {seconds} s, see `timeout_seconds`")));
+            }
+        };
+        let (output, errors) = (all(&mut output)?, all(&mut errors)?);
+        if INTERRUPTED.load(Ordering::Relaxed) && !status.success() {
+            return Ok(Ran::Interrupted);
+        }
+        Ok(if status.success() { value_of(&output) } else { Ran::Failed(failure(status, &errors, &output)) })
+    }
+
+    fn wait(&self, child: &mut dyn ChildWrapper) -> Result<Waited> {
+        let start = Instant::now();
+        let mut pause = PAUSES.0;
+        loop {
+            if let Some(status) = child.try_wait().context("waiting for a command")? {
+                return Ok(Waited::Ended(status));
+            }
+            let is_interrupted = INTERRUPTED.load(Ordering::Relaxed);
+            if is_interrupted || start.elapsed() >= self.timeout {
+                // It may have ended by itself in between.
+                let _ = child.kill();
+                return Ok(if is_interrupted { Waited::Interrupted } else { Waited::TooLong });
+            }
+            std::thread::sleep(pause);
+            pause = (2 * pause).min(PAUSES.1);
+        }
+    }
+}
+
+enum Waited {
+    Ended(ExitStatus),
+    Interrupted,
+    TooLong,
+}
+
+/// A program named with a folder is looked for from the folder of the campaign, others where the shell would.
+fn executable(folder: &Path, program: &str) -> PathBuf {
+    let path = Path::new(program);
+    if path.is_relative() && path.components().count() > 1 {
+        return std::path::absolute(folder.join(path)).unwrap_or_else(|_| path.to_path_buf());
+    }
+    path.to_path_buf()
+}
+
+fn filled(argument: &str, region: &Region, point: &[f64], run: Option<u64>) -> String {
+    let run = run.map_or_else(|| "0".to_owned(), |run| run.to_string());
+    let argument = argument.replace("{run}", &run);
+    let pairs = region.parameters().iter().zip(point);
+    pairs.fold(argument, |argument, (parameter, &value)| {
+        argument.replace(&format!("{{{}}}", parameter.name()), &plain(value))
+    })
+}
+
+fn standard_input(region: &Region, point: &[f64], run: Option<u64>) -> Result<File> {
+    let pairs = region.parameters().iter().zip(point);
+    let mut object: Map<String, Value> =
+        pairs.map(|(parameter, &value)| (parameter.name().to_owned(), json!(rounded(value)))).collect();
+    if let Some(run) = run {
+        object.insert("run".to_owned(), json!(run));
+    }
+    let mut file = tempfile::tempfile().context("a temporary file for the input of a command")?;
+    writeln!(file, "{}", Value::Object(object)).and_then(|()| file.rewind()).context("input of a command")?;
+    Ok(file)
+}
+
+fn all(file: &mut File) -> Result<String> {
+    let mut bytes = Vec::new();
+    file.seek(SeekFrom::Start(0)).and_then(|_| file.read_to_end(&mut bytes)).context("output of a command")?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// The last line: a number, or an object with the value or the failure.
+fn value_of(output: &str) -> Ran {
+    let Some(line) = output.lines().map(str::trim).rfind(|line| !line.is_empty()) else {
+        return Ran::Failed("it printed nothing, expected a number on its last line".to_owned());
+    };
+    if let Ok(value) = line.parse::<f64>() {
+        return finite(value);
+    }
+    if let Ok(Value::Object(object)) = serde_json::from_str(line) {
+        let value = object.get("value").and_then(Value::as_f64);
+        let failed = object.get("failed").and_then(Value::as_str);
+        match (value, failed) {
+            (Some(value), None) => return finite(value),
+            (None, Some(reason)) => return Ran::Failed(reason.to_owned()),
+            _ => {}
+        }
+    }
+    let expected = "expected a number, {\"value\": 1.5} or {\"failed\": \"why\"}";
+    Ran::Failed(format!("its last line is `{}`, {expected}", end_of(line)))
+}
+
+fn finite(value: f64) -> Ran {
+    if value.is_finite() { Ran::Value(value) } else { Ran::Failed(format!("it returned {value}")) }
+}
+
+fn failure(status: ExitStatus, errors: &str, output: &str) -> String {
+    let said = [errors, output].into_iter().map(str::trim).find(|text| !text.is_empty());
+    match said {
+        Some(said) => format!("{status}: {}", end_of(said)),
+        None => status.to_string(),
+    }
+}
+
+/// The last few words, on one line.
+fn end_of(text: &str) -> String {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let text = words.join(" ");
+    let n = text.chars().count();
+    if n <= SHOWN { text } else { "...".chars().chain(text.chars().skip(n - SHOWN)).collect() }
+}

@@ -1,0 +1,55 @@
+//! Experiments from before the campaign.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::read::setting_fault;
+use super::{Column, Fault, Table, none_of};
+use crate::number::parse;
+use crate::problem::Problem;
+
+/// An experiment of an older table.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Imported {
+    pub(crate) point: Vec<f64>,
+    pub(crate) value: f64,
+    /// Its own, if the table has a column for it.
+    pub(crate) source: String,
+}
+
+/// Reads a table with a column per parameter, one for the response, and possibly one named `source`.
+pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> {
+    let parameters = problem.region.parameters();
+    let k = parameters.len();
+    let mut columns: Vec<Column> = parameters.iter().map(|p| Column::required(p.name(), p.unit())).collect();
+    columns.push(Column::required(&problem.response.name, &problem.response.unit));
+    columns.push(Column::optional("source", ""));
+    let table = Table::read(path, &columns)?;
+    let (mut found, mut faults): (Vec<Imported>, Vec<Fault>) = (Vec::new(), Vec::new());
+    for row in table.rows() {
+        let mut number = |column: usize| match parse(table.cell(row, column)) {
+            Ok(value) => Some(value),
+            Err(expected) => {
+                faults.push(table.fault(row, column, expected));
+                None
+            }
+        };
+        let point: Vec<Option<f64>> = (0..k).map(&mut number).collect();
+        let value = number(k);
+        for (column, (parameter, setting)) in parameters.iter().zip(&point).enumerate() {
+            if let Some(expected) = setting.and_then(|setting| setting_fault(parameter, setting)) {
+                faults.push(table.fault(row, column, expected));
+            }
+        }
+        if let Some(expected) = value.and_then(|value| problem.response.fault(value)) {
+            faults.push(table.fault(row, k, expected));
+        }
+        if let (Some(point), Some(value)) = (point.into_iter().collect(), value) {
+            found.push(Imported { point, value, source: table.cell(row, k + 1).to_owned() });
+        }
+    }
+    none_of(&path.display().to_string(), &faults)?;
+    anyhow::ensure!(!found.is_empty(), "{}: no rows, expected at least one experiment", path.display());
+    Ok(found)
+}

@@ -1,0 +1,205 @@
+//! A sheet that comes back, wholly or partly filled.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::Result;
+use doe::Parameter;
+use infuse::GlobalTrial;
+
+use super::table::Row;
+use super::{Columns, Fault, Table, none_of};
+use crate::journal::Measured;
+use crate::number::{parse, plain, with_unit};
+use crate::problem::Problem;
+
+/// What a row says about a trial.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Answer {
+    pub(crate) id: u64,
+    pub(crate) result: Measured,
+    pub(crate) actual: BTreeMap<String, f64>,
+    /// A run besides the one that was asked for.
+    pub(crate) again: bool,
+    pub(crate) note: String,
+    /// For messages.
+    pub(crate) row: usize,
+}
+
+/// What a sheet says.
+#[derive(Debug)]
+pub(crate) struct Answers {
+    pub(crate) filled: Vec<Answer>,
+    /// How many rows have neither a value nor a reason.
+    pub(crate) n_empty: usize,
+}
+
+/// Reads a sheet against the trials that were ever handed out.
+pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, GlobalTrial>) -> Result<Answers> {
+    let columns = Columns::of(problem);
+    let table = Table::read(path, &columns.all)?;
+    let reader = Reader { columns, table, problem, trials };
+    let (mut filled, mut faults, mut n_empty): (Vec<Answer>, Vec<Fault>, usize) = (Vec::new(), Vec::new(), 0);
+    for row in reader.table.rows() {
+        match reader.row(row, &mut faults) {
+            Some(Some(answer)) => filled.push(answer),
+            Some(None) => n_empty += 1,
+            None => {}
+        }
+    }
+    for (index, answer) in filled.iter().enumerate() {
+        let is_same = |other: &&Answer| other.id == answer.id && !other.again && !answer.again;
+        if let Some(other) = filled[..index].iter().find(is_same)
+            && (other.result != answer.result || other.actual != answer.actual)
+        {
+            let (id, first) = (answer.id, other.row);
+            let value = id.to_string();
+            let expected = format!(
+                "one row for it: row {first} says something else; one more run of {id} gets a row with an empty `id` and `repeats` = {id}"
+            );
+            faults.push(Fault { row: answer.row, column: "id".to_owned(), value, expected });
+        }
+    }
+    none_of(&path.display().to_string(), &faults)?;
+    // A row that comes twice and says the same is said once.
+    let mut seen = std::collections::BTreeSet::new();
+    filled.retain(|answer| answer.again || seen.insert(answer.id));
+    Ok(Answers { filled, n_empty })
+}
+
+struct Reader<'a> {
+    columns: Columns,
+    table: Table,
+    problem: &'a Problem,
+    trials: &'a BTreeMap<u64, GlobalTrial>,
+}
+
+impl Reader<'_> {
+    /// What a row says: `Some(None)` for one not filled in yet, none for a fault.
+    fn row(&self, row: &Row, faults: &mut Vec<Fault>) -> Option<Option<Answer>> {
+        let n_before = faults.len();
+        let (columns, table) = (&self.columns, &self.table);
+        let trial = self.trial(row, faults);
+        let again = table.cell(row, Columns::ID).is_empty();
+        if let Some(trial) = trial {
+            self.check_settings(row, trial, faults);
+        }
+        let (value, failed) = (table.cell(row, columns.response()), table.cell(row, columns.failed()));
+        let mut actual = BTreeMap::new();
+        for (index, parameter) in self.problem.region.parameters().iter().enumerate() {
+            match self.actual(row, index, parameter) {
+                Ok(Some(setting)) => {
+                    actual.insert(parameter.name().to_owned(), setting);
+                }
+                Ok(None) => {}
+                Err(fault) => faults.push(fault),
+            }
+        }
+        let result = match (value.is_empty(), failed.is_empty()) {
+            (true, true) => {
+                let is_bare = actual.is_empty() && !again;
+                if !is_bare {
+                    let expected = "a value, or a reason under `failed`, as the row is filled in otherwise";
+                    faults.push(table.fault(row, columns.response(), expected));
+                }
+                None
+            }
+            (true, false) => Some(Measured::Failed(failed.to_owned())),
+            (false, false) => {
+                let expected = "nothing, as there is a value; or no value, if the run failed";
+                faults.push(table.fault(row, columns.failed(), expected));
+                None
+            }
+            (false, true) => match parse(value) {
+                Ok(value) => {
+                    if let Some(expected) = self.problem.response.fault(value) {
+                        faults.push(table.fault(row, columns.response(), expected));
+                    }
+                    Some(Measured::Value(value))
+                }
+                Err(expected) => {
+                    faults.push(table.fault(row, columns.response(), expected));
+                    None
+                }
+            },
+        };
+        if again && let Some((index, _)) = actual_columns(&self.problem.region, &actual) {
+            let expected = "nothing, as it repeats a run at the same settings; a run at others is imported";
+            faults.push(table.fault(row, columns.actual(index), expected));
+        }
+        if faults.len() > n_before {
+            return None;
+        }
+        let note = table.cell(row, columns.note()).to_owned();
+        let answer = |(trial, result): (&GlobalTrial, Measured)| {
+            let id = trial.id.number();
+            Answer { id, result, actual, again, note, row: row.number }
+        };
+        Some(trial.zip(result).map(answer))
+    }
+
+    fn trial(&self, row: &Row, faults: &mut Vec<Fault>) -> Option<&GlobalTrial> {
+        let table = &self.table;
+        let column = if table.cell(row, Columns::ID).is_empty() { Columns::REPEATS } else { Columns::ID };
+        let text = table.cell(row, column);
+        let known = match (self.trials.keys().next(), self.trials.keys().next_back()) {
+            (Some(first), Some(last)) => format!("the id of an experiment that was asked for, {first} to {last}"),
+            _ => "no sheet yet: nothing was asked for".to_owned(),
+        };
+        if text.is_empty() {
+            let expected = format!("{known}; or, for one more run of an experiment, its id under `repeats`");
+            faults.push(table.fault(row, Columns::ID, expected));
+            return None;
+        }
+        let trial = text.parse().ok().and_then(|id: u64| self.trials.get(&id));
+        if trial.is_none() {
+            faults.push(table.fault(row, column, known));
+        }
+        trial
+    }
+
+    /// The settings of the sheet are those asked for: who made others says so in the columns for it.
+    fn check_settings(&self, row: &Row, trial: &GlobalTrial, faults: &mut Vec<Fault>) {
+        for (index, (parameter, &asked)) in self.problem.region.parameters().iter().zip(&trial.point).enumerate() {
+            let column = self.columns.setting(index);
+            let text = self.table.cell(row, column);
+            let is_asked = parse(text).is_ok_and(|value| (value - asked).abs() <= 1e-9 * parameter.width());
+            if !text.is_empty() && !is_asked {
+                let asked = with_unit(&plain(asked), parameter.unit());
+                let expected = format!(
+                    "{asked}, as it was asked for; a setting that was made otherwise goes under `actual {}`",
+                    parameter.name()
+                );
+                faults.push(self.table.fault(row, column, expected));
+            }
+        }
+    }
+
+    fn actual(&self, row: &Row, index: usize, parameter: &Parameter) -> Result<Option<f64>, Fault> {
+        let column = self.columns.actual(index);
+        let text = self.table.cell(row, column);
+        if text.is_empty() {
+            return Ok(None);
+        }
+        let value = parse(text).map_err(|expected| self.table.fault(row, column, expected))?;
+        match setting_fault(parameter, value) {
+            Some(expected) => Err(self.table.fault(row, column, expected)),
+            None => Ok(Some(value)),
+        }
+    }
+}
+
+/// The first parameter that was set otherwise.
+fn actual_columns<'a>(region: &'a doe::Region, actual: &BTreeMap<String, f64>) -> Option<(usize, &'a Parameter)> {
+    region.parameters().iter().enumerate().find(|(_, parameter)| actual.contains_key(parameter.name()))
+}
+
+/// What is allowed of a setting that was really made, unless this is.
+pub(crate) fn setting_fault(parameter: &Parameter, value: f64) -> Option<String> {
+    let (lower, upper) = (parameter.lower() - 0.5 * parameter.width(), parameter.upper() + 0.5 * parameter.width());
+    if (lower..=upper).contains(&value) {
+        return None;
+    }
+    let range = format!("{} to {}", plain(lower), with_unit(&plain(upper), parameter.unit()));
+    Some(format!("{range}: at most half the width outside the bounds of the parameter"))
+}

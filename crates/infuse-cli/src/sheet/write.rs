@@ -1,0 +1,46 @@
+//! A sheet for the rig.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use infuse::GlobalTrial;
+
+use super::Columns;
+use crate::number::plain;
+use crate::problem::Problem;
+
+/// Writes these trials, in the order in which they are to be run. The file is there whole or not at all.
+pub(crate) fn write(path: &Path, problem: &Problem, trials: &[(GlobalTrial, Option<u64>)]) -> Result<()> {
+    let name = || path.display().to_string();
+    let columns = Columns::of(problem);
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record(columns.all.iter().map(super::Column::heading)).with_context(name)?;
+    for (index, (trial, repeats)) in trials.iter().enumerate() {
+        let mut cells = vec![String::new(); columns.all.len()];
+        cells[Columns::RUN] = (index + 1).to_string();
+        cells[Columns::ID] = trial.id.to_string();
+        cells[Columns::REPEATS] = repeats.map(|id| id.to_string()).unwrap_or_default();
+        for (parameter, &value) in trial.point.iter().enumerate() {
+            cells[columns.setting(parameter)] = plain(value);
+        }
+        table.write_record(&cells).with_context(name)?;
+    }
+    let bytes = table.into_inner().map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
+    replace(path, &bytes)
+}
+
+/// Puts a whole file in its place, so that nobody ever sees half of it.
+pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
+    let name = || path.display().to_string();
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut file = tempfile::Builder::new().prefix(".infuse-").tempfile_in(folder).with_context(name)?;
+    file.write_all(bytes).and_then(|()| file.as_file().sync_all()).with_context(name)?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644)).with_context(name)?;
+    }
+    file.persist(path).map_err(|error| error.error).with_context(name)?;
+    Ok(())
+}

@@ -1,0 +1,158 @@
+//! What more experiments could still bring.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use statrs::distribution::{ContinuousCDF, Normal};
+use surface::{LeaveOneOut, Polynomial, Regression, Surface};
+
+use crate::global::candidates::Candidates;
+use crate::global::report::GlobalReport;
+use crate::global::surfaces::IterationSurfaces;
+use crate::{Bound, Error, GlobalLoop, ModelStage, RegretCertificate};
+
+/// Cells among which the best is looked for in every draw; of more that are left, a part.
+const MOST_CELLS: u64 = 20_000;
+
+/// How much better than p̂* the best of what is left may be, in the unit of the cost.
+///
+/// Ĵnum of the last iteration knows all experiments. Only they bring noise into it, through the correction
+/// Σ c_j Ĵexp,j + …, so surfaces that may as well be true are
+///
+/// ```text
+/// Ĵnum(p) + Σ_j c_j δ_j(p)        δ_j(p) = r(p)' σ_j (R_j'R_j)^−½ z_j
+/// ```
+///
+/// with the sampling error δ_j of Ĵexp of round j, and independent standard normal z. The gain of such a draw is what its best cell
+/// undercuts p̂* by, so the mean is what it would be worth on average to know the surface exactly: no number of
+/// further experiments can bring more on average, if the regressor is right and the errors about it are independent.
+/// Source: beyond the text; the expected value of perfect information.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Outlook {
+    /// Mean of the gains.
+    pub mean_gain: f64,
+    /// Nine of ten gains are at most this.
+    pub upper_gain: f64,
+    /// How many surfaces were drawn.
+    pub n_draws: usize,
+    /// Among how many of the cells left the best was looked for.
+    pub n_cells: usize,
+}
+
+/// What [`GlobalLoop::observed_certificate`] rests on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ObservedErrors {
+    /// Largest error of an Ĵsim of the campaign at a simulation that was left out of the fit.
+    pub simulation: f64,
+    /// Largest error of an Ĵexp of the campaign at an experiment that was left out of the fit, its noise included.
+    pub experiment: f64,
+    /// The bound on |Ĵnum − J_true| that follows from the errors of every iteration and the gap.
+    pub eps: f64,
+    /// What eps promises of p̂*.
+    pub certificate: RegretCertificate,
+}
+
+impl GlobalLoop {
+    /// What more experiments could still bring, from this many draws. None before the first iteration is closed, and if
+    /// some Ĵexp in the correction is no regression or has no degrees of freedom. The same settings and outcomes give
+    /// the same draws.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::SettingCount`] for no draws.
+    pub fn outlook(&self, n_draws: usize) -> Result<Option<Outlook>, Error> {
+        if n_draws == 0 {
+            return Err(Error::SettingCount { name: "n_draws", value: n_draws, expected: "at least 1" });
+        }
+        let Some((report, surfaces)) = self.history.last().zip(self.surfaces.last()) else {
+            return Ok(None);
+        };
+        let experiments: Vec<_> = self.surfaces.iter().filter_map(|past| past.experiment.as_ref()).collect();
+        let regressions: Option<Vec<&Regression>> = experiments.iter().map(|surface| surface.regression()).collect();
+        let Some(regressions) = regressions.filter(|regressions| !regressions.is_empty()) else {
+            return Ok(None);
+        };
+        let factors = self.settings.correction.correction(regressions.len()).experiment;
+        let candidates = Candidates::of(&self.retained, &self.cells, MOST_CELLS, self.settings.seed)?;
+        let points = candidates.cells.iter().map(|&cell| self.cells.coded(cell));
+        let points = points.collect::<Result<Vec<_>, _>>()?;
+        let model = surfaces.numerical.surface();
+        let means: Vec<f64> = points.iter().map(|point| model.predict(point)).collect();
+        let optimum = self.cells.coded(report.screening.optimum_cell)?;
+        let mean_at_optimum = model.predict(&optimum);
+        let mut generator = Pcg64::seed_from_u64(self.settings.seed ^ report.iteration as u64);
+        let mut gains = Vec::with_capacity(n_draws);
+        for _ in 0..n_draws {
+            let Some(error) = drawn_error(&regressions, &factors, self.cells.n_factors(), &mut generator)? else {
+                return Ok(None);
+            };
+            let at_optimum = mean_at_optimum + error.predict(&optimum);
+            let drawn = points.iter().zip(&means).map(|(point, mean)| mean + error.predict(point));
+            gains.push(drawn.map(|drawn| at_optimum - drawn).fold(0.0, f64::max));
+        }
+        gains.sort_by(f64::total_cmp);
+        let mean_gain = gains.iter().sum::<f64>() / n_draws as f64;
+        let upper_gain = gains[(9 * n_draws).div_ceil(10) - 1];
+        Ok(Some(Outlook { mean_gain, upper_gain, n_draws, n_cells: points.len() }))
+    }
+
+    /// The [certificate](Self::certificate) with errors of the surfaces as they were observed at runs left out of the
+    /// fit, one by one: a promise only as far as the surfaces err no more between the runs than at them. None if some surface cannot be
+    /// fitted without one of its runs, or if the correction law has no bound with such errors.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Setting`] if the errors are too large for a double.
+    pub fn observed_certificate(&self) -> Result<Option<ObservedErrors>, Error> {
+        let errors: Option<Vec<(f64, f64)>> =
+            self.history.iter().zip(&self.surfaces).map(|(report, surfaces)| left_out(report, surfaces)).collect();
+        let Some((e1, e2)) = errors.map(|errors| errors.into_iter().unzip::<f64, f64, Vec<f64>, Vec<f64>>()) else {
+            return Ok(None);
+        };
+        let Some(gap) = self.history.first().and_then(|report| report.changes.gap) else {
+            return Ok(None);
+        };
+        let bound = Bound::new(self.settings.correction, ModelStage::Corrected);
+        let eps = bound.finite(gap + e1[0] + e2[0], &e1, &e2)?;
+        let largest = |errors: &[f64]| errors.iter().copied().fold(0.0, f64::max);
+        let certificate = self.certificate(eps)?;
+        Ok(certificate.map(|certificate| ObservedErrors {
+            simulation: largest(&e1),
+            experiment: largest(&e2),
+            eps,
+            certificate,
+        }))
+    }
+}
+
+/// Σ c_j δ_j, drawn; none if a regression has no degrees of freedom.
+fn drawn_error(
+    regressions: &[&Regression],
+    factors: &[f64],
+    n_factors: usize,
+    generator: &mut Pcg64,
+) -> Result<Option<Polynomial>, Error> {
+    let normal = Normal::standard();
+    let mut error = Polynomial::zero(n_factors)?;
+    for (regression, &factor) in regressions.iter().zip(factors) {
+        // Never exactly 0, where the quantile is infinite.
+        let mut draw = || normal.inverse_cdf(generator.random::<f64>().max(f64::MIN_POSITIVE));
+        let normals: Vec<f64> = regression.coefficients().iter().map(|_| draw()).collect();
+        let Some(drawn) = regression.drawn(&normals)? else {
+            return Ok(None);
+        };
+        error = error.plus(factor, &drawn)?.plus(-factor, regression.polynomial())?;
+    }
+    Ok(Some(error))
+}
+
+/// The largest errors of Ĵsim and Ĵexp of an iteration at runs left out.
+fn left_out(report: &GlobalReport, surfaces: &IterationSurfaces) -> Option<(f64, f64)> {
+    if report.not_corrected.is_some() {
+        return None;
+    }
+    let largest = |errors: LeaveOneOut| errors.residuals().iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
+    let of = |surface: &crate::TracedSurface| surface.regression()?.leave_one_out().ok().map(largest);
+    Some((of(&surfaces.simulation)?, of(surfaces.experiment.as_ref()?)?))
+}

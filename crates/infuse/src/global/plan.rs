@@ -1,0 +1,13 @@
+//! What an iteration is going to run.
+
+use serde::{Deserialize, Serialize};
+
+/// The designs of an iteration, as cells of the grid.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GlobalPlan {
+    /// One cell per experiment, in the order of their trials. A cell that comes again is a repeat.
+    pub experiments: Vec<u64>,
+    /// One cell per simulation.
+    pub simulations: Vec<u64>,
+}
