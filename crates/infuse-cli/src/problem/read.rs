@@ -128,18 +128,15 @@ fn program(command: Vec<String>, input: Option<Input>, timeout: Option<f64>, reg
         seconds > 0.0 && seconds <= LONGEST_TIMEOUT_SECONDS,
         "`timeout_seconds` is {seconds:?}, expected a positive number up to {LONGEST_TIMEOUT_SECONDS:e}"
     );
-    for placeholder in command.iter().flat_map(|argument| placeholders(argument)) {
-        ensure!(
-            placeholder == "run" || region.index_of(placeholder).is_some(),
-            "`command` has the placeholder {{{placeholder}}}, expected {{run}} or one of {}",
-            region.parameters().iter().map(|p| format!("{{{}}}", p.name())).collect::<Vec<_>>().join(", ")
-        );
-    }
     for name in region.parameters().iter().map(doe::Parameter::name) {
         let is_given = command.iter().any(|argument| placeholders(argument).any(|placeholder| placeholder == name));
+        let found: Vec<String> =
+            command.iter().flat_map(|argument| placeholders(argument)).map(|name| format!("{{{name}}}")).collect();
+        let found = if found.is_empty() { "no placeholders".to_owned() } else { found.join(", ") };
         ensure!(
             input == Input::Json || is_given,
-            "`command` never uses {{{name}}}, so the program cannot know it; put it among the arguments or set `input` = \"json\""
+            "`command` has {found}, but no {{{name}}}, so the program cannot know it; put it among the arguments, or set \
+             `input` = \"json\""
         );
     }
     Ok(Program { command, input, timeout: Duration::from_secs_f64(seconds) })

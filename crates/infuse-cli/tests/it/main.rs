@@ -1,1 +1,11 @@
 //! Claims of the command, each made as a person in a shell would make it.
+
+#![expect(clippy::unwrap_used, clippy::missing_assert_message, reason = "the helpers of tests fail like tests")]
+
+mod campaigns;
+mod interruptions;
+mod journals;
+mod problems;
+mod programs;
+mod rig;
+mod sheets;

@@ -1,0 +1,234 @@
+//! Campaigns from the first sheet to the last.
+
+use serde_json::{Value, json};
+
+use crate::rig::{Rig, measured, told, truth};
+
+#[test]
+fn the_template_finds_the_optimum_of_the_rig_and_not_that_of_its_simulation() {
+    let rig = Rig::new();
+    let mut n_batches = 0;
+    while rig.batch() {
+        n_batches += 1;
+    }
+    assert!((2..=6).contains(&n_batches), "{n_batches}");
+    let status = rig.status();
+    let best = |name: &str| status["best"][name].as_f64().unwrap();
+    assert!(truth(best("spring"), best("damper gain")) < 7.2, "{status}");
+    assert_eq!(status["batches"][0]["simulation_alone"]["spring"], json!(18.0));
+    assert!(truth(18.0, 1.3) > 8.0, "what the simulation alone would have cost");
+    assert!(status["left"].as_u64() < Some(40), "{status}");
+    // Uniform noise of at most 0.2, as a sine of a number: its standard deviation is 0.2/√2.
+    let noise = status["noise"]["standard_deviation"].as_f64().unwrap();
+    assert!((0.02..0.4).contains(&noise), "{noise}");
+    let text = rig.infuse(&["status"]).ok();
+    for words in [
+        "Best design: spring",
+        "Batch",
+        "lack of fit",
+        "Left:",
+        "dropped",
+        "Guarantee",
+        "Ended: another batch can gain",
+    ] {
+        assert!(text.contains(words), "{words} is not in {text}");
+    }
+    assert!(rig.infuse(&["ask"]).ok().contains("To go on all the same: infuse ask --anyway"));
+    assert!(rig.infuse(&["ask", "--anyway"]).ok().contains(&format!("Batch {}: 10 experiments", n_batches + 1)));
+}
+
+#[test]
+fn asking_again_gives_the_same_experiments_and_leaves_the_sheet_alone() {
+    let rig = Rig::new();
+    let ask = || -> Value { serde_json::from_str(&rig.infuse(&["ask", "--json"]).ok()).unwrap() };
+    let first = ask();
+    assert_eq!((&first["sheet_is_new"], &first["simulations_made"]), (&json!(true), &json!(20)));
+    rig.fill("sheet-1.csv", |id| id == 4);
+    let filled = rig.read("sheet-1.csv");
+    let again = ask();
+    assert_eq!(again["experiments"], first["experiments"]);
+    assert_eq!((&again["sheet_is_new"], &again["simulations_made"]), (&json!(false), &json!(0)));
+    assert_eq!(rig.read("sheet-1.csv"), filled, "a person is filling it in");
+    rig.infuse(&["tell", "sheet-1.csv"]).ok();
+    assert_eq!(rig.infuse(&["ask"]).ok().matches("Told so far: 1; 9 to go.").count(), 1);
+}
+
+#[test]
+fn the_same_folder_gives_the_same_answer_with_any_number_of_jobs_and_in_any_order() {
+    let status = |jobs: usize, one_by_one: bool| {
+        let rig = Rig::new();
+        rig.edit(
+            "table = \"simulation.csv\"",
+            &format!("command = [\"sh\", \"-c\", \"{SHELL_SIMULATION}\"]\njobs = {jobs}"),
+        );
+        rig.infuse(&["ask"]).ok();
+        rig.fill("sheet-1.csv", |_| true);
+        if one_by_one {
+            let sheet = rig.read("sheet-1.csv");
+            let (headings, rows) = sheet.split_once('\n').unwrap();
+            for row in rows.lines().rev() {
+                rig.write("row.csv", &format!("{headings}\n{row}\n"));
+                rig.infuse(&["tell", "row.csv"]).ok();
+            }
+        } else {
+            rig.infuse(&["tell", "sheet-1.csv"]).ok();
+        }
+        rig.infuse(&["ask"]).ok();
+        (rig.status(), rig.read("sheet-2.csv"))
+    };
+    let one = status(1, false);
+    assert_eq!(one, status(4, true));
+}
+
+/// The simulation of the template, in a shell.
+pub(crate) const SHELL_SIMULATION: &str = "awk 'BEGIN { a = ({spring} - 18) / 12; b = ({damper gain} - 1.3) / 1.2; \
+     print 8 + 5 * a * a + 4 * b * b + 2 * a * b }'";
+
+#[test]
+fn failures_actual_settings_repeats_and_remarks_come_back_with_the_sheet() {
+    let rig = Rig::new();
+    rig.infuse(&["ask"]).ok();
+    rig.fill("sheet-1.csv", |id| id != 3 && id != 5);
+    let sheet = rig.read("sheet-1.csv");
+    let rows: Vec<String> = sheet
+        .lines()
+        .map(|row| {
+            let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+            match cells[1].as_str() {
+                "3" => cells[6] = "lamp broke".to_owned(),
+                "5" => {
+                    let spring: f64 = cells[3].parse().unwrap();
+                    cells[5] = measured(5, spring + 0.5, cells[4].parse().unwrap());
+                    (cells[7], cells[9]) = ((spring + 0.5).to_string(), "washer missing".to_owned());
+                }
+                _ => {}
+            }
+            cells.join(",")
+        })
+        .collect();
+    // One more run of experiment 1, in a row of its own.
+    rig.write("sheet-1.csv", &format!("{}\n,,1,,,21.5,,,,\n", rows.join("\n")));
+    let text = rig.infuse(&["tell", "sheet-1.csv"]).ok();
+    assert!(text.contains("Taken: 11 results.") && text.contains("1 experiment gave no result"), "{text}");
+    let journal = rig.journal();
+    let line = |id: u64| journal.iter().find(|line| line["event"] == "told" && line["id"] == id).unwrap();
+    assert_eq!(line(3)["failed"], "lamp broke");
+    assert_eq!(line(5)["note"], "washer missing");
+    assert!(line(5)["actual"]["spring"].is_number());
+    assert_eq!(journal.iter().filter(|line| line["again"] == true).count(), 1);
+    // Three runs at the settings of experiment 1 and its planned repeat, two at those of another.
+    let noise = rig.status()["noise"]["degrees_of_freedom"].clone();
+    assert!(noise == 3 || noise == 2, "{noise}: the repeat of a failed or moved run is none");
+    let again = rig.infuse(&["tell", "sheet-1.csv"]).ok();
+    assert!(again.contains("Taken: 0 results, 11 had been told before."), "{again}");
+}
+
+#[test]
+fn earlier_experiments_are_imported_with_where_they_come_from() {
+    let rig = Rig::new();
+    rig.write("old.csv", "damper gain [N s/mm];spring [N/mm];vibration [mm/s];source\n1.9;22;7.1;run A\n1.3;18;8.4;\n");
+    let text = rig.infuse(&["import", "old.csv", "--source", "notebook 3"]).ok();
+    assert!(text.contains("Imported: 2 experiments. From batch 1 on"), "{text}");
+    let sources: Vec<Value> = rig.journal().iter().filter_map(|line| line.get("source").cloned()).collect();
+    assert_eq!(sources, ["notebook 3: run A", "notebook 3"]);
+    let error = rig.infuse(&["import", "old.csv", "--source", "notebook 3"]).error();
+    assert!(error.contains("is in the journal already"), "{error}");
+    rig.batch();
+    assert_eq!(rig.status()["imported"], 2);
+}
+
+#[test]
+fn a_response_to_maximize_is_maximized() {
+    let rig = Rig::new();
+    rig.edit("goal = \"minimize\"\nlower = 0", "goal = \"maximize\"");
+    let table = rig.read("simulation.csv");
+    let negated = table.lines().enumerate().map(|(index, row)| match (index, row.rsplit_once(',')) {
+        (1.., Some((settings, value))) => format!("{settings},-{value}\n"),
+        _ => format!("{row}\n"),
+    });
+    rig.write("simulation.csv", &negated.collect::<String>());
+    let reference = Rig::new();
+    for _ in 0..2 {
+        rig.infuse(&["ask"]).ok();
+        let batch = if rig.path("sheet-2.csv").exists() { 2 } else { 1 };
+        let sheet = format!("sheet-{batch}.csv");
+        rig.fill(&sheet, |_| true);
+        let text = rig.read(&sheet);
+        let rows = text.lines().enumerate().map(|(index, row)| {
+            let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+            if index > 0 {
+                cells[5] = format!("-{}", cells[5]);
+            }
+            cells.join(",") + "\n"
+        });
+        rig.write(&sheet, &rows.collect::<String>());
+        rig.infuse(&["tell", &sheet]).ok();
+        reference.batch();
+    }
+    let (negated, status) = (rig.status(), reference.status());
+    assert_eq!(negated["best"], status["best"]);
+    assert_eq!(negated["left"], status["left"]);
+    assert_eq!(negated["predicted"].as_f64(), status["predicted"].as_f64().map(|value| -value));
+    assert_eq!(negated["response"]["better"], "higher");
+}
+
+#[test]
+fn one_experiment_is_told_without_a_sheet_and_put_right() {
+    let rig = Rig::new();
+    rig.infuse(&["ask"]).ok();
+    rig.infuse(&["tell", "--id", "3", "--value", "12.5", "--note", "by hand"]).ok();
+    let error = rig.infuse(&["tell", "--id", "3", "--value", "12.6"]).error();
+    assert!(
+        error.contains("what was told before, 12.5 mm/s; to put it right, tell it again with --correct"),
+        "{error}"
+    );
+    rig.infuse(&["tell", "--id", "3", "--value", "12.6", "--correct"]).ok();
+    rig.infuse(&["tell", "--id", "4", "--failed", "no power"]).ok();
+    assert_eq!(told(&rig.journal()).get(&3), Some(&12.6));
+    rig.fill("sheet-1.csv", |id| id > 4 || id < 3);
+    rig.infuse(&["tell", "sheet-1.csv"]).ok();
+    // Complete, and still to be put right until the next batch rests on it.
+    rig.infuse(&["tell", "--id", "3", "--value", "12.7", "--correct"]).ok();
+    rig.infuse(&["ask"]).ok();
+    let error = rig.infuse(&["tell", "--id", "3", "--value", "12.8", "--correct"]).error();
+    assert!(error.contains("one of batch 2: later batches rest on what was told about the others"), "{error}");
+    let error = rig.infuse(&["tell", "--id", "99", "--value", "1"]).error();
+    assert!(error.contains("experiment 99 was never asked for, expected an id from 1 to 20"), "{error}");
+}
+
+#[test]
+fn why_a_design_was_dropped_can_be_asked() {
+    let rig = Rig::new();
+    while rig.batch() {}
+    let text = rig.infuse(&["status", "--why", "spring=34,damper gain=2.9"]).ok();
+    assert!(text.contains("spring 34 N/mm, damper gain 2.9 N s/mm was dropped by batch 1"), "{text}");
+    let best = rig.status()["best"].clone();
+    let text = rig
+        .infuse(&["status", "--why", &format!("spring={},damper gain={}", best["spring"], best["damper gain"])])
+        .ok();
+    assert!(text.contains("is still in the running"), "{text}");
+    for (why, words) in [
+        ("spring=34", "no value of `damper gain`"),
+        ("springs=34", "no parameter is called `springs`, expected one of `spring`, `damper gain`"),
+        ("spring=34,damper gain=nan", "expected a finite number"),
+        ("spring=340,damper gain=1", "340"),
+    ] {
+        let error = rig.infuse(&["status", "--why", why]).error();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn a_problem_that_was_changed_after_the_beginning_is_told_where() {
+    let rig = Rig::new();
+    rig.batch();
+    rig.edit("upper = 34", "upper = 36");
+    let error = rig.infuse(&["status"]).error();
+    assert!(error.contains("`parameter[1].upper` was 34.0 and is 36.0"), "{error}");
+    rig.edit("upper = 36", "upper = 34");
+    // What does not touch what was learned may change.
+    rig.edit("batches = 6", "batches = 1");
+    assert!(rig.infuse(&["ask"]).ok().contains("all 1 batch of [loop] were made") || rig.status()["stage"] == "ended");
+    rig.edit("batches = 1", "batches = 3");
+    assert!(rig.infuse(&["ask", "--anyway"]).ok().contains("Batch 2"));
+}

@@ -1,0 +1,119 @@
+//! A thousand kills.
+
+use std::collections::BTreeMap;
+use std::process::Stdio;
+use std::time::Duration;
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_pcg::Pcg64;
+
+use crate::rig::{Rig, measured, told, truth};
+
+const KILLS: usize = 1000;
+
+/// The template with a simulator and an experiment that are commands, and this seed.
+fn rig(seed: u64) -> Rig {
+    let rig = Rig::new();
+    let simulator = format!("command = [\"sh\", \"-c\", \"{}\"]\njobs = 2", crate::campaigns::SHELL_SIMULATION);
+    rig.edit("table = \"simulation.csv\"", &simulator);
+    rig.edit("seed = 1", &format!("seed = {seed}"));
+    rig
+}
+
+/// The three ways of writing to a campaign, killed again and again at any moment: what a call has confirmed is never
+/// lost, what the next calls say is what an undisturbed campaign says.
+#[test]
+fn a_thousand_kills_lose_nothing_that_was_confirmed() {
+    let mut random = Pcg64::seed_from_u64(7);
+    let (mut n_kills, mut n_calls, mut n_campaigns) = (0, 0, 0);
+    // The killed calls are those that were still running; how long a call runs is found on the way.
+    let mut patience = Duration::from_millis(60);
+    while n_kills < KILLS {
+        n_campaigns += 1;
+        let rig = rig(n_campaigns);
+        let mut confirmed: BTreeMap<u64, f64> = BTreeMap::new();
+        let mut n_here = 0;
+        while n_kills < KILLS && n_here < 4000 {
+            n_here += 1;
+            let sheet = (1..=2).rev().map(|batch| format!("sheet-{batch}.csv")).find(|name| rig.path(name).exists());
+            let tells = sheet.filter(|_| random.random::<f64>() < 0.6);
+            let arguments: Vec<&str> = match &tells {
+                Some(sheet) => {
+                    // A few more rows each time, as a person would.
+                    rig.fill(sheet, |id| (id * 7 + n_here).is_multiple_of(5) || confirmed.contains_key(&id));
+                    vec!["tell", sheet]
+                }
+                None => vec!["ask", "--anyway"],
+            };
+            let mut child = rig.command(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+            n_calls += 1;
+            std::thread::sleep(patience.mul_f64(random.random::<f64>()));
+            let ended = child.try_wait().unwrap();
+            if ended.is_none() {
+                child.kill().unwrap();
+                n_kills += 1;
+            }
+            let output = child.wait_with_output().unwrap();
+            if let Some(status) = ended {
+                assert!(status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+                patience = patience.mul_f64(0.98).max(Duration::from_millis(2));
+                if tells.is_some() {
+                    confirmed = told(&rig.journal());
+                }
+            } else {
+                patience = patience.mul_f64(1.02).min(Duration::from_millis(400));
+            }
+            let journal = told(&rig.journal());
+            for (id, value) in &confirmed {
+                assert_eq!(journal.get(id), Some(value), "experiment {id} was confirmed");
+            }
+            if rig.journal().iter().any(|line| line["event"] == "opened" && line["batch"] == 3) {
+                break;
+            }
+        }
+        finish_and_compare(&rig, n_campaigns);
+    }
+    assert!(n_calls > KILLS, "some calls came to their end");
+}
+
+/// Brings two batches to their end and compares with a campaign that nobody disturbed.
+fn finish_and_compare(rig: &Rig, seed: u64) {
+    let reference = self::rig(seed);
+    for rig in [rig, &reference] {
+        for sheet in ["sheet-1.csv", "sheet-2.csv"] {
+            rig.infuse(&["ask", "--anyway"]).ok();
+            rig.fill(sheet, |_| true);
+            rig.infuse(&["tell", sheet]).ok();
+        }
+        rig.infuse(&["ask", "--anyway"]).ok();
+    }
+    assert_eq!(rig.status(), reference.status());
+    assert_eq!(rig.read("sheet-3.csv"), reference.read("sheet-3.csv"));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_from_the_keyboard_stops_simulations_and_remembers_those_that_were_done() {
+    let rig = Rig::new();
+    let script = "echo $$ >> started; if [ -e quick ] || [ $(wc -l < started) -lt 3 ]; then echo {spring} {damper gain} | cut -d' ' -f1; else sleep 100; fi";
+    rig.edit("table = \"simulation.csv\"", &format!("command = [\"sh\", \"-c\", '''{script}''']\njobs = 1"));
+    let mut asking = rig.command(&["ask"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    while rig.journal().iter().filter(|line| line["event"] == "simulated").count() < 2 {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::process::Command::new("kill").args(["-INT", &asking.id().to_string()]).status().unwrap();
+    let status = asking.wait().unwrap();
+    assert_eq!(status.code(), Some(130));
+    let said = std::io::read_to_string(asking.stderr.take().unwrap()).unwrap();
+    assert!(said.contains("interrupted: 2 of 20 simulations are remembered, ask again to go on"), "{said}");
+    rig.write("quick", "");
+    assert!(rig.infuse(&["ask"]).ok().contains("18 simulations were made for it."));
+    // The one that slept was stopped with what it had started.
+    let pid = rig.read("started").lines().nth(2).unwrap().to_owned();
+    assert!(!std::path::Path::new("/proc").join(&pid).exists(), "process {pid} still runs");
+}
+
+#[test]
+fn the_rig_of_these_tests_is_what_it_says() {
+    assert_eq!(measured(1, 22.0, 1.9), format!("{:.3}", truth(22.0, 1.9) + 0.2 * 12.9898_f64.sin()));
+}

@@ -1,0 +1,160 @@
+//! Journals that were cut short, edited, or written by two at once.
+
+use std::process::Stdio;
+
+use crate::rig::{Rig, told};
+
+fn two_batches() -> Rig {
+    let rig = Rig::new();
+    rig.batch();
+    rig.infuse(&["ask"]).ok();
+    rig.fill("sheet-2.csv", |_| true);
+    rig.infuse(&["tell", "sheet-2.csv"]).ok();
+    rig
+}
+
+#[test]
+fn a_journal_cut_anywhere_is_gone_on_with() {
+    let rig = two_batches();
+    let whole = rig.read("journal.jsonl");
+    let expected = rig.status();
+    for step in 0..60 {
+        // Irregular places, the very first and the very last bytes among them.
+        let end = if step == 0 {
+            1
+        } else {
+            whole.len() * (step * step + 37 * step) / (59 * 59 + 37 * 59) - usize::from(step == 59)
+        };
+        rig.write("journal.jsonl", &whole[..end]);
+        let read_only = rig.infuse(&["status"]);
+        assert!(read_only.is_success, "{end}: {}", read_only.stderr);
+        assert_eq!(rig.read("journal.jsonl").len(), end, "reading changes nothing");
+        // Telling both sheets again brings back what was cut off.
+        rig.infuse(&["ask"]).ok();
+        rig.infuse(&["tell", "sheet-1.csv"]).ok();
+        rig.infuse(&["ask"]).ok();
+        rig.infuse(&["tell", "sheet-2.csv"]).ok();
+        assert_eq!(rig.status(), expected, "{end}");
+    }
+}
+
+#[test]
+fn what_an_interrupted_call_has_left_is_set_aside_and_said() {
+    let rig = two_batches();
+    let whole = rig.read("journal.jsonl");
+    let n_told = told(&rig.journal()).len();
+    // Two of three lines told at once, and half of the third.
+    let line = |row: usize| {
+        format!("{{\"event\":\"told\",\"row\":{row},\"rows\":3,\"id\":1,\"value\":1.0,\"from\":\"x\",\"at\":\"\"}}\n")
+    };
+    rig.write("journal.jsonl", &format!("{whole}{}{}{}", line(1), line(2), &line(3)[..20]));
+    let said = rig.infuse(&["ask"]);
+    assert!(said.stderr.contains("were moved to journal.torn, nothing else is lost"), "{}", said.stderr);
+    said.ok();
+    assert!(rig.read("journal.torn").starts_with("{\"event\":\"told\",\"row\":1,\"rows\":3"));
+    assert_eq!(told(&rig.journal()).len(), n_told);
+    assert!(rig.infuse(&["ask"]).stderr.is_empty(), "said once");
+}
+
+#[test]
+fn lines_that_were_edited_are_named_by_their_number() {
+    let rig = two_batches();
+    // Beginning the third batch writes down what the second taught.
+    rig.infuse(&["ask", "--anyway"]).ok();
+    let whole = rig.read("journal.jsonl");
+    let lines: Vec<&str> = whole.lines().collect();
+    let position =
+        |event: &str| lines.iter().position(|line| line.contains(&format!("\"event\":\"{event}\""))).unwrap();
+    let with = |index: usize, line: &str| {
+        let mut lines = lines.clone();
+        lines[index] = line;
+        rig.write("journal.jsonl", &(lines.join("\n") + "\n"));
+        rig.infuse(&["status"]).error()
+    };
+    let at = position("told");
+    let error = with(at, "{\"event\":\"told\",");
+    assert!(error.contains(&format!("journal.jsonl, line {}:", at + 1)), "{error}");
+    let error = with(at, &lines[at].replace("\"id\"", "\"ident\""));
+    assert!(error.contains(&format!("line {}: ", at + 1)) && error.contains("id"), "{error}");
+    // A value that was changed contradicts what was learned from it.
+    let learned = position("learned");
+    let changed: serde_json::Value = serde_json::from_str(lines[at]).unwrap();
+    let value = changed["value"].as_f64().unwrap();
+    let error = with(at, &lines[at].replace(&format!("\"value\":{value:?}"), &format!("\"value\":{:?}", value + 3.0)));
+    assert!(error.contains(&format!("line {}", learned + 1)) && error.contains("one of them was changed"), "{error}");
+    let error = with(learned, &lines[learned].replace("\"batch\":1", "\"batch\":2"));
+    assert!(error.contains("batch 2 is not complete"), "{error}");
+    // A line that was taken away.
+    rig.write("journal.jsonl", &(lines[1..].join("\n") + "\n"));
+    let error = rig.infuse(&["status"]).error();
+    assert!(error.contains("line 1") && error.contains("expected the event `campaign` on the first line"), "{error}");
+    // An editor's own ways: a byte order mark, other line breaks, an empty line, none at the end.
+    rig.write("journal.jsonl", &format!("\u{feff}{}\r\n\r\n{}", lines[0], lines[1..].join("\r\n")));
+    rig.infuse(&["status"]).ok();
+    assert!(rig.infuse(&["ask", "--anyway"]).ok().contains("Batch 3"));
+}
+
+#[test]
+fn two_at_once_wait_for_each_other_and_lose_nothing() {
+    let rig = Rig::new();
+    rig.infuse(&["ask"]).ok();
+    rig.fill("sheet-1.csv", |_| true);
+    let sheet = rig.read("sheet-1.csv");
+    let (headings, rows) = sheet.split_once('\n').unwrap();
+    let children = rows.lines().enumerate().map(|(index, row)| {
+        let name = format!("row-{index}.csv");
+        rig.write(&name, &format!("{headings}\n{row}\n"));
+        let mut command = rig.command(&["tell", &name, "--wait", "60"]);
+        command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    });
+    let children: Vec<_> = children.collect();
+    for mut child in children {
+        assert!(child.wait().unwrap().success());
+    }
+    assert_eq!(told(&rig.journal()).len(), 10);
+    let reference = Rig::new();
+    reference.batch();
+    assert_eq!(rig.status(), reference.status());
+}
+
+#[test]
+fn one_that_does_not_wait_says_who_is_at_work() {
+    let rig = Rig::new();
+    rig.edit(
+        "table = \"simulation.csv\"",
+        "command = [\"sh\", \"-c\", \"sleep 3; echo {spring} {damper gain} | cut -d' ' -f1\"]\njobs = 20",
+    );
+    let mut asking = rig.command(&["ask"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let is_simulating = || rig.journal().iter().any(|line| line["event"] == "planned");
+    while !is_simulating() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let error = rig.infuse(&["ask", "--wait", "0"]).error();
+    assert!(error.contains(&format!("process {}: another `infuse` is at work in", asking.id())), "{error}");
+    rig.infuse(&["status"]).ok();
+    assert!(asking.wait().unwrap().success());
+    assert!(rig.infuse(&["ask", "--wait", "x"]).error().contains("--wait"));
+}
+
+/// A limit on the size of files stands for a full disk: a write fails when it is half done.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_takes_nothing_and_loses_nothing() {
+    let rig = Rig::new();
+    rig.infuse(&["ask"]).ok();
+    rig.fill("sheet-1.csv", |_| true);
+    let before = rig.read("journal.jsonl");
+    // In blocks of 512 bytes: the next block boundary is within what is to be written.
+    let blocks = before.len() / 512 + 1;
+    let limited = |arguments: &str| {
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" {arguments}");
+        let mut command = std::process::Command::new("sh");
+        command.args(["-c", &script, env!("CARGO_BIN_EXE_infuse")]).current_dir(rig.folder());
+        crate::rig::Said::from(command.output().unwrap())
+    };
+    let error = limited("tell sheet-1.csv").error();
+    assert!(error.contains("journal.jsonl") && error.contains("nothing was written down"), "{error}");
+    assert_eq!(rig.read("journal.jsonl"), before);
+    rig.infuse(&["tell", "sheet-1.csv"]).ok();
+    assert_eq!(told(&rig.journal()).len(), 10);
+}

@@ -1,0 +1,65 @@
+//! Problems with slips: the field, the value, and what is allowed.
+
+use crate::rig::Rig;
+
+#[track_caller]
+fn assert_refused(from: &str, to: &str, words: &[&str]) {
+    let rig = Rig::new();
+    rig.edit(from, to);
+    let error = rig.infuse(&["ask"]).error();
+    for word in words {
+        assert!(error.contains(word), "`{word}` is not in {error}");
+    }
+    assert!(!rig.path("journal.jsonl").exists(), "nothing has begun");
+}
+
+#[test]
+fn slips_in_the_problem_are_told() {
+    assert_refused("seed = 1", "sead = 1", &["campaign.toml", "sead", "line 6"]);
+    assert_refused("lower = 10", "lower = 10,5", &["a decimal comma? write 20.5 and not 20,5"]);
+    assert_refused("lower = 10", "lower = nan", &["`spring`", "NaN"]);
+    assert_refused("lower = 10", "lower = 40", &["spring", "40"]);
+    assert_refused("step = 2\n", "", &["`spring` needs `levels`"]);
+    assert_refused("step = 2\n", "step = 5\n", &["`spring`", "expected an upper bound of 30 or 35"]);
+    assert_refused("name = \"spring\"", "name = \"damper gain\"", &["damper gain"]);
+    assert_refused("name = \"spring\"", "name = \"id\"", &["`id` is a heading of sheets"]);
+    assert_refused("role = \"plant\"", "role = \"plan\"", &["plan", "`plant` or `controller`"]);
+    assert_refused("goal = \"minimize\"", "goal = \"less\"", &["less", "minimize"]);
+    assert_refused("lower = 0\n", "lower = 3\nupper = 2\n", &["`lower` is 3.0, expected less than `upper`"]);
+    assert_refused("model = \"quadratic\"", "model = \"cubic\"", &["`model` is \"cubic\""]);
+    assert_refused("experiments = 10", "experiments = 5", &["`experiments` is 5"]);
+    assert_refused("replicates = 2", "replicates = 6", &["`replicates` is 6"]);
+    assert_refused("simulations = 20", "simulations = 2", &["`simulations` is 2"]);
+    assert_refused("batches = 6", "batches = 0", &["`batches` is 0"]);
+    assert_refused("worth = 0.2", "worth = -1", &["`worth` is -1"]);
+    assert_refused("table = \"simulation.csv\"", "", &["[simulator]", "needs `command`"]);
+    let command = "command = [\"sim\", \"{spring}\", \"{dumper}\"]";
+    assert_refused("table = \"simulation.csv\"", command, &["has {spring}, {dumper}, but no {damper gain}"]);
+    let command = "command = [\"sim\", \"{spring}\"]";
+    assert_refused("table = \"simulation.csv\"", command, &["but no {damper gain}", "`input` = \"json\""]);
+    let command = "command = [\"sim\", \"{spring}\", \"{damper gain}\"]\ntimeout_seconds = 0";
+    assert_refused("table = \"simulation.csv\"", command, &["`timeout_seconds` is 0"]);
+}
+
+#[test]
+fn a_folder_without_a_campaign_says_how_to_make_one() {
+    let rig = Rig::empty();
+    let error = rig.infuse(&["ask"]).error();
+    assert!(error.contains("campaign.toml: no such file") && error.contains("infuse new"), "{error}");
+    rig.infuse(&["new", "."]).ok();
+    let error = rig.infuse(&["new", "."]).error();
+    assert!(error.contains("is there already, and was left alone"), "{error}");
+}
+
+#[test]
+fn a_table_that_does_not_fit_is_told_by_its_cells() {
+    let rig = Rig::new();
+    let table = rig.read("simulation.csv").replace("\n12,0.5,", "\n12.5,0.5,").replace("\n14,0.5,", "\n14,x,");
+    rig.write("simulation.csv", &table);
+    let error = rig.infuse(&["ask"]).error();
+    assert!(
+        error.contains("column `spring [N/mm]`: is `12.5`, expected a level of the parameter, the nearest is 12 N/mm"),
+        "{error}"
+    );
+    assert!(error.contains("column `damper gain [N s/mm]`: is `x`"), "{error}");
+}
