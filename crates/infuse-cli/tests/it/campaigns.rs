@@ -185,7 +185,7 @@ fn one_experiment_is_told_without_a_sheet_and_put_right() {
     rig.infuse(&["tell", "--id", "3", "--value", "12.6", "--correct"]).ok();
     rig.infuse(&["tell", "--id", "4", "--failed", "no power"]).ok();
     assert_eq!(told(&rig.journal()).get(&3), Some(&12.6));
-    rig.fill("sheet-1.csv", |id| id > 4 || id < 3);
+    rig.fill("sheet-1.csv", |id| !(3..=4).contains(&id));
     rig.infuse(&["tell", "sheet-1.csv"]).ok();
     // Complete, and still to be put right until the next batch rests on it.
     rig.infuse(&["tell", "--id", "3", "--value", "12.7", "--correct"]).ok();
