@@ -29,12 +29,31 @@ fn weighted_mean_is_the_regression_on_a_constant() {
 }
 
 #[test]
+fn draws_have_the_variance_of_the_prediction() {
+    let coordinates = vec![-1.0, -0.6, -0.1, 0.4, 0.7, 1.0];
+    let data = Data::new(1, coordinates, vec![3.0, 1.2, 0.7, 1.1, 2.2, 2.9]).expect("valid data");
+    let data = data.with_weights(vec![1.0, 2.0, 0.5, 1.0, 3.0, 0.7]).expect("valid weights");
+    let fit = Regression::fit(&quadratic(1), &data).expect("enough data");
+    let drawn = |z: [f64; 3]| fit.drawn(&z).expect("three terms").expect("degrees of freedom");
+    for x in [-0.9, 0.0, 0.35, 1.0] {
+        let mean = fit.predict(&[x]);
+        check_close(drawn([0.0; 3]).predict(&[x]), mean, 1e-14, "without noise");
+        // The variance of a linear function of independent standard normals is the sum of its squared coefficients.
+        let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let variance: f64 = units.iter().map(|&z| (drawn(z).predict(&[x]) - mean).powi(2)).sum();
+        check_close(variance, fit.variance(&[x]).expect("degrees of freedom"), 1e-12, "variance");
+    }
+    assert!(fit.drawn(&[0.0; 2]).is_err(), "one number per term");
+}
+
+#[test]
 fn no_degrees_of_freedom_means_no_variance() {
     let data = Data::new(1, vec![-1.0, 0.0, 1.0], vec![3.0, 1.0, 2.0]).expect("valid data");
     let fit = Regression::fit(&quadratic(1), &data).expect("as many data as terms");
     assert_eq!(fit.degrees_of_freedom(), 0);
     assert_eq!((fit.sigma_squared(), fit.covariance(), fit.standard_errors()), (None, None, None));
     assert_eq!((fit.variance(&[0.0]), fit.adjusted_r_squared()), (None, None));
+    assert_eq!(fit.drawn(&[0.0; 3]).expect("three terms"), None);
     check_list(fit.coefficients(), &[1.0, -0.5, 1.5], 1e-14, "through the points");
 }
 
