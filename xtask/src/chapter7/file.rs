@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use crate::gridded::{ParameterEntry, Regressor, Space};
 use crate::reproduction::read_study;
-use crate::study::{MODEL, Study, Variable};
+use crate::study::{MODEL, NumericsEntry, Study, Variable};
 
 /// The file as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -127,13 +127,6 @@ impl Published {
     }
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NumericsEntry {
-    steps_per_sample: usize,
-    report_steps_per_sample: usize,
-}
-
 /// The studies ready to run.
 #[derive(Debug)]
 pub(crate) struct Setup {
@@ -227,7 +220,7 @@ impl Case {
         let space = Space::of(&file.parameter, &entry.parameters, entry.levels)?;
         let flown = Space::of(&file.parameter, &entry.parameters, entry.flown_levels).context("flown_levels")?;
         ensure!(entry.parameters.len() >= 2, "parameters: at least two are needed");
-        let steps = [file.numerics.steps_per_sample, file.numerics.report_steps_per_sample];
+        let steps = file.numerics.steps();
         let files = [file.rig.as_str(), &file.profile, &file.cost];
         let study = Study::read(directory, files, space.variables.clone(), steps)?;
         let center = space.region().center();
