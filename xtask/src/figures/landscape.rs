@@ -79,6 +79,7 @@ const BAR_LEFT_PX: f64 = RIGHT_PX + 30.0;
 const BAR_WIDTH_PX: f64 = 20.0;
 const BANDS: usize = 10;
 const PATH_FILLS: [&str; 3] = ["#56b4e9", "#e69f00", "#cc79a7"];
+const PATH_RADII_PX: [f64; 3] = [3.2, 5.8, 8.4];
 /// Points closer than this share a label.
 const NEAR_PX: f64 = 9.0;
 
@@ -105,11 +106,12 @@ pub(crate) fn landscape_figure(landscape: &Landscape) -> String {
     let levels = Levels::of(&landscape.z_axis, landscape.z.iter().flatten().copied());
     let mut room = room(landscape, &frame);
     let lines = draw_field(&mut canvas, landscape, &frame, &levels);
-    for (path, fill) in landscape.paths.iter().zip(PATH_FILLS).rev() {
-        draw_path(&mut canvas, &frame, path, fill);
-    }
+    // What is drawn later is smaller, so that of points on one spot all are seen.
     if let Some(minimum) = landscape.minimum {
         canvas.diamond(frame.px(minimum), color(4), PAPER);
+    }
+    for ((path, fill), radius) in landscape.paths.iter().zip(PATH_FILLS).zip(PATH_RADII_PX).rev() {
+        draw_path(&mut canvas, &frame, path, fill, radius);
     }
     for (path, fill) in landscape.paths.iter().zip(PATH_FILLS) {
         label_path(&mut canvas, &frame, path, fill, &mut room);
@@ -367,12 +369,12 @@ fn keep_paths_free(room: &mut Room, landscape: &Landscape, frame: &Frame) {
     }
 }
 
-fn draw_path(canvas: &mut Canvas, frame: &Frame, path: &Path, fill: &str) {
+fn draw_path(canvas: &mut Canvas, frame: &Frame, path: &Path, fill: &str, radius: f64) {
     let points: Vec<(f64, f64)> = path.points.iter().map(|point| frame.px(*point)).collect();
     canvas.line(&points, "#000000", 3.4);
     canvas.line(&points, fill, 1.8);
     for point in points {
-        canvas.dot(point, 4.0, fill, "#000000");
+        canvas.dot(point, radius, fill, "#000000");
     }
 }
 
