@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result, ensure};
 use infuse::{CorrectionLaw, CorrectionRule, Gain, GlobalSettings};
 use serde::Deserialize;
+use water_channel::{CostFile, Record};
 
 use crate::gridded::{ParameterEntry, Regressor, Space};
 use crate::reproduction::read_study;
@@ -18,6 +19,8 @@ pub(crate) struct StudyFile {
     rig: String,
     profile: String,
     cost: String,
+    /// The other weights, to be shown beside these.
+    cost_of_chapter4: String,
     parameter: Vec<ParameterEntry>,
     case: Vec<CaseEntry>,
     #[serde(rename = "loop")]
@@ -132,6 +135,8 @@ impl Published {
 pub(crate) struct Setup {
     pub(crate) file: StudyFile,
     pub(crate) cases: Vec<Case>,
+    /// The weights of the cost as written: of this study, and of Chapter 4.
+    pub(crate) weights: [Vec<Record>; 2],
 }
 
 /// One study with the flights over its space.
@@ -159,6 +164,12 @@ impl Case {
     /// Whether the grid of the loop is the one that is flown in whole.
     pub(crate) fn is_flown_whole(&self) -> bool {
         self.entry.levels == self.entry.flown_levels
+    }
+
+    /// Whether where the loop begins and where it should end were both fitted to published rows.
+    pub(crate) fn ends_are_fitted(&self) -> bool {
+        let ends = [self.published.first(), self.published.last()];
+        ends.iter().all(|row| row.is_some_and(|row| row.standing != Standing::Predicted))
     }
 }
 
@@ -190,7 +201,9 @@ impl Setup {
             .iter()
             .map(|entry| Case::of(&file, entry, directory).with_context(|| format!("case `{}`", entry.label)));
         let cases = cases.collect::<Result<Vec<_>>>()?;
-        let setup = Self { file, cases };
+        let weights = |name: &str| -> Result<_> { Ok(CostFile::read(directory.join(name))?.records) };
+        let weights = [weights(&file.cost)?, weights(&file.cost_of_chapter4)?];
+        let setup = Self { file, cases, weights };
         for case in &setup.cases {
             for variant in &setup.file.variant {
                 let place = || format!("{}, {}", case.entry.label, variant.label);
