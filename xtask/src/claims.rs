@@ -1,9 +1,7 @@
 //! What the dissertation claims, and what of it a run finds again.
 
 use std::fmt;
-use std::path::Path;
 
-use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
 
 use crate::table::{Column, Table};
@@ -40,6 +38,8 @@ pub(crate) enum Verdict {
     InPart,
     /// It does not come out.
     NotReproduced,
+    /// It comes out, but both ends of it were fitted: that the loop goes from one towards the other is all that it shows.
+    PartlyCalibrated,
     /// It was fitted, so that it counts for nothing.
     Calibrated,
     /// It says what is put in, not what comes out.
@@ -60,6 +60,14 @@ impl Verdict {
             _ => Self::InKind,
         }
     }
+
+    /// The same of something whose two ends were fitted: it can fail, but it cannot count as reproduced.
+    pub(crate) fn between_fitted_ends(self) -> Self {
+        match self {
+            Self::Reproduced | Self::InKind | Self::InPart => Self::PartlyCalibrated,
+            other => other,
+        }
+    }
 }
 
 impl fmt::Display for Verdict {
@@ -69,6 +77,7 @@ impl fmt::Display for Verdict {
             Self::InKind => "reproduced in kind",
             Self::InPart => "reproduced in part",
             Self::NotReproduced => "not reproduced",
+            Self::PartlyCalibrated => "partly calibrated",
             Self::Calibrated => "calibrated",
             Self::TakenOver => "taken over",
         })
@@ -97,21 +106,6 @@ impl Claim {
     }
 }
 
-const FILE: &str = "claims.json";
-
-/// Writes what a study found beside its page.
-pub(crate) fn save(out: &Path, claims: &[Claim]) -> Result<()> {
-    let path = out.join(FILE);
-    std::fs::write(&path, serde_json::to_string_pretty(claims)?).with_context(|| path.display().to_string())
-}
-
-/// Reads what the latest run of a study found.
-pub(crate) fn read(out: &Path) -> Result<Vec<Claim>> {
-    let path = out.join(FILE);
-    let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    serde_json::from_str(&text).with_context(|| path.display().to_string())
-}
-
 /// Claims for the page of their study.
 pub(crate) fn table<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Table {
     let mut table = Table::new(vec![
@@ -126,13 +120,18 @@ pub(crate) fn table<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Table {
     table
 }
 
+/// How a page divides its width among the columns of [`table`], in per cent.
+pub(crate) const WIDTHS_PCT: [u32; 4] = [11, 21, 11, 57];
+/// The same with the command.
+pub(crate) const WIDTHS_WITH_COMMANDS_PCT: [u32; 5] = [11, 20, 11, 45, 13];
+
 /// Claims of several studies, each with the command that gives it.
 pub(crate) fn table_with_commands<'a>(claims: impl IntoIterator<Item = (&'a Claim, &'a str)>) -> Table {
     let (claims, commands): (Vec<_>, Vec<_>) = claims.into_iter().unzip();
     let mut table = table(claims);
     table.columns.push(Column::new("Command", ""));
     for (row, command) in table.rows.iter_mut().zip(commands) {
-        row.push(format!("`cargo xtask {command}`"));
+        row.push(format!("`{command}`"));
     }
     table
 }
@@ -151,16 +150,9 @@ mod tests {
     }
 
     #[test]
-    fn claims_come_back_from_their_file() {
-        let out = std::env::temp_dir().join(format!("xtask-{}-claims", std::process::id()));
-        std::fs::create_dir_all(&out).expect("a writable directory");
-        let claims = vec![
-            Claim::new(Place::Table(3), "The cost falls", Verdict::in_kind_if(true), "15 %".into()).shown_in(&["a"]),
-            Claim::new(Place::Contribution(1), "A loop", Verdict::in_kind_if(false), "none".into()),
-        ];
-        save(&out, &claims).expect("written");
-        let read = read(&out);
-        std::fs::remove_dir_all(&out).expect("just written");
-        assert_eq!(read.expect("just written"), claims);
+    fn what_was_fitted_never_counts_as_reproduced() {
+        use Verdict::{Calibrated, InKind, InPart, NotReproduced, PartlyCalibrated, Reproduced};
+        let verdicts = [Reproduced, InKind, InPart, NotReproduced, Calibrated].map(Verdict::between_fitted_ends);
+        assert_eq!(verdicts, [PartlyCalibrated, PartlyCalibrated, PartlyCalibrated, NotReproduced, Calibrated]);
     }
 }

@@ -10,50 +10,82 @@ pub(crate) struct Page {
     title: String,
     body: String,
     figures: usize,
-    tables: usize,
+}
+
+/// A way to another page.
+#[derive(Clone, Debug)]
+pub(crate) struct Link {
+    /// Relative to this page, so that the folder may be moved; none where there is nothing yet.
+    pub(crate) to: Option<String>,
+    pub(crate) text: String,
+    /// What follows the link.
+    pub(crate) about: String,
 }
 
 impl Page {
     pub(crate) fn new(title: &str) -> Self {
-        let body = format!("<h1>{}</h1>\n", escape(title));
-        Self { title: title.to_owned(), body, figures: 0, tables: 0 }
+        let body = format!("<h1>{}</h1>\n", marked_up(title));
+        Self { title: title.to_owned(), body, figures: 0 }
     }
 
     pub(crate) fn heading(&mut self, text: &str) {
-        self.push(&format!("<h2>{}</h2>\n", escape(text)));
+        self.push(&format!("<h2>{}</h2>\n", marked_up(text)));
     }
 
     pub(crate) fn paragraph(&mut self, text: &str) {
-        self.push(&format!("<p>{}</p>\n", escape(text)));
+        self.push(&format!("<p>{}</p>\n", marked_up(text)));
     }
 
     /// A paragraph set off from the others: what a reader should know before the rest.
     pub(crate) fn note(&mut self, text: &str) {
-        self.push(&format!("<p class=\"note\">{}</p>\n", escape(text)));
+        self.push(&format!("<p class=\"note\">{}</p>\n", marked_up(text)));
     }
 
     pub(crate) fn list(&mut self, items: &[String]) {
-        let items: String = items.iter().map(|item| format!("<li>{}</li>\n", escape(item))).collect();
+        let items: String = items.iter().map(|item| format!("<li>{}</li>\n", marked_up(item))).collect();
         self.push(&format!("<ul>\n{items}</ul>\n"));
     }
 
-    /// A figure in SVG with its caption; it gets the next number.
+    /// A list of other pages.
+    pub(crate) fn links(&mut self, links: &[Link]) {
+        let item = |link: &Link| {
+            let text = marked_up(&link.text);
+            let linked = link.to.as_ref().map(|to| format!("<a href=\"{}\">{text}</a>", escape(to)));
+            format!("<li>{}{}</li>\n", linked.unwrap_or(text), marked_up(&link.about))
+        };
+        let items: String = links.iter().map(item).collect();
+        self.push(&format!("<ul>\n{items}</ul>\n"));
+    }
+
+    /// A figure in SVG with its caption. It has no number of its own: captions name figures of the dissertation, and two
+    /// numbers would be one too many.
     pub(crate) fn figure(&mut self, svg: &str, caption: &str) {
         self.figures += 1;
-        let (number, caption) = (self.figures, escape(caption));
-        let svg = with_own_ids(svg, number);
+        let (spoken, caption) = (escape(&caption.replace('`', "")), marked_up(caption));
+        let svg = with_own_ids(svg, self.figures);
         self.push(&format!(
-            "<figure role=\"img\" aria-label=\"{caption}\">\n{svg}\n<figcaption><b>Figure {number}.</b> {caption}</figcaption>\n</figure>\n"
+            "<figure role=\"img\" aria-label=\"{spoken}\">\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n"
         ));
     }
 
-    /// A table with its caption; it gets the next number. Columns without a unit are words, the others numbers.
+    /// A table with its caption, without a number for the same reason. Columns without a unit are words, the others
+    /// numbers.
     pub(crate) fn table(&mut self, table: &Table, caption: &str) {
-        self.tables += 1;
+        self.table_as(table, caption, None);
+    }
+
+    /// A table of sentences as wide as the page, each column with its part of the width in per cent; every cell wraps.
+    pub(crate) fn prose_table(&mut self, table: &Table, caption: &str, widths_pct: &[u32]) {
+        self.table_as(table, caption, Some(widths_pct));
+    }
+
+    fn table_as(&mut self, table: &Table, caption: &str, widths_pct: Option<&[u32]>) {
+        let class = if widths_pct.is_some() { " class=\"prose\"" } else { "" };
+        let columns: String =
+            widths_pct.into_iter().flatten().map(|width| format!("<col style=\"width:{width}%\">")).collect();
         let mut html = format!(
-            "<div class=\"scroll\"><table>\n<caption><b>Table {}.</b> {}</caption>\n<thead><tr>",
-            self.tables,
-            escape(caption)
+            "<div class=\"scroll\"><table{class}>\n<caption>{}</caption>\n{columns}<thead><tr>",
+            marked_up(caption)
         );
         let class = |unit: &str| if unit.is_empty() { "words" } else { "number" };
         for column in &table.columns {
@@ -68,7 +100,7 @@ impl Page {
             html.push_str("<tr>");
             for (cell, column) in row.iter().zip(&table.columns) {
                 let long = if cell.chars().count() > LONGEST_UNBROKEN { " long" } else { "" };
-                let _ = write!(html, "<td class=\"{}{long}\">{}</td>", class(&column.unit), escape(cell));
+                let _ = write!(html, "<td class=\"{}{long}\">{}</td>", class(&column.unit), marked_up(cell));
             }
             html.push_str("</tr>\n");
         }
@@ -113,7 +145,10 @@ th span { font-weight: normal; color: #555; }
 .number { text-align: right; font-variant-numeric: tabular-nums; }
 td { white-space: nowrap; vertical-align: top; }
 .words { text-align: left; }
-.long { white-space: normal; }
+.long, .prose td { white-space: normal; }
+.prose { table-layout: fixed; width: 100%; overflow-wrap: break-word; }
+code { font: 0.92em 'DejaVu Sans Mono', Menlo, Consolas, monospace; }
+a { color: #0072b2; }
 @media print { figure, table { break-inside: avoid; } }
 ";
 
@@ -131,6 +166,22 @@ fn escape(text: &str) -> String {
         }
     }
     escaped
+}
+
+/// A text as HTML shows it in an element; what stands between two backticks is code, and no line breaks before a per cent
+/// sign.
+fn marked_up(text: &str) -> String {
+    let text = text.replace(" %", "\u{a0}%");
+    let parts: Vec<&str> = text.split('`').collect();
+    let is_paired = parts.len() % 2 == 1;
+    if !is_paired {
+        return escape(&text);
+    }
+    let mark = |(number, part): (usize, &&str)| match number % 2 {
+        0 => escape(part),
+        _ => format!("<code>{}</code>", escape(part)),
+    };
+    parts.iter().enumerate().map(mark).collect()
 }
 
 /// The figure with ids that no other figure of the page has: a page has one space of names, and a clip path of the same
@@ -152,13 +203,34 @@ mod tests {
         page.paragraph(evil);
         page.note(evil);
         page.list(&[evil.to_owned()]);
+        page.links(&[Link { to: Some(evil.to_owned()), text: evil.to_owned(), about: evil.to_owned() }]);
         page.figure("<svg></svg>", evil);
         let mut table = Table::new(vec![Column::new(evil, evil)]);
         table.push(vec![evil.to_owned()]);
         page.table(&table, evil);
         let html = page.html();
         assert!(!html.contains(evil), "{html}");
-        assert_eq!(html.matches("&lt;b&gt;&amp;&quot;&#39;").count(), 12, "{html}");
+        assert_eq!(html.matches("&lt;b&gt;&amp;&quot;&#39;").count(), 15, "{html}");
+    }
+
+    #[test]
+    fn backticks_become_code_and_a_single_one_stays() {
+        assert_eq!(marked_up("run `a < b`, then `c`"), "run <code>a &lt; b</code>, then <code>c</code>");
+        assert_eq!(marked_up("a ` b"), "a ` b");
+        assert_eq!(marked_up("5 %"), "5\u{a0}%");
+        let mut page = Page::new("Backticks");
+        page.figure("<svg></svg>", "made by `it`");
+        assert!(page.html().contains("aria-label=\"made by it\""), "spoken words carry no marks: {}", page.html());
+    }
+
+    #[test]
+    fn table_of_sentences_has_the_widths_it_is_given() {
+        let mut table = Table::new(vec![Column::new("a", ""), Column::new("b", "")]);
+        table.push(vec!["short".to_owned(), "a sentence".to_owned()]);
+        let mut page = Page::new("Sentences");
+        page.prose_table(&table, "caption", &[20, 80]);
+        let html = page.html();
+        assert!(html.contains("<table class=\"prose\">") && html.contains("width:20%") && html.contains("width:80%"));
     }
 
     #[test]

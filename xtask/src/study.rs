@@ -6,6 +6,7 @@ use std::sync::Mutex;
 
 use anyhow::{Context as _, Result, bail};
 use bat_dynamics::Fidelity;
+use serde::Deserialize;
 use water_channel::{
     CostBreakdown, CostFile, CostWeights, Flight, FlightLog, FlightRequest, FlightSettings, ProfileFile, Record, Rig,
     RigFile, TestProfile, fly, fly_all, fly_logged,
@@ -53,6 +54,21 @@ impl Variable {
             Self::HorizontalArea => rig.plant.horizontal_stabilizer.area_factor = value,
             Self::VerticalArea => rig.plant.vertical_stabilizer.area_factor = value,
         }
+    }
+}
+
+/// The step sizes of a study file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct NumericsEntry {
+    steps_per_sample: usize,
+    report_steps_per_sample: usize,
+}
+
+impl NumericsEntry {
+    /// RK4 steps per sample: in searches and landscapes, and for reported designs.
+    pub(crate) fn steps(&self) -> [usize; 2] {
+        [self.steps_per_sample, self.report_steps_per_sample]
     }
 }
 

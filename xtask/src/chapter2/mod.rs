@@ -18,7 +18,7 @@ use file::Setup;
 use full_scale::FullScale;
 use models::{Case, Releases};
 
-use crate::claims;
+use crate::handover::Handover;
 use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use crate::table::{Column, write_columns_csv};
 
@@ -71,7 +71,7 @@ fn reproduce(root: &Path) -> Result<()> {
     bar.finish();
 
     reproduction::save_page(&out, &pictures, &report::page(&findings, &pictures)?, &report::markdown(&findings)?)?;
-    claims::save(&out, &report::claims(&findings)?)?;
+    Handover::new(report::claims(&findings)?, &pictures).save(&out)?;
     findings.full_scale.save(&setup, &out)?;
     tables::full_scale(&findings).write_csv(&out.join("full-scale.csv"))?;
     tables::laws(&findings)?.write_csv(&out.join("laws.csv"))?;

@@ -15,7 +15,7 @@ use water_channel::{FlightLog, fly_logged};
 use file::Setup;
 use panels::PanelFlights;
 
-use crate::claims;
+use crate::handover::Handover;
 use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use crate::study::{MODEL, STAND_IN};
 use crate::table::{Column, Table, write_columns_csv};
@@ -64,7 +64,7 @@ fn reproduce(root: &Path) -> Result<()> {
     bar.finish();
 
     reproduction::save_page(&out, &pictures, &report::page(&findings, &pictures), &report::markdown(&findings))?;
-    claims::save(&out, &report::claims(&findings))?;
+    Handover::new(report::claims(&findings), &pictures).save(&out)?;
     designs_csv(&findings, &out.join("designs.csv"))?;
     report::print(&findings, &CHAPTER.out());
     Ok(())

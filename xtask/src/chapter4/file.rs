@@ -8,7 +8,7 @@ use infuse::{BoundPolicy, CodesignProblem, CorrectionForm, LoopSettings, Role};
 use serde::Deserialize;
 
 use crate::reproduction::read_study;
-use crate::study::{Study, Variable};
+use crate::study::{NumericsEntry, Study, Variable};
 
 /// The file as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -74,13 +74,6 @@ pub(crate) struct NoiseEntry {
     pub(crate) first_seed: u64,
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NumericsEntry {
-    steps_per_sample: usize,
-    report_steps_per_sample: usize,
-}
-
 /// A row of Table 3 as printed.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -139,7 +132,7 @@ impl Setup {
             points <= MOST_LATTICE_POINTS,
             "table_step: the landscapes would take {points:.0} flights each: at most {MOST_LATTICE_POINTS:.0} are allowed"
         );
-        let steps = [file.numerics.steps_per_sample, file.numerics.report_steps_per_sample];
+        let steps = file.numerics.steps();
         let problem = CodesignProblem::new(Region::new(parameters)?, roles)?;
         let study = Study::read(directory, [&file.rig, &file.profile, &file.cost], variables, steps)?;
         let setup = Self { file, study, problem };
@@ -173,7 +166,7 @@ impl Setup {
 
     /// RK4 steps per sample: in searches and landscapes, and for reported designs.
     pub(crate) fn steps_per_sample(&self) -> [usize; 2] {
-        [self.file.numerics.steps_per_sample, self.file.numerics.report_steps_per_sample]
+        self.file.numerics.steps()
     }
 
     /// The experiment steps in words.

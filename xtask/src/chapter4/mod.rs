@@ -21,7 +21,7 @@ use lattice::Lattice;
 use pictures::Material;
 use results::{Digits, Rows};
 
-use crate::claims;
+use crate::handover::Handover;
 use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use crate::study::{MODEL, STAND_IN};
 use crate::table::{Column, write_columns_csv};
@@ -120,7 +120,7 @@ fn interpolation_error(setup: &Setup, model: &Lattice) -> Result<f64> {
 /// The page, the figures and the data.
 fn write(out: &Path, findings: &Findings<'_>) -> Result<()> {
     reproduction::save_page(out, findings.pictures, &report::page(findings), &report::markdown(findings))?;
-    claims::save(out, &findings.claims())?;
+    Handover::new(findings.claims(), findings.pictures).save(out)?;
     let m = &findings.material;
     results::iteration_table(m.setup, &m.rows[0], Digits::All).write_csv(&out.join("table-3.csv"))?;
     results::variant_table(m.rows, Digits::All).write_csv(&out.join("loops.csv"))?;

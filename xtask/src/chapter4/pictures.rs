@@ -161,15 +161,17 @@ pub(crate) fn landscapes(m: &Material<'_>) -> [Picture; 2] {
             m.model,
             "landscape-model",
             "What the model believes: cost of the uncorrected numerical model",
-            "Cost of the numerical model over the box, with the path of the optimum; numbers are iterations.",
+            "Cost of the numerical model over the box, with the path of the optimum; numbers are iterations, R is the trust in \
+             the measured slopes.",
         ),
         landscape(
             m,
             m.stand_in,
             "landscape-stand-in",
             "What the experiments see: cost in the stand-in for the water channel",
-            "Cost in the stand-in (stall and added mass) over the same box, with the same paths. An engineer never \
-             sees this picture: the loop saw five points of it per iteration.",
+            "Cost in the stand-in (stall and added mass) over the box, with the path of the optimum; numbers are iterations, \
+             R is the trust in the measured slopes. An engineer never sees this picture: the loop saw five points of it per \
+             iteration.",
         ),
     ]
 }

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use crate::gridded::{ParameterEntry, Regressor, Space};
 use crate::reproduction::{Extent, read_study};
-use crate::study::Study;
+use crate::study::{NumericsEntry, Study};
 
 /// The file as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -113,13 +113,6 @@ struct Only {
     noise: f64,
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NumericsEntry {
-    steps_per_sample: usize,
-    report_steps_per_sample: usize,
-}
-
 /// The study ready to run.
 #[derive(Debug)]
 pub(crate) struct Setup {
@@ -177,7 +170,7 @@ impl Setup {
             let known = file.noise.shares.iter().any(|share| share.to_bits() == only.noise.to_bits());
             ensure!(known, "variant.only.noise = {}: it must be one of noise.shares", only.noise);
         }
-        let steps = [file.numerics.steps_per_sample, file.numerics.report_steps_per_sample];
+        let steps = file.numerics.steps();
         let spaces = file
             .space
             .iter()

@@ -15,6 +15,7 @@ use infuse::GlobalLoop;
 use file::{Case, Setup};
 
 use crate::gridded::{Accuracy, Campaigns, FlightStore, FlownGrid, SurrogateRig};
+use crate::handover::Handover;
 use crate::reproduction::{self, Extent, Reproduction, Run, progress};
 use crate::study::MODEL;
 
@@ -85,10 +86,11 @@ fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let claims = claims::claims(&findings);
     let page = report::page(&findings, &claims, &pictures)?;
     reproduction::save_page(&out, &pictures, &page, &report::markdown(&findings, &claims)?)?;
-    crate::claims::save(&out, &claims)?;
     tables::iterations(&findings).write_csv(&out.join("iterations.csv"))?;
     tables::campaigns(&findings).write_csv(&out.join("campaigns.csv"))?;
-    report::print(&findings, &claims, &CHAPTER.out_of(extent))
+    let handover = Handover::new(claims, &pictures);
+    handover.save(&out)?;
+    report::print(&findings, &handover.claims, &CHAPTER.out_of(extent))
 }
 
 /// How long the flights will take, by the pace of a few.

@@ -113,7 +113,7 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.paragraph(&extent_words(findings));
     page.paragraph(&loop_words(findings));
     page.heading("What the dissertation says, and what holds here");
-    page.table(&claims::table(claims), CLAIM_CAPTION);
+    page.prose_table(&claims::table(claims), CLAIM_CAPTION, &claims::WIDTHS_PCT);
     let show = |page: &mut Page, names: &str| {
         for picture in pictures.iter().filter(|picture| picture.name.starts_with(names)) {
             picture.show_in(page);

@@ -5,10 +5,11 @@ use std::path::Path;
 use anyhow::{Context as _, Result, ensure};
 use infuse::{CorrectionLaw, CorrectionRule, Gain, GlobalSettings};
 use serde::Deserialize;
+use water_channel::{CostFile, Record};
 
 use crate::gridded::{ParameterEntry, Regressor, Space};
 use crate::reproduction::read_study;
-use crate::study::{MODEL, Study, Variable};
+use crate::study::{MODEL, NumericsEntry, Study, Variable};
 
 /// The file as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -18,6 +19,8 @@ pub(crate) struct StudyFile {
     rig: String,
     profile: String,
     cost: String,
+    /// The other weights, to be shown beside these.
+    cost_of_chapter4: String,
     parameter: Vec<ParameterEntry>,
     case: Vec<CaseEntry>,
     #[serde(rename = "loop")]
@@ -127,18 +130,13 @@ impl Published {
     }
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NumericsEntry {
-    steps_per_sample: usize,
-    report_steps_per_sample: usize,
-}
-
 /// The studies ready to run.
 #[derive(Debug)]
 pub(crate) struct Setup {
     pub(crate) file: StudyFile,
     pub(crate) cases: Vec<Case>,
+    /// The weights of the cost as written: of this study, and of Chapter 4.
+    pub(crate) weights: [Vec<Record>; 2],
 }
 
 /// One study with the flights over its space.
@@ -166,6 +164,12 @@ impl Case {
     /// Whether the grid of the loop is the one that is flown in whole.
     pub(crate) fn is_flown_whole(&self) -> bool {
         self.entry.levels == self.entry.flown_levels
+    }
+
+    /// Whether where the loop begins and where it should end were both fitted to published rows.
+    pub(crate) fn ends_are_fitted(&self) -> bool {
+        let ends = [self.published.first(), self.published.last()];
+        ends.iter().all(|row| row.is_some_and(|row| row.standing != Standing::Predicted))
     }
 }
 
@@ -197,7 +201,9 @@ impl Setup {
             .iter()
             .map(|entry| Case::of(&file, entry, directory).with_context(|| format!("case `{}`", entry.label)));
         let cases = cases.collect::<Result<Vec<_>>>()?;
-        let setup = Self { file, cases };
+        let weights = |name: &str| -> Result<_> { Ok(CostFile::read(directory.join(name))?.records) };
+        let weights = [weights(&file.cost)?, weights(&file.cost_of_chapter4)?];
+        let setup = Self { file, cases, weights };
         for case in &setup.cases {
             for variant in &setup.file.variant {
                 let place = || format!("{}, {}", case.entry.label, variant.label);
@@ -227,7 +233,7 @@ impl Case {
         let space = Space::of(&file.parameter, &entry.parameters, entry.levels)?;
         let flown = Space::of(&file.parameter, &entry.parameters, entry.flown_levels).context("flown_levels")?;
         ensure!(entry.parameters.len() >= 2, "parameters: at least two are needed");
-        let steps = [file.numerics.steps_per_sample, file.numerics.report_steps_per_sample];
+        let steps = file.numerics.steps();
         let files = [file.rig.as_str(), &file.profile, &file.cost];
         let study = Study::read(directory, files, space.variables.clone(), steps)?;
         let center = space.region().center();

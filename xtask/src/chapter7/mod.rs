@@ -26,6 +26,7 @@ use optima::Optimum;
 use wrong::Choice;
 
 use crate::gridded::{Campaigns, CellCosts, FlightStore, FlownGrid, OnDemand, Space, SurrogateRig};
+use crate::handover::Handover;
 use crate::reproduction::{self, Extent, Reproduction, Run, progress};
 use crate::study::{MODEL, STAND_IN};
 
@@ -73,6 +74,11 @@ struct Findings {
 }
 
 impl Findings {
+    /// The largest error of an experiment in a study, in s.
+    fn noise_s(&self, found: &Found) -> f64 {
+        self.setup.file.noise.share * found.ground.truth.range()
+    }
+
     fn cases(&self) -> impl Iterator<Item = (&Case, &Found)> {
         self.setup.cases.iter().zip(&self.found)
     }
@@ -144,10 +150,10 @@ fn reproduce(root: &Path) -> Result<()> {
     let claims = claims::all(&findings);
     let page = report::page(&findings, &claims, &pictures);
     reproduction::save_page(&out, &pictures, &page, &report::markdown(&findings, &claims))?;
-    crate::claims::save(&out, &claims)?;
     tables::every_step(&findings).write_csv(&out.join("iterations.csv"))?;
     tables::every_choice(&findings).write_csv(&out.join("choices.csv"))?;
     report::print(&findings, &claims, &CHAPTER.out());
+    Handover::new(claims, &pictures).with_excerpts(report::excerpts(&findings)).save(&out)?;
     Ok(())
 }
 

@@ -161,6 +161,7 @@ fn spreads(findings: &Findings, case: &Case, found: &Found) -> Vec<Picture> {
         let (name, unit) = variable_words(*variable);
         quantities.push((Column::new(name, unit), Box::new(move |step| step.point[k])));
     }
+    let n_variables = quantities.len();
     quantities.push((Column::new("Space left", "%"), Box::new(|step| step.share)));
     let draw = |(number, (column, reading)): (usize, &(Column, Reading<'_>))| {
         let groups = found.runs.iter().map(|runs| Group {
@@ -172,9 +173,11 @@ fn spreads(findings: &Findings, case: &Case, found: &Found) -> Vec<Picture> {
             .iter()
             .skip(1)
             .map(|row| reading(&Step { point: row.point.clone(), cost: f64::NAN, share: row.share }));
+        let axis = Axis::new(&column.name, &column.unit);
         let figure = SpreadFigure {
             title: format!("{}: {} over the noise seeds", case.entry.label, column.name),
-            y_axis: Axis::new(&column.name, &column.unit),
+            // No part is more than the whole.
+            y_axis: if number < n_variables { axis } else { axis.with_range(0.0, 100.0) },
             groups: groups.collect(),
             reference: Some(Reference {
                 label: format!("dissertation, Table {}", case.entry.table),

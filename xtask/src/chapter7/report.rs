@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use super::claims::last_row_words;
 use super::tables::{self, Rows, point_words};
-use super::{Case, Findings, Found};
+use super::{Case, Choice, Findings, Found};
 use crate::claims::{self, Claim};
+use crate::handover::Excerpt;
 use crate::page::Page;
 use crate::reproduction::{Picture, markdown_list};
 use crate::table::provenance_table;
@@ -15,17 +17,21 @@ const SURROGATE: &str = "No experiment was made. The water channel of the disser
 
 const CALIBRATED: &str = "Plant and weights were fitted so that the numerical optimum is row 0 of Table 5 and the best design of the \
     stand-in is its last row, (49.53 % chord, 7.51 deg). So row 0 of Table 5 is calibrated, and of its last row the place where the \
-    loop should end; that the loop gets there, every row between, all shares, and all of Table 6 are predicted. Neither gain nor noise, \
+    loop should end; whether the loop gets there, every row between, all shares, and all of Table 6 are predicted. Neither gain nor noise, \
     weights of the cost, runs for two parameters nor seeds are printed: they are ours, and nothing in the loop was tuned to a row.";
 
 const TABLE_CAPTION: &str = "ours beside it. Iteration 0: the optimum of the numerical model itself, and of the first \
-    surface fitted to its simulations. Then each optimum of the combined surface: without noise, and over the seeds of noise, column by \
-    column. CM_CB = x_cb − x_cm, \
-    negative where the center of mass is aft of the center of buoyancy; the share is what the z-test leaves. True cost: in the stand-in, \
+    surface fitted to its simulations. Then each optimum of the combined surface: without noise; with the seed of noise whose last design \
+    has the median regret (the same seed in every iteration); and, where they are shown, the medians and extremes over the seeds, taken \
+    column by column, which are no designs. CM_CB = x_cb − x_cm, negative where the center of mass is aft of the center of buoyancy; the share is what the z-test leaves. True cost: in the stand-in, \
     without noise. Regret: that less the cost of the best design known.";
 
-const CHOICE_CAPTION: &str = "Regret: true cost of the last design less that of the best cell of the grid. Best dropped: campaigns whose \
-    z-test dropped the truly best cell.";
+const CHOICE_CAPTION: &str = "Regret: true cost of the last design less that of the best cell of the grid. Better than the loop: \
+    seeds for which it ends lower than the loop as it is with the same noise. Best dropped: campaigns whose z-test dropped the truly best \
+    cell.";
+
+const WEIGHT_CAPTION: &str = "The weights of the cost, calibrated; (21) has a term of its own for the center \
+    of mass, (60) has none. All else of plant, controller and test is the same in both chapters.";
 
 const FLIGHT_CAPTION: &str = "Flights in the stand-in, means over the test. Before: the numerical optimum. After: the last optimum of the \
     loop without noise, and its spread over the seeds of noise.";
@@ -38,10 +44,12 @@ const CLAIM_CAPTION: &str = "Claim by claim, with the regressor (61). A claim ho
 
 fn loop_words(findings: &Findings, case: &Case, found: &Found) -> String {
     let (file, entry) = (&findings.setup.file, &case.entry);
+    let first = found.main().quiet_campaign.reports().first();
+    let threshold = first.map_or("–".to_owned(), |report| format!("{:.4}", report.screening.threshold));
     let gain = file.rule.gain.as_constant().map_or("k = 1/n".to_owned(), |k| format!("k = {k}"));
     format!(
-        "{}: {} levels an axis ({} cells), {} experiments and {} simulations an iteration with weights {} and {}, {} iterations, z-test at \
-         {} %, {gain}, noise within ±{} % of the range of the true cost (±{:.3} s).",
+        "{}: {} levels an axis ({} cells), {} experiments and {} simulations an iteration with weights {} and {} in the combined surface, \
+         {} iterations, z-test at {} % (z_0 = {threshold}), {gain}, noise within ±{} % of the range of the true cost (±{:.3} s).",
         entry.label,
         entry.levels,
         case.space.n_cells(),
@@ -52,7 +60,7 @@ fn loop_words(findings: &Findings, case: &Case, found: &Found) -> String {
         entry.iterations,
         100.0 * file.rule.confidence,
         100.0 * file.noise.share,
-        file.noise.share * found.ground.truth.range()
+        findings.noise_s(found)
     )
 }
 
@@ -98,21 +106,63 @@ fn choice_words(case: &Case) -> String {
     format!("{}, {} levels an axis ({grid}).", case.entry.label, case.entry.flown_levels)
 }
 
-/// The choices from worst to best in a sentence.
+/// The choices beside the loop as it is, in sentences: medians, worst cases, and seed by seed.
 fn ranking(found: &Found) -> String {
-    let median =
-        |choice: &super::Choice| crate::figures::Summary::of(&choice.regrets).map_or(f64::INFINITY, |s| s.median);
-    let own = found.choices.first().map_or(f64::NAN, median);
+    let Some((own, others)) = found.choices.split_first() else { return String::new() };
+    let n = own.regrets.len();
     let named = |worse: bool| {
-        let choices = found.choices.iter().skip(1).filter(|choice| (median(choice) > own) == worse);
-        let names: Vec<String> = choices.map(|choice| format!("{} ({:.3} s)", choice.label, median(choice))).collect();
+        let words = |choice: &Choice| {
+            let (median, worst, beats) = (choice.median(), choice.worst(), choice.beats(own));
+            format!("{} ({median:.3} s, worst {worst:.3} s, {beats} of {n})", choice.label)
+        };
+        let names: Vec<String> =
+            others.iter().filter(|choice| (choice.median() > own.median()) == worse).map(words).collect();
         if names.is_empty() { "none".to_owned() } else { names.join(", ") }
     };
+    let lower = others.iter().filter(|choice| choice.median() < own.median()).count();
     format!(
-        "In the median the loop as it is ends {own:.3} s above the best cell. Worse: {}. As good or better: {}.",
+        "The loop as it is ends {:.3} s above the best cell in the median and {:.3} s at worst; {lower} of {} other choices have a lower \
+         median. Each beside it: regret in the median and at worst, and for how many seeds it ends lower than the loop with the same noise. \
+         Worse in the median: {}. \
+         As good or better: {}.",
+        own.median(),
+        own.worst(),
+        others.len(),
         named(true),
         named(false)
     )
+}
+
+fn designs_caption(case: &Case) -> String {
+    format!("Table {} of the dissertation and {TABLE_CAPTION}", case.entry.table)
+}
+
+/// What is to be read under the table of designs.
+fn design_words(case: &Case, found: &Found) -> Vec<String> {
+    let mut words = vec![best_words(case, found)];
+    words.extend(last_row_words(case, found));
+    words
+}
+
+fn choice_caption(case: &Case) -> String {
+    format!("{} {CHOICE_CAPTION}", choice_words(case))
+}
+
+/// What the page over all claims shows of this study.
+pub(crate) fn excerpts(findings: &Findings) -> Vec<Excerpt> {
+    let designs = findings.cases().map(|(case, found)| Excerpt {
+        heading: format!("Table {}, {}", case.entry.table, case.entry.label),
+        paragraphs: design_words(case, found),
+        table: tables::designs(case, found, found.main(), Rows::Short),
+        caption: designs_caption(case),
+    });
+    let choices = findings.cases().map(|(case, found)| Excerpt {
+        heading: format!("What the wrong choices cost, {}", case.entry.label),
+        paragraphs: vec![ranking(found)],
+        table: tables::choices(found),
+        caption: choice_caption(case),
+    });
+    designs.chain(choices).collect()
 }
 
 /// The page of the study.
@@ -127,7 +177,7 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.paragraph(CALIBRATED);
     page.list(&findings.cases().map(|(case, found)| loop_words(findings, case, found)).collect::<Vec<_>>());
     page.heading("What the dissertation says, and what holds here");
-    page.table(&claims::table(claims), CLAIM_CAPTION);
+    page.prose_table(&claims::table(claims), CLAIM_CAPTION, &claims::WIDTHS_PCT);
     let show = |page: &mut Page, name: &str| {
         for picture in pictures.iter().filter(|picture| picture.name.starts_with(name)) {
             picture.show_in(page);
@@ -138,13 +188,13 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
         for (number, runs) in found.runs.iter().enumerate() {
             let which = if number == 0 { Rows::All } else { Rows::Ours };
             let caption = if number == 0 {
-                format!("Table {} of the dissertation and {TABLE_CAPTION}", case.entry.table)
+                designs_caption(case)
             } else {
                 format!("Ours with the {}, {} seeds.", runs.label, runs.noisy.len())
             };
             page.table(&tables::designs(case, found, runs, which), &caption);
             if number == 0 {
-                page.paragraph(&best_words(case, found));
+                design_words(case, found).iter().for_each(|words| page.paragraph(words));
                 page.paragraph(&spread_words(found));
             }
         }
@@ -155,7 +205,7 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     }
     page.heading("What the wrong choices cost");
     for (case, found) in findings.cases() {
-        page.table(&tables::choices(found), &format!("{} {CHOICE_CAPTION}", choice_words(case)));
+        page.table(&tables::choices(found), &choice_caption(case));
         page.paragraph(&ranking(found));
     }
     page.heading("Before and after");
@@ -164,6 +214,7 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
         show(&mut page, name);
     }
     page.heading("The costs");
+    page.table(&tables::weights(findings), WEIGHT_CAPTION);
     page.table(&tables::fields(findings), FIELD_CAPTION);
     page.heading("Every number");
     if let Some(case) = findings.setup.cases.first() {
@@ -197,8 +248,9 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> String {
             let which = if index == 0 { Rows::All } else { Rows::Ours };
             let words = if index == 0 {
                 format!(
-                    "Table {number} of the dissertation and {TABLE_CAPTION}\n\n{}\n\n{}",
-                    best_words(case, found),
+                    "{}\n\n{}\n\n{}",
+                    designs_caption(case),
+                    design_words(case, found).join("\n\n"),
                     spread_words(found)
                 )
             } else {
@@ -209,7 +261,7 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> String {
         }
     }
     for (case, found) in findings.cases() {
-        let words = format!("{} {CHOICE_CAPTION} {}", choice_words(case), ranking(found));
+        let words = format!("{}\n\n{}", choice_caption(case), ranking(found));
         section(
             &format!("What the wrong choices cost, {}", case.entry.label),
             &words,
@@ -217,6 +269,7 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> String {
         );
     }
     section("Before and after", FLIGHT_CAPTION, &tables::flights(findings).markdown());
+    section("The weights of the cost", WEIGHT_CAPTION, &tables::weights(findings).markdown());
     section("The costs", FIELD_CAPTION, &tables::fields(findings).markdown());
     text
 }
@@ -229,7 +282,7 @@ pub(crate) fn print(findings: &Findings, claims: &[Claim], out: &Path) {
         println!("- {}: {}: {}.\n    {}", claim.place, claim.says, claim.verdict, claim.found);
     }
     for (case, found) in findings.cases() {
-        println!("\n{}: {}\n{}", case.entry.label, best_words(case, found), ranking(found));
+        println!("\n{}: {}\n{}", case.entry.label, design_words(case, found).join("\n"), ranking(found));
     }
     println!("\nPage, figures and data: {} (open index.html), after {:.0} s.", out.display(), findings.seconds);
 }

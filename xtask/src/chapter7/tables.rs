@@ -1,8 +1,11 @@
 //! The tables of Chapter 7.
 
+use water_channel::Record;
+
 use super::campaigns::{Runs, Step};
 use super::file::{Case, Standing};
 use super::flights::READINGS;
+use super::wrong::Choice;
 use super::{Findings, Found};
 use crate::figures::Summary;
 use crate::study::{STAND_IN, Variable};
@@ -46,9 +49,11 @@ fn quantities<'a>(case: &'a Case, found: &'a Found) -> Vec<Quantity<'a>> {
 /// Which rows a table of designs has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rows {
-    /// The published ones, ours without noise, and how ours spread.
+    /// The published ones, ours without noise, the seed of median regret, and how ours spread.
     All,
-    /// Ours without noise, and the median.
+    /// The same without the spread.
+    Short,
+    /// Ours without noise, the seed of median regret, and the medians.
     Ours,
 }
 
@@ -70,12 +75,12 @@ pub(crate) fn designs(case: &Case, found: &Found, runs: &Runs, which: Rows) -> T
     };
     for (iteration, row) in case.published.iter().enumerate() {
         let standing = row.standing.words();
-        if which == Rows::All {
+        if which != Rows::Ours {
             let theirs = flown(&row.point, row.share);
             push(iteration, "dissertation", "published", &|quantity| number(quantity, (quantity.of)(&theirs)));
         }
         if iteration == 0 {
-            if which == Rows::All {
+            if which != Rows::Ours {
                 let model = flown(&found.numerical.point, 100.0);
                 push(0, "model itself", standing, &|quantity| number(quantity, (quantity.of)(&model)));
             }
@@ -90,15 +95,25 @@ pub(crate) fn designs(case: &Case, found: &Found, runs: &Runs, which: Rows) -> T
             Some(step) => push(iteration, "no noise", standing, &|quantity| number(quantity, (quantity.of)(step))),
             None => push(iteration, "had ended", standing, &|_| "–".to_owned()),
         }
+        if let Some((seed, steps)) = runs.median() {
+            let source = format!("seed {seed}, median regret");
+            match steps.0.get(iteration - 1) {
+                Some(step) => push(iteration, &source, standing, &|quantity| number(quantity, (quantity.of)(step))),
+                None => push(iteration, &source, standing, &|_| "–".to_owned()),
+            }
+        }
+        if which == Rows::Short {
+            continue;
+        }
         let summary = |quantity: &Quantity<'_>| Summary::of(&runs.over_seeds(iteration, &quantity.of));
         let count = runs.over_seeds(iteration, |step| step.share).len();
         let of = |pick: fn(&Summary) -> f64| {
             move |quantity: &Quantity<'_>| summary(quantity).map_or("–".to_owned(), |s| number(quantity, pick(&s)))
         };
-        push(iteration, &format!("median of {count}"), standing, &of(|s| s.median));
+        push(iteration, &format!("medians of {count}, no design"), standing, &of(|s| s.median));
         if which == Rows::All {
-            push(iteration, "smallest", standing, &of(|s| s.minimum));
-            push(iteration, "largest", standing, &of(|s| s.maximum));
+            push(iteration, "smallest of each", standing, &of(|s| s.minimum));
+            push(iteration, "largest of each", standing, &of(|s| s.maximum));
         }
     }
     table
@@ -114,17 +129,19 @@ pub(crate) fn choices(found: &Found) -> Table {
         Column::new("Choice", ""),
         Column::new("Regret, median", "s"),
         Column::new("worst", "s"),
+        Column::new("Better than the loop in", "1"),
         Column::new("Best dropped in", "1"),
         Column::new("What is done", ""),
     ]);
-    for choice in &found.choices {
-        let Some(summary) = Summary::of(&choice.regrets) else { continue };
-        let worst = choice.regrets.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    for (number, choice) in found.choices.iter().enumerate() {
+        let n = choice.regrets.len();
+        let better = |own: &Choice| format!("{} of {n}", choice.beats(own));
         table.push(vec![
             choice.label.to_owned(),
-            seconds(summary.median),
-            seconds(worst),
-            choice.lost.map_or("–".to_owned(), |lost| format!("{lost} of {}", choice.regrets.len())),
+            seconds(choice.median()),
+            seconds(choice.worst()),
+            found.choices.first().filter(|_| number > 0).map_or("–".to_owned(), better),
+            choice.lost.map_or("–".to_owned(), |lost| format!("{lost} of {n}")),
             choice.how.clone(),
         ]);
     }
@@ -175,6 +192,23 @@ pub(crate) fn point_words(case: &Case, point: &[f64]) -> String {
     words.collect::<Vec<_>>().join(", ")
 }
 
+/// The weights of the cost, which are all that differs from Chapter 4.
+pub(crate) fn weights(findings: &Findings) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Weight", ""),
+        Column::new("Unit", ""),
+        Column::new("Chapter 4, (21)", "1"),
+        Column::new("Chapters 6 and 7, (60)", "1"),
+    ]);
+    let [ours, theirs] = &findings.setup.weights;
+    for weight in ours {
+        let value = |record: &Record| record.value.to_string();
+        let other = theirs.iter().find(|other| other.key == weight.key).map_or("–".to_owned(), value);
+        table.push(vec![weight.key.replace('_', " "), weight.unit.clone(), other, value(weight)]);
+    }
+    table
+}
+
 /// The costs over the grids that are flown, and the optima.
 pub(crate) fn fields(findings: &Findings) -> Table {
     let mut table = Table::new(vec![
@@ -223,9 +257,8 @@ pub(crate) fn every_step(findings: &Findings) -> Table {
     columns.extend([Column::new("space left", "%"), Column::new("true cost", "s"), Column::new("regret", "s")]);
     let mut table = Table::new(columns);
     for (case, found) in findings.cases() {
-        for (runs, variant) in found.runs.iter().zip(&findings.setup.file.variant) {
-            let noisy = findings.setup.file.noise.numbers(variant.seeds).into_iter().map(|seed| seed.to_string());
-            let seeds = std::iter::once("no noise".to_owned()).chain(noisy);
+        for runs in &found.runs {
+            let seeds = std::iter::once("no noise".to_owned()).chain(runs.seeds.iter().map(u64::to_string));
             for (seed, steps) in seeds.zip(std::iter::once(&runs.quiet).chain(&runs.noisy)) {
                 for (number, step) in steps.0.iter().enumerate() {
                     let mut row =

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use surface::{Confounded, GridPoints, Kind};
 
 use super::leak::{self, Timing};
+use crate::figures::Summary;
 use crate::gridded::{Campaigns, FlownGrid, Regressor, SurrogateRig};
 
 /// How far below the experiments' weight the simulations' is when experiments are to stand alone.
@@ -25,6 +26,21 @@ pub(crate) struct Choice {
     pub(crate) regrets: Vec<f64>,
     /// In how many campaigns the truly best cell was dropped; none where nothing is dropped.
     pub(crate) lost: Option<usize>,
+}
+
+impl Choice {
+    pub(crate) fn median(&self) -> f64 {
+        Summary::of(&self.regrets).map_or(f64::INFINITY, |summary| summary.median)
+    }
+
+    pub(crate) fn worst(&self) -> f64 {
+        self.regrets.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// For how many seeds it ends truly lower than another with the same noise.
+    pub(crate) fn beats(&self, other: &Self) -> usize {
+        self.regrets.iter().zip(&other.regrets).filter(|(own, other)| own < other).count()
+    }
 }
 
 /// What a choice ends with.
@@ -192,5 +208,18 @@ impl Alone {
         let points = GridPoints::of_space(&doe::Space::of_region(region)?)?;
         let lowest = surface.surface().minimum_over(&points)?.context("the regression is nowhere a number")?;
         Ok(usize::try_from(lowest.index)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seeds_are_compared_one_by_one() {
+        let choice = |regrets: &[f64]| Choice { label: "", how: String::new(), regrets: regrets.to_vec(), lost: None };
+        let (one, other) = (choice(&[1.0, 2.0, 3.0]), choice(&[1.0, 3.0, 2.0]));
+        assert_eq!([one.beats(&other), other.beats(&one), one.beats(&one)], [1, 1, 0], "a tie beats nothing");
+        assert!((one.median() - 2.0).abs() < 1e-12 && (one.worst() - 3.0).abs() < 1e-12, "{one:?}");
     }
 }

@@ -1,15 +1,8 @@
 //! A quantity on the cells of a grid, some of which are no longer there, with the points chosen among them.
 
-use kuva::render::render::TextAnchor;
-
 use super::axis::{Axis, Scale};
-use super::canvas::{
-    BELOW_PX, Canvas, Frame, FrameText, Grid, INK, LEFT_PX, LegendEntry, Mark, PAPER, TEXT_SIZE, TITLE_PX, color,
-    legend_height_px,
-};
-use super::landscape::{
-    COLUMN_GAP_PX, COLUMNS, Levels, PANEL_TITLE_PX, Points, RIGHT_PX, ROW_GAP_PX, SMALL_HEIGHT_PX, draw_color_bar,
-};
+use super::canvas::{BELOW_PX, Canvas, Frame, INK, LEFT_PX, LegendEntry, Mark, PAPER, color, legend_height_px};
+use super::landscape::{Levels, Points, Sheet, draw_color_bar};
 
 /// One panel: values on cells.
 #[derive(Clone, Debug)]
@@ -40,31 +33,15 @@ const MISSING: &str = "#e9e9e9";
 
 /// Draws the panels.
 pub(crate) fn cell_figure(figure: &CellFigure) -> String {
-    let rows = figure.panels.len().div_ceil(COLUMNS).max(1);
-    let top_of = |row: usize| TITLE_PX + PANEL_TITLE_PX + row as f64 * (SMALL_HEIGHT_PX + ROW_GAP_PX);
-    let bottom = top_of(rows - 1) + SMALL_HEIGHT_PX;
+    let sheet = Sheet::of(figure.panels.len());
+    let bottom = sheet.bottom();
     let legend = legend(figure);
     let mut canvas = Canvas::new(&figure.title, bottom + BELOW_PX + legend_height_px(&legend, LEFT_PX));
     let levels = Levels::of(&figure.z_axis, figure.panels.iter().flat_map(|panel| panel.z.iter().flatten().copied()));
-    let width = (RIGHT_PX - LEFT_PX - COLUMN_GAP_PX) / COLUMNS as f64;
     for (number, panel) in figure.panels.iter().enumerate() {
-        let (row, column) = (number / COLUMNS, number % COLUMNS);
-        let left = LEFT_PX + column as f64 * (width + COLUMN_GAP_PX);
-        let frame = Frame {
-            left,
-            top: top_of(row),
-            right: left + width,
-            bottom: top_of(row) + SMALL_HEIGHT_PX,
-            x: around_cells(&figure.x_axis, &panel.x),
-            y: around_cells(&figure.y_axis, &panel.y),
-        };
-        let text = FrameText {
-            x_label: (row + 1 == rows).then_some(figure.x_axis.label()),
-            y_label: if column == 0 { figure.y_axis.label() } else { "" },
-            grid: Grid::Hidden,
-        };
-        canvas.frame(&frame, &text, Vec::new());
-        canvas.text_as(&panel.title, (left, frame.top - 8.0), TEXT_SIZE, TextAnchor::Start);
+        let axes = [&figure.x_axis, &figure.y_axis];
+        let scales = [around_cells(axes[0], &panel.x), around_cells(axes[1], &panel.y)];
+        let frame = sheet.panel(&mut canvas, number, &panel.title, axes, scales);
         draw_cells(&mut canvas, &frame, panel, &levels);
         for points in &panel.points {
             points.draw(&mut canvas, &frame);

@@ -73,12 +73,13 @@ pub(crate) struct Path {
     pub(crate) points: Vec<(f64, f64)>,
 }
 
-pub(super) const RIGHT_PX: f64 = WIDTH_PX - 130.0;
+const RIGHT_PX: f64 = WIDTH_PX - 130.0;
 const HEIGHT_PX: f64 = 420.0;
 const BAR_LEFT_PX: f64 = RIGHT_PX + 30.0;
 const BAR_WIDTH_PX: f64 = 20.0;
 const BANDS: usize = 10;
 const PATH_FILLS: [&str; 3] = ["#56b4e9", "#e69f00", "#cc79a7"];
+const PATH_RADII_PX: [f64; 3] = [3.2, 5.8, 8.4];
 /// Points closer than this share a label.
 const NEAR_PX: f64 = 9.0;
 
@@ -105,11 +106,12 @@ pub(crate) fn landscape_figure(landscape: &Landscape) -> String {
     let levels = Levels::of(&landscape.z_axis, landscape.z.iter().flatten().copied());
     let mut room = room(landscape, &frame);
     let lines = draw_field(&mut canvas, landscape, &frame, &levels);
-    for (path, fill) in landscape.paths.iter().zip(PATH_FILLS).rev() {
-        draw_path(&mut canvas, &frame, path, fill);
-    }
+    // What is drawn later is smaller, so that of points on one spot all are seen.
     if let Some(minimum) = landscape.minimum {
         canvas.diamond(frame.px(minimum), color(4), PAPER);
+    }
+    for ((path, fill), radius) in landscape.paths.iter().zip(PATH_FILLS).zip(PATH_RADII_PX).rev() {
+        draw_path(&mut canvas, &frame, path, fill, radius);
     }
     for (path, fill) in landscape.paths.iter().zip(PATH_FILLS) {
         label_path(&mut canvas, &frame, path, fill, &mut room);
@@ -121,19 +123,61 @@ pub(crate) fn landscape_figure(landscape: &Landscape) -> String {
     canvas.svg()
 }
 
-pub(super) const COLUMNS: usize = 2;
-pub(super) const SMALL_HEIGHT_PX: f64 = 300.0;
-pub(super) const COLUMN_GAP_PX: f64 = 60.0;
-pub(super) const ROW_GAP_PX: f64 = 40.0;
+const COLUMNS: usize = 2;
+const SMALL_HEIGHT_PX: f64 = 300.0;
+const COLUMN_GAP_PX: f64 = 60.0;
+const ROW_GAP_PX: f64 = 40.0;
 /// Space above a panel, with its title in it.
-pub(super) const PANEL_TITLE_PX: f64 = 24.0;
+const PANEL_TITLE_PX: f64 = 24.0;
+
+/// Where panels over the same axes stand, two in a row.
+pub(super) struct Sheet {
+    rows: usize,
+}
+
+impl Sheet {
+    pub(super) fn of(panels: usize) -> Self {
+        Self { rows: panels.div_ceil(COLUMNS).max(1) }
+    }
+
+    fn top_of(row: usize) -> f64 {
+        TITLE_PX + PANEL_TITLE_PX + row as f64 * (SMALL_HEIGHT_PX + ROW_GAP_PX)
+    }
+
+    pub(super) fn bottom(&self) -> f64 {
+        Self::top_of(self.rows - 1) + SMALL_HEIGHT_PX
+    }
+
+    /// Draws the frame of a panel with its title above it; only the outer panels label their axes.
+    pub(super) fn panel(
+        &self,
+        canvas: &mut Canvas,
+        number: usize,
+        title: &str,
+        [x_axis, y_axis]: [&Axis; 2],
+        [x, y]: [Scale; 2],
+    ) -> Frame {
+        let width = (RIGHT_PX - LEFT_PX - COLUMN_GAP_PX) / COLUMNS as f64;
+        let (row, column) = (number / COLUMNS, number % COLUMNS);
+        let left = LEFT_PX + column as f64 * (width + COLUMN_GAP_PX);
+        let top = Self::top_of(row);
+        let frame = Frame { left, top, right: left + width, bottom: top + SMALL_HEIGHT_PX, x, y };
+        let text = FrameText {
+            x_label: (row + 1 == self.rows).then_some(x_axis.label()),
+            y_label: if column == 0 { y_axis.label() } else { "" },
+            grid: super::canvas::Grid::Hidden,
+        };
+        canvas.frame(&frame, &text, Vec::new());
+        canvas.text_as(title, (left, frame.top - 8.0), TEXT_SIZE, TextAnchor::Start);
+        frame
+    }
+}
 
 /// Draws landscapes over the same axes side by side, with one scale of colors; each title stands above its panel.
 pub(crate) fn landscape_panels_figure(title: &str, landscapes: &[Landscape]) -> String {
     let Some(first) = landscapes.first() else { return Canvas::new(title, TITLE_PX).svg() };
-    let rows = landscapes.len().div_ceil(COLUMNS);
-    let top_of = |row: usize| TITLE_PX + PANEL_TITLE_PX + row as f64 * (SMALL_HEIGHT_PX + ROW_GAP_PX);
-    let bottom = top_of(rows - 1) + SMALL_HEIGHT_PX;
+    let sheet = Sheet::of(landscapes.len());
+    let bottom = sheet.bottom();
     let mut legend: Vec<LegendEntry> = Vec::new();
     for entry in landscapes.iter().flat_map(|landscape| marks(landscape, "")) {
         if legend.iter().all(|known| known.text != entry.text) {
@@ -142,25 +186,10 @@ pub(crate) fn landscape_panels_figure(title: &str, landscapes: &[Landscape]) -> 
     }
     let mut canvas = Canvas::new(title, bottom + BELOW_PX + legend_height_px(&legend, LEFT_PX));
     let levels = Levels::of(&first.z_axis, landscapes.iter().flat_map(|one| one.z.iter().flatten().copied()));
-    let width = (RIGHT_PX - LEFT_PX - COLUMN_GAP_PX) / COLUMNS as f64;
     for (number, landscape) in landscapes.iter().enumerate() {
-        let (row, column) = (number / COLUMNS, number % COLUMNS);
-        let left = LEFT_PX + column as f64 * (width + COLUMN_GAP_PX);
-        let frame = Frame {
-            left,
-            top: top_of(row),
-            right: left + width,
-            bottom: top_of(row) + SMALL_HEIGHT_PX,
-            x: grid_scale(&landscape.x_axis, &landscape.x),
-            y: grid_scale(&landscape.y_axis, &landscape.y),
-        };
-        let text = FrameText {
-            x_label: (row + 1 == rows).then_some(landscape.x_axis.label()),
-            y_label: if column == 0 { landscape.y_axis.label() } else { "" },
-            grid: super::canvas::Grid::Hidden,
-        };
-        canvas.frame(&frame, &text, Vec::new());
-        canvas.text_as(&landscape.title, (left, frame.top - 8.0), TEXT_SIZE, TextAnchor::Start);
+        let (x, y) = (&landscape.x_axis, &landscape.y_axis);
+        let scales = [grid_scale(x, &landscape.x), grid_scale(y, &landscape.y)];
+        let frame = sheet.panel(&mut canvas, number, &landscape.title, [x, y], scales);
         let mut room = room(landscape, &frame);
         let lines = draw_field(&mut canvas, landscape, &frame, &levels);
         if let Some(minimum) = landscape.minimum {
@@ -340,12 +369,12 @@ fn keep_paths_free(room: &mut Room, landscape: &Landscape, frame: &Frame) {
     }
 }
 
-fn draw_path(canvas: &mut Canvas, frame: &Frame, path: &Path, fill: &str) {
+fn draw_path(canvas: &mut Canvas, frame: &Frame, path: &Path, fill: &str, radius: f64) {
     let points: Vec<(f64, f64)> = path.points.iter().map(|point| frame.px(*point)).collect();
     canvas.line(&points, "#000000", 3.4);
     canvas.line(&points, fill, 1.8);
     for point in points {
-        canvas.dot(point, 4.0, fill, "#000000");
+        canvas.dot(point, radius, fill, "#000000");
     }
 }
 

@@ -67,6 +67,8 @@ const RIGHT_PX: f64 = WIDTH_PX - 24.0;
 const HEIGHT_PX: f64 = 300.0;
 /// The share of an iteration's width that its boxes take together.
 const BOXES_SHARE: f64 = 0.5;
+/// The share of its slot that a box takes: between two there is room for a mark of the reference.
+const BOX_SHARE: f64 = 0.6;
 const WIDEST_BOX_PX: f64 = 34.0;
 
 /// Draws the spread: a box from quartile to quartile with the median, whiskers to the extremes.
@@ -92,7 +94,8 @@ pub(crate) fn spread_figure(figure: &SpreadFigure) -> String {
     let slot_px = BOXES_SHARE * iteration_px / figure.groups.len().max(1) as f64;
     for (number, group) in figure.groups.iter().enumerate() {
         let shift_px = (number as f64 - 0.5 * (figure.groups.len() as f64 - 1.0)) * slot_px;
-        draw_group(&mut canvas, &frame, group, Boxes { shift_px, width_px: slot_px * 0.8, color: color(number) });
+        let width_px = BOX_SHARE * slot_px;
+        draw_group(&mut canvas, &frame, group, Boxes { shift_px, width_px, color: color(number) });
     }
     if let Some(reference) = &figure.reference {
         let points = reference.values.iter().enumerate().filter(|(_, value)| value.is_finite());

@@ -36,8 +36,9 @@ pub(crate) fn design_points(report: &GlobalReport) -> Vec<Points> {
     let of = |label: &str, points, fill, radius_px| Points { label: label.to_owned(), points, fill, radius_px };
     let simulations = report.simulations.iter().map(|run| (run.point[0], run.point[1])).collect();
     vec![
-        of("training experiment", experiments(TrialUse::Training), "#e69f00", 6.0),
-        of("validation experiment", experiments(TrialUse::Validation), "#ffffff", 6.0),
-        of("simulation", simulations, "#000000", 2.2),
+        // Often several runs share a cell: each is smaller than what it is drawn over, so that all are seen.
+        of("training experiment", experiments(TrialUse::Training), "#e69f00", 7.0),
+        of("validation experiment", experiments(TrialUse::Validation), "#ffffff", 4.4),
+        of("simulation", simulations, "#000000", 1.8),
     ]
 }
