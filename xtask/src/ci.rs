@@ -23,11 +23,10 @@ const STEPS: &[Step] = &[
     Step { heading: "tidy", run: tidy::check },
     // All targets: benches, too, are compiled here.
     Step { heading: "clippy", run: || cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]) },
-    Step { heading: "tests", run: || cargo(&["test", "--workspace", "--lib", "--bins", "--tests"]) },
-    Step { heading: "tests in the documentation", run: || cargo(&["test", "--workspace", "--doc"]) },
+    // Optimized, as studies fly: the lanes are other machine code then, and one build of the dependencies serves all.
+    Step { heading: "tests", run: || cargo(&["test", "--release", "--workspace", "--lib", "--bins", "--tests"]) },
+    Step { heading: "tests in the documentation", run: || cargo(&["test", "--release", "--workspace", "--doc"]) },
     Step { heading: "documentation", run: documentation },
-    // The lanes are other machine code in a release build, and they are what studies fly with.
-    Step { heading: "rig, optimized", run: || cargo(&["test", "--release", "--package", "water-channel", "--tests"]) },
     Step { heading: "examples", run: examples },
     Step { heading: "packages", run: packages },
     Step { heading: "optimal designs", run: || cargo(&["xtask", "doe-records", "--check"]) },

@@ -101,10 +101,11 @@ pub(crate) enum Command {
 }
 
 #[derive(Debug, Args)]
-#[group(id = "what", required = true, multiple = true)]
+#[command(override_usage = "infuse tell <SHEET> [--correct]\n       \
+    infuse tell --id <ID> <--value <VALUE>|--failed <REASON>> [--actual <NAME=VALUE,...>] [--again] [--correct]")]
 pub(crate) struct Tell {
     /// A filled sheet; rows without a value and without a reason are left for later
-    #[arg(conflicts_with = "id")]
+    #[arg(conflicts_with = "id", required_unless_present = "id")]
     pub(crate) sheet: Option<PathBuf>,
     /// One experiment by its id, without a sheet
     #[arg(long)]

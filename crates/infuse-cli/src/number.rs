@@ -27,8 +27,14 @@ pub(crate) fn with_unit(number: &str, unit: &str) -> String {
     if unit.is_empty() { number.to_owned() } else { format!("{number} {unit}") }
 }
 
+/// One decimal, and of a small share one digit that counts.
 pub(crate) fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
+    let percent = 100.0 * share;
+    if percent == 0.0 || percent >= 0.1 {
+        return format!("{percent:.1} %");
+    }
+    let rounded: f64 = format!("{percent:.0e}").parse().unwrap_or(percent);
+    format!("{} %", plain(rounded))
 }
 
 /// A finite number as written in a cell of a table, or what is wrong with it.
@@ -96,6 +102,13 @@ mod tests {
             assert!(parse(text).expect_err("no number").contains(word), "{text}");
         }
         assert!(!parse("1,5,2").expect_err("no number").contains("comma"), "not a decimal comma");
+    }
+
+    #[test]
+    fn small_shares_are_not_nothing() {
+        assert_eq!(percent(0.153_27), "15.3 %");
+        assert_eq!(percent(36.0 / 331_776.0), "0.01 %");
+        assert_eq!(percent(0.0), "0.0 %");
     }
 
     #[test]
