@@ -140,9 +140,9 @@ impl Campaign {
             return Ok(Stage::Ready);
         }
         if let (Some(worth), Some(outlook)) = (self.problem.worth, self.outlook()?)
-            && outlook.mean_gain < worth
+            && let Some(gain) = outlook.total_gain().filter(|&gain| gain < worth)
         {
-            return Ok(Stage::NotWorth { gain: outlook.mean_gain, worth });
+            return Ok(Stage::NotWorth { gain, worth });
         }
         Ok(Stage::Ready)
     }

@@ -27,9 +27,8 @@ pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     let _ = write!(text, "\n{}", next(&campaign, &stage, folder));
     let mut json = as_json(&campaign, &stage)?;
     if let Some(why) = why {
-        let reason = why_dropped(&campaign, why)?;
-        let _ = write!(text, "\n{reason}\n");
-        json["why"] = json!(reason);
+        text = why_dropped(&campaign, why)?;
+        json["why"] = json!(text);
     }
     json["notices"] = json!(notices);
     Ok(Output { text, json, notices })
@@ -214,18 +213,32 @@ fn grid_counts(campaign: &Campaign) -> Vec<u64> {
 fn prospects(campaign: &Campaign) -> Result<String> {
     let mut text = String::new();
     if let Some(outlook) = campaign.outlook()? {
-        let (mean, upper) = (amount(campaign, outlook.mean_gain), amount(campaign, outlook.upper_gain));
-        let _ = writeln!(
-            text,
-            "More experiments can gain {mean} on average at the most, and less than {upper} nine times in ten,"
-        );
-        let _ = writeln!(text, "  if the surface has the right shape: that is what knowing it exactly would be worth.");
-        let verdict = match campaign.problem.worth {
-            Some(worth) if outlook.mean_gain < worth => {
-                format!("less than the {} of `worth`: stop", amount(campaign, worth))
+        let total = outlook.total_gain();
+        let headline = total.map_or_else(|| "nobody knows how much".to_owned(), |total| gain(campaign, total));
+        let _ = writeln!(text, "More experiments can gain {headline} on average at the most:");
+        let upper = if outlook.upper_gain > 0.0 { amount(campaign, outlook.upper_gain) } else { "nothing".to_owned() };
+        let mean = gain(campaign, outlook.mean_gain);
+        let _ = writeln!(text, "  {mean} by averaging out the noise, and nine times in ten at most {upper};");
+        let _ = match outlook.misfit_gain {
+            Some(misfit) if misfit > 0.0 => writeln!(
+                text,
+                "  {} because the surface may have the wrong shape: {}.",
+                amount(campaign, misfit),
+                if campaign.noise().is_some() {
+                    "S is more than the noise explains"
+                } else {
+                    "S may be noise, but no run was repeated"
+                }
+            ),
+            Some(_) => writeln!(text, "  nothing by a better shape of the surface: the noise explains S."),
+            None => writeln!(text, "  and what a better shape of the surface would bring is not known, without an S."),
+        };
+        let verdict = match (campaign.problem.worth, total) {
+            (Some(worth), Some(total)) if total < worth => {
+                format!("Less than the {} of `worth`: stop", amount(campaign, worth))
             }
-            Some(worth) => format!("at least the {} of `worth`: go on", amount(campaign, worth)),
-            None => "`worth` in [stop] says from what gain on another batch is worth its cost".to_owned(),
+            (Some(worth), _) => format!("Not less than the {} of `worth`: go on", amount(campaign, worth)),
+            (None, _) => "`worth` in [stop] says from what gain on another batch is worth its cost".to_owned(),
         };
         let _ = writeln!(text, "  {verdict}.");
     }
@@ -313,6 +326,7 @@ fn as_json(campaign: &Campaign, stage: &Stage) -> Result<Value> {
         "stopped": reason_to_stop(campaign, stage),
         "batches": batches.collect::<Vec<_>>(),
         "best": last.map(|report| named(&report.screening.optimum)),
+        "simulation_alone": campaign.now.reports().first().map(|first| named(&first.screening.simulation_optimum)),
         "predicted": last.map(|report| response.cost(report.screening.optimum_value)),
         "best_measured": best_measured(campaign).map(|(id, value)| json!({ "id": id, "value": value })),
         "outstanding": campaign.now.outstanding().len(),
@@ -322,7 +336,7 @@ fn as_json(campaign: &Campaign, stage: &Stage) -> Result<Value> {
         "noise": campaign.noise().map(|error| json!({
             "standard_deviation": error.standard_deviation(), "degrees_of_freedom": error.degrees_of_freedom,
         })),
-        "gain": outlook.map(|outlook| json!({ "mean": outlook.mean_gain, "nine_in_ten_below": outlook.upper_gain })),
+        "gain": outlook.map(|outlook| json!({ "total": outlook.total_gain(), "noise": outlook.mean_gain, "misfit": outlook.misfit_gain, "nine_in_ten_below": outlook.upper_gain })),
         "worth": problem.worth,
         "guarantee": observed.map(|observed| json!({ "eps": observed.eps, "regret": observed.certificate.regret })),
     }))

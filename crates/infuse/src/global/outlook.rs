@@ -25,6 +25,7 @@ const MOST_CELLS: u64 = 20_000;
 /// with the sampling error δ_j of Ĵexp of round j, and independent standard normal z. The gain of such a draw is what its best cell
 /// undercuts p̂* by, so the mean is what it would be worth on average to know the surface exactly: no number of
 /// further experiments can bring more on average, if the regressor is right and the errors about it are independent.
+/// What it may be worth that the regressor is not right is told beside it.
 /// Source: beyond the text; the expected value of perfect information.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -33,6 +34,11 @@ pub struct Outlook {
     pub mean_gain: f64,
     /// Nine of ten gains are at most this.
     pub upper_gain: f64,
+    /// What the wrong shape of the surface may hide besides: with S² − s², the part of (40) that the
+    /// [pure error](crate::PureError) s² does not explain, as the variance of independent misfits, the better of two designs that
+    /// are level in the model is better by √((S² − s²)/π) on average. All of S counts as misfit while nothing was
+    /// repeated. None without an S; 0 with a single cell left.
+    pub misfit_gain: Option<f64>,
     /// How many surfaces were drawn.
     pub n_draws: usize,
     /// Among how many of the cells left the best was looked for.
@@ -51,6 +57,14 @@ pub struct ObservedErrors {
     pub eps: f64,
     /// What eps promises of p̂*.
     pub certificate: RegretCertificate,
+}
+
+impl Outlook {
+    /// Both gains; none without an S.
+    #[must_use]
+    pub fn total_gain(&self) -> Option<f64> {
+        self.misfit_gain.map(|misfit| self.mean_gain + misfit)
+    }
 }
 
 impl GlobalLoop {
@@ -94,7 +108,13 @@ impl GlobalLoop {
         gains.sort_by(f64::total_cmp);
         let mean_gain = gains.iter().sum::<f64>() / n_draws as f64;
         let upper_gain = gains[(9 * n_draws).div_ceil(10) - 1];
-        Ok(Some(Outlook { mean_gain, upper_gain, n_draws, n_cells: points.len() }))
+        let noise = self.pure_error().map_or(0.0, |error| error.variance);
+        let misfit = |s: f64| ((s * s - noise).max(0.0) / std::f64::consts::PI).sqrt();
+        let misfit_gain = match self.retained.n_retained() {
+            0 | 1 => Some(0.0),
+            _ => report.screening.spread.s().map(misfit),
+        };
+        Ok(Some(Outlook { mean_gain, upper_gain, misfit_gain, n_draws, n_cells: points.len() }))
     }
 
     /// The [certificate](Self::certificate) with errors of the surfaces as they were observed at runs left out of the
