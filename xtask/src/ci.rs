@@ -9,7 +9,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, bail, ensure};
 use serde::Deserialize;
 
-use crate::{tidy, workspace};
+use crate::{tidy, tutorials, workspace};
 
 /// One heading of the output.
 struct Step {
@@ -28,6 +28,7 @@ const STEPS: &[Step] = &[
     Step { heading: "tests in the documentation", run: || cargo(&["test", "--release", "--workspace", "--doc"]) },
     Step { heading: "documentation", run: documentation },
     Step { heading: "examples", run: examples },
+    Step { heading: "tutorials", run: tutorials::check },
     Step { heading: "packages", run: packages },
     Step { heading: "optimal designs", run: || cargo(&["xtask", "doe-records", "--check"]) },
     Step { heading: "all chapters", run: || cargo(&["xtask", "reproduce-all", "--check"]) },
@@ -107,6 +108,11 @@ fn workspace_of(packed: &[(&str, String)]) -> String {
     format!("[workspace]\nresolver = \"3\"\nmembers = {stems:?}\n\n[patch.crates-io]\n{}\n{profile}", patches.concat())
 }
 
+/// Where cargo puts what it builds.
+pub(crate) fn target_directory() -> Result<PathBuf> {
+    Ok(metadata()?.target_directory)
+}
+
 fn metadata() -> Result<Metadata> {
     let output = workspace::cargo(&["metadata", "--no-deps", "--format-version", "1"])?
         .output()
@@ -117,7 +123,8 @@ fn metadata() -> Result<Metadata> {
     serde_json::from_slice(&output.stdout).context("cargo metadata")
 }
 
-fn cargo(arguments: &[&str]) -> Result<()> {
+/// Runs cargo and shows what it said only if it failed.
+pub(crate) fn cargo(arguments: &[&str]) -> Result<()> {
     run_quietly(&mut workspace::cargo(arguments)?)
 }
 

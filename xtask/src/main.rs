@@ -20,12 +20,14 @@ mod reproduction;
 mod study;
 mod table;
 mod tidy;
+mod tutorials;
 mod workspace;
 
 use std::path::Path;
 use std::process::ExitCode;
 
 use reproduction::{Extent, Reproduction};
+use tutorials::Texts;
 
 const USAGE: &str = include_str!("usage.txt");
 
@@ -63,6 +65,8 @@ fn main() -> ExitCode {
         ["design-page", evaluation, page] => design_page::run(Path::new(evaluation), Path::new(page)),
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
+        ["tutorials"] => tutorials::run(Texts::Compare),
+        ["tutorials", "--write"] => tutorials::run(Texts::Write),
         ["help" | "--help" | "-h"] => {
             print!("{USAGE}");
             Ok(())

@@ -95,9 +95,10 @@ fn package_directories(root: &Path) -> Result<Vec<PathBuf>> {
     Ok(packages)
 }
 
+/// A file, or a folder with a main file.
 fn has_example(package: &Path) -> bool {
-    entries(&package.join("examples"))
-        .is_ok_and(|files| files.iter().any(|file| file.extension().is_some_and(|end| end == "rs")))
+    let is_example = |path: &PathBuf| path.extension().is_some_and(|end| end == "rs") || path.join("main.rs").is_file();
+    entries(&package.join("examples")).is_ok_and(|paths| paths.iter().any(is_example))
 }
 
 fn entries(directory: &Path) -> Result<Vec<PathBuf>> {
@@ -249,6 +250,21 @@ mod tests {
         assert_eq!(check("doe", "[target.'cfg(unix)'.dependencies]\ninfuse = \"1\""), "doe: must not depend on infuse");
         assert_eq!(check("surface", "[dependencies]"), "surface: the table says it depends on doe, but it does not");
         assert_eq!(check("new", ""), "new: not in the table of arrows");
+    }
+
+    #[test]
+    fn examples_are_files_or_folders_with_a_main_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let examples = folder.path().join("examples");
+        assert!(!has_example(folder.path()), "no folder");
+        fs::create_dir_all(examples.join("one")).expect("a folder");
+        fs::write(examples.join("data.csv"), "").expect("a file");
+        assert!(!has_example(folder.path()), "nothing to run");
+        fs::write(examples.join("one/main.rs"), "").expect("a file");
+        assert!(has_example(folder.path()), "a folder");
+        fs::remove_dir_all(examples.join("one")).expect("the folder is there");
+        fs::write(examples.join("one.rs"), "").expect("a file");
+        assert!(has_example(folder.path()), "a file");
     }
 
     #[test]

@@ -7,5 +7,6 @@ mod interruptions;
 mod journals;
 mod problems;
 mod programs;
+mod quarter_car;
 mod rig;
 mod sheets;
