@@ -55,10 +55,15 @@ fn documentation() -> Result<()> {
     run_quietly(command.env("RUSTDOCFLAGS", "-D warnings"))
 }
 
-/// Runs every example; optimized, as a user would. All are built at once: one package at a time, each would have the
+/// Builds what users run, the examples and `infuse`, optimized. All at once: one package at a time, each would have the
 /// features of its own, and the large dependencies would be compiled anew for many of them.
+pub(crate) fn build_programs() -> Result<()> {
+    cargo(&["build", "--release", "--workspace", "--examples", "--bin", "infuse", "--all-features"])
+}
+
+/// Runs every example.
 fn examples() -> Result<()> {
-    cargo(&["build", "--release", "--workspace", "--examples", "--all-features"])?;
+    build_programs()?;
     let metadata = metadata()?;
     for name in example_names(&metadata)? {
         let program = metadata.target_directory.join("release/examples").join(name);
@@ -124,7 +129,7 @@ fn metadata() -> Result<Metadata> {
 }
 
 /// Runs cargo and shows what it said only if it failed.
-pub(crate) fn cargo(arguments: &[&str]) -> Result<()> {
+fn cargo(arguments: &[&str]) -> Result<()> {
     run_quietly(&mut workspace::cargo(arguments)?)
 }
 

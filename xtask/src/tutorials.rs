@@ -77,8 +77,7 @@ fn tutorials(folder: &Path) -> Result<Vec<PathBuf>> {
 
 /// The programs that tutorials call; the folders that hold them.
 fn build() -> Result<[PathBuf; 2]> {
-    let packages = ["--package", "infuse-cli", "--package", "water-channel"];
-    ci::cargo(&[&["build", "--release"], &packages[..], &["--bins", "--examples"]].concat())?;
+    ci::build_programs()?;
     let release = ci::target_directory()?.join("release");
     Ok([release.clone(), release.join("examples")])
 }
