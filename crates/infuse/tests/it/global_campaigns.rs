@@ -214,3 +214,28 @@ fn observed_certificate_covers_the_regret_where_the_regressor_is_right() {
         assert!(observed.experiment < 0.2, "noise of 0.02: {observed:?}");
     }
 }
+
+#[test]
+fn what_noise_does_not_explain_may_hide_the_better_of_two_level_designs() {
+    let (region, mut settings) = planar();
+    settings.replicates = 3;
+    settings.max_iterations = 1;
+    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    // The truth has a ripple that no quadratic follows.
+    let rippled = |trial: &infuse::GlobalTrial| experiment(trial) + 0.4 * (3.0 * trial.point[0]).sin();
+    campaign.run(&mut simulation, &mut |trial| Ok(rippled(trial))).unwrap();
+    let s = campaign.reports()[0].screening.spread.s().unwrap();
+    let noise = campaign.pure_error().unwrap().variance;
+    assert!(s * s > 2.0 * noise, "{s} {noise}");
+    // Two misfits with that variance, by quantiles: the mean of the larger, over a fine lattice of probabilities.
+    let sigma = (s * s - noise).sqrt();
+    let n = 400;
+    let quantiles: Vec<f64> =
+        (0..n).map(|i| Normal::standard().inverse_cdf((f64::from(i) + 0.5) / f64::from(n))).collect();
+    let larger = quantiles.iter().flat_map(|a| quantiles.iter().map(move |b| a.max(*b))).sum::<f64>();
+    let exact = sigma * larger / f64::from(n * n);
+    let outlook = campaign.outlook(100).unwrap().expect("a regression");
+    let found = outlook.misfit_gain.unwrap();
+    assert!((found / exact - 1.0).abs() < 0.01, "{found} {exact}");
+    assert!((outlook.total_gain().unwrap() - found - outlook.mean_gain).abs() < 1e-12);
+}
