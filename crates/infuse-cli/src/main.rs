@@ -7,6 +7,7 @@ mod journal;
 mod number;
 mod problem;
 mod program;
+mod report;
 mod sheet;
 mod simulator;
 

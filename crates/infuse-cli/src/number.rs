@@ -1,5 +1,8 @@
 //! Numbers as people write and read them.
 
+/// A setting that takes more characters is no round number.
+const LONGEST_SETTING: usize = 9;
+
 /// A setting or a measured value: twelve digits, so 8.3 and not 8.3000000000000007.
 pub(crate) fn plain(value: f64) -> String {
     let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
@@ -20,6 +23,17 @@ pub(crate) fn short(value: f64) -> String {
     }
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     plain(rounded)
+}
+
+/// A setting for people to read: as many decimals as tell levels that are this far apart well from each other, if it has
+/// more than a person would type.
+pub(crate) fn setting(value: f64, step: f64) -> String {
+    let exact = plain(value);
+    if exact.len() <= LONGEST_SETTING || !(step > 0.0 && step.is_finite()) {
+        return exact;
+    }
+    let unit = 10_f64.powf(step.log10().floor() - 2.0);
+    plain((value / unit).round() * unit)
 }
 
 /// With the unit, if there is one.
@@ -91,6 +105,15 @@ mod tests {
         assert_eq!(plain(1.25e-9), "1.25e-9");
         assert_eq!(short(1.234_567), "1.235");
         assert_eq!(short(21_344.0), "21340");
+    }
+
+    #[test]
+    fn settings_between_round_numbers_are_shortened_for_reading() {
+        assert_eq!(setting(2.956_521_739_13, 3.0 / 23.0), "2.957");
+        assert_eq!(setting(0.434_782_608_696, 0.6 / 23.0), "0.4348");
+        assert_eq!(setting(39.130_434_782_6, 50.0 / 23.0), "39.13");
+        assert_eq!(setting(20.123, 2.0), "20.123");
+        assert_eq!(setting(1_234_567_890.5, 1000.0), "1234567890");
     }
 
     #[test]

@@ -236,8 +236,14 @@ impl Campaign {
 
     /// The noise of the experiments, from all runs at equal settings.
     pub(crate) fn noise(&self) -> Option<PureError> {
+        self.noise_until(usize::MAX)
+    }
+
+    /// The same, of the batches up to this one.
+    pub(crate) fn noise_until(&self, batch: usize) -> Option<PureError> {
+        let is_meant = |id: &u64| self.trials.get(id).is_some_and(|trial| trial.iteration <= batch);
         let mut groups: BTreeMap<Vec<u64>, Vec<f64>> = BTreeMap::new();
-        for (id, reading) in &self.readings {
+        for (id, reading) in self.readings.iter().filter(|(id, _)| is_meant(id)) {
             let settings = self.settings_of(*id);
             let key = settings.iter().map(|setting| (setting + 0.0).to_bits()).collect();
             groups.entry(key).or_default().extend(reading.values());

@@ -3,9 +3,10 @@
 mod ask;
 mod import;
 mod new;
+mod report;
 mod run;
 mod settings;
-mod status;
+pub(crate) mod status;
 mod tell;
 
 use std::time::Duration;
@@ -35,7 +36,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
         Command::Tell(tell) => tell::tell(folder, wait, tell),
         Command::Import { file, source } => import::import(folder, wait, file, source),
         Command::Status { why } => status::status(folder, why.as_deref()),
-        Command::Report { output: _ } => anyhow::bail!("not written yet"),
+        Command::Report { output } => report::report(folder, output.as_deref()),
         Command::Run { batches, anyway } => run::run(folder, wait, *batches, *anyway),
     }
 }

@@ -34,7 +34,7 @@ pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     Ok(Output { text, json, notices })
 }
 
-fn standing(campaign: &Campaign) -> String {
+pub(crate) fn standing(campaign: &Campaign) -> String {
     let (n_closed, n_told) =
         (campaign.now.reports().len(), campaign.readings.values().filter(|r| r.first.is_some()).count());
     let n_failed = campaign.readings.values().filter(|reading| reading.values().count() == 0).count();
@@ -55,13 +55,13 @@ fn standing(campaign: &Campaign) -> String {
 }
 
 /// The value of a computed cost, with its unit.
-fn value(campaign: &Campaign, cost: f64) -> String {
+pub(crate) fn value(campaign: &Campaign, cost: f64) -> String {
     let response = &campaign.problem.response;
     with_unit(&short(response.cost(cost)), &response.unit)
 }
 
 /// A difference of costs, with its unit.
-fn amount(campaign: &Campaign, difference: f64) -> String {
+pub(crate) fn amount(campaign: &Campaign, difference: f64) -> String {
     with_unit(&short(difference), &campaign.problem.response.unit)
 }
 
@@ -70,7 +70,7 @@ fn gain(campaign: &Campaign, mean: f64) -> String {
     if mean > 0.0 { amount(campaign, mean) } else { "practically nothing".to_owned() }
 }
 
-fn best(campaign: &Campaign) -> Result<String> {
+pub(crate) fn best(campaign: &Campaign) -> Result<String> {
     let (problem, reports) = (&campaign.problem, campaign.now.reports());
     let Some(last) = reports.last() else { return Ok(String::new()) };
     let screening = &last.screening;
@@ -169,9 +169,13 @@ fn left(campaign: &Campaign) -> Result<String> {
 
 /// Why a batch dropped what it dropped.
 pub(crate) fn dropped_by(campaign: &Campaign, report: &GlobalReport) -> String {
+    let n = report.screening.n_before - report.screening.n_after;
+    format!("batch {} dropped {}: {}", report.iteration, grouped(n), dropped_because(campaign, report))
+}
+
+pub(crate) fn dropped_because(campaign: &Campaign, report: &GlobalReport) -> String {
     let screening = &report.screening;
-    let n = screening.n_before - screening.n_after;
-    let why = match screening.spread.s() {
+    match screening.spread.s() {
         Some(s) => {
             let worse = screening.threshold * s * std::f64::consts::SQRT_2;
             let limit = value(campaign, screening.optimum_value + worse);
@@ -179,8 +183,7 @@ pub(crate) fn dropped_by(campaign: &Campaign, report: &GlobalReport) -> String {
             format!("predicted {word} {limit}, that is worse than the best by {} S √2", short(screening.threshold))
         }
         None => "nothing could be dropped, as the validation experiments gave no spread S".to_owned(),
-    };
-    format!("batch {} dropped {}: {why}", report.iteration, grouped(n))
+    }
 }
 
 /// The least and the largest setting of each parameter among the designs that are left.
@@ -210,7 +213,7 @@ fn grid_counts(campaign: &Campaign) -> Vec<u64> {
 }
 
 /// What more experiments could bring, and what is certain.
-fn prospects(campaign: &Campaign) -> Result<String> {
+pub(crate) fn prospects(campaign: &Campaign) -> Result<String> {
     let mut text = String::new();
     if let Some(outlook) = campaign.outlook()? {
         let total = outlook.total_gain();
@@ -254,7 +257,7 @@ fn prospects(campaign: &Campaign) -> Result<String> {
     Ok(text)
 }
 
-fn next(campaign: &Campaign, stage: &Stage, folder: &Path) -> String {
+pub(crate) fn next(campaign: &Campaign, stage: &Stage, folder: &Path) -> String {
     let at = if folder == Path::new(".") { String::new() } else { format!(" -C {}", folder.display()) };
     match stage {
         Stage::Ready => format!("Next: infuse{at} ask\n"),

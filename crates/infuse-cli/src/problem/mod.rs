@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 pub(crate) use file::{Goal, Input};
 
-use crate::number::{plain, with_unit};
+use crate::number::{plain, setting, with_unit};
 
 /// The name of the file in the folder of a campaign.
 pub(crate) const PROBLEM: &str = "campaign.toml";
@@ -78,6 +78,14 @@ pub(crate) fn heading(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
 }
 
+/// The distance between neighboring levels; 0 without levels.
+pub(crate) fn step(parameter: &doe::Parameter) -> f64 {
+    match parameter.levels() {
+        doe::Levels::Count(count) => parameter.width() / f64::from(count.saturating_sub(1).max(1)),
+        doe::Levels::Continuous => 0.0,
+    }
+}
+
 /// Where simulated values come from.
 #[derive(Debug, Clone)]
 pub(crate) enum Simulator {
@@ -101,8 +109,9 @@ impl Problem {
     /// "spring 21000 N/m, damper 1450 N s/m".
     pub(crate) fn describe(&self, point: &[f64]) -> String {
         let pairs = self.region.parameters().iter().zip(point);
-        let parts = pairs
-            .map(|(parameter, &value)| format!("{} {}", parameter.name(), with_unit(&plain(value), parameter.unit())));
+        let parts = pairs.map(|(parameter, &value)| {
+            format!("{} {}", parameter.name(), with_unit(&setting(value, step(parameter)), parameter.unit()))
+        });
         parts.collect::<Vec<_>>().join(", ")
     }
 

@@ -1,0 +1,36 @@
+//! `infuse report`: all of a campaign on one page.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, ensure};
+use serde_json::json;
+
+use super::Output;
+use crate::campaign::Campaign;
+use crate::journal::Journal;
+use crate::{report, sheet};
+
+pub(crate) fn report(folder: &Path, output: Option<&Path>) -> Result<Output> {
+    let path = match output {
+        Some(path) => path.to_path_buf(),
+        None if folder == Path::new(".") => PathBuf::from("report.html"),
+        None => folder.join("report.html"),
+    };
+    // Anything else may be a sheet, or the journal.
+    ensure!(
+        path.extension().and_then(OsStr::to_str).is_some_and(|extension| ["html", "htm"].contains(&extension)),
+        "--output is {}, expected a file that ends in .html",
+        path.display()
+    );
+    let campaign = Campaign::read(folder)?;
+    let journal = Journal::read(folder)?;
+    let page = report::page(&campaign, &campaign.stage()?, &journal)?;
+    sheet::replace(&path, page.as_bytes())?;
+    let text = format!("Written to {}: open it in a browser, or send it.\n", path.display());
+    let notices = campaign.notices;
+    let json = json!({
+        "report": path, "bytes": page.len(), "batches": campaign.now.reports().len(), "notices": notices,
+    });
+    Ok(Output { text, json, notices })
+}

@@ -1,0 +1,133 @@
+//! Batch by batch: the best design, what was dropped, what was learned.
+
+use infuse::{GlobalReport, IterationSurfaces, ObservedErrors, Outcome};
+
+use super::html::{Column, Page, Table};
+use super::trends;
+use crate::campaign::Campaign;
+use crate::command::status::dropped_because;
+use crate::number::{grouped, percent, short};
+use crate::problem::heading;
+
+/// In a cell that has nothing to say.
+const NOTHING: &str = "–";
+
+pub(super) fn write(page: &mut Page, campaign: &Campaign, observed: &[Option<ObservedErrors>]) {
+    page.section("history", "History");
+    let reports = campaign.now.reports();
+    if reports.is_empty() {
+        page.paragraph("No batch is closed yet.");
+        return;
+    }
+    trends::write(page, campaign, observed);
+    page.table(&best(campaign, reports));
+    page.table(&dropped(campaign, reports));
+    page.table(&learned(campaign, reports, observed));
+}
+
+fn best(campaign: &Campaign, reports: &[GlobalReport]) -> Table {
+    let response = &campaign.problem.response;
+    let row = |report: &GlobalReport| {
+        let screening = &report.screening;
+        vec![
+            report.iteration.to_string(),
+            campaign.problem.describe(&screening.optimum),
+            short(response.cost(screening.optimum_value)),
+            screening.spread.s().map_or_else(nothing, short),
+            best_measured(report).map_or_else(nothing, |cost| short(response.cost(cost))),
+            campaign.problem.describe(&screening.simulation_optimum),
+        ]
+    };
+    Table {
+        caption:
+            "Best design after each batch. S: how far experiments that the surface had not seen were missed. The last \
+                  column is the best of the designs that were left, by the simulation alone."
+                .to_owned(),
+        columns: vec![
+            Column::number("batch"),
+            Column::words("best design"),
+            Column::number(heading("predicted", &response.unit)),
+            Column::number(heading("S", &response.unit)),
+            Column::number(heading("best measured in the batch", &response.unit)),
+            Column::words("simulation alone"),
+        ],
+        rows: reports.iter().map(row).collect(),
+    }
+}
+
+fn dropped(campaign: &Campaign, reports: &[GlobalReport]) -> Table {
+    let of = campaign.now.retained().n_cells();
+    let row = |report: &GlobalReport| {
+        let screening = &report.screening;
+        vec![
+            report.iteration.to_string(),
+            grouped(screening.n_before - screening.n_after),
+            dropped_because(campaign, report),
+            grouped(screening.n_after),
+            percent(screening.n_after as f64 / of as f64),
+        ]
+    };
+    Table {
+        caption: format!("What each batch dropped of the {} designs, and why.", grouped(of)),
+        columns: vec![
+            Column::number("batch"),
+            Column::number("dropped"),
+            Column::words("why"),
+            Column::number("left"),
+            Column::number("share"),
+        ],
+        rows: reports.iter().map(row).collect(),
+    }
+}
+
+fn learned(campaign: &Campaign, reports: &[GlobalReport], observed: &[Option<ObservedErrors>]) -> Table {
+    let optional = |amount: Option<f64>| amount.map_or_else(nothing, short);
+    let unit = &campaign.problem.response.unit;
+    let rows = reports.iter().zip(campaign.now.surfaces()).zip(observed);
+    let row = |((report, surfaces), observed): ((&GlobalReport, &IterationSurfaces), &Option<ObservedErrors>)| {
+        let noise = campaign.noise_until(report.iteration);
+        vec![
+            report.iteration.to_string(),
+            optional(report.changes.innovation),
+            short(report.changes.model),
+            optional(observed.map(|observed| observed.eps)),
+            format!("{} of {}", report.failed_trials().count(), report.trials.len()),
+            format!("{} of {}", report.failed_simulations().count(), report.simulations.len()),
+            optional(noise.map(|noise| noise.standard_deviation())),
+            lack_of_fit(surfaces),
+        ]
+    };
+    Table {
+        caption: "What each batch taught. Innovation: how far its experiments were, at the most, from the corrected \
+                  simulation of the batch before, for the first batch from the simulation. Correction: how far the corrected \
+                  simulation moved. Bound: see Bounds. Noise: standard deviation of repeats, of all batches so far. Lack of \
+                  fit: a probability p below 0.05 says that the surface of the experiments misses more than noise explains."
+            .to_owned(),
+        columns: vec![
+            Column::number("batch"),
+            Column::number(heading("innovation", unit)),
+            Column::number(heading("correction", unit)),
+            Column::number(heading("bound", unit)),
+            Column::number("experiments failed"),
+            Column::number("simulations failed"),
+            Column::number(heading("noise", unit)),
+            Column::number("lack of fit, p"),
+        ],
+        rows: rows.map(row).collect(),
+    }
+}
+
+fn lack_of_fit(surfaces: &IterationSurfaces) -> String {
+    let test = surfaces.experiment.as_ref().and_then(|surface| surface.regression()?.lack_of_fit().ok());
+    test.map_or_else(nothing, |test| short(test.p_value))
+}
+
+/// The least cost among the experiments of a batch.
+pub(super) fn best_measured(report: &GlobalReport) -> Option<f64> {
+    let costs = report.trials.iter().filter_map(|record| record.outcome.as_ref().and_then(Outcome::cost));
+    costs.min_by(f64::total_cmp)
+}
+
+fn nothing() -> String {
+    NOTHING.to_owned()
+}

@@ -1,0 +1,90 @@
+//! The last closed batch, and the lines and planes through its best design.
+
+use anyhow::Result;
+use infuse::{GlobalReport, IterationSurfaces, Outcome, TracedSurface, TrialUse};
+
+use crate::campaign::Campaign;
+use crate::problem::{Response, heading};
+
+#[derive(Debug)]
+pub(super) struct Last<'a> {
+    pub(super) campaign: &'a Campaign,
+    pub(super) report: &'a GlobalReport,
+    pub(super) surfaces: &'a IterationSurfaces,
+    /// What entered its surfaces or was compared with them, and what failed.
+    pub(super) runs: Vec<Run>,
+}
+
+/// An experiment of the batch, or an earlier one that counted in it.
+#[derive(Debug)]
+pub(super) struct Run {
+    /// As they were made, natural.
+    pub(super) settings: Vec<f64>,
+    /// None if it failed.
+    pub(super) cost: Option<f64>,
+    pub(super) origin: Origin,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Origin {
+    Training,
+    Validation,
+    Imported,
+}
+
+impl<'a> Last<'a> {
+    /// None before a batch is closed.
+    pub(super) fn of(campaign: &'a Campaign) -> Result<Option<Self>> {
+        let now = &campaign.now;
+        let Some((report, surfaces)) = now.reports().last().zip(now.surfaces().last()) else {
+            return Ok(None);
+        };
+        let mut runs: Vec<Run> = Vec::new();
+        for record in &report.trials {
+            let origin = match record.trial.used_for {
+                TrialUse::Training => Origin::Training,
+                TrialUse::Validation => Origin::Validation,
+            };
+            let cost = record.outcome.as_ref().and_then(Outcome::cost);
+            runs.push(Run { settings: record.settings().to_vec(), cost, origin });
+        }
+        if let Some(retained) = now.retained_at(report.iteration) {
+            for earlier in now.earlier().iter().filter(|earlier| earlier.since <= report.iteration) {
+                let cell = now.cell(&now.region().clamp(&earlier.point)?)?;
+                if retained.contains(cell) {
+                    let settings = earlier.point.clone();
+                    runs.push(Run { settings, cost: Some(earlier.cost), origin: Origin::Imported });
+                }
+            }
+        }
+        Ok(Some(Self { campaign, report, surfaces, runs }))
+    }
+
+    pub(super) fn response(&self) -> &Response {
+        &self.campaign.problem.response
+    }
+
+    pub(super) fn parameters(&self) -> &[doe::Parameter] {
+        self.campaign.problem.region.parameters()
+    }
+
+    /// "spring [N/mm]"
+    pub(super) fn label(&self, parameter: usize) -> String {
+        let parameter = &self.parameters()[parameter];
+        heading(parameter.name(), parameter.unit())
+    }
+
+    /// The best design with these parameters changed.
+    pub(super) fn moved(&self, changes: &[(usize, f64)]) -> Vec<f64> {
+        let mut point = self.report.screening.optimum.clone();
+        for &(parameter, value) in changes {
+            point[parameter] = value;
+        }
+        point
+    }
+
+    /// A surface at a natural point, as it would be measured.
+    pub(super) fn value(&self, surface: &TracedSurface, point: &[f64]) -> Result<f64> {
+        Ok(self.response().cost(surface.surface().predict(&self.campaign.problem.region.coded(point)?)))
+    }
+}

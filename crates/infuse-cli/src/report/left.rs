@@ -1,0 +1,50 @@
+//! What is left of the design space, and why the rest is not.
+
+use anyhow::Result;
+
+use super::html::{Column, Page, Table};
+use crate::campaign::Campaign;
+use crate::command::status::{dropped_by, ranges};
+use crate::number::{grouped, percent, setting};
+use crate::problem::{heading, step};
+
+pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
+    page.section("left", "What is left");
+    let retained = campaign.now.retained();
+    let (n, of) = (retained.n_retained(), retained.n_cells());
+    page.paragraph(&format!("{} of {} designs are left, {}.", grouped(n), grouped(of), percent(retained.share())));
+    let best = campaign.now.reports().last().map(|report| &report.screening.optimum);
+    let parameters = campaign.problem.region.parameters().iter();
+    let rows = parameters.zip(ranges(campaign, retained)?).enumerate().map(|(index, (parameter, (least, most)))| {
+        let text = |value: f64| setting(value, step(parameter));
+        let ends = |from: f64, to: f64| format!("{} to {}", text(from), text(to));
+        let best = best.map_or_else(|| "–".to_owned(), |best| text(best[index]));
+        vec![
+            heading(parameter.name(), parameter.unit()),
+            ends(parameter.lower(), parameter.upper()),
+            ends(least, most),
+            best,
+        ]
+    });
+    page.table(&Table {
+        caption: "Least and largest setting among the designs left. Not every combination within these ranges is left."
+            .to_owned(),
+        columns: vec![
+            Column::words("parameter"),
+            Column::number("bounds"),
+            Column::number("left"),
+            Column::number("best"),
+        ],
+        rows: rows.collect(),
+    });
+    let reports = campaign.now.reports();
+    if !reports.is_empty() {
+        page.paragraph("Why the rest was dropped:");
+        page.list(reports.iter().map(|report| dropped_by(campaign, report)));
+        page.paragraph(
+            "S is how far experiments that the surface had not seen were missed, and S √2 that of a difference of two designs. \
+             `infuse status --why` tells the numbers of any one design.",
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,24 @@
+//! The beginning of the page: what a reader should know if nothing else.
+
+use std::path::Path;
+
+use anyhow::Result;
+
+use super::html::Page;
+use crate::campaign::{Campaign, Stage};
+use crate::command::status;
+
+pub(super) fn write(page: &mut Page, campaign: &Campaign, stage: &Stage) -> Result<()> {
+    page.section("stands", "Where the campaign stands");
+    page.paragraph(status::standing(campaign).trim());
+    if !campaign.now.reports().is_empty() {
+        page.note(&status::best(campaign)?);
+        page.terminal_text(&status::lesson(campaign)?);
+        page.terminal_text(&status::prospects(campaign)?);
+    }
+    page.paragraph(status::next(campaign, stage, Path::new(".")).trim());
+    for notice in &campaign.notices {
+        page.paragraph(&format!("Note: {notice}."));
+    }
+    Ok(())
+}
