@@ -66,7 +66,7 @@ pub(crate) enum Stage {
     Pending,
     /// Nothing: it has ended.
     Ended(GlobalStopReason),
-    /// Nothing: what another batch can gain is less than it is worth.
+    /// Nothing: what another batch may gain is less than it is worth.
     NotWorth { gain: f64, worth: f64 },
 }
 

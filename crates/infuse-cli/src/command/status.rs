@@ -218,10 +218,13 @@ pub(crate) fn prospects(campaign: &Campaign) -> Result<String> {
     if let Some(outlook) = campaign.outlook()? {
         let total = outlook.total_gain();
         let headline = total.map_or_else(|| "nobody knows how much".to_owned(), |total| gain(campaign, total));
-        let _ = writeln!(text, "More experiments can gain {headline} on average at the most:");
-        let upper = if outlook.upper_gain > 0.0 { amount(campaign, outlook.upper_gain) } else { "nothing".to_owned() };
+        let _ = writeln!(text, "More experiments may still gain {headline} on average:");
         let mean = gain(campaign, outlook.mean_gain);
-        let _ = writeln!(text, "  {mean} by averaging out the noise, and nine times in ten at most {upper};");
+        let upper = match outlook.upper_gain {
+            upper if upper > 0.0 => format!("at most {}", amount(campaign, upper)),
+            _ => "nothing".to_owned(),
+        };
+        let _ = writeln!(text, "  {mean} by averaging out the noise ({upper} nine times in ten);");
         let _ = match outlook.misfit_gain {
             Some(misfit) if misfit > 0.0 => writeln!(
                 text,
@@ -278,7 +281,7 @@ pub(crate) fn reason_to_stop(campaign: &Campaign, stage: &Stage) -> Option<Strin
         }
         Stage::Ended(reason) => Some(reason.to_string()),
         Stage::NotWorth { gain, worth } => Some(format!(
-            "another batch can gain {} on average at the most, and is worth it from {}",
+            "another batch may gain {} on average, and is worth it from {}",
             self::gain(campaign, *gain),
             amount(campaign, *worth)
         )),

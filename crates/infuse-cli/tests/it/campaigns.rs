@@ -29,7 +29,7 @@ fn the_template_finds_the_optimum_of_the_rig_and_not_that_of_its_simulation() {
         "Left:",
         "dropped",
         "Guarantee",
-        "Ended: another batch can gain",
+        "Ended: another batch may gain",
     ] {
         assert!(text.contains(words), "{words} is not in {text}");
     }

@@ -108,7 +108,7 @@ fn an_experiment_that_is_a_command_closes_the_loop() {
     let text = rig.infuse(&["run", "--batches", "1"]).ok();
     assert!(text.contains("batch 1:") && text.contains("1 batch made; infuse run goes on."), "{text}");
     let text = rig.infuse(&["run"]).ok();
-    assert!(text.contains("Ended: another batch can gain"), "{text}");
+    assert!(text.contains("Ended: another batch may gain"), "{text}");
     let status = rig.status();
     let best = |name: &str| status["best"][name].as_f64().unwrap();
     assert!(truth(best("spring"), best("damper gain")) < 7.2, "{status}");
