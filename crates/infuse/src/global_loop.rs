@@ -157,6 +157,7 @@ impl GlobalLoop {
             simulation_optimum_cell: simulated.index,
             simulation_optimum: self.cells.natural(simulated.index)?,
             spread,
+            tested: self.iteration() >= self.settings.first_screening,
             threshold: threshold(self.settings.confidence),
             n_before,
             n_after: n_before,
@@ -170,7 +171,7 @@ impl GlobalLoop {
 /// M_i+1: the cells of M_i that the test of an iteration keeps.
 fn reduced(before: &RetainedSet, cells: &Cells, screening: &Screening, combined: &TracedSurface) -> RetainedSet {
     let mut after = before.clone();
-    if screening.spread.s().is_some() {
+    if screening.tested_spread().is_some() {
         after.retain(cells.points(), combined.surface(), |value| screening.keeps(value));
     }
     after
@@ -496,7 +497,7 @@ impl GlobalLoop {
         let point = self.cells.coded(cell).ok()?;
         self.history.iter().zip(&self.surfaces).find_map(|(report, surfaces)| {
             let screening = &report.screening;
-            let (spread, value) = (screening.spread.s()?, surfaces.combined.surface().predict(&point));
+            let (spread, value) = (screening.tested_spread()?, surfaces.combined.surface().predict(&point));
             let (optimum_value, iteration) = (screening.optimum_value, report.iteration);
             let z = z(value, optimum_value, spread);
             let z0 = screening.threshold;

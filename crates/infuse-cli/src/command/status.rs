@@ -176,6 +176,7 @@ pub(crate) fn dropped_by(campaign: &Campaign, report: &GlobalReport) -> String {
 pub(crate) fn dropped_because(campaign: &Campaign, report: &GlobalReport) -> String {
     let screening = &report.screening;
     match screening.spread.s() {
+        _ if !screening.tested => "the first batches only correct, see `drop_from` in [loop]".to_owned(),
         Some(s) => {
             let worse = screening.threshold * s * std::f64::consts::SQRT_2;
             let limit = value(campaign, screening.optimum_value + worse);

@@ -94,6 +94,7 @@ pub(crate) struct LoopEntry {
     pub(crate) simulations: Option<usize>,
     pub(crate) batches: Option<usize>,
     pub(crate) confidence: Option<f64>,
+    pub(crate) drop_from: Option<usize>,
     pub(crate) gain: Option<Gain>,
     pub(crate) experiment_weight: Option<f64>,
     pub(crate) simulation_weight: Option<f64>,

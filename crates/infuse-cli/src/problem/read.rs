@@ -159,6 +159,8 @@ fn settings(entry: &LoopEntry, region: &Region, seed: u64) -> Result<GlobalSetti
     settings.seed = seed;
     settings.max_iterations = entry.batches.unwrap_or(settings.max_iterations);
     settings.confidence = entry.confidence.unwrap_or(settings.confidence);
+    // The surface of the first batch still rests on simulations that nothing has corrected.
+    settings.first_screening = entry.drop_from.unwrap_or(2);
     settings.experiment_weight = entry.experiment_weight.unwrap_or(settings.experiment_weight);
     settings.simulation_weight = entry.simulation_weight.unwrap_or(settings.simulation_weight);
     settings.surfaces = entry.surfaces.unwrap_or_default();
@@ -176,6 +178,7 @@ fn in_words_of_the_file(message: &str) -> String {
         ("`n_experiments`", "`experiments`"),
         ("`n_simulations`", "`simulations`"),
         ("`max_iterations`", "`batches`"),
+        ("`first_screening`", "`drop_from`"),
         ("`fallback`", "`without_spread`"),
     ]
     .iter()

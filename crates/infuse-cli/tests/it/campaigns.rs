@@ -201,7 +201,7 @@ fn why_a_design_was_dropped_can_be_asked() {
     let rig = Rig::new();
     while rig.batch() {}
     let text = rig.infuse(&["status", "--why", "spring=34,damper gain=2.9"]).ok();
-    assert!(text.contains("spring 34 N/mm, damper gain 2.9 N s/mm was dropped by batch 1"), "{text}");
+    assert!(text.contains("spring 34 N/mm, damper gain 2.9 N s/mm was dropped by batch 2"), "{text}");
     let best = rig.status()["best"].clone();
     let text = rig
         .infuse(&["status", "--why", &format!("spring={},damper gain={}", best["spring"], best["damper gain"])])

@@ -84,6 +84,7 @@ impl Agreement {
             }
             (saved, found) => self.exact(field, &saved, &found)?,
         }
+        self.exact("screening.tested", &saved.tested, &found.tested)?;
         self.close("screening.threshold", saved.threshold, found.threshold, TOLERANCE * found.threshold)?;
         self.exact("screening.n_before", &saved.n_before, &found.n_before)?;
         self.exact("screening.n_after", &saved.n_after, &found.n_after)

@@ -139,6 +139,9 @@ pub struct Screening {
     pub simulation_optimum: Vec<f64>,
     /// The S of the test.
     pub spread: Spread,
+    /// Whether there was a test: not before [`GlobalSettings::first_screening`].
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    pub tested: bool,
     /// z_0.
     pub threshold: f64,
     /// Cells at the onset of the iteration, M_i.
@@ -147,10 +150,24 @@ pub struct Screening {
     pub n_after: u64,
 }
 
+fn yes() -> bool {
+    true
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+fn is_yes(flag: &bool) -> bool {
+    *flag
+}
+
 impl Screening {
+    /// The S that cells were tested with.
+    pub(crate) fn tested_spread(&self) -> Option<f64> {
+        self.spread.s().filter(|_| self.tested)
+    }
+
     /// Whether a cell with this combined value is retained.
     pub(crate) fn keeps(&self, value: f64) -> bool {
-        self.spread.s().is_none_or(|s| {
+        self.tested_spread().is_none_or(|s| {
             let z = z(value, self.optimum_value, s);
             z.is_nan() || z < self.threshold
         })

@@ -101,6 +101,10 @@ pub struct GlobalSettings {
     /// Level of the one-sided z-test, between 0.5 and 1. Default 0.9, as in Section 5.5.
     #[serde(default = "default_confidence")]
     pub confidence: f64,
+    /// The first iteration that drops cells. Default 1, as in Section 5.5. But the combined surface of iteration 1 is fitted to
+    /// simulations that nothing has corrected yet, so where they are far off, 2 is safer.
+    #[serde(default = "default_first_screening", skip_serializing_if = "is_one")]
+    pub first_screening: usize,
     /// How the experiments correct the simulation. Default: the recursion of the proof with gain 0.5;
     /// the dissertation does not tell its gain.
     #[serde(default = "default_correction")]
@@ -148,6 +152,15 @@ fn default_confidence() -> f64 {
     0.9
 }
 
+fn default_first_screening() -> usize {
+    1
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+fn is_one(count: &usize) -> bool {
+    *count == 1
+}
+
 fn default_correction() -> CorrectionRule {
     // One half is a gain, so the other branch is never taken.
     let gain = Gain::constant(0.5).unwrap_or_else(|_| Gain::harmonic());
@@ -191,6 +204,7 @@ impl GlobalSettings {
             experiment_weight: default_experiment_weight(),
             simulation_weight: default_simulation_weight(),
             confidence: default_confidence(),
+            first_screening: default_first_screening(),
             correction: default_correction(),
             fallback: SpreadFallback::default(),
             split: default_split(),
@@ -244,6 +258,7 @@ impl GlobalSettings {
         if let SpreadFallback::Given(spread) = self.fallback {
             positive("fallback", spread)?;
         }
+        count("first_screening", self.first_screening, self.first_screening > 0, "at least 1")?;
         count("max_iterations", self.max_iterations, self.max_iterations > 0, "at least 1")?;
         let positive_count = |name, value: u64, least: u64, expected| {
             let value_shown = usize::try_from(value).unwrap_or(usize::MAX);

@@ -160,6 +160,23 @@ fn earlier_experiments_that_cannot_be_are_refused() {
 }
 
 #[test]
+fn nothing_is_dropped_before_the_first_screening() {
+    let (region, mut settings) = planar();
+    settings.first_screening = 2;
+    settings.max_iterations = 2;
+    let mut campaign = GlobalLoop::new(&region, settings.clone()).unwrap();
+    campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
+    let left: Vec<u64> = campaign.reports().iter().map(|report| report.screening.n_after).collect();
+    assert!(left[0] == 576 && left[1] < 576, "{left:?}");
+    assert!((0..576).all(|cell| campaign.why_dropped(cell).is_none_or(|dropped| dropped.iteration == 2)));
+    assert_eq!((0..576).filter(|&cell| campaign.why_dropped(cell).is_some()).count() as u64, 576 - left[1]);
+    let restored: GlobalLoop = serde_json::from_str(&save(&campaign)).unwrap();
+    assert_eq!(restored, campaign);
+    settings.first_screening = 0;
+    assert!(GlobalLoop::new(&region, settings).unwrap_err().to_string().contains("`first_screening` is 0"));
+}
+
+#[test]
 fn outlook_over_two_cells_is_the_closed_form() {
     // One parameter, two cells, a straight line: the difference of the two costs is normal.
     let mut settings = settings(Model::linear(1).unwrap(), 6, 4);
