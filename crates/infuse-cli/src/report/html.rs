@@ -138,7 +138,7 @@ impl Page {
         let body = &mut self.body;
         body.push_str("<div class=\"figures\">\n");
         for figure in figures {
-            let _ = write!(body, "<figure style=\"width: {}px\">\n", figure.width_px);
+            let _ = writeln!(body, "<figure style=\"width: {}px\">", figure.width_px);
             let _ = write!(body, "<div class=\"y\">{}</div>\n{}\n", escape(&figure.y_label), figure.svg);
             let _ = writeln!(body, "<div class=\"x\">{}</div>", escape(&figure.x_label));
             write_legend(body, &figure.legend);
