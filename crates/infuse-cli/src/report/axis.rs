@@ -24,8 +24,7 @@ impl Scale {
             min = 0.0;
         }
         if max - min <= 1e-9 * max.abs().max(min.abs()) {
-            let half = if max.abs() > 0.0 { 0.1 * max.abs() } else { 1.0 };
-            (min, max) = (min - half, max + half);
+            (min, max) = if max.abs() > 0.0 { (min - 0.1 * max.abs(), max + 0.1 * max.abs()) } else { (0.0, 1.0) };
         }
         let step = round_step((max - min) / 5.0);
         let room = 0.04 * (max - min);

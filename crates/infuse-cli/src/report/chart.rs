@@ -9,6 +9,8 @@ use super::palette::{GRID, INK, PAPER};
 const FONT_PX: f64 = 12.0;
 /// About the width of a digit.
 const DIGIT_PX: f64 = 7.2;
+/// Along x, where there is room.
+const MOST_TICKS: usize = 8;
 const TOP_PX: f64 = 8.0;
 const BELOW_PX: f64 = 24.0;
 
@@ -66,8 +68,9 @@ impl Chart {
         let (width, height) = size;
         let y_ticks = y.ticks(6);
         let widest = y_ticks.iter().map(|&tick| width_of(&label(tick))).fold(0.0, f64::max);
-        let left = widest + 14.0;
-        let right = room.max(12.0);
+        // The first and the last number along x stick out by half.
+        let half = 0.5 * x.0.ticks(MOST_TICKS).iter().map(|&tick| width_of(&label(tick))).fold(0.0, f64::max);
+        let (left, right) = ((widest + 14.0).max(half), room.max(half + 4.0).max(12.0));
         let frame =
             Frame { left, top: TOP_PX, width: width - left - right, height: height - TOP_PX - BELOW_PX, x: x.0, y };
         let svg = format!(
@@ -231,7 +234,7 @@ impl Frame {
             Ticks::Whole => self.x.whole_ticks(most),
         };
         let fits = |ticks: &Vec<f64>| ticks.iter().map(|&tick| width_of(&label(tick)) + 12.0).sum::<f64>() < self.width;
-        (1..=8).rev().map(at_most).find(fits).unwrap_or_default()
+        (1..=MOST_TICKS).rev().map(at_most).find(fits).unwrap_or_default()
     }
 }
 
@@ -302,6 +305,38 @@ fn mark_at((x, y): (f64, f64), mark: Mark, color: &str) -> String {
         Mark::Cross => {
             let d = "M-4 -4L4 4M-4 4L4 -4";
             path(d, "none", PAPER, 4.5) + &path(d, "none", color, 2.0)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_stand_where_the_axes_say() {
+        let (x, y) = (Scale::Linear { min: 0.0, max: 10.0 }, Scale::Linear { min: -1.0, max: 1.0 });
+        let mut chart = Chart::new((200.0, 100.0), 20.0, (x, Ticks::Any), y, Grid::Shown);
+        let Frame { left, top, width, height, .. } = chart.frame;
+        assert_eq!((left + width, top + height), (180.0, 76.0));
+        chart.mark((10.0, 1.0), Mark::Dot, INK);
+        chart.mark((0.0, 0.0), Mark::Ring, INK);
+        chart.mark((f64::NAN, 0.0), Mark::Dot, INK);
+        let svg = chart.svg();
+        assert!(svg.contains("<circle cx=\"180.0\" cy=\"8.0\""), "{svg}");
+        assert!(svg.contains(&format!("<circle cx=\"{left:.1}\" cy=\"42.0\"")), "{svg}");
+        assert!(!svg.contains("NaN"), "a place that is none");
+    }
+
+    #[test]
+    fn numbers_along_x_do_not_touch() {
+        let x = Scale::Linear { min: 1.0e6, max: 1.000_001e6 };
+        for width in [60.0, 120.0, 300.0] {
+            let frame = Frame { left: 0.0, top: 0.0, width, height: 9.0, x, y: x };
+            let ticks = frame.x_ticks(Ticks::Any);
+            let widest = ticks.iter().map(|&tick| width_of(&label(tick))).fold(0.0, f64::max);
+            let apart = ticks.windows(2).map(|pair| frame.x_px(pair[1]) - frame.x_px(pair[0]));
+            assert!(apart.fold(f64::INFINITY, f64::min) > widest, "{width}: {ticks:?}");
         }
     }
 }

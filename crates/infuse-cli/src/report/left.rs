@@ -26,9 +26,9 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
             best,
         ]
     });
+    let not_all = if n < of { " Not every combination within these ranges need be left." } else { "" };
     page.table(&Table {
-        caption: "Least and largest setting among the designs left. Not every combination within these ranges is left."
-            .to_owned(),
+        caption: format!("Least and largest setting among the designs left.{not_all}"),
         columns: vec![
             Column::words("parameter"),
             Column::number("bounds"),

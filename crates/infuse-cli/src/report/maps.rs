@@ -17,7 +17,7 @@ const SIZE_PX: (f64, f64) = (448.0, 380.0);
 /// Maps on a page.
 const MOST_MAPS: usize = 6;
 /// Cells on a page: beyond it some levels are not drawn.
-const MOST_CELLS: usize = 12_000;
+const MOST_CELLS: usize = 6_000;
 
 /// The cells over two parameters, x fastest.
 #[derive(Debug)]
@@ -32,7 +32,7 @@ struct Map {
 struct Axis {
     parameter: usize,
     levels: Vec<f64>,
-    /// Every how manieth level it is.
+    /// One in so many levels.
     stride: u32,
     /// Half the distance between levels that are drawn.
     half: f64,

@@ -11,12 +11,12 @@ use crate::command::status;
 pub(super) fn write(page: &mut Page, campaign: &Campaign, stage: &Stage) -> Result<()> {
     page.section("stands", "Where the campaign stands");
     page.paragraph(status::standing(campaign).trim());
+    let next = status::next(campaign, stage, Path::new("."));
+    page.note(&(status::best(campaign)? + &next));
     if !campaign.now.reports().is_empty() {
-        page.note(&status::best(campaign)?);
         page.terminal_text(&status::lesson(campaign)?);
         page.terminal_text(&status::prospects(campaign)?);
     }
-    page.paragraph(status::next(campaign, stage, Path::new(".")).trim());
     for notice in &campaign.notices {
         page.paragraph(&format!("Note: {notice}."));
     }

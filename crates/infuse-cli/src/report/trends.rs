@@ -20,14 +20,19 @@ type Line = Vec<(f64, f64)>;
 
 pub(super) fn write(page: &mut Page, campaign: &Campaign, observed: &[Option<ObservedErrors>]) {
     let reports = campaign.now.reports();
-    let figures = [best(campaign, reports), left(campaign, reports), errors(campaign, reports, observed)];
-    page.figures(
-        &figures,
-        &[],
-        "Left: the best response that is predicted, and the best that was measured in the batch. Middle: the share of designs \
-         left. Right: by how much the corrected simulation was off before the batch, as its experiments have shown \
-         (innovation), and by how much at the most it is off after it (bound, see Bounds).",
-    );
+    let figures = [Some(best(campaign, reports)), Some(left(campaign, reports)), errors(campaign, reports, observed)];
+    let figures: Vec<Figure> = figures.into_iter().flatten().collect();
+    let mut caption =
+        "Left: the best response that is predicted, and the best that was measured in the batch. Then the share of \
+                       designs left."
+            .to_owned();
+    if figures.len() > 2 {
+        caption.push_str(
+            " Right: by how much the corrected simulation was off before the batch, as its experiments have shown \
+             (innovation), and by how much at the most it is off after it (bound, see Bounds).",
+        );
+    }
+    page.figures(&figures, &[], &caption);
 }
 
 fn best(campaign: &Campaign, reports: &[GlobalReport]) -> Figure {
@@ -49,11 +54,13 @@ fn best(campaign: &Campaign, reports: &[GlobalReport]) -> Figure {
     for &point in &measured {
         chart.mark(point, Mark::Ring, INK);
     }
-    let legend = vec![
-        key(line_sample(Stroke::Solid, BLUE) + &mark_sample(Mark::Dot, BLUE), "predicted"),
-        key(whisker_sample(BLUE), "± S"),
-        key(mark_sample(Mark::Ring, INK), "best measured"),
-    ];
+    let mut legend = vec![key(line_sample(Stroke::Solid, BLUE) + &mark_sample(Mark::Dot, BLUE), "predicted")];
+    if whiskers.iter().any(|&s| s > 0.0) {
+        legend.push(key(whisker_sample(BLUE), "± S"));
+    }
+    if !measured.is_empty() {
+        legend.push(key(mark_sample(Mark::Ring, INK), "best measured"));
+    }
     Figure { y_label: response.heading(), svg: chart.svg(), width_px: SIZE_PX.0, x_label: "batch".to_owned(), legend }
 }
 
@@ -83,10 +90,14 @@ fn left(campaign: &Campaign, reports: &[GlobalReport]) -> Figure {
     }
 }
 
-fn errors(campaign: &Campaign, reports: &[GlobalReport], observed: &[Option<ObservedErrors>]) -> Figure {
+/// None if no batch could be compared with its experiments.
+fn errors(campaign: &Campaign, reports: &[GlobalReport], observed: &[Option<ObservedErrors>]) -> Option<Figure> {
     let innovation: Line = reports.iter().filter_map(|r| Some((batch(r), r.changes.innovation?))).collect();
     let bound = reports.iter().zip(observed).filter_map(|(r, observed)| Some((batch(r), observed.as_ref()?.eps)));
     let bound: Line = bound.collect();
+    if innovation.is_empty() {
+        return None;
+    }
     let values = || innovation.iter().chain(&bound).map(|point| point.1);
     let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
     let linear = Scale::around(values().chain([0.0]));
@@ -105,7 +116,7 @@ fn errors(campaign: &Campaign, reports: &[GlobalReport], observed: &[Option<Obse
         legend.push(key(line_sample(Stroke::Dashes, VERMILION) + &mark_sample(Mark::Ring, VERMILION), "bound"));
     }
     let y_label = heading("off by up to", &campaign.problem.response.unit);
-    Figure { y_label, svg: chart.svg(), width_px: SIZE_PX.0, x_label: "batch".to_owned(), legend }
+    Some(Figure { y_label, svg: chart.svg(), width_px: SIZE_PX.0, x_label: "batch".to_owned(), legend })
 }
 
 fn batch(report: &GlobalReport) -> f64 {

@@ -8,5 +8,6 @@ mod journals;
 mod problems;
 mod programs;
 mod quarter_car;
+mod report;
 mod rig;
 mod sheets;
