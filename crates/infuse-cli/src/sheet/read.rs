@@ -164,7 +164,8 @@ impl Reader<'_> {
             let column = self.columns.setting(index);
             let text = self.table.cell(row, column);
             // Sheets hold twelve digits.
-            let is_same = |value: f64| (value - asked).abs() <= 1e-9 * parameter.width() || plain(value) == plain(asked);
+            let is_same =
+                |value: f64| (value - asked).abs() <= 1e-9 * parameter.width() || plain(value) == plain(asked);
             let is_asked = parse(text).is_ok_and(is_same);
             if !text.is_empty() && !is_asked {
                 let asked = with_unit(&plain(asked), parameter.unit());

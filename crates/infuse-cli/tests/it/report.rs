@@ -37,6 +37,7 @@ fn eventful() -> Rig {
 fn maximized() -> Rig {
     let rig = Rig::new();
     rig.edit("goal = \"minimize\"", "goal = \"maximize\"");
+    rig.edit("[loop]", "[loop]\ndrop_from = 1");
     assert!(rig.batch());
     rig
 }
