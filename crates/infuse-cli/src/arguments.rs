@@ -60,7 +60,7 @@ pub(crate) enum Command {
         /// Begin another batch even if it seems not worth it
         #[arg(long)]
         anyway: bool,
-        /// Simulate everything again in this batch and those to come, after the simulator itself was changed
+        /// From the next batch on, simulate everything again, because the simulator itself was changed
         #[arg(long)]
         resimulate: bool,
     },
@@ -72,10 +72,14 @@ pub(crate) enum Command {
     /// headed like those of a sheet, and may have one headed `source`.
     Import {
         /// The table
-        file: PathBuf,
+        #[arg(required_unless_present = "withdraw")]
+        file: Option<PathBuf>,
         /// Where these experiments come from: a notebook, a report, a date
-        #[arg(long)]
-        source: String,
+        #[arg(long, required_unless_present = "withdraw")]
+        source: Option<String>,
+        /// From now on use nothing more that was imported from this source, as the journal has it
+        #[arg(long, value_name = "SOURCE", conflicts_with_all = ["file", "source"])]
+        withdraw: Option<String>,
     },
     /// Say where the campaign stands: the best design, what was learned, what is left, and whether to go on
     Status {
@@ -120,7 +124,7 @@ pub(crate) struct Tell {
     #[arg(long, requires = "id", value_name = "NAME=VALUE,...")]
     pub(crate) actual: Option<String>,
     /// It is one more run of an experiment that was told already
-    #[arg(long, requires = "id")]
+    #[arg(long, requires = "id", conflicts_with = "correct")]
     pub(crate) again: bool,
     /// A remark for the journal
     #[arg(long, requires = "id", default_value = "")]

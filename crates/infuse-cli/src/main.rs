@@ -26,7 +26,7 @@ const INTERRUPTED: u8 = 130;
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     // Without it an interrupt ends the program at once, which loses nothing either.
-    let _ = ctrlc::set_handler(|| program::INTERRUPTED.store(true, Ordering::Relaxed));
+    let _ = ctrlc::set_handler(|| program::interrupt(i32::from(INTERRUPTED)));
     let outcome = command::run(&arguments);
     let is_json = arguments.common.json;
     let written = match &outcome {

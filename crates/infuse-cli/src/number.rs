@@ -51,11 +51,24 @@ pub(crate) fn percent(share: f64) -> String {
     format!("{} %", plain(rounded))
 }
 
+/// The largest magnitude of a value: the surfaces take no more.
+const LARGEST: f64 = surface::Data::LARGEST;
+
+/// What is allowed of a number, unless this is.
+pub(crate) fn number_fault(value: f64) -> Option<&'static str> {
+    if !value.is_finite() {
+        Some("a finite number; a run without a result is told as failed, with its reason")
+    } else if value.abs() > LARGEST {
+        Some("a number of at most 1e100 in magnitude")
+    } else {
+        None
+    }
+}
+
 /// A finite number as written in a cell of a table, or what is wrong with it.
 pub(crate) fn parse(text: &str) -> Result<f64, &'static str> {
     match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err("a finite number; a run without a result is told as failed, with its reason"),
+        Ok(value) => number_fault(value).map_or(Ok(value), Err),
         Err(_) if is_decimal_comma(text) => Err("a number with a decimal point, not a comma"),
         Err(_) => Err("a number like 12.5, without its unit"),
     }

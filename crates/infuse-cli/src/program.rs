@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{ExitStatus, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
@@ -12,7 +12,7 @@ use doe::Region;
 use process_wrap::std::{ChildWrapper, CommandWrap};
 use serde_json::{Map, Value, json};
 
-use crate::number::{plain, rounded};
+use crate::number::{number_fault, plain, rounded};
 use crate::problem::{Input, Program};
 
 /// How often a running program is looked at: at first, and at most.
@@ -22,6 +22,17 @@ const SHOWN: usize = 300;
 
 /// Set when a person wants to stop.
 pub(crate) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+/// How many programs run.
+static RUNNING: AtomicUsize = AtomicUsize::new(0);
+
+/// What an interrupt does: programs that run are stopped and what they gave is written down. While none runs, and the
+/// second time, it ends this process at once, which loses nothing either.
+pub(crate) fn interrupt(exit_code: i32) {
+    let again = INTERRUPTED.swap(true, Ordering::SeqCst);
+    if again || RUNNING.load(Ordering::SeqCst) == 0 {
+        std::process::exit(exit_code);
+    }
+}
 
 /// What became of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,8 +69,15 @@ impl Program {
         #[cfg(windows)]
         command.wrap(process_wrap::std::JobObject);
         let mut child = command.spawn().with_context(|| format!("cannot start `{}`", program.display()))?;
-        let status = match self.wait(child.as_mut())? {
-            Waited::Ended(status) => status,
+        RUNNING.fetch_add(1, Ordering::SeqCst);
+        let waited = self.wait(child.as_mut());
+        RUNNING.fetch_sub(1, Ordering::SeqCst);
+        let status = match waited? {
+            Waited::Ended(status) => {
+                // What it has left behind in its group ends with it.
+                let _ = child.start_kill();
+                status
+            }
             Waited::Interrupted => return Ok(Ran::Interrupted),
             Waited::TooLong => {
                 let seconds = plain(self.timeout.as_secs_f64());
@@ -156,7 +174,10 @@ fn value_of(output: &str) -> Ran {
 }
 
 fn finite(value: f64) -> Ran {
-    if value.is_finite() { Ran::Value(value) } else { Ran::Failed(format!("it returned {value}")) }
+    match number_fault(value) {
+        None => Ran::Value(value),
+        Some(expected) => Ran::Failed(format!("it returned {value:?}, expected {expected}")),
+    }
 }
 
 fn failure(status: ExitStatus, errors: &str, output: &str) -> String {

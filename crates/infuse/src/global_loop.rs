@@ -301,10 +301,22 @@ impl GlobalLoop {
     /// width outside its bounds, [`Error::Setting`] for a cost that is not finite.
     pub fn add_earlier(&mut self, point: &[f64], cost: f64, source: impl Into<String>) -> Result<(), Error> {
         let since = self.iteration();
-        let earlier = EarlierExperiment { point: point.to_vec(), cost, source: source.into(), since };
+        let earlier = EarlierExperiment { point: point.to_vec(), cost, source: source.into(), since, until: None };
         earlier.check(self.cells.region())?;
         self.earlier.push(earlier);
         Ok(())
+    }
+
+    /// Stops using the [earlier](Self::add_earlier) experiments from this source, from the iteration that is open or comes next
+    /// on. Iterations that rest on them stand. How many were in use.
+    pub fn withdraw_earlier(&mut self, source: &str) -> usize {
+        let iteration = self.iteration();
+        let mut n_withdrawn = 0;
+        for earlier in self.earlier.iter_mut().filter(|earlier| earlier.source == source && earlier.until.is_none()) {
+            earlier.until = Some(iteration);
+            n_withdrawn += 1;
+        }
+        n_withdrawn
     }
 
     /// The experiments made outside the campaign.
@@ -316,7 +328,7 @@ impl GlobalLoop {
     /// Those of them that count in the iteration that is open or comes next.
     fn earlier_observations(&self) -> Result<Observations, Error> {
         let mut observations = Observations::none(self.cells.n_factors());
-        for earlier in self.earlier.iter().filter(|earlier| earlier.since <= self.iteration()) {
+        for earlier in self.earlier.iter().filter(|earlier| earlier.counts_in(self.iteration())) {
             let inside = self.region().clamp(&earlier.point)?;
             if self.is_retained(self.cells.nearest(&inside)?) {
                 observations.add_simulation(&self.region().coded(&earlier.point)?, earlier.cost)?;

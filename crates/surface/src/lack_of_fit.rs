@@ -4,6 +4,9 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::{Error, Regression};
 
+/// Estimates within this of the values, relative, agree with them.
+const ROUNDING: f64 = 1e-13;
+
 /// The residual sum of squares, split by replicates into pure error and lack of fit, and the F test of the two.
 ///
 /// With n points of positive weight at m places and p terms:
@@ -55,6 +58,11 @@ impl Regression {
             let mean: f64 = site.iter().map(|&point| weights[point] / total * residuals[point]).sum();
             lack_of_fit += total * mean * mean;
             pure_error += site.iter().map(|&point| weights[point] * (residuals[point] - mean).powi(2)).sum::<f64>();
+        }
+        // What is rounding of the values is no lack of fit.
+        let scale = self.data().values().iter().zip(weights).map(|(value, w)| w * value * value).sum::<f64>();
+        if lack_of_fit <= ROUNDING * ROUNDING * scale {
+            lack_of_fit = 0.0;
         }
         let mean_square = |sum: f64, degrees: usize| sum / degrees as f64;
         let f = if lack_of_fit > 0.0 {

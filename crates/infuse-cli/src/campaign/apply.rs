@@ -51,11 +51,15 @@ impl Campaign {
             }
             Event::Forgotten { .. } => self.memory.clear(),
             Event::Opened { batch, .. } => self.open_batch(batch)?,
-            Event::Told { id, result, actual, again, corrects, note, .. } => {
-                self.tell(id, result, actual, again, corrects, note)?;
+            Event::Told { id, result, actual, repeat, corrects, note, .. } => {
+                self.tell(id, result, actual, repeat, corrects, note)?;
             }
             Event::Imported { point, value, source, .. } => {
                 self.settled.add_earlier(&point, self.problem.response.cost(value), source)?;
+            }
+            Event::Withdrawn { source, .. } => {
+                let n = self.settled.withdraw_earlier(&source);
+                ensure!(n > 0, "nothing that is in use was imported from `{source}`");
             }
             Event::Learned(learned) => self.check_learned(&learned)?,
         }
@@ -94,7 +98,7 @@ impl Campaign {
         id: u64,
         result: Measured,
         actual: BTreeMap<String, f64>,
-        again: bool,
+        repeat: usize,
         corrects: bool,
         note: String,
     ) -> Result<()> {
@@ -109,8 +113,12 @@ impl Campaign {
             bail!("experiment {id}: `actual` has `{name}`, expected names of parameters");
         }
         let reading = self.readings.entry(id).or_default();
-        if again {
-            reading.again.push(result);
+        if repeat > 0 {
+            ensure!(
+                corrects || !reading.again.contains_key(&repeat),
+                "repeat {repeat} of experiment {id} was told before"
+            );
+            reading.again.insert(repeat, result);
             return Ok(());
         }
         ensure!(reading.first.is_none() || corrects, "experiment {id} was told before");

@@ -148,7 +148,7 @@ impl Campaign {
     }
 
     pub(crate) fn outlook(&self) -> Result<Option<Outlook>> {
-        Ok(self.now.outlook(DRAWS)?)
+        Ok(self.now.outlook(DRAWS, self.noise())?)
     }
 
     /// The number of the batch that is open or comes next.

@@ -12,15 +12,20 @@ pub(crate) struct Reading {
     /// Of the run that was asked for; nothing while only others have been told.
     pub(crate) first: Option<Measured>,
     /// Of further runs at the same settings.
-    pub(crate) again: Vec<Measured>,
+    pub(crate) again: BTreeMap<usize, Measured>,
     pub(crate) actual: BTreeMap<String, f64>,
     pub(crate) note: String,
 }
 
 impl Reading {
+    /// Of the run that was asked for, 0, or of a further one.
+    pub(crate) fn result(&self, repeat: usize) -> Option<&Measured> {
+        if repeat == 0 { self.first.as_ref() } else { self.again.get(&repeat) }
+    }
+
     /// All values, as measured.
     pub(crate) fn values(&self) -> impl Iterator<Item = f64> + '_ {
-        self.first.iter().chain(&self.again).filter_map(|result| match result {
+        self.first.iter().chain(self.again.values()).filter_map(|result| match result {
             Measured::Value(value) => Some(*value),
             Measured::Failed(_) => None,
         })

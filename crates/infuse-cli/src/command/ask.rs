@@ -28,6 +28,11 @@ pub(crate) fn ask(
 ) -> Result<Output> {
     let (mut campaign, mut writer) = Campaign::open(folder, wait)?;
     let mut notices = std::mem::take(&mut campaign.notices);
+    if resimulate && campaign.stage()? == Stage::Pending {
+        notices.push(
+            "the simulations of the batch that is open stand; the next batch simulates everything again".to_owned(),
+        );
+    }
     if resimulate {
         campaign.record(&mut writer, vec![Event::Forgotten { at: now() }])?;
     }
@@ -56,7 +61,10 @@ pub(crate) fn hand_out(folder: &Path, campaign: &mut Campaign, writer: &mut Writ
             Stage::NotWorth { .. } if anyway => {}
             _ => return Ok(done),
         }
+        let searching = ProgressBar::new_spinner().with_message(format!("designing batch {}", campaign.batch()));
+        searching.enable_steady_tick(std::time::Duration::from_millis(200));
         let begin: Vec<Event> = campaign.learning().into_iter().chain(campaign.planning()?).collect();
+        searching.finish_and_clear();
         if !begin.is_empty() {
             campaign.record(writer, begin)?;
         }
@@ -159,8 +167,9 @@ fn pending(
     };
     let _ = writeln!(
         text,
-        "Run them, fill in `{}` (or, for a run without a result, the reason under `failed`), then: infuse tell {place}",
-        response.heading()
+        "Run them, fill in `{}` (or, for a run without a result, the reason under `failed`), then: {}",
+        response.heading(),
+        tell_with(folder, &path),
     );
     let rows = trials.iter().enumerate().map(|(index, (trial, repeats))| {
         json!({
@@ -183,6 +192,21 @@ pub(crate) fn sheet_path(folder: &Path, batch: usize, given: Option<&Path>) -> P
     }
 }
 
+/// The command, as one would type it from here.
+pub(crate) fn infuse(folder: &Path) -> String {
+    if folder == Path::new(".") { "infuse".to_owned() } else { format!("infuse -C {}", quoted(folder)) }
+}
+
+pub(crate) fn tell_with(folder: &Path, sheet: &Path) -> String {
+    format!("{} tell {}", infuse(folder), quoted(sheet))
+}
+
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = text.chars().all(|c| c.is_alphanumeric() || "._-/\\:".contains(c));
+    if is_plain { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
+}
+
 fn plural_was(n: usize, noun: &str) -> String {
     format!("{} {}", count(n, noun), if n == 1 { "was" } else { "were" })
 }
@@ -198,12 +222,17 @@ fn ended(campaign: &Campaign, stage: &Stage, notices: Vec<String>) -> Output {
     let reason = super::status::reason_to_stop(campaign, stage).unwrap_or_default();
     let best = campaign.now.reports().last().map(|report| report.screening.optimum.clone());
     let mut text = format!("No more experiments: {reason}.\n");
-    if let Some(best) = &best {
+    let has_learned = *stage != Stage::Ended(infuse::GlobalStopReason::NoInformation);
+    if let Some(best) = best.as_ref().filter(|_| has_learned) {
         let _ = writeln!(text, "The best design is {}.", campaign.problem.describe(best));
     }
     if let Stage::NotWorth { .. } = stage {
         let _ = writeln!(text, "To go on all the same: infuse ask --anyway");
     }
     let _ = writeln!(text, "All about it: infuse status, infuse report");
-    Output { text, json: json!({ "stopped": reason, "best": best, "notices": notices }), notices }
+    Output {
+        text,
+        json: json!({ "stopped": reason, "best": best.map(|best| campaign.problem.named(&best)), "notices": notices }),
+        notices,
+    }
 }

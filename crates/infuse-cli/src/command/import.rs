@@ -49,6 +49,30 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     Ok(Output { text, json: json!({ "imported": rows, "from_batch": batch, "notices": notices }), notices })
 }
 
+/// Stops using what was imported from a source.
+pub(crate) fn withdraw(folder: &Path, wait: Duration, source: &str) -> Result<Output> {
+    let (mut campaign, mut writer) = Campaign::open(folder, wait)?;
+    let notices = std::mem::take(&mut campaign.notices);
+    let in_use = |campaign: &Campaign| campaign.now.earlier().iter().filter(|earlier| earlier.until.is_none()).count();
+    let sources: std::collections::BTreeSet<String> = campaign
+        .now
+        .earlier()
+        .iter()
+        .filter(|earlier| earlier.until.is_none())
+        .map(|earlier| format!("`{}`", earlier.source))
+        .collect();
+    ensure!(
+        sources.contains(&format!("`{source}`")),
+        "nothing that is in use was imported from `{source}`, expected one of {}",
+        if sources.is_empty() { "none".to_owned() } else { sources.into_iter().collect::<Vec<_>>().join(", ") }
+    );
+    let before = in_use(&campaign);
+    campaign.record(&mut writer, vec![Event::Withdrawn { source: source.to_owned(), at: now() }])?;
+    let n = before - in_use(&campaign);
+    let text = format!("Withdrawn: {}. Batches that rest on them stand.\n", count(n, "experiment"));
+    Ok(Output { text, json: json!({ "withdrawn": n, "notices": notices }), notices })
+}
+
 fn source_of(one: &sheet::Imported, source: &str) -> String {
     if one.source.is_empty() { source.to_owned() } else { format!("{source}: {}", one.source) }
 }

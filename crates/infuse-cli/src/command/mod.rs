@@ -34,7 +34,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
         Command::New { folder } => new::new(folder),
         Command::Ask { sheet, anyway, resimulate } => ask::ask(folder, wait, sheet.as_deref(), *anyway, *resimulate),
         Command::Tell(tell) => tell::tell(folder, wait, tell),
-        Command::Import { file, source } => import::import(folder, wait, file, source),
+        Command::Import { withdraw: Some(source), .. } => import::withdraw(folder, wait, source),
+        Command::Import { file, source, .. } => {
+            let source = source.as_deref().unwrap_or_default();
+            import::import(folder, wait, file.as_deref().context("expected a table")?, source)
+        }
         Command::Status { why } => status::status(folder, why.as_deref()),
         Command::Report { output } => report::report(folder, output.as_deref()),
         Command::Run { batches, anyway } => run::run(folder, wait, *batches, *anyway),

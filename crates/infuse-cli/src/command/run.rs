@@ -81,7 +81,7 @@ fn experiment(folder: &Path, campaign: &mut Campaign, writer: &mut Writer) -> Re
         };
         let (actual, note) = (std::collections::BTreeMap::new(), String::new());
         let (from, at) = ("infuse run".to_owned(), now());
-        let told = Event::Told { row: 1, rows: 1, id, result, actual, again: false, corrects: false, note, from, at };
+        let told = Event::Told { row: 1, rows: 1, id, result, actual, repeat: 0, corrects: false, note, from, at };
         campaign.record(writer, vec![told])?;
         n_made += 1;
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use infuse::{GlobalReport, ObservedErrors, RetainedSet, Spread};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::{Output, settings};
 use crate::campaign::{Campaign, Stage};
@@ -226,28 +226,32 @@ pub(crate) fn prospects(campaign: &Campaign) -> Result<String> {
             _ => "nothing".to_owned(),
         };
         let _ = writeln!(text, "  {mean} by averaging out the noise ({upper} nine times in ten);");
-        let _ = match outlook.misfit_gain {
-            Some(misfit) if misfit > 0.0 => writeln!(
-                text,
-                "  {} because the surface may have the wrong shape: {}.",
-                amount(campaign, misfit),
-                if campaign.noise().is_some() {
-                    "S is more than the noise explains"
-                } else {
-                    "S may be noise, but no run was repeated"
-                }
-            ),
-            Some(_) => writeln!(text, "  nothing by a better shape of the surface: the noise explains S."),
-            None => writeln!(text, "  and what a better shape of the surface would bring is not known, without an S."),
-        };
-        let verdict = match (campaign.problem.worth, total) {
-            (Some(worth), Some(total)) if total < worth => {
-                format!("Less than the {} of `worth`: stop", amount(campaign, worth))
+        let shape = match outlook.misfit_gain {
+            _ if campaign.now.retained().n_retained() < 2 => "nothing by a better shape: one design is left".to_owned(),
+            Some(misfit) if misfit > 0.0 => {
+                let why = match campaign.noise() {
+                    Some(_) => "S is larger than noise and fit make it on average",
+                    None => "S may be noise, but no run was repeated",
+                };
+                format!("{} because the surface may have the wrong shape: {why}", amount(campaign, misfit))
             }
-            (Some(worth), _) => format!("Not less than the {} of `worth`: go on", amount(campaign, worth)),
-            (None, _) => "`worth` in [stop] says from what gain on another batch is worth its cost".to_owned(),
+            Some(_) => "nothing by a better shape: S is no larger than noise and fit make it".to_owned(),
+            None => "what a better shape would bring is not known, without an S".to_owned(),
         };
-        let _ = writeln!(text, "  {verdict}.");
+        let _ = writeln!(text, "  {shape}.");
+        let verdict = match (campaign.problem.worth, total) {
+            _ if campaign.now.stop().is_some() => None,
+            (Some(worth), Some(total)) if total < worth => {
+                Some(format!("That is less than the {} of `worth`: stop", amount(campaign, worth)))
+            }
+            (Some(worth), _) => {
+                Some(format!("That is not less than the {} of `worth`: go on", amount(campaign, worth)))
+            }
+            (None, _) => Some("`worth` in [stop] says from what gain on another batch is worth its cost".to_owned()),
+        };
+        if let Some(verdict) = verdict {
+            let _ = writeln!(text, "{verdict}.");
+        }
     }
     if let Some(observed) = campaign.now.observed_certificate()? {
         let ObservedErrors { eps, certificate, .. } = observed;
@@ -262,12 +266,16 @@ pub(crate) fn prospects(campaign: &Campaign) -> Result<String> {
 }
 
 pub(crate) fn next(campaign: &Campaign, stage: &Stage, folder: &Path) -> String {
-    let at = if folder == Path::new(".") { String::new() } else { format!(" -C {}", folder.display()) };
     match stage {
-        Stage::Ready => format!("Next: infuse{at} ask\n"),
+        Stage::Ready => format!("Next: {} ask\n", super::ask::infuse(folder)),
         Stage::Pending => {
             let sheet = super::ask::sheet_path(folder, campaign.batch(), None);
-            format!("Next: run what is left in {}, then infuse{at} tell {}\n", sheet.display(), sheet.display())
+            if sheet.exists() {
+                let tell = super::ask::tell_with(folder, &sheet);
+                format!("Next: run what is left in {}, then: {tell}\n", sheet.display())
+            } else {
+                format!("Next: run what is left of the sheet, then: {} tell SHEET\n", super::ask::infuse(folder))
+            }
         }
         stage => format!("Ended: {}.\n", reason_to_stop(campaign, stage).unwrap_or_default()),
     }
@@ -278,8 +286,13 @@ pub(crate) fn reason_to_stop(campaign: &Campaign, stage: &Stage) -> Option<Strin
     match stage {
         Stage::Ready | Stage::Pending => None,
         Stage::Ended(infuse::GlobalStopReason::IterationLimit) => {
-            Some(format!("all {} of [loop] were made", count(campaign.problem.settings.max_iterations, "batch")))
+            let batches = count(campaign.problem.settings.max_iterations, "batch");
+            Some(format!("all {batches} of [loop] were made (`batches` may be raised)"))
         }
+        Stage::Ended(infuse::GlobalStopReason::NoInformation) => Some(
+            "every experiment of the last batch failed; `infuse tell --correct` with a result reopens it".to_owned(),
+        ),
+        Stage::Ended(infuse::GlobalStopReason::FewerThanTwoCells) => Some("fewer than two designs are left".to_owned()),
         Stage::Ended(reason) => Some(reason.to_string()),
         Stage::NotWorth { gain, worth } => Some(format!(
             "another batch may gain {} on average, and is worth it from {}",
@@ -291,8 +304,12 @@ pub(crate) fn reason_to_stop(campaign: &Campaign, stage: &Stage) -> Option<Strin
 
 fn why_dropped(campaign: &Campaign, why: &str) -> Result<String> {
     let region = &campaign.problem.region;
-    let cell = campaign.now.cell(&settings::all(why, region)?)?;
-    let place = campaign.problem.describe(&campaign.now.point(cell)?);
+    let asked = settings::all(why, region)?;
+    let cell = campaign.now.cell(&asked)?;
+    let point = campaign.now.point(cell)?;
+    let is_off = point.iter().zip(&asked).any(|(level, asked)| plain(*level) != plain(*asked));
+    let nearest = if is_off { "The nearest design that can be set, " } else { "" };
+    let place = format!("{nearest}{}", campaign.problem.describe(&point));
     Ok(match campaign.now.why_dropped(cell) {
         Some(dropped) => format!(
             "{place} was dropped by batch {}: {} was predicted there against {} at the best, which is {} S √2 more, and {} are enough.",
@@ -308,9 +325,7 @@ fn why_dropped(campaign: &Campaign, why: &str) -> Result<String> {
 
 fn as_json(campaign: &Campaign, stage: &Stage) -> Result<Value> {
     let (problem, response) = (&campaign.problem, &campaign.problem.response);
-    let named = |point: &[f64]| {
-        Value::Object(problem.names().zip(point).map(|(name, &x)| (name.to_owned(), json!(x))).collect::<Map<_, _>>())
-    };
+    let named = |point: &[f64]| problem.named(point);
     let batches = campaign.now.reports().iter().map(|report| {
         let screening = &report.screening;
         json!({
@@ -337,7 +352,7 @@ fn as_json(campaign: &Campaign, stage: &Stage) -> Result<Value> {
         "predicted": last.map(|report| response.cost(report.screening.optimum_value)),
         "best_measured": best_measured(campaign).map(|(id, value)| json!({ "id": id, "value": value })),
         "outstanding": campaign.now.outstanding().len(),
-        "told": campaign.readings.len(),
+        "told": campaign.readings.values().filter(|reading| reading.first.is_some()).count(),
         "imported": campaign.now.earlier().len(),
         "left": campaign.now.retained().n_retained(), "of": campaign.now.retained().n_cells(),
         "noise": campaign.noise().map(|error| json!({

@@ -12,8 +12,7 @@ use super::{Output, settings};
 use crate::arguments::Tell;
 use crate::campaign::{Campaign, Reading};
 use crate::journal::{Event, Measured, now};
-use crate::number::{count, plain};
-use crate::problem::Problem;
+use crate::number::{count, number_fault, plain};
 use crate::sheet::{Answer, Fault, answers, none_of};
 
 pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output> {
@@ -24,16 +23,16 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
             let answers = answers(path, &campaign.problem, &campaign.trials)?;
             (answers.filled, answers.n_empty, path.display().to_string())
         }
-        None => (vec![single(tell, &campaign.problem)?], 0, "the command line".to_owned()),
+        None => (vec![single(tell, &campaign)?], 0, "the command line".to_owned()),
     };
     let (fresh, n_known) = fresh(&campaign, answers, &from, tell.correct)?;
     let batch = campaign.batch();
     let rows = fresh.len();
     let at = now();
     let event = |(index, (answer, corrects)): (usize, (Answer, bool))| {
-        let Answer { id, result, actual, again, note, .. } = answer;
+        let Answer { id, result, actual, repeat, note, .. } = answer;
         let (from, at) = (from.clone(), at.clone());
-        Event::Told { row: index + 1, rows, id, result, actual, again, corrects, note, from, at }
+        Event::Told { row: index + 1, rows, id, result, actual, repeat, corrects, note, from, at }
     };
     let events: Vec<Event> = fresh.into_iter().enumerate().map(event).collect();
     if rows > 0 {
@@ -61,11 +60,14 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
 }
 
 /// An experiment told by its id.
-fn single(tell: &Tell, problem: &Problem) -> Result<Answer> {
+fn single(tell: &Tell, campaign: &Campaign) -> Result<Answer> {
+    let problem = &campaign.problem;
     let id = tell.id.context("expected a sheet or --id")?;
     let result = match (tell.value, &tell.failed) {
         (Some(value), None) => {
-            ensure!(value.is_finite(), "--value is {value}, expected a finite number, or --failed with the reason");
+            if let Some(expected) = number_fault(value) {
+                bail!("--value is {value:?}, expected {expected}");
+            }
             if let Some(expected) = problem.response.fault(value) {
                 bail!("--value is {value}, expected {expected}");
             }
@@ -86,43 +88,45 @@ fn single(tell: &Tell, problem: &Problem) -> Result<Answer> {
             bail!("--actual: `{name}` is {}, expected {expected}", plain(value));
         }
     }
-    Ok(Answer { id, result, actual, again: tell.again, note: tell.note.clone(), row: 0 })
+    // Said on the command line, one more run is one more run, whatever it gave.
+    let n_repeats =
+        campaign.readings.get(&id).and_then(|reading| reading.again.keys().next_back().copied()).unwrap_or(0);
+    let repeat = if tell.again { n_repeats + 1 } else { 0 };
+    Ok(Answer { id, result, actual, repeat, note: tell.note.clone(), row: 0 })
 }
 
 /// What is new, each with whether it puts right what was told before, and how much was known.
 fn fresh(campaign: &Campaign, answers: Vec<Answer>, from: &str, correct: bool) -> Result<(Vec<(Answer, bool)>, usize)> {
     let (mut fresh, mut faults): (Vec<(Answer, bool)>, Vec<Fault>) = (Vec::new(), Vec::new());
     let mut n_known = 0;
-    let mut repeats: BTreeMap<u64, Vec<Measured>> =
-        campaign.readings.iter().map(|(&id, reading)| (id, reading.again.clone())).collect();
     for answer in answers {
         let id = answer.id;
         let Some(trial) = campaign.trials.get(&id) else {
             return Err(anyhow!("{from}: experiment {id} was never asked for, expected {}", asked(campaign)));
         };
-        let reading = campaign.readings.get(&id);
         let mut refuse = |value: String, expected: String| {
             faults.push(Fault { row: answer.row, column: "id".to_owned(), value, expected });
         };
-        if answer.again {
-            // A sheet that is told twice does not make runs twice.
-            let known = repeats.entry(id).or_default();
-            if let Some(at) = known.iter().position(|result| *result == answer.result) {
-                known.swap_remove(at);
-                n_known += 1;
-                continue;
-            }
-        } else if let Some(told) = reading.filter(|reading| reading.first.is_some()) {
-            if told.first.as_ref() == Some(&answer.result) && told.actual == answer.actual {
-                n_known += 1;
-                continue;
-            }
-            if !correct {
-                let said = said(campaign, told);
-                let expected = format!("what was told before, {said}; to put it right, tell it again with --correct");
-                refuse(format!("{id}, with {}", result_in_words(campaign, &answer.result)), expected);
-                continue;
-            }
+        // A sheet that is told twice does not make runs twice.
+        let told = campaign.readings.get(&id).and_then(|reading| reading.result(answer.repeat));
+        let same_settings = answer.repeat > 0 || campaign.readings.get(&id).is_some_and(|r| r.actual == answer.actual);
+        if told == Some(&answer.result) && same_settings {
+            n_known += 1;
+            continue;
+        }
+        if let Some(told) = told.filter(|_| !correct) {
+            let said = match campaign.readings.get(&id).filter(|_| answer.repeat == 0) {
+                Some(reading) => said(campaign, reading),
+                None => result_in_words(campaign, told),
+            };
+            let more = if answer.repeat > 0 {
+                format!("; for one more run: infuse tell --id {id} --value ... --again")
+            } else {
+                String::new()
+            };
+            let expected = format!("what was told before, {said}; to put it right, tell it again with --correct{more}");
+            refuse(format!("{id}, with {}", result_in_words(campaign, &answer.result)), expected);
+            continue;
         }
         if trial.iteration < campaign.last_batch().unwrap_or(0) || campaign.is_settled(trial) {
             let expected = format!(
@@ -132,7 +136,7 @@ fn fresh(campaign: &Campaign, answers: Vec<Answer>, from: &str, correct: bool) -
             refuse(id.to_string(), expected);
             continue;
         }
-        let corrects = !answer.again && reading.is_some_and(|reading| reading.first.is_some());
+        let corrects = told.is_some();
         fresh.push((answer, corrects));
     }
     none_of(from, &faults)?;

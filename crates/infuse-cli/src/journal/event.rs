@@ -40,9 +40,9 @@ pub(crate) enum Event {
         /// Settings really made, where they are not those asked for.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         actual: BTreeMap<String, f64>,
-        /// One more run at the settings of `id`, besides the one that was asked for.
-        #[serde(default, skip_serializing_if = "is_false")]
-        again: bool,
+        /// Besides the run that was asked for there may be more at its settings: their number, from 1.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        repeat: usize,
         /// Takes the place of what was told before.
         #[serde(default, skip_serializing_if = "is_false")]
         corrects: bool,
@@ -53,6 +53,8 @@ pub(crate) enum Event {
     },
     /// An experiment from before the campaign.
     Imported { row: usize, rows: usize, point: Vec<f64>, value: f64, source: String, from: String, at: String },
+    /// Everything that was imported from this source is not to be used any longer.
+    Withdrawn { source: String, at: String },
     /// What a closed batch taught; it follows from the lines before, and is here for people and as a check.
     Learned(Learned),
 }
@@ -74,6 +76,11 @@ pub(crate) struct Learned {
     pub(crate) spread: Option<f64>,
     pub(crate) kept: u64,
     pub(crate) of: u64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]

@@ -17,6 +17,13 @@ pub(crate) fn parameter(entry: &ParameterEntry) -> Result<Parameter> {
         "parameter `{}`: expected a name without braces, brackets, quotes, commas, semicolons, equals signs or spaces at its ends",
         entry.name
     );
+    let is_plain = entry.unit.trim() == entry.unit && !entry.unit.contains(['[', ']', '"', '\n', ';', ',']);
+    ensure!(
+        is_plain,
+        "parameter `{}`: `unit` is {:?}, expected one without brackets, quotes, commas, semicolons or spaces at its ends",
+        entry.name,
+        entry.unit
+    );
     let count = match (entry.levels, entry.step) {
         (Some(count), None) => count,
         (None, Some(step)) => count(&parameter, step)?,

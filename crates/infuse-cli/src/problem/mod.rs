@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 pub(crate) use file::{Goal, Input};
 
-use crate::number::{plain, setting, with_unit};
+use crate::number::{plain, rounded, setting, with_unit};
 
 /// The name of the file in the folder of a campaign.
 pub(crate) const PROBLEM: &str = "campaign.toml";
@@ -104,6 +104,12 @@ pub(crate) struct Program {
 impl Problem {
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.region.parameters().iter().map(doe::Parameter::name)
+    }
+
+    /// Settings by the names of their parameters.
+    pub(crate) fn named(&self, point: &[f64]) -> Value {
+        let pairs = self.names().zip(point);
+        Value::Object(pairs.map(|(name, &value)| (name.to_owned(), json!(rounded(value)))).collect())
     }
 
     /// "spring 21000 N/m, damper 1450 N s/m".

@@ -84,6 +84,8 @@ fn response(entry: ResponseEntry) -> Result<Response> {
     let ResponseEntry { name, unit, goal, lower, upper } = entry;
     let is_plain = !name.trim().is_empty() && name.trim() == name && !name.contains(['[', ']', ',', ';', '"', '\n']);
     ensure!(is_plain, "response: `name` is {name:?}, expected words without brackets, quotes, commas or semicolons");
+    let is_plain = unit.trim() == unit && !unit.contains(['[', ']', ',', ';', '"', '\n']);
+    ensure!(is_plain, "response: `unit` is {unit:?}, expected one without brackets, quotes, commas or semicolons");
     for (key, bound) in [("lower", lower), ("upper", upper)] {
         if let Some(value) = bound {
             ensure!(value.is_finite(), "response: `{key}` is {value:?}, expected a finite number");

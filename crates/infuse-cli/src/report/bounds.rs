@@ -88,8 +88,8 @@ fn conditions(campaign: &Campaign) -> Vec<String> {
         ),
         "It speaks of the designs that are left.".to_owned(),
         format!(
-            "About a design that was dropped it says nothing. Those were dropped by a test that is wrong about a design as good \
-             as the best in {doubt} of cases, if errors are normal."
+            "About a design that was dropped it says nothing. Those were dropped by a test whose level of {doubt} is not \
+             the chance of having dropped the best."
         ),
     ]
 }

@@ -131,7 +131,8 @@ fn time(event: &Event) -> Option<&str> {
         | Event::Forgotten { at }
         | Event::Opened { at, .. }
         | Event::Told { at, .. }
-        | Event::Imported { at, .. } => Some(at),
+        | Event::Imported { at, .. }
+        | Event::Withdrawn { at, .. } => Some(at),
         Event::Simulated { .. } | Event::Learned(_) => None,
     }
 }

@@ -107,7 +107,7 @@ fn told(reading: &Reading) -> String {
         Measured::Value(value) => plain(*value),
         Measured::Failed(reason) => format!("failed: {reason}"),
     };
-    let all: Vec<String> = reading.first.iter().chain(&reading.again).map(in_words).collect();
+    let all: Vec<String> = reading.first.iter().chain(reading.again.values()).map(in_words).collect();
     if reading.first.is_some() { all.join(", ") } else { format!("not told yet; again: {}", all.join(", ")) }
 }
 

@@ -19,8 +19,8 @@ pub(crate) struct Answer {
     pub(crate) id: u64,
     pub(crate) result: Measured,
     pub(crate) actual: BTreeMap<String, f64>,
-    /// A run besides the one that was asked for.
-    pub(crate) again: bool,
+    /// Of a run besides the one that was asked for, its number from 1; otherwise 0.
+    pub(crate) repeat: usize,
     pub(crate) note: String,
     /// For messages.
     pub(crate) row: usize,
@@ -47,8 +47,15 @@ pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, Glo
             None => {}
         }
     }
+    // Rows that repeat the same experiment are told apart by their order.
+    let mut n_repeats: BTreeMap<u64, usize> = BTreeMap::new();
+    for answer in filled.iter_mut().filter(|answer| answer.repeat > 0) {
+        let number = n_repeats.entry(answer.id).or_default();
+        *number += 1;
+        answer.repeat = *number;
+    }
     for (index, answer) in filled.iter().enumerate() {
-        let is_same = |other: &&Answer| other.id == answer.id && !other.again && !answer.again;
+        let is_same = |other: &&Answer| other.id == answer.id && other.repeat == 0 && answer.repeat == 0;
         if let Some(other) = filled[..index].iter().find(is_same)
             && (other.result != answer.result || other.actual != answer.actual)
         {
@@ -63,7 +70,7 @@ pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, Glo
     none_of(&path.display().to_string(), &faults)?;
     // A row that comes twice and says the same is said once.
     let mut seen = std::collections::BTreeSet::new();
-    filled.retain(|answer| answer.again || seen.insert(answer.id));
+    filled.retain(|answer| answer.repeat > 0 || seen.insert(answer.id));
     Ok(Answers { filled, n_empty })
 }
 
@@ -133,7 +140,7 @@ impl Reader<'_> {
         let note = table.cell(row, columns.note()).to_owned();
         let answer = |(trial, result): (&GlobalTrial, Measured)| {
             let id = trial.id.number();
-            Answer { id, result, actual, again, note, row: row.number }
+            Answer { id, result, actual, repeat: usize::from(again), note, row: row.number }
         };
         Some(trial.zip(result).map(answer))
     }
@@ -168,6 +175,10 @@ impl Reader<'_> {
                 |value: f64| (value - asked).abs() <= 1e-9 * parameter.width() || plain(value) == plain(asked);
             let is_asked = parse(text).is_ok_and(is_same);
             if !text.is_empty() && !is_asked {
+                if let Err(expected) = parse(text) {
+                    faults.push(self.table.fault(row, column, expected));
+                    continue;
+                }
                 let asked = with_unit(&plain(asked), parameter.unit());
                 let expected = format!(
                     "{asked}, as it was asked for; a setting that was made otherwise goes under `actual {}`",

@@ -22,6 +22,10 @@ impl fmt::Display for Fault {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { row, column, value, expected } = self;
         let value = if value.is_empty() { "is empty".to_owned() } else { format!("is `{value}`") };
+        // Not from a table.
+        if *row == 0 {
+            return write!(formatter, "`{column}` {value}, expected {expected}");
+        }
         write!(formatter, "row {row}, column `{column}`: {value}, expected {expected}")
     }
 }
@@ -97,27 +101,34 @@ impl Table {
         });
         let mut reader = csv::ReaderBuilder::new();
         reader.has_headers(false).flexible(true).trim(csv::Trim::All).delimiter(separator.unwrap_or(b','));
-        let mut records = Vec::new();
+        let mut records: Vec<(usize, Vec<String>)> = Vec::new();
+        let mut n_breaks = 0;
         for record in reader.from_reader(text.as_bytes()).records() {
-            records.push(record?.iter().map(str::to_owned).collect::<Vec<String>>());
+            let record = record?;
+            // Rows as a spreadsheet counts them: empty ones, too, and one with a line break in a cell once.
+            let (start, line) = record.position().map_or((0, 0), |at| (at.byte(), at.line()));
+            // The position is that of the empty lines before the record.
+            let before = text.as_bytes().get(usize::try_from(start).unwrap_or(usize::MAX)..).unwrap_or_default();
+            let n_empty =
+                before.iter().take_while(|byte| b"\r\n".contains(byte)).filter(|&&byte| byte == b'\n').count();
+            let line = usize::try_from(line).unwrap_or(usize::MAX).saturating_add(n_empty);
+            records.push((line.saturating_sub(n_breaks), record.iter().map(str::to_owned).collect()));
+            n_breaks += record.iter().map(|cell| cell.matches('\n').count()).sum::<usize>();
         }
-        let headings = records.first().cloned().unwrap_or_default();
+        let headings = records.first().map(|(_, headings)| headings.clone()).unwrap_or_default();
         let places = places(&headings, columns)?;
         let mut rows = Vec::new();
-        for (index, cells) in records.into_iter().enumerate().skip(1) {
-            let number = index + 1;
+        for (number, cells) in records.into_iter().skip(1) {
             if cells.iter().all(String::is_empty) {
                 continue;
             }
-            if let Some(extra) = cells.get(headings.len()..).and_then(|rest| rest.iter().find(|cell| !cell.is_empty()))
-            {
-                bail!(
-                    "row {number} has {} cells, expected {}, one per heading; the first too many is `{extra}`{}",
-                    cells.len(),
-                    headings.len(),
-                    if separator == Some(b',') { " (a comma for a decimal point makes two cells of one)" } else { "" }
-                );
-            }
+            ensure!(
+                cells.len() <= headings.len(),
+                "row {number} has {} cells, expected {}, one per heading{}",
+                cells.len(),
+                headings.len(),
+                if separator == Some(b',') { "; a comma for a decimal point makes two cells of one" } else { "" }
+            );
             rows.push(Row { number, cells });
         }
         Ok(Self { headings, places, rows })

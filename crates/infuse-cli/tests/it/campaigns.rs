@@ -115,7 +115,7 @@ fn failures_actual_settings_repeats_and_remarks_come_back_with_the_sheet() {
     assert_eq!(line(3)["failed"], "lamp broke");
     assert_eq!(line(5)["note"], "washer missing");
     assert!(line(5)["actual"]["spring"].is_number());
-    assert_eq!(journal.iter().filter(|line| line["again"] == true).count(), 1);
+    assert_eq!(journal.iter().filter(|line| line["repeat"] == 1).count(), 1);
     // Three runs at the settings of experiment 1 and its planned repeat, two at those of another.
     let noise = rig.status()["noise"]["degrees_of_freedom"].clone();
     assert!(noise == 3 || noise == 2, "{noise}: the repeat of a failed or moved run is none");
@@ -135,6 +135,71 @@ fn earlier_experiments_are_imported_with_where_they_come_from() {
     assert!(error.contains("is in the journal already"), "{error}");
     rig.batch();
     assert_eq!(rig.status()["imported"], 2);
+}
+
+#[test]
+fn imports_are_withdrawn_by_their_source() {
+    let rig = Rig::new();
+    rig.write("old.csv", "damper gain [N s/mm],spring [N/mm],vibration [mm/s]\n1.9,22,71\n");
+    rig.infuse(&["import", "old.csv", "--source", "slip"]).ok();
+    let error = rig.infuse(&["import", "--withdraw", "slop"]).error();
+    assert!(error.contains("nothing that is in use was imported from `slop`, expected one of `slip`"), "{error}");
+    assert!(rig.infuse(&["import", "--withdraw", "slip"]).ok().contains("Withdrawn: 1 experiment."));
+    rig.batch();
+    let reference = Rig::new();
+    reference.batch();
+    assert_eq!(rig.status()["predicted"], reference.status()["predicted"]);
+    assert!(rig.infuse(&["import"]).error().contains("required"));
+}
+
+#[test]
+fn further_runs_are_put_right_and_never_lost() {
+    let rig = Rig::new();
+    rig.infuse(&["ask"]).ok();
+    let headings = "id,repeats,vibration [mm/s]";
+    rig.write("a.csv", &format!("{headings}\n3,,9\n,3,99\n,3,9.2\n"));
+    assert!(rig.infuse(&["tell", "a.csv"]).ok().contains("Taken: 3 results."));
+    rig.write("a.csv", &format!("{headings}\n3,,9\n,3,9.9\n,3,9.2\n"));
+    let error = rig.infuse(&["tell", "a.csv"]).error();
+    assert!(error.contains("what was told before, 99 mm/s; to put it right") && error.contains("--again"), "{error}");
+    assert!(rig.infuse(&["tell", "a.csv", "--correct"]).ok().contains("Taken: 1 result, 2 had been told before."));
+    // (9 + 9.9 + 9.2)/3
+    let mean = rig.status()["best_measured"]["value"].as_f64().unwrap();
+    assert!((mean - 28.1 / 3.0).abs() < 1e-12, "{mean}");
+    // An equal reading is a reading.
+    for _ in 0..2 {
+        assert!(rig.infuse(&["tell", "--id", "3", "--value", "9", "--again"]).ok().contains("Taken: 1 result."));
+    }
+    let mean = rig.status()["best_measured"]["value"].as_f64().unwrap();
+    assert!((mean - 46.1 / 5.0).abs() < 1e-12, "{mean}");
+    assert!(
+        rig.infuse(&["tell", "--id", "3", "--value", "9", "--again", "--correct"]).error().contains("cannot be used")
+    );
+}
+
+#[test]
+fn a_batch_of_failures_is_reopened_by_a_result() {
+    let rig = Rig::new();
+    rig.infuse(&["ask"]).ok();
+    for id in 1..=10 {
+        rig.infuse(&["tell", "--id", &id.to_string(), "--failed", "no water"]).ok();
+    }
+    let text = rig.infuse(&["ask"]).ok();
+    assert!(text.contains("every experiment of the last batch failed; `infuse tell --correct`"), "{text}");
+    assert!(!text.contains("The best design"), "{text}");
+    rig.fill("sheet-1.csv", |_| true);
+    rig.infuse(&["tell", "sheet-1.csv", "--correct"]).ok();
+    assert!(rig.infuse(&["ask"]).ok().contains("Batch 2"));
+}
+
+#[test]
+fn commands_that_are_shown_can_be_typed() {
+    let rig = Rig::empty();
+    rig.infuse(&["new", "my rig"]).ok();
+    let text = rig.infuse(&["-C", "my rig", "ask"]).ok();
+    assert!(text.contains("then: infuse -C 'my rig' tell 'my rig/sheet-1.csv'"), "{text}");
+    let text = rig.infuse(&["-C", "my rig", "status"]).ok();
+    assert!(text.contains("then: infuse -C 'my rig' tell 'my rig/sheet-1.csv'"), "{text}");
 }
 
 #[test]

@@ -113,6 +113,31 @@ fn an_interrupt_from_the_keyboard_stops_simulations_and_remembers_those_that_wer
     assert!(!std::path::Path::new("/proc").join(&pid).exists(), "process {pid} still runs");
 }
 
+#[cfg(unix)]
+#[test]
+fn an_interrupt_while_a_batch_is_designed_ends_the_call_at_once() {
+    let rig = Rig::new();
+    let extra: String = (0..4)
+        .map(|i| {
+            format!(
+                "[[parameter]]\nname = \"x{i}\"\nunit = \"\"\nlower = 0\nupper = 1\nlevels = 13\nrole = \"plant\"\n\n"
+            )
+        })
+        .collect();
+    rig.edit("# What is measured.", &format!("{extra}# What is measured."));
+    rig.edit("experiments = 10", "experiments = 40");
+    rig.edit("simulations = 20", "simulations = 90");
+    let mut asking = rig.command(&["ask"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    // The lock is taken just before the search.
+    while !rig.path(".infuse.lock").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(300));
+    std::process::Command::new("kill").args(["-INT", &asking.id().to_string()]).status().unwrap();
+    assert_eq!(asking.wait().unwrap().code(), Some(130));
+    assert!(!rig.journal().iter().any(|line| line["event"] == "planned"), "it was still searching");
+}
+
 #[test]
 fn the_rig_of_these_tests_is_what_it_says() {
     assert_eq!(measured(1, 22.0, 1.9), format!("{:.3}", truth(22.0, 1.9) + 0.2 * 12.9898_f64.sin()));

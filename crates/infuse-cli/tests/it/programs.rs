@@ -75,6 +75,21 @@ fn a_simulator_that_never_works_is_told_at_once_and_mended_later() {
 }
 
 #[test]
+fn values_that_no_surface_takes_are_failed_runs() {
+    let rig = rig(&shell(&format!("if [ {{spring}} = 34 ]; then echo 1e300; else {SHELL_SIMULATION}; fi")));
+    rig.infuse(&["ask"]).ok();
+    assert!(rig.journal().iter().any(|line| {
+        line["failed"]
+            .as_str()
+            .is_some_and(|why| why == "it returned 1e300, expected a number of at most 1e100 in magnitude")
+    }));
+    rig.fill("sheet-1.csv", |_| true);
+    rig.infuse(&["tell", "sheet-1.csv"]).ok();
+    let error = rig.infuse(&["tell", "--id", "1", "--value", "1e200", "--again"]).error();
+    assert!(error.contains("expected a number of at most 1e100"), "{error}");
+}
+
+#[test]
 fn what_was_simulated_is_remembered_until_it_is_to_be_forgotten() {
     let script = format!("echo run >> runs; {SHELL_SIMULATION}");
     let rig = rig(&shell(&script));

@@ -30,6 +30,8 @@ fn cells_that_cannot_be_are_named_by_row_column_and_value() {
     assert_refused(3, response, "7,5", &[&at(3, response), "`7,5`", "decimal point, not a comma"]);
     assert_refused(4, response, "NaN", &[&at(4, response), "`NaN`", "finite number"]);
     assert_refused(11, response, "inf", &[&at(11, response), "finite number"]);
+    assert_refused(2, response, "1e300", &["`1e300`", "at most 1e100"]);
+    assert_refused(2, "spring [N/mm]", "0,5", &["`0,5`", "decimal point, not a comma"]);
     assert_refused(2, response, "7.5 mm/s", &["`7.5 mm/s`", "without its unit"]);
     assert_refused(2, response, "-1", &["`-1`", "at least 0 mm/s"]);
     assert_refused(5, "id", "77", &[&at(5, "id"), "`77`", "1 to 10"]);
@@ -109,5 +111,13 @@ fn tables_as_spreadsheets_write_them_are_read() {
     rig.write("wide.csv", "id,vibration [mm/s]\n6,7,5\n");
     let error = rig.infuse(&["tell", "wide.csv"]).error();
     assert!(error.contains("row 2 has 3 cells, expected 2") && error.contains("comma for a decimal point"), "{error}");
+    // The one too many is the last, and empty.
+    rig.write("shifted.csv", "id,vibration [mm/s],actual spring [N/mm],note\n6,7.5,10,1,\n");
+    let error = rig.infuse(&["tell", "shifted.csv"]).error();
+    assert!(error.contains("row 2 has 5 cells, expected 4") && error.contains("comma for a decimal point"), "{error}");
+    // Empty rows count, and a line break in a cell does not.
+    rig.write("rows.csv", "id,vibration [mm/s],note\n6,7.5,\"two\nlines\"\n\n7,x,\n");
+    let error = rig.infuse(&["tell", "rows.csv"]).error();
+    assert!(error.contains("row 4, column `vibration [mm/s]`: is `x`"), "{error}");
     assert!(rig.infuse(&["tell", "absent.csv"]).error().contains("absent.csv"));
 }

@@ -18,16 +18,24 @@ pub struct EarlierExperiment {
     pub source: String,
     /// The first iteration in which it counts.
     pub since: usize,
+    /// The first iteration in which it counts no longer; nothing if it was not withdrawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<usize>,
 }
 
 impl EarlierExperiment {
+    pub(crate) fn counts_in(&self, iteration: usize) -> bool {
+        self.since <= iteration && self.until.is_none_or(|until| iteration < until)
+    }
+
     pub(crate) fn check(&self, region: &Region) -> Result<(), Error> {
         if let Some((parameter, value)) = far_setting(&self.point, region)? {
             return Err(Error::EarlierSetting { parameter, value, expected: NEAR_THE_REGION });
         }
-        if self.cost.is_finite() {
+        if self.cost.abs() <= surface::Data::LARGEST {
             return Ok(());
         }
-        Err(Error::Setting { name: "cost", value: self.cost, expected: "a finite cost of an earlier experiment" })
+        let expected = "a cost of an earlier experiment of at most 1e100 in magnitude";
+        Err(Error::Setting { name: "cost", value: self.cost, expected })
     }
 }

@@ -6,8 +6,11 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use surface::{LeaveOneOut, Polynomial, Regression, Surface};
 
 use crate::global::candidates::Candidates;
+use crate::global::pure_error::PureError;
 use crate::global::report::GlobalReport;
+use crate::global::screening::Spread;
 use crate::global::surfaces::IterationSurfaces;
+use crate::global::trial::TrialUse;
 use crate::{Bound, Error, GlobalLoop, ModelStage, RegretCertificate};
 
 /// Cells among which the best is looked for in every draw; of more that are left, a part.
@@ -34,10 +37,11 @@ pub struct Outlook {
     pub mean_gain: f64,
     /// Nine of ten gains are at most this.
     pub upper_gain: f64,
-    /// What the wrong shape of the surface may hide besides: with S² − s², the part of (40) that the
-    /// [pure error](crate::PureError) s² does not explain, as the variance of independent misfits, the better of two designs that
-    /// are level in the model is better by √((S² − s²)/π) on average. All of S counts as misfit while nothing was
-    /// repeated. None without an S; 0 with a single cell left.
+    /// What the wrong shape of the surface may hide besides. With the pure error s² and the mean sampling variance v of Ĵ at
+    /// the n validation experiments, (40) would be (s² + v) n/(n − 1) on average if the shape were right. What S² is more,
+    /// taken as the variance of independent misfits, makes the better of two designs that are level in the model better
+    /// by √((S² − (s² + v) n/(n − 1))/π) on average. All of S counts as misfit while the noise is not known. None without an S; 0 with a
+    /// single cell left.
     pub misfit_gain: Option<f64>,
     /// How many surfaces were drawn.
     pub n_draws: usize,
@@ -68,14 +72,15 @@ impl Outlook {
 }
 
 impl GlobalLoop {
-    /// What more experiments could still bring, from this many draws. None before the first iteration is closed, and if
+    /// What more experiments could still bring, from this many draws. `noise` is that of the experiments,
+    /// [`pure_error`](Self::pure_error) or better knowledge. None before the first iteration is closed, and if
     /// some Ĵexp in the correction is no regression or has no degrees of freedom. The same settings and outcomes give
     /// the same draws.
     ///
     /// # Errors
     ///
     /// [`Error::SettingCount`] for no draws.
-    pub fn outlook(&self, n_draws: usize) -> Result<Option<Outlook>, Error> {
+    pub fn outlook(&self, n_draws: usize, noise: Option<PureError>) -> Result<Option<Outlook>, Error> {
         if n_draws == 0 {
             return Err(Error::SettingCount { name: "n_draws", value: n_draws, expected: "at least 1" });
         }
@@ -108,13 +113,25 @@ impl GlobalLoop {
         gains.sort_by(f64::total_cmp);
         let mean_gain = gains.iter().sum::<f64>() / n_draws as f64;
         let upper_gain = gains[(9 * n_draws).div_ceil(10) - 1];
-        let noise = self.pure_error().map_or(0.0, |error| error.variance);
-        let misfit = |s: f64| ((s * s - noise).max(0.0) / std::f64::consts::PI).sqrt();
-        let misfit_gain = match self.retained.n_retained() {
-            0 | 1 => Some(0.0),
-            _ => report.screening.spread.s().map(misfit),
+        let misfit_gain = match (self.retained.n_retained(), report.screening.spread) {
+            (0 | 1, _) => Some(0.0),
+            (_, Spread::Estimated { s, n_validation }) => {
+                let explained = noise.map_or(0.0, |noise| noise.variance + self.fit_variance(report, surfaces));
+                let n = n_validation as f64;
+                Some(((s * s - explained * n / (n - 1.0)).max(0.0) / std::f64::consts::PI).sqrt())
+            }
+            _ => None,
         };
         Ok(Some(Outlook { mean_gain, upper_gain, misfit_gain, n_draws, n_cells: points.len() }))
+    }
+
+    /// The mean sampling variance of the combined surface at the validation experiments.
+    fn fit_variance(&self, report: &GlobalReport, surfaces: &IterationSurfaces) -> f64 {
+        let validation = report.trials.iter().filter(|record| record.trial.used_for == TrialUse::Validation);
+        let points = validation.filter_map(|record| self.region().coded(record.settings()).ok());
+        let variances: Vec<f64> =
+            points.filter_map(|point| surfaces.combined.regression().and_then(|fit| fit.variance(&point))).collect();
+        if variances.is_empty() { 0.0 } else { variances.iter().sum::<f64>() / variances.len() as f64 }
     }
 
     /// The [certificate](Self::certificate) with errors of the surfaces as they were observed at runs left out of the

@@ -141,6 +141,10 @@ fn an_earlier_experiment_is_forgotten_with_its_cell_and_counts_from_its_iteratio
     trials.iter().for_each(|trial| campaign.tell(trial.id, Outcome::Value(experiment(trial))).unwrap());
     let counted: Vec<usize> = campaign.reports().iter().map(|report| report.n_earlier).collect();
     assert_eq!(counted, [0, 0, 1]);
+    assert_eq!((campaign.withdraw_earlier("near"), campaign.withdraw_earlier("near")), (1, 0));
+    assert_eq!(campaign.earlier()[1].until, Some(4), "iterations that rest on it stand");
+    let restored: GlobalLoop = serde_json::from_str(&save(&campaign)).unwrap();
+    assert_eq!(restored, campaign);
 }
 
 #[test]
@@ -199,21 +203,21 @@ fn outlook_over_two_cells_is_the_closed_form() {
     let sigma = 0.5 * 2.0 * surfaces.experiment.as_ref().unwrap().regression().unwrap().standard_errors().unwrap()[1];
     let (normal, u) = (Normal::standard(), worse / sigma);
     let exact = sigma * (normal.pdf(u) - u * normal.sf(u));
-    let outlook = campaign.outlook(40_000).unwrap().expect("a regression");
+    let outlook = campaign.outlook(40_000, None).unwrap().expect("a regression");
     assert!((outlook.mean_gain / exact - 1.0).abs() < 0.03, "{} {exact}", outlook.mean_gain);
     // The quantile of max(0, X), X normal with the mean -worse.
     let upper = (sigma * normal.inverse_cdf(0.9) - worse).max(0.0);
     assert!((outlook.upper_gain - upper).abs() < 0.03 * sigma, "{} {upper}", outlook.upper_gain);
     assert_eq!((outlook.n_cells, outlook.n_draws), (2, 40_000));
-    assert!(campaign.outlook(0).unwrap_err().to_string().contains("n_draws"));
+    assert!(campaign.outlook(0, None).unwrap_err().to_string().contains("n_draws"));
 }
 
 #[test]
 fn outlook_shrinks_as_a_campaign_learns() {
     let (region, settings) = planar();
-    let gain = |n| after(n, settings.clone()).outlook(200).unwrap().expect("closed").mean_gain;
+    let gain = |n| after(n, settings.clone()).outlook(200, None).unwrap().expect("closed").mean_gain;
     assert!(gain(4) < 0.2 * gain(1), "{} {}", gain(1), gain(4));
-    assert_eq!(GlobalLoop::new(&region, settings.clone()).unwrap().outlook(200).unwrap(), None);
+    assert_eq!(GlobalLoop::new(&region, settings.clone()).unwrap().outlook(200, None).unwrap(), None);
 }
 
 #[test]
@@ -245,13 +249,18 @@ fn what_noise_does_not_explain_may_hide_the_better_of_two_level_designs() {
     let noise = campaign.pure_error().unwrap().variance;
     assert!(s * s > 2.0 * noise, "{s} {noise}");
     // Two misfits with that variance, by quantiles: the mean of the larger, over a fine lattice of probabilities.
-    let sigma = (s * s - noise).sqrt();
+    let fit = campaign.surfaces()[0].combined.regression().unwrap();
+    let validation: Vec<_> =
+        campaign.reports()[0].trials.iter().filter(|r| r.trial.used_for == infuse::TrialUse::Validation).collect();
+    let m = validation.len() as f64;
+    let sampling = validation.iter().map(|r| fit.variance(&coded(&r.trial.point)).unwrap()).sum::<f64>() / m;
+    let sigma = (s * s - (noise + sampling) * m / (m - 1.0)).sqrt();
     let n = 400;
     let quantiles: Vec<f64> =
         (0..n).map(|i| Normal::standard().inverse_cdf((f64::from(i) + 0.5) / f64::from(n))).collect();
     let larger = quantiles.iter().flat_map(|a| quantiles.iter().map(move |b| a.max(*b))).sum::<f64>();
     let exact = sigma * larger / f64::from(n * n);
-    let outlook = campaign.outlook(100).unwrap().expect("a regression");
+    let outlook = campaign.outlook(100, campaign.pure_error()).unwrap().expect("a regression");
     let found = outlook.misfit_gain.unwrap();
     assert!((found / exact - 1.0).abs() < 0.01, "{found} {exact}");
     assert!((outlook.total_gain().unwrap() - found - outlook.mean_gain).abs() < 1e-12);
