@@ -37,11 +37,11 @@ pub struct Outlook {
     pub mean_gain: f64,
     /// Nine of ten gains are at most this.
     pub upper_gain: f64,
-    /// What the wrong shape of the surface may hide besides. With the pure error s² and the mean sampling variance v of Ĵ at
-    /// the n validation experiments, (40) would be (s² + v) n/(n − 1) on average if the shape were right. What S² is more,
-    /// taken as the variance of independent misfits, makes the better of two designs that are level in the model better
-    /// by √((S² − (s² + v) n/(n − 1))/π) on average. All of S counts as misfit while the noise is not known. None without an S; 0 with a
-    /// single cell left.
+    /// What the wrong shape of the surface may hide besides. With the pure error s², and s² h the variance that it gives Ĵ in
+    /// the mean over the n validation experiments, (40) would be s² (1 + h) n/(n − 1) on average if the shape were right. What
+    /// S² is more, taken as the variance of independent misfits, makes the better of two designs that are level in the
+    /// model better by √((S² − s² (1 + h) n/(n − 1))/π) on average. All of S counts as misfit while the noise is not known. None without
+    /// an S; 0 with a single cell left.
     pub misfit_gain: Option<f64>,
     /// How many surfaces were drawn.
     pub n_draws: usize,
@@ -116,7 +116,7 @@ impl GlobalLoop {
         let misfit_gain = match (self.retained.n_retained(), report.screening.spread) {
             (0 | 1, _) => Some(0.0),
             (_, Spread::Estimated { s, n_validation }) => {
-                let explained = noise.map_or(0.0, |noise| noise.variance + self.fit_variance(report, surfaces));
+                let explained = noise.map_or(0.0, |noise| noise.variance * (1.0 + self.fit_variance(report, surfaces)));
                 let n = n_validation as f64;
                 Some(((s * s - explained * n / (n - 1.0)).max(0.0) / std::f64::consts::PI).sqrt())
             }
@@ -125,13 +125,19 @@ impl GlobalLoop {
         Ok(Some(Outlook { mean_gain, upper_gain, misfit_gain, n_draws, n_cells: points.len() }))
     }
 
-    /// The mean sampling variance of the combined surface at the validation experiments.
+    /// The mean variance of the combined surface at the validation experiments, if its training experiments and
+    /// simulations scatter like one experiment of variance 1. Not by its own residuals: misfit is in them, too.
     fn fit_variance(&self, report: &GlobalReport, surfaces: &IterationSurfaces) -> f64 {
+        let Some(fit) = surfaces.combined.regression() else { return 0.0 };
+        let Some(sigma_squared) = fit.sigma_squared().filter(|&sigma_squared| sigma_squared > 0.0) else { return 0.0 };
         let validation = report.trials.iter().filter(|record| record.trial.used_for == TrialUse::Validation);
         let points = validation.filter_map(|record| self.region().coded(record.settings()).ok());
-        let variances: Vec<f64> =
-            points.filter_map(|point| surfaces.combined.regression().and_then(|fit| fit.variance(&point))).collect();
-        if variances.is_empty() { 0.0 } else { variances.iter().sum::<f64>() / variances.len() as f64 }
+        let variances: Vec<f64> = points.filter_map(|point| fit.variance(&point)).collect();
+        if variances.is_empty() {
+            return 0.0;
+        }
+        let mean = variances.iter().sum::<f64>() / variances.len() as f64;
+        self.settings.experiment_weight * mean / sigma_squared
     }
 
     /// The [certificate](Self::certificate) with errors of the surfaces as they were observed at runs left out of the

@@ -253,7 +253,9 @@ fn what_noise_does_not_explain_may_hide_the_better_of_two_level_designs() {
     let validation: Vec<_> =
         campaign.reports()[0].trials.iter().filter(|r| r.trial.used_for == infuse::TrialUse::Validation).collect();
     let m = validation.len() as f64;
-    let sampling = validation.iter().map(|r| fit.variance(&coded(&r.trial.point)).unwrap()).sum::<f64>() / m;
+    // Variances for residuals of the fit, where those of an experiment of weight 0.7 scatter by the noise.
+    let scale = 0.7 * noise / fit.sigma_squared().unwrap();
+    let sampling = validation.iter().map(|r| scale * fit.variance(&coded(&r.trial.point)).unwrap()).sum::<f64>() / m;
     let sigma = (s * s - (noise + sampling) * m / (m - 1.0)).sqrt();
     let n = 400;
     let quantiles: Vec<f64> =
