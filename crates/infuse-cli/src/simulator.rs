@@ -13,7 +13,7 @@ use crate::journal::Measured;
 use crate::number::{parse, plain, with_unit};
 use crate::problem::{Problem, Program, Simulator};
 use crate::program::Ran;
-use crate::sheet::{Column, Fault, Table, none_of};
+use crate::sheet::{Fault, Table, none_of, point_columns};
 
 /// A point to simulate.
 pub(crate) type Job = (u64, Vec<f64>);
@@ -99,9 +99,7 @@ fn run_all(
 fn table(path: &Path, problem: &Problem, campaign: &GlobalLoop) -> Result<HashMap<u64, f64>> {
     let parameters = problem.region.parameters();
     let k = parameters.len();
-    let mut columns: Vec<Column> = parameters.iter().map(|p| Column::required(p.name(), p.unit())).collect();
-    columns.push(Column::required(&problem.response.name, &problem.response.unit));
-    let table = Table::read(path, &columns)?;
+    let table = Table::read(path, &point_columns(problem))?;
     let (mut values, mut faults): (HashMap<u64, f64>, Vec<Fault>) = (HashMap::new(), Vec::new());
     for row in table.rows() {
         let mut point = Vec::with_capacity(k);

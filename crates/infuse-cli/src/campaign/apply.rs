@@ -1,9 +1,10 @@
 //! How each line of a journal changes a campaign.
 
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use infuse::{Error, GlobalPlan, TrialId};
+use infuse::{Error, GlobalLoop, GlobalPlan, TrialId};
 
 use super::changes::changes;
 use super::{Campaign, Planned, Remembered};
@@ -133,16 +134,9 @@ impl Campaign {
         if !self.plan.as_ref().is_some_and(|plan| plan.is_open) {
             return Ok(());
         }
-        let outstanding = self.settled.outstanding();
-        let untold = outstanding.iter().filter(|trial| !self.is_told(trial.id)).count();
+        let untold = self.settled.outstanding().iter().filter(|trial| !self.is_told(trial.id)).count();
         ensure!(untold == 0, "{untold} experiments of the batch before have not been told");
-        for trial in outstanding {
-            let id = trial.id;
-            let Some(outcome) = self.readings.get(&id.number()).and_then(|r| r.outcome(&self.problem.response)) else {
-                continue;
-            };
-            self.settled.tell_at(id, &self.settings_of(id.number()), outcome)?;
-        }
+        self.settled = self.with_what_was_told()?;
         self.plan = None;
         Ok(())
     }
@@ -153,6 +147,12 @@ impl Campaign {
 
     /// The campaign with all that has been told up to now.
     pub(super) fn refresh(&mut self) -> Result<()> {
+        self.now = self.with_what_was_told()?;
+        self.outlook = OnceCell::new();
+        Ok(())
+    }
+
+    fn with_what_was_told(&self) -> Result<GlobalLoop> {
         let mut now = self.settled.clone();
         for trial in self.settled.outstanding() {
             let reading = self.readings.get(&trial.id.number());
@@ -160,8 +160,7 @@ impl Campaign {
                 now.tell_at(trial.id, &self.settings_of(trial.id.number()), outcome)?;
             }
         }
-        self.now = now;
-        Ok(())
+        Ok(now)
     }
 
     /// What was learned follows from the lines before; if it does not, one of them was changed.

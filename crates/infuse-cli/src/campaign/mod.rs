@@ -4,6 +4,7 @@ mod apply;
 mod changes;
 mod reading;
 
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::time::Duration;
@@ -39,6 +40,8 @@ pub(crate) struct Campaign {
     memory: HashMap<u64, Remembered>,
     n_learned: usize,
     has_begun: bool,
+    /// Of `now`, once it was asked for.
+    outlook: OnceCell<Option<Outlook>>,
     /// Why the last batch that was planned could not be opened.
     pub(crate) failed_opening: Option<String>,
 }
@@ -101,6 +104,7 @@ impl Campaign {
             memory: HashMap::new(),
             n_learned: 0,
             has_begun: false,
+            outlook: OnceCell::new(),
             failed_opening: None,
         };
         for (line, event) in journal.events {
@@ -148,7 +152,11 @@ impl Campaign {
     }
 
     pub(crate) fn outlook(&self) -> Result<Option<Outlook>> {
-        Ok(self.now.outlook(DRAWS, self.noise())?)
+        if let Some(outlook) = self.outlook.get() {
+            return Ok(outlook.clone());
+        }
+        let outlook = self.now.outlook(DRAWS, self.noise())?;
+        Ok(self.outlook.get_or_init(|| outlook).clone())
     }
 
     /// The number of the batch that is open or comes next.
@@ -242,13 +250,11 @@ impl Campaign {
     /// The same, of the batches up to this one.
     pub(crate) fn noise_until(&self, batch: usize) -> Option<PureError> {
         let is_meant = |id: &u64| self.trials.get(id).is_some_and(|trial| trial.iteration <= batch);
-        let mut groups: BTreeMap<Vec<u64>, Vec<f64>> = BTreeMap::new();
-        for (id, reading) in self.readings.iter().filter(|(id, _)| is_meant(id)) {
-            let settings = self.settings_of(*id);
-            let key = settings.iter().map(|setting| (setting + 0.0).to_bits()).collect();
-            groups.entry(key).or_default().extend(reading.values());
-        }
-        PureError::of_groups(groups.values().map(Vec::as_slice))
+        let meant = self.readings.iter().filter(|(id, _)| is_meant(id));
+        PureError::of_readings(meant.flat_map(|(&id, reading)| {
+            let settings = self.settings_of(id);
+            reading.values().map(move |value| (settings.clone(), value))
+        }))
     }
 
     /// The settings that an experiment was made at.

@@ -28,12 +28,11 @@ pub(crate) fn ask(
 ) -> Result<Output> {
     let (mut campaign, mut writer) = Campaign::open(folder, wait)?;
     let mut notices = std::mem::take(&mut campaign.notices);
-    if resimulate && campaign.stage()? == Stage::Pending {
-        notices.push(
-            "the simulations of the batch that is open stand; the next batch simulates everything again".to_owned(),
-        );
-    }
     if resimulate {
+        if campaign.stage()? == Stage::Pending {
+            let stand = "the simulations of the batch that is open stand; the next batch simulates everything again";
+            notices.push(stand.to_owned());
+        }
         campaign.record(&mut writer, vec![Event::Forgotten { at: now() }])?;
     }
     let ran = hand_out(folder, &mut campaign, &mut writer, anyway)?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 
 use super::read::setting_fault;
-use super::{Column, Fault, Table, none_of};
+use super::{Column, Fault, Table, none_of, point_columns};
 use crate::number::parse;
 use crate::problem::Problem;
 
@@ -22,8 +22,7 @@ pub(crate) struct Imported {
 pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> {
     let parameters = problem.region.parameters();
     let k = parameters.len();
-    let mut columns: Vec<Column> = parameters.iter().map(|p| Column::required(p.name(), p.unit())).collect();
-    columns.push(Column::required(&problem.response.name, &problem.response.unit));
+    let mut columns = point_columns(problem);
     columns.push(Column::optional("source", ""));
     let table = Table::read(path, &columns)?;
     let (mut found, mut faults): (Vec<Imported>, Vec<Fault>) = (Vec::new(), Vec::new());

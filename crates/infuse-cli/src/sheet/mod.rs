@@ -15,6 +15,14 @@ use crate::problem::Problem;
 /// Headings that no parameter may have.
 pub(crate) const RESERVED: [&str; 7] = ["run", "id", "repeats", "failed", "note", "source", "actual"];
 
+/// A column per parameter, and one for the response: what a table of points has.
+pub(crate) fn point_columns(problem: &Problem) -> Vec<Column> {
+    let (parameters, response) = (problem.region.parameters(), &problem.response);
+    let mut columns: Vec<Column> = parameters.iter().map(|p| Column::required(p.name(), p.unit())).collect();
+    columns.push(Column::required(&response.name, &response.unit));
+    columns
+}
+
 /// The columns of a sheet, in order.
 pub(crate) struct Columns {
     pub(crate) all: Vec<Column>,

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use crate::GlobalLoop;
 use crate::Outcome;
-use crate::global::trial::GlobalTrialRecord;
 
 /// Scatter of experiments at equal settings about their mean, pooled over the campaign.
 ///
@@ -29,14 +28,20 @@ impl PureError {
         self.variance.sqrt()
     }
 
-    /// Of costs in groups of equal settings; none if no setting was repeated.
+    /// Of costs with the settings at which they were read; none if no settings come twice. Equal is equal to the last bit,
+    /// but for the sign of zero.
     #[must_use]
-    pub fn of_groups<'a>(groups: impl IntoIterator<Item = &'a [f64]>) -> Option<Self> {
+    pub fn of_readings(readings: impl IntoIterator<Item = (Vec<f64>, f64)>) -> Option<Self> {
+        let mut groups: BTreeMap<Vec<u64>, Vec<f64>> = BTreeMap::new();
+        for (settings, cost) in readings {
+            let key = settings.iter().map(|setting| (setting + 0.0).to_bits()).collect();
+            groups.entry(key).or_default().push(cost);
+        }
         let (mut squares, mut degrees_of_freedom) = (0.0, 0);
-        for costs in groups {
+        for costs in groups.values() {
             let mean = costs.iter().sum::<f64>() / costs.len() as f64;
             squares += costs.iter().map(|cost| (cost - mean).powi(2)).sum::<f64>();
-            degrees_of_freedom += costs.len().saturating_sub(1);
+            degrees_of_freedom += costs.len() - 1;
         }
         (degrees_of_freedom > 0).then(|| Self { variance: squares / degrees_of_freedom as f64, degrees_of_freedom })
     }
@@ -48,17 +53,9 @@ impl GlobalLoop {
     pub fn pure_error(&self) -> Option<PureError> {
         let closed = self.history.iter().flat_map(|report| &report.trials);
         let records = closed.chain(self.open.iter().flat_map(|open| &open.trials));
-        let mut groups: BTreeMap<Vec<u64>, Vec<f64>> = BTreeMap::new();
-        for record in records {
-            if let Some(cost) = record.outcome.as_ref().and_then(Outcome::cost) {
-                groups.entry(key(record)).or_default().push(cost);
-            }
-        }
-        PureError::of_groups(groups.values().map(Vec::as_slice))
+        PureError::of_readings(records.filter_map(|record| {
+            let cost = record.outcome.as_ref().and_then(Outcome::cost)?;
+            Some((record.settings().to_vec(), cost))
+        }))
     }
-}
-
-/// Equal for equal settings; the two zeros are one.
-fn key(record: &GlobalTrialRecord) -> Vec<u64> {
-    record.settings().iter().map(|setting| (setting + 0.0).to_bits()).collect()
 }

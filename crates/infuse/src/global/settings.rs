@@ -82,7 +82,7 @@ pub struct GlobalSettings {
     pub n_experiments: usize,
     /// How many of the experiments repeat others of the same iteration, at most half of them: where, the design decides.
     /// Repeats measure the noise, and against it the lack of fit. Default 0.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "crate::global::report::is_zero")]
     pub replicates: usize,
     /// N_S, simulations per iteration: at least the number of terms.
     pub n_simulations: usize,
@@ -133,11 +133,6 @@ pub struct GlobalSettings {
     /// represented by a part of it. Default 400,000.
     #[serde(default = "default_candidate_limit")]
     pub candidate_limit: u64,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
-fn is_zero(count: &usize) -> bool {
-    *count == 0
 }
 
 fn default_experiment_weight() -> f64 {
