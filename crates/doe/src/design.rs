@@ -47,7 +47,7 @@ impl Design {
     /// As [`from_runs`](Self::from_runs) and [`Region::check`].
     pub fn from_natural(region: &Region, runs: &[impl AsRef<[f64]>]) -> Result<Self, Error> {
         let coded = runs.iter().map(|run| region.check(run.as_ref()).and_then(|()| region.coded(run.as_ref())));
-        Self::from_runs(&coded.collect::<Result<Vec<_>, Error>>()?)
+        Self::from_runs(&coded.collect::<Result<Vec<_>, _>>()?)
     }
 
     /// The runs in natural coordinates. Coordinates within rounding of a level come out as that level's value.
@@ -151,7 +151,7 @@ impl Design {
 
 /// Whether flat coordinates are whole, finite rows of at least one factor, and at least one row.
 pub(crate) fn check_points(name: &'static str, n_factors: usize, coordinates: &[f64]) -> Result<(), Error> {
-    crate::model::check_count("factors", n_factors, crate::Model::MOST_FACTORS)?;
+    crate::error::check_count("factors", n_factors, crate::Model::MOST_FACTORS)?;
     if !coordinates.len().is_multiple_of(n_factors) {
         return Err(Error::RaggedPoints { n_factors, n_coordinates: coordinates.len() });
     }

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use crate::design::check_points;
+use crate::error::check_count;
 use crate::measure::Measure;
-use crate::model::check_count;
 use crate::wording::counted;
 use crate::{Error, Forbidden, Levels, Model, Region};
 

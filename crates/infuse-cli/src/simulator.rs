@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
 use anyhow::{Result, bail};
-use infuse::GlobalLoop;
+use infuse::global;
 
 use crate::journal::Measured;
 use crate::number::{parse, plain, with_unit};
@@ -31,7 +31,7 @@ pub(crate) fn identity(simulator: &Simulator) -> String {
 pub(crate) fn simulate(
     folder: &Path,
     problem: &Problem,
-    campaign: &GlobalLoop,
+    campaign: &global::Loop,
     jobs: &[Job],
     mut done: impl FnMut(&Job, Measured) -> Result<()>,
 ) -> Result<()> {
@@ -96,7 +96,7 @@ fn run_all(
 }
 
 /// The values of a table, by cell.
-fn table(path: &Path, problem: &Problem, campaign: &GlobalLoop) -> Result<HashMap<u64, f64>> {
+fn table(path: &Path, problem: &Problem, campaign: &global::Loop) -> Result<HashMap<u64, f64>> {
     let parameters = problem.region.parameters();
     let k = parameters.len();
     let table = Table::read(path, &point_columns(problem))?;

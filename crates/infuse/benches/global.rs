@@ -2,7 +2,7 @@
 
 use divan::Bencher;
 use doe::{Model, Parameter, Region};
-use infuse::{GlobalAsk, GlobalLoop, GlobalSettings, GlobalTrial, Outcome};
+use infuse::{Outcome, global};
 
 fn main() {
     divan::main();
@@ -17,19 +17,19 @@ fn truth(p: &[f64]) -> f64 {
     p.iter().map(|x| (x - 0.3).powi(2)).sum()
 }
 
-fn experiment(trial: &GlobalTrial) -> f64 {
+fn experiment(trial: &global::Trial) -> f64 {
     truth(&trial.point) + 0.05 * (12.9898 * trial.id.number() as f64).sin()
 }
 
-fn campaign(k: usize, levels: u32, n_experiments: usize, n_simulations: usize) -> GlobalLoop {
-    let settings = GlobalSettings::new(Model::quadratic(k).expect("a model"), n_experiments, n_simulations);
-    GlobalLoop::new(&region(k, levels), settings).expect("a campaign")
+fn campaign(k: usize, levels: u32, n_experiments: usize, n_simulations: usize) -> global::Loop {
+    let settings = global::Settings::new(Model::quadratic(k).expect("a model"), n_experiments, n_simulations);
+    global::Loop::new(&region(k, levels), settings).expect("a campaign")
 }
 
 /// Designs, simulations, surfaces and screening of the first iteration, all cells retained.
-fn iteration(campaign: &mut GlobalLoop) {
+fn iteration(campaign: &mut global::Loop) {
     let mut simulation = |p: &[f64]| Ok(truth(p) + 0.5 * p[0]);
-    if let GlobalAsk::Trials(trials) = campaign.ask(&mut simulation).expect("a batch") {
+    if let global::Ask::Trials(trials) = campaign.ask(&mut simulation).expect("a batch") {
         for trial in trials {
             campaign.tell(trial.id, Outcome::Value(experiment(&trial))).expect("an outcome");
         }
@@ -67,5 +67,8 @@ fn six_parameters_24_levels(bencher: Bencher) {
 #[divan::bench(sample_count = 1)]
 fn reference_sum_of_squares_at_24_to_the_fourth(bencher: Bencher) {
     let region = region(4, 24);
-    bencher.bench_local(|| region.grid().expect("levels").map(|point| truth(&point)).fold(f64::INFINITY, f64::min));
+    let grid = design_space::Grid::of(&region).expect("levels");
+    bencher.bench_local(|| {
+        grid.cells().map(|cell| truth(&grid.point(cell).expect("a cell"))).fold(f64::INFINITY, f64::min)
+    });
 }

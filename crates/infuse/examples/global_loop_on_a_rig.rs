@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use doe::{Model, Parameter, Region};
-use infuse::{GlobalAsk, GlobalLoop, GlobalSettings, Outcome};
+use infuse::{Outcome, global};
 
 /// The model: its optimum is at (46.1, 17.3).
 fn simulation(p: &[f64]) -> Result<f64, String> {
@@ -21,8 +21,8 @@ fn reading(p: &[f64], number: u64) -> f64 {
 /// One visit: read the state, run what is asked, write the state. One trial in 25 fails, and ballast moves in steps of
 /// its own, so the setting made is told.
 fn visit(file: &Path) -> Result<bool, Box<dyn Error>> {
-    let mut campaign: GlobalLoop = serde_json::from_str(&fs::read_to_string(file)?)?;
-    let GlobalAsk::Trials(trials) = campaign.ask(&mut simulation)? else {
+    let mut campaign: global::Loop = serde_json::from_str(&fs::read_to_string(file)?)?;
+    let global::Ask::Trials(trials) = campaign.ask(&mut simulation)? else {
         return Ok(false);
     };
     for trial in trials {
@@ -44,13 +44,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         Parameter::continuous("center of mass", "% chord", 45.0, 51.9)?.with_levels(24)?,
         Parameter::continuous("pitch", "deg", 10.0, 21.5)?.with_levels(24)?,
     ])?;
-    let mut settings = GlobalSettings::new(Model::additive_quadratic(2)?, 10, 20);
+    let mut settings = global::Settings::new(Model::additive_quadratic(2)?, 10, 20);
     settings.max_iterations = 5;
     let file = std::env::temp_dir().join(format!("global-campaign-{}.json", std::process::id()));
-    fs::write(&file, serde_json::to_string(&GlobalLoop::new(&region, settings)?)?)?;
+    fs::write(&file, serde_json::to_string(&global::Loop::new(&region, settings)?)?)?;
     while visit(&file)? {}
 
-    let campaign: GlobalLoop = serde_json::from_str(&fs::read_to_string(&file)?)?;
+    let campaign: global::Loop = serde_json::from_str(&fs::read_to_string(&file)?)?;
     fs::remove_file(&file)?;
     for report in campaign.reports() {
         let (number, screening) = (report.iteration, &report.screening);

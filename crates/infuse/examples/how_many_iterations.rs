@@ -1,7 +1,9 @@
 //! How many iterations a gain needs, what is left in the end, and what that certifies: Section 6.1.
 
 use infuse::{
-    Bound, CorrectedField, CorrectionLaw, CorrectionRule, Error, ErrorLevels, Gain, ModelStage, Norm, RegretCertificate,
+    Error,
+    convergence::{Bound, ErrorLevels, Norm, RegretCertificate},
+    correction::{CorrectedField, CorrectionLaw, CorrectionRule, Gain, ModelStage},
 };
 
 /// Bounds on the errors of the fitted surfaces, in the unit of the cost.

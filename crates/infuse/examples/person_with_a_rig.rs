@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use doe::{Parameter, Region};
-use infuse::{Ask, CodesignProblem, GradientLoop, LoopSettings, Outcome, Role, Trial};
+use infuse::{CodesignProblem, Outcome, Role, gradient};
 
 /// What the model says: best at 46.1 % chord and 17.3 deg.
 fn simulation(p: &[f64]) -> Result<f64, String> {
@@ -14,7 +14,7 @@ fn simulation(p: &[f64]) -> Result<f64, String> {
 }
 
 /// What the water says, with nobody knowing: best at 49.3 % chord and 19.4 deg.
-fn rig(trial: &Trial) -> Outcome {
+fn rig(trial: &gradient::Trial) -> Outcome {
     if trial.id.number() == 8 {
         let reason = "tether caught on the frame".to_owned();
         return Outcome::Failed { reason };
@@ -25,8 +25,8 @@ fn rig(trial: &Trial) -> Outcome {
 
 /// One visit: load, ask, tell every trial, save. Whether there is more to do.
 fn visit(file: &Path) -> Result<bool, Box<dyn Error>> {
-    let mut campaign: GradientLoop = serde_json::from_str(&fs::read_to_string(file)?)?;
-    if let Ask::Trials(trials) = campaign.ask(&mut simulation)? {
+    let mut campaign: gradient::Loop = serde_json::from_str(&fs::read_to_string(file)?)?;
+    if let gradient::Ask::Trials(trials) = campaign.ask(&mut simulation)? {
         for trial in trials {
             campaign.tell(trial.id, rig(&trial))?;
         }
@@ -42,12 +42,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         Parameter::continuous("pitch", "deg", 10.0, 22.0)?,
     ])?;
     let problem = CodesignProblem::new(region, vec![Role::Plant, Role::Controller])?;
-    let settings = LoopSettings::new(problem.per_role(0.6, 0.6), vec![1.0, 1.0]);
+    let settings = gradient::Settings::new(problem.per_role(0.6, 0.6), vec![1.0, 1.0]);
     let file = std::env::temp_dir().join(format!("campaign-{}.json", std::process::id()));
-    fs::write(&file, serde_json::to_string(&GradientLoop::new(problem, settings)?)?)?;
+    fs::write(&file, serde_json::to_string(&gradient::Loop::new(problem, settings)?)?)?;
     while visit(&file)? {}
 
-    let campaign: GradientLoop = serde_json::from_str(&fs::read_to_string(&file)?)?;
+    let campaign: gradient::Loop = serde_json::from_str(&fs::read_to_string(&file)?)?;
     fs::remove_file(&file)?;
     for report in campaign.reports() {
         let (best, cost) = (&report.numerical, report.experiment_cost);

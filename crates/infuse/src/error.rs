@@ -9,7 +9,11 @@ use crate::{Strategy, TrialId};
 pub enum Error {
     /// A point or a parameter that its region refuses.
     #[error(transparent)]
-    Region(#[from] doe::Error),
+    DesignSpace(#[from] design_space::Error),
+    /// A design that cannot be searched or evaluated.
+    #[cfg(feature = "global")]
+    #[error(transparent)]
+    Design(#[from] doe::Error),
     /// A list that should have one entry per parameter.
     #[error("`{name}` has {found} entries, expected {expected}: one per parameter")]
     WrongLength {
@@ -180,6 +184,7 @@ pub enum Error {
         n_cells: usize,
     },
     /// Data that a response surface refuses.
+    #[cfg(feature = "global")]
     #[error(transparent)]
     Surface(#[from] surface::Error),
     /// A grid with more cells than the retained set can hold.
@@ -212,6 +217,7 @@ pub enum Error {
         expected: &'static str,
     },
     /// So many simulations failed that the others do not determine their surface.
+    #[cfg(feature = "global")]
     #[error("{n_failed} of {n_simulations} simulations failed, and the others determine no surface: {reason}")]
     TooFewSimulations {
         /// How many failed.

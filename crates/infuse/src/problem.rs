@@ -1,6 +1,6 @@
 //! Which parameters belong to the plant and which to the controller.
 
-use doe::Region;
+use design_space::Region;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Strategy};

@@ -192,7 +192,10 @@ pub enum Error {
     },
     /// A model that cannot be made or used.
     #[error(transparent)]
-    Model(#[from] doe::Error),
+    Design(#[from] doe::Error),
+    /// A model that cannot be used.
+    #[error(transparent)]
+    Model(#[from] design_space::Error),
 }
 
 fn count_range(least: usize, most: usize) -> String {

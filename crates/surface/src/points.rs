@@ -63,7 +63,7 @@ impl PointSource for Rows<'_> {
     }
 }
 
-/// Every combination of levels, the last factor varying fastest as in [`doe::Grid`]; only the levels are stored.
+/// Every combination of levels, the last factor varying fastest as in [`design_space::Grid`]; only the levels are stored.
 ///
 /// ```
 /// use surface::{Data, GridPoints, InverseDistance, Surface};

@@ -9,8 +9,8 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use doe::{
-    Criterion, Design, EvaluationSettings, Forbidden, Levels, Model, Parameter, Problem, Region, Replicates, Settings,
-    Space, Term,
+    Criterion, Design, DesignSpaceError, EvaluationSettings, Forbidden, Levels, Model, Parameter, Problem, Region,
+    Replicates, Settings, Space, Term,
 };
 use serde::Deserialize;
 
@@ -89,7 +89,7 @@ impl ProblemFile {
     }
 
     pub(crate) fn region(&self) -> Result<Region, doe::Error> {
-        Region::new(self.parameters.clone())
+        Ok(Region::new(self.parameters.clone())?)
     }
 
     pub(crate) fn model(&self) -> Result<Model, Box<dyn Error>> {
@@ -116,15 +116,15 @@ impl ProblemFile {
     }
 
     /// An error about a term, by the names of the parameters.
-    fn in_own_names(&self, terms: &[Term], error: doe::Error) -> Box<dyn Error> {
+    fn in_own_names(&self, terms: &[Term], error: DesignSpaceError) -> Box<dyn Error> {
         let name = |index: usize| terms.get(index).map(|term| term.name(&self.names())).unwrap_or_default();
         match error {
-            doe::Error::DuplicateTerm { first, second, .. } => {
+            DesignSpaceError::DuplicateTerm { first, second, .. } => {
                 let (a, b) = (first + 1, second + 1);
                 format!("model: terms {a} and {b} are both `{}`, expected distinct terms", name(first)).into()
             }
-            doe::Error::ExponentTooLarge { term, exponent, largest, .. } => {
-                doe::Error::ExponentTooLarge { term, name: name(term), exponent, largest }.into()
+            DesignSpaceError::ExponentTooLarge { term, exponent, largest, .. } => {
+                DesignSpaceError::ExponentTooLarge { term, name: name(term), exponent, largest }.into()
             }
             other => other.into(),
         }

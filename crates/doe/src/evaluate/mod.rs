@@ -16,7 +16,6 @@ pub use slice::VarianceSlice;
 pub use terms::{Alias, Coefficient, Correlations};
 
 use crate::maximum;
-use crate::model::own_names;
 use crate::products::Products;
 use crate::search::SAME_RUN;
 use crate::space::Shape;
@@ -24,6 +23,7 @@ use crate::{
     Criterion, Design, Efficiency, Error, Information, Model, Over, PredictionVariance, Space,
     confounded_terms_of_design,
 };
+use design_space::factor_names;
 
 /// Settings of an evaluation.
 #[non_exhaustive]
@@ -163,7 +163,7 @@ pub fn evaluate(
     };
     let rank = model.n_terms() - confounded.len();
     let precision = if confounded.is_empty() { Some(precision(model, space, design, settings, &terms)?) } else { None };
-    let own = own_names(model.n_factors());
+    let own = factor_names(model.n_factors());
     Ok(Evaluation {
         factors: (0..model.n_factors())
             .map(|j| settings.factors.get(j).cloned().unwrap_or_else(|| own[j].clone()))

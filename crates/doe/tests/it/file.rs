@@ -184,7 +184,10 @@ fn reserved_and_foreign_names_are_refused() {
     assert!(error.to_string().starts_with("a parameter is called `run`"), "{error}");
     let error =
         Design::new(1, vec![0.0]).unwrap().write_csv(&self::region(), RunOrder::Standard, Vec::new()).unwrap_err();
-    assert!(matches!(error, Error::WrongDimension { expected: 3, found: 1, .. }), "{error}");
+    assert!(
+        matches!(error, Error::DesignSpace(doe::DesignSpaceError::WrongDimension { expected: 3, found: 1, .. })),
+        "{error}"
+    );
 }
 
 proptest! {

@@ -1,14 +1,10 @@
-//! Claims about parameters and regions.
+//! Claims about designs, their evaluation and their search.
 
 #![expect(clippy::unwrap_used, clippy::missing_assert_message, reason = "the helpers of tests fail like tests")]
 
-mod errors;
+mod design;
 mod evaluate;
 mod file;
-mod files;
-mod grid;
-mod model;
-mod properties;
 mod search;
 mod space;
 mod split;

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use infuse::{Error, GlobalLoop, GlobalPlan, TrialId};
+use infuse::{Error, TrialId, global};
 
 use super::changes::changes;
 use super::{Campaign, Planned, Remembered};
@@ -44,7 +44,7 @@ impl Campaign {
                 ensure!(batch == expected, "batch {batch} is planned, expected batch {expected}");
                 // A failure is remembered for the batch it belongs to; another batch may try again.
                 self.memory.retain(|_, known| matches!(known.result, Measured::Value(_)));
-                let plan = GlobalPlan { experiments, simulations };
+                let plan = global::Plan { experiments, simulations };
                 self.plan = Some(Planned { batch, plan, is_open: false });
             }
             Event::Simulated { cell, result, by, .. } => {
@@ -152,7 +152,7 @@ impl Campaign {
         Ok(())
     }
 
-    fn with_what_was_told(&self) -> Result<GlobalLoop> {
+    fn with_what_was_told(&self) -> Result<global::Loop> {
         let mut now = self.settled.clone();
         for trial in self.settled.outstanding() {
             let reading = self.readings.get(&trial.id.number());

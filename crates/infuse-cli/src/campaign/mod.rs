@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Result;
-use infuse::{GlobalLoop, GlobalPlan, GlobalStopReason, GlobalTrial, Outlook, PureError};
+use infuse::global::{self, Outlook, PureError};
 use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64;
@@ -29,12 +29,12 @@ pub(crate) struct Campaign {
     /// What a person should know about the journal.
     pub(crate) notices: Vec<String>,
     /// With every batch but the last.
-    settled: GlobalLoop,
+    settled: global::Loop,
     /// With all that has been told.
-    pub(crate) now: GlobalLoop,
+    pub(crate) now: global::Loop,
     plan: Option<Planned>,
     /// Every experiment that was ever handed out, by id.
-    pub(crate) trials: BTreeMap<u64, GlobalTrial>,
+    pub(crate) trials: BTreeMap<u64, global::Trial>,
     /// What was told about them.
     pub(crate) readings: BTreeMap<u64, Reading>,
     memory: HashMap<u64, Remembered>,
@@ -50,7 +50,7 @@ pub(crate) struct Campaign {
 #[derive(Debug, Clone)]
 struct Planned {
     batch: usize,
-    plan: GlobalPlan,
+    plan: global::Plan,
     is_open: bool,
 }
 
@@ -68,7 +68,7 @@ pub(crate) enum Stage {
     /// Experiments are waited for.
     Pending,
     /// Nothing: it has ended.
-    Ended(GlobalStopReason),
+    Ended(global::StopReason),
     /// Nothing: what another batch may gain is less than it is worth.
     NotWorth { gain: f64, worth: f64 },
 }
@@ -92,7 +92,7 @@ impl Campaign {
     }
 
     fn of(problem: Problem, journal: Journal) -> Result<Self> {
-        let settled = GlobalLoop::new(&problem.region, problem.settings.clone())?;
+        let settled = global::Loop::new(&problem.region, problem.settings.clone())?;
         let mut campaign = Self {
             now: settled.clone(),
             settled,
@@ -170,12 +170,12 @@ impl Campaign {
     }
 
     /// Whether what was told about this trial stands, because the journal has gone on from it.
-    pub(crate) fn is_settled(&self, trial: &GlobalTrial) -> bool {
+    pub(crate) fn is_settled(&self, trial: &global::Trial) -> bool {
         self.settled.reports().len() >= trial.iteration
     }
 
     /// The trials of a batch in the order in which they are to be run, each with the one that it repeats.
-    pub(crate) fn in_run_order(&self, batch: usize) -> Vec<(GlobalTrial, Option<u64>)> {
+    pub(crate) fn in_run_order(&self, batch: usize) -> Vec<(global::Trial, Option<u64>)> {
         let own = self.trials.values().filter(|trial| trial.iteration == batch);
         let mut trials: Vec<_> = own.map(|trial| (trial.clone(), self.repeated(trial))).collect();
         let mut generator = Pcg64::seed_from_u64(self.problem.settings.seed);
@@ -187,8 +187,8 @@ impl Campaign {
     }
 
     /// The first trial of the same batch at the same settings, if this is another.
-    pub(crate) fn repeated(&self, trial: &GlobalTrial) -> Option<u64> {
-        let same = |other: &&GlobalTrial| other.iteration == trial.iteration && other.cell == trial.cell;
+    pub(crate) fn repeated(&self, trial: &global::Trial) -> Option<u64> {
+        let same = |other: &&global::Trial| other.iteration == trial.iteration && other.cell == trial.cell;
         let first = self.trials.values().find(same)?.id;
         (first < trial.id).then(|| first.number())
     }
@@ -215,7 +215,7 @@ impl Campaign {
             return Ok(None);
         }
         let plan = self.now.plan()?;
-        let event = |plan: GlobalPlan| Event::Planned {
+        let event = |plan: global::Plan| Event::Planned {
             batch: self.batch(),
             at: now(),
             experiments: plan.experiments,
@@ -230,7 +230,7 @@ impl Campaign {
         Some(Event::Learned(self.learned(report)))
     }
 
-    fn learned(&self, report: &infuse::GlobalReport) -> Learned {
+    fn learned(&self, report: &infuse::global::Report) -> Learned {
         let screening = &report.screening;
         Learned {
             batch: report.iteration,

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use infuse::GlobalTrial;
+use infuse::global;
 use serde_json::{Map, Value, json};
 
 use super::Output;
@@ -211,7 +211,7 @@ fn plural_was(n: usize, noun: &str) -> String {
 }
 
 /// By name, as numbers people would write.
-pub(crate) fn settings(campaign: &Campaign, trial: &GlobalTrial) -> Value {
+pub(crate) fn settings(campaign: &Campaign, trial: &global::Trial) -> Value {
     let pairs = campaign.problem.names().zip(&trial.point);
     Value::Object(pairs.map(|(name, &value)| (name.to_owned(), json!(rounded(value)))).collect::<Map<_, _>>())
 }
@@ -221,7 +221,7 @@ fn ended(campaign: &Campaign, stage: &Stage, notices: Vec<String>) -> Output {
     let reason = super::status::reason_to_stop(campaign, stage).unwrap_or_default();
     let best = campaign.now.reports().last().map(|report| report.screening.optimum.clone());
     let mut text = format!("No more experiments: {reason}.\n");
-    let has_learned = *stage != Stage::Ended(infuse::GlobalStopReason::NoInformation);
+    let has_learned = *stage != Stage::Ended(infuse::global::StopReason::NoInformation);
     if let Some(best) = best.as_ref().filter(|_| has_learned) {
         let _ = writeln!(text, "The best design is {}.", campaign.problem.describe(best));
     }

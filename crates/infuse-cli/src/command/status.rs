@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::Result;
-use infuse::{GlobalReport, ObservedErrors, RetainedSet, Spread};
+use infuse::global::{self, ObservedErrors, RetainedSet, Spread};
 use serde_json::{Value, json};
 
 use super::{Output, settings};
@@ -168,12 +168,12 @@ fn left(campaign: &Campaign) -> Result<String> {
 }
 
 /// Why a batch dropped what it dropped.
-pub(crate) fn dropped_by(campaign: &Campaign, report: &GlobalReport) -> String {
+pub(crate) fn dropped_by(campaign: &Campaign, report: &global::Report) -> String {
     let n = report.screening.n_before - report.screening.n_after;
     format!("batch {} dropped {}: {}", report.iteration, grouped(n), dropped_because(campaign, report))
 }
 
-pub(crate) fn dropped_because(campaign: &Campaign, report: &GlobalReport) -> String {
+pub(crate) fn dropped_because(campaign: &Campaign, report: &global::Report) -> String {
     let screening = &report.screening;
     match screening.spread.s() {
         _ if !screening.tested => "the first batches only correct, see `drop_from` in [loop]".to_owned(),
@@ -285,14 +285,16 @@ pub(crate) fn next(campaign: &Campaign, stage: &Stage, folder: &Path) -> String 
 pub(crate) fn reason_to_stop(campaign: &Campaign, stage: &Stage) -> Option<String> {
     match stage {
         Stage::Ready | Stage::Pending => None,
-        Stage::Ended(infuse::GlobalStopReason::IterationLimit) => {
+        Stage::Ended(infuse::global::StopReason::IterationLimit) => {
             let batches = count(campaign.problem.settings.max_iterations, "batch");
             Some(format!("all {batches} of [loop] were made (`batches` may be raised)"))
         }
-        Stage::Ended(infuse::GlobalStopReason::NoInformation) => Some(
+        Stage::Ended(infuse::global::StopReason::NoInformation) => Some(
             "every experiment of the last batch failed; `infuse tell --correct` with a result reopens it".to_owned(),
         ),
-        Stage::Ended(infuse::GlobalStopReason::FewerThanTwoCells) => Some("fewer than two designs are left".to_owned()),
+        Stage::Ended(infuse::global::StopReason::FewerThanTwoCells) => {
+            Some("fewer than two designs are left".to_owned())
+        }
         Stage::Ended(reason) => Some(reason.to_string()),
         Stage::NotWorth { gain, worth } => Some(format!(
             "another batch may gain {} on average, and is worth it from {}",

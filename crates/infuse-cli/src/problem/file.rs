@@ -3,7 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use infuse::{Gain, Role, SpreadFallback, SurfaceKinds};
+use infuse::{
+    Role,
+    correction::Gain,
+    global::{SpreadFallback, SurfaceKinds},
+};
 use serde::Deserialize;
 
 #[derive(Debug, Deserialize)]

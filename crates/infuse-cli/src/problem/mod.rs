@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use doe::Region;
-use infuse::{GlobalSettings, Role};
+use infuse::{Role, global};
 use serde_json::{Value, json};
 
 pub(crate) use file::{Goal, Input};
@@ -27,7 +27,7 @@ pub(crate) struct Problem {
     pub(crate) response: Response,
     pub(crate) simulator: Simulator,
     pub(crate) experiment: Option<Program>,
-    pub(crate) settings: GlobalSettings,
+    pub(crate) settings: global::Settings,
     /// The smallest improvement that another batch is worth, in the unit of the response.
     pub(crate) worth: Option<f64>,
 }

@@ -5,7 +5,10 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use doe::{Model, Region, Term};
-use infuse::{CorrectionLaw, CorrectionRule, Gain, GlobalSettings};
+use infuse::{
+    correction::{CorrectionLaw, CorrectionRule, Gain},
+    global,
+};
 
 use super::file::{Input, LoopEntry, ModelEntry, ProblemFile, ResponseEntry, SimulatorEntry};
 use super::levels::parameter;
@@ -149,14 +152,14 @@ fn placeholders(argument: &str) -> impl Iterator<Item = &str> {
     argument.split('{').skip(1).filter_map(|rest| rest.split_once('}').map(|(name, _)| name))
 }
 
-fn settings(entry: &LoopEntry, region: &Region, seed: u64) -> Result<GlobalSettings> {
+fn settings(entry: &LoopEntry, region: &Region, seed: u64) -> Result<global::Settings> {
     let model = model(entry.model.as_ref(), region)?;
     let n_terms = model.n_terms();
     let replicates = entry.replicates.unwrap_or(0);
     let experiments =
         entry.experiments.unwrap_or_else(|| (n_terms + n_terms.div_ceil(5)).max(n_terms + 2).max(4) + replicates);
     let simulations = entry.simulations.unwrap_or(2 * experiments);
-    let mut settings = GlobalSettings::new(model, experiments, simulations);
+    let mut settings = global::Settings::new(model, experiments, simulations);
     settings.replicates = replicates;
     settings.seed = seed;
     settings.max_iterations = entry.batches.unwrap_or(settings.max_iterations);

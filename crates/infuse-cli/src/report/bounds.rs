@@ -1,7 +1,7 @@
 //! What can be promised, and on which conditions.
 
 use anyhow::Result;
-use infuse::ObservedErrors;
+use infuse::global::ObservedErrors;
 
 use super::html::{Column, Page, Table};
 use crate::campaign::Campaign;
@@ -34,7 +34,7 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
 
 fn rows(campaign: &Campaign, observed: &ObservedErrors, possible: Option<u64>) -> Vec<Vec<String>> {
     let reports = campaign.now.reports();
-    let gap = |report: Option<&infuse::GlobalReport>| report.and_then(|report| report.changes.gap);
+    let gap = |report: Option<&infuse::global::Report>| report.and_then(|report| report.changes.gap);
     let row = |name: &str, value: String, meaning: &str| vec![name.to_owned(), value, meaning.to_owned()];
     let mut rows = Vec::new();
     if let Some(first) = gap(reports.first()) {

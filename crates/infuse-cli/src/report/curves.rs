@@ -72,7 +72,7 @@ fn figure(last: &Last, parameter: usize, range: (f64, f64)) -> Result<Figure> {
     Ok(Figure { y_label, svg: chart.svg(), width_px: SIZE_PX.0, x_label, legend: Vec::new() })
 }
 
-fn curve(last: &Last, surface: &infuse::TracedSurface, parameter: usize) -> Result<Line> {
+fn curve(last: &Last, surface: &infuse::global::TracedSurface, parameter: usize) -> Result<Line> {
     let bounds = &last.parameters()[parameter];
     let point = |index: u32| {
         let x = bounds.lower() + bounds.width() * f64::from(index) / f64::from(POINTS - 1);

@@ -1,6 +1,9 @@
 //! Batch by batch: the best design, what was dropped, what was learned.
 
-use infuse::{GlobalReport, IterationSurfaces, ObservedErrors, Outcome};
+use infuse::{
+    Outcome,
+    global::{self, IterationSurfaces, ObservedErrors},
+};
 
 use super::html::{Column, Page, Table};
 use super::trends;
@@ -25,9 +28,9 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign, observed: &[Option<Obs
     page.table(&learned(campaign, reports, observed));
 }
 
-fn best(campaign: &Campaign, reports: &[GlobalReport]) -> Table {
+fn best(campaign: &Campaign, reports: &[global::Report]) -> Table {
     let response = &campaign.problem.response;
-    let row = |report: &GlobalReport| {
+    let row = |report: &global::Report| {
         let screening = &report.screening;
         vec![
             report.iteration.to_string(),
@@ -55,9 +58,9 @@ fn best(campaign: &Campaign, reports: &[GlobalReport]) -> Table {
     }
 }
 
-fn dropped(campaign: &Campaign, reports: &[GlobalReport]) -> Table {
+fn dropped(campaign: &Campaign, reports: &[global::Report]) -> Table {
     let of = campaign.now.retained().n_cells();
-    let row = |report: &GlobalReport| {
+    let row = |report: &global::Report| {
         let screening = &report.screening;
         vec![
             report.iteration.to_string(),
@@ -80,11 +83,11 @@ fn dropped(campaign: &Campaign, reports: &[GlobalReport]) -> Table {
     }
 }
 
-fn learned(campaign: &Campaign, reports: &[GlobalReport], observed: &[Option<ObservedErrors>]) -> Table {
+fn learned(campaign: &Campaign, reports: &[global::Report], observed: &[Option<ObservedErrors>]) -> Table {
     let optional = |amount: Option<f64>| amount.map_or_else(nothing, short);
     let unit = &campaign.problem.response.unit;
     let rows = reports.iter().zip(campaign.now.surfaces()).zip(observed);
-    let row = |((report, surfaces), observed): ((&GlobalReport, &IterationSurfaces), &Option<ObservedErrors>)| {
+    let row = |((report, surfaces), observed): ((&global::Report, &IterationSurfaces), &Option<ObservedErrors>)| {
         let noise = campaign.noise_until(report.iteration);
         vec![
             report.iteration.to_string(),
@@ -123,7 +126,7 @@ fn lack_of_fit(surfaces: &IterationSurfaces) -> String {
 }
 
 /// The least cost among the experiments of a batch.
-pub(super) fn best_measured(report: &GlobalReport) -> Option<f64> {
+pub(super) fn best_measured(report: &global::Report) -> Option<f64> {
     let costs = report.trials.iter().filter_map(|record| record.outcome.as_ref().and_then(Outcome::cost));
     costs.min_by(f64::total_cmp)
 }

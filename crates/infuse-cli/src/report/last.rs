@@ -1,7 +1,10 @@
 //! The last closed batch, and the lines and planes through its best design.
 
 use anyhow::Result;
-use infuse::{GlobalReport, IterationSurfaces, Outcome, TracedSurface, TrialUse};
+use infuse::{
+    Outcome,
+    global::{self, IterationSurfaces, TracedSurface, TrialUse},
+};
 
 use crate::campaign::Campaign;
 use crate::problem::{Response, heading};
@@ -9,7 +12,7 @@ use crate::problem::{Response, heading};
 #[derive(Debug)]
 pub(super) struct Last<'a> {
     pub(super) campaign: &'a Campaign,
-    pub(super) report: &'a GlobalReport,
+    pub(super) report: &'a global::Report,
     pub(super) surfaces: &'a IterationSurfaces,
     /// What entered its surfaces or was compared with them, and what failed.
     pub(super) runs: Vec<Run>,

@@ -1,21 +1,24 @@
 //! What could be promised after each batch: a campaign says it only of its last one, so it is followed again.
 
 use anyhow::Result;
-use infuse::{GlobalLoop, GlobalPlan, ObservedErrors, Outcome};
+use infuse::{
+    Outcome,
+    global::{self, ObservedErrors},
+};
 
 use crate::campaign::Campaign;
 
 /// After each closed batch, first to last; nothing where no bound could be given.
 pub(super) fn observed_errors(campaign: &Campaign) -> Result<Vec<Option<ObservedErrors>>> {
     let done = &campaign.now;
-    let mut replay = GlobalLoop::new(done.region(), done.settings().clone())?;
+    let mut replay = global::Loop::new(done.region(), done.settings().clone())?;
     let mut earlier = done.earlier().iter().peekable();
     let mut observed = Vec::new();
     for report in done.reports() {
         while let Some(one) = earlier.next_if(|one| one.since <= report.iteration) {
             replay.add_earlier(&one.point, one.cost, one.source.clone())?;
         }
-        let plan = GlobalPlan {
+        let plan = global::Plan {
             experiments: report.trials.iter().map(|record| record.trial.cell).collect(),
             simulations: report.simulations.iter().map(|record| record.cell).collect(),
         };

@@ -1,7 +1,10 @@
 //! Every experiment: those of the batches, and those from before.
 
 use anyhow::Result;
-use infuse::{GlobalTrial, Outcome, TracedSurface, TrialUse};
+use infuse::{
+    Outcome,
+    global::{self, TracedSurface, TrialUse},
+};
 
 use super::html::{Column, Page, Table};
 use crate::campaign::{Campaign, Reading};
@@ -43,7 +46,7 @@ fn sheet(campaign: &Campaign, batch: usize) -> Result<Table> {
     for (index, column) in settings_columns(campaign).enumerate() {
         filled.push((column, trials().map(|trial| setting(campaign, trial, index)).collect()));
     }
-    let reading = |trial: &GlobalTrial| campaign.readings.get(&trial.id.number());
+    let reading = |trial: &global::Trial| campaign.readings.get(&trial.id.number());
     let told = trials().map(|trial| reading(trial).map_or_else(|| "not told yet".to_owned(), told));
     filled.push((Column::result(campaign.problem.response.heading()), told.collect()));
     if let Some(surface) = surface {
@@ -81,7 +84,7 @@ fn settings_columns(campaign: &Campaign) -> impl Iterator<Item = Column> {
 }
 
 /// What was set, and what should have been if that was something else.
-fn setting(campaign: &Campaign, trial: &GlobalTrial, parameter: usize) -> String {
+fn setting(campaign: &Campaign, trial: &global::Trial, parameter: usize) -> String {
     let step = step(&campaign.problem.region.parameters()[parameter]);
     let asked = number::setting(trial.point[parameter], step);
     let made = campaign.settings_of(trial.id.number()).get(parameter).map(|&made| number::setting(made, step));
@@ -89,12 +92,12 @@ fn setting(campaign: &Campaign, trial: &GlobalTrial, parameter: usize) -> String
     if asked == made { made } else { format!("{made} (asked: {asked})") }
 }
 
-fn predicted(campaign: &Campaign, trial: &GlobalTrial, surface: &TracedSurface) -> Result<String> {
+fn predicted(campaign: &Campaign, trial: &global::Trial, surface: &TracedSurface) -> Result<String> {
     let coded = campaign.problem.region.coded(&campaign.settings_of(trial.id.number()))?;
     Ok(short(campaign.problem.response.cost(surface.surface().predict(&coded))))
 }
 
-fn used_for(trial: &GlobalTrial) -> &'static str {
+fn used_for(trial: &global::Trial) -> &'static str {
     match trial.used_for {
         TrialUse::Training => "training",
         TrialUse::Validation => "validation",

@@ -1,6 +1,6 @@
 //! Small charts over the batches.
 
-use infuse::{GlobalReport, ObservedErrors};
+use infuse::global::{self, ObservedErrors};
 
 use super::axis::Scale;
 use super::chart::{Chart, Grid, Mark, Stroke, Ticks, line_sample, mark_sample, whisker_sample};
@@ -35,7 +35,7 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign, observed: &[Option<Obs
     page.figures(&figures, &[], &caption);
 }
 
-fn best(campaign: &Campaign, reports: &[GlobalReport]) -> Figure {
+fn best(campaign: &Campaign, reports: &[global::Report]) -> Figure {
     let response = &campaign.problem.response;
     let predicted: Line = reports.iter().map(|r| (batch(r), response.cost(r.screening.optimum_value))).collect();
     let whiskers: Vec<f64> = reports.iter().map(|report| report.screening.spread.s().unwrap_or(0.0)).collect();
@@ -64,9 +64,9 @@ fn best(campaign: &Campaign, reports: &[GlobalReport]) -> Figure {
     Figure { y_label: response.heading(), svg: chart.svg(), width_px: SIZE_PX.0, x_label: "batch".to_owned(), legend }
 }
 
-fn left(campaign: &Campaign, reports: &[GlobalReport]) -> Figure {
+fn left(campaign: &Campaign, reports: &[global::Report]) -> Figure {
     let of = campaign.now.retained().n_cells() as f64;
-    let share = |report: &GlobalReport| (batch(report), 100.0 * report.screening.n_after as f64 / of);
+    let share = |report: &global::Report| (batch(report), 100.0 * report.screening.n_after as f64 / of);
     let points: Line = std::iter::once((0.0, 100.0)).chain(reports.iter().map(share)).collect();
     let smallest = points.iter().map(|point| point.1).fold(100.0, f64::min);
     let linear = Scale::Linear { min: 0.0, max: 100.0 };
@@ -91,7 +91,7 @@ fn left(campaign: &Campaign, reports: &[GlobalReport]) -> Figure {
 }
 
 /// None if no batch could be compared with its experiments.
-fn errors(campaign: &Campaign, reports: &[GlobalReport], observed: &[Option<ObservedErrors>]) -> Option<Figure> {
+fn errors(campaign: &Campaign, reports: &[global::Report], observed: &[Option<ObservedErrors>]) -> Option<Figure> {
     let innovation: Line = reports.iter().filter_map(|r| Some((batch(r), r.changes.innovation?))).collect();
     let bound = reports.iter().zip(observed).filter_map(|(r, observed)| Some((batch(r), observed.as_ref()?.eps)));
     let bound: Line = bound.collect();
@@ -119,11 +119,11 @@ fn errors(campaign: &Campaign, reports: &[GlobalReport], observed: &[Option<Obse
     Some(Figure { y_label, svg: chart.svg(), width_px: SIZE_PX.0, x_label: "batch".to_owned(), legend })
 }
 
-fn batch(report: &GlobalReport) -> f64 {
+fn batch(report: &global::Report) -> f64 {
     report.iteration as f64
 }
 
-fn over(first: usize, reports: &[GlobalReport]) -> (Scale, Ticks) {
+fn over(first: usize, reports: &[global::Report]) -> (Scale, Ticks) {
     (Scale::counting(first, reports.len()), Ticks::Whole)
 }
 

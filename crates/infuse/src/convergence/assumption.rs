@@ -1,7 +1,7 @@
 //! Whether the errors of the surfaces shrink, as the proposition assumes.
 
-use super::input::{check_error_bounds, check_not_negative};
 use crate::Error;
+use crate::checks::{check_error_bounds, check_not_negative};
 
 /// Where E1 and E2 of (43) and (44) grew from one iteration to the next.
 ///

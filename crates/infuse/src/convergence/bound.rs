@@ -1,7 +1,8 @@
 //! How far a corrected model can be from the truth.
 
-use super::input::{check_count, check_error_bounds, check_not_negative};
-use crate::{CorrectionLaw, CorrectionRule, Error, ModelStage};
+use crate::Error;
+use crate::checks::{check_count, check_error_bounds, check_not_negative};
+use crate::correction::{CorrectionLaw, CorrectionRule, ModelStage};
 
 /// Bounds on the error of a corrected model, in any norm for which those of the surfaces are known.
 ///

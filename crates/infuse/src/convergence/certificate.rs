@@ -1,7 +1,7 @@
 //! What a bound on the model says about a design.
 
-use super::input::{check_cells, check_finite, check_not_negative};
 use crate::Error;
+use crate::checks::{check_cells, check_finite, check_not_negative};
 
 /// How much worse than the best retained design a design can be, in the unit of the cost.
 ///

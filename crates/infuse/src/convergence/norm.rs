@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::input::{check_cells, check_count, check_each, check_finite};
 use crate::Error;
+use crate::checks::{check_cells, check_count, check_each, check_finite};
 
 /// The order q of a norm, at least 1. In files `{ finite = 2.0 }` or `"infinity"`.
 ///

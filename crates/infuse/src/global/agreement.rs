@@ -5,9 +5,9 @@ use std::fmt::Debug;
 use crate::Error;
 use crate::global::batch::Batch;
 use crate::global::changes::SurfaceChanges;
-use crate::global::report::GlobalReport;
+use crate::global::report::Report;
 use crate::global::screening::{Screening, Spread};
-use crate::global::trial::GlobalTrial;
+use crate::global::trial::Trial;
 
 /// Numbers computed from the outcomes agree to this, relative: factorizations round differently on machines with
 /// other instruction sets. Costs, and differences of them in which digits cancel, are compared relative to the
@@ -26,7 +26,7 @@ pub(crate) struct Agreement {
 }
 
 impl Agreement {
-    pub(crate) fn of_trials(self, saved: &GlobalTrial, found: &GlobalTrial) -> Result<(), Error> {
+    pub(crate) fn of_trials(self, saved: &Trial, found: &Trial) -> Result<(), Error> {
         self.exact("trials.trial.id", &saved.id, &found.id)?;
         self.exact("trials.trial.iteration", &saved.iteration, &found.iteration)?;
         self.exact("trials.trial.used_for", &saved.used_for, &found.used_for)?;
@@ -38,7 +38,7 @@ impl Agreement {
         self.exact("batch.n_candidates", &saved.n_candidates, &found.n_candidates)?;
         self.exact("batch.constant_instead", &saved.constant_instead, &found.constant_instead)?;
         let names = |batch: &Batch| -> Vec<(usize, String, Vec<String>)> {
-            let equals = |term: &crate::DroppedTerm| term.equals.iter().map(|(name, _)| name.clone()).collect();
+            let equals = |term: &crate::global::DroppedTerm| term.equals.iter().map(|(name, _)| name.clone()).collect();
             batch.dropped_terms.iter().map(|term| (term.term, term.name.clone(), equals(term))).collect()
         };
         self.exact("batch.dropped_terms", &names(saved), &names(found))?;
@@ -58,7 +58,7 @@ impl Agreement {
     }
 
     /// Of what is not an outcome and not in the batch.
-    pub(crate) fn of_reports(self, saved: &GlobalReport, found: &GlobalReport) -> Result<(), Error> {
+    pub(crate) fn of_reports(self, saved: &Report, found: &Report) -> Result<(), Error> {
         self.exact("iteration", &saved.iteration, &found.iteration)?;
         self.exact("n_earlier", &saved.n_earlier, &found.n_earlier)?;
         self.of_screenings(&saved.screening, &found.screening)?;

@@ -4,17 +4,16 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use doe::{
-    Criterion, Design, Effort, Model, Problem, Replicates, Settings, SplitSettings, Term, confounded_terms, search,
-    split,
+    Criterion, Design, Effort, Model, Problem, Replicates, SplitSettings, Term, confounded_terms, search, split,
 };
 use serde::{Deserialize, Serialize};
 
+use crate::Error;
 use crate::global::candidates::Candidates;
 use crate::global::cells::Cells;
 use crate::global::greedy::greedy;
 use crate::global::retained::RetainedSet;
 use crate::global::trial::TrialUse;
-use crate::{Error, GlobalSettings};
 
 /// What a batch was designed over, and how good it is.
 #[non_exhaustive]
@@ -22,7 +21,7 @@ use crate::{Error, GlobalSettings};
 #[serde(deny_unknown_fields)]
 pub struct Batch {
     /// Cells that the designs were chosen from, and over which their variance was looked at: all retained
-    /// cells up to [`GlobalSettings::candidate_limit`], a part of them beyond.
+    /// cells up to [`Settings::candidate_limit`], a part of them beyond.
     pub n_candidates: u64,
     /// Terms of the regressor that these cells cannot tell apart, left out in this iteration.
     pub dropped_terms: Vec<DroppedTerm>,
@@ -50,13 +49,13 @@ pub struct DroppedTerm {
 
 impl Batch {
     /// The regressor of this iteration.
-    pub(crate) fn model(&self, settings: &GlobalSettings) -> Result<Model, Error> {
+    pub(crate) fn model(&self, settings: &crate::global::Settings) -> Result<Model, Error> {
         regressor(settings, &self.dropped_terms)
     }
 }
 
 /// The model of the settings without these terms; a constant if none is left.
-fn regressor(settings: &GlobalSettings, dropped: &[DroppedTerm]) -> Result<Model, Error> {
+fn regressor(settings: &crate::global::Settings, dropped: &[DroppedTerm]) -> Result<Model, Error> {
     let (model, k) = (&settings.model, settings.model.n_factors());
     if dropped.len() == model.n_terms() {
         return Ok(Model::new(k, vec![Term::new(vec![0; k])])?);
@@ -77,7 +76,7 @@ pub(crate) enum Purpose {
 #[derive(Debug)]
 pub(crate) struct DesignSpace<'a> {
     cells: &'a Cells,
-    settings: &'a GlobalSettings,
+    settings: &'a crate::global::Settings,
     iteration: usize,
     candidates: Candidates,
     model: Model,
@@ -88,7 +87,7 @@ impl<'a> DesignSpace<'a> {
     pub(crate) fn of(
         retained: &RetainedSet,
         cells: &'a Cells,
-        settings: &'a GlobalSettings,
+        settings: &'a crate::global::Settings,
         iteration: usize,
     ) -> Result<Self, Error> {
         let seed = seed(settings.seed, iteration, Purpose::Candidates);
@@ -126,7 +125,7 @@ impl<'a> DesignSpace<'a> {
         {
             problem = problem.with_replicates(Replicates::Planned(self.settings.replicates))?;
         }
-        let mut settings = Settings::default();
+        let mut settings = doe::Settings::default();
         settings.seed = seed(self.settings.seed, self.iteration, purpose);
         settings.starts = self.settings.design_starts;
         settings.effort = Effort::Quick;

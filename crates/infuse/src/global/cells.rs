@@ -18,7 +18,7 @@ impl Cells {
     pub(crate) const MOST: u64 = 1 << 34;
 
     pub(crate) fn of(region: &Region) -> Result<Self, Error> {
-        let n_cells = region.grid()?.n_points();
+        let n_cells = design_space::Grid::of(region)?.n_cells();
         if n_cells > Self::MOST {
             return Err(Error::TooManyCells { n_cells, most: Self::MOST });
         }
@@ -72,7 +72,7 @@ impl Cells {
     }
 
     pub(crate) fn natural(&self, cell: u64) -> Result<Vec<f64>, Error> {
-        Ok(self.region.grid()?.point(cell)?)
+        Ok(design_space::Grid::of(&self.region)?.point(design_space::Cell::new(cell))?)
     }
 
     /// The cell nearest to a natural point within the region.

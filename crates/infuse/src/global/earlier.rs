@@ -1,12 +1,12 @@
 //! Experiments that were made outside a campaign.
 
-use doe::Region;
+use design_space::Region;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::global::trial::{NEAR_THE_REGION, far_setting};
 
-/// An experiment that no iteration asked for, see [`GlobalLoop::add_earlier`](crate::GlobalLoop::add_earlier).
+/// An experiment that no iteration asked for, see [`Loop::add_earlier`](crate::Loop::add_earlier).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EarlierExperiment {

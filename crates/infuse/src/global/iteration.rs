@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use doe::Region;
+use design_space::Region;
 use serde::{Deserialize, Serialize};
 
 use crate::global::batch::Batch;
 use crate::global::cells::Cells;
 use crate::global::observations::Observations;
 use crate::global::report::SimulationRecord;
-use crate::global::trial::{GlobalTrial, GlobalTrialRecord, TrialUse};
+use crate::global::trial::{Trial, TrialRecord, TrialUse};
 use crate::{Error, Outcome, TrialId};
 
 /// A batch, its simulations, and the trials that wait for a person.
@@ -18,7 +18,7 @@ use crate::{Error, Outcome, TrialId};
 pub(crate) struct OpenIteration {
     pub(crate) batch: Batch,
     pub(crate) simulations: Vec<SimulationRecord>,
-    pub(crate) trials: Vec<GlobalTrialRecord>,
+    pub(crate) trials: Vec<TrialRecord>,
 }
 
 impl OpenIteration {
@@ -81,11 +81,11 @@ pub(crate) fn trials(
     cells: &Cells,
     iteration: usize,
     n_before: u64,
-) -> Result<Vec<GlobalTrialRecord>, Error> {
+) -> Result<Vec<TrialRecord>, Error> {
     let record = |(number, (&cell, &used_for)): (u64, (&u64, &TrialUse))| {
         let point = cells.natural(cell)?;
-        let trial = GlobalTrial { id: TrialId::new(number), iteration, used_for, cell, point };
-        Ok(GlobalTrialRecord { trial, actual: None, outcome: None })
+        let trial = Trial { id: TrialId::new(number), iteration, used_for, cell, point };
+        Ok(TrialRecord { trial, actual: None, outcome: None })
     };
     (n_before + 1..).zip(design.iter().zip(uses)).map(record).collect()
 }

@@ -5,13 +5,16 @@ use rand_pcg::Pcg64;
 use statrs::distribution::{ContinuousCDF, Normal};
 use surface::{LeaveOneOut, Polynomial, Regression, Surface};
 
+use crate::Error;
+use crate::convergence::{Bound, RegretCertificate};
+use crate::correction::ModelStage;
+use crate::global::Loop;
 use crate::global::candidates::Candidates;
 use crate::global::pure_error::PureError;
-use crate::global::report::GlobalReport;
+use crate::global::report::Report;
 use crate::global::screening::Spread;
 use crate::global::surfaces::IterationSurfaces;
 use crate::global::trial::TrialUse;
-use crate::{Bound, Error, GlobalLoop, ModelStage, RegretCertificate};
 
 /// Cells among which the best is looked for in every draw; of more that are left, a part.
 const MOST_CELLS: u64 = 20_000;
@@ -49,7 +52,7 @@ pub struct Outlook {
     pub n_cells: usize,
 }
 
-/// What [`GlobalLoop::observed_certificate`] rests on.
+/// What [`Loop::observed_certificate`] rests on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ObservedErrors {
@@ -71,7 +74,7 @@ impl Outlook {
     }
 }
 
-impl GlobalLoop {
+impl Loop {
     /// What more experiments could still bring, from this many draws. `noise` is that of the experiments,
     /// [`pure_error`](Self::pure_error) or better knowledge. None before the first iteration is closed, and if
     /// some Ĵexp in the correction is no regression or has no degrees of freedom. The same settings and outcomes give
@@ -127,7 +130,7 @@ impl GlobalLoop {
 
     /// The mean variance of the combined surface at the validation experiments, if its training experiments and
     /// simulations scatter like one experiment of variance 1. Not by its own residuals: misfit is in them, too.
-    fn fit_variance(&self, report: &GlobalReport, surfaces: &IterationSurfaces) -> f64 {
+    fn fit_variance(&self, report: &Report, surfaces: &IterationSurfaces) -> f64 {
         let Some(fit) = surfaces.combined.regression() else { return 0.0 };
         let Some(sigma_squared) = fit.sigma_squared().filter(|&sigma_squared| sigma_squared > 0.0) else { return 0.0 };
         let validation = report.trials.iter().filter(|record| record.trial.used_for == TrialUse::Validation);
@@ -191,11 +194,11 @@ fn drawn_error(
 }
 
 /// The largest errors of Ĵsim and Ĵexp of an iteration at runs left out.
-fn left_out(report: &GlobalReport, surfaces: &IterationSurfaces) -> Option<(f64, f64)> {
+fn left_out(report: &Report, surfaces: &IterationSurfaces) -> Option<(f64, f64)> {
     if report.not_corrected.is_some() {
         return None;
     }
     let largest = |errors: LeaveOneOut| errors.residuals().iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
-    let of = |surface: &crate::TracedSurface| surface.regression()?.leave_one_out().ok().map(largest);
+    let of = |surface: &crate::global::TracedSurface| surface.regression()?.leave_one_out().ok().map(largest);
     Some((of(&surfaces.simulation)?, of(surfaces.experiment.as_ref()?)?))
 }

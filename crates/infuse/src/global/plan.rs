@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The designs of an iteration, as cells of the grid.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct GlobalPlan {
+pub struct Plan {
     /// One cell per experiment, in the order of their trials. A cell that comes again is a repeat.
     pub experiments: Vec<u64>,
     /// One cell per simulation.

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::GlobalLoop;
 use crate::Outcome;
+use crate::global::Loop;
 
 /// Scatter of experiments at equal settings about their mean, pooled over the campaign.
 ///
@@ -47,7 +47,7 @@ impl PureError {
     }
 }
 
-impl GlobalLoop {
+impl Loop {
     /// The noise of the experiments told so far, open iteration included; none while no setting was made twice.
     #[must_use]
     pub fn pure_error(&self) -> Option<PureError> {

@@ -4,20 +4,21 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::Outcome;
+use crate::global::Settings;
 use crate::global::batch::Batch;
 use crate::global::changes::SurfaceChanges;
 use crate::global::screening::Screening;
-use crate::global::trial::GlobalTrialRecord;
-use crate::{GlobalSettings, Outcome};
+use crate::global::trial::TrialRecord;
 
 /// Why a global campaign ended.
 #[non_exhaustive]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum GlobalStopReason {
+pub enum StopReason {
     /// Fewer than two cells are left: nothing remains to be chosen.
     FewerThanTwoCells,
-    /// [`GlobalSettings::max_iterations`] were made.
+    /// [`Settings::max_iterations`] were made.
     IterationLimit,
     /// Every experiment of the last iteration failed.
     NoInformation,
@@ -26,7 +27,7 @@ pub enum GlobalStopReason {
     NoSpread,
 }
 
-impl fmt::Display for GlobalStopReason {
+impl fmt::Display for StopReason {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Self::FewerThanTwoCells => "fewer than two cells are left",
@@ -53,7 +54,7 @@ pub struct SimulationRecord {
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct GlobalReport {
+pub struct Report {
     /// Number of the iteration, from 1.
     pub iteration: usize,
     /// What was designed, and over what.
@@ -61,7 +62,7 @@ pub struct GlobalReport {
     /// Every simulation, failed ones included.
     pub simulations: Vec<SimulationRecord>,
     /// Every experiment with its outcome.
-    pub trials: Vec<GlobalTrialRecord>,
+    pub trials: Vec<TrialRecord>,
     /// How many [earlier experiments](crate::EarlierExperiment) counted in it.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub n_earlier: usize,
@@ -79,10 +80,10 @@ pub(crate) fn is_zero(count: &usize) -> bool {
     *count == 0
 }
 
-impl GlobalReport {
+impl Report {
     /// The experiments that were told as failed.
-    pub fn failed_trials(&self) -> impl Iterator<Item = &GlobalTrialRecord> {
-        let is_failed = |record: &&GlobalTrialRecord| matches!(record.outcome, Some(Outcome::Failed { .. }));
+    pub fn failed_trials(&self) -> impl Iterator<Item = &TrialRecord> {
+        let is_failed = |record: &&TrialRecord| matches!(record.outcome, Some(Outcome::Failed { .. }));
         self.trials.iter().filter(is_failed)
     }
 
@@ -92,20 +93,20 @@ impl GlobalReport {
     }
 
     /// Why a campaign that has come this far ends here, if it does.
-    pub(crate) fn stop(&self, settings: &GlobalSettings) -> Option<GlobalStopReason> {
+    pub(crate) fn stop(&self, settings: &Settings) -> Option<StopReason> {
         self.own_stop(settings)
-            .or_else(|| (self.iteration >= settings.max_iterations).then_some(GlobalStopReason::IterationLimit))
+            .or_else(|| (self.iteration >= settings.max_iterations).then_some(StopReason::IterationLimit))
     }
 
     /// The same, whatever the limit on the iterations.
-    pub(crate) fn own_stop(&self, settings: &GlobalSettings) -> Option<GlobalStopReason> {
-        let failed = |record: &GlobalTrialRecord| record.outcome.as_ref().and_then(Outcome::cost).is_none();
+    pub(crate) fn own_stop(&self, settings: &Settings) -> Option<StopReason> {
+        let failed = |record: &TrialRecord| record.outcome.as_ref().and_then(Outcome::cost).is_none();
         if self.trials.iter().all(failed) {
-            Some(GlobalStopReason::NoInformation)
+            Some(StopReason::NoInformation)
         } else if self.screening.ends_campaign(settings) {
-            Some(GlobalStopReason::NoSpread)
+            Some(StopReason::NoSpread)
         } else if self.screening.n_after < 2 {
-            Some(GlobalStopReason::FewerThanTwoCells)
+            Some(StopReason::FewerThanTwoCells)
         } else {
             None
         }

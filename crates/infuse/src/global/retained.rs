@@ -5,7 +5,8 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 use surface::{GridPoints, LANES, Lanes, MOST_FACTORS, Minimum, PointSource, Surface};
 
-use crate::{Error, Norm};
+use crate::Error;
+use crate::convergence::Norm;
 
 /// Words of 64 cells that one thread takes at a time.
 const CHUNK: usize = 64;

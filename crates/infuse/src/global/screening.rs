@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use crate::Error;
 use crate::global::observations::Observations;
 use crate::global::traced::TracedSurface;
-use crate::{Error, GlobalSettings, SpreadFallback};
+use crate::global::{Settings, SpreadFallback};
 
 /// S below this part of the costs it is made of is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -139,7 +140,7 @@ pub struct Screening {
     pub simulation_optimum: Vec<f64>,
     /// The S of the test.
     pub spread: Spread,
-    /// Whether there was a test: not before [`GlobalSettings::first_screening`].
+    /// Whether there was a test: not before [`Settings::first_screening`].
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub tested: bool,
     /// z_0.
@@ -173,7 +174,7 @@ impl Screening {
         })
     }
 
-    pub(crate) fn ends_campaign(&self, settings: &GlobalSettings) -> bool {
+    pub(crate) fn ends_campaign(&self, settings: &Settings) -> bool {
         settings.fallback == SpreadFallback::Stop && self.spread.s().is_none()
     }
 }

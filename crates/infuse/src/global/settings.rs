@@ -4,7 +4,8 @@ use doe::{Model, Region, SplitMethod};
 use serde::{Deserialize, Serialize};
 use surface::{Confounded, Data, InverseDistance, Kind};
 
-use crate::{CorrectionLaw, CorrectionRule, Error, Gain};
+use crate::Error;
+use crate::correction::{CorrectionLaw, CorrectionRule, Gain};
 
 /// Beyond it a regression may refuse its data as dependent, after the experiments were made.
 const LARGEST_WEIGHT_RATIO: f64 = 1e6;
@@ -74,7 +75,7 @@ pub enum SpreadFallback {
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct GlobalSettings {
+pub struct Settings {
     /// The regressor r(p) of (28), in coordinates coded to the original box: of the designs, and of
     /// every surface that is a regression.
     pub model: Model,
@@ -182,7 +183,7 @@ fn default_candidate_limit() -> u64 {
     400_000
 }
 
-impl GlobalSettings {
+impl Settings {
     /// The largest number of experiments or simulations of an iteration.
     pub const MOST_RUNS: usize = 10_000;
 

@@ -2,27 +2,28 @@
 
 use std::collections::BTreeSet;
 
-use doe::Region;
+use design_space::Region;
 use serde::{Deserialize, Serialize};
 
 use crate::global::agreement::Agreement;
 use crate::global::batch::{Batch, DesignSpace};
 use crate::global::earlier::EarlierExperiment;
 use crate::global::iteration::{OpenIteration, trials};
-use crate::global::report::{GlobalReport, SimulationRecord};
-use crate::global::trial::GlobalTrialRecord;
-use crate::{Error, GlobalLoop, GlobalSettings, Outcome};
+use crate::global::report::{Report, SimulationRecord};
+use crate::global::trial::TrialRecord;
+use crate::global::{Loop, Settings};
+use crate::{Error, Outcome};
 
 const FORMAT: u32 = 1;
 
 /// The fields of a saved campaign.
 #[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields, rename = "GlobalLoop")]
+#[serde(deny_unknown_fields, rename = "Loop")]
 pub(crate) struct State {
     format: u32,
     region: Region,
-    settings: GlobalSettings,
-    history: Vec<GlobalReport>,
+    settings: Settings,
+    history: Vec<Report>,
     open: Option<OpenIteration>,
     #[serde(default)]
     failed_cells: BTreeSet<u64>,
@@ -30,8 +31,8 @@ pub(crate) struct State {
     earlier: Vec<EarlierExperiment>,
 }
 
-impl From<GlobalLoop> for State {
-    fn from(campaign: GlobalLoop) -> Self {
+impl From<Loop> for State {
+    fn from(campaign: Loop) -> Self {
         Self {
             format: FORMAT,
             region: campaign.region().clone(),
@@ -44,7 +45,7 @@ impl From<GlobalLoop> for State {
     }
 }
 
-impl TryFrom<State> for GlobalLoop {
+impl TryFrom<State> for Loop {
     type Error = Error;
 
     /// Replays the campaign: everything but the outcomes and the choice of the cells is computed anew and must agree, what
@@ -71,7 +72,7 @@ impl TryFrom<State> for GlobalLoop {
         for report in state.history {
             let iteration = campaign.iteration();
             check_may_go_on(&campaign)?;
-            let GlobalReport { batch, simulations, trials, .. } = report.clone();
+            let Report { batch, simulations, trials, .. } = report.clone();
             let mut open = OpenIteration { batch, simulations, trials };
             open.batch = check_open(&campaign, &open)?;
             if !open.is_complete() {
@@ -102,7 +103,7 @@ impl TryFrom<State> for GlobalLoop {
     }
 }
 
-fn agreement(campaign: &GlobalLoop, simulations: &[SimulationRecord], trials: &[GlobalTrialRecord]) -> Agreement {
+fn agreement(campaign: &Loop, simulations: &[SimulationRecord], trials: &[TrialRecord]) -> Agreement {
     let past = campaign.reports().iter().map(|report| (&report.simulations[..], &report.trials[..]));
     let costs = past.chain([(simulations, trials)]).flat_map(|(simulations, trials)| {
         let simulated = simulations.iter().map(|record| &record.outcome);
@@ -114,7 +115,7 @@ fn agreement(campaign: &GlobalLoop, simulations: &[SimulationRecord], trials: &[
 
 /// An iteration can follow only on a campaign that had not ended. The limit on iterations is left
 /// out: it may be changed in the file.
-fn check_may_go_on(campaign: &GlobalLoop) -> Result<(), Error> {
+fn check_may_go_on(campaign: &Loop) -> Result<(), Error> {
     let last = campaign.reports().last();
     if last.is_some_and(|last| last.own_stop(campaign.settings()).is_some()) {
         let expected = "none after the campaign had ended";
@@ -124,7 +125,7 @@ fn check_may_go_on(campaign: &GlobalLoop) -> Result<(), Error> {
 }
 
 /// Checks batch, simulations and trials of an iteration against what was left at its onset. Returns the batch as found.
-fn check_open(campaign: &GlobalLoop, open: &OpenIteration) -> Result<Batch, Error> {
+fn check_open(campaign: &Loop, open: &OpenIteration) -> Result<Batch, Error> {
     let (cells, settings, iteration) = (&campaign.cells, &campaign.settings, campaign.iteration());
     let wrong = |field, expected| Error::State { field, iteration, expected };
     let experiments: Vec<u64> = open.trials.iter().map(|record| record.trial.cell).collect();

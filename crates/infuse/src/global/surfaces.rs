@@ -1,7 +1,8 @@
 //! The surfaces of an iteration, and the correction as a combination of them.
 
+use crate::Error;
+use crate::correction::CorrectionRule;
 use crate::global::traced::TracedSurface;
-use crate::{CorrectionRule, Error};
 
 /// What an iteration fitted, (30) to (36); all in coordinates coded to the original box.
 #[non_exhaustive]

@@ -1,6 +1,6 @@
 //! One experiment of a batch, and what is told about it.
 
-use doe::Region;
+use design_space::Region;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Outcome, TrialId};
@@ -18,7 +18,7 @@ pub enum TrialUse {
 /// An experiment to run, on a cell of the grid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct GlobalTrial {
+pub struct Trial {
     /// Number by which the outcome is told.
     pub id: TrialId,
     /// Iteration it belongs to, from 1.
@@ -34,16 +34,16 @@ pub struct GlobalTrial {
 /// A trial with what has been told about it so far.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct GlobalTrialRecord {
+pub struct TrialRecord {
     /// What was asked.
-    pub trial: GlobalTrial,
+    pub trial: Trial,
     /// The settings actually made, natural, if they were told.
     pub actual: Option<Vec<f64>>,
     /// What was told; nothing while the trial is outstanding.
     pub outcome: Option<Outcome>,
 }
 
-impl GlobalTrialRecord {
+impl TrialRecord {
     /// Writes an outcome down, after checking it.
     pub(crate) fn tell(&mut self, actual: Option<Vec<f64>>, outcome: Outcome, region: &Region) -> Result<(), Error> {
         let id = self.trial.id;

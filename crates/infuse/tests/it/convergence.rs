@@ -10,7 +10,7 @@ mod mutants;
 mod norm;
 mod proposition;
 
-use infuse::{CorrectedField, CorrectionLaw, CorrectionRule, Gain, ModelStage};
+use infuse::correction::{CorrectedField, CorrectionLaw, CorrectionRule, Gain, ModelStage};
 use proptest::prelude::*;
 
 const LAWS: [CorrectionLaw; 3] =

@@ -1,6 +1,6 @@
 //! The correction on pairs of parabolas, against closed forms.
 
-use infuse::{CorrectionForm, GradientLoop, LoopSettings, StopReason, Strategy};
+use infuse::{Strategy, correction::CorrectionForm, gradient};
 use proptest::prelude::*;
 
 use crate::problems::{Parabola, measured, optimizer, pair, pair_loop, simulated, single, single_settings};
@@ -9,11 +9,11 @@ const MODEL: Parabola = Parabola { curvature: 2.0, optimum: 0.0 };
 const RIG: Parabola = Parabola { curvature: 3.0, optimum: 1.0 };
 
 /// Optimum of each iteration over −10 to 10.
-fn path(mut settings: LoopSettings, form: CorrectionForm, model: Parabola, rig: Parabola) -> Vec<f64> {
+fn path(mut settings: gradient::Settings, form: CorrectionForm, model: Parabola, rig: Parabola) -> Vec<f64> {
     settings.correction_form = form;
-    let mut campaign = GradientLoop::new(single(-10.0, 10.0), settings).unwrap();
+    let mut campaign = gradient::Loop::new(single(-10.0, 10.0), settings).unwrap();
     let reason = campaign.run(&mut |p| Ok(model.cost(p)), &mut |trial| Ok(rig.cost(&trial.point))).unwrap();
-    assert_eq!(reason, StopReason::IterationLimit, "the test runs to its limit");
+    assert_eq!(reason, gradient::StopReason::IterationLimit, "the test runs to its limit");
     campaign.reports().iter().map(|report| report.numerical.point[0]).collect()
 }
 
@@ -71,14 +71,14 @@ fn an_active_bound_does_not_wind_the_correction_up() {
     let (r, step) = (0.3, 0.4);
     let model = |p: &[f64]| (p[0] + 1.0).powi(2) + p[1].powi(2);
     let rig = |p: &[f64]| 1.5 * (p[0] + 2.0).powi(2) + (p[1] - 0.5).powi(2);
-    let mut settings = LoopSettings::new(vec![r, 0.02], vec![step, 0.1]);
+    let mut settings = gradient::Settings::new(vec![r, 0.02], vec![step, 0.1]);
     settings.optimizer = optimizer(Strategy::Simultaneous);
     settings.optimizer.final_radius = 1e-8;
     settings.tolerances = Some(vec![1e-6; 2]);
     settings.max_iterations = 30;
-    let mut campaign = GradientLoop::new(pair(0.0, 4.0), settings).unwrap();
+    let mut campaign = gradient::Loop::new(pair(0.0, 4.0), settings).unwrap();
     let reason = campaign.run(&mut |p| Ok(model(p)), &mut |trial| Ok(rig(&trial.point))).unwrap();
-    assert_eq!(reason, StopReason::IterationLimit, "the second still moves");
+    assert_eq!(reason, gradient::StopReason::IterationLimit, "the second still moves");
     // The rig's forward difference at 0 is its slope there plus half the curvature times the step;
     // the model's own difference is exact.
     let gap = (6.0 + 1.5 * step) - 2.0;
@@ -95,9 +95,9 @@ fn an_active_bound_does_not_wind_the_correction_up() {
 #[test]
 fn an_optimum_that_rests_on_a_bound_converges_there() {
     let (model, rig) = (Parabola { curvature: 2.0, optimum: -1.0 }, Parabola { curvature: 3.0, optimum: -2.0 });
-    let mut campaign = GradientLoop::new(single(0.0, 4.0), single_settings(0.3, 0.4, 9)).unwrap();
+    let mut campaign = gradient::Loop::new(single(0.0, 4.0), single_settings(0.3, 0.4, 9)).unwrap();
     let reason = campaign.run(&mut |p| Ok(model.cost(p)), &mut |trial| Ok(rig.cost(&trial.point))).unwrap();
-    assert_eq!(reason, StopReason::Converged, "the rig agrees with the bound");
+    assert_eq!(reason, gradient::StopReason::Converged, "the rig agrees with the bound");
     assert_eq!(campaign.reports().len(), 2, "the second optimum is where the first was");
     assert_eq!(campaign.reports()[0].trials.len(), 2, "no step below the bound");
 }
@@ -107,11 +107,11 @@ fn an_optimum_held_by_a_bound_is_released_when_the_experiment_pulls_inward() {
     let (model, rig) = (Parabola { curvature: 1.0, optimum: -3.0 }, Parabola { curvature: 1.0, optimum: 2.0 });
     let mut settings = single_settings(0.3, 0.1, 100);
     settings.tolerances = Some(vec![1e-4]);
-    let mut campaign = GradientLoop::new(single(0.0, 4.0), settings).unwrap();
+    let mut campaign = gradient::Loop::new(single(0.0, 4.0), settings).unwrap();
     let reason = campaign.run(&mut |p| Ok(model.cost(p)), &mut |trial| Ok(rig.cost(&trial.point))).unwrap();
     let path: Vec<f64> = campaign.reports().iter().map(|report| report.numerical.point[0]).collect();
     assert!(path[..3].iter().all(|p| *p <= 0.0), "it rests there at first: {path:?}");
-    assert_eq!(reason, StopReason::Converged, "and is not called converged for that");
+    assert_eq!(reason, gradient::StopReason::Converged, "and is not called converged for that");
     assert!((path[path.len() - 1] - 2.0).abs() < 1e-3, "{path:?}");
 }
 
@@ -161,11 +161,11 @@ fn the_correction_is_the_sum_of_its_terms_at_any_point() {
 
 #[test]
 fn an_actual_setting_replaces_the_one_asked_for_in_the_difference() {
-    let mut campaign = GradientLoop::new(single(-10.0, 10.0), single_settings(0.5, 0.5, 5)).unwrap();
+    let mut campaign = gradient::Loop::new(single(-10.0, 10.0), single_settings(0.5, 0.5, 5)).unwrap();
     let asked = crate::problems::trials(campaign.ask(&mut |p| Ok(MODEL.cost(p))).unwrap());
     for trial in &asked {
         match trial.role {
-            infuse::TrialRole::Plus(0) => {
+            infuse::gradient::TrialRole::Plus(0) => {
                 let actual = trial.point[0] + 0.2;
                 campaign.tell_at(trial.id, actual, Ok(RIG.cost(&[actual])).into()).unwrap();
             }
@@ -207,17 +207,17 @@ proptest! {
     ) {
         let problem = pair(-1.0, 1.0);
         let (r, tolerance) = (0.7, 1e-5);
-        let mut settings = LoopSettings::new(vec![r; 2], vec![0.05; 2]);
+        let mut settings = gradient::Settings::new(vec![r; 2], vec![0.05; 2]);
         settings.optimizer = optimizer(Strategy::Simultaneous);
         settings.optimizer.final_radius = 1e-6;
         settings.tolerances = Some(vec![tolerance; 2]);
         settings.max_iterations = 200;
-        let mut campaign = GradientLoop::new(problem, settings).unwrap();
+        let mut campaign = gradient::Loop::new(problem, settings).unwrap();
         let simulation = &mut |p: &[f64]| Ok(bowl(model, model_optimum, p));
         let reason = campaign
             .run(simulation, &mut |trial| Ok(bowl(rig, rig_optimum, &trial.point)))
             .unwrap();
-        prop_assert_eq!(reason, StopReason::Converged);
+        prop_assert_eq!(reason, gradient::StopReason::Converged);
         let last = &campaign.reports()[campaign.reports().len() - 1];
         for j in 0..2 {
             let (here, slope) = (last.numerical.point[j], last.experiment_gradient[j].unwrap());

@@ -1,22 +1,19 @@
 //! One test per way of being wrong; the state is never changed by one.
 
 use doe::Region;
-use infuse::{
-    CodesignProblem, Error, GradientLoop, LoopSettings, OptimizerSettings, Outcome, Role, Strategy, TrialId, TrialRole,
-    codesign,
-};
+use infuse::{CodesignProblem, Error, OptimizerSettings, Outcome, Role, Strategy, TrialId, codesign, gradient};
 
 use crate::problems::{failed, optimizer, pair, pair_loop, region, simulated, single, trials};
 
-fn settings() -> LoopSettings {
-    LoopSettings::new(vec![0.5, 0.8], vec![0.1, 0.05])
+fn settings() -> gradient::Settings {
+    gradient::Settings::new(vec![0.5, 0.8], vec![0.1, 0.05])
 }
 
 #[track_caller]
-fn check(change: impl FnOnce(&mut LoopSettings), message: &str) {
+fn check(change: impl FnOnce(&mut gradient::Settings), message: &str) {
     let mut settings = settings();
     change(&mut settings);
-    let error = GradientLoop::new(pair(-1.0, 1.0), settings).unwrap_err();
+    let error = gradient::Loop::new(pair(-1.0, 1.0), settings).unwrap_err();
     assert_eq!(error.to_string(), message);
 }
 
@@ -74,7 +71,7 @@ fn rejects_a_start_outside_the_region() {
     let start = codesign(&pair(-1.0, 1.0), &OptimizerSettings::default(), &[0.0, 1.5], &mut simulated);
     assert_eq!(start.unwrap_err().to_string(), message);
     let short = codesign(&pair(-1.0, 1.0), &OptimizerSettings::default(), &[0.0], &mut simulated);
-    assert!(matches!(short, Err(Error::Region(doe::Error::WrongDimension { .. }))));
+    assert!(matches!(short, Err(Error::DesignSpace(design_space::Error::WrongDimension { .. }))));
 }
 
 #[test]
@@ -101,13 +98,16 @@ fn a_strategy_that_needs_both_kinds_says_so() {
             )
         );
     }
-    let plant_only = GradientLoop::new(single(0.0, 1.0), LoopSettings::new(vec![0.5], vec![0.1]));
+    let plant_only = gradient::Loop::new(single(0.0, 1.0), gradient::Settings::new(vec![0.5], vec![0.1]));
     assert!(matches!(plant_only, Err(Error::NeedsPlantAndController { .. })));
 }
 
 #[test]
 fn a_region_of_its_own_faults_stays_its_error() {
-    assert_eq!(Error::from(Region::new(vec![]).unwrap_err()).to_string(), doe::Error::NoParameters.to_string());
+    assert_eq!(
+        Error::from(Region::new(vec![]).unwrap_err()).to_string(),
+        design_space::Error::NoParameters.to_string()
+    );
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn a_wrong_tell_is_an_error_and_changes_nothing() {
         let told = campaign.tell_at(trial.id, actual, Outcome::Value(1.0));
         assert!(matches!(told, Err(Error::ActualSetting { .. })), "{told:?}");
     }
-    assert_eq!(asked[1].role, TrialRole::Plus(0), "the trial the test is about");
+    assert_eq!(asked[1].role, gradient::TrialRole::Plus(0), "the trial the test is about");
     assert_eq!(campaign, before, "nothing has changed");
 }
 

@@ -1,6 +1,6 @@
 //! What fails is reported, is never taken for data, and does not end the study.
 
-use infuse::{Ask, CodesignStop, Error, GradientLoop, Outcome, StopReason, Strategy, TrialRole, codesign};
+use infuse::{CodesignStop, Error, Outcome, Strategy, codesign, gradient};
 
 use crate::problems::{failed, measured, optimizer, pair, pair_loop, simulated, single, single_settings, trials};
 
@@ -74,7 +74,7 @@ fn when_every_simulation_fails_the_error_says_where_and_why() {
     assert_eq!((first_point, first_reason.as_str()), (vec![0.0, 0.0], "no water"));
     assert_eq!(n_simulations, 25, "five controllers on each of five plants");
     assert_eq!(campaign, before, "nothing has changed");
-    assert!(matches!(campaign.ask(&mut simulated), Ok(Ask::Trials(_))), "the next one may work");
+    assert!(matches!(campaign.ask(&mut simulated), Ok(gradient::Ask::Trials(_))), "the next one may work");
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn the_limit_on_steps_of_one_search_is_reported() {
 }
 
 /// Tells the first iteration, failing the trials of these roles.
-fn first_iteration(failing: &[TrialRole]) -> GradientLoop {
+fn first_iteration(failing: &[gradient::TrialRole]) -> gradient::Loop {
     let mut campaign = pair_loop();
     for trial in trials(campaign.ask(&mut simulated).unwrap()) {
         let outcome =
@@ -114,7 +114,7 @@ fn first_iteration(failing: &[TrialRole]) -> GradientLoop {
 }
 
 /// Forward, backward and central differences of the rig at the first optimum.
-fn differences(campaign: &GradientLoop, index: usize, step: f64) -> [f64; 3] {
+fn differences(campaign: &gradient::Loop, index: usize, step: f64) -> [f64; 3] {
     let center = &campaign.reports()[0].numerical.point;
     let at = |offset: f64| {
         let mut point = center.clone();
@@ -125,7 +125,7 @@ fn differences(campaign: &GradientLoop, index: usize, step: f64) -> [f64; 3] {
 }
 
 #[track_caller]
-fn check_slope(campaign: &GradientLoop, index: usize, expected: f64) {
+fn check_slope(campaign: &gradient::Loop, index: usize, expected: f64) {
     let report = &campaign.reports()[0];
     let slope = report.experiment_gradient[index].expect("the slope is known");
     assert!((slope - expected).abs() < 1e-9, "{slope} is not {expected}");
@@ -134,7 +134,7 @@ fn check_slope(campaign: &GradientLoop, index: usize, expected: f64) {
 
 #[test]
 fn a_failed_side_leaves_a_one_sided_difference() {
-    let campaign = first_iteration(&[TrialRole::Plus(0), TrialRole::Minus(1)]);
+    let campaign = first_iteration(&[gradient::TrialRole::Plus(0), gradient::TrialRole::Minus(1)]);
     check_slope(&campaign, 0, differences(&campaign, 0, 0.1)[1]);
     check_slope(&campaign, 1, differences(&campaign, 1, 0.05)[0]);
     assert_eq!(campaign.reports()[0].failed_trials().count(), 2);
@@ -143,7 +143,7 @@ fn a_failed_side_leaves_a_one_sided_difference() {
 
 #[test]
 fn a_failed_center_leaves_the_central_differences() {
-    let campaign = first_iteration(&[TrialRole::Center]);
+    let campaign = first_iteration(&[gradient::TrialRole::Center]);
     check_slope(&campaign, 0, differences(&campaign, 0, 0.1)[2]);
     check_slope(&campaign, 1, differences(&campaign, 1, 0.05)[2]);
     assert_eq!(campaign.reports()[0].experiment_cost, None);
@@ -151,7 +151,7 @@ fn a_failed_center_leaves_the_central_differences() {
 
 #[test]
 fn an_unknown_slope_leaves_the_correction_of_that_parameter_as_it_was() {
-    let campaign = first_iteration(&[TrialRole::Center, TrialRole::Plus(0)]);
+    let campaign = first_iteration(&[gradient::TrialRole::Center, gradient::TrialRole::Plus(0)]);
     let report = &campaign.reports()[0];
     assert_eq!(report.experiment_gradient[0], None);
     assert_eq!(report.is_corrected, [false, true]);
@@ -162,9 +162,9 @@ fn an_unknown_slope_leaves_the_correction_of_that_parameter_as_it_was() {
 
 #[test]
 fn an_iteration_that_teaches_nothing_ends_the_campaign() {
-    let every = [0, 1].map(|j| [TrialRole::Plus(j), TrialRole::Minus(j)]).concat();
+    let every = [0, 1].map(|j| [gradient::TrialRole::Plus(j), gradient::TrialRole::Minus(j)]).concat();
     let campaign = first_iteration(&every);
-    assert_eq!(campaign.stop(), Some(StopReason::NoInformation));
+    assert_eq!(campaign.stop(), Some(gradient::StopReason::NoInformation));
     assert!(!campaign.is_converged(), "that is not convergence");
 }
 
@@ -173,16 +173,16 @@ fn an_unlearned_parameter_does_not_count_as_settled() {
     let mut campaign = pair_loop();
     let reason = campaign
         .run(&mut simulated, &mut |trial| match trial.role {
-            TrialRole::Plus(0) | TrialRole::Minus(0) => Err("jammed".to_owned()),
+            gradient::TrialRole::Plus(0) | gradient::TrialRole::Minus(0) => Err("jammed".to_owned()),
             _ => measured(&trial.point),
         })
         .unwrap();
-    assert_eq!(reason, StopReason::IterationLimit);
+    assert_eq!(reason, gradient::StopReason::IterationLimit);
 }
 
 #[test]
 fn a_model_that_fails_beside_its_optimum_has_a_one_sided_slope() {
-    let mut campaign = GradientLoop::new(single(-10.0, 10.0), single_settings(0.5, 0.5, 3)).unwrap();
+    let mut campaign = gradient::Loop::new(single(-10.0, 10.0), single_settings(0.5, 0.5, 3)).unwrap();
     // Around the optimum 1, only the step of the model gradient to 1.05 meets the hole.
     let mut cost = |p: &[f64]| {
         if (p[0] - 1.05).abs() < 1e-4 {

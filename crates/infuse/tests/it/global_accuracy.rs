@@ -1,8 +1,9 @@
 //! Norms, certificates and possible optima of a campaign, against the same over lists of cells.
 
 use infuse::{
-    Error, GlobalLoop, Norm, NormOrder, NormScaling, RegretCertificate, SurfaceKind, SurfaceKinds, coded_cell_measure,
-    possible_optima,
+    Error,
+    convergence::{Norm, NormOrder, NormScaling, RegretCertificate, coded_cell_measure, possible_optima},
+    global::{self, SurfaceKind, SurfaceKinds},
 };
 use surface::Surface;
 
@@ -44,7 +45,7 @@ fn norms() -> Vec<Norm> {
     orders.flat_map(|order| [NormScaling::Integral, NormScaling::Mean].map(|scaling| Norm { order, scaling })).collect()
 }
 
-fn values(campaign: &GlobalLoop, iteration: usize, surface: &dyn Surface) -> Vec<f64> {
+fn values(campaign: &global::Loop, iteration: usize, surface: &dyn Surface) -> Vec<f64> {
     let region = campaign.retained_at(iteration).unwrap();
     region.cells().map(|cell| surface.predict(&campaign.coded(cell).unwrap())).collect()
 }
@@ -63,7 +64,7 @@ fn a_norm_over_what_is_left_is_that_of_the_list_of_its_cells() {
         }
     }
     assert!(values(&campaign, 4, &error).len() < 500, "the region has shrunk");
-    let zero = infuse::TracedSurface::combination(2, []).unwrap();
+    let zero = infuse::global::TracedSurface::combination(2, []).unwrap();
     norms().iter().for_each(|&norm| assert_eq!(campaign.norm_over(1, zero.surface(), norm), Ok(0.0)));
 }
 
@@ -87,7 +88,7 @@ fn what_has_no_norm_is_named() {
         let refused = message(campaign.norm_over(iteration, model, Norm::SUP));
         assert!(refused.contains(&format!("`iteration` is {iteration}, expected 1 to that of")), "{refused}");
     }
-    let one = infuse::TracedSurface::combination(1, []).unwrap();
+    let one = infuse::global::TracedSurface::combination(1, []).unwrap();
     assert!(message(campaign.norm_over(1, one.surface(), Norm::SUP)).contains("`surface` has 1 entries"));
     for bad in [f64::NAN, f64::NEG_INFINITY] {
         let spike = Spike(campaign.coded(345).unwrap(), bad);
@@ -134,7 +135,7 @@ fn the_certificate_and_the_possible_optima_are_those_of_the_list_of_cells() {
 fn the_certificate_of_the_best_cell_is_against_the_others() {
     let (region, mut settings) = planar();
     settings.max_iterations = 1;
-    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    let mut campaign = global::Loop::new(&region, settings).unwrap();
     campaign.run(&mut |p| Ok(truth(p)), &mut |trial| Ok(experiment(trial))).unwrap();
     let model = values(&campaign, 2, campaign.surfaces()[0].numerical.surface());
     let cells: Vec<u64> = campaign.retained().cells().collect();
@@ -151,7 +152,7 @@ fn the_certificate_of_the_best_cell_is_against_the_others() {
 #[test]
 fn before_the_first_iteration_nothing_is_promised() {
     let (region, settings) = planar();
-    let campaign = GlobalLoop::new(&region, settings).unwrap();
+    let campaign = global::Loop::new(&region, settings).unwrap();
     assert_eq!(campaign.certificate(0.1), Ok(None));
     assert_eq!(campaign.possible_optima(0.1), Ok(None));
     for eps in [-1.0, f64::NAN] {

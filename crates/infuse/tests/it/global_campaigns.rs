@@ -1,20 +1,20 @@
 //! What people who run campaigns need: plans, repeats, earlier experiments, noise, and whether to go on.
 
 use doe::Model;
-use infuse::{Error, GlobalLoop, GlobalPlan, Outcome};
+use infuse::{Error, Outcome, global};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use surface::{Confounded, Data, Regression, Surface};
 
 use crate::global_problems::{after, asked, coded, experiment, grid, planar, save, settings, simulation, truth};
 
-fn planned(campaign: &GlobalLoop) -> GlobalPlan {
+fn planned(campaign: &global::Loop) -> global::Plan {
     campaign.plan().unwrap().expect("no trials are outstanding")
 }
 
 #[test]
 fn planning_and_opening_is_asking() {
     let (region, settings) = planar();
-    let mut asking = GlobalLoop::new(&region, settings).unwrap();
+    let mut asking = global::Loop::new(&region, settings).unwrap();
     let mut planning = asking.clone();
     for _ in 0..3 {
         let trials = asked(asking.ask(&mut simulation).unwrap());
@@ -33,10 +33,10 @@ fn planning_and_opening_is_asking() {
 #[test]
 fn plans_that_no_iteration_can_have_are_refused_and_change_nothing() {
     let (region, settings) = planar();
-    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    let mut campaign = global::Loop::new(&region, settings).unwrap();
     let plan = planned(&campaign);
     let before = save(&campaign);
-    let short = GlobalPlan { experiments: plan.experiments[1..].to_vec(), ..plan.clone() };
+    let short = global::Plan { experiments: plan.experiments[1..].to_vec(), ..plan.clone() };
     let mut outside = plan.clone();
     outside.simulations[0] = 576;
     for wrong in [short, outside] {
@@ -54,14 +54,14 @@ fn as_many_experiments_repeat_others_as_the_settings_say() {
     let (region, mut settings) = planar();
     for replicates in [0, 1, 3, 6] {
         settings.replicates = replicates;
-        let plan = planned(&GlobalLoop::new(&region, settings.clone()).unwrap());
+        let plan = planned(&global::Loop::new(&region, settings.clone()).unwrap());
         let mut cells = plan.experiments.clone();
         cells.sort_unstable();
         cells.dedup();
         assert_eq!(cells.len(), 12 - replicates, "{replicates}");
     }
     settings.replicates = 7;
-    let error = GlobalLoop::new(&region, settings).unwrap_err();
+    let error = global::Loop::new(&region, settings).unwrap_err();
     assert!(error.to_string().starts_with("setting `replicates` is 7, expected at most half"), "{error}");
 }
 
@@ -69,7 +69,7 @@ fn as_many_experiments_repeat_others_as_the_settings_say() {
 fn pure_error_is_the_pooled_scatter_of_equal_settings() {
     let (region, mut settings) = planar();
     settings.replicates = 3;
-    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    let mut campaign = global::Loop::new(&region, settings).unwrap();
     assert_eq!(campaign.pure_error(), None, "nothing was told");
     let trials = asked(campaign.ask(&mut simulation).unwrap());
     let reading = |number: u64| (number * number % 7) as f64;
@@ -94,7 +94,7 @@ fn pure_error_is_the_pooled_scatter_of_equal_settings() {
 #[test]
 fn earlier_experiments_train_the_surfaces_and_validate_nothing() {
     let (region, settings) = planar();
-    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    let mut campaign = global::Loop::new(&region, settings).unwrap();
     let earlier = [([11.07, 12.9], 4.4), ([14.3, 9.8], 6.1)];
     for (point, cost) in earlier {
         campaign.add_earlier(&point, cost, "notebook 3, page 12").unwrap();
@@ -114,11 +114,11 @@ fn earlier_experiments_train_the_surfaces_and_validate_nothing() {
         assert!((found.surface().predict(&point) - by_hand.predict(&point)).abs() < 1e-12);
     }
     let n_training =
-        trials.len() - trials.iter().filter(|trial| trial.used_for == infuse::TrialUse::Validation).count();
+        trials.len() - trials.iter().filter(|trial| trial.used_for == infuse::global::TrialUse::Validation).count();
     let combined = campaign.surfaces()[0].combined.regression().unwrap().data();
     assert_eq!(combined.n_points(), n_training + 2 + 18, "training, earlier, simulations");
 
-    let restored: GlobalLoop = serde_json::from_str(&save(&campaign)).unwrap();
+    let restored: global::Loop = serde_json::from_str(&save(&campaign)).unwrap();
     assert_eq!(restored, campaign);
     assert_eq!(save(&restored), save(&campaign));
 }
@@ -132,27 +132,28 @@ fn an_earlier_experiment_is_forgotten_with_its_cell_and_counts_from_its_iteratio
     let kept = campaign.reports()[1].screening.optimum.clone();
     campaign.add_earlier(&[10.0, 14.0], 9.0, "far").unwrap();
     campaign.add_earlier(&kept, truth(&kept), "near").unwrap();
-    let plan = GlobalLoop::plan(&campaign).unwrap();
+    let plan = global::Loop::plan(&campaign).unwrap();
     assert_eq!(plan, None, "the limit of two iterations was reached");
     let mut text: serde_json::Value = serde_json::from_str(&save(&campaign)).unwrap();
     text["settings"]["max_iterations"] = 3.into();
-    let mut campaign: GlobalLoop = serde_json::from_value(text).unwrap();
+    let mut campaign: global::Loop = serde_json::from_value(text).unwrap();
     let trials = asked(campaign.ask(&mut simulation).unwrap());
     trials.iter().for_each(|trial| campaign.tell(trial.id, Outcome::Value(experiment(trial))).unwrap());
     let counted: Vec<usize> = campaign.reports().iter().map(|report| report.n_earlier).collect();
     assert_eq!(counted, [0, 0, 1]);
     assert_eq!((campaign.withdraw_earlier("near"), campaign.withdraw_earlier("near")), (1, 0));
     assert_eq!(campaign.earlier()[1].until, Some(4), "iterations that rest on it stand");
-    let restored: GlobalLoop = serde_json::from_str(&save(&campaign)).unwrap();
+    let restored: global::Loop = serde_json::from_str(&save(&campaign)).unwrap();
     assert_eq!(restored, campaign);
 }
 
 #[test]
 fn earlier_experiments_that_cannot_be_are_refused() {
     let (region, settings) = planar();
-    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
-    let message =
-        |campaign: &mut GlobalLoop, point: &[f64], cost| campaign.add_earlier(point, cost, "").unwrap_err().to_string();
+    let mut campaign = global::Loop::new(&region, settings).unwrap();
+    let message = |campaign: &mut global::Loop, point: &[f64], cost| {
+        campaign.add_earlier(point, cost, "").unwrap_err().to_string()
+    };
     let far = message(&mut campaign, &[12.0, 16.1], 1.0);
     assert_eq!(
         far,
@@ -168,16 +169,16 @@ fn nothing_is_dropped_before_the_first_screening() {
     let (region, mut settings) = planar();
     settings.first_screening = 2;
     settings.max_iterations = 2;
-    let mut campaign = GlobalLoop::new(&region, settings.clone()).unwrap();
+    let mut campaign = global::Loop::new(&region, settings.clone()).unwrap();
     campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
     let left: Vec<u64> = campaign.reports().iter().map(|report| report.screening.n_after).collect();
     assert!(left[0] == 576 && left[1] < 576, "{left:?}");
     assert!((0..576).all(|cell| campaign.why_dropped(cell).is_none_or(|dropped| dropped.iteration == 2)));
     assert_eq!((0..576).filter(|&cell| campaign.why_dropped(cell).is_some()).count() as u64, 576 - left[1]);
-    let restored: GlobalLoop = serde_json::from_str(&save(&campaign)).unwrap();
+    let restored: global::Loop = serde_json::from_str(&save(&campaign)).unwrap();
     assert_eq!(restored, campaign);
     settings.first_screening = 0;
-    assert!(GlobalLoop::new(&region, settings).unwrap_err().to_string().contains("`first_screening` is 0"));
+    assert!(global::Loop::new(&region, settings).unwrap_err().to_string().contains("`first_screening` is 0"));
 }
 
 #[test]
@@ -185,9 +186,9 @@ fn outlook_over_two_cells_is_the_closed_form() {
     // One parameter, two cells, a straight line: the difference of the two costs is normal.
     let mut settings = settings(Model::linear(1).unwrap(), 6, 4);
     settings.max_iterations = 1;
-    settings.fallback = infuse::SpreadFallback::KeepAll;
+    settings.fallback = infuse::global::SpreadFallback::KeepAll;
     settings.confidence = 0.999_999;
-    let mut campaign = GlobalLoop::new(&grid(&[2]), settings).unwrap();
+    let mut campaign = global::Loop::new(&grid(&[2]), settings).unwrap();
     let readings = |number: u64| 0.3 * (12.9898 * number as f64).sin();
     let mut simulated = |p: &[f64]| Ok(1.0 + 0.05 * coded(p)[0]);
     campaign
@@ -217,7 +218,7 @@ fn outlook_shrinks_as_a_campaign_learns() {
     let (region, settings) = planar();
     let gain = |n| after(n, settings.clone()).outlook(200, None).unwrap().expect("closed").mean_gain;
     assert!(gain(4) < 0.2 * gain(1), "{} {}", gain(1), gain(4));
-    assert_eq!(GlobalLoop::new(&region, settings.clone()).unwrap().outlook(200, None).unwrap(), None);
+    assert_eq!(global::Loop::new(&region, settings.clone()).unwrap().outlook(200, None).unwrap(), None);
 }
 
 #[test]
@@ -241,17 +242,20 @@ fn what_noise_does_not_explain_may_hide_the_better_of_two_level_designs() {
     let (region, mut settings) = planar();
     settings.replicates = 3;
     settings.max_iterations = 1;
-    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    let mut campaign = global::Loop::new(&region, settings).unwrap();
     // The truth has a ripple that no quadratic follows.
-    let rippled = |trial: &infuse::GlobalTrial| experiment(trial) + 0.4 * (3.0 * trial.point[0]).sin();
+    let rippled = |trial: &infuse::global::Trial| experiment(trial) + 0.4 * (3.0 * trial.point[0]).sin();
     campaign.run(&mut simulation, &mut |trial| Ok(rippled(trial))).unwrap();
     let s = campaign.reports()[0].screening.spread.s().unwrap();
     let noise = campaign.pure_error().unwrap().variance;
     assert!(s * s > 2.0 * noise, "{s} {noise}");
     // Two misfits with that variance, by quantiles: the mean of the larger, over a fine lattice of probabilities.
     let fit = campaign.surfaces()[0].combined.regression().unwrap();
-    let validation: Vec<_> =
-        campaign.reports()[0].trials.iter().filter(|r| r.trial.used_for == infuse::TrialUse::Validation).collect();
+    let validation: Vec<_> = campaign.reports()[0]
+        .trials
+        .iter()
+        .filter(|r| r.trial.used_for == infuse::global::TrialUse::Validation)
+        .collect();
     let m = validation.len() as f64;
     // Variances for residuals of the fit, where those of an experiment of weight 0.7 scatter by the noise.
     let scale = 0.7 * noise / fit.sigma_squared().unwrap();

@@ -1,7 +1,10 @@
 //! What the loop arrives at, and by which law.
 
 use doe::Model;
-use infuse::{CorrectedField, CorrectionLaw, CorrectionRule, Gain, GlobalLoop, TrialUse};
+use infuse::{
+    correction::{CorrectedField, CorrectionLaw, CorrectionRule, Gain},
+    global::{self, TrialUse},
+};
 
 use crate::global_problems::{after, coded, experiment, grid, least, planar, settings, simulation, truth};
 
@@ -10,12 +13,12 @@ fn flat(point: &[f64]) -> f64 {
     0.004 * truth(point)
 }
 
-fn by(law: CorrectionLaw) -> GlobalLoop {
+fn by(law: CorrectionLaw) -> global::Loop {
     let (region, mut settings) = planar();
     settings.correction = CorrectionRule::new(law, Gain::constant(0.5).unwrap());
     settings.confidence = 1.0 - 1e-15;
     settings.max_iterations = 7;
-    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    let mut campaign = global::Loop::new(&region, settings).unwrap();
     let mut biased = |p: &[f64]| Ok(flat(p) + simulation(p)? - truth(p));
     campaign.run(&mut biased, &mut |trial| Ok(flat(&trial.point) + experiment(trial) - truth(&trial.point))).unwrap();
     assert_eq!(campaign.retained().n_retained(), 576);
@@ -23,9 +26,9 @@ fn by(law: CorrectionLaw) -> GlobalLoop {
 }
 
 /// Largest error of the corrected model over the whole grid, per iteration.
-fn model_errors(campaign: &GlobalLoop) -> Vec<f64> {
+fn model_errors(campaign: &global::Loop) -> Vec<f64> {
     let cells = 0..campaign.retained().n_cells();
-    let of = |surfaces: &infuse::IterationSurfaces| {
+    let of = |surfaces: &infuse::global::IterationSurfaces| {
         let error = |cell| {
             let estimate = surfaces.numerical.surface().predict(&campaign.coded(cell).unwrap());
             (estimate - flat(&campaign.point(cell).unwrap())).abs()
@@ -88,17 +91,17 @@ fn waved(point: &[f64]) -> Result<f64, String> {
     Ok(simulation(point)? + 0.4 * (4.0 * x[0] + 1.0).sin() + 0.3 * (3.0 * x[1]).cos())
 }
 
-fn of_waves(n_iterations: usize, rule: CorrectionRule) -> GlobalLoop {
+fn of_waves(n_iterations: usize, rule: CorrectionRule) -> global::Loop {
     let (region, mut settings) = planar();
     settings.correction = rule;
     settings.max_iterations = n_iterations;
-    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    let mut campaign = global::Loop::new(&region, settings).unwrap();
     campaign.run(&mut waved, &mut |trial| Ok(experiment(trial))).unwrap();
     assert_eq!(campaign.reports().len(), n_iterations);
     campaign
 }
 
-fn sampled(campaign: &GlobalLoop, surface: &infuse::TracedSurface) -> Vec<f64> {
+fn sampled(campaign: &global::Loop, surface: &infuse::global::TracedSurface) -> Vec<f64> {
     let cells = 0..campaign.retained().n_cells();
     cells.map(|cell| surface.surface().predict(&campaign.coded(cell).unwrap())).collect()
 }
@@ -231,7 +234,7 @@ fn four_parameters_work_with_fewer_training_runs_than_terms() {
     let region = grid(&[6, 6, 6, 6]);
     let cost = |p: &[f64]| truth(&p[..2]) + (p[2] - 11.0).powi(2) + 0.5 * (p[3] - 13.0).powi(2);
     let mut simulated = |p: &[f64]| Ok(cost(p) + 0.7 * p[0] - 0.9 * p[2]);
-    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    let mut campaign = global::Loop::new(&region, settings).unwrap();
     campaign
         .run(&mut simulated, &mut |trial| Ok(experiment(trial) - truth(&trial.point) + cost(&trial.point)))
         .unwrap();
@@ -242,7 +245,7 @@ fn four_parameters_work_with_fewer_training_runs_than_terms() {
 
 #[test]
 fn every_kind_of_surface_goes_through_the_loop() {
-    use infuse::SurfaceKind::{InverseDistance, Regression, SquaredExponential};
+    use infuse::global::SurfaceKind::{InverseDistance, Regression, SquaredExponential};
     for kind in [Regression, InverseDistance { power: 2.0 }, SquaredExponential { scale: Some(3.0) }] {
         let (_, mut settings) = planar();
         settings.surfaces.experiment = kind;

@@ -1,8 +1,9 @@
 //! Experiments and simulations that fail, and settings that were not made.
 
 use infuse::{
-    CorrectedField, CorrectionLaw, CorrectionRule, Error, Gain, GlobalAsk, GlobalLoop, GlobalStopReason, Outcome,
-    Spread, SpreadFallback, SpreadFault, TracedSurface, TrialId, TrialUse,
+    Error, Outcome, TrialId,
+    correction::{CorrectedField, CorrectionLaw, CorrectionRule, Gain},
+    global::{self, Spread, SpreadFallback, SpreadFault, TracedSurface, TrialUse},
 };
 
 use crate::global_problems::{asked, experiment, grid, planar, save, settings, simulation, truth};
@@ -11,9 +12,9 @@ fn failed() -> Outcome {
     Outcome::Failed { reason: "a tether broke".to_owned() }
 }
 
-fn campaign() -> GlobalLoop {
+fn campaign() -> global::Loop {
     let (region, settings) = planar();
-    GlobalLoop::new(&region, settings).unwrap()
+    global::Loop::new(&region, settings).unwrap()
 }
 
 #[test]
@@ -35,7 +36,7 @@ fn validation_runs_that_all_failed_give_no_spread() {
     for fallback in [SpreadFallback::KeepAll, SpreadFallback::Given(0.2), SpreadFallback::Stop] {
         let (region, mut settings) = planar();
         settings.fallback = fallback;
-        let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+        let mut campaign = global::Loop::new(&region, settings).unwrap();
         for trial in asked(campaign.ask(&mut simulation).unwrap()) {
             let is_training = trial.used_for == TrialUse::Training;
             let outcome = if is_training { Outcome::Value(experiment(&trial)) } else { failed() };
@@ -61,7 +62,7 @@ fn too_few_experiments_leave_the_correction_as_it_was() {
         let (region, mut settings) = planar();
         settings.correction = CorrectionRule::new(law, Gain::constant(0.5).unwrap());
         settings.max_iterations = 4;
-        let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+        let mut campaign = global::Loop::new(&region, settings).unwrap();
         let mut curved = |p: &[f64]| Ok(simulation(p)? + 0.3 * (2.0 * p[0]).sin());
         let mut field = CorrectedField::new(campaign.settings().correction, 576).unwrap();
         for iteration in 1..=3 {
@@ -93,10 +94,10 @@ fn too_few_experiments_leave_the_correction_as_it_was() {
         for trial in asked(campaign.ask(&mut curved).unwrap()) {
             campaign.tell(trial.id, failed()).unwrap();
         }
-        assert_eq!(campaign.stop(), Some(GlobalStopReason::NoInformation));
+        assert_eq!(campaign.stop(), Some(global::StopReason::NoInformation));
         let ask = campaign.ask(&mut curved).unwrap();
-        assert_eq!(ask, GlobalAsk::Stopped(GlobalStopReason::NoInformation));
-        let read: GlobalLoop = serde_json::from_str(&save(&campaign)).unwrap();
+        assert_eq!(ask, global::Ask::Stopped(global::StopReason::NoInformation));
+        let read: global::Loop = serde_json::from_str(&save(&campaign)).unwrap();
         assert_eq!(read.stop().unwrap().to_string(), "every experiment of the last iteration failed");
     }
 }
@@ -105,7 +106,7 @@ fn too_few_experiments_leave_the_correction_as_it_was() {
 fn every_trial_may_fail() {
     let mut campaign = campaign();
     let stop = campaign.run(&mut simulation, &mut |_| Err("no water".to_owned())).unwrap();
-    assert_eq!(stop, GlobalStopReason::NoInformation);
+    assert_eq!(stop, global::StopReason::NoInformation);
     assert_eq!(campaign.retained().n_retained(), 576);
 }
 
@@ -146,7 +147,7 @@ fn too_few_simulations_are_an_error_and_the_next_ask_simulates_elsewhere() {
     assert!(error.to_string().starts_with("all 18 simulations failed, the first at ["), "{error}");
     assert!(matches!(error, Error::EverySimulationFailed { n_simulations: 18, .. }));
     let mut count = 0;
-    let mut restored: GlobalLoop = serde_json::from_str(&save(&campaign)).unwrap();
+    let mut restored: global::Loop = serde_json::from_str(&save(&campaign)).unwrap();
     assert_eq!(restored, campaign);
     let error = restored.ask(&mut |p| {
         count += 1;
@@ -163,7 +164,7 @@ fn too_few_simulations_are_an_error_and_the_next_ask_simulates_elsewhere() {
 #[test]
 fn a_simulation_that_never_works_is_tried_all_over_the_grid_again_and_again() {
     let settings = settings(doe::Model::additive_quadratic(2).unwrap(), 6, 8);
-    let mut campaign = GlobalLoop::new(&grid(&[5, 4]), settings).unwrap();
+    let mut campaign = global::Loop::new(&grid(&[5, 4]), settings).unwrap();
     let mut batches = Vec::new();
     for _ in 0..4 {
         let mut batch = Vec::new();
@@ -184,7 +185,7 @@ fn a_simulation_that_never_works_is_tried_all_over_the_grid_again_and_again() {
 /// The cell of a natural point of the 5 x 4 grid.
 fn campaign_cell(p: &[f64]) -> u64 {
     let settings = settings(doe::Model::additive_quadratic(2).unwrap(), 6, 8);
-    GlobalLoop::new(&grid(&[5, 4]), settings).unwrap().cell(p).unwrap()
+    global::Loop::new(&grid(&[5, 4]), settings).unwrap().cell(p).unwrap()
 }
 
 #[test]

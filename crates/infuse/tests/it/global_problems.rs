@@ -1,7 +1,7 @@
 //! Gridded problems with known answers.
 
 use doe::{Model, Parameter, Region};
-use infuse::{GlobalAsk, GlobalLoop, GlobalSettings, GlobalTrial};
+use infuse::global;
 
 /// Parameters named p0, p1, ... from 10 to 14, so that natural and coded coordinates differ.
 pub(crate) fn grid(levels: &[u32]) -> Region {
@@ -17,14 +17,14 @@ pub(crate) fn coded(point: &[f64]) -> Vec<f64> {
 }
 
 /// Settings for few searches: the tests are about the loop.
-pub(crate) fn settings(model: Model, n_experiments: usize, n_simulations: usize) -> GlobalSettings {
-    let mut settings = GlobalSettings::new(model, n_experiments, n_simulations);
+pub(crate) fn settings(model: Model, n_experiments: usize, n_simulations: usize) -> global::Settings {
+    let mut settings = global::Settings::new(model, n_experiments, n_simulations);
     settings.design_starts = 1;
     settings
 }
 
 /// Two parameters, 24 levels each, the full quadratic, 12 experiments and 18 simulations.
-pub(crate) fn planar() -> (Region, GlobalSettings) {
+pub(crate) fn planar() -> (Region, global::Settings) {
     (grid(&[24, 24]), settings(Model::quadratic(2).unwrap(), 12, 18))
 }
 
@@ -43,31 +43,31 @@ pub(crate) fn simulation(point: &[f64]) -> Result<f64, String> {
 }
 
 /// The experiment: the truth with an error of at most 0.02 that depends on the trial only.
-pub(crate) fn experiment(trial: &GlobalTrial) -> f64 {
+pub(crate) fn experiment(trial: &global::Trial) -> f64 {
     truth(&trial.point) + 0.02 * (12.9898 * trial.id.number() as f64).sin()
 }
 
-pub(crate) fn asked(ask: GlobalAsk) -> Vec<GlobalTrial> {
+pub(crate) fn asked(ask: global::Ask) -> Vec<global::Trial> {
     match ask {
-        GlobalAsk::Trials(trials) => trials,
-        GlobalAsk::Stopped(reason) => panic!("the campaign has ended: {reason:?}"),
+        global::Ask::Trials(trials) => trials,
+        global::Ask::Stopped(reason) => panic!("the campaign has ended: {reason:?}"),
     }
 }
 
 /// The planted campaign after this many iterations.
-pub(crate) fn after(n_iterations: usize, mut settings: GlobalSettings) -> GlobalLoop {
+pub(crate) fn after(n_iterations: usize, mut settings: global::Settings) -> global::Loop {
     settings.max_iterations = n_iterations;
-    let mut campaign = GlobalLoop::new(&grid(&[24, 24]), settings).unwrap();
+    let mut campaign = global::Loop::new(&grid(&[24, 24]), settings).unwrap();
     campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
     campaign
 }
 
 /// The smallest value of a function over all cells, and where.
-pub(crate) fn least(campaign: &GlobalLoop, cost: impl Fn(&[f64]) -> f64) -> (u64, f64) {
+pub(crate) fn least(campaign: &global::Loop, cost: impl Fn(&[f64]) -> f64) -> (u64, f64) {
     let values = (0..campaign.retained().n_cells()).map(|cell| (cell, cost(&campaign.point(cell).unwrap())));
     values.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap()
 }
 
-pub(crate) fn save(campaign: &GlobalLoop) -> String {
+pub(crate) fn save(campaign: &global::Loop) -> String {
     serde_json::to_string(campaign).unwrap()
 }

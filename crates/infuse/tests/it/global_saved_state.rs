@@ -1,17 +1,17 @@
 //! A saved campaign goes on bit for bit, or is refused.
 
-use infuse::{GlobalAsk, GlobalLoop, GlobalTrial, Outcome};
+use infuse::{Outcome, global};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use crate::global_problems::{asked, experiment, grid, planar, save, settings, simulation};
 
-fn load(text: &str) -> GlobalLoop {
+fn load(text: &str) -> global::Loop {
     serde_json::from_str(text).unwrap()
 }
 
 /// An awkward rig: some trials fail, one is set elsewhere.
-fn answer(campaign: &mut GlobalLoop, trial: &GlobalTrial) {
+fn answer(campaign: &mut global::Loop, trial: &global::Trial) {
     let value = Outcome::Value(experiment(trial) / 3.0);
     let result = match trial.id.number() {
         4 => campaign.tell(trial.id, Outcome::Failed { reason: "ballast lost".to_owned() }),
@@ -21,11 +21,11 @@ fn answer(campaign: &mut GlobalLoop, trial: &GlobalTrial) {
     result.unwrap();
 }
 
-fn small(seed: u64) -> GlobalLoop {
+fn small(seed: u64) -> global::Loop {
     let mut settings = settings(doe::Model::quadratic(2).unwrap(), 8, 10);
     settings.seed = seed;
     settings.max_iterations = 3;
-    GlobalLoop::new(&grid(&[10, 9]), settings).unwrap()
+    global::Loop::new(&grid(&[10, 9]), settings).unwrap()
 }
 
 proptest! {
@@ -34,7 +34,7 @@ proptest! {
     fn saving_and_loading_at_every_point_changes_no_bit(seed in any::<u64>()) {
         let mut kept = small(seed);
         let mut restored = small(seed);
-        while let GlobalAsk::Trials(trials) = kept.ask(&mut simulation).unwrap() {
+        while let global::Ask::Trials(trials) = kept.ask(&mut simulation).unwrap() {
             restored = load(&save(&restored));
             prop_assert_eq!(asked(restored.ask(&mut simulation).unwrap()), trials.clone());
             for trial in trials.iter().rev() {
@@ -52,7 +52,7 @@ proptest! {
     fn the_order_of_telling_does_not_matter(seed in any::<u64>(), order in any::<u64>()) {
         let mut forward = small(seed);
         let mut shuffled = small(seed);
-        while let GlobalAsk::Trials(trials) = forward.ask(&mut simulation).unwrap() {
+        while let global::Ask::Trials(trials) = forward.ask(&mut simulation).unwrap() {
             let mut others = asked(shuffled.ask(&mut simulation).unwrap());
             prop_assert_eq!(&trials, &others);
             others.sort_by_key(|trial| (trial.id.number() ^ order).wrapping_mul(0x9E37_79B9_7F4A_7C15));
@@ -70,7 +70,7 @@ fn the_number_of_threads_changes_no_bit() {
         settings.design_starts = 4;
         settings.max_iterations = 3;
         settings.candidate_limit = 1000;
-        let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+        let mut campaign = global::Loop::new(&region, settings).unwrap();
         campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
         save(&campaign)
     };
@@ -81,7 +81,7 @@ fn the_number_of_threads_changes_no_bit() {
 }
 
 /// One closed iteration and one open with two trials told.
-fn in_the_middle() -> GlobalLoop {
+fn in_the_middle() -> global::Loop {
     let mut campaign = small(3);
     for trial in asked(campaign.ask(&mut simulation).unwrap()) {
         answer(&mut campaign, &trial);
@@ -96,7 +96,7 @@ fn in_the_middle() -> GlobalLoop {
 fn check_refused(pointer: &str, value: Value, message: &str) {
     let mut state = serde_json::to_value(in_the_middle()).unwrap();
     *state.pointer_mut(pointer).expect("the field is there") = value;
-    let error = serde_json::from_str::<GlobalLoop>(&state.to_string()).unwrap_err();
+    let error = serde_json::from_str::<global::Loop>(&state.to_string()).unwrap_err();
     assert!(error.to_string().contains(message), "{pointer}: {error}");
 }
 
@@ -141,7 +141,7 @@ fn a_state_that_was_tampered_with_is_refused() {
 }
 
 /// Two closed iterations.
-fn of_two_iterations() -> GlobalLoop {
+fn of_two_iterations() -> global::Loop {
     let mut campaign = small(3);
     for _ in 0..2 {
         for trial in asked(campaign.ask(&mut simulation).unwrap()) {
@@ -171,7 +171,7 @@ fn numbers_that_follow_may_differ_by_rounding_and_not_by_more() {
             let mut state = state.clone();
             let value = state.pointer_mut(pointer).expect("the field is there");
             *value = json!(value.as_f64().expect("a number") * factor);
-            serde_json::from_str::<GlobalLoop>(&state.to_string())
+            serde_json::from_str::<global::Loop>(&state.to_string())
         };
         for slight in [1.0 - 1e-12, 1.0 + 1e-12] {
             let read = with(slight).unwrap_or_else(|error| panic!("{pointer}: {error}"));
@@ -213,7 +213,7 @@ fn unknown_keys_are_refused_everywhere() {
         let mut state = serde_json::to_value(in_the_middle()).unwrap();
         let map = state.pointer_mut(pointer).and_then(Value::as_object_mut).unwrap();
         map.insert("surprise".to_owned(), json!(1));
-        let error = serde_json::from_str::<GlobalLoop>(&state.to_string()).unwrap_err();
+        let error = serde_json::from_str::<global::Loop>(&state.to_string()).unwrap_err();
         assert!(error.to_string().contains("unknown field `surprise`"), "{pointer}: {error}");
     }
 }
@@ -222,7 +222,7 @@ fn unknown_keys_are_refused_everywhere() {
 fn one_iteration_too_many_is_refused_and_the_limit_may_be_raised() {
     let mut campaign = small(1);
     campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
-    assert_eq!(campaign.stop(), Some(infuse::GlobalStopReason::IterationLimit));
+    assert_eq!(campaign.stop(), Some(infuse::global::StopReason::IterationLimit));
     let mut state = serde_json::to_value(&campaign).unwrap();
     state["settings"]["max_iterations"] = json!(4);
     let mut longer = load(&state.to_string());
@@ -233,6 +233,6 @@ fn one_iteration_too_many_is_refused_and_the_limit_may_be_raised() {
     let mut state = serde_json::to_value(&ended).unwrap();
     let history = state["history"].as_array_mut().unwrap();
     history.push(history[0].clone());
-    let error = serde_json::from_str::<GlobalLoop>(&state.to_string()).unwrap_err();
+    let error = serde_json::from_str::<global::Loop>(&state.to_string()).unwrap_err();
     assert!(error.to_string().contains("none after the campaign had ended"), "{error}");
 }

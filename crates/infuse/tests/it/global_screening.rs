@@ -2,8 +2,8 @@
 
 use doe::Model;
 use infuse::{
-    Error, GlobalLoop, Observations, Spread, SpreadFallback, SpreadFault, TracedSurface, TrialId, TrialUse,
-    quality_of_fit,
+    Error, TrialId,
+    global::{self, Observations, Spread, SpreadFallback, SpreadFault, TracedSurface, TrialUse, quality_of_fit},
 };
 use proptest::prelude::*;
 use surface::{Confounded, Kind};
@@ -129,24 +129,24 @@ fn without_a_spread_the_settings_decide() {
         let (region, mut settings) = planar();
         settings.fallback = fallback;
         settings.max_iterations = 1;
-        let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+        let mut campaign = global::Loop::new(&region, settings).unwrap();
         let stop = campaign.run(&mut |p| Ok(truth(p)), &mut |trial| Ok(truth(&trial.point))).unwrap();
         (stop, campaign.reports()[0].screening.clone())
     };
     let because = SpreadFault::Zero;
     let (stop, kept) = run(SpreadFallback::KeepAll);
-    assert_eq!((stop, kept.n_after), (infuse::GlobalStopReason::IterationLimit, 576));
+    assert_eq!((stop, kept.n_after), (infuse::global::StopReason::IterationLimit, 576));
     assert_eq!(kept.spread, Spread::Undefined { because });
     let (stop, given) = run(SpreadFallback::Given(0.1));
-    assert_eq!((stop, given.spread), (infuse::GlobalStopReason::IterationLimit, Spread::Given { s: 0.1, because }));
+    assert_eq!((stop, given.spread), (infuse::global::StopReason::IterationLimit, Spread::Given { s: 0.1, because }));
     // 0.1 times the root of 2 times 1.2816 above the smallest.
     let (region, settings) = planar();
-    let campaign = GlobalLoop::new(&region, settings).unwrap();
+    let campaign = global::Loop::new(&region, settings).unwrap();
     let best = least(&campaign, truth).1;
     let expected = (0..576).filter(|&cell| truth(&campaign.point(cell).unwrap()) < best + 0.181_238_76);
     assert_eq!(given.n_after, expected.count() as u64);
     let (stop, stopped) = run(SpreadFallback::Stop);
-    assert_eq!((stop, stopped.n_after), (infuse::GlobalStopReason::NoSpread, 576));
+    assert_eq!((stop, stopped.n_after), (infuse::global::StopReason::NoSpread, 576));
 }
 
 proptest! {
@@ -168,7 +168,7 @@ proptest! {
         settings.seed = seed;
         settings.max_iterations = 3;
         settings.fallback = SpreadFallback::Given(spread);
-        let mut campaign = GlobalLoop::new(&grid(&[9, 11]), settings).unwrap();
+        let mut campaign = global::Loop::new(&grid(&[9, 11]), settings).unwrap();
         campaign.run(&mut |p| Ok(cost(p)), &mut |trial| Ok(cost(&trial.point))).unwrap();
         let (_, best) = least(&campaign, cost);
         let left = campaign.retained().cells().map(|cell| cost(&campaign.point(cell).unwrap()));

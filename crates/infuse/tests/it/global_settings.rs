@@ -1,15 +1,18 @@
 //! What a global loop refuses to begin with.
 
 use doe::{Model, Parameter, Region, SplitMethod};
-use infuse::{Error, GlobalLoop, GlobalSettings, SpreadFallback, SurfaceKind};
+use infuse::{
+    Error,
+    global::{self, SpreadFallback, SurfaceKind},
+};
 
 use crate::global_problems::{grid, planar};
 
 #[track_caller]
-fn check_refused(change: impl FnOnce(&mut GlobalSettings), message: &str) {
+fn check_refused(change: impl FnOnce(&mut global::Settings), message: &str) {
     let (region, mut settings) = planar();
     change(&mut settings);
-    let error = GlobalLoop::new(&region, settings).unwrap_err();
+    let error = global::Loop::new(&region, settings).unwrap_err();
     assert!(error.to_string().contains(message), "{error}");
 }
 
@@ -47,7 +50,7 @@ fn settings_out_of_range_are_named() {
     check_refused(|settings| settings.simulation_weight = 0.71e6, "`experiment_weight` is 0.7, expected 1e-6 to");
     let scale = Some(f64::INFINITY);
     check_refused(|settings| settings.surfaces.combined = SurfaceKind::SquaredExponential { scale }, "`scale` is inf");
-    let balanced = |settings: &mut GlobalSettings| {
+    let balanced = |settings: &mut global::Settings| {
         settings.split = SplitMethod::Balanced;
         settings.n_experiments = 10;
     };
@@ -58,15 +61,15 @@ fn settings_out_of_range_are_named() {
 fn a_continuous_parameter_is_named() {
     let level = Parameter::continuous("pitch", "deg", 10.0, 22.0).unwrap();
     let region = Region::new(vec![level, grid(&[4]).parameters()[0].clone()]).unwrap();
-    let error = GlobalLoop::new(&region, planar().1).unwrap_err();
+    let error = global::Loop::new(&region, planar().1).unwrap_err();
     assert!(error.to_string().contains("`pitch`"), "{error}");
 }
 
 #[test]
 fn a_grid_beyond_the_bits_of_a_machine_is_refused() {
     let region = grid(&[24; 8]);
-    let settings = GlobalSettings::new(Model::additive_quadratic(8).unwrap(), 20, 40);
-    let error = GlobalLoop::new(&region, settings).unwrap_err();
+    let settings = global::Settings::new(Model::additive_quadratic(8).unwrap(), 20, 40);
+    let error = global::Loop::new(&region, settings).unwrap_err();
     assert_eq!(error, Error::TooManyCells { n_cells: 24_u64.pow(8), most: 1 << 34 });
 }
 
@@ -74,14 +77,14 @@ fn a_grid_beyond_the_bits_of_a_machine_is_refused() {
 fn settings_with_nothing_but_the_necessary_can_be_read() {
     let text =
         r#"{"model": {"n_factors": 2, "terms": "additive quadratic"}, "n_experiments": 10, "n_simulations": 20}"#;
-    let read: GlobalSettings = serde_json::from_str(text).unwrap();
-    assert_eq!(read, GlobalSettings::new(Model::additive_quadratic(2).unwrap(), 10, 20));
+    let read: global::Settings = serde_json::from_str(text).unwrap();
+    assert_eq!(read, global::Settings::new(Model::additive_quadratic(2).unwrap(), 10, 20));
 }
 
 #[test]
 fn cells_and_points_agree() {
     let (region, settings) = planar();
-    let campaign = GlobalLoop::new(&region, settings).unwrap();
+    let campaign = global::Loop::new(&region, settings).unwrap();
     for cell in 0..576 {
         let point = campaign.point(cell).unwrap();
         assert_eq!(campaign.cell(&point).unwrap(), cell);

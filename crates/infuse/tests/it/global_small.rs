@@ -1,25 +1,25 @@
 //! What is left becomes small, and the loop does not die of it.
 
 use doe::{Criterion, Design, Model, Space};
-use infuse::{GlobalLoop, GlobalStopReason, SpreadFallback};
+use infuse::global::{self, SpreadFallback};
 
 use crate::global_problems::{coded, grid, settings};
 
 /// A campaign over this grid with the additive quadratic, a bowl and a biased simulation.
-fn bowl(levels: &[u32], fallback: SpreadFallback) -> GlobalLoop {
+fn bowl(levels: &[u32], fallback: SpreadFallback) -> global::Loop {
     let model = Model::additive_quadratic(levels.len()).unwrap();
     let n_terms = model.n_terms();
     let mut settings = settings(model, n_terms.max(6), n_terms.max(8));
     settings.fallback = fallback;
     settings.max_iterations = 5;
-    GlobalLoop::new(&grid(levels), settings).unwrap()
+    global::Loop::new(&grid(levels), settings).unwrap()
 }
 
 fn cost(point: &[f64]) -> f64 {
     coded(point).iter().map(|x| (x - 0.4).powi(2)).sum()
 }
 
-fn run(campaign: &mut GlobalLoop) -> GlobalStopReason {
+fn run(campaign: &mut global::Loop) -> global::StopReason {
     let mut simulated = |p: &[f64]| Ok(cost(p) + 0.3 * coded(p)[0]);
     let noise = |number: u64| 0.01 * (78.233 * number as f64).sin();
     campaign.run(&mut simulated, &mut |trial| Ok(cost(&trial.point) + noise(trial.id.number()))).unwrap()
@@ -45,7 +45,7 @@ fn two_levels_confound_the_square_with_the_constant_and_say_so() {
 #[test]
 fn one_parameter_with_two_levels_is_decided() {
     let mut campaign = bowl(&[2], SpreadFallback::KeepAll);
-    assert_eq!(run(&mut campaign), GlobalStopReason::FewerThanTwoCells);
+    assert_eq!(run(&mut campaign), global::StopReason::FewerThanTwoCells);
     assert_eq!(campaign.retained().cells().collect::<Vec<_>>(), [1]);
 }
 
@@ -54,7 +54,7 @@ fn a_single_cell_ends_the_campaign_with_that_reason() {
     let mut campaign = bowl(&[24, 24], SpreadFallback::Given(1e-9));
     // Exact data, so that the given S is used.
     let stop = campaign.run(&mut |p| Ok(cost(p)), &mut |trial| Ok(cost(&trial.point))).unwrap();
-    assert_eq!(stop, GlobalStopReason::FewerThanTwoCells);
+    assert_eq!(stop, global::StopReason::FewerThanTwoCells);
     assert_eq!(campaign.retained().n_retained(), 1);
     assert_eq!(campaign.reports().len(), 1);
 }
@@ -65,7 +65,7 @@ fn an_axis_that_is_left_with_one_level_loses_its_terms() {
     let steep = |p: &[f64]| 1.0 + 1e3 * (coded(p)[0] - 0.2).powi(2);
     let mut campaign = bowl(&[11, 7], SpreadFallback::Given(0.1));
     let stop = campaign.run(&mut |p| Ok(steep(p)), &mut |trial| Ok(steep(&trial.point))).unwrap();
-    assert_eq!(stop, GlobalStopReason::IterationLimit);
+    assert_eq!(stop, global::StopReason::IterationLimit);
     let second = &campaign.reports()[1];
     assert_eq!(second.screening.n_before, 7);
     let names: Vec<_> = second.batch.dropped_terms.iter().map(|term| term.name.as_str()).collect();
@@ -92,7 +92,7 @@ fn a_large_grid_is_represented_by_a_part_of_it() {
     settings.candidate_limit = 1000;
     settings.max_iterations = 2;
     let region = grid(&[24, 24, 24]);
-    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    let mut campaign = global::Loop::new(&region, settings).unwrap();
     run(&mut campaign);
     let batch = &campaign.reports()[0].batch;
     assert!((950..1100).contains(&batch.n_candidates), "{batch:?}");
@@ -111,11 +111,11 @@ fn a_model_of_which_nothing_is_left_becomes_a_constant() {
     let mut settings = settings(model, 6, 8);
     settings.fallback = SpreadFallback::Given(0.1);
     settings.max_iterations = 3;
-    let mut campaign = GlobalLoop::new(&grid(&[11, 7]), settings).unwrap();
+    let mut campaign = global::Loop::new(&grid(&[11, 7]), settings).unwrap();
     // Steep in p0 only, so that the middle level of p0 is left, where its square vanishes.
     let steep = |p: &[f64]| 1e3 * coded(p)[0].powi(2);
-    let mut rig = |trial: &infuse::GlobalTrial| Ok(steep(&trial.point));
-    assert_eq!(campaign.run(&mut |p| Ok(steep(p)), &mut rig).unwrap(), GlobalStopReason::IterationLimit);
+    let mut rig = |trial: &infuse::global::Trial| Ok(steep(&trial.point));
+    assert_eq!(campaign.run(&mut |p| Ok(steep(p)), &mut rig).unwrap(), global::StopReason::IterationLimit);
     let batches: Vec<_> = campaign.reports().iter().map(|report| &report.batch).collect();
     assert_eq!(batches[1].n_candidates, 7);
     assert_eq!(batches.iter().map(|batch| batch.constant_instead).collect::<Vec<_>>(), [false, true, true]);
@@ -124,7 +124,7 @@ fn a_model_of_which_nothing_is_left_becomes_a_constant() {
     assert!((batches[1].experiment_efficiency - 100.0).abs() < 1e-9, "{:?}", batches[1]);
     let regression = campaign.surfaces()[2].experiment.as_ref().unwrap().regression().unwrap().coefficients().to_vec();
     assert!(regression.len() == 1 && regression[0].abs() < 1e-12, "{regression:?}");
-    let read: GlobalLoop = serde_json::from_str(&crate::global_problems::save(&campaign)).unwrap();
+    let read: global::Loop = serde_json::from_str(&crate::global_problems::save(&campaign)).unwrap();
     assert_eq!(read, campaign);
 }
 
@@ -133,8 +133,8 @@ fn a_model_of_which_nothing_is_left_becomes_a_constant() {
 fn a_level_that_is_left_in_two_cells_only_is_designed_for() {
     let model = Model::quadratic(3).unwrap();
     let mut settings = settings(model.clone(), 14, 12 * 10 * 12);
-    let exact = infuse::SurfaceKind::InverseDistance { power: 2.0 };
-    settings.surfaces = infuse::SurfaceKinds { experiment: exact, simulation: exact, combined: exact };
+    let exact = infuse::global::SurfaceKind::InverseDistance { power: 2.0 };
+    settings.surfaces = infuse::global::SurfaceKinds { experiment: exact, simulation: exact, combined: exact };
     settings.fallback = SpreadFallback::Given(0.1);
     settings.max_iterations = 2;
     let region = grid(&[12, 10, 12]);
@@ -146,7 +146,7 @@ fn a_level_that_is_left_in_two_cells_only_is_designed_for() {
         [_, 8 | 9, _] | [3, 4, 2] | [9, 4, 7] => 0.0,
         _ => 1e3,
     };
-    let mut campaign = GlobalLoop::new(&region, settings).unwrap();
+    let mut campaign = global::Loop::new(&region, settings).unwrap();
     campaign.run(&mut |p| Ok(cost(p)), &mut |trial| Ok(cost(&trial.point))).unwrap();
     let second = &campaign.reports()[1];
     assert_eq!(second.screening.n_before, 2 * 144 + 2);

@@ -1,17 +1,17 @@
 //! What holds in every campaign.
 
 use infuse::Strategy::{Nested, Simultaneous};
-use infuse::{Ask, BoundPolicy, GradientLoop, LoopSettings, Outcome, TrialId};
+use infuse::{Outcome, TrialId, gradient};
 use proptest::prelude::*;
 
 use crate::problems::{failed, json, measured, optimizer, pair, pair_loop, simulated, trials};
 
-fn campaign(steps: [f64; 2], policy: BoundPolicy, strategy: infuse::Strategy) -> GradientLoop {
-    let mut settings = LoopSettings::new(vec![0.6, 0.6], steps.to_vec());
+fn campaign(steps: [f64; 2], policy: gradient::BoundPolicy, strategy: infuse::Strategy) -> gradient::Loop {
+    let mut settings = gradient::Settings::new(vec![0.6, 0.6], steps.to_vec());
     settings.bound_policy = policy;
     settings.optimizer = optimizer(strategy);
     settings.max_iterations = 5;
-    GradientLoop::new(pair(-1.0, 1.0), settings).unwrap()
+    gradient::Loop::new(pair(-1.0, 1.0), settings).unwrap()
 }
 
 proptest! {
@@ -23,7 +23,7 @@ proptest! {
         rig_optimum in [-2.0_f64..2.0, -2.0..2.0],
         lost in 0_u64..20,
     ) {
-        let mut campaign = campaign(steps, BoundPolicy::StayInside, Simultaneous);
+        let mut campaign = campaign(steps, gradient::BoundPolicy::StayInside, Simultaneous);
         let mut next = 1;
         let mut simulation = |p: &[f64]| {
             assert!(p.iter().all(|p| p.abs() <= 1.0), "simulated at {p:?}");
@@ -84,12 +84,12 @@ fn a_stopped_campaign_stays_stopped() {
     let mut campaign = pair_loop();
     let reason = campaign.run(&mut simulated, &mut |trial| measured(&trial.point)).unwrap();
     let again = campaign.ask(&mut |_| panic!("no simulation is needed")).unwrap();
-    assert_eq!(again, Ask::Stopped(reason));
+    assert_eq!(again, gradient::Ask::Stopped(reason));
 }
 
 #[test]
 fn stepping_outside_keeps_both_sides_at_a_bound() {
-    for (policy, n_trials) in [(BoundPolicy::StayInside, 3), (BoundPolicy::StepOutside, 5)] {
+    for (policy, n_trials) in [(gradient::BoundPolicy::StayInside, 3), (gradient::BoundPolicy::StepOutside, 5)] {
         let mut campaign = campaign([0.1, 0.1], policy, Nested);
         let asked = trials(campaign.ask(&mut |p| Ok(-p[0] - p[1])).unwrap());
         assert_eq!(asked[0].point, [1.0, 1.0], "the corner");

@@ -1,7 +1,7 @@
 //! Problems with known answers.
 
 use doe::{Parameter, Region};
-use infuse::{Ask, CodesignProblem, GradientLoop, LoopSettings, OptimizerSettings, Outcome, Role, Strategy, Trial};
+use infuse::{CodesignProblem, OptimizerSettings, Outcome, Role, Strategy, gradient};
 
 /// Parameters named p0, p1, ... with these bounds.
 pub(crate) fn region(bounds: &[(f64, f64)]) -> Region {
@@ -29,8 +29,8 @@ pub(crate) fn optimizer(strategy: Strategy) -> OptimizerSettings {
 }
 
 /// A loop over one parameter that never stops by itself before `max_iterations`.
-pub(crate) fn single_settings(trust: f64, step: f64, max_iterations: usize) -> LoopSettings {
-    let mut settings = LoopSettings::new(vec![trust], vec![step]);
+pub(crate) fn single_settings(trust: f64, step: f64, max_iterations: usize) -> gradient::Settings {
+    let mut settings = gradient::Settings::new(vec![trust], vec![step]);
     settings.optimizer = optimizer(Strategy::Simultaneous);
     settings.optimizer.final_radius = 1e-8;
     settings.tolerances = Some(vec![2e-7]);
@@ -65,17 +65,17 @@ pub(crate) fn measured(p: &[f64]) -> Result<f64, String> {
     Ok(1.4 * (p[0] - 0.7).powi(2) + (p[1] + 0.2).powi(2) + 0.3 * (p[0] - 0.7) * (p[1] + 0.2) + 2.0)
 }
 
-pub(crate) fn pair_loop() -> GradientLoop {
+pub(crate) fn pair_loop() -> gradient::Loop {
     let problem = pair(-1.0, 1.0);
-    let settings = LoopSettings::new(problem.per_role(0.5, 0.8), vec![0.1, 0.05]);
-    GradientLoop::new(problem, settings).unwrap()
+    let settings = gradient::Settings::new(problem.per_role(0.5, 0.8), vec![0.1, 0.05]);
+    gradient::Loop::new(problem, settings).unwrap()
 }
 
 #[track_caller]
-pub(crate) fn trials(ask: Ask) -> Vec<Trial> {
+pub(crate) fn trials(ask: gradient::Ask) -> Vec<gradient::Trial> {
     match ask {
-        Ask::Trials(trials) => trials,
-        Ask::Stopped(reason) => panic!("the campaign has stopped: {reason:?}"),
+        gradient::Ask::Trials(trials) => trials,
+        gradient::Ask::Stopped(reason) => panic!("the campaign has stopped: {reason:?}"),
     }
 }
 
@@ -83,6 +83,6 @@ pub(crate) fn failed(reason: &str) -> Outcome {
     Outcome::Failed { reason: reason.to_owned() }
 }
 
-pub(crate) fn json(campaign: &GradientLoop) -> String {
+pub(crate) fn json(campaign: &gradient::Loop) -> String {
     serde_json::to_string(campaign).unwrap()
 }

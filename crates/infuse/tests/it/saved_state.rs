@@ -1,16 +1,16 @@
 //! A saved campaign goes on as if it had never been put away, or is refused.
 
-use infuse::{Ask, GradientLoop, Outcome, Trial};
+use infuse::{Outcome, gradient};
 use serde_json::{Value, json};
 
 use crate::problems::{failed, json as save, measured, pair_loop, simulated, trials};
 
-fn load(text: &str) -> GradientLoop {
+fn load(text: &str) -> gradient::Loop {
     serde_json::from_str(text).unwrap()
 }
 
 /// An awkward rig: some trials fail, one is set elsewhere, values have many digits.
-fn answer(campaign: &mut GradientLoop, trial: &Trial) {
+fn answer(campaign: &mut gradient::Loop, trial: &gradient::Trial) {
     let cost = measured(&trial.point).unwrap() / 3.0 + 1e-3 * (trial.id.number() as f64).sin();
     let result = match trial.id.number() {
         4 => campaign.tell(trial.id, failed("ballast lost")),
@@ -25,11 +25,11 @@ fn saving_and_loading_at_every_point_changes_no_bit() {
     let mut kept = pair_loop();
     let mut restored = pair_loop();
     for _ in 0..4 {
-        let Ask::Trials(asked) = kept.ask(&mut simulated).unwrap() else {
+        let gradient::Ask::Trials(asked) = kept.ask(&mut simulated).unwrap() else {
             break;
         };
         restored = load(&save(&restored));
-        assert_eq!(restored.ask(&mut simulated).unwrap(), Ask::Trials(asked.clone()));
+        assert_eq!(restored.ask(&mut simulated).unwrap(), gradient::Ask::Trials(asked.clone()));
         for trial in asked.iter().rev() {
             restored = load(&save(&restored));
             answer(&mut kept, trial);
@@ -53,7 +53,7 @@ fn a_replayed_log_gets_every_ask_bit_for_bit() {
         .unwrap();
     let mut replayed = pair_loop();
     let mut entries = log.iter();
-    while let Ask::Trials(asked) = replayed.ask(&mut simulated).unwrap() {
+    while let gradient::Ask::Trials(asked) = replayed.ask(&mut simulated).unwrap() {
         for trial in asked {
             let (text, cost) = entries.next().expect("as many trials as recorded");
             assert_eq!(&serde_json::to_string(&trial).unwrap(), text);
@@ -65,7 +65,7 @@ fn a_replayed_log_gets_every_ask_bit_for_bit() {
 }
 
 /// One closed iteration and one open with two trials told.
-fn in_the_middle() -> GradientLoop {
+fn in_the_middle() -> gradient::Loop {
     let mut campaign = pair_loop();
     for trial in trials(campaign.ask(&mut simulated).unwrap()) {
         answer(&mut campaign, &trial);
@@ -80,7 +80,7 @@ fn in_the_middle() -> GradientLoop {
 fn check_refused(pointer: &str, value: Value, message: &str) {
     let mut state = serde_json::to_value(in_the_middle()).unwrap();
     *state.pointer_mut(pointer).expect("the field is there") = value;
-    let error = serde_json::from_str::<GradientLoop>(&state.to_string()).unwrap_err();
+    let error = serde_json::from_str::<gradient::Loop>(&state.to_string()).unwrap_err();
     assert!(error.to_string().contains(message), "{pointer}: {error}");
 }
 
@@ -131,19 +131,19 @@ fn unknown_and_missing_keys_are_refused_everywhere() {
         let mut state = serde_json::to_value(in_the_middle()).unwrap();
         let map = state.pointer_mut(pointer).and_then(Value::as_object_mut).unwrap();
         map.insert("surprise".to_owned(), json!(1));
-        let error = serde_json::from_str::<GradientLoop>(&state.to_string()).unwrap_err();
+        let error = serde_json::from_str::<gradient::Loop>(&state.to_string()).unwrap_err();
         assert!(error.to_string().contains("unknown field `surprise`"), "{pointer}: {error}");
     }
     let mut state = serde_json::to_value(in_the_middle()).unwrap();
     state.as_object_mut().unwrap().remove("settings");
-    let error = serde_json::from_str::<GradientLoop>(&state.to_string()).unwrap_err();
+    let error = serde_json::from_str::<gradient::Loop>(&state.to_string()).unwrap_err();
     assert!(error.to_string().contains("missing field `settings`"), "{error}");
 }
 
 #[test]
 fn a_number_no_double_can_hold_is_refused() {
     let text = save(&in_the_middle()).replacen("\"trust\":[0.5", "\"trust\":[1e999", 1);
-    let error = serde_json::from_str::<GradientLoop>(&text).unwrap_err();
+    let error = serde_json::from_str::<gradient::Loop>(&text).unwrap_err();
     assert!(error.to_string().contains("number out of range"), "{error}");
 }
 
@@ -154,13 +154,13 @@ fn a_closed_iteration_left_open_or_one_too_many_is_refused() {
     let mut state = serde_json::to_value(&campaign).unwrap();
     let last = state["history"].as_array_mut().unwrap().pop().unwrap();
     state["open"] = json!({"numerical": last["numerical"], "trials": last["trials"]});
-    let error = serde_json::from_str::<GradientLoop>(&state.to_string()).unwrap_err();
+    let error = serde_json::from_str::<gradient::Loop>(&state.to_string()).unwrap_err();
     assert!(error.to_string().contains("at least one trial without an outcome"), "{error}");
 
     let mut state = serde_json::to_value(&campaign).unwrap();
     let history = state["history"].as_array_mut().unwrap();
     history.push(history[0].clone());
-    let error = serde_json::from_str::<GradientLoop>(&state.to_string()).unwrap_err();
+    let error = serde_json::from_str::<gradient::Loop>(&state.to_string()).unwrap_err();
     assert!(error.to_string().contains("none after the campaign had ended"), "{error}");
 }
 

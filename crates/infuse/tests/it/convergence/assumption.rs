@@ -1,6 +1,9 @@
 //! The check of the assumption that errors do not grow.
 
-use infuse::{AssumptionReport, Error, Growth};
+use infuse::{
+    Error,
+    convergence::{AssumptionReport, Growth},
+};
 use proptest::prelude::*;
 
 #[test]

@@ -1,6 +1,10 @@
 //! Bounds: closed forms, limits, how many iterations, and what they refuse.
 
-use infuse::{Amplification, Bound, CorrectionLaw, CorrectionRule, Error, ErrorLevels, Gain, ModelStage};
+use infuse::{
+    Error,
+    convergence::{Amplification, Bound, ErrorLevels},
+    correction::{CorrectionLaw, CorrectionRule, Gain, ModelStage},
+};
 use proptest::prelude::*;
 
 use super::{LAWS, STAGES, any_gain, any_stage, converging_law, rule};

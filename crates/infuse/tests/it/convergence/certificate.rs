@@ -1,6 +1,9 @@
 //! Regret certificates: never wrong, attained, worthless with other norms, and kept while cells are dropped.
 
-use infuse::{Error, Norm, NormOrder, NormScaling, RegretCertificate, possible_optima};
+use infuse::{
+    Error,
+    convergence::{Norm, NormOrder, NormScaling, RegretCertificate, possible_optima},
+};
 use proptest::prelude::*;
 
 fn least(values: &[f64]) -> f64 {

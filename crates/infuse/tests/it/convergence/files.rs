@@ -1,6 +1,9 @@
 //! What of it stands in files.
 
-use infuse::{CorrectionLaw, CorrectionRule, Gain, ModelStage, Norm, NormOrder, NormScaling};
+use infuse::{
+    convergence::{Norm, NormOrder, NormScaling},
+    correction::{CorrectionLaw, CorrectionRule, Gain, ModelStage},
+};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

@@ -2,7 +2,10 @@
 
 use std::fs;
 
-use infuse::{Amplification, Bound, CorrectionLaw, CorrectionRule, Gain, ModelStage};
+use infuse::{
+    convergence::{Amplification, Bound},
+    correction::{CorrectionLaw, CorrectionRule, Gain, ModelStage},
+};
 use serde_json::Value;
 
 const FIXTURE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/infuse/corrections.json");

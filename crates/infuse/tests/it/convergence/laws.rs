@@ -1,6 +1,9 @@
 //! The laws: two forms of each, (47), closed forms, and what they refuse.
 
-use infuse::{Coefficients, CorrectedField, CorrectionLaw, CorrectionRule, Error, Gain, ModelStage};
+use infuse::{
+    Error,
+    correction::{Coefficients, CorrectedField, CorrectionLaw, CorrectionRule, Gain, ModelStage},
+};
 use proptest::prelude::*;
 
 use super::{LAWS, STAGES, any_gain, any_stage, by_recursion, rule};

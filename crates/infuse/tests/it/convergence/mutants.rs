@@ -1,6 +1,9 @@
 //! The property of the proposition is strict: laws with a slip in them fail it.
 
-use infuse::{Bound, CorrectionLaw, CorrectionRule, Gain, ModelStage};
+use infuse::{
+    convergence::Bound,
+    correction::{CorrectionLaw, CorrectionRule, Gain, ModelStage},
+};
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 

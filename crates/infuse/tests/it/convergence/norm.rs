@@ -1,6 +1,9 @@
 //! Norms over cells: closed forms, the axioms, extremes of range, and what they refuse.
 
-use infuse::{Error, Norm, NormOrder, NormScaling, coded_cell_measure};
+use infuse::{
+    Error,
+    convergence::{Norm, NormOrder, NormScaling, coded_cell_measure},
+};
 use proptest::prelude::*;
 
 fn norm(q: f64, scaling: NormScaling) -> Norm {

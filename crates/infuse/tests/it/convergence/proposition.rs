@@ -1,7 +1,10 @@
 //! The proposition of Section 6.1, repaired: the corrected model stays inside its finite bound, and
 //! some errors bring it there.
 
-use infuse::{Bound, CorrectionLaw, CorrectionRule, Gain, ModelStage, Norm, NormOrder, NormScaling};
+use infuse::{
+    convergence::{Bound, Norm, NormOrder, NormScaling},
+    correction::{CorrectionLaw, CorrectionRule, Gain, ModelStage},
+};
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 
@@ -128,7 +131,7 @@ proptest! {
         case.experiment.fill(e2);
         let rule = CorrectionRule::new(law, gain);
         let model = law_of_the_crate(rule, stage);
-        let levels = infuse::ErrorLevels::new(case.gap, e1, e2).unwrap();
+        let levels = infuse::convergence::ErrorLevels::new(case.gap, e1, e2).unwrap();
         let expected = Bound::new(rule, stage).after(n).error(&levels);
         let worst = case.error(&model, &case.worst(&model)).abs();
         let scale = expected + 80.0 * (case.offset.abs() + case.gap);
@@ -293,7 +296,7 @@ proptest! {
 fn printed_36_leaves_the_bounds_of_both_laws_however_small_the_gap() {
     for (law, k, gap) in [(LAWS[0], 0.1, 1e-9), (LAWS[1], 0.5, 1e-6), (LAWS[0], 1.0, 1.0), (LAWS[1], 1.9, 1e-3)] {
         for stage in STAGES {
-            let levels = infuse::ErrorLevels::new(gap, 1.0, 1.0).unwrap();
+            let levels = infuse::convergence::ErrorLevels::new(gap, 1.0, 1.0).unwrap();
             let bound = Bound::new(rule(law, k), stage);
             let printed = law_of_the_crate(rule(CorrectionLaw::AsPrinted36, k), stage);
             let is_outside = |n: usize| {
@@ -313,7 +316,7 @@ fn falling_errors_bring_the_finite_bound_to_the_limit_of_their_limits() {
     for law in &LAWS[..2] {
         for gain in [Gain::constant(0.3).unwrap(), Gain::constant(1.0).unwrap(), Gain::constant(1.4).unwrap()] {
             let bound = Bound::new(CorrectionRule::new(*law, gain), ModelStage::Corrected);
-            let limit = bound.limit().unwrap().error(&infuse::ErrorLevels::new(5.0, 0.2, 0.1).unwrap());
+            let limit = bound.limit().unwrap().error(&infuse::convergence::ErrorLevels::new(5.0, 0.2, 0.1).unwrap());
             let finite = [100, 1000, 10_000].map(|n| bound.finite(5.0, &falling(n, 0.2), &falling(n, 0.1)).unwrap());
             assert!(finite.is_sorted_by(|a, b| a > b), "{law:?}, {gain:?}: {finite:?}");
             assert!((finite[2] - limit).abs() < 1e-2, "{law:?}, {gain:?}: {finite:?}, limit {limit}");

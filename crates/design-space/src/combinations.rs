@@ -1,0 +1,97 @@
+//! Counting through all combinations of a few digits, each with a base of its own.
+
+use crate::Error;
+
+/// All combinations of digits d₁ … d_K with 0 ≤ d_j < n_j, numbered from 0, the last digit changing fastest.
+///
+/// This is the only place of the workspace that turns an index into digits and back: grids, lattices, sampled points
+/// and pictures all count through it.
+///
+/// ```
+/// use design_space::Combinations;
+/// let clock = Combinations::new([24, 60])?;
+/// assert_eq!(clock.len(), 1440);
+/// assert_eq!(clock.digits(61), [1, 1]);
+/// assert_eq!(clock.index(&[1, 1]), 61);
+/// assert_eq!(clock.stride(0), 60);
+/// # Ok::<(), design_space::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Combinations {
+    counts: Vec<u64>,
+    n_combinations: u64,
+}
+
+impl Combinations {
+    /// Digits with these bases; a base of 0 leaves no combination.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::GridTooLarge`] beyond 2⁶⁴ − 1 combinations.
+    pub fn new(counts: impl Into<Vec<u64>>) -> Result<Self, Error> {
+        let counts = counts.into();
+        let too_large = || Error::GridTooLarge { n_parameters: counts.len() };
+        let n_combinations = counts.iter().try_fold(1_u64, |n, &count| n.checked_mul(count)).ok_or_else(too_large)?;
+        Ok(Self { counts, n_combinations })
+    }
+
+    /// The base of each digit.
+    #[must_use]
+    pub fn counts(&self) -> &[u64] {
+        &self.counts
+    }
+
+    /// How many combinations there are.
+    #[must_use]
+    pub fn len(&self) -> u64 {
+        self.n_combinations
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.n_combinations == 0
+    }
+
+    /// The digits of an index below [`len`](Self::len), one per base.
+    #[must_use]
+    pub fn digits(&self, index: u64) -> Vec<u64> {
+        let mut digits = vec![0; self.counts.len()];
+        self.fill_digits(index, &mut digits);
+        digits
+    }
+
+    /// The same, written into a slice with one place per base.
+    pub fn fill_digits(&self, index: u64, digits: &mut [u64]) {
+        let mut rest = index;
+        for (digit, &count) in digits.iter_mut().zip(&self.counts).rev() {
+            *digit = rest % count;
+            rest /= count;
+        }
+    }
+
+    /// The index of these digits, each below its base.
+    #[must_use]
+    pub fn index(&self, digits: &[u64]) -> u64 {
+        digits.iter().zip(&self.counts).fold(0, |index, (digit, count)| index * count + digit)
+    }
+
+    /// How far apart two indices are that differ by one in this digit.
+    #[must_use]
+    pub fn stride(&self, digit: usize) -> u64 {
+        self.counts.iter().skip(digit + 1).product()
+    }
+
+    /// Whether digits without an index were turned to the next combination; `false` after the last one, which then
+    /// is the first again.
+    pub fn advance(&self, digits: &mut [u64]) -> bool {
+        for (digit, &count) in digits.iter_mut().zip(&self.counts).rev() {
+            *digit += 1;
+            if *digit < count {
+                return true;
+            }
+            *digit = 0;
+        }
+        false
+    }
+}

@@ -1,0 +1,274 @@
+//! One quantity that is set before an experiment: its name, unit, bounds and levels.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Error, Levels};
+
+/// A quantity with a name, a unit, two bounds and the levels it can take between them.
+///
+/// Natural coordinates are in the parameter's own unit; coded coordinates run from −1 at the lower
+/// bound to 1 at the upper bound.
+///
+/// ```
+/// use design_space::Parameter;
+/// let pitch = Parameter::continuous("pitch", "deg", 8.0, 9.8)?.with_levels(19)?;
+/// assert_eq!(pitch.level(3)?, 8.3);
+/// assert_eq!(pitch.nearest_level(8.34)?, 3);
+/// assert_eq!(pitch.coded(8.9), 0.0);
+/// # Ok::<(), design_space::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "UncheckedParameter")]
+pub struct Parameter {
+    name: String,
+    unit: String,
+    lower: f64,
+    upper: f64,
+    levels: Levels,
+}
+
+impl Parameter {
+    /// The largest magnitude of a bound, 1e290 in the parameter's unit: beyond it the arithmetic
+    /// of levels could overflow.
+    pub const LARGEST_BOUND: f64 = 1e290;
+
+    /// A parameter that can take any value from `lower` to `upper`, both in `unit`.
+    ///
+    /// The unit is a label and may be empty; it is carried along, never interpreted.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::EmptyName`], [`Error::BoundNotUsable`], [`Error::InvertedBounds`],
+    /// [`Error::ZeroWidth`].
+    pub fn continuous(name: impl Into<String>, unit: impl Into<String>, lower: f64, upper: f64) -> Result<Self, Error> {
+        let (name, unit) = (name.into(), unit.into());
+        if name.trim().is_empty() {
+            return Err(Error::EmptyName { unit, lower, upper });
+        }
+        for (bound, value) in [("lower", lower), ("upper", upper)] {
+            // The magnitude of NaN is not at most anything.
+            if value.is_nan() || value.abs() > Self::LARGEST_BOUND {
+                return Err(Error::BoundNotUsable { parameter: name, bound, value });
+            }
+        }
+        if lower > upper {
+            return Err(Error::InvertedBounds { parameter: name, lower, upper });
+        }
+        if lower >= upper {
+            return Err(Error::ZeroWidth { parameter: name, value: lower });
+        }
+        Ok(Self { name, unit, lower, upper, levels: Levels::Continuous })
+    }
+
+    /// The same parameter restricted to `count` equally spaced levels, both bounds included.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFewLevels`] below two, [`Error::IndistinctLevels`] when neighboring levels would
+    /// be within a few roundings of each other.
+    pub fn with_levels(mut self, count: u32) -> Result<Self, Error> {
+        if count < 2 {
+            return Err(Error::TooFewLevels { parameter: self.name, count });
+        }
+        let spacing = self.width() / f64::from(count - 1);
+        let resolution = 8.0 * f64::EPSILON * self.lower.abs().max(self.upper.abs());
+        if spacing <= resolution.max(f64::MIN_POSITIVE) {
+            return Err(Error::IndistinctLevels { parameter: self.name, count, lower: self.lower, upper: self.upper });
+        }
+        self.levels = Levels::Count(count);
+        Ok(self)
+    }
+
+    /// The name, unique within a [`Region`](crate::Region).
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The unit of the bounds and of every natural coordinate.
+    #[must_use]
+    pub fn unit(&self) -> &str {
+        &self.unit
+    }
+
+    /// The lower bound, in the parameter's unit.
+    #[must_use]
+    pub fn lower(&self) -> f64 {
+        self.lower
+    }
+
+    /// The upper bound, in the parameter's unit.
+    #[must_use]
+    pub fn upper(&self) -> f64 {
+        self.upper
+    }
+
+    /// The levels between the bounds.
+    #[must_use]
+    pub fn levels(&self) -> Levels {
+        self.levels
+    }
+
+    /// Upper bound minus lower bound: positive and finite, in the parameter's unit.
+    #[must_use]
+    pub fn width(&self) -> f64 {
+        self.upper - self.lower
+    }
+
+    /// The value halfway between the bounds, in the parameter's unit.
+    #[must_use]
+    pub fn center(&self) -> f64 {
+        self.natural(0.0)
+    }
+
+    /// Natural to coded: the lower bound gives exactly −1, the upper exactly 1. Values outside the
+    /// bounds are extrapolated, NaN stays NaN.
+    #[must_use]
+    pub fn coded(&self, natural: f64) -> f64 {
+        ((natural - self.lower) - (self.upper - natural)) / self.width()
+    }
+
+    /// Coded to natural: −1 gives exactly the lower bound, 1 exactly the upper, and nothing between
+    /// them is rounded past a bound. Values outside −1 to 1 are extrapolated, NaN stays NaN.
+    #[must_use]
+    pub fn natural(&self, coded: f64) -> f64 {
+        let value = self.lower * (0.5 * (1.0 - coded)) + self.upper * (0.5 * (1.0 + coded));
+        if coded.abs() <= 1.0 { value.clamp(self.lower, self.upper) } else { value }
+    }
+
+    /// Whether a natural coordinate lies within the bounds, bounds included; never for NaN.
+    #[must_use]
+    pub fn contains(&self, natural: f64) -> bool {
+        self.lower <= natural && natural <= self.upper
+    }
+
+    /// The natural coordinate itself if it lies within the bounds.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotANumber`], [`Error::OutOfBounds`].
+    pub fn check(&self, natural: f64) -> Result<f64, Error> {
+        if self.contains(natural) {
+            return Ok(natural);
+        }
+        let (parameter, unit) = (self.name.clone(), self.unit.clone());
+        let (lower, upper) = (self.lower, self.upper);
+        Err(if natural.is_nan() {
+            Error::NotANumber { parameter, lower, upper, unit }
+        } else {
+            Error::OutOfBounds { parameter, value: natural, lower, upper, unit }
+        })
+    }
+
+    /// The nearest value within the bounds. Nothing else in this crate moves a value into the
+    /// bounds: who wants that asks for it here.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotANumber`].
+    pub fn clamp(&self, natural: f64) -> Result<f64, Error> {
+        if natural.is_nan() {
+            return self.check(natural);
+        }
+        Ok(natural.clamp(self.lower, self.upper))
+    }
+
+    /// Value of the level with this index, in the parameter's unit: index 0 is the lower bound.
+    ///
+    /// With bounds l and u and n levels, level i is (l (n − 1 − i) + u i) / (n − 1): weights that are
+    /// whole numbers, so that 8 to 9.8 in 19 levels has the level 8.3 and both bounds are exact.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Continuous`], [`Error::NoSuchLevel`].
+    pub fn level(&self, index: u32) -> Result<f64, Error> {
+        let last = self.last_level()?;
+        if index > last {
+            return Err(Error::NoSuchLevel { parameter: self.name.clone(), index: index.into(), last: last.into() });
+        }
+        Ok(self.level_value(index, last))
+    }
+
+    /// Index of the level nearest to a natural coordinate; of two equally near, the lower.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Continuous`], and [`Error::OutOfBounds`] or [`Error::NotANumber`]: a value outside
+    /// the bounds is not moved silently, see [`clamp`](Self::clamp).
+    pub fn nearest_level(&self, natural: f64) -> Result<u32, Error> {
+        let last = self.last_level()?;
+        self.check(natural)?;
+        let estimate = (natural - self.lower) / self.width() * f64::from(last);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a value within the bounds estimates an index from 0 to last"
+        )]
+        let middle = (estimate.round() as u32).min(last);
+        // The estimate is rounded: its neighbors decide which level is nearest in fact.
+        let mut nearest = middle.saturating_sub(1);
+        for index in nearest + 1..=(middle + 1).min(last) {
+            let distance = |index| (self.level_value(index, last) - natural).abs();
+            if distance(index) < distance(nearest) {
+                nearest = index;
+            }
+        }
+        Ok(nearest)
+    }
+
+    /// The value of the nearest level, or the value itself if the parameter is continuous.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfBounds`], [`Error::NotANumber`].
+    pub fn snap(&self, natural: f64) -> Result<f64, Error> {
+        match self.levels {
+            Levels::Continuous => self.check(natural),
+            Levels::Count(_) => self.level(self.nearest_level(natural)?),
+        }
+    }
+
+    fn last_level(&self) -> Result<u32, Error> {
+        match self.levels {
+            Levels::Count(count) => Ok(count - 1),
+            Levels::Continuous => Err(Error::Continuous { parameter: self.name.clone() }),
+        }
+    }
+
+    fn level_value(&self, index: u32, last: u32) -> f64 {
+        if index == 0 {
+            return self.lower;
+        }
+        if index == last {
+            return self.upper;
+        }
+        let weighted = self.lower * f64::from(last - index) + self.upper * f64::from(index);
+        // Rounding can carry a level next to a bound past it when the bounds almost agree.
+        (weighted / f64::from(last)).clamp(self.lower, self.upper)
+    }
+}
+
+/// A parameter as it stands in a file, before its numbers are checked.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Parameter")]
+struct UncheckedParameter {
+    name: String,
+    unit: String,
+    lower: f64,
+    upper: f64,
+    #[serde(default)]
+    levels: Levels,
+}
+
+impl TryFrom<UncheckedParameter> for Parameter {
+    type Error = Error;
+
+    fn try_from(unchecked: UncheckedParameter) -> Result<Self, Error> {
+        let UncheckedParameter { name, unit, lower, upper, levels } = unchecked;
+        let parameter = Self::continuous(name, unit, lower, upper)?;
+        match levels {
+            Levels::Continuous => Ok(parameter),
+            Levels::Count(count) => parameter.with_levels(count),
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! Plant and controller optimized on a model: nested, simultaneous, sequential, iterative.
+
+pub(crate) mod evaluator;
+mod optimizer;
+pub(crate) mod run;
+mod search;
+mod starts;
+
+pub use evaluator::FailedSimulation;
+pub use optimizer::{CodesignStop, OptimizerSettings, Strategy};
+pub use run::{CodesignReport, codesign};

@@ -1,0 +1,79 @@
+//! The numerical half of an iteration: the optimum of the corrected model and its slope there.
+
+use design_space::{Parameter, Region};
+
+use crate::codesign::evaluator::Evaluator;
+use crate::codesign::run::optimize;
+use crate::correction::Correction;
+use crate::gradient::slope::{Side, slope, slope_away};
+use crate::gradient::{BoundPolicy, NumericalOptimum, Settings};
+use crate::{CodesignProblem, Error};
+
+/// Optimizes J + J_cor, starting from the last optimum if there is one, and takes its gradient there:
+/// central differences, or second-order one-sided ones where a side is out of bounds or fails, so that
+/// a bound nearby does not bias what an interior optimum should find to be zero.
+pub(crate) fn numerical_optimum<S: FnMut(&[f64]) -> Result<f64, String>>(
+    problem: &CodesignProblem,
+    settings: &Settings,
+    last_optimum: Option<&[f64]>,
+    correction: &Correction,
+    simulation: &mut S,
+) -> Result<NumericalOptimum, Error> {
+    let region = problem.region();
+    let (start, in_reach) = match (last_optimum, &settings.start) {
+        (Some(last), _) => (last.to_vec(), problem_in_reach(problem, settings, last)?),
+        (None, Some(start)) => (start.clone(), problem.clone()),
+        (None, None) => (region.center(), problem.clone()),
+    };
+    let limit = settings.optimizer.max_simulations;
+    let mut evaluator = Evaluator::new(in_reach.region(), correction, simulation, limit);
+    let stop = optimize(&in_reach, &settings.optimizer, &start, &mut evaluator)?;
+    let best = evaluator.best()?;
+
+    let mut model_gradient = Vec::with_capacity(start.len());
+    for (index, step) in settings.model_steps().into_iter().enumerate() {
+        let parameter = &region.parameters()[index];
+        let may_leave = settings.bound_policy == BoundPolicy::StepOutside;
+        let mut side = |offset: f64| {
+            let mut point = best.point.clone();
+            point[index] += offset;
+            let distance = (point[index] - best.point[index]).abs();
+            if !may_leave && !parameter.contains(point[index]) {
+                return None;
+            }
+            evaluator.simulate(&point).map(|cost| Side { distance, cost })
+        };
+        let center = best.model_cost;
+        let slope = match (side(step), side(-step)) {
+            (plus, None) => slope_away(center, plus, side(2.0 * step)),
+            (None, minus) => slope_away(center, minus, side(-2.0 * step)).map(|slope| -slope),
+            (plus, minus) => slope(Some(center), plus, minus),
+        };
+        model_gradient.push(slope.map(|slope| slope + correction.slope()[index]));
+    }
+    Ok(NumericalOptimum {
+        point: best.point,
+        model_cost: best.model_cost,
+        correction_value: best.correction_value,
+        corrected_cost: best.corrected_cost,
+        model_gradient,
+        n_simulations: evaluator.n_simulations,
+        failures: evaluator.failures,
+        stop,
+    })
+}
+
+/// The problem on that part of its region which the move limits allow from the last optimum.
+fn problem_in_reach(problem: &CodesignProblem, settings: &Settings, last: &[f64]) -> Result<CodesignProblem, Error> {
+    let Some(limits) = &settings.move_limits else {
+        return Ok(problem.clone());
+    };
+    let parameters = problem.region().parameters().iter();
+    let in_reach = parameters.zip(last.iter().zip(limits)).map(|(parameter, (here, limit))| {
+        let lower = parameter.lower().max(here - limit);
+        let upper = parameter.upper().min(here + limit);
+        Parameter::continuous(parameter.name(), parameter.unit(), lower, upper)
+    });
+    let region = Region::new(in_reach.collect::<Result<_, _>>()?)?;
+    CodesignProblem::new(region, problem.roles().to_vec())
+}

@@ -1,0 +1,176 @@
+//! Axes: a label, a range, and the round numbers along it.
+
+/// One axis of a figure.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    label: String,
+    range: Option<(f64, f64)>,
+    step: Option<f64>,
+}
+
+impl Axis {
+    /// An axis that shows all of the data; `unit` is "1" for a pure number.
+    pub fn new(quantity: &str, unit: &str) -> Self {
+        let label = if unit == "1" { quantity.to_owned() } else { format!("{quantity} ({unit})") };
+        Self { label, range: None, step: None }
+    }
+
+    /// The same axis from one value to another, whatever the data; what lies outside is cut off.
+    pub fn with_range(mut self, from: f64, to: f64) -> Self {
+        debug_assert!(from < to, "an axis from {from} to {to}");
+        self.range = Some((from, to));
+        self
+    }
+
+    /// The same axis with ticks this far apart, if it has a range.
+    pub fn with_step(self, step: f64) -> Self {
+        Self { step: Some(step), ..self }
+    }
+
+    /// The same axis for counting from 1: whole numbers, half a step of room on either side.
+    pub fn counting_to(self, count: usize) -> Self {
+        let step = if count <= 20 { 1.0 } else { 5.0 };
+        Self { step: Some(step), ..self.with_range(0.5, count.max(1) as f64 + 0.5) }
+    }
+
+    pub(super) fn has_range(&self) -> bool {
+        self.range.is_some()
+    }
+
+    pub(super) fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// The ticks for these values, about `ticks` of them.
+    pub(super) fn scale(&self, values: impl Iterator<Item = f64>, ticks: usize) -> Scale {
+        match (self.range, self.step) {
+            (Some((min, max)), Some(step)) => Scale { min, max, step },
+            (Some((min, max)), None) => Scale { min, max, step: round_step(max - min, ticks) },
+            (None, _) => Scale::around(values, ticks),
+        }
+    }
+
+    /// The same, with room between the values and the ends, so that no line runs along a border; zero needs no room.
+    pub(super) fn roomy_scale(&self, values: impl Iterator<Item = f64> + Clone, ticks: usize) -> Scale {
+        let scale = self.scale(values.clone(), ticks);
+        if self.has_range() {
+            return scale;
+        }
+        let near = |value: f64, end: f64| (value - end).abs() < 0.04 * (scale.max - scale.min);
+        let mut values = values.filter(|value| value.is_finite());
+        let (touches_min, touches_max) = values
+            .clone()
+            .fold((false, false), |(min, max), value| (min || near(value, scale.min), max || near(value, scale.max)));
+        let all_above_zero = values.all(|value| value >= 0.0);
+        let below = touches_min && !(all_above_zero && scale.min <= 0.0);
+        // Counted in steps, so that the ends are still ticks to the last bit.
+        let steps = |end: f64, more: bool| (end / scale.step).round() + f64::from(u8::from(more));
+        let min = -steps(-scale.min, below) * scale.step;
+        Scale { min, max: steps(scale.max, touches_max) * scale.step, ..scale }
+    }
+}
+
+/// An axis with its ticks: the multiples of `step` from `min` to `max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scale {
+    pub(super) min: f64,
+    pub(super) max: f64,
+    pub(super) step: f64,
+}
+
+impl Scale {
+    /// From a tick below all finite values to a tick above, from zero when that is near.
+    pub(super) fn around(values: impl Iterator<Item = f64>, ticks: usize) -> Self {
+        let (mut min, mut max) = values
+            .filter(|value| value.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| (min.min(value), max.max(value)));
+        if min > max {
+            (min, max) = (0.0, 1.0);
+        }
+        if min >= 0.0 && min < 0.25 * max {
+            min = 0.0;
+        }
+        if max - min <= 1e-9 * max.abs().max(min.abs()) {
+            let half = if max == 0.0 { 1.0 } else { 0.1 * max.abs() };
+            (min, max) = (min - half, max + half);
+        }
+        let step = round_step(max - min, ticks);
+        Self { min: (min / step).floor() * step, max: (max / step).ceil() * step, step }
+    }
+
+    /// The ticks, without the rounding that adding up steps would bring.
+    pub(super) fn ticks(&self) -> Vec<f64> {
+        let slack = 1e-6;
+        let first = (self.min / self.step - slack).ceil() as i64;
+        let last = (self.max / self.step + slack).floor() as i64;
+        (first..=last).map(|tick| tick as f64 * self.step).collect()
+    }
+
+    /// Decimals that tell neighboring ticks apart.
+    pub(super) fn decimals(&self) -> usize {
+        (-self.step.log10() - 1e-9).ceil().max(0.0) as usize
+    }
+}
+
+/// 1, 2 or 5 times a power of ten, so that a span has about the number of ticks asked for.
+fn round_step(span: f64, ticks: usize) -> f64 {
+    let rough = span / ticks.max(1) as f64;
+    let power = 10_f64.powf(rough.log10().floor());
+    let factor = match rough / power {
+        share if share < 1.5 => 1.0,
+        share if share < 3.5 => 2.0,
+        share if share < 7.5 => 5.0,
+        _ => 10.0,
+    };
+    factor * power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scale_is_round_and_holds_the_values() {
+        let scale = Scale::around([4.35, 6.85].into_iter(), 5);
+        assert_eq!(scale, Scale { min: 4.0, max: 7.0, step: 0.5 });
+        assert_eq!(scale.decimals(), 1);
+        assert_eq!(scale.ticks().len(), 7);
+    }
+
+    #[test]
+    fn scale_starts_at_zero_when_that_is_near() {
+        assert!(Scale::around([0.001, 0.02].into_iter(), 5).min.abs() <= 0.0, "from zero");
+        assert!(Scale::around([4.0, 5.0].into_iter(), 5).min > 3.0, "zero is far");
+    }
+
+    #[test]
+    fn scale_survives_bad_values() {
+        for values in [vec![], vec![f64::NAN], vec![3.0], vec![0.0], vec![f64::INFINITY, 2.0]] {
+            let scale = Scale::around(values.iter().copied(), 5);
+            assert!(scale.min < scale.max && scale.step > 0.0, "{values:?}: {scale:?}");
+            assert!(scale.ticks().len() >= 2, "{values:?}: {scale:?}");
+        }
+    }
+
+    #[test]
+    fn lines_do_not_run_along_a_border() {
+        let roomy = |values: [f64; 2]| Axis::new("speed", "m/s").roomy_scale(values.into_iter(), 5);
+        assert_eq!(roomy([-10.0, 0.0]), Scale { min: -12.0, max: 2.0, step: 2.0 });
+        assert_eq!(roomy([0.0, 9.0]), Scale { min: 0.0, max: 10.0, step: 2.0 });
+        assert_eq!(roomy([0.0, 0.245]), Scale { min: 0.0, max: 6.0 * 0.05, step: 0.05 });
+        assert_eq!(roomy([4.25, 6.75]), Scale { min: 4.0, max: 7.0, step: 0.5 });
+    }
+
+    #[test]
+    fn counting_has_whole_numbers() {
+        let scale = Axis::new("iteration", "1").counting_to(3).scale(std::iter::empty(), 8);
+        assert_eq!(scale.ticks(), [1.0, 2.0, 3.0]);
+        assert_eq!(scale.decimals(), 0);
+    }
+
+    #[test]
+    fn unit_one_is_not_shown() {
+        assert_eq!(Axis::new("iteration", "1").label(), "iteration");
+        assert_eq!(Axis::new("time", "s").label(), "time (s)");
+    }
+}

@@ -1,0 +1,210 @@
+//! Series over a shared axis, in one panel or in several below each other.
+
+use kuva::plot::{LinePlot, ScatterPlot};
+use kuva::render::plots::Plot;
+
+use super::axis::{Axis, Scale};
+use super::canvas::{
+    BELOW_PX, Canvas, Frame, FrameText, Grid, LEFT_PX, LegendEntry, Mark, TITLE_PX, WIDTH_PX, color, legend_height_px,
+};
+use super::thinning::{MAX_POINTS, changes, finite_stretches, thin};
+
+/// Series over one x axis.
+#[derive(Clone, Debug)]
+pub struct LineFigure {
+    pub title: String,
+    /// Below the last panel, for all that have none of their own.
+    pub x_axis: Axis,
+    /// From top to bottom.
+    pub panels: Vec<Panel>,
+    /// Spans of x to set off, in every panel.
+    pub shaded: Option<Shaded>,
+}
+
+/// One y axis and its series.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// An x axis of the panel's own, below it.
+    pub x_axis: Option<Axis>,
+    pub y_axis: Axis,
+    /// Series of the same label have the same color in all panels.
+    pub series: Vec<Series>,
+}
+
+/// Spans of x and what they are.
+#[derive(Clone, Debug)]
+pub struct Shaded {
+    pub label: String,
+    pub spans: Vec<(f64, f64)>,
+}
+
+/// Values over x, in the order of x; a value that is not finite leaves a gap.
+#[derive(Clone, Debug)]
+pub struct Series {
+    label: String,
+    points: Vec<(f64, f64)>,
+    shape: Shape,
+    dashed: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shape {
+    Line,
+    Step,
+}
+
+impl Series {
+    /// Values joined by straight lines.
+    pub fn line(label: &str, x: &[f64], y: &[f64]) -> Self {
+        Self::new(label, x, y, Shape::Line)
+    }
+
+    /// Values that hold until the next one.
+    pub fn step(label: &str, x: &[f64], y: &[f64]) -> Self {
+        Self::new(label, x, y, Shape::Step)
+    }
+
+    fn new(label: &str, x: &[f64], y: &[f64], shape: Shape) -> Self {
+        debug_assert_eq!(x.len(), y.len(), "series `{label}`");
+        let points = x.iter().copied().zip(y.iter().copied()).collect();
+        Self { label: label.to_owned(), points, shape, dashed: false }
+    }
+
+    /// The same with gaps, through which a line that it covers can be seen.
+    pub fn dashed(self) -> Self {
+        Self { dashed: true, ..self }
+    }
+
+    fn plots(&self, color: &str) -> Vec<Plot> {
+        let mut plots = Vec::new();
+        for stretch in finite_stretches(&self.points) {
+            let line = match self.shape {
+                Shape::Step => lines(thin(&changes(stretch), MAX_POINTS), color).with_step(),
+                Shape::Line => lines(thin(stretch, MAX_POINTS), color),
+            };
+            plots.push(if self.dashed { line.with_dashed() } else { line }.into());
+        }
+        if self.shape == Shape::Line && self.points.len() <= FEW_POINTS {
+            let finite = finite_stretches(&self.points).concat();
+            plots.push(ScatterPlot::new().with_data(finite).with_color(color).with_size(3.5).into());
+        }
+        plots
+    }
+}
+
+/// So few points are shown as such, beside the line through them.
+const FEW_POINTS: usize = 30;
+
+fn lines(points: Vec<(f64, f64)>, color: &str) -> LinePlot {
+    LinePlot::new().with_data(points).with_color(color).with_stroke_width(1.4)
+}
+
+const RIGHT_PX: f64 = WIDTH_PX - 24.0;
+const SINGLE_PANEL_PX: f64 = 300.0;
+const STACKED_PANEL_PX: f64 = 150.0;
+const OWN_AXIS_PANEL_PX: f64 = 230.0;
+const GAP_PX: f64 = 20.0;
+const SHADE: &str = "#ececec";
+
+/// Draws a figure of series.
+pub fn line_figure(figure: &LineFigure) -> String {
+    let labels = labels(figure);
+    let legend = legend(figure, &labels);
+    let count = figure.panels.len();
+    let panel_px = |panel: &Panel| match count {
+        1 => SINGLE_PANEL_PX,
+        _ if panel.x_axis.is_some() => OWN_AXIS_PANEL_PX,
+        _ => STACKED_PANEL_PX,
+    };
+    let frames_px: f64 = figure.panels.iter().map(|panel| panel_px(panel) + gap_px(panel)).sum();
+    let bottom = TITLE_PX + frames_px - figure.panels.last().map_or(0.0, gap_px);
+    let mut canvas = Canvas::new(&figure.title, bottom + BELOW_PX + legend_height_px(&legend, LEFT_PX));
+    let shared = x_scale(&figure.x_axis, figure.panels.iter().filter(|panel| panel.x_axis.is_none()));
+    let mut top = TITLE_PX;
+    for (number, panel) in figure.panels.iter().enumerate() {
+        let values = panel.series.iter().flat_map(|series| &series.points).map(|point| point.1);
+        let y = panel.y_axis.roomy_scale(values, if count == 1 { 6 } else { 4 });
+        let x = panel.x_axis.as_ref().map_or(shared, |axis| x_scale(axis, std::iter::once(panel)));
+        let frame = Frame { left: LEFT_PX, top, right: RIGHT_PX, bottom: top + panel_px(panel), x, y };
+        shade(&mut canvas, &frame, figure.shaded.as_ref());
+        let below = (number + 1 == count).then_some(&figure.x_axis);
+        let text = FrameText {
+            x_label: panel.x_axis.as_ref().or(below).map(Axis::label),
+            y_label: panel.y_axis.label(),
+            grid: Grid::Shown,
+        };
+        let plots = panel.series.iter().flat_map(|series| series.plots(color_of(&series.label, &labels)));
+        canvas.frame(&frame, &text, plots.collect());
+        top += panel_px(panel) + gap_px(panel);
+    }
+    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    canvas.svg()
+}
+
+/// Room below a panel: more where it has an axis of its own.
+fn gap_px(panel: &Panel) -> f64 {
+    if panel.x_axis.is_some() { BELOW_PX + GAP_PX } else { GAP_PX }
+}
+
+/// The x axis ends with the data: a flight of 300 s needs no room after it.
+fn x_scale<'a>(axis: &Axis, panels: impl Iterator<Item = &'a Panel> + Clone) -> Scale {
+    let values = || {
+        let series = panels.clone().flat_map(|panel| &panel.series);
+        series.flat_map(|series| &series.points).map(|point| point.0).filter(|x| x.is_finite())
+    };
+    let scale = axis.scale(values(), 8);
+    let (first, last) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    if axis.has_range() || first >= last {
+        return scale;
+    }
+    Scale { min: scale.min.max(first), max: scale.max.min(last), ..scale }
+}
+
+fn shade(canvas: &mut Canvas, frame: &Frame, shaded: Option<&Shaded>) {
+    for &(from, to) in shaded.iter().flat_map(|shaded| &shaded.spans) {
+        let (from, to) = (from.max(frame.x.min), to.min(frame.x.max));
+        if from < to {
+            let (left, right) = (frame.x_px(from), frame.x_px(to));
+            canvas.rect((left, frame.top), (right - left, frame.bottom - frame.top), SHADE, "none");
+        }
+    }
+}
+
+/// The different labels, in the order in which they appear.
+fn labels(figure: &LineFigure) -> Vec<&str> {
+    let mut labels: Vec<&str> = Vec::new();
+    for series in figure.panels.iter().flat_map(|panel| &panel.series) {
+        if !labels.contains(&series.label.as_str()) {
+            labels.push(&series.label);
+        }
+    }
+    labels
+}
+
+fn color_of(label: &str, labels: &[&str]) -> &'static str {
+    color(labels.iter().position(|known| *known == label).unwrap_or(0))
+}
+
+fn legend(figure: &LineFigure, labels: &[&str]) -> Vec<LegendEntry> {
+    let series = || figure.panels.iter().flat_map(|panel| &panel.series);
+    let is_dashed = |label: &str| series().any(|series| series.label == label && series.dashed);
+    let mut entries: Vec<LegendEntry> = labels
+        .iter()
+        .map(|label| LegendEntry {
+            mark: if is_dashed(label) { Mark::Dashes } else { Mark::Line },
+            fill: color_of(label, labels).into(),
+            outline: color_of(label, labels).into(),
+            text: (*label).to_owned(),
+        })
+        .collect();
+    if let Some(shaded) = &figure.shaded {
+        entries.push(LegendEntry {
+            mark: Mark::Box,
+            fill: SHADE.into(),
+            outline: "none".into(),
+            text: shaded.label.clone(),
+        });
+    }
+    // One series needs no legend: the axis says what it is.
+    if entries.len() == 1 { Vec::new() } else { entries }
+}

@@ -1,0 +1,191 @@
+//! How a quantity spreads over repetitions, iteration by iteration.
+
+use super::axis::Axis;
+use super::canvas::{
+    BELOW_PX, Canvas, Frame, FrameText, Grid, INK, LEFT_PX, LegendEntry, Mark, PAPER, TITLE_PX, WIDTH_PX, color,
+    legend_height_px,
+};
+
+/// One quantity over the iterations, in groups of repetitions.
+#[derive(Clone, Debug)]
+pub struct SpreadFigure {
+    pub title: String,
+    pub y_axis: Axis,
+    pub groups: Vec<Group>,
+    pub reference: Option<Reference>,
+}
+
+/// Repetitions under the same conditions.
+#[derive(Clone, Debug)]
+pub struct Group {
+    pub label: String,
+    /// `values[iteration]` are those of the repetitions that got so far; a failed one is NaN and is left out.
+    pub values: Vec<Vec<f64>>,
+}
+
+/// Values to compare with, the first belongs to iteration 1.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    pub label: String,
+    pub values: Vec<f64>,
+}
+
+/// Five numbers that tell how values spread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    pub count: usize,
+    pub minimum: f64,
+    pub lower_quartile: f64,
+    pub median: f64,
+    pub upper_quartile: f64,
+    pub maximum: f64,
+}
+
+impl Summary {
+    /// The summary of the finite values, quartiles by linear interpolation; none when there is no such value.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len().checked_sub(1)?;
+        let quantile = |share: f64| {
+            let place = share * last as f64;
+            let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
+            below + (place - place.floor()) * (above - below)
+        };
+        Some(Self {
+            count: sorted.len(),
+            minimum: sorted[0],
+            lower_quartile: quantile(0.25),
+            median: quantile(0.5),
+            upper_quartile: quantile(0.75),
+            maximum: sorted[last],
+        })
+    }
+}
+
+const RIGHT_PX: f64 = WIDTH_PX - 24.0;
+const HEIGHT_PX: f64 = 300.0;
+/// The share of an iteration's width that its boxes take together.
+const BOXES_SHARE: f64 = 0.5;
+/// The share of its slot that a box takes: between two there is room for a mark of the reference.
+const BOX_SHARE: f64 = 0.6;
+const WIDEST_BOX_PX: f64 = 34.0;
+
+/// Draws the spread: a box from quartile to quartile with the median, whiskers to the extremes.
+pub fn spread_figure(figure: &SpreadFigure) -> String {
+    let legend = legend(figure);
+    let bottom = TITLE_PX + HEIGHT_PX;
+    let mut canvas = Canvas::new(&figure.title, bottom + BELOW_PX + legend_height_px(&legend, LEFT_PX));
+    let values = figure.groups.iter().flat_map(|group| group.values.iter().flatten());
+    let values = values.chain(figure.reference.iter().flat_map(|reference| &reference.values));
+    let axis = Axis::new("iteration", "1").counting_to(iterations(figure));
+    let frame = Frame {
+        left: LEFT_PX,
+        top: TITLE_PX,
+        right: RIGHT_PX,
+        bottom,
+        x: axis.scale(std::iter::empty(), 8),
+        y: figure.y_axis.roomy_scale(values.copied(), 6),
+    };
+    let text = FrameText { x_label: Some(axis.label()), y_label: figure.y_axis.label(), grid: Grid::Shown };
+    canvas.frame(&frame, &text, Vec::new());
+
+    let iteration_px = frame.x_px(2.0) - frame.x_px(1.0);
+    let slot_px = BOXES_SHARE * iteration_px / figure.groups.len().max(1) as f64;
+    for (number, group) in figure.groups.iter().enumerate() {
+        let shift_px = (number as f64 - 0.5 * (figure.groups.len() as f64 - 1.0)) * slot_px;
+        let width_px = BOX_SHARE * slot_px;
+        draw_group(&mut canvas, &frame, group, Boxes { shift_px, width_px, color: color(number) });
+    }
+    if let Some(reference) = &figure.reference {
+        let points = reference.values.iter().enumerate().filter(|(_, value)| value.is_finite());
+        for (index, value) in points {
+            canvas.diamond(frame.px(((index + 1) as f64, *value)), color(4), PAPER);
+        }
+    }
+    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    canvas.svg()
+}
+
+fn iterations(figure: &SpreadFigure) -> usize {
+    let lengths = figure.groups.iter().map(|group| group.values.len());
+    lengths.chain(figure.reference.iter().map(|reference| reference.values.len())).max().unwrap_or(1)
+}
+
+/// How the boxes of one group look.
+#[derive(Clone, Copy)]
+struct Boxes {
+    shift_px: f64,
+    width_px: f64,
+    color: &'static str,
+}
+
+fn draw_group(canvas: &mut Canvas, frame: &Frame, group: &Group, boxes: Boxes) {
+    let width = boxes.width_px.min(WIDEST_BOX_PX);
+    let summaries: Vec<(f64, Summary)> = group
+        .values
+        .iter()
+        .enumerate()
+        .filter_map(|(index, values)| Some((frame.x_px((index + 1) as f64) + boxes.shift_px, Summary::of(values)?)))
+        .collect();
+    let medians: Vec<(f64, f64)> = summaries.iter().map(|(x, summary)| (*x, frame.y_px(summary.median))).collect();
+    canvas.dashed_line(&medians, boxes.color, 1.0);
+    for (x, summary) in summaries {
+        let y = |value: f64| frame.y_px(value);
+        let (left, right) = (x - 0.5 * width, x + 0.5 * width);
+        canvas.line(&[(x, y(summary.minimum)), (x, y(summary.maximum))], INK, 1.0);
+        for end in [summary.minimum, summary.maximum] {
+            canvas.line(&[(x - 0.25 * width, y(end)), (x + 0.25 * width, y(end))], INK, 1.0);
+        }
+        let (top, bottom) = (y(summary.upper_quartile), y(summary.lower_quartile));
+        canvas.rect((left, top), (width, bottom - top), boxes.color, INK);
+        canvas.line(&[(left, y(summary.median)), (right, y(summary.median))], PAPER, 4.0);
+        canvas.line(&[(left, y(summary.median)), (right, y(summary.median))], INK, 2.0);
+    }
+}
+
+fn legend(figure: &SpreadFigure) -> Vec<LegendEntry> {
+    let repetitions = figure.groups.iter().flat_map(|group| &group.values).map(Vec::len).max().unwrap_or(0);
+    let mut entries: Vec<LegendEntry> = figure
+        .groups
+        .iter()
+        .enumerate()
+        .map(|(number, group)| LegendEntry {
+            mark: Mark::Box,
+            fill: color(number).into(),
+            outline: INK.into(),
+            text: group.label.clone(),
+        })
+        .collect();
+    entries.push(LegendEntry {
+        mark: Mark::Box,
+        fill: PAPER.into(),
+        outline: INK.into(),
+        text: format!("box: quartiles and median of {repetitions}, whiskers: extremes"),
+    });
+    if let Some(reference) = &figure.reference {
+        entries.push(LegendEntry {
+            mark: Mark::Diamond,
+            fill: color(4).into(),
+            outline: PAPER.into(),
+            text: reference.label.clone(),
+        });
+    }
+    entries
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn summary_of_five_values_is_these_values() {
+        let summary = Summary::of(&[5.0, 1.0, f64::NAN, 3.0, 2.0, 4.0]).expect("five values");
+        let expected =
+            Summary { count: 5, minimum: 1.0, lower_quartile: 2.0, median: 3.0, upper_quartile: 4.0, maximum: 5.0 };
+        assert_eq!(summary, expected);
+        assert!((Summary::of(&[1.0, 2.0]).expect("two values").median - 1.5).abs() < 1e-15, "between");
+        assert_eq!(Summary::of(&[f64::NAN]), None);
+        assert_eq!(Summary::of(&[]), None);
+    }
+}

@@ -1,0 +1,206 @@
+//! The study file of Chapter 4, checked.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result, ensure};
+use doe::{Parameter, Region};
+use infuse::{CodesignProblem, Role, correction::CorrectionForm, gradient};
+use serde::Deserialize;
+
+use crate::reproduction::read_study;
+use crate::study::{NumericsEntry, Study, Variable};
+
+/// The file as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StudyFile {
+    pub(crate) title: String,
+    rig: String,
+    profile: String,
+    cost: String,
+    parameter: Vec<ParameterEntry>,
+    #[serde(rename = "loop")]
+    iterations: LoopEntry,
+    pub(crate) variant: Vec<Variant>,
+    pub(crate) noise: NoiseEntry,
+    numerics: NumericsEntry,
+    pub(crate) published: Vec<Published>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ParameterEntry {
+    name: String,
+    unit: String,
+    role: Role,
+    lower: f64,
+    upper: f64,
+    pub(crate) experiment_step: f64,
+    model_step: f64,
+    tolerance: f64,
+    pub(crate) table_step: f64,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LoopEntry {
+    iterations: usize,
+    bound_policy: gradient::BoundPolicy,
+}
+
+/// One set of loop settings; the first is the one that the dissertation prints.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Variant {
+    pub(crate) label: String,
+    trust: f64,
+    move_limits: Option<Vec<f64>>,
+    #[serde(default)]
+    form: CorrectionForm,
+    /// Whether it is run over the noise seeds too.
+    #[serde(default = "yes")]
+    pub(crate) with_noise: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct NoiseEntry {
+    pub(crate) relative_bound: f64,
+    pub(crate) seeds: u64,
+    pub(crate) first_seed: u64,
+}
+
+/// A row of Table 3 as printed.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Published {
+    pub(crate) center_of_mass: f64,
+    pub(crate) pitch_set_point: f64,
+    pub(crate) corrected_cost: f64,
+    pub(crate) experiment_cost: f64,
+}
+
+impl Published {
+    pub(crate) fn point(&self) -> [f64; 2] {
+        [self.center_of_mass, self.pitch_set_point]
+    }
+}
+
+/// Flights of one landscape: more would take hours and gigabytes.
+const MOST_LATTICE_POINTS: f64 = 100_000.0;
+
+/// The study ready to run.
+#[derive(Debug)]
+pub(crate) struct Setup {
+    pub(crate) file: StudyFile,
+    pub(crate) study: Study,
+    pub(crate) problem: CodesignProblem,
+}
+
+impl Setup {
+    pub(crate) fn read(path: &Path) -> Result<Self> {
+        read_study(path, Self::parse)
+    }
+
+    pub(super) fn parse(text: &str, directory: &Path) -> Result<Self> {
+        let file: StudyFile = toml::from_str(text)?;
+        ensure!(file.parameter.len() == 2, "parameter: {} entries, Chapter 4 has two", file.parameter.len());
+        ensure!(!file.variant.is_empty(), "variant: at least one is needed");
+        ensure!(file.published.len() >= 2, "published: {} rows, at least two are needed", file.published.len());
+        ensure!(file.noise.seeds >= 1, "noise.seeds = 0: it must be at least 1");
+        for entry in &file.parameter {
+            ensure!(
+                entry.table_step.is_finite() && entry.table_step > 0.0,
+                "parameter `{}`: table_step = {}: it must be finite and more than zero",
+                entry.name,
+                entry.table_step
+            );
+        }
+        let variables = file.parameter.iter().map(|p| Variable::named(&p.name, &p.unit)).collect::<Result<Vec<_>>>()?;
+        let parameters = file
+            .parameter
+            .iter()
+            .map(|p| Parameter::continuous(&p.name, &p.unit, p.lower, p.upper))
+            .collect::<std::result::Result<Vec<_>, _>>()?;
+        let roles = file.parameter.iter().map(|p| p.role).collect();
+        let points = file.parameter.iter().map(|p| (p.upper - p.lower) / p.table_step + 3.0).product::<f64>();
+        ensure!(
+            points <= MOST_LATTICE_POINTS,
+            "table_step: the landscapes would take {points:.0} flights each: at most {MOST_LATTICE_POINTS:.0} are allowed"
+        );
+        let steps = file.numerics.steps();
+        let problem = CodesignProblem::new(Region::new(parameters)?, roles)?;
+        let study = Study::read(directory, [&file.rig, &file.profile, &file.cost], variables, steps)?;
+        let setup = Self { file, study, problem };
+        for variant in &setup.file.variant {
+            setup
+                .loop_settings(variant)
+                .validate(&setup.problem)
+                .with_context(|| format!("variant `{}`", variant.label))?;
+        }
+        water_channel::BoundedNoise::new(setup.file.noise.relative_bound, 0).context("noise")?;
+        Ok(setup)
+    }
+
+    /// The loop's settings in a variant.
+    pub(crate) fn loop_settings(&self, variant: &Variant) -> gradient::Settings {
+        let each = |f: fn(&ParameterEntry) -> f64| self.file.parameter.iter().map(f).collect::<Vec<_>>();
+        let mut settings =
+            gradient::Settings::new(vec![variant.trust; self.file.parameter.len()], each(|p| p.experiment_step));
+        settings.model_steps = Some(each(|p| p.model_step));
+        settings.tolerances = Some(each(|p| p.tolerance));
+        settings.move_limits.clone_from(&variant.move_limits);
+        settings.correction_form = variant.form;
+        settings.bound_policy = self.file.iterations.bound_policy;
+        settings.max_iterations = self.file.iterations.iterations;
+        settings
+    }
+
+    pub(crate) fn parameters(&self) -> &[ParameterEntry] {
+        &self.file.parameter
+    }
+
+    /// RK4 steps per sample: in searches and landscapes, and for reported designs.
+    pub(crate) fn steps_per_sample(&self) -> [usize; 2] {
+        self.file.numerics.steps()
+    }
+
+    /// The experiment steps in words.
+    pub(crate) fn experiment_steps(&self) -> String {
+        let step = |p: &ParameterEntry| format!("{} {} in {}", p.experiment_step, p.unit, p.name.replace('_', " "));
+        self.file.parameter.iter().map(step).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Bounds of parameter `k`.
+    pub(crate) fn bounds(&self, k: usize) -> (f64, f64) {
+        (self.file.parameter[k].lower, self.file.parameter[k].upper)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reproduction::assert_refused;
+
+    #[track_caller]
+    fn refuses(from: &str, to: &str, words: &[&str]) {
+        assert_refused("chapter4.toml", Setup::parse, [from, to], words);
+    }
+
+    #[test]
+    fn bad_study_files_name_the_field_and_what_is_allowed() {
+        refuses("iterations = 3", "iteration = 3", &["iteration", "unknown field"]);
+        refuses("lower = 45.65", "lower = 55.0", &["center_of_mass", "55"]);
+        refuses("unit = \"deg\"", "unit = \"rad\"", &["pitch_set_point", "`rad`", "`deg`"]);
+        refuses("relative_bound = 0.02", "relative_bound = nan", &["noise", "NaN"]);
+        refuses("trust = 0.3", "trust = -0.3", &["R = 0.3", "-0.3"]);
+        refuses("table_step = 0.5", "table_step = 0.0", &["pitch_set_point", "table_step"]);
+        refuses("table_step = 0.5", "table_step = 1e-9", &["table_step", "100000"]);
+        refuses("rig = \"rig.toml\"", "rig = \"no-such.toml\"", &["no-such.toml"]);
+        refuses("name = \"pitch_set_point\"", "name = \"pitch\"", &["`pitch`", "pitch_set_point"]);
+    }
+}

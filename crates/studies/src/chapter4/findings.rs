@@ -1,0 +1,303 @@
+//! What a run of Chapter 4 found, in numbers and in sentences made of them.
+
+use infuse::{CodesignReport, gradient};
+use water_channel::Provenance;
+
+use super::file::Published;
+use super::pictures::Material;
+use super::results::{ERRORS, Rows, fall_pct, falls_pct};
+use crate::claims::{Claim, Place, Verdict};
+use crate::reproduction::Picture;
+use crate::study::{MODEL, STAND_IN};
+use page::Summary;
+use page::{Column, Table};
+
+/// What this run found.
+pub(crate) struct Findings<'a> {
+    pub(crate) material: Material<'a>,
+    /// The optimum of the stand-in itself, which no engineer could compute.
+    pub(crate) best: CodesignReport,
+    /// Largest relative error of the remembered simulations against flights of their own.
+    pub(crate) interpolation_error: f64,
+    /// Margins of the flights over the box of Table 4.
+    pub(crate) box_table: Table,
+    /// Optimum with each piece of physics.
+    pub(crate) physics_table: Table,
+    /// Error of the cost by step size.
+    pub(crate) step_table: Table,
+    pub(crate) seconds: f64,
+    pub(crate) pictures: &'a [Picture],
+}
+
+/// What a claim says first when there was nothing to find at either end.
+const FITTED: &str = "Both ends of the path and their costs were calibrated; that the loop goes from the one towards the other is what came out.";
+
+impl Findings<'_> {
+    /// The loop as printed: the first variant.
+    pub(super) fn printed(&self) -> &Rows {
+        &self.material.rows[0]
+    }
+
+    pub(super) fn published(&self) -> &[Published] {
+        &self.material.setup.file.published
+    }
+
+    pub(super) fn published_fall_pct(&self) -> f64 {
+        let rows = self.published();
+        fall_pct(rows[0].experiment_cost, rows[rows.len() - 1].experiment_cost)
+    }
+
+    /// What was fitted, and how well the fit is met in this run.
+    pub(super) fn calibration_table(&self) -> Table {
+        let study = &self.material.setup.study;
+        let (first, last) = (self.published()[0], self.published()[self.published().len() - 1]);
+        let start = self.printed().first();
+        let cost = |point: [f64; 2], fidelity| match study.cost(&point, fidelity) {
+            Ok(cost) => format!("{cost:.3}"),
+            Err(reason) => reason,
+        };
+        let mut table = Table::new(vec![
+            Column::new("Calibrated", ""),
+            Column::new("Published", "1"),
+            Column::new("This run", "1"),
+        ]);
+        let rows = [
+            (
+                "optimum of the numerical model: center of mass, % chord",
+                first.center_of_mass,
+                format!("{:.2}", start.point[0]),
+            ),
+            (
+                "optimum of the numerical model: pitch set point, deg",
+                first.pitch_set_point,
+                format!("{:.2}", start.point[1]),
+            ),
+            (
+                "cost of the numerical model at the published optimum, s",
+                first.corrected_cost,
+                cost(first.point(), MODEL),
+            ),
+            ("cost in the stand-in at the same point, s", first.experiment_cost, cost(first.point(), STAND_IN)),
+            (
+                "best design of the stand-in: center of mass, % chord",
+                last.center_of_mass,
+                format!("{:.2}", self.best.point[0]),
+            ),
+            (
+                "best design of the stand-in: pitch set point, deg",
+                last.pitch_set_point,
+                format!("{:.2}", self.best.point[1]),
+            ),
+            (
+                "cost in the stand-in at the published best design, s",
+                last.experiment_cost,
+                cost(last.point(), STAND_IN),
+            ),
+        ];
+        for (what, published, ours) in rows {
+            table.push(vec![what.to_owned(), published.to_string(), ours]);
+        }
+        table
+    }
+
+    /// What was not fitted.
+    pub(super) fn prediction_table(&self) -> Table {
+        let (rows, published) = (self.printed(), self.published());
+        let theirs = &published[published.len() - 1];
+        let ours = rows.last();
+        let mut table =
+            Table::new(vec![Column::new("Predicted", ""), Column::new("Published", ""), Column::new("This run", "")]);
+        let mut push = |what: &str, a: String, b: String| table.push(vec![what.to_owned(), a, b]);
+        push(
+            "fall of the experimental cost, first to last iteration",
+            format!("{:.1} %", self.published_fall_pct()),
+            format!("{:.1} %", rows.fall_pct()),
+        );
+        push("experiments that it took", (5 * published.len()).to_string(), rows.n_experiments().to_string());
+        push(
+            "last design",
+            format!("{} % chord, {} deg", theirs.center_of_mass, theirs.pitch_set_point),
+            format!("{:.2} % chord, {:.2} deg", ours.point[0], ours.point[1]),
+        );
+        push(
+            "corrected cost beside experimental cost, last iteration",
+            format!("{} and {}", theirs.corrected_cost, theirs.experiment_cost),
+            format!("{:.3} and {:.3}", ours.corrected_cost, ours.experiment.total),
+        );
+        for seeded in self.material.seeded {
+            if let Some(s) = Summary::of(&falls_pct(self.material.setup, seeded)) {
+                push(
+                    &format!("fall over {} noise seeds, {}", s.count, seeded.label),
+                    "–".to_owned(),
+                    format!("median {:.1} %, from {:.1} to {:.1} %", s.median, s.minimum, s.maximum),
+                );
+            }
+        }
+        table
+    }
+
+    /// Cost of the last design above that of the stand-in's best, in per cent: the regret of the loop.
+    pub(super) fn regret_pct(&self) -> f64 {
+        100.0 * (self.printed().last().experiment.total / self.best.value - 1.0)
+    }
+
+    /// The largest fall that the stand-in allows from the first row, in per cent.
+    pub(super) fn room_pct(&self) -> f64 {
+        fall_pct(self.printed().first().experiment.total, self.best.value)
+    }
+
+    pub(super) fn failures(&self) -> String {
+        let m = &self.material;
+        let count = |lattice: &super::lattice::Lattice| lattice.failures.len();
+        let (model, stand_in) = (count(m.model), count(m.stand_in));
+        let first = m.model.failures.iter().chain(&m.stand_in.failures).next();
+        let example = first.map_or(String::new(), |(point, reason)| {
+            format!(" The first: at {:.2} % chord and {:.2} deg: {reason}.", point[0], point[1])
+        });
+        format!(
+            "Of the flights of the landscapes, {model} of the model and {stand_in} of the stand-in failed (no trim, a \
+             slack line, or a state outside the model).{example}"
+        )
+    }
+
+    pub(super) fn stops(&self) -> Vec<String> {
+        let describe = |rows: &Rows| {
+            let why = match rows.campaign.stop {
+                gradient::StopReason::Converged => "the optimum came to rest",
+                gradient::StopReason::IterationLimit => "the iterations of the study were used up",
+                gradient::StopReason::NoInformation => "the experiments of the last iteration failed",
+                _ => "for another reason",
+            };
+            format!(
+                "{}: stopped because {why}; experimental cost {:.3} s, then {:.3} s, {}.",
+                rows.label,
+                rows.first().experiment.total,
+                rows.last().experiment.total,
+                change_words(rows.fall_pct())
+            )
+        };
+        self.material.rows.iter().map(describe).collect()
+    }
+
+    /// What the loop improved and what it paid for it, before and after, in the stand-in.
+    pub(super) fn what_changed(&self) -> Vec<String> {
+        let (before, after) = (self.printed().first(), self.printed().last());
+        let mut items = Vec::new();
+        let mut tell = |what: &str, before: f64, after: f64, unit: &str| {
+            let verdict = if after < before { "better" } else { "worse" };
+            items.push(format!("{what}: {before:.2} before, {after:.2} {unit} after: {verdict}."));
+        };
+        for (angle, figure, error) in ERRORS {
+            let what = format!("mean squared {angle} error (Figure {figure})");
+            tell(&what, before.mean_squared_deg2(error), after.mean_squared_deg2(error), "deg²");
+        }
+        tell("ground footprint, mean", before.mean_footprint_m2() * 1e4, after.mean_footprint_m2() * 1e4, "cm²");
+        for (k, name) in water_channel::TERM_NAMES.iter().enumerate() {
+            tell(&format!("share of the cost from {name}"), before.experiment.terms[k], after.experiment.terms[k], "s");
+        }
+        items
+    }
+
+    /// The wells of the stand-in's landscape.
+    pub(super) fn wells(&self) -> String {
+        let wells = self.material.stand_in.wells();
+        let list: Vec<String> = wells
+            .iter()
+            .map(|(point, cost)| format!("{:.2} % chord and {:.2} deg at {cost:.3} s", point[0], point[1]))
+            .collect();
+        format!(
+            "On its lattice the cost in the stand-in has {} inside the box: {}. A loop that follows slopes finds one well \
+             and does not learn of another.",
+            if wells.len() == 1 { "one minimum".to_owned() } else { format!("{} minima", wells.len()) },
+            list.join("; ")
+        )
+    }
+
+    /// What the dissertation claims in this chapter, and what of it came out.
+    pub(super) fn claims(&self) -> Vec<Claim> {
+        let rows = self.printed();
+        let (first, last) = (rows.first(), rows.last());
+        let (theirs, published) = (self.published_fall_pct(), self.published());
+        let falls = rows.fall_pct() > 0.0;
+        let moves = |k: usize| {
+            let theirs = published[published.len() - 1].point()[k] - published[0].point()[k];
+            theirs * (last.point[k] - first.point[k]) > 0.0
+        };
+        let seeds: Vec<String> = self
+            .material
+            .seeded
+            .first()
+            .and_then(|seeded| Some((seeded, Summary::of(&falls_pct(self.material.setup, seeded))?)))
+            .map(|(_, s)| format!(" Over {} noise seeds: median {:.1} %, worst {:.1} %.", s.count, s.median, s.minimum))
+            .into_iter()
+            .collect();
+        let fall = format!(
+            "The experimental cost falls by {:.1} %, in the dissertation by {theirs:.1} %, with {} experiments each.{}",
+            rows.fall_pct(),
+            rows.n_experiments(),
+            seeds.concat()
+        );
+        let between = |holds: bool| Verdict::in_kind_if(holds).between_fitted_ends();
+        let mut claims = vec![
+            Claim::new(
+                Place::Contribution(1),
+                "An iterative co-design framework that fuses experiments and simulations by gradients",
+                between(falls),
+                format!("`infuse::gradient::Loop` with the sign of (27) mended. {FITTED} {fall}"),
+            ),
+            Claim::new(
+                Place::Contribution(5),
+                "It is validated on two parameters in the water channel",
+                between(falls),
+                format!("Against a stand-in, not in water. {FITTED} {fall}"),
+            ),
+            Claim::new(
+                Place::Table(3),
+                "In three iterations the optimum moves aft and to a higher pitch, and the experimental cost falls",
+                between(falls && moves(0) && moves(1)),
+                format!(
+                    "{FITTED} Last row: {:.2} % chord and {:.2} deg, in the dissertation {} and {}. {fall}",
+                    last.point[0],
+                    last.point[1],
+                    published[published.len() - 1].center_of_mass,
+                    published[published.len() - 1].pitch_set_point
+                ),
+            )
+            .shown_in(&["landscape-stand-in"]),
+            Claim::new(
+                Place::Figure(15),
+                "The test: three speeds, three pulls at the port line",
+                Verdict::TakenOver,
+                "As printed in Section 3.2 and (22)-(26).".to_owned(),
+            )
+            .shown_in(&["figure-15-test-profile"]),
+        ];
+        claims.extend(ERRORS.map(|(what, number, error)| {
+            let (before, after) = (first.mean_squared_deg2(error), last.mean_squared_deg2(error));
+            Claim::new(
+                Place::Figure(number as u8),
+                &format!("The {what} error squared is smaller after infusion"),
+                Verdict::in_kind_if(after < before),
+                format!("Its mean is {before:.2} deg² before and {after:.2} deg² after."),
+            )
+            .shown_in(&[&format!("figure-{number}-{what}")])
+        }));
+        claims
+    }
+
+    /// How many numbers were fitted, and to how many.
+    pub(super) fn identifiability(&self) -> String {
+        let records = &self.material.setup.study.records;
+        let fitted = records.iter().filter(|record| record.provenance == Provenance::Calibrated).count();
+        format!(
+            "Identifiability is poor: {fitted} calibrated numbers stand against the {} published ones of this table and a \
+             few of a later chapter, so they show that the story is consistent, not that the plant is known.",
+            self.calibration_table().rows.len()
+        )
+    }
+}
+
+/// A fall in words, a rise where it is negative.
+pub(super) fn change_words(fall_pct: f64) -> String {
+    if fall_pct < 0.0 { format!("a rise of {:.1} %", -fall_pct) } else { format!("a fall of {fall_pct:.1} %") }
+}

@@ -1,0 +1,133 @@
+//! How safe the numbers are: margins of the flights over the box of Table 4, and the step size of the integration.
+
+use anyhow::Result;
+use bat_dynamics::Fidelity;
+use rayon::prelude::*;
+use water_channel::{FlightRequest, FlightSettings, fly, fly_all};
+
+use super::file::Setup;
+use super::loops::optimum;
+use crate::study::{MODEL, STAND_IN};
+use page::{Column, Table};
+
+/// Factors on the stabilizers' areas: the ends of Table 4 and the nominal one.
+const HORIZONTAL: [f64; 3] = [0.8, 1.0, 1.4];
+const VERTICAL: [f64; 3] = [0.85, 1.0, 1.85];
+/// Shares of the box along each of the study's parameters.
+const SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+/// Steps per sample that are compared, and the one that counts as exact.
+const STEPS: [usize; 4] = [1, 2, 4, 8];
+const EXACT_STEPS: usize = 16;
+
+const FIDELITIES: [(&str, Fidelity); 4] = [
+    ("model", MODEL),
+    ("stand-in", STAND_IN),
+    ("model with stall only", Fidelity::STALLED),
+    ("model with added mass only", Fidelity::ADDED_MASS),
+];
+
+fn requests(setup: &Setup, fidelity: Fidelity) -> Vec<FlightRequest> {
+    let at = |k: usize, share: f64| setup.bounds(k).0 + share * (setup.bounds(k).1 - setup.bounds(k).0);
+    let mut requests = Vec::new();
+    for x in SHARES {
+        for y in SHARES {
+            for horizontal in HORIZONTAL {
+                for vertical in VERTICAL {
+                    let mut request = setup.study.request(&[at(0, x), at(1, y)], fidelity);
+                    request.rig.plant.horizontal_stabilizer.area_factor = horizontal;
+                    request.rig.plant.vertical_stabilizer.area_factor = vertical;
+                    requests.push(request);
+                }
+            }
+        }
+    }
+    requests
+}
+
+/// How many flights [`box_table`] takes.
+pub(crate) fn n_flights() -> usize {
+    FIDELITIES.len() * SHARES.len() * SHARES.len() * HORIZONTAL.len() * VERTICAL.len()
+}
+
+/// Failures and margins over the box of the four design parameters of Table 4.
+pub(crate) fn box_table(setup: &Setup, landed: impl Fn(usize) + Sync) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Physics", ""),
+        Column::new("Flights", "1"),
+        Column::new("Failed", "1"),
+        Column::new("Smallest tension", "N"),
+        Column::new("Zenith angle", "deg"),
+        Column::new("Peak heading", "deg"),
+    ]);
+    for (name, fidelity) in FIDELITIES {
+        let flown = fly_all(&requests(setup, fidelity), setup.study.profile(), &FlightSettings::with_steps(1), &landed);
+        let extremes: Vec<_> = flown.iter().flatten().map(|flight| flight.extremes).collect();
+        let fold = |f: fn(&water_channel::Extremes) -> f64, pick: fn(f64, f64) -> f64| {
+            extremes.iter().map(f).reduce(pick).unwrap_or(f64::NAN)
+        };
+        let deg = f64::to_degrees;
+        table.push(vec![
+            name.to_owned(),
+            flown.len().to_string(),
+            (flown.len() - extremes.len()).to_string(),
+            format!("{:.3}", fold(|e| e.smallest_tension_n, f64::min)),
+            format!(
+                "{:.1} – {:.1}",
+                deg(fold(|e| e.smallest_zenith_rad, f64::min)),
+                deg(fold(|e| e.largest_zenith_rad, f64::max))
+            ),
+            format!(
+                "{:.1} – {:.1}",
+                deg(fold(|e| e.peak_heading_rad, f64::min)),
+                deg(fold(|e| e.peak_heading_rad, f64::max))
+            ),
+        ]);
+    }
+    table
+}
+
+/// Where the optimum lies with each piece of physics, and what the model's own optimum costs there.
+pub(crate) fn physics_table(setup: &Setup, start: &[f64]) -> Result<Table> {
+    let mut table = Table::new(vec![
+        Column::new("Physics", ""),
+        Column::new("Best center of mass", "% chord"),
+        Column::new("Best pitch set point", "deg"),
+        Column::new("Its cost", "s"),
+        Column::new("Cost of the model's optimum", "s"),
+    ]);
+    let best: Vec<_> = FIDELITIES
+        .par_iter()
+        .map(|(_, fidelity)| optimum(setup, |point| setup.study.cost(point, *fidelity)))
+        .collect::<Result<_>>()?;
+    for ((name, fidelity), best) in FIDELITIES.iter().zip(best) {
+        table.push(vec![
+            (*name).to_owned(),
+            format!("{:.2}", best.point[0]),
+            format!("{:.2}", best.point[1]),
+            format!("{:.3}", best.value),
+            setup.study.cost(start, *fidelity).map_or_else(|reason| reason, |cost| format!("{cost:.3}")),
+        ]);
+    }
+    Ok(table)
+}
+
+/// Relative error of the cost of the design at `point` by steps per sample.
+pub(crate) fn step_table(setup: &Setup, point: &[f64]) -> Result<Table> {
+    let mut columns = vec![Column::new("Physics", "")];
+    columns.extend(STEPS.iter().map(|steps| Column::new(&format!("{steps} a sample"), "1")));
+    let mut table = Table::new(columns);
+    for (name, fidelity) in FIDELITIES {
+        let cost = |steps| -> Result<f64> {
+            let settings = FlightSettings::with_steps(steps);
+            let flight = fly(&setup.study.request(point, fidelity), setup.study.profile(), &settings)?;
+            Ok(setup.study.breakdown(point, &flight).total)
+        };
+        let exact = cost(EXACT_STEPS)?;
+        let mut row = vec![name.to_owned()];
+        for steps in STEPS {
+            row.push(format!("{:.0e}", (cost(steps)? / exact - 1.0).abs()));
+        }
+        table.push(row);
+    }
+    Ok(table)
+}

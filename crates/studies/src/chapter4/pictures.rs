@@ -1,0 +1,218 @@
+//! The figures of Chapter 4 from the flights and loops of this run.
+
+use water_channel::LogRow;
+
+use super::file::Setup;
+use super::lattice::Lattice;
+use super::loops::Seeded;
+use super::results::{Angle, ERRORS, READINGS, Row, Rows, over_seeds};
+use crate::reproduction::Picture;
+use page::{
+    Axis, Group, Landscape, LineFigure, Panel, Path, Reference, Series, Shaded, SpreadFigure, landscape_figure,
+    line_figure, spread_figure,
+};
+
+/// Everything that a picture can be made of.
+pub(crate) struct Material<'a> {
+    pub(crate) setup: &'a Setup,
+    pub(crate) rows: &'a [Rows],
+    pub(crate) model: &'a Lattice,
+    pub(crate) stand_in: &'a Lattice,
+    pub(crate) seeded: &'a [Seeded],
+}
+
+fn column(row: &Row, f: impl Fn(&LogRow) -> f64) -> Vec<f64> {
+    row.log.rows.iter().map(f).collect()
+}
+
+fn time(row: &Row) -> Vec<f64> {
+    column(row, |r| r.time_s)
+}
+
+/// The windows of the profile, merged where they touch.
+fn windows(setup: &Setup) -> Shaded {
+    let mut spans: Vec<(f64, f64)> = Vec::new();
+    for window in setup.study.profile().windows() {
+        match spans.last_mut() {
+            Some(span) if window.from_s <= span.1 => span.1 = span.1.max(window.to_s),
+            _ => spans.push((window.from_s, window.to_s)),
+        }
+    }
+    Shaded { label: "winches driven by the test".to_owned(), spans }
+}
+
+fn time_axis(setup: &Setup) -> Axis {
+    Axis::new("time", "s").with_range(0.0, setup.study.profile().duration_s())
+}
+
+/// Figure 15: flow speed and line commands.
+pub(crate) fn test_profile(m: &Material<'_>) -> Picture {
+    let row = m.rows[0].first();
+    let t = time(row);
+    let command = |line: usize| column(row, |r| 1000.0 * r.commands_m_s[line]);
+    let figure = LineFigure {
+        title: "Test profile: flow speed and winch commands".to_owned(),
+        x_axis: time_axis(m.setup),
+        panels: vec![
+            Panel {
+                x_axis: None,
+                y_axis: Axis::new("flow speed", "m/s").with_range(0.19, 0.30),
+                series: vec![Series::step("flow speed", &t, &column(row, |r| r.flow_speed_m_s))],
+            },
+            Panel {
+                x_axis: None,
+                y_axis: Axis::new("command", "mm/s"),
+                series: vec![
+                    Series::step("center line", &t, &command(0)),
+                    Series::step("starboard line", &t, &command(1)),
+                    Series::step("port line", &t, &command(2)),
+                ],
+            },
+        ],
+        shaded: Some(windows(m.setup)),
+    };
+    Picture {
+        name: "figure-15-test-profile".to_owned(),
+        svg: line_figure(&figure),
+        caption: "The test (Figure 15 of the dissertation): three flow speeds, and in each a pull of 1 s at the port \
+                  line followed by 2 s of hold; the commands are those of the first design in the stand-in."
+            .to_owned(),
+    }
+}
+
+fn squared(m: &Material<'_>, what: &str, number: u32, error: Angle) -> Picture {
+    let (before, after) = (m.rows[0].first(), m.rows[0].last());
+    let figure = LineFigure {
+        title: format!("{} error squared, before and after infusion", capital(what)),
+        x_axis: time_axis(m.setup),
+        panels: vec![Panel {
+            x_axis: None,
+            y_axis: Axis::new(&format!("{what} error squared"), "deg²"),
+            series: vec![
+                Series::line(&label("before", before), &time(before), &before.squared_deg2(error)),
+                Series::line(&label("after", after), &time(after), &after.squared_deg2(error)),
+            ],
+        }],
+        shaded: None,
+    };
+    Picture {
+        name: format!("figure-{number}-{what}"),
+        svg: line_figure(&figure),
+        caption: format!(
+            "{} error squared over the test in the stand-in (Figure {number} of the dissertation, where the flights \
+             are experiments): mean {:.2} deg² before, {:.2} deg² after.",
+            capital(what),
+            before.mean_squared_deg2(error),
+            after.mean_squared_deg2(error)
+        ),
+    }
+}
+
+fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn label(when: &str, row: &Row) -> String {
+    format!("{when}: iteration {}, {:.2} % chord, {:.2} deg", row.iteration, row.point[0], row.point[1])
+}
+
+/// Figures 16 to 18.
+pub(crate) fn errors(m: &Material<'_>) -> [Picture; 3] {
+    ERRORS.map(|(what, number, error)| squared(m, what, number, error))
+}
+
+fn landscape(m: &Material<'_>, lattice: &Lattice, name: &'static str, title: &str, caption: &str) -> Picture {
+    let (axes, z) = lattice.box_rows();
+    let [x, y] = axes;
+    let (lowest, cost) = lattice.lowest();
+    let figure = Landscape {
+        title: title.to_owned(),
+        x_axis: Axis::new("center of mass", "% chord"),
+        y_axis: Axis::new("pitch set point", "deg"),
+        z_axis: Axis::new("cost J", "s"),
+        x,
+        y,
+        z,
+        missing_label: "flight failed".to_owned(),
+        points: Vec::new(),
+        verticals: Vec::new(),
+        verticals_label: String::new(),
+        paths: m
+            .rows
+            .iter()
+            .take(3)
+            .map(|rows| Path {
+                label: rows.label.clone(),
+                points: rows.rows.iter().map(|row| (row.point[0], row.point[1])).collect(),
+            })
+            .collect(),
+        minimum: Some((lowest[0], lowest[1])),
+        minimum_label: format!("lowest of the lattice: {cost:.3} s"),
+    };
+    Picture { name: name.to_owned(), svg: landscape_figure(&figure), caption: caption.to_owned() }
+}
+
+/// The two cost landscapes with the path of the optimum.
+pub(crate) fn landscapes(m: &Material<'_>) -> [Picture; 2] {
+    [
+        landscape(
+            m,
+            m.model,
+            "landscape-model",
+            "What the model believes: cost of the uncorrected numerical model",
+            "Cost of the numerical model over the box, with the path of the optimum; numbers are iterations, R is the trust in \
+             the measured slopes.",
+        ),
+        landscape(
+            m,
+            m.stand_in,
+            "landscape-stand-in",
+            "What the experiments see: cost in the stand-in for the water channel",
+            "Cost in the stand-in (stall and added mass) over the box, with the path of the optimum; numbers are iterations, \
+             R is the trust in the measured slopes. An engineer never sees this picture: the loop saw five points of it per \
+             iteration.",
+        ),
+    ]
+}
+
+/// What noise does to the path.
+pub(crate) fn spreads(m: &Material<'_>) -> Vec<Picture> {
+    const NAMES: [&str; 4] = ["seeds-center-of-mass", "seeds-pitch", "seeds-corrected-cost", "seeds-experiment-cost"];
+    READINGS
+        .iter()
+        .zip(NAMES)
+        .enumerate()
+        .map(|(k, ((what, unit, reading), name))| {
+            let published = |row: &super::file::Published| match k {
+                0 => row.center_of_mass,
+                1 => row.pitch_set_point,
+                2 => row.corrected_cost,
+                _ => row.experiment_cost,
+            };
+            let figure = SpreadFigure {
+                title: format!("{what} over {} noise seeds", m.setup.file.noise.seeds),
+                y_axis: Axis::new(&what.to_lowercase(), unit),
+                groups: m
+                    .seeded
+                    .iter()
+                    .map(|s| Group { label: s.label.clone(), values: over_seeds(m.setup, s, *reading) })
+                    .collect(),
+                reference: Some(Reference {
+                    label: "dissertation, Table 3".to_owned(),
+                    values: m.setup.file.published.iter().map(published).collect(),
+                }),
+            };
+            Picture {
+                name: name.to_owned(),
+                svg: spread_figure(&figure),
+                caption: format!(
+                    "{what} per iteration over {} noise seeds: median, quartiles and extremes; noise within \
+                     ±{} % of J. Rows of iteration 1 were calibrated, the others are predicted.",
+                    m.setup.file.noise.seeds,
+                    100.0 * m.setup.file.noise.relative_bound
+                ),
+            }
+        })
+        .collect()
+}

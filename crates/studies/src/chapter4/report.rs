@@ -1,0 +1,244 @@
+//! What a person reads: the page, and the summary in the terminal.
+
+use std::path::Path;
+
+use super::findings::{Findings, change_words};
+use super::results::{Digits, cost_table, falls_pct, flight_table, seed_table, side_by_side, variant_table};
+use crate::provenance::provenance_table;
+use crate::study::{MODEL, STAND_IN};
+use page::Page;
+use page::Summary;
+
+const BOX_CAPTION: &str = "Flights over the box of the four parameters of Table 4 (pitch to 22 deg): center of mass and \
+    pitch set point at five values each, both stabilizers at their smallest, nominal and largest area; one step per sample. \
+    Failed: no trim, a slack line, or a state outside the model.";
+
+const PHYSICS_CAPTION: &str = "What moves the optimum: the best design of each physics, found by optimizing it, and what \
+    the model's optimum costs there. In Table 3 the best design lies aft of the model's optimum, at a higher pitch, and the \
+    model's optimum costs half as much again in the water channel.";
+
+const VARIANT_CAPTION: &str = "Every loop of this run, without noise. R is the trust in the measured slopes, 0.1 as printed; \
+    the correction is a plane, so that trust reaches as far as the box. Limited moves are a remedy of modifier adaptation. \
+    The last loop has the correction with its printed sign.";
+
+fn step_caption(findings: &Findings<'_>) -> String {
+    let [search, report] = findings.material.setup.steps_per_sample();
+    format!(
+        "Relative error of the cost of the first design by RK4 steps per controller sample, against 16. Searches and \
+         landscapes of this run fly with {search}, the designs that are reported with {report}."
+    )
+}
+
+/// The page of the study.
+pub(crate) fn page(findings: &Findings<'_>) -> Page {
+    let m = &findings.material;
+    let setup = m.setup;
+    let mut page = Page::new("Chapter 4: experimentally infused optimization of a tethered turbine, two parameters");
+    page.note(
+        "No experiment was made. The water channel of the dissertation is replaced by a surrogate: the numerical model \
+         plus stall plus added mass. Published figures stand beside ours. What was fitted is called calibrated and is \
+         no reproduction; what the loop does with it is called predicted.",
+    );
+    page.paragraph(
+        "A designer has a cheap numerical model of a tethered, buoyant wind turbine and wants the center of mass (plant) \
+         and the pitch set point (controller) that fly best. The model is wrong. At each iteration the model is optimized, \
+         five experiments are made at and around its optimum, and the model is corrected by the difference between the \
+         measured slope of the cost and its own, with a trust R.",
+    );
+    page.heading("The iterations");
+    page.table(
+        &side_by_side(setup, findings.printed()),
+        "Table 3 of the dissertation / this run (R = 0.1 as printed, no noise). The experimental cost is that of the \
+         water channel / of the stand-in; the change is that of the experimental cost since iteration 1. Costs in the \
+         dissertation carry no unit; ours are in seconds (angles in rad, lengths in m).",
+    );
+    page.table(
+        &findings.prediction_table(),
+        "What is predicted: nothing in these rows was fitted. The stand-in's own best design was, so the last row of \
+         Table 3 is a prediction of the path, not of where the valley lies.",
+    );
+    page.paragraph(&format!(
+        "The best design of the stand-in, found by optimizing the stand-in itself, is {:.2} % chord and {:.2} deg at a \
+         cost of {:.3} s; the loop ends {:.1} % above it. Both ends of the valley were calibrated, which leaves room for \
+         a fall of at most {:.1} %: that a loop with {} experiments finds its way down there is the prediction.",
+        findings.best.point[0],
+        findings.best.point[1],
+        findings.best.value,
+        findings.regret_pct(),
+        findings.room_pct(),
+        findings.printed().n_experiments()
+    ));
+    page.heading("What was calibrated");
+    page.table(&findings.calibration_table(), "Numbers that were fitted, with how well the fit is met in this run.");
+    page.table(&findings.physics_table, PHYSICS_CAPTION);
+    page.paragraph(&findings.identifiability());
+
+    let show = |page: &mut Page, names: &[&str]| {
+        for picture in findings.pictures.iter().filter(|picture| names.iter().any(|n| picture.name.starts_with(n))) {
+            page.figure(&picture.svg, &picture.caption);
+        }
+    };
+    page.heading("Where the loop went");
+    show(&mut page, &["landscape"]);
+    page.paragraph(&findings.wells());
+    page.paragraph(&findings.failures());
+    page.table(&variant_table(m.rows, Digits::Few), VARIANT_CAPTION);
+    page.list(&findings.stops());
+    page.heading("Before and after");
+    page.list(&findings.what_changed());
+    show(&mut page, &["figure"]);
+    page.table(
+        &cost_table(findings.printed(), Digits::Few),
+        "What each design of the printed loop costs in the stand-in. Terms inside the square of (21) share their products, \
+         so that the terms sum to J.",
+    );
+    page.table(
+        &flight_table(findings.printed(), Digits::Few),
+        "How each design of the printed loop flies in the stand-in. Footprint: pi L² sin² Phi; full scale is 100 times \
+         longer. The yaw mode is the least damped oscillation in which azimuth and twist lead, of the sampled closed loop \
+         at trim at the first flow speed.",
+    );
+    page.heading("With noise");
+    show(&mut page, &["seeds"]);
+    page.table(&seed_table(setup, m.seeded), "Median (smallest … largest) over the noise seeds.");
+    page.paragraph(&format!(
+        "Noise: within ±{} % of J, uniform, one draw per experiment, seeds {} to {}; the bound and the steps of the \
+         experiments ({}) are ours. Simulations carry no noise: the seeds share {} remembered flights of the model and \
+         interpolate between them (cubic); against {} flights of their own the largest error is {:.1e} of the cost. \
+         Experiments are always flown.",
+        100.0 * setup.file.noise.relative_bound,
+        setup.file.noise.first_seed,
+        setup.file.noise.first_seed + setup.file.noise.seeds - 1,
+        setup.experiment_steps(),
+        m.model.axes[0].len() * m.model.axes[1].len(),
+        super::CHECKED_POINTS,
+        findings.interpolation_error
+    ));
+    page.heading("Margins and step size");
+    page.table(&findings.box_table, BOX_CAPTION);
+    page.table(&findings.step_table, &step_caption(findings));
+    page.heading("Every number");
+    page.table(
+        &provenance_table(&setup.study.records),
+        "Plant, controller, test and cost: value, unit and where each comes from.",
+    );
+    page.paragraph(&format!(
+        "Made by `cargo xtask reproduce-chapter4` in {:.0} s with {} flights of the model and {} of the stand-in, each \
+         300 s long.",
+        findings.seconds,
+        setup.study.flown(MODEL),
+        setup.study.flown(STAND_IN)
+    ));
+    page
+}
+
+/// The results as a page of `docs/`, without anything that differs from run to run.
+pub(crate) fn markdown(findings: &Findings<'_>) -> String {
+    let m = &findings.material;
+    let falls: String = m
+        .seeded
+        .iter()
+        .filter_map(|seeded| {
+            let s = Summary::of(&falls_pct(m.setup, seeded))?;
+            Some(format!(
+                "- {}: median {:.1} %, from {:.1} to {:.1} %, {} seeds.\n",
+                seeded.label, s.median, s.minimum, s.maximum, s.count
+            ))
+        })
+        .collect();
+    format!(
+        "# Chapter 4: results\n\n\
+         Written by `cargo xtask reproduce-chapter4`; `cargo xtask ci` fails when this page is not what the command finds.\n\
+         The water channel is replaced by a surrogate: the numerical model plus stall plus added mass.\n\
+         Rows marked calibrated were fitted and reproduce nothing; see [departures](departures.md) for what is ours.\n\n\
+         ## Table 3: dissertation / this run\n\n{}\n\
+         The calibrated costs leave room for a fall of at most {:.1} % (from the first row to the stand-in's best design, \
+         {:.2} % chord and {:.2} deg at {:.3} s); the loop takes {:.1} %, the dissertation's {:.1} %.\n\n\
+         ## What was calibrated\n\n{}\n## What moves the optimum\n\n{PHYSICS_CAPTION}\n\n{}\n## What is predicted\n\n{}\n## Where the wells of the stand-in are\n\n{}\n\n## Every loop, without noise\n\n{VARIANT_CAPTION}\n\n{}\n\
+         ## What got better and what did not\n\nBefore (iteration 1) and after (last iteration), in the stand-in.\n\n{}\n## Costs of the printed loop's designs in the stand-in\n\n{}\n## How they fly\n\n{}\n\
+         ## Over noise seeds\n\nFall of the experimental cost, noise taken off:\n\n{}\n{}\n\
+         ## Margins over the box of Table 4\n\n{BOX_CAPTION}\n\n{}\n## Step size\n\n{}\n\n{}",
+        side_by_side(m.setup, findings.printed()).markdown(),
+        findings.room_pct(),
+        findings.best.point[0],
+        findings.best.point[1],
+        findings.best.value,
+        findings.printed().fall_pct(),
+        findings.published_fall_pct(),
+        findings.calibration_table().markdown(),
+        findings.physics_table.markdown(),
+        findings.prediction_table().markdown(),
+        findings.wells(),
+        variant_table(m.rows, Digits::Few).markdown(),
+        findings.what_changed().iter().map(|item| format!("- {item}\n")).collect::<String>(),
+        cost_table(findings.printed(), Digits::Few).markdown(),
+        flight_table(findings.printed(), Digits::Few).markdown(),
+        falls,
+        seed_table(m.setup, m.seeded).markdown(),
+        findings.box_table.markdown(),
+        step_caption(findings),
+        findings.step_table.markdown(),
+    )
+}
+
+/// The closing summary, for a person who has not read the dissertation.
+#[expect(clippy::print_stdout, reason = "the result of the command")]
+pub(crate) fn print(findings: &Findings<'_>, out: &Path) {
+    let rows = findings.printed();
+    let (first, last) = (rows.first(), rows.last());
+    println!("\nChapter 4: a wrong model, {} experiments, and what they taught it", rows.n_experiments());
+    println!("(dissertation / this run; the water channel is replaced by a surrogate model; lower costs are better)\n");
+    println!("{}\n", side_by_side(findings.material.setup, rows).text());
+    println!(
+        "The numerical model alone would build {:.2} % chord and {:.2} deg and promise a cost of {:.2} s.",
+        first.point[0], first.point[1], first.corrected_cost
+    );
+    println!("In the stand-in for the water channel that design costs {:.2} s.", first.experiment.total);
+    println!(
+        "After {} iterations the loop builds {:.2} % chord and {:.2} deg, which costs {:.2} s: {:.1} % less \
+         (dissertation: {:.1} % less).",
+        rows.rows.len(),
+        last.point[0],
+        last.point[1],
+        last.experiment.total,
+        rows.fall_pct(),
+        findings.published_fall_pct()
+    );
+    println!(
+        "The best design of the stand-in is {:.2} % chord and {:.2} deg at {:.2} s; the loop ends {:.1} % above it.",
+        findings.best.point[0],
+        findings.best.point[1],
+        findings.best.value,
+        findings.regret_pct()
+    );
+    let pitch_bound = findings.material.setup.bounds(1).1;
+    if (last.point[1] - pitch_bound).abs() < 1e-6 {
+        let published = findings.published().last().map_or(f64::NAN, |row| row.pitch_set_point);
+        println!(
+            "The pitch set point ends at its bound of {pitch_bound} deg; in the dissertation it ends at {published} deg."
+        );
+    }
+    println!(
+        "\nWith noise of up to ±{} % on every measured cost, drawn {} times anew; R is how much of the measured slope the \
+         loop takes over:",
+        100.0 * findings.material.setup.file.noise.relative_bound,
+        findings.material.setup.file.noise.seeds
+    );
+    for seeded in findings.material.seeded {
+        if let Some(s) = Summary::of(&falls_pct(findings.material.setup, seeded)) {
+            println!(
+                "  {:22} {} (median); best {}, worst {}",
+                seeded.label,
+                change_words(s.median),
+                change_words(s.maximum),
+                change_words(s.minimum)
+            );
+        }
+    }
+    println!(
+        "\nRow 1 was calibrated to the dissertation's first row and the stand-in to its best design; rows 2 and on are \
+         predicted by the loop.\nPage, figures and data: {} (open index.html), after {:.0} s.",
+        out.display(),
+        findings.seconds
+    );
+}

@@ -1,0 +1,99 @@
+//! What Chapter 7 says of its results, and whether it holds here.
+
+mod designs;
+mod flown;
+mod shrinking;
+mod votes;
+
+pub(super) use designs::last_row_words;
+
+use super::campaigns::Runs;
+use super::file::Case;
+use super::{Findings, Found};
+use crate::claims::{Claim, Place, Verdict};
+use page::Summary;
+
+/// An improvement is called great, significant or much when what is left is at most this part.
+const GREATLY: f64 = 0.5;
+
+/// What a claim says first when there was nothing to find at either end.
+const FITTED: &str = "Numerical optimum and best design of the stand-in were both calibrated; that the loop goes from the one towards \
+    the other is what came out.";
+
+/// What the dissertation says of its results, and what of it came out.
+pub(crate) fn all(findings: &Findings) -> Vec<Claim> {
+    let mut all = Vec::new();
+    for (case, found) in findings.cases() {
+        for claim in claims(case, found, findings.noise_s(found)) {
+            let says = format!("{}: {}", case.entry.label, claim.says);
+            all.push(Claim { says, ..claim });
+        }
+    }
+    all.push(framework(findings));
+    all.extend(keeps_best(findings));
+    all
+}
+
+fn claims(case: &Case, found: &Found, noise_s: f64) -> Vec<Claim> {
+    let mut all = vec![shrinking::every_iteration(case, found)];
+    // Section 7.1 and Figure 23 are about two parameters.
+    if case.space.variables.len() == 2 {
+        all.push(shrinking::designs(case, found));
+        all.push(shrinking::first_shrinks_less(case, found));
+        all.push(shrinking::noise_limits(case, found, noise_s));
+    }
+    all.extend(designs::aft(case, found));
+    all.push(designs::numerical_row(case, found));
+    all.extend(designs::last_row(case, found));
+    all.push(designs::system(case, found));
+    all.extend(flown::flights(case, found));
+    all
+}
+
+/// The loop as such: that it ends with a better design than it began with, judged where no end of it was fitted.
+fn framework(findings: &Findings) -> Claim {
+    let better = |found: &Found| -> Vec<bool> {
+        let runs = found.main();
+        let campaigns = std::iter::once(&runs.quiet).chain(&runs.noisy);
+        campaigns.map(|steps| steps.0.last().is_some_and(|step| step.cost < found.numerical_true_cost)).collect()
+    };
+    let of = |are_fitted: bool| -> Vec<bool> {
+        let cases = findings.cases().filter(|(case, _)| case.ends_are_fitted() == are_fitted);
+        cases.flat_map(|(_, found)| better(found)).collect()
+    };
+    let (free, fitted) = (of(false), of(true));
+    let words = |better: &[bool]| format!("{} of {}", votes::count(better), better.len());
+    Claim::new(
+        Place::Contribution(2),
+        "A global framework of optimal designs, response surfaces and hypothesis tests",
+        Verdict::in_kind_of(votes::count(&free), free.len()),
+        format!(
+            "`infuse::global::Loop` with (36) mended ends truly better than the numerical model alone in {} campaigns whose ends were not \
+             calibrated, which decide here, and in {} between calibrated ends.",
+            words(&free),
+            words(&fitted)
+        ),
+    )
+}
+
+/// The test of Section 5.5, where the wrong choices are compared: the loop as it is comes first.
+fn keeps_best(findings: &Findings) -> Option<Claim> {
+    let lost = findings.cases().map(|(case, found)| {
+        let own = found.choices.first()?;
+        Some((case.entry.label.as_str(), own.regrets.len(), own.lost?))
+    });
+    Some(shrinking::keeps_best(&lost.collect::<Option<Vec<_>>>()?))
+}
+
+fn table_place(case: &Case) -> Place {
+    Place::Table(u8::try_from(case.entry.table).unwrap_or_default())
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    Summary::of(&values.collect::<Vec<_>>()).map_or(f64::NAN, |summary| summary.median)
+}
+
+fn median_words(values: impl Iterator<Item = f64>, decimals: usize) -> String {
+    Summary::of(&values.collect::<Vec<_>>())
+        .map_or("–".to_owned(), |summary| format!("{:.decimals$}", summary.median))
+}

@@ -1,0 +1,233 @@
+//! What is said of the design space, iteration by iteration.
+
+use infuse::global;
+
+use super::votes::{Votes, by_seeds, count};
+use super::{GREATLY, median_words, table_place};
+use crate::chapter7::Found;
+use crate::chapter7::campaigns::{Runs, Steps};
+use crate::chapter7::file::Case;
+use crate::claims::{Claim, Place, Verdict};
+
+const FIGURE: &str = "figure-23";
+
+/// The designs of two parameters, iteration by iteration.
+fn pictures(case: &Case) -> Vec<String> {
+    if case.space.variables.len() == 2 { vec![FIGURE.to_owned()] } else { Vec::new() }
+}
+
+/// Shares from before the first iteration on.
+fn shares(steps: &Steps) -> Vec<f64> {
+    std::iter::once(100.0).chain(steps.0.iter().map(|step| step.share)).collect()
+}
+
+fn words(shares: impl IntoIterator<Item = f64>) -> String {
+    let words: Vec<String> = shares.into_iter().map(|share| format!("{share:.2}")).collect();
+    format!("{} %", words.join(", "))
+}
+
+fn left_words(steps: &Steps) -> String {
+    words(steps.0.iter().map(|step| step.share))
+}
+
+/// Per cent of the original space that iteration `n` drops; none if it was not made.
+fn dropped(steps: &Steps, n: usize) -> Option<f64> {
+    let shares = shares(steps);
+    Some(shares.get(n - 1)? - shares.get(n)?)
+}
+
+/// The same in the dissertation.
+fn published_dropped(case: &Case, n: usize) -> Option<f64> {
+    Some(case.published.get(n - 1)?.share - case.published.get(n)?.share)
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or("–".to_owned(), |share| format!("{share:.2}"))
+}
+
+fn median_dropped(runs: &Runs, n: usize) -> String {
+    median_words(runs.noisy.iter().filter_map(|steps| dropped(steps, n)), 2)
+}
+
+fn fall(shares: &[f64]) -> bool {
+    shares.windows(2).all(|pair| pair[1] < pair[0])
+}
+
+pub(super) fn every_iteration(case: &Case, found: &Found) -> Claim {
+    let runs = found.main();
+    let votes = Votes::of(&runs.quiet, &runs.noisy, |steps| fall(&shares(steps)));
+    let pairs =
+        || runs.noisy.iter().flat_map(|steps| shares(steps).windows(2).map(|p| p[1] < p[0]).collect::<Vec<_>>());
+    let (dropping, made) = (pairs().filter(|drops| *drops).count(), pairs().count());
+    let others: Vec<String> =
+        found.runs.iter().skip(1).map(|runs| format!("; {}: {}", runs.label, left_words(&runs.quiet))).collect();
+    Claim {
+        place: table_place(case),
+        pictures: pictures(case),
+        says: "the design space shrinks at every iteration".to_owned(),
+        verdict: votes.verdict(),
+        found: format!(
+            "{}; {dropping} of {made} iterations with noise drop a cell. Left without noise: {}; published: {}{}.",
+            votes.sentence(),
+            left_words(&runs.quiet),
+            words(case.published.iter().skip(1).map(|row| row.share)),
+            others.concat()
+        ),
+    }
+}
+
+/// Of Figure 23.
+pub(super) fn designs(case: &Case, found: &Found) -> Claim {
+    let runs = found.main();
+    // The figure shows the onset of each iteration: what the last one drops is not in it.
+    let onsets = |steps: &Steps| shares(steps)[..steps.0.len()].to_vec();
+    let votes = Votes::of(&runs.quiet, &runs.noisy, |steps| fall(&onsets(steps)));
+    let reports = runs.quiet_campaign.reports();
+    let is_left = |report: &global::Report, cell| {
+        runs.quiet_campaign.retained_at(report.iteration).is_some_and(|left| left.contains(cell))
+    };
+    let cells = |report: &global::Report| -> Vec<u64> {
+        let experiments = report.trials.iter().map(|record| record.trial.cell);
+        experiments.chain(report.simulations.iter().map(|run| run.cell)).collect()
+    };
+    let inside: Vec<bool> =
+        reports.iter().flat_map(|report| cells(report).into_iter().map(|cell| is_left(report, cell))).collect();
+    let efficiencies = |of: fn(&global::Report) -> f64| {
+        let words: Vec<String> = reports.iter().map(|report| format!("{:.0}", of(report))).collect();
+        format!("{} %", words.join(", "))
+    };
+    Claim {
+        place: Place::Figure(23),
+        pictures: pictures(case),
+        says: "the runs of every iteration are G-optimal in a space that has shrunk since the iteration before"
+            .to_owned(),
+        verdict: votes.verdict(),
+        found: format!(
+            "{}. Left at the onset of each iteration without noise: {}; published: {}. {} of {} runs lie in what was left, by \
+             construction; G-efficiency over it of the experiments {}, of the simulations {}. The figure prints no number of runs: \
+             those are ours.",
+            votes.sentence(),
+            words(onsets(&runs.quiet)),
+            words(case.published.iter().take(case.entry.iterations).map(|row| row.share)),
+            count(&inside),
+            inside.len(),
+            efficiencies(|report| report.batch.experiment_efficiency),
+            efficiencies(|report| report.batch.simulation_efficiency)
+        ),
+    }
+}
+
+pub(super) fn first_shrinks_less(case: &Case, found: &Found) -> Claim {
+    let runs = found.main();
+    let less = |steps: &Steps| matches!((dropped(steps, 1), dropped(steps, 2)), (Some(a), Some(b)) if a < b);
+    let votes = Votes::of(&runs.quiet, &runs.noisy, less);
+    Claim {
+        place: Place::Section("7.1".to_owned()),
+        pictures: Vec::new(),
+        says: "the first iteration shrinks the space less than the second, because the model is not corrected yet"
+            .to_owned(),
+        verdict: votes.verdict(),
+        found: format!(
+            "{}. Dropped by the first and the second iteration, in % of the original space: median {} and {}; published {} and {}.",
+            votes.sentence(),
+            median_dropped(runs, 1),
+            median_dropped(runs, 2),
+            percent(published_dropped(case, 1)),
+            percent(published_dropped(case, 2))
+        ),
+    }
+}
+
+/// Whether the third iteration drops little, and less than it does without noise.
+fn is_limited(steps: &Steps, quiet: &Steps) -> bool {
+    match (dropped(steps, 2), dropped(steps, 3), dropped(quiet, 3)) {
+        (Some(second), Some(third), Some(without)) => third < GREATLY * second && third < without,
+        _ => false,
+    }
+}
+
+/// Of noise, so the seeds decide; the campaign without noise is what they are compared with.
+pub(super) fn noise_limits(case: &Case, found: &Found, noise_s: f64) -> Claim {
+    let runs = found.main();
+    let limited: Vec<bool> = runs.noisy.iter().map(|steps| is_limited(steps, &runs.quiet)).collect();
+    let last = |steps: &Steps| steps.0.last().map_or(f64::NAN, |step| step.share);
+    let smaller: Vec<bool> = runs.noisy.iter().map(|steps| last(steps) < last(&runs.quiet)).collect();
+    let spread = runs.quiet_campaign.reports().get(2).and_then(|report| report.screening.spread.s());
+    Claim {
+        place: Place::Section("7.1".to_owned()),
+        pictures: Vec::new(),
+        says: "from the third iteration on noise limits further reduction".to_owned(),
+        verdict: by_seeds(&limited),
+        found: format!(
+            "The third iteration drops less than half of what the second does, and less than it drops without noise, for {} of {} seeds: \
+             {} % of the original space in the median, {} % without noise; published {}. At the end less is left with noise than \
+             without for {} of {} seeds. In the third iteration S is {} s without any noise, which is within ±{noise_s:.3} s{}.",
+            count(&limited),
+            limited.len(),
+            median_dropped(runs, 3),
+            percent(dropped(&runs.quiet, 3)),
+            percent(published_dropped(case, 3)),
+            count(&smaller),
+            smaller.len(),
+            spread.map_or("–".to_owned(), |s| format!("{s:.3}")),
+            if spread.is_some_and(|s| s > noise_s) {
+                ": here the misfit of the regressor keeps the space large, not noise"
+            } else {
+                ""
+            }
+        ),
+    }
+}
+
+/// The test of Section 5.5, over the grids whose best cell is known: by study, campaigns and those that dropped it.
+pub(super) fn keeps_best(lost: &[(&str, usize, usize)]) -> Claim {
+    let kept = lost.iter().filter(|(_, all, lost)| 10 * lost <= *all).count();
+    let words: Vec<String> = lost.iter().map(|(label, all, lost)| format!("{label}: {lost} of {all}")).collect();
+    Claim::new(
+        Place::Section("5.5".to_owned()),
+        "The z-test at 90 % keeps what may be the optimum, with the settings of Chapter 7",
+        Verdict::in_kind_of(kept, lost.len()),
+        format!(
+            "The truly best cell of the grids that are flown in whole is dropped for these seeds of noise: {}. One in ten is what the \
+             test allows.",
+            words.join("; ")
+        ),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chapter7::campaigns::Step;
+
+    fn steps(shares: &[f64]) -> Steps {
+        Steps(shares.iter().map(|share| Step { point: Vec::new(), cost: 1.0, share: *share }).collect())
+    }
+
+    #[test]
+    fn what_an_iteration_drops_is_a_part_of_the_original_space() {
+        // Table 5.
+        let published = steps(&[61.53, 16.52, 15.33]);
+        for (n, expected) in [(1, 38.47), (2, 45.01), (3, 1.19)] {
+            let found = dropped(&published, n).expect("three iterations");
+            assert!((found - expected).abs() < 1e-9, "iteration {n}: {found}");
+        }
+        assert_eq!(dropped(&published, 4), None, "it was not made");
+    }
+
+    #[test]
+    fn noise_limits_only_what_goes_on_without_it() {
+        let noisy = steps(&[60.0, 20.0, 18.0]);
+        assert!(is_limited(&noisy, &steps(&[60.0, 20.0, 5.0])), "2 % after 40 %, where 15 % go without noise");
+        assert!(!is_limited(&noisy, &steps(&[60.0, 20.0, 19.0])), "without noise even less is dropped");
+        assert!(!is_limited(&steps(&[60.0, 40.0, 20.0]), &steps(&[60.0, 40.0, 0.0])), "as much as before");
+    }
+
+    #[test]
+    fn the_test_may_drop_the_best_cell_in_one_campaign_of_ten() {
+        let verdict = |lost: &[(&str, usize, usize)]| keeps_best(lost).verdict;
+        assert_eq!(verdict(&[("a", 20, 2), ("b", 20, 0)]), Verdict::InKind);
+        assert_eq!(verdict(&[("a", 20, 2), ("b", 20, 3)]), Verdict::InPart);
+        assert_eq!(verdict(&[("a", 19, 2)]), Verdict::NotReproduced, "more than one in ten");
+    }
+}

@@ -1,0 +1,172 @@
+//! The correction leak: validation experiments in the correction of their own iteration.
+//!
+//! `infuse` knows from which trials a surface is made and refuses to compare it with one of them, so the leak cannot be
+//! said in its settings. Here the correction is smuggled in through the simulation: the loop's own correction is all but
+//! switched off, and the simulations that it asks for come corrected by experiments of the same batch.
+
+use anyhow::Result;
+use infuse::{
+    Outcome,
+    correction::{CorrectionRule, Gain},
+    global::{self, Observations, TracedSurface},
+};
+use surface::{Confounded, Kind};
+
+use crate::gridded::SurrogateRig;
+
+/// Which correction the simulations of iteration n carry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Timing {
+    /// That of iteration n, with the experiments that S is estimated from: the leak.
+    SameIteration,
+    /// That of iteration n − 1, as the loop itself has it: to check what this does.
+    #[cfg_attr(not(test), expect(dead_code, reason = "the check is a test"))]
+    NextIteration,
+}
+
+/// The gain of the loop's own correction: nothing that shows, for 0 is no gain.
+const NO_GAIN: f64 = 1e-13;
+
+/// Runs a campaign whose correction acts when `timing` says.
+pub(crate) fn run(rig: &SurrogateRig<'_>, settings: &global::Settings, timing: Timing) -> Result<global::Loop> {
+    let rule = settings.correction;
+    let region = rig.space.region();
+    let k = region.n_parameters();
+    let kind = Kind::Regression { model: settings.model.clone(), confounded: Confounded::Drop };
+    let mut settings = settings.clone();
+    settings.correction = CorrectionRule::new(rule.law, Gain::constant(NO_GAIN)?);
+    let mut campaign = global::Loop::new(region, settings)?;
+    let (mut experiments, mut simulations) = (Vec::new(), Vec::new());
+    let mut correction = TracedSurface::combination(k, [])?;
+    loop {
+        // What the loop is about to run, found with a copy of it: designs do not depend on costs.
+        let mut simulated = Observations::none(k);
+        let mut fault = None;
+        let asked = campaign.clone().ask(&mut |point: &[f64]| {
+            let cost = rig.simulate(point)?;
+            let added = region.coded(point).map_err(infuse::Error::from);
+            let added = added.and_then(|coded| simulated.add_simulation(&coded, cost));
+            fault = fault.take().or(added.err());
+            Ok(cost)
+        })?;
+        let global::Ask::Trials(trials) = asked else { return Ok(campaign) };
+        if let Some(fault) = fault {
+            return Err(fault.into());
+        }
+        let outcomes = rig.measure(&trials)?;
+        let mut measured = Observations::none(k);
+        for (trial, outcome) in trials.iter().zip(&outcomes) {
+            if let Outcome::Value(cost) = outcome {
+                measured.add_experiment(trial.id, &region.coded(&trial.point)?, *cost)?;
+            }
+        }
+        let before = correction;
+        experiments.push(TracedSurface::fit(&kind, &measured)?);
+        simulations.push(TracedSurface::fit(&kind, &simulated)?);
+        let factors = rule.correction(experiments.len());
+        let factors = factors.experiment.into_iter().chain(factors.simulation);
+        correction = TracedSurface::combination(k, factors.zip(experiments.iter().chain(&simulations)))?;
+        let acting = match timing {
+            Timing::SameIteration => &correction,
+            Timing::NextIteration => &before,
+        };
+
+        campaign.ask(&mut |point: &[f64]| {
+            let coded = region.coded(point).map_err(|error| error.to_string())?;
+            Ok(rig.simulate(point)? + acting.surface().predict(&coded))
+        })?;
+        for (trial, outcome) in trials.iter().zip(outcomes) {
+            campaign.tell(trial.id, outcome)?;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use doe::Model;
+    use infuse::{TrialId, global::quality_of_fit};
+
+    use super::*;
+    use crate::gridded::{CellCosts, ParameterEntry, Space};
+    use crate::study::Cost;
+
+    /// A bowl over seven levels of two parameters, with a ripple that no quadratic follows.
+    #[derive(Debug)]
+    struct Bowl {
+        space: Space,
+        lowest: [f64; 2],
+    }
+
+    impl CellCosts for Bowl {
+        fn key(&self) -> &'static str {
+            "a bowl"
+        }
+
+        fn cost(&self, cell: usize) -> Cost {
+            let point = self.space.point(cell).map_err(|error| error.to_string())?;
+            let (x, y) = (point[0] - self.lowest[0], point[1] - self.lowest[1]);
+            Ok(1.0 + x * x + 0.1 * y * y + 0.3 * (3.0 * x).sin() * y.cos())
+        }
+
+        fn range(&self) -> f64 {
+            10.0
+        }
+    }
+
+    fn bowls() -> [Bowl; 2] {
+        let entry = |name: &str, unit: &str, lower, upper| ParameterEntry {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            lower,
+            upper,
+        };
+        let entries = [entry("center_of_mass", "% chord", 46.0, 52.0), entry("pitch_set_point", "deg", 0.0, 12.0)];
+        let names = entries.each_ref().map(|entry| entry.name.clone());
+        [[47.0, 3.0], [50.0, 8.0]]
+            .map(|lowest| Bowl { space: Space::of(&entries, &names, 13).expect("a space"), lowest })
+    }
+
+    fn settings() -> global::Settings {
+        let mut settings = global::Settings::new(Model::additive_quadratic(2).expect("a model"), 12, 24);
+        settings.max_iterations = 3;
+        settings
+    }
+
+    fn found(campaign: &global::Loop) -> Vec<(u64, u64)> {
+        campaign.reports().iter().map(|report| (report.screening.optimum_cell, report.screening.n_after)).collect()
+    }
+
+    #[test]
+    fn a_correction_smuggled_in_one_iteration_later_is_the_loop_itself() {
+        let [model, truth] = bowls();
+        let rig = SurrogateRig { space: &model.space, model: &model, truth: &truth, noise: 0.01, seed: 3 };
+        let smuggled = run(&rig, &settings(), Timing::NextIteration).expect("a campaign");
+        let mut itself = global::Loop::new(model.space.region(), settings()).expect("a campaign");
+        while let global::Ask::Trials(trials) = itself.ask(&mut |point| rig.simulate(point)).expect("a batch") {
+            for (trial, outcome) in trials.iter().zip(rig.measure(&trials).expect("costs")) {
+                itself.tell(trial.id, outcome).expect("an outcome");
+            }
+        }
+        assert_eq!(found(&smuggled), found(&itself), "optimum and cells left, iteration by iteration");
+        assert!(found(&itself).len() > 1, "the correction has acted: {:?}", found(&itself));
+        let leaking = run(&rig, &settings(), Timing::SameIteration).expect("a campaign");
+        let spread = |campaign: &global::Loop| campaign.reports()[0].screening.spread.s().expect("S");
+        assert!(spread(&leaking) < spread(&itself), "the first S knows its own experiments");
+    }
+
+    #[test]
+    fn the_library_refuses_the_leak() {
+        let kind =
+            Kind::Regression { model: Model::additive_quadratic(1).expect("a model"), confounded: Confounded::Refuse };
+        let (mut validation, mut simulated) = (Observations::none(1), Observations::none(1));
+        for (number, x) in [-1.0, -0.5, 0.5, 1.0].into_iter().enumerate() {
+            validation.add_experiment(TrialId::new(number as u64 + 1), &[x], x * x).expect("one coordinate");
+            simulated.add_simulation(&[x], x).expect("one coordinate");
+        }
+        let correction = TracedSurface::fit(&kind, &validation).expect("a surface");
+        let corrected = simulated.corrected_by(&correction).expect("one coordinate");
+        let combined = TracedSurface::fit(&kind, &corrected).expect("a surface");
+        let error = quality_of_fit(&combined, &validation).expect_err("the surface knows the experiments");
+        assert!(matches!(error, infuse::Error::ValidationLeak { .. }), "{error}");
+    }
+}

@@ -1,0 +1,92 @@
+//! Runs the studies: `studies <command>`, from the root of the workspace.
+#![expect(clippy::print_stdout, reason = "a program of the command line talks")]
+
+#[cfg(feature = "similarity")]
+mod chapter2;
+mod chapter3;
+mod chapter4;
+#[cfg(feature = "global")]
+mod chapter6;
+#[cfg(feature = "global")]
+mod chapter7;
+mod claims;
+#[cfg(feature = "global")]
+mod design_page;
+#[cfg(feature = "global")]
+mod doe_records;
+#[cfg(feature = "global")]
+mod exemptions;
+#[cfg(feature = "global")]
+mod gridded;
+mod handover;
+mod provenance;
+#[cfg(feature = "global")]
+mod reproduce_all;
+mod reproduction;
+mod study;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use anyhow::ensure;
+use reproduction::{Extent, Reproduction};
+
+const STUDIES: &[Reproduction] = &[
+    #[cfg(feature = "similarity")]
+    chapter2::CHAPTER,
+    chapter3::CHAPTER,
+    chapter4::CHAPTER,
+    #[cfg(feature = "global")]
+    chapter6::CHAPTER,
+    #[cfg(feature = "global")]
+    chapter7::CHAPTER,
+    #[cfg(feature = "global")]
+    doe_records::RECORDS,
+];
+
+/// The exit code for a command that does not exist.
+const USAGE_ERROR: u8 = 2;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let Some(outcome) = run(&words) else {
+        eprintln!("error: no study `{}`, or not with the features of this build", words.join(" "));
+        return ExitCode::from(USAGE_ERROR);
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs a command; none if there is none of this name.
+fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
+    let root = Path::new(".");
+    let study = words.first().and_then(|name| STUDIES.iter().find(|study| study.command == *name));
+    let run: Box<dyn FnOnce() -> anyhow::Result<()>> = match (study, words) {
+        (Some(study), [_]) => Box::new(|| study.run(root, Extent::Default)),
+        (Some(study), [_, "--full"]) => Box::new(|| study.run(root, Extent::Full)),
+        (Some(study), [_, "--check"]) => Box::new(|| study.check(root)),
+        #[cfg(feature = "global")]
+        (None, ["reproduce-all"]) => Box::new(|| reproduce_all::run(root, STUDIES, false)),
+        #[cfg(feature = "global")]
+        (None, ["reproduce-all", "--check"]) => Box::new(|| reproduce_all::run(root, STUDIES, true)),
+        #[cfg(feature = "global")]
+        (None, ["design-page", evaluation, page]) => {
+            let (evaluation, page) = (Path::new(*evaluation), Path::new(*page));
+            Box::new(move || design_page::run(evaluation, page))
+        }
+        _ => return None,
+    };
+    Some(in_workspace(root).and_then(|()| run()))
+}
+
+/// That the files of the studies can be found from here.
+fn in_workspace(root: &Path) -> anyhow::Result<()> {
+    ensure!(root.join("fixtures/bat").is_dir(), "no fixtures/bat here: start studies by `cargo xtask`");
+    Ok(())
+}

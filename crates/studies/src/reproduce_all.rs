@@ -1,0 +1,206 @@
+//! `cargo xtask reproduce-all`: every study, and one page over what the dissertation claims.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+
+use crate::claims::{self, Claim, Verdict};
+use crate::exemptions;
+use crate::handover::Handover;
+use crate::reproduction::{self, Extent, Reproduction};
+use page::Table;
+use page::{Link, Page};
+
+const DIRECTORY: &str = "target/reproduction";
+const NAME: &str = "reproduction.md";
+
+const NOTE: &str = "No experiment was made: the water channel is replaced by a surrogate, the numerical model plus stall plus added mass. \
+    A claim about experiments can therefore be reproduced in kind at most, and what was fitted counts for nothing: the plant to rows 1 \
+    of Table 3 and 0 of Table 5, the stand-in to the best designs of Tables 3 and 5, the weights of the costs to both tables, in Table 3 \
+    with the costs at both ends. What leads from one fitted end to the other is called partly calibrated and does not count as reproduced.";
+
+const WORDS: &str = "Reproduced: it comes out, and nothing was fitted to it. In kind: what it says comes out, on a surrogate or with \
+    other numbers. In part: in some cases and not in others. Not reproduced: it does not come out. Partly calibrated: both ends were \
+    fitted; that the loop goes from the one towards the other is all that came out. Calibrated: it was fitted. Taken over: it says what is \
+    put in. Flights between fitted ends (Figures 16 to 18 and 24) were not fitted one by one, but the cost that they add up to was.";
+
+const CLAIM_CAPTION: &str = "Every contribution, table and figure that says something of results, with what the latest run found. \
+    Commands go after `cargo xtask`.";
+
+const EXEMPT_CAPTION: &str = "Figures without a claim, and why.";
+
+/// A study with what its latest run handed on.
+struct Chapter<'a> {
+    study: &'a Reproduction,
+    handover: Handover,
+}
+
+/// A claim with the study that it was looked at in.
+struct Told<'a> {
+    claim: &'a Claim,
+    chapter: &'a Chapter<'a>,
+}
+
+/// Runs every study of a chapter and writes the page over all; with `check` the committed pages must say the same.
+pub(crate) fn run(root: &Path, studies: &[Reproduction], check: bool) -> Result<()> {
+    let chosen: Vec<&Reproduction> = studies.iter().filter(|study| is_chapter(study)).collect();
+    for (number, study) in chosen.iter().enumerate() {
+        eprintln!("\n[{}/{}] {}", number + 1, chosen.len(), study.command);
+        if check { study.check(root) } else { study.run(root, Extent::Default) }.context(study.command)?;
+    }
+    let read = |study| Ok(Chapter { study, handover: Handover::read(&root.join(study.out()))? });
+    let chapters = chosen.into_iter().map(read).collect::<Result<Vec<_>>>()?;
+    let mut told: Vec<Told<'_>> = chapters
+        .iter()
+        .flat_map(|chapter| chapter.handover.claims.iter().map(move |claim| Told { claim, chapter }))
+        .collect();
+    told.sort_by(|a, b| a.claim.place.cmp(&b.claim.place));
+    exemptions::check(told.iter().map(|told| told.claim))?;
+    let out = root.join(DIRECTORY);
+    reproduction::save(&out, "index.html", &page(root, studies, &chapters, &told)?.html())?;
+    reproduction::save(&out, NAME, &markdown(&told))?;
+    print(&told);
+    if check { reproduction::compare(root, &Path::new(DIRECTORY).join(NAME), &format!("docs/{NAME}")) } else { Ok(()) }
+}
+
+/// Whether a study has claims of the dissertation.
+fn is_chapter(study: &Reproduction) -> bool {
+    study.name.starts_with("chapter")
+}
+
+fn table(told: &[Told<'_>]) -> Table {
+    claims::table_with_commands(told.iter().map(|told| (told.claim, told.chapter.study.command)))
+}
+
+fn count_words<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
+    let count = |verdict: Verdict| claims.clone().filter(|claim| claim.verdict == verdict).count();
+    let be = |n: usize, [one, many]: [&str; 2]| format!("{n} {}", if n == 1 { one } else { many });
+    format!(
+        "Of {} claims {} reproduced, {} in kind, {} in part, and {} not. {} partly calibrated, {} calibrated, and {}: none of these counts.",
+        claims.clone().count(),
+        be(count(Verdict::Reproduced), ["is", "are"]),
+        count(Verdict::InKind),
+        count(Verdict::InPart),
+        count(Verdict::NotReproduced),
+        be(count(Verdict::PartlyCalibrated), ["was", "were"]),
+        count(Verdict::Calibrated),
+        be(count(Verdict::TakenOver), ["is an input", "are inputs"])
+    )
+}
+
+fn counts(told: &[Told<'_>]) -> String {
+    count_words(told.iter().map(|told| told.claim))
+}
+
+/// The way to the page of a study; without a link while there is no page.
+fn link(root: &Path, study: &Reproduction) -> Link {
+    let by = format!("made by `cargo xtask {}`", study.command);
+    let page = format!("{}/index.html", study.name);
+    let is_there = root.join(DIRECTORY).join(&page).is_file();
+    let about = match (is_there, is_chapter(study)) {
+        (true, true) => format!(": {by}"),
+        (true, false) => format!(": {by}, which is not run again for this page"),
+        (false, _) => format!(": {by}, which was not yet run here"),
+    };
+    let text = study.name.replace("chapter", "Chapter ").replace("doe-records", "Optimal designs beside the record");
+    Link { to: is_there.then_some(page), text, about }
+}
+
+/// All claims, then each with its pictures, from top to bottom.
+fn page(root: &Path, studies: &[Reproduction], chapters: &[Chapter<'_>], told: &[Told<'_>]) -> Result<Page> {
+    let mut page = Page::new("What of the dissertation comes out");
+    page.note(NOTE);
+    page.paragraph(&counts(told));
+    page.paragraph(WORDS);
+    page.heading("The pages");
+    page.links(&studies.iter().map(|study| link(root, study)).collect::<Vec<_>>());
+    page.heading("Claim by claim");
+    page.prose_table(&table(told), CLAIM_CAPTION, &claims::WIDTHS_WITH_COMMANDS_PCT);
+    page.prose_table(&exemptions::table(), EXEMPT_CAPTION, &exemptions::WIDTHS_PCT);
+    for excerpt in chapters.iter().flat_map(|chapter| &chapter.handover.excerpts) {
+        excerpt.show_in(&mut page);
+    }
+    page.heading("The figures");
+    for (chapter, name) in pictures(told) {
+        let mut picture = chapter.handover.picture(&root.join(chapter.study.out()), name)?;
+        for claim in chapter.handover.claims.iter().filter(|claim| claim.pictures.contains(name)) {
+            picture.caption.push_str(&format!(" {}: “{}”: {}.", claim.place, claim.says, claim.verdict));
+        }
+        picture.show_in(&mut page);
+    }
+    Ok(page)
+}
+
+/// Every picture that shows a claim, once, where its first claim is.
+fn pictures<'a>(told: &[Told<'a>]) -> Vec<(&'a Chapter<'a>, &'a String)> {
+    let mut pictures: Vec<(&Chapter<'_>, &String)> = Vec::new();
+    for Told { claim, chapter } in told {
+        for name in &claim.pictures {
+            let is_shown =
+                |(of, shown): &(&Chapter<'_>, &String)| of.study.name == chapter.study.name && *shown == name;
+            if !pictures.iter().any(is_shown) {
+                pictures.push((chapter, name));
+            }
+        }
+    }
+    pictures
+}
+
+fn markdown(told: &[Told<'_>]) -> String {
+    format!(
+        "# What of the dissertation comes out\n\n\
+         Written by `cargo xtask reproduce-all`; `cargo xtask ci` fails when this page is not what the command finds.\n\n\
+         {NOTE}\n\n{}\n\n{WORDS}\n\n{CLAIM_CAPTION}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
+        counts(told),
+        table(told).markdown(),
+        exemptions::table().markdown()
+    )
+}
+
+#[expect(clippy::print_stdout, reason = "the result of the command")]
+fn print(told: &[Told<'_>]) {
+    println!("\nWhat of the dissertation comes out\n");
+    for Told { claim, .. } in told {
+        println!("{:22} {:19} {}", claim.place.to_string(), claim.verdict.to_string(), claim.says);
+    }
+    println!("\n{}\nOne page over all: {DIRECTORY}/index.html", counts(told));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::claims::Place;
+
+    fn claims(verdicts: &[Verdict]) -> Vec<Claim> {
+        verdicts.iter().map(|verdict| Claim::new(Place::Table(1), "it", *verdict, String::new())).collect()
+    }
+
+    #[test]
+    fn counts_follow_their_numbers() {
+        use Verdict::{Calibrated, InKind, NotReproduced, PartlyCalibrated, Reproduced, TakenOver};
+        let one = claims(&[Reproduced, InKind, InKind, NotReproduced, PartlyCalibrated, Calibrated, TakenOver]);
+        assert_eq!(
+            count_words(one.iter()),
+            "Of 7 claims 1 is reproduced, 2 in kind, 0 in part, and 1 not. 1 was partly calibrated, 1 calibrated, and 1 is an input: \
+             none of these counts."
+        );
+        let two = claims(&[Reproduced, Reproduced, PartlyCalibrated, PartlyCalibrated, TakenOver, TakenOver]);
+        assert_eq!(
+            count_words(two.iter()),
+            "Of 6 claims 2 are reproduced, 0 in kind, 0 in part, and 0 not. 2 were partly calibrated, 0 calibrated, and 2 are inputs: \
+             none of these counts."
+        );
+    }
+
+    #[test]
+    fn picture_of_two_claims_is_shown_once() {
+        const STUDY: Reproduction =
+            Reproduction { command: "none", name: "chapter0", run: reproduction::Run::Always(|_| Ok(())) };
+        let claims = claims(&[Verdict::InKind, Verdict::InPart]).into_iter().map(|claim| claim.shown_in(&["a", "b"]));
+        let chapter = Chapter { study: &STUDY, handover: Handover::new(claims.collect(), &[]) };
+        let told: Vec<Told<'_>> =
+            chapter.handover.claims.iter().map(|claim| Told { claim, chapter: &chapter }).collect();
+        let names: Vec<&str> = pictures(&told).into_iter().map(|(_, name)| name.as_str()).collect();
+        assert_eq!(names, ["a", "b"]);
+    }
+}

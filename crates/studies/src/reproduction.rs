@@ -1,0 +1,157 @@
+//! What all studies share: where they write, how they show progress, and the committed copy of their results.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, bail, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use page::Page;
+
+/// How much of a study is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// What fits into a few minutes.
+    Default,
+    /// With the finest grid, for as long as it takes: `--full`.
+    Full,
+}
+
+/// A study that writes a page and keeps its short form in `docs/`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reproduction {
+    /// What a person types.
+    pub(crate) command: &'static str,
+    /// What its folder and its page of results are called.
+    pub(crate) name: &'static str,
+    /// Runs the study and writes everything, `results.md` included.
+    pub(crate) run: Run,
+}
+
+/// A study as a function of the root of the workspace.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Run {
+    /// It has one extent.
+    Always(fn(&Path) -> Result<()>),
+    /// It can also be run in full.
+    OrFull(fn(&Path, Extent) -> Result<()>),
+}
+
+impl Reproduction {
+    /// Where the study writes, from the root.
+    pub(crate) fn out(&self) -> PathBuf {
+        self.out_of(Extent::Default)
+    }
+
+    /// Where it writes what it finds in this extent.
+    pub(crate) fn out_of(&self, extent: Extent) -> PathBuf {
+        let suffix = if extent == Extent::Full { "-full" } else { "" };
+        PathBuf::from(format!("target/reproduction/{}{suffix}", self.name))
+    }
+
+    /// Runs the study.
+    pub(crate) fn run(&self, root: &Path, extent: Extent) -> Result<()> {
+        match (self.run, extent) {
+            (Run::Always(run), Extent::Default) => run(root),
+            (Run::OrFull(run), extent) => run(root, extent),
+            (Run::Always(_), Extent::Full) => bail!("{} has no --full: it always runs in full", self.command),
+        }
+    }
+
+    /// The same from anywhere, made if it is not there: a study should not find out after its flights that it cannot write.
+    pub(crate) fn prepare(&self, root: &Path, extent: Extent) -> Result<PathBuf> {
+        let out = root.join(self.out_of(extent));
+        std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+        Ok(out)
+    }
+
+    /// Runs the study and fails when it finds something else than the committed page of results says.
+    pub(crate) fn check(&self, root: &Path) -> Result<()> {
+        self.run(root, Extent::Default)?;
+        compare(root, &self.out().join("results.md"), &format!("docs/results-{}.md", self.name))
+    }
+}
+
+/// That a committed page says what a run found.
+pub(crate) fn compare(root: &Path, fresh_at: &Path, committed_at: &str) -> Result<()> {
+    let fresh = std::fs::read_to_string(root.join(fresh_at)).with_context(|| fresh_at.display().to_string())?;
+    let committed = std::fs::read_to_string(root.join(committed_at)).with_context(|| committed_at.to_owned())?;
+    let differing = fresh.lines().zip(committed.lines()).find(|(a, b)| a != b);
+    if let Some((found, said)) = differing {
+        bail!("{committed_at} is out of date; copy {} over it\n  page: {said}\n  run:  {found}", fresh_at.display());
+    }
+    ensure!(fresh == committed, "{committed_at} is out of date: it is longer or shorter than what the run finds");
+    Ok(())
+}
+
+/// A picture with the name of its file and what it shows.
+#[derive(Clone, Debug)]
+pub(crate) struct Picture {
+    pub(crate) name: String,
+    pub(crate) svg: String,
+    pub(crate) caption: String,
+}
+
+impl Picture {
+    pub(crate) fn show_in(&self, page: &mut Page) {
+        page.figure(&self.svg, &self.caption);
+    }
+}
+
+/// Reads a study file with a parser that is told the folder in which other files are looked up; errors name the file.
+pub(crate) fn read_study<T>(path: &Path, parse: impl FnOnce(&str, &Path) -> Result<T>) -> Result<T> {
+    let name = || path.display().to_string();
+    let text = std::fs::read_to_string(path).with_context(name)?;
+    parse(&text, path.parent().unwrap_or(Path::new("."))).with_context(name)
+}
+
+/// That a study file of `fixtures/bat` with its first `from` replaced by `to` is refused in these words.
+#[cfg(test)]
+#[track_caller]
+pub(crate) fn assert_refused<T: std::fmt::Debug>(
+    name: &str,
+    parse: impl FnOnce(&str, &Path) -> Result<T>,
+    [from, to]: [&str; 2],
+    words: &[&str],
+) {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/bat");
+    let text = std::fs::read_to_string(directory.join(name)).expect("the study file");
+    let changed = text.replacen(from, to, 1);
+    assert_ne!(changed, text, "the change changes something");
+    let error = format!("{:#}", parse(&changed, &directory).expect_err("an error"));
+    for word in words {
+        assert!(error.contains(word), "`{word}` is not in: {error}");
+    }
+}
+
+/// Writes what every study has: its pictures, the page that shows them, and its results in short.
+pub(crate) fn save_page(out: &Path, pictures: &[Picture], page: &Page, results: &str) -> Result<()> {
+    for picture in pictures {
+        save(out, &format!("{}.svg", picture.name), &picture.svg)?;
+    }
+    save(out, "index.html", &page.html())?;
+    save(out, "results.md", results)
+}
+
+/// Writes a file of a study's output.
+pub(crate) fn save(out: &Path, name: &str, text: &str) -> Result<()> {
+    let path = out.join(name);
+    if let Some(directory) = path.parent() {
+        std::fs::create_dir_all(directory).with_context(|| directory.display().to_string())?;
+    }
+    std::fs::write(&path, text).with_context(|| path.display().to_string())
+}
+
+/// A bar that fills while a part of a study runs.
+pub(crate) fn progress(what: &str, length: usize) -> ProgressBar {
+    let bar = ProgressBar::new(length as u64);
+    if let Ok(style) = ProgressStyle::with_template("{msg:52} [{bar:24}] {pos}/{len} {elapsed}") {
+        bar.set_style(style);
+    }
+    bar.set_message(what.to_owned());
+    bar
+}
+
+/// A list in Markdown.
+pub(crate) fn markdown_list(items: &[String]) -> String {
+    items.iter().map(|item| format!("- {item}\n")).collect()
+}
