@@ -1,5 +1,8 @@
 //! `cargo xtask tidy`: the rules of the tree that no compiler checks.
 
+mod circles;
+mod source;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -75,6 +78,7 @@ fn complaints(root: &Path) -> Result<Vec<String>> {
         let manifest = read("Cargo.toml").with_context(|| format!("{name}: no Cargo.toml"))?;
         let manifest: Table = manifest.parse().with_context(|| format!("{name}/Cargo.toml"))?;
         complaints.extend(arrow_complaints(&name, &manifest));
+        complaints.extend(circles::complaints(&name, &sources(&package)?));
         if name != "xtask" {
             complaints.extend(crate_complaints(&name, &manifest, read("CHANGELOG.md").as_deref()));
             if read("README.md").is_none_or(|text| text.trim().is_empty()) {
@@ -109,6 +113,17 @@ fn package_directories(root: &Path) -> Result<Vec<PathBuf>> {
     packages.retain(|path| path.is_dir());
     packages.push(root.join("xtask"));
     Ok(packages)
+}
+
+/// The names below `src` and the texts of a crate's sources.
+fn sources(package: &Path) -> Result<Vec<(String, String)>> {
+    let folder = package.join("src");
+    let mut sources = Vec::new();
+    for path in files_below(&folder)?.into_iter().filter(|path| path.extension().is_some_and(|end| end == "rs")) {
+        let name = path.strip_prefix(&folder).unwrap_or(&path).to_string_lossy().replace('\\', "/");
+        sources.push((name, fs::read_to_string(&path).with_context(|| path.display().to_string())?));
+    }
+    Ok(sources)
 }
 
 /// A file, or a folder with a main file.
