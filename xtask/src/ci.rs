@@ -2,14 +2,13 @@
 
 use std::fs;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context as _, Result, bail, ensure};
-use serde::Deserialize;
+use anyhow::{Context as _, Result, ensure};
 
-use crate::{tidy, tutorials, workspace};
+use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly};
+use crate::{tidy, tutorials};
 
 /// One heading of the output.
 struct Step {
@@ -17,21 +16,20 @@ struct Step {
     run: fn() -> Result<()>,
 }
 
-/// Cheap steps first, so that a small slip costs seconds.
+/// Cheap steps first, so that a small slip costs seconds. All in the release profile, so that each dependency is compiled
+/// once, and so that what flies is optimized as it is in the studies.
 const STEPS: &[Step] = &[
-    Step { heading: "format", run: || cargo(&["fmt", "--all", "--check"]) },
+    Step { heading: "format", run: || run_cargo(&["fmt", "--all", "--check"]) },
     Step { heading: "tidy", run: tidy::check },
-    // All targets: benches, too, are compiled here.
-    Step { heading: "clippy", run: || cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]) },
-    // Optimized, as studies fly: the lanes are other machine code then, and one build of the dependencies serves all.
-    Step { heading: "tests", run: || cargo(&["test", "--release", "--workspace", "--lib", "--bins", "--tests"]) },
-    Step { heading: "tests in the documentation", run: || cargo(&["test", "--release", "--workspace", "--doc"]) },
+    Step { heading: "clippy", run: clippy },
+    Step { heading: "tests", run: tests },
+    Step { heading: "tests in the documentation", run: || run_cargo(&["test", "--release", "--workspace", "--doc"]) },
     Step { heading: "documentation", run: documentation },
     Step { heading: "examples", run: examples },
     Step { heading: "tutorials", run: tutorials::check },
     Step { heading: "packages", run: packages },
-    Step { heading: "optimal designs", run: || cargo(&["xtask", "doe-records", "--check"]) },
-    Step { heading: "all chapters", run: || cargo(&["xtask", "reproduce-all", "--check"]) },
+    Step { heading: "optimal designs", run: || study(&["doe-records", "--check"]) },
+    Step { heading: "all chapters", run: || study(&["reproduce-all", "--check"]) },
 ];
 
 /// Runs the steps.
@@ -50,20 +48,38 @@ pub(crate) fn run() -> Result<()> {
     Ok(())
 }
 
+/// The whole workspace, and the least that each feature leaves.
+fn clippy() -> Result<()> {
+    let deny = ["--", "-D", "warnings"];
+    run_cargo(&[&["clippy", "--release", "--workspace", "--all-targets"], deny.as_slice()].concat())?;
+    for package in ["infuse", "scaling", "studies"] {
+        run_cargo(
+            &[&["clippy", "--release", "--package", package, "--no-default-features"], deny.as_slice()].concat(),
+        )?;
+    }
+    Ok(())
+}
+
+/// The examples are compiled with the tests, whose dependencies they share.
+fn tests() -> Result<()> {
+    run_cargo(&["test", "--release", "--workspace", "--lib", "--bins", "--tests", "--examples"])
+}
+
 fn documentation() -> Result<()> {
-    let mut command = workspace::cargo(&["doc", "--workspace", "--no-deps"])?;
+    let mut command = workspace::cargo(&["doc", "--release", "--workspace", "--no-deps"])?;
     run_quietly(command.env("RUSTDOCFLAGS", "-D warnings"))
 }
 
-/// Builds what users run, the examples and `infuse`, optimized. All at once: one package at a time, each would have the
-/// features of its own, and the large dependencies would be compiled anew for many of them.
-pub(crate) fn build_programs() -> Result<()> {
-    cargo(&["build", "--release", "--workspace", "--examples", "--bin", "infuse", "--all-features"])
+/// Runs a study by the program that was built with all others.
+fn study(words: &[&str]) -> Result<()> {
+    workspace::build_programs()?;
+    let program = metadata()?.target_directory.join("release/studies").with_extension(std::env::consts::EXE_EXTENSION);
+    run_quietly(Command::new(program).args(words).current_dir(workspace::root()?))
 }
 
 /// Runs every example.
 fn examples() -> Result<()> {
-    build_programs()?;
+    workspace::build_programs()?;
     let metadata = metadata()?;
     for name in example_names(&metadata)? {
         let program = metadata.target_directory.join("release/examples").join(name);
@@ -80,7 +96,17 @@ fn examples() -> Result<()> {
 /// which they find each other, and nothing needs to be published. All else was fetched by the steps before, and
 /// `--offline` keeps cargo from asking the registry for news.
 fn packages() -> Result<()> {
-    cargo(&["package", "--workspace", "--exclude", "xtask", "--allow-dirty", "--offline", "--no-verify"])?;
+    run_cargo(&[
+        "package",
+        "--workspace",
+        "--exclude",
+        "xtask",
+        "--exclude",
+        "studies",
+        "--allow-dirty",
+        "--offline",
+        "--no-verify",
+    ])?;
     let metadata = metadata()?;
     let folder = metadata.target_directory.join("package");
     let unpacked = folder.join("unpacked");
@@ -88,7 +114,7 @@ fn packages() -> Result<()> {
         fs::remove_dir_all(&unpacked).with_context(|| unpacked.display().to_string())?;
     }
     fs::create_dir_all(&unpacked).with_context(|| unpacked.display().to_string())?;
-    let packed = metadata.packages.iter().filter(|package| package.name != "xtask");
+    let packed = metadata.packages.iter().filter(|package| !["studies", "xtask"].contains(&&*package.name));
     let packed: Vec<(&str, String)> =
         packed.map(|package| (&*package.name, format!("{}-{}", package.name, package.version))).collect();
     for (_, stem) in &packed {
@@ -96,81 +122,22 @@ fn packages() -> Result<()> {
         run_quietly(Command::new("tar").arg("-xzf").arg(archive).arg("-C").arg(&unpacked))?;
     }
     let manifest = unpacked.join("Cargo.toml");
-    fs::write(&manifest, workspace_of(&packed)).with_context(|| manifest.display().to_string())?;
+    let root_manifest = fs::read_to_string(workspace::root()?.join("Cargo.toml")).context("Cargo.toml")?;
+    fs::write(&manifest, workspace_of(&packed, &root_manifest)).with_context(|| manifest.display().to_string())?;
     let lock = "Cargo.lock";
     fs::copy(workspace::root()?.join(lock), unpacked.join(lock)).context(lock)?;
-    let arguments = ["check", "--workspace", "--offline"];
+    let arguments = ["check", "--release", "--workspace", "--offline"];
     let mut check = workspace::cargo(&arguments)?;
     run_quietly(check.current_dir(&unpacked).arg("--target-dir").arg(&metadata.target_directory))
 }
 
-/// A workspace of these unpacked packages, each in the folder of its own name.
-fn workspace_of(packed: &[(&str, String)]) -> String {
+/// A workspace of these unpacked packages, each in the folder of its own name, with the profiles of the workspace itself,
+/// so that what was compiled with them is used again.
+fn workspace_of(packed: &[(&str, String)], root_manifest: &str) -> String {
     let stems: Vec<&String> = packed.iter().map(|(_, stem)| stem).collect();
     let patches: Vec<String> = packed.iter().map(|(name, stem)| format!("{name} = {{ path = {stem:?} }}\n")).collect();
-    // The profile of the workspace itself, so that what was compiled with it is used again.
-    let profile = "[profile.dev]\nopt-level = 1\ndebug = \"line-tables-only\"\n";
-    format!("[workspace]\nresolver = \"3\"\nmembers = {stems:?}\n\n[patch.crates-io]\n{}\n{profile}", patches.concat())
-}
-
-/// Where cargo puts what it builds.
-pub(crate) fn target_directory() -> Result<PathBuf> {
-    Ok(metadata()?.target_directory)
-}
-
-fn metadata() -> Result<Metadata> {
-    let output = workspace::cargo(&["metadata", "--no-deps", "--format-version", "1"])?
-        .output()
-        .context("cannot start cargo")?;
-    if !output.status.success() {
-        bail!("cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
-    }
-    serde_json::from_slice(&output.stdout).context("cargo metadata")
-}
-
-/// Runs cargo and shows what it said only if it failed.
-fn cargo(arguments: &[&str]) -> Result<()> {
-    run_quietly(&mut workspace::cargo(arguments)?)
-}
-
-/// Runs a command and shows what it said only if it failed.
-fn run_quietly(command: &mut Command) -> Result<()> {
-    let output = command.output().with_context(|| format!("cannot start {command:?}"))?;
-    if output.status.success() {
-        return Ok(());
-    }
-    bail!(
-        "{}\n{}{}",
-        describe(command),
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr),
-    )
-}
-
-/// The command line as one would type it.
-fn describe(command: &Command) -> String {
-    let program = Path::new(command.get_program()).file_stem().unwrap_or_default().to_string_lossy();
-    let arguments = command.get_args().map(|argument| argument.to_string_lossy());
-    std::iter::once(program).chain(arguments).collect::<Vec<_>>().join(" ")
-}
-
-#[derive(Deserialize)]
-struct Metadata {
-    packages: Vec<Package>,
-    target_directory: PathBuf,
-}
-
-#[derive(Deserialize)]
-struct Package {
-    name: String,
-    version: String,
-    targets: Vec<Target>,
-}
-
-#[derive(Deserialize)]
-struct Target {
-    name: String,
-    kind: Vec<String>,
+    let profiles = root_manifest.find("[profile.").map_or("", |at| &root_manifest[at..]);
+    format!("[workspace]\nresolver = \"3\"\nmembers = {stems:?}\n\n[patch.crates-io]\n{}\n{profiles}", patches.concat())
 }
 
 /// The examples of all packages. No two may share a name: they are built into one folder.
@@ -188,14 +155,6 @@ fn example_names(metadata: &Metadata) -> Result<Vec<&str>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn failing_command_is_shown_with_what_it_said() {
-        let error = cargo(&["no-such-command"]).expect_err("no such command");
-        let text = format!("{error:#}");
-        assert!(text.starts_with("cargo no-such-command\n"), "{text}");
-        assert!(text.contains("no such command: `no-such-command`"), "{text}");
-    }
 
     fn metadata(second: &str) -> Metadata {
         let text = r#"{"target_directory": "target", "packages": [{"name": "a", "version": "0.1.0", "targets": [

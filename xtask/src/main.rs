@@ -23,6 +23,7 @@ fn main() -> ExitCode {
         [name, ..] if studies::is_study(name) => studies::run(&words),
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
+        ["equations"] => tidy::write_equations(),
         ["tutorials"] => tutorials::run(Texts::Compare),
         ["tutorials", "--write"] => tutorials::run(Texts::Write),
         ["help" | "--help" | "-h"] => {

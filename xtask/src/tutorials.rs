@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail, ensure};
 
-use crate::{ci, workspace};
+use crate::workspace;
 use document::{Block, End};
 use shell::Shell;
 
@@ -77,8 +77,8 @@ fn tutorials(folder: &Path) -> Result<Vec<PathBuf>> {
 
 /// The programs that tutorials call; the folders that hold them.
 fn build() -> Result<[PathBuf; 2]> {
-    ci::build_programs()?;
-    let release = ci::target_directory()?.join("release");
+    workspace::build_programs()?;
+    let release = workspace::target_directory()?.join("release");
     Ok([release.clone(), release.join("examples")])
 }
 

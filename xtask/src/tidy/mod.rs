@@ -1,6 +1,9 @@
 //! `cargo xtask tidy`: the rules of the tree that no compiler checks.
 
 mod circles;
+mod equations;
+mod layers;
+mod pages;
 mod source;
 
 use std::fs;
@@ -10,35 +13,6 @@ use anyhow::{Context as _, Result, bail};
 use toml::{Table, Value};
 
 use crate::workspace;
-
-/// Which crate of the workspace may use which: exactly these, in any kind of dependency.
-const ARROWS: &[(&str, &[&str])] = &[
-    ("bat-dynamics", &[]),
-    ("design-space", &[]),
-    ("doe", &["design-space"]),
-    ("infuse", &["design-space", "doe", "surface"]),
-    ("infuse-cli", &["doe", "infuse", "surface"]),
-    ("page", &[]),
-    ("scaling", &[]),
-    (
-        "studies",
-        &[
-            "bat-dynamics",
-            "design-space",
-            "doe",
-            "infuse",
-            "page",
-            "scaling",
-            "surface",
-            "tether-control",
-            "water-channel",
-        ],
-    ),
-    ("surface", &["design-space", "doe"]),
-    ("tether-control", &[]),
-    ("water-channel", &["bat-dynamics", "tether-control"]),
-    ("xtask", &[]),
-];
 
 /// First parts of paths that exist on one machine only.
 const MACHINE_DIRECTORIES: &[&str] = &["home", "mnt", "root", "tmp", "Users", "work", "workspace"];
@@ -63,21 +37,23 @@ pub(crate) fn check() -> Result<()> {
 
 fn complaints(root: &Path) -> Result<Vec<String>> {
     let mut complaints = Vec::new();
-    for path in files_below(root)? {
-        let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
-        let bytes = fs::read(&path).with_context(|| name.clone())?;
-        let Ok(text) = String::from_utf8(bytes) else {
-            continue;
-        };
-        complaints.extend(source_complaints(&name, &text));
-        complaints.extend(path_complaints(&name, &text));
+    let texts = texts(root)?;
+    for (name, text) in &texts {
+        complaints.extend(source_complaints(name, text));
+        complaints.extend(path_complaints(name, text));
+        if name.ends_with(".md") {
+            complaints.extend(pages::complaints(name, text));
+            complaints.extend(pages::missing_tests(name, text, &texts));
+        }
     }
+    complaints.extend(equation_complaints(&texts));
+    complaints.extend(layers::page_complaints(&texts));
     for package in package_directories(root)? {
         let name = package.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let read = |file: &str| fs::read_to_string(package.join(file)).ok();
         let manifest = read("Cargo.toml").with_context(|| format!("{name}: no Cargo.toml"))?;
         let manifest: Table = manifest.parse().with_context(|| format!("{name}/Cargo.toml"))?;
-        complaints.extend(arrow_complaints(&name, &manifest));
+        complaints.extend(layers::complaints(&name, &manifest));
         complaints.extend(circles::complaints(&name, &sources(&package)?));
         if name != "xtask" {
             complaints.extend(crate_complaints(&name, &manifest, read("CHANGELOG.md").as_deref()));
@@ -90,6 +66,40 @@ fn complaints(root: &Path) -> Result<Vec<String>> {
         }
     }
     Ok(complaints)
+}
+
+/// All texts of the tree, with their names from the root.
+fn texts(root: &Path) -> Result<Vec<(String, String)>> {
+    let mut texts = Vec::new();
+    for path in files_below(root)? {
+        let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
+        let bytes = fs::read(&path).with_context(|| name.clone())?;
+        texts.extend(String::from_utf8(bytes).ok().map(|text| (name, text)));
+    }
+    Ok(texts)
+}
+
+/// Writes the page from equation number to code.
+pub(crate) fn write_equations() -> Result<()> {
+    let root = workspace::root()?;
+    let page = equations::page(&sources_of_crates(&texts(&root)?));
+    fs::write(root.join(equations::PAGE), page).context(equations::PAGE)
+}
+
+/// Every equation has a home, and the page of them is as the code says.
+fn equation_complaints(texts: &[(String, String)]) -> Vec<String> {
+    let sources = sources_of_crates(texts);
+    let mut complaints = equations::complaints(&sources);
+    let kept = texts.iter().find(|(name, _)| name == equations::PAGE).map(|(_, text)| text.as_str());
+    if kept != Some(&*equations::page(&sources)) {
+        complaints.push(format!("{}: not as the code says; `cargo xtask equations` writes it", equations::PAGE));
+    }
+    complaints
+}
+
+fn sources_of_crates(texts: &[(String, String)]) -> Vec<(String, String)> {
+    let is_source = |name: &str| name.starts_with("crates/") && name.contains("/src/") && name.ends_with(".rs");
+    texts.iter().filter(|(name, _)| is_source(name)).cloned().collect()
 }
 
 /// All files that belong to the tree, in a fixed order.
@@ -175,36 +185,6 @@ fn has_machine_path(line: &str) -> bool {
     })
 }
 
-/// The dependencies within the workspace are those of [`ARROWS`].
-fn arrow_complaints(name: &str, manifest: &Table) -> Vec<String> {
-    let Some((_, allowed)) = ARROWS.iter().find(|(package, _)| *package == name) else {
-        return vec![format!("{name}: not in the table of arrows")];
-    };
-    let mut found = Vec::new();
-    collect_dependencies(manifest, &mut found);
-    found.retain(|dependency| ARROWS.iter().any(|(package, _)| package == dependency));
-    let extra = found.iter().filter(|found| !allowed.contains(&found.as_str()));
-    let missing = allowed.iter().filter(|allowed| !found.iter().any(|found| found == *allowed));
-    extra
-        .map(|to| format!("{name}: must not depend on {to}"))
-        .chain(missing.map(|to| format!("{name}: the table says it depends on {to}, but it does not")))
-        .collect()
-}
-
-/// The names under every table that ends in `dependencies`, also those of one target only.
-fn collect_dependencies(table: &Table, found: &mut Vec<String>) {
-    for (key, value) in table {
-        let Value::Table(inner) = value else {
-            continue;
-        };
-        if key.ends_with("dependencies") {
-            found.extend(inner.keys().cloned());
-        } else {
-            collect_dependencies(inner, found);
-        }
-    }
-}
-
 /// Every crate has a version of its own, and a changelog that knows it.
 fn crate_complaints(name: &str, manifest: &Table, changelog: Option<&str>) -> Vec<String> {
     let package = manifest.get("package").and_then(Value::as_table);
@@ -267,20 +247,6 @@ mod tests {
                 assert!(path_complaints("a.md", &line).is_empty(), "{line}");
             }
         }
-    }
-
-    #[test]
-    fn wrong_arrows_are_found() {
-        let check =
-            |name: &str, manifest: &str| arrow_complaints(name, &manifest.parse().expect("a manifest")).join("\n");
-        assert_eq!(check("surface", "[dependencies]\ndoe.workspace = true\nserde = \"1\""), "");
-        assert_eq!(
-            check("doe", "[dev-dependencies]\ninfuse = { path = \"../infuse\" }"),
-            "doe: must not depend on infuse"
-        );
-        assert_eq!(check("doe", "[target.'cfg(unix)'.dependencies]\ninfuse = \"1\""), "doe: must not depend on infuse");
-        assert_eq!(check("surface", "[dependencies]"), "surface: the table says it depends on doe, but it does not");
-        assert_eq!(check("new", ""), "new: not in the table of arrows");
     }
 
     #[test]

@@ -1,0 +1,68 @@
+//! What pages in Markdown must keep to: no cell that nobody reads, no test that is not there, front pages that fit.
+
+use std::collections::BTreeSet;
+
+/// Longest text of a cell.
+const LONGEST_CELL: usize = 200;
+/// Most lines of the README of a crate.
+const FRONT_PAGE: usize = 120;
+
+/// Complaints about one page.
+pub(super) fn complaints(name: &str, text: &str) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for (number, line) in text.lines().enumerate().filter(|(_, line)| line.starts_with('|')) {
+        let longest = line.split('|').map(|cell| cell.trim().chars().count()).max().unwrap_or(0);
+        if longest > LONGEST_CELL {
+            complaints.push(format!("{name}:{}: a cell of {longest} characters, at most {LONGEST_CELL}", number + 1));
+        }
+    }
+    let lines = text.lines().count();
+    if name.starts_with("crates/") && name.ends_with("README.md") && lines > FRONT_PAGE {
+        complaints.push(format!("{name}: {lines} lines, a front page has at most {FRONT_PAGE}"));
+    }
+    complaints
+}
+
+/// Complaints about tests that a page names and no crate has, given all sources of tests by their names from the root.
+pub(super) fn missing_tests(name: &str, text: &str, sources: &[(String, String)]) -> Vec<String> {
+    let crates: BTreeSet<&str> =
+        sources.iter().filter_map(|(file, _)| file.strip_prefix("crates/")?.split('/').next()).collect();
+    let quoted = text.split('`').skip(1).step_by(2);
+    let named = quoted.filter_map(|quoted| {
+        let (package, rest) = quoted.split_once("::")?;
+        let package = package.replace('_', "-");
+        let (module, function) = rest.rsplit_once("::")?;
+        let is_test =
+            crates.contains(package.as_str()) && function.contains('_') && !module.contains(char::is_uppercase);
+        is_test.then_some((quoted, package, function))
+    });
+    let is_missing = |(_, package, function): &(&str, String, &str)| {
+        let head = format!("fn {function}(");
+        let folder = format!("crates/{package}/");
+        !sources.iter().any(|(file, text)| file.starts_with(&folder) && text.contains(&head))
+    };
+    named.filter(is_missing).map(|(quoted, ..)| format!("{name}: there is no test `{quoted}`")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_cells_and_long_front_pages_are_found() {
+        let row = |length: usize| format!("| a | {} |\n", "x".repeat(length));
+        assert!(complaints("docs/a.md", &row(LONGEST_CELL)).is_empty(), "as long as allowed");
+        assert_eq!(complaints("docs/a.md", &row(LONGEST_CELL + 1)).len(), 1, "longer");
+        let page = "a\n".repeat(FRONT_PAGE + 1);
+        assert_eq!(complaints("crates/a/README.md", &page).len(), 1, "a manual");
+        assert!(complaints("docs/a.md", &page).is_empty(), "not a front page");
+    }
+
+    #[test]
+    fn tests_that_are_not_there_are_found() {
+        let sources = [("crates/a-b/tests/it/c.rs".to_owned(), "fn it_holds() {}".to_owned())];
+        let check = |text: &str| missing_tests("docs/checks.md", text, &sources);
+        assert!(check("`a_b::c::it_holds`, `a_b::Type::new`, `std::mem::size_of`").is_empty(), "as it should be");
+        assert_eq!(check("`a_b::c::it_fails`"), ["docs/checks.md: there is no test `a_b::c::it_fails`"]);
+    }
+}
