@@ -2,8 +2,6 @@
 
 use thiserror::Error;
 
-use crate::trim::NoTrim;
-
 /// An error of this crate: what is wrong, where, and what was allowed.
 #[non_exhaustive]
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -54,5 +52,56 @@ pub enum Error {
     Eigenvalues {
         /// Rows of the matrix.
         size: usize,
+    },
+}
+
+/// Why there is no trim.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum NoTrim {
+    /// The restoring moment already exceeds the drag near the vertical: equilibrium is at Phi = 0 or upwind of it.
+    #[error(
+        "at {flow_speed_m_s} m/s the flow does not push the tether away from the vertical \
+         (moment {moment_n_m:.3e} N·m at Phi = {zenith_rad} rad); azimuth and twist coincide at Phi = 0"
+    )]
+    AtZenith {
+        /// Flow speed.
+        flow_speed_m_s: f64,
+        /// Smallest zenith angle that was tried.
+        zenith_rad: f64,
+        /// Moment on the zenith angle there; downstream is positive.
+        moment_n_m: f64,
+    },
+    /// The flow pushes the tether down at every zenith angle.
+    #[error(
+        "at {flow_speed_m_s} m/s the flow pushes the tether down at every zenith angle up to {zenith_rad:.3} rad: \
+         too little lift and buoyancy for the drag"
+    )]
+    BlownDown {
+        /// Flow speed.
+        flow_speed_m_s: f64,
+        /// Largest zenith angle that was tried.
+        zenith_rad: f64,
+    },
+    /// The bridle cannot reach the pitch angle.
+    #[error(
+        "pitch {pitch_rad} rad is out of the bridle's reach: it takes an induced pitch of {induced_rad:.4} rad \
+         (allowed: within pi/2) and a shortest line of {shortest_line_m:.4} m (allowed: more than zero)"
+    )]
+    PitchOutOfReach {
+        /// The pitch that was asked for.
+        pitch_rad: f64,
+        /// The induced pitch theta' that it takes.
+        induced_rad: f64,
+        /// The shortest line that it takes.
+        shortest_line_m: f64,
+    },
+    /// The altitude is below what a tether of positive length reaches.
+    #[error("altitude {altitude_m} m puts the bridle joint at {joint_m:.4} m: it must be above the winches")]
+    AltitudeOutOfReach {
+        /// The altitude of the center of mass that was asked for.
+        altitude_m: f64,
+        /// The altitude of the joint that it takes at the pitch that was asked for.
+        joint_m: f64,
     },
 }

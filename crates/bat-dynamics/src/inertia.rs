@@ -3,12 +3,13 @@
 use nalgebra::{Matrix6, Vector6};
 use num_dual::Dual64;
 
+use crate::aerodynamics::aerodynamics;
+use crate::coordinates::Coordinates;
 use crate::flow::Flow;
-use crate::fluid;
-use crate::kinematics::{Coordinates, Pose, Rates, height};
-use crate::motion::{added, inertia_times};
+use crate::kinematics::{Pose, Rates, height};
 use crate::plant::Plant;
 use crate::real::Real;
+use crate::tether_drag::tether_drag;
 use crate::vector::{Vector, add, combine, cross, cross_point, dot, point_cross, sub};
 
 /// How the joint moves and the body turns per unit rate of each coordinate, along B.
@@ -38,7 +39,7 @@ fn mass_matrix_of<T: Real>(plant: &Plant<T>, q: &Coordinates<T>) -> [[T; 6]; 6] 
     let mut d: [[T; 6]; 6] = core::array::from_fn(|i| {
         core::array::from_fn(|j| {
             let ((a_cm, a_cb, a), (b_cm, b_cb, b)) = (columns[i], columns[j]);
-            plant.mass * dot(a_cm, b_cm) + dot(a_cb, added(plant, b_cb)) + dot(a, inertia_times(plant, b))
+            plant.mass * dot(a_cm, b_cm) + dot(a_cb, plant.added_mass_times(b_cb)) + dot(a, plant.inertia_times(b))
         })
     });
     // ½ lambda L (L'² + L² (Phi'² + sin² Phi Theta'²)/3)
@@ -128,12 +129,12 @@ pub fn generalized_forces(plant: &Plant, q: &Coordinates, q_rate: &Coordinates, 
     let moving = combine(&pose.axes, joint);
     let relative = combine(&pose.axes, sub(joint, flow_t));
 
-    let air = fluid::aerodynamics(plant, relative, omega);
+    let air = aerodynamics(plant, relative, omega);
     let (still_force, still_moment) = carried_wrench(plant, moving, omega);
     let (flow_force, flow_moment) = carried_wrench(plant, relative, omega);
     let force = add(air.force, sub(still_force, flow_force));
     let moment = add(air.moment, sub(still_moment, flow_moment));
-    let [zenith, azimuth] = fluid::tether_drag(plant, &pose, &rates, flow_t);
+    let [zenith, azimuth] = tether_drag(plant, &pose, &rates, flow_t);
     let line = [zenith, azimuth * pose.sin_zenith, 0.0, 0.0, 0.0, 0.0];
     let columns = jacobian(&pose);
     Vector6::from_fn(|k, _| dot(columns[k].0, force) + dot(columns[k].1, moment) + line[k])
@@ -142,7 +143,7 @@ pub fn generalized_forces(plant: &Plant, q: &Coordinates, q_rate: &Coordinates, 
 /// The velocity-dependent wrench about the joint that the added mass takes when the joint moves with `velocity`.
 fn carried_wrench(plant: &Plant, velocity: Vector<f64>, omega: Vector<f64>) -> (Vector<f64>, Vector<f64>) {
     let through = add(velocity, cross_point(omega, plant.cb_x, plant.cb_z));
-    let carried = added(plant, through);
-    let force = sub(cross(omega, carried), added(plant, cross(omega, through)));
+    let carried = plant.added_mass_times(through);
+    let force = sub(cross(omega, carried), plant.added_mass_times(cross(omega, through)));
     (force, add(point_cross(plant.cb_x, plant.cb_z, force), cross(through, carried)))
 }

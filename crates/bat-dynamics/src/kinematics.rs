@@ -1,41 +1,13 @@
-//! From generalized coordinates to positions, attitudes and velocities: equations (1), (2), (5)–(9).
+//! From generalized coordinates to positions, attitudes and velocities: equations (5)–(9).
 //!
 //! The work is done in the tether frame T, `R_gt = Rz(Theta) Ry(Phi)`: there the joint lies at (0, 0, −L_t)
 //! and the equations of motion are short. Azimuths are taken relative to the flow, `Theta − psi_flow`.
 
+use crate::coordinates::Coordinates;
 use crate::flow::Flow;
 use crate::plant::Plant;
 use crate::real::Real;
 use crate::vector::{Vector, add, combine, cross_point, dot, scale};
-
-/// Generalized coordinates `Q = [Phi, Theta, Psi, L_t, theta', phi']`, (7): rad, rad, rad, m, rad, rad.
-///
-/// Zenith angle, azimuth and twist are free; length, induced pitch and induced roll are driven by the winches.
-pub type Coordinates<T = f64> = [T; 6];
-
-/// State of a flight: `[Phi, Theta, Psi]` in rad, their rates in rad/s, the line lengths `[l1, l2, l3]` in m
-/// and the reel speeds `[u1, u2, u3]` in m/s; lines in the order center, starboard, port.
-pub type FlightState<T = f64> = [T; 12];
-
-/// Names of the twelve entries of a [`FlightState`].
-pub const STATE_NAMES: [&str; 12] = [
-    "zenith",
-    "azimuth",
-    "twist",
-    "zenith_rate",
-    "azimuth_rate",
-    "twist_rate",
-    "line_center",
-    "line_starboard",
-    "line_port",
-    "reel_center",
-    "reel_starboard",
-    "reel_port",
-];
-
-/// Units of the twelve entries of a [`FlightState`].
-pub const STATE_UNITS: [&str; 12] =
-    ["rad", "rad", "rad", "rad/s", "rad/s", "rad/s", "m", "m", "m", "m/s", "m/s", "m/s"];
 
 /// Sines and cosines of a configuration, and the axes of T in B.
 #[derive(Clone, Copy, Debug)]
@@ -74,7 +46,7 @@ pub(crate) struct Driven<T> {
 
 impl<T: Real> Pose<T> {
     #[inline(always)]
-    fn new(length: T, zenith: (T, T), azimuth: (T, T), twist: (T, T), pitch: (T, T), roll: (T, T)) -> Self {
+    pub(crate) fn new(length: T, zenith: (T, T), azimuth: (T, T), twist: (T, T), pitch: (T, T), roll: (T, T)) -> Self {
         let ((sin_zenith, cos_zenith), (sin_azimuth, cos_azimuth)) = (zenith, azimuth);
         let ((st, ct), (sp, cp), (sr, cr)) = (twist, pitch, roll);
         let axes = [
@@ -189,94 +161,6 @@ pub struct Sight<T = f64> {
     pub heading: T,
 }
 
-/// The driven coordinates that follow from line lengths, (1), (2), their rates from (3), and their accelerations.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bridle<T> {
-    pub(crate) length: T,
-    pub(crate) length_rate: T,
-    pub(crate) length_acceleration: T,
-    pub(crate) pitch: Induced<T>,
-    pub(crate) roll: Induced<T>,
-}
-
-/// One induced angle: sine and cosine, rate, acceleration, without an inverse tangent.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Induced<T> {
-    sin: T,
-    cos: T,
-    pub(crate) rate: T,
-    pub(crate) acceleration: T,
-}
-
-impl<T: Real> Induced<T> {
-    /// From the tangent `a` of the angle and its first two derivatives.
-    #[inline(always)]
-    fn of_tangent(a: T, a_rate: T, a_acceleration: T) -> Self {
-        let one = T::constant(1.0);
-        let cos_squared = one / (one + a * a);
-        let cos = cos_squared.sqrt();
-        let rate = a_rate * cos_squared;
-        Self {
-            sin: a * cos,
-            cos,
-            rate,
-            acceleration: a_acceleration * cos_squared - T::constant(2.0) * a * rate * rate,
-        }
-    }
-}
-
-/// Mean of the lines, and the tangents of induced pitch (2) and induced roll (1).
-#[inline(always)]
-fn differences<T: Real>(plant: &Plant<T>, lines: [T; 3]) -> (T, T, T) {
-    let aft = lines[1] + lines[2];
-    (
-        (lines[0] + aft) * T::constant(1.0 / 3.0),
-        (lines[0] - T::constant(0.5) * aft) * plant.per_long,
-        (lines[2] - lines[1]) * plant.per_lat,
-    )
-}
-
-impl<T: Real> Bridle<T> {
-    #[inline(always)]
-    pub(crate) fn of_lines(plant: &Plant<T>, lines: [T; 3], reel: [T; 3], reel_acceleration: [T; 3]) -> Self {
-        let (length, pitch, roll) = differences(plant, lines);
-        let (length_rate, pitch_rate, roll_rate) = differences(plant, reel);
-        let (length_acceleration, pitch_acceleration, roll_acceleration) = differences(plant, reel_acceleration);
-        Self {
-            length,
-            length_rate,
-            length_acceleration,
-            pitch: Induced::of_tangent(pitch, pitch_rate, pitch_acceleration),
-            roll: Induced::of_tangent(roll, roll_rate, roll_acceleration),
-        }
-    }
-
-    /// The pose that these lines and the free coordinates give.
-    #[inline(always)]
-    pub(crate) fn pose(&self, free: [T; 3], flow: &Flow<T>) -> Pose<T> {
-        Pose::new(
-            self.length,
-            free[0].sin_cos(),
-            (free[1] - flow.direction_rad).sin_cos(),
-            free[2].sin_cos(),
-            (self.pitch.sin, self.pitch.cos),
-            (self.roll.sin, self.roll.cos),
-        )
-    }
-
-    #[inline(always)]
-    pub(crate) fn rates(&self, free_rates: [T; 3]) -> Rates<T> {
-        Rates {
-            zenith: free_rates[0],
-            azimuth: free_rates[1],
-            twist: free_rates[2],
-            length: self.length_rate,
-            pitch: self.pitch.rate,
-            roll: self.roll.rate,
-        }
-    }
-}
-
 impl<T: Copy> Rates<T> {
     #[inline(always)]
     pub(crate) fn of_array(rates: &Coordinates<T>) -> Self {
@@ -285,10 +169,11 @@ impl<T: Copy> Rates<T> {
     }
 }
 
-/// Position and velocity of the center of mass, `X = [x, y, z, u, v, w]` of (5) and (8): x, y, z in G in m,
-/// u, v, w along B in m/s.
+/// Position and velocity of the center of mass, `X = [x, y, z, u, v, w]`: x, y, z in G in m, u, v, w along B in m/s.
 ///
-/// `q_rate` holds the rates of `q`. Source: (5); the frames are those of the model page.
+/// `q_rate` holds the rates of `q`.
+///
+/// Source: (5), (8).
 #[must_use]
 pub fn translation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coordinates<T>) -> [T; 6] {
     let still = Flow { speed_m_s: T::constant(0.0), direction_rad: T::constant(0.0) };
@@ -299,9 +184,12 @@ pub fn translation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coord
     [sight.forward, sight.right, -sight.altitude, velocity[0], velocity[1], velocity[2]]
 }
 
-/// Attitude and body rates, `Omega = [phi, theta, psi, p, q, r]` of (6) and (9), in rad and rad/s.
+/// Attitude and body rates, `Omega = [phi, theta, psi, p, q, r]` in rad and rad/s: roll starboard down, pitch nose up, yaw
+/// nose right.
 ///
-/// `q_rate` holds the rates of `q`. Source: (6); roll starboard down, pitch nose up, yaw nose right.
+/// `q_rate` holds the rates of `q`.
+///
+/// Source: (6), (9).
 #[must_use]
 pub fn rotation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coordinates<T>) -> [T; 6] {
     let still = Flow { speed_m_s: T::constant(0.0), direction_rad: T::constant(0.0) };
@@ -315,24 +203,6 @@ pub fn rotation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coordina
 #[must_use]
 pub fn body_to_ground(q: &Coordinates) -> [[f64; 3]; 3] {
     Pose::of_coordinates(q, &Flow::straight(0.0)).rows_from_flow()
-}
-
-/// The driven coordinates `[L_t, theta', phi']` of three line lengths `[l1, l2, l3]` in m. Source: (1), (2).
-#[must_use]
-pub fn driven_of_lines(plant: &Plant, lines_m: [f64; 3]) -> [f64; 3] {
-    let (length, pitch, roll) = differences(plant, lines_m);
-    [length, pitch.atan(), roll.atan()]
-}
-
-/// The line lengths `[l1, l2, l3]` in m that give `[L_t, theta', phi']`: the inverse of (1), (2).
-#[must_use]
-pub fn lines_of_driven(plant: &Plant, driven: [f64; 3]) -> [f64; 3] {
-    let [length, pitch, roll] = driven;
-    // l1 − aft mean = a, l3 − l2 = b, mean = L.
-    let a = pitch.tan() / plant.per_long;
-    let b = roll.tan() / plant.per_lat;
-    let aft = length - a / 3.0;
-    [length + 2.0 * a / 3.0, aft - 0.5 * b, aft + 0.5 * b]
 }
 
 /// Projection of a point of the plane of symmetry: used where a test or a trim needs an altitude.

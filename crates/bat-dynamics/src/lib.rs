@@ -1,11 +1,18 @@
 #![doc = include_str!("../README.md")]
 
+mod aerodynamics;
+mod allowed;
+mod bridle;
+mod coordinates;
+mod double;
+mod dual;
 mod error;
+mod evaluation;
 mod flow;
-mod fluid;
 mod inertia;
 mod kinematics;
 mod lanes;
+mod layout;
 mod linear;
 mod modes;
 mod motion;
@@ -13,30 +20,37 @@ mod parameters;
 mod plant;
 mod presets;
 mod real;
+mod rows;
+mod stall;
+mod tensions;
+mod tether_drag;
 mod trig;
 mod trim;
 mod vector;
+mod winch;
 
-pub use error::Error;
+pub use aerodynamics::aerodynamic_wrench;
+pub use allowed::Allowed;
+pub use bridle::{driven_of_lines, lines_of_driven};
+pub use coordinates::{Coordinates, FlightState, SINGULAR_SIN_ZENITH, STATE_NAMES, STATE_UNITS, check_state};
+pub use error::{Error, NoTrim};
+pub use evaluation::{Evaluation, evaluate, sight};
 pub use flow::{Flow, FlowHistory, FlowKnot, Transition};
-pub use fluid::{aerodynamic_wrench, lift_coefficients};
 pub use inertia::{
     christoffel_matrix, generalized_forces, gravity_vector, kinetic_energy, mass_matrix, potential_energy,
 };
-pub use kinematics::{
-    Coordinates, FlightState, STATE_NAMES, STATE_UNITS, Sight, body_to_ground, driven_of_lines, lines_of_driven,
-    rotation, translation,
-};
+pub use kinematics::{Sight, body_to_ground, rotation, translation};
 pub use lanes::{LANES, Lanes};
+pub use layout::TetherLayout;
 pub use linear::{Linearization, Variable, linearize};
 pub use modes::{Mode, Modes, modes};
-pub use motion::{
-    Accelerations, Evaluation, SINGULAR_SIN_ZENITH, Slack, Tensions, accelerations, check_state, evaluate, sight,
-};
+pub use motion::{Accelerations, accelerations};
 pub use parameters::{
-    AddedMass, Allowed, Body, FIELDS, Field, Fluid, HorizontalStabilizer, Hull, Parameters, Stall, Tether,
-    TetherLayout, VerticalStabilizer, Winch,
+    AddedMass, Body, FIELDS, Field, Fluid, HorizontalStabilizer, Hull, Parameters, Stall, Tether, VerticalStabilizer,
+    Winch,
 };
 pub use plant::{Fidelity, FluidInertia, Lift, Plant};
 pub use real::Real;
-pub use trim::{NoTrim, Trim, TrimHeight, TrimRequest, trim, trim_with_lines};
+pub use stall::lift_coefficients;
+pub use tensions::{Slack, Tensions};
+pub use trim::{Trim, TrimHeight, TrimRequest, trim, trim_with_lines};

@@ -1,13 +1,13 @@
 //! Linearization of a flight about a state, exact to rounding by forward-mode dual numbers.
 
-use nalgebra::{DMatrix, SMatrix};
+use nalgebra::{DMatrix, SMatrix, SVector};
 use num_dual::Dual64;
 use serde::Serialize;
 
+use crate::coordinates::{FlightState, STATE_NAMES, STATE_UNITS, check_state};
 use crate::error::Error;
+use crate::evaluation::{Evaluation, evaluate};
 use crate::flow::Flow;
-use crate::kinematics::{FlightState, STATE_NAMES, STATE_UNITS};
-use crate::motion::{check_state, evaluate};
 use crate::plant::Plant;
 
 /// Number of states.
@@ -100,46 +100,55 @@ pub fn linearize(
         let flow =
             Flow { speed_m_s: seed(STATES + 3, flow.speed_m_s), direction_rad: seed(STATES + 4, flow.direction_rad) };
         let at = evaluate(&dual_plant, &x, commands, &flow);
-        let (sight, tensions) = (at.sight, at.tensions);
-        let outputs = [
-            sight.altitude,
-            sight.pitch,
-            sight.roll,
-            sight.heading,
-            sight.right,
-            sight.forward,
-            tensions.center,
-            tensions.starboard,
-            tensions.port,
-        ];
-        for (row, entry) in at.derivative.iter().enumerate() {
-            if !entry.eps.is_finite() {
-                return Err(Error::State {
-                    name: "derivative of the equations of motion",
-                    value: entry.eps,
-                    unit: "(in the units of its states)",
-                    time_s: 0.0,
-                    allowed: "finite: the body must move relative to the fluid",
-                });
-            }
-            if direction < STATES {
-                linear.a[(row, direction)] = entry.eps;
-            } else {
-                linear.b[(row, direction - STATES)] = entry.eps;
-            }
-        }
-        for (row, entry) in outputs.iter().enumerate() {
-            if direction < STATES {
-                linear.c[(row, direction)] = entry.eps;
-            } else {
-                linear.d[(row, direction - STATES)] = entry.eps;
-            }
-        }
+        check_derivative(&at.derivative)?;
+        linear.set_column(direction, at.derivative.map(|entry| entry.eps), outputs(&at).map(|entry| entry.eps));
     }
     Ok(linear)
 }
 
+/// In the order of [`OUTPUT_VARIABLES`].
+fn outputs(at: &Evaluation<Dual64>) -> [Dual64; OUTPUTS] {
+    let Evaluation { sight, tensions, .. } = at;
+    [
+        sight.altitude,
+        sight.pitch,
+        sight.roll,
+        sight.heading,
+        sight.right,
+        sight.forward,
+        tensions.center,
+        tensions.starboard,
+        tensions.port,
+    ]
+}
+
+/// Where the body does not move relative to the fluid, the fluid forces have no derivative.
+fn check_derivative(derivative: &FlightState<Dual64>) -> Result<(), Error> {
+    match derivative.iter().find(|entry| !entry.eps.is_finite()) {
+        None => Ok(()),
+        Some(entry) => Err(Error::State {
+            name: "derivative of the equations of motion",
+            value: entry.eps,
+            unit: "(in the units of its states)",
+            time_s: 0.0,
+            allowed: "finite: the body must move relative to the fluid",
+        }),
+    }
+}
+
 impl Linearization {
+    /// Writes what the derivatives of the states and the outputs are along state or input `direction`.
+    fn set_column(&mut self, direction: usize, derivative: [f64; STATES], outputs: [f64; OUTPUTS]) {
+        let (derivative, outputs) = (SVector::from(derivative), SVector::from(outputs));
+        if direction < STATES {
+            self.a.set_column(direction, &derivative);
+            self.c.set_column(direction, &outputs);
+        } else {
+            self.b.set_column(direction - STATES, &derivative);
+            self.d.set_column(direction - STATES, &outputs);
+        }
+    }
+
     /// The free coordinates and their rates: with the lines locked, what the body does by itself.
     pub const FREE: [usize; 6] = [0, 1, 2, 3, 4, 5];
     /// Of these the longitudinal ones: zenith angle and its rate.

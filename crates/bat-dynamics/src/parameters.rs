@@ -2,69 +2,9 @@
 //!
 //! The table [`FIELDS`] is the one list of all numbers: a file reader, a writer and a scale converter walk it.
 
-use serde::{Deserialize, Serialize};
-
+use crate::allowed::Allowed;
 use crate::error::Error;
-
-/// Where the single line of the pair-and-single arrangement sits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TetherLayout {
-    /// Line 1 forward in the middle, lines 2 (starboard) and 3 (port) aft: equations (1), (2).
-    #[default]
-    OneForwardTwoAft,
-    /// Line 1 aft in the middle, lines 2 and 3 forward (Figure 14): the induced pitch changes sign.
-    TwoForwardOneAft,
-}
-
-impl TetherLayout {
-    /// Sign of the induced pitch: +1 where a longer line 1 raises the nose.
-    #[must_use]
-    pub fn pitch_sign(self) -> f64 {
-        match self {
-            Self::OneForwardTwoAft => 1.0,
-            Self::TwoForwardOneAft => -1.0,
-        }
-    }
-}
-
-/// What values a parameter may take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Allowed {
-    /// Any finite number.
-    Finite,
-    /// Zero or more.
-    NonNegative,
-    /// More than zero.
-    Positive,
-    /// An angle above 0 and at most a quarter turn.
-    AcuteAngle,
-}
-
-impl Allowed {
-    /// Whether `value` (in SI) is allowed.
-    #[must_use]
-    pub fn admits(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Finite => true,
-                Self::NonNegative => value >= 0.0,
-                Self::Positive => value > 0.0,
-                Self::AcuteAngle => value > 0.0 && value <= core::f64::consts::FRAC_PI_2,
-            }
-    }
-
-    /// In words, for an error message.
-    #[must_use]
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Finite => "a finite number",
-            Self::NonNegative => "finite and zero or more",
-            Self::Positive => "finite and more than zero",
-            Self::AcuteAngle => "more than 0 and at most pi/2 rad",
-        }
-    }
-}
+use crate::layout::TetherLayout;
 
 /// One number of [`Parameters`]: where it stands in a file and how to reach it.
 #[derive(Clone, Copy, Debug)]

@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::lanes::{LANES, Lanes};
 use crate::parameters::Parameters;
 use crate::real::Real;
+use crate::vector::Vector;
 
 /// Lift beyond the stall angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -265,5 +266,24 @@ impl Plant {
     #[must_use]
     pub fn cast<T: Real>(&self) -> Plant<T> {
         self.map(T::constant)
+    }
+}
+
+impl<T: Real> Plant<T> {
+    /// `M_a v` for a velocity along B: the momentum of the added mass.
+    #[inline(always)]
+    pub(crate) fn added_mass_times(&self, v: Vector<T>) -> Vector<T> {
+        [self.added_x * v[0], self.added_y * v[1], self.added_z * v[2]]
+    }
+
+    /// `(I + I_a) omega` for an angular velocity along B: the angular momentum about the center of mass, and that of the
+    /// added inertia.
+    #[inline(always)]
+    pub(crate) fn inertia_times(&self, omega: Vector<T>) -> Vector<T> {
+        [
+            self.inertia_x * omega[0] - self.inertia_xz * omega[2],
+            self.inertia_y * omega[1],
+            self.inertia_z * omega[2] - self.inertia_xz * omega[0],
+        ]
     }
 }

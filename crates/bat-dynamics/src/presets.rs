@@ -1,8 +1,8 @@
 //! Named plants.
 
+use crate::layout::TetherLayout;
 use crate::parameters::{
-    AddedMass, Body, Fluid, HorizontalStabilizer, Hull, Parameters, Stall, Tether, TetherLayout, VerticalStabilizer,
-    Winch,
+    AddedMass, Body, Fluid, HorizontalStabilizer, Hull, Parameters, Stall, Tether, VerticalStabilizer, Winch,
 };
 
 impl Parameters {

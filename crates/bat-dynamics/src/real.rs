@@ -2,10 +2,6 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use num_dual::Dual64;
-
-use crate::trig;
-
 /// A real number as the dynamics kernels need it.
 ///
 /// Implemented for `f64`, for [`Lanes`](crate::Lanes) (several flights at once) and for
@@ -46,64 +42,5 @@ pub trait Real:
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         other.select_below(self, self, other)
-    }
-}
-
-impl Real for f64 {
-    #[inline(always)]
-    fn constant(value: f64) -> Self {
-        value
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        f64::sqrt(self)
-    }
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        trig::sin_cos(self)
-    }
-    #[inline(always)]
-    fn atan2(self, x: Self) -> Self {
-        trig::atan2(self, x)
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        f64::abs(self)
-    }
-    #[inline(always)]
-    fn select_below(self, limit: Self, chosen: Self, otherwise: Self) -> Self {
-        if self < limit { chosen } else { otherwise }
-    }
-    #[inline(always)]
-    fn copysign(self, sign: Self) -> Self {
-        f64::copysign(self, sign)
-    }
-}
-
-/// Derivatives: those of the functions above; a selection carries the derivative of the chosen branch.
-impl Real for Dual64 {
-    fn constant(value: f64) -> Self {
-        Dual64::from_re(value)
-    }
-    fn sqrt(self) -> Self {
-        let root = self.re.sqrt();
-        Dual64::new(root, self.eps * 0.5 / root)
-    }
-    fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = trig::sin_cos(self.re);
-        (Dual64::new(sin, cos * self.eps), Dual64::new(cos, -sin * self.eps))
-    }
-    fn atan2(self, x: Self) -> Self {
-        let squared = self.re * self.re + x.re * x.re;
-        Dual64::new(trig::atan2(self.re, x.re), (x.re * self.eps - self.re * x.eps) / squared)
-    }
-    fn abs(self) -> Self {
-        if self.re < 0.0 { -self } else { self }
-    }
-    fn select_below(self, limit: Self, chosen: Self, otherwise: Self) -> Self {
-        if self.re < limit.re { chosen } else { otherwise }
-    }
-    fn copysign(self, sign: Self) -> Self {
-        if self.re.is_sign_negative() == sign.re.is_sign_negative() { self } else { -self }
     }
 }

@@ -1,4 +1,4 @@
-//! The few operations on three-vectors that the kernels need, on plain arrays of a [`Real`].
+//! The few operations on three-vectors and wrenches that the kernels need, on plain arrays of a [`Real`].
 
 use crate::real::Real;
 
@@ -56,4 +56,24 @@ pub(crate) fn combine<T: Real>(axes: &[Vector<T>; 3], v: Vector<T>) -> Vector<T>
 #[inline(always)]
 pub(crate) fn project<T: Real>(axes: &[Vector<T>; 3], v: Vector<T>) -> Vector<T> {
     [dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)]
+}
+
+/// A force and its moment about the bridle joint, along one frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wrench<T> {
+    pub(crate) force: Vector<T>,
+    pub(crate) moment: Vector<T>,
+}
+
+impl<T: Real> Wrench<T> {
+    /// Of a force that acts at (x, 0, z).
+    #[inline(always)]
+    pub(crate) fn at(x: T, z: T, force: Vector<T>) -> Self {
+        Self { force, moment: point_cross(x, z, force) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self { force: add(self.force, other.force), moment: add(self.moment, other.moment) }
+    }
 }

@@ -1,4 +1,4 @@
-//! Dimensionless products of variables.
+//! One dimensionless product of variables.
 
 use std::fmt;
 
@@ -10,8 +10,7 @@ use crate::error::Error;
 use crate::exponents::{Exponents, write_quotient};
 use crate::number::{product_of_powers, shortest_decimal};
 use crate::set_up::SetUp;
-use crate::span::Span;
-use crate::system::{System, Variable};
+use crate::system::Variable;
 
 /// A dimensionless product of powers of variables.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -19,25 +18,6 @@ use crate::system::{System, Variable};
 pub struct Group {
     /// Variables in the order of the system, with exponents other than zero.
     factors: Vec<(String, BigRational)>,
-}
-
-/// On which side of the line a group has the variable that does not repeat.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Orientation {
-    /// `g*L_t/V^2`: above.
-    #[default]
-    Above,
-    /// `V^2/(L_t*g)`: below.
-    Below,
-}
-
-/// Independent groups of a system, from which all others are products of powers.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Groups {
-    system: System,
-    repeating: Vec<String>,
-    groups: Vec<Group>,
 }
 
 impl Group {
@@ -116,84 +96,8 @@ impl Group {
         }
     }
 
-    fn exponents(&self) -> Exponents {
+    pub(crate) fn exponents(&self) -> Exponents {
         self.factors.iter().cloned().collect()
-    }
-}
-
-impl Groups {
-    pub(crate) fn new(system: System, repeating: Vec<String>, groups: Vec<Group>) -> Self {
-        Self { system, repeating, groups }
-    }
-
-    /// The groups in the order of their variables that do not repeat.
-    pub fn iter(&self) -> std::slice::Iter<'_, Group> {
-        self.groups.iter()
-    }
-
-    /// How many groups there are.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.groups.len()
-    }
-
-    /// Whether there are no groups.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.groups.is_empty()
-    }
-
-    /// The system whose groups these are.
-    #[must_use]
-    pub fn system(&self) -> &System {
-        &self.system
-    }
-
-    /// The repeating variables.
-    #[must_use]
-    pub fn repeating(&self) -> &[String] {
-        &self.repeating
-    }
-
-    /// The same groups with the variables that do not repeat above or below the line.
-    #[must_use]
-    pub fn oriented(mut self, orientation: Orientation) -> Self {
-        for group in &mut self.groups {
-            let own = group.factors.iter().find(|(name, _)| !self.repeating.contains(name));
-            let above = own.is_some_and(|(_, exponent)| exponent.is_positive());
-            if above != (orientation == Orientation::Above) {
-                *group = group.inverse();
-            }
-        }
-        self
-    }
-
-    /// Whether other groups say the same: each is a product of powers of the other set's, in both directions.
-    ///
-    /// Groups that are written twice or depend on each other add nothing, so the counts may differ.
-    #[must_use]
-    pub fn span_same_space<'a>(&self, others: impl IntoIterator<Item = &'a Group>) -> bool {
-        let mut span = Span::default();
-        for group in &self.groups {
-            let _ = span.insert(&group.to_string(), &group.exponents());
-        }
-        let mut theirs = Span::default();
-        for group in others {
-            if span.express(&group.exponents()).is_err() {
-                return false;
-            }
-            // What depends on the former ones adds nothing to the rank.
-            let _ = theirs.insert(&group.to_string(), &group.exponents());
-        }
-        theirs.rank() == span.rank()
-    }
-}
-
-impl<'a> IntoIterator for &'a Groups {
-    type Item = &'a Group;
-    type IntoIter = std::slice::Iter<'a, Group>;
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
     }
 }
 

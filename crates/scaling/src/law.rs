@@ -7,8 +7,9 @@ use num_traits::One;
 
 use crate::dimension::Dimension;
 use crate::error::{Error, in_words};
-use crate::exponents::write_product;
+use crate::exponents::{Exponents, write_product};
 use crate::factor::Factor;
+use crate::groups::relation;
 use crate::near::near_misses;
 use crate::number::significant;
 use crate::span::Span;
@@ -39,6 +40,9 @@ impl System {
     /// The scaling law that follows from ratios of variables or of plain dimensions: `[("L_t", "100"), ("M", "1e6")]`.
     ///
     /// A name is looked up among the variables first, then read as a product of the system's base dimensions.
+    /// The scale X_s is such a ratio, of a length; the stretching a of time goes as the inverse of the ratio of a time.
+    ///
+    /// Source: (16), (18).
     ///
     /// # Errors
     /// [`Error::UnknownVariable`], [`Error::Duplicate`], what is wrong with a ratio as [`Error::AtKey`],
@@ -166,13 +170,13 @@ impl ScalingLaw {
         powers.fold(Factor::one(), |product, factor| &product * &factor)
     }
 
-    fn relation(&self, name: &str, made_of: &crate::exponents::Exponents) -> String {
+    fn relation(&self, name: &str, made_of: &Exponents) -> String {
         // Plain dimensions may stand among the ratios: give them a place behind the variables.
         let names = self.given.iter().map(|(given, _)| given.as_str()).chain([name]);
         let missing = names.filter(|name| self.system.variable(name).is_err());
         let behind = missing.map(|name| Variable { name: name.to_owned(), dimension: Dimension::one() });
         let variables: Vec<_> = self.system.variables().iter().cloned().chain(behind).collect();
-        crate::system::relation(&variables, name, made_of).to_string()
+        relation(&variables, name, made_of).to_string()
     }
 
     fn free(&self, quantity: &str, dimension: &Dimension) -> Error {

@@ -7,6 +7,7 @@ mod error;
 mod exponents;
 mod factor;
 mod group;
+mod groups;
 mod law;
 mod near;
 mod number;
@@ -23,7 +24,8 @@ pub use dimension::Dimension;
 pub use document::{Conversion, Converted, DocumentOptions};
 pub use error::Error;
 pub use factor::Factor;
-pub use group::{Group, Groups, Orientation};
+pub use group::Group;
+pub use groups::{Groups, Orientation};
 pub use law::{Rule, ScalingLaw};
 /// Exact exponents.
 pub use num_rational::BigRational;

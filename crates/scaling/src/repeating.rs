@@ -1,7 +1,7 @@
 //! All sets of repeating variables.
 
 use crate::span::Span;
-use crate::system::Variable;
+use crate::system::{System, Variable};
 
 /// Every set of variables with independent dimensions that spans those of the whole system.
 ///
@@ -51,5 +51,13 @@ impl<'a> Iterator for RepeatingSets<'a> {
             }
             self.next = Some(position + 1);
         }
+    }
+}
+
+impl System {
+    /// Every set of repeating variables that works, one at a time, in lexical order of positions.
+    #[must_use]
+    pub fn repeating_sets(&self) -> RepeatingSets<'_> {
+        RepeatingSets::new(self.variables(), self.rank())
     }
 }

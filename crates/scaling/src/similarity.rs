@@ -6,7 +6,8 @@ use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 
 use crate::error::Error;
-use crate::group::{Group, Groups};
+use crate::group::Group;
+use crate::groups::Groups;
 use crate::near::near_misses;
 use crate::number::significant;
 use crate::set_up::SetUp;

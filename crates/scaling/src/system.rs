@@ -2,16 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use num_rational::BigRational;
-use num_traits::One;
-
 use crate::dimension::Dimension;
-use crate::error::{Error, in_words};
-use crate::exponents::{Exponents, clear_denominators, multiply_symbol};
-use crate::group::{Group, Groups};
+use crate::error::Error;
 use crate::near::near_misses;
-use crate::parse::{Atom, begins_symbol, matches_whole, parse};
-use crate::repeating::RepeatingSets;
+use crate::parse::begins_symbol;
 use crate::span::Span;
 use crate::units::Units;
 
@@ -110,64 +104,6 @@ impl System {
         self.variables.iter().filter(|v| insert(v)).map(|v| v.name.as_str()).collect()
     }
 
-    /// Every set of repeating variables that works, one at a time, in lexical order of positions.
-    #[must_use]
-    pub fn repeating_sets(&self) -> RepeatingSets<'_> {
-        RepeatingSets::new(&self.variables, self.rank())
-    }
-
-    /// The dimensionless groups, one for each variable that does not repeat.
-    ///
-    /// # Errors
-    /// [`Error::UnknownVariable`], [`Error::Duplicate`], [`Error::DimensionlessRepeating`],
-    /// [`Error::DependentRepeating`] (also where there are too many), [`Error::InsufficientRepeating`].
-    pub fn groups(&self, repeating: &[&str]) -> Result<Groups, Error> {
-        let span = self.repeating_span(repeating)?;
-        let mut groups = Vec::new();
-        for variable in self.variables.iter().filter(|v| !repeating.contains(&v.name.as_str())) {
-            let made_of = span
-                .express(variable.dimension.exponents())
-                .map_err(|_| self.insufficient(repeating, variable, &span))?;
-            groups.push(relation(&self.variables, &variable.name, &made_of));
-        }
-        let repeating = repeating.iter().map(|name| (*name).to_owned()).collect();
-        Ok(Groups::new(self.clone(), repeating, groups))
-    }
-
-    /// Reads a group such as `L_t^3*rho/M_a`, as written, and verifies that it is dimensionless.
-    ///
-    /// # Errors
-    /// [`Error::Syntax`], [`Error::UnknownSymbol`], [`Error::NumberInText`], [`Error::NotDimensionless`].
-    pub fn group(&self, text: &str) -> Result<Group, Error> {
-        let known = |rest: &str| self.names().filter_map(|name| matches_whole(name, rest)).max();
-        let mut exponents = Exponents::new();
-        let mut dimension = Dimension::one();
-        for term in parse(text, &known)? {
-            match term.atom {
-                Atom::Number(number) if number.is_one() => {}
-                Atom::Number(number) => {
-                    return Err(Error::NumberInText { number: number.to_string(), text: text.into() });
-                }
-                Atom::Symbol { symbol, position } => {
-                    let variable =
-                        self.variables.iter().find(|v| v.name == symbol).ok_or_else(|| Error::UnknownSymbol {
-                            what: "variable",
-                            near: near_misses(&symbol, self.names().map(str::to_owned)),
-                            symbol,
-                            position,
-                            text: text.into(),
-                        })?;
-                    dimension.multiply(&variable.dimension, &term.exponent);
-                    multiply_symbol(&mut exponents, &variable.name, &term.exponent);
-                }
-            }
-        }
-        if !dimension.is_one() {
-            return Err(Error::NotDimensionless { group: text.into(), dimension: dimension.to_string() });
-        }
-        Ok(Group::in_order(&self.variables, exponents))
-    }
-
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.variables.iter().map(|variable| variable.name.as_str())
     }
@@ -178,37 +114,6 @@ impl System {
         beyond.map(|v| v.name.clone()).collect()
     }
 
-    fn repeating_span(&self, repeating: &[&str]) -> Result<Span, Error> {
-        let mut span = Span::default();
-        for (position, name) in repeating.iter().enumerate() {
-            let variable = self.variable(name)?;
-            if repeating[..position].contains(name) {
-                return Err(Error::Duplicate { what: "repeating variable", name: variable.name.clone() });
-            }
-            if variable.dimension.is_one() {
-                return Err(Error::DimensionlessRepeating { name: variable.name.clone() });
-            }
-            if let Err(made_of) = span.insert(name, variable.dimension.exponents()) {
-                let on: Vec<_> = repeating.iter().filter(|other| made_of.contains_key(**other)).collect();
-                return Err(Error::DependentRepeating {
-                    dependent: variable.name.clone(),
-                    on: in_words(&on),
-                    relation: relation(&self.variables, name, &made_of).to_string(),
-                });
-            }
-        }
-        Ok(span)
-    }
-
-    fn insufficient(&self, repeating: &[&str], variable: &Variable, span: &Span) -> Error {
-        Error::InsufficientRepeating {
-            repeating: in_words(repeating),
-            variable: variable.name.clone(),
-            dimension: variable.dimension.to_string(),
-            candidates: self.beyond(span),
-        }
-    }
-
     fn span(&self, variables: &[&Variable]) -> Span {
         let mut span = Span::default();
         for variable in variables {
@@ -217,14 +122,6 @@ impl System {
         }
         span
     }
-}
-
-/// The group that says that `name` is `made_of` others.
-pub(crate) fn relation(variables: &[Variable], name: &str, made_of: &Exponents) -> Group {
-    let mut exponents: Exponents = made_of.iter().map(|(symbol, e)| (symbol.clone(), -e.clone())).collect();
-    multiply_symbol(&mut exponents, name, &BigRational::one());
-    clear_denominators(&mut exponents);
-    Group::in_order(variables, exponents)
 }
 
 fn check_name(name: &str) -> Result<(), Error> {

@@ -107,6 +107,25 @@ fn lift_follows_the_stall_law_and_is_continuous_and_odd() {
 }
 
 #[test]
+fn lift_coefficients_are_at_the_angle_of_the_surface_and_leave_out_its_incidence() {
+    // The horizontal stabilizer alone, without drag, at rest in a flow under the angle of attack alpha.
+    let mut p = without_surfaces(rig());
+    let fin = &mut p.horizontal_stabilizer;
+    (fin.area_m2, fin.drag_zero_lift, fin.drag_due_to_lift) = (0.0017, 0.0, 0.0);
+    let without = plant(&p, Fidelity::STALLED);
+    p.horizontal_stabilizer.incidence_rad = 0.15;
+    let with = plant(&p, Fidelity::STALLED);
+    for alpha in [-0.3_f64, -0.05, 0.0, 0.1, 0.4] {
+        assert_eq!(lift_coefficients(&with, alpha), lift_coefficients(&without, alpha), "at {alpha} rad");
+        let speed = 0.3;
+        let (force, _) = aerodynamic_wrench(&with, [speed * alpha.cos(), 0.0, speed * alpha.sin()], [0.0; 3]);
+        let lift = force[0] * alpha.sin() - force[2] * alpha.cos();
+        let expected = 0.5 * 1000.0 * speed * speed * 0.0017 * lift_coefficients(&with, alpha + 0.15)[1];
+        assert!((lift - expected).abs() < 1e-15, "{lift} N against {expected} N at {alpha} rad");
+    }
+}
+
+#[test]
 fn side_slip_mirrors_the_forces_bit_for_bit() {
     let plant = plant(&everything(), Fidelity::STALLED);
     let mut sample = Sample(42);

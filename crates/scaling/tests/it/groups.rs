@@ -34,6 +34,54 @@ fn eleven_groups_of_equation_15_come_out_of_table_1() {
     check_listed(&system(&TABLE_1), &["L_t", "M_a", "V"], &listed);
 }
 
+/// Table 1 with its times in units of t_bar = a t, and the stretching a, a pure number.
+fn table_1_in_scaled_time() -> System {
+    let scaled = |(name, unit): (&'static str, &'static str)| match name {
+        "V" => ("V_bar", unit),
+        "g" => ("g_bar", unit),
+        _ => (name, unit),
+    };
+    let variables: Vec<_> = TABLE_1.into_iter().map(scaled).chain([("a", "1")]).collect();
+    system(&variables)
+}
+
+#[test]
+fn twelve_groups_of_equation_17_come_out_of_table_1_in_scaled_time() {
+    let listed = [
+        "L_c/L_t",
+        "L_t/d_t",
+        "L_t^3*rho/M_a",
+        "lambda*L_t/M_a",
+        "g_bar*L_t/V_bar^2",
+        "L_t*Theta_dot/V_bar",
+        "L_t^2*Theta_ddot/V_bar^2",
+        "L_t*Phi_dot/V_bar",
+        "L_t^2*Phi_ddot/V_bar^2",
+        "L_t*Psi_dot/V_bar",
+        "L_t^2*Psi_ddot/V_bar^2",
+        "a",
+    ];
+    check_listed(&table_1_in_scaled_time(), &["L_t", "M_a", "V_bar"], &listed);
+}
+
+#[test]
+fn groups_of_equation_17_match_at_every_scale_except_the_stretching_of_time() {
+    // In scaled time nothing gets slower: speed and gravity go as the length, as the text after (18) says.
+    let scaled = table_1_in_scaled_time().law(&[("L_t", "100"), ("rho", "1"), ("T", "1")]).unwrap();
+    for (name, factor) in [("V_bar", "100"), ("g_bar", "100"), ("Theta_dot", "1"), ("Psi_ddot", "1"), ("a", "1")] {
+        assert_eq!(scaled.rule(name).unwrap().factor.to_string(), factor, "{name}");
+    }
+    // In absolute time gravity stays, so that times go as the square root of the length, and a as its inverse, (18).
+    let absolute = system(&TABLE_1).law(&[("L_t", "100"), ("rho", "1"), ("g", "1")]).unwrap();
+    let time = absolute.factor(&"T".parse().unwrap()).unwrap();
+    assert_eq!((time.to_string(), time.inverse().to_string()), ("10".to_owned(), "1/10".to_owned()));
+    // V_bar = V/a and g_bar = g/a² say the same.
+    let stretching = time.inverse();
+    let speed = &absolute.rule("V").unwrap().factor * &stretching.inverse();
+    assert_eq!(speed, scaled.rule("V_bar").unwrap().factor);
+    assert_eq!(stretching.pow(&ratio("-2")), scaled.rule("g_bar").unwrap().factor);
+}
+
 /// (19) as repaired: `V/k_p^phi` in place of what is missing, `t_bar/tau_z` in place of `V/tau_z`, with t_bar = L_t/V.
 const LISTED_19: [&str; 8] = [
     "L_t/k_d^theta",

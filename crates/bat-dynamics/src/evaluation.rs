@@ -1,0 +1,66 @@
+//! The right-hand side of a flight: lines, winches, motion and tensions together.
+
+use crate::bridle::Bridle;
+use crate::coordinates::FlightState;
+use crate::flow::Flow;
+use crate::kinematics::{Driven, Sight};
+use crate::motion::solve_motion;
+use crate::plant::Plant;
+use crate::real::Real;
+use crate::tensions::{Tensions, tensions};
+use crate::winch::reel_accelerations;
+
+/// Derivative of a flight state under held winch commands, and what a camera sees at that state.
+#[derive(Clone, Copy, Debug)]
+pub struct Evaluation<T = f64> {
+    /// Time derivative of the state.
+    pub derivative: FlightState<T>,
+    /// Position and attitude seen from the flow's direction.
+    pub sight: Sight<T>,
+    /// Line tensions in N.
+    pub tensions: Tensions<T>,
+}
+
+/// The right-hand side of a flight: equation (4) with the winches (3).
+///
+/// `commands` are the commanded reel speeds in m/s, in the order center, starboard, port. Nothing is checked
+/// here: a state that leaves the model gives non-finite numbers, which [`check_state`](crate::check_state) names.
+#[inline(always)]
+pub fn evaluate<T: Real>(plant: &Plant<T>, state: &FlightState<T>, commands: [T; 3], flow: &Flow<T>) -> Evaluation<T> {
+    let &[zenith, azimuth, twist, zenith_rate, azimuth_rate, twist_rate, l1, l2, l3, u1, u2, u3] = state;
+    let reel = [u1, u2, u3];
+    let reel_acceleration = reel_accelerations(plant, reel, commands);
+    let bridle = Bridle::of_lines(plant, [l1, l2, l3], reel, reel_acceleration);
+    let pose = bridle.pose([zenith, azimuth, twist], flow);
+    let rates = bridle.rates([zenith_rate, azimuth_rate, twist_rate]);
+    let driven =
+        Driven { length: bridle.length_acceleration, pitch: bridle.pitch.acceleration, roll: bridle.roll.acceleration };
+    let motion = solve_motion(plant, &pose, &rates, &driven, flow.speed_m_s);
+    Evaluation {
+        derivative: [
+            zenith_rate,
+            azimuth_rate,
+            twist_rate,
+            motion.free[0],
+            motion.free[1],
+            motion.free[2],
+            u1,
+            u2,
+            u3,
+            reel_acceleration[0],
+            reel_acceleration[1],
+            reel_acceleration[2],
+        ],
+        sight: pose.sight(plant),
+        tensions: tensions(plant, &pose, motion.supplied),
+    }
+}
+
+/// What a camera sees of a flight state, without the dynamics of [`evaluate`].
+#[inline(always)]
+#[must_use]
+pub fn sight<T: Real>(plant: &Plant<T>, state: &FlightState<T>, flow: &Flow<T>) -> Sight<T> {
+    let zero = [T::constant(0.0); 3];
+    let bridle = Bridle::of_lines(plant, [state[6], state[7], state[8]], zero, zero);
+    bridle.pose([state[0], state[1], state[2]], flow).sight(plant)
+}
