@@ -110,6 +110,28 @@ impl Scale {
     pub(super) fn decimals(&self) -> usize {
         (-self.step.log10() - 1e-9).ceil().max(0.0) as usize
     }
+
+    /// What stands at a tick: as many decimals as all ticks need, and a power of ten where that would be long.
+    pub(super) fn text(&self, tick: f64) -> String {
+        let largest = self.max.abs().max(self.min.abs());
+        match self.decimals() {
+            decimals @ 0..=5 if largest < 1e6 => number_text(tick, decimals),
+            _ => format!("{:e}", rounded_to(tick, self.step)).replace('-', MINUS),
+        }
+    }
+}
+
+const MINUS: &str = "\u{2212}";
+
+/// A number with its decimals and a proper minus sign.
+pub(super) fn number_text(value: f64, decimals: usize) -> String {
+    format!("{:.decimals$}", value + 0.0).replace('-', MINUS)
+}
+
+/// A multiple of a step without the last bits of the multiplication, which its shortest text would show.
+fn rounded_to(tick: f64, step: f64) -> f64 {
+    let digits = if tick.abs() > 0.0 { (tick.abs() / step).log10().floor().max(0.0) as usize + 1 } else { 0 };
+    format!("{tick:.digits$e}").parse().unwrap_or(tick)
 }
 
 /// 1, 2 or 5 times a power of ten, so that a span has about the number of ticks asked for.
@@ -159,6 +181,17 @@ mod tests {
         assert_eq!(roomy([0.0, 9.0]), Scale { min: 0.0, max: 10.0, step: 2.0 });
         assert_eq!(roomy([0.0, 0.245]), Scale { min: 0.0, max: 6.0 * 0.05, step: 0.05 });
         assert_eq!(roomy([4.25, 6.75]), Scale { min: 4.0, max: 7.0, step: 0.5 });
+    }
+
+    #[test]
+    fn ticks_that_would_be_long_have_a_power_of_ten() {
+        let texts = |scale: Scale| scale.ticks().into_iter().map(|tick| scale.text(tick)).collect::<Vec<_>>();
+        assert_eq!(
+            texts(Scale { min: 0.0, max: 3e-7, step: 1e-7 }),
+            ["0e0", "1e\u{2212}7", "2e\u{2212}7", "3e\u{2212}7"]
+        );
+        assert_eq!(texts(Scale { min: 1e6, max: 2e6, step: 5e5 }), ["1e6", "1.5e6", "2e6"]);
+        assert_eq!(texts(Scale { min: -0.5, max: 0.5, step: 0.5 }), ["\u{2212}0.5", "0.0", "0.5"]);
     }
 
     #[test]

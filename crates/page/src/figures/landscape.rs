@@ -1,12 +1,9 @@
 //! A quantity over two parameters, with the paths that a search took across it.
 
-use kuva::plot::ColorMap;
-use kuva::render::render::TextAnchor;
-
-use super::axis::{Axis, Scale};
+use super::axis::{Axis, Scale, number_text};
 use super::canvas::{
-    BELOW_PX, Canvas, Frame, FrameText, INK, LEFT_PX, LegendEntry, Mark, PAPER, TEXT_SIZE, TITLE_PX, WIDTH_PX, color,
-    legend_height_px, number_text, text_width_px,
+    Anchor, BELOW_PX, Canvas, Frame, FrameText, INK, LEFT_PX, LegendEntry, Mark, PAPER, Pen, SHORT_DASHES, TEXT_SIZE,
+    TITLE_PX, WIDTH_PX, color, legend_height_px, text_width_px,
 };
 use super::contours::{Grid, Segment};
 use super::labels::{Room, Taken};
@@ -101,7 +98,7 @@ pub fn landscape_figure(landscape: &Landscape) -> String {
         y_label: landscape.y_axis.label(),
         grid: super::canvas::Grid::Hidden,
     };
-    canvas.frame(&frame, &text, Vec::new());
+    canvas.frame(&frame, &text);
 
     let levels = Levels::of(&landscape.z_axis, landscape.z.iter().flatten().copied());
     let mut room = room(landscape, &frame);
@@ -167,8 +164,8 @@ impl Sheet {
             y_label: if column == 0 { y_axis.label() } else { "" },
             grid: super::canvas::Grid::Hidden,
         };
-        canvas.frame(&frame, &text, Vec::new());
-        canvas.text_as(title, (left, frame.top - 8.0), TEXT_SIZE, TextAnchor::Start);
+        canvas.frame(&frame, &text);
+        canvas.text_as(title, (left, frame.top - 8.0), TEXT_SIZE, Anchor::Start);
         frame
     }
 }
@@ -262,7 +259,7 @@ impl Levels {
     }
 
     fn color(&self, band: usize) -> String {
-        ColorMap::Viridis.map((band as f64 + 0.5) / self.bands() as f64)
+        format!("#{:x}", colorous::VIRIDIS.eval_continuous((band as f64 + 0.5) / self.bands() as f64))
     }
 
     /// The color of a value: that of the lowest or the highest band beyond them.
@@ -287,7 +284,7 @@ fn draw_bands(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame, levels:
     with_pixel_grid(landscape, frame, |grid| {
         for band in 0..levels.bands() {
             let from = if band == 0 { f64::MIN } else { levels.borders[band] };
-            canvas.area(grid.at_least(from), &levels.color(band));
+            canvas.area(&grid.at_least(from), &levels.color(band));
         }
     });
 }
@@ -306,7 +303,7 @@ fn draw_iso_lines(
             let d: String =
                 segments.iter().map(|(a, b)| format!("M{:.1} {:.1}L{:.1} {:.1}", a.0, a.1, b.0, b.1)).collect();
             if !d.is_empty() {
-                canvas.path(d, "none", INK, 0.6);
+                canvas.path(&d, "none", INK, 0.6);
             }
             lines.push((levels.text(border), segments));
         }
@@ -343,7 +340,8 @@ fn draw_missing(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame) {
 
 fn draw_verticals(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame) {
     for x in landscape.verticals.iter().filter(|x| (frame.x.min..=frame.x.max).contains(x)) {
-        canvas.dashed_line(&[(frame.x_px(*x), frame.top), (frame.x_px(*x), frame.bottom)], PAPER, 1.6);
+        let ends = [(frame.x_px(*x), frame.top), (frame.x_px(*x), frame.bottom)];
+        canvas.line(&ends, Pen::dashed(PAPER, 1.6, SHORT_DASHES));
     }
 }
 
@@ -371,8 +369,8 @@ fn keep_paths_free(room: &mut Room, landscape: &Landscape, frame: &Frame) {
 
 fn draw_path(canvas: &mut Canvas, frame: &Frame, path: &Path, fill: &str, radius: f64) {
     let points: Vec<(f64, f64)> = path.points.iter().map(|point| frame.px(*point)).collect();
-    canvas.line(&points, "#000000", 3.4);
-    canvas.line(&points, fill, 1.8);
+    canvas.line(&points, Pen::solid("#000000", 3.4));
+    canvas.line(&points, Pen::solid(fill, 1.8));
     for point in points {
         canvas.dot(point, radius, fill, "#000000");
     }
@@ -406,12 +404,12 @@ pub(super) fn draw_color_bar(canvas: &mut Canvas, label: &str, levels: &Levels, 
     if levels.exceeded && bands > 0 {
         let (left, right) = (BAR_LEFT_PX, BAR_LEFT_PX + BAR_WIDTH_PX);
         let d = format!("M{left} {top}L{right} {top}L{} {}Z", 0.5 * (left + right), top - 14.0);
-        canvas.path(d, &levels.color(bands - 1), INK, 1.0);
+        canvas.path(&d, &levels.color(bands - 1), INK, 1.0);
     }
     for border in 0..levels.borders.len() {
         let y = bottom - border as f64 * height;
         let at = (BAR_LEFT_PX + BAR_WIDTH_PX + 6.0, y + 4.0);
-        canvas.text_as(&levels.text(border), at, TEXT_SIZE, TextAnchor::Start);
+        canvas.text_as(&levels.text(border), at, TEXT_SIZE, Anchor::Start);
     }
     canvas.vertical_text(label, (WIDTH_PX - 14.0, 0.5 * (top + bottom)));
 }
