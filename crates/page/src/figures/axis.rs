@@ -6,13 +6,31 @@ pub struct Axis {
     label: String,
     range: Option<(f64, f64)>,
     step: Option<f64>,
+    colors: ColorScale,
+}
+
+/// How the values along an axis become the colors of a [`Landscape`](crate::Landscape) or a
+/// [`CellFigure`](crate::CellFigure); the bar of colors says which.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColorScale {
+    /// Bands of equal width. Above the range of the axis, or above what four fifths of the values stay below if the rest
+    /// is far higher, all values have the color of the highest.
+    #[default]
+    Linear,
+    /// Bands by the distance from the lowest value, with borders at 1, 2 and 5 times powers of ten: narrow near the
+    /// lowest value, wide far from it.
+    NearLowest,
+    /// The same from the highest value down; the highest has the darkest color.
+    NearHighest,
+    /// Bands that hold equally many values.
+    EqualShares,
 }
 
 impl Axis {
     /// An axis that shows all of the data; `unit` is "1" for a pure number.
     pub fn new(quantity: &str, unit: &str) -> Self {
         let label = if unit == "1" { quantity.to_owned() } else { format!("{quantity} ({unit})") };
-        Self { label, range: None, step: None }
+        Self { label, range: None, step: None, colors: ColorScale::Linear }
     }
 
     /// The same axis from one value to another, whatever the data; what lies outside is cut off.
@@ -31,6 +49,15 @@ impl Axis {
     pub fn counting_to(self, count: usize) -> Self {
         let step = if count <= 20 { 1.0 } else { 5.0 };
         Self { step: Some(step), ..self.with_range(0.5, count.max(1) as f64 + 0.5) }
+    }
+
+    /// The same axis with another scale of colors, if it is one of colors.
+    pub fn with_colors(self, colors: ColorScale) -> Self {
+        Self { colors, ..self }
+    }
+
+    pub(super) fn colors(&self) -> ColorScale {
+        self.colors
     }
 
     pub(super) fn has_range(&self) -> bool {
