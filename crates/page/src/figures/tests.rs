@@ -159,8 +159,8 @@ fn scale_of_colors_says_what_it_does() {
     };
     let svg = cell_figure(&figure);
     check(&svg, &["lowest", "cost (s), from the lowest, 256"]);
-    let dark = svg.matches("fill=\"#482").count();
-    assert!(dark > 0, "the darkest colors are used");
+    let fills: std::collections::BTreeSet<&str> = svg.split("fill=\"#").skip(1).map(|rest| &rest[..6]).collect();
+    assert!(fills.len() > 6, "the cells have many colors: {fills:?}");
 }
 
 #[test]
