@@ -6,13 +6,31 @@ pub struct Axis {
     label: String,
     range: Option<(f64, f64)>,
     step: Option<f64>,
+    colors: ColorScale,
+}
+
+/// How the values along an axis become the colors of a [`Landscape`](crate::Landscape) or a
+/// [`CellFigure`](crate::CellFigure); the bar of colors says which.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColorScale {
+    /// Bands of equal width. Above the range of the axis, or above what four fifths of the values stay below if the rest
+    /// is far higher, all values have the color of the highest.
+    #[default]
+    Linear,
+    /// Bands by the distance from the lowest value, with borders at 1, 2 and 5 times powers of ten: narrow near the
+    /// lowest value, wide far from it.
+    NearLowest,
+    /// The same from the highest value down; the highest has the darkest color.
+    NearHighest,
+    /// Bands that hold equally many values.
+    EqualShares,
 }
 
 impl Axis {
     /// An axis that shows all of the data; `unit` is "1" for a pure number.
     pub fn new(quantity: &str, unit: &str) -> Self {
         let label = if unit == "1" { quantity.to_owned() } else { format!("{quantity} ({unit})") };
-        Self { label, range: None, step: None }
+        Self { label, range: None, step: None, colors: ColorScale::Linear }
     }
 
     /// The same axis from one value to another, whatever the data; what lies outside is cut off.
@@ -31,6 +49,15 @@ impl Axis {
     pub fn counting_to(self, count: usize) -> Self {
         let step = if count <= 20 { 1.0 } else { 5.0 };
         Self { step: Some(step), ..self.with_range(0.5, count.max(1) as f64 + 0.5) }
+    }
+
+    /// The same axis with another scale of colors, if it is one of colors.
+    pub fn with_colors(self, colors: ColorScale) -> Self {
+        Self { colors, ..self }
+    }
+
+    pub(super) fn colors(&self) -> ColorScale {
+        self.colors
     }
 
     pub(super) fn has_range(&self) -> bool {
@@ -110,6 +137,28 @@ impl Scale {
     pub(super) fn decimals(&self) -> usize {
         (-self.step.log10() - 1e-9).ceil().max(0.0) as usize
     }
+
+    /// What stands at a tick: as many decimals as all ticks need, and a power of ten where that would be long.
+    pub(super) fn text(&self, tick: f64) -> String {
+        let largest = self.max.abs().max(self.min.abs());
+        match self.decimals() {
+            decimals @ 0..=5 if largest < 1e6 => number_text(tick, decimals),
+            _ => format!("{:e}", rounded_to(tick, self.step)).replace('-', MINUS),
+        }
+    }
+}
+
+const MINUS: &str = "\u{2212}";
+
+/// A number with its decimals and a proper minus sign.
+pub(super) fn number_text(value: f64, decimals: usize) -> String {
+    format!("{:.decimals$}", value + 0.0).replace('-', MINUS)
+}
+
+/// A multiple of a step without the last bits of the multiplication, which its shortest text would show.
+fn rounded_to(tick: f64, step: f64) -> f64 {
+    let digits = if tick.abs() > 0.0 { (tick.abs() / step).log10().floor().max(0.0) as usize + 1 } else { 0 };
+    format!("{tick:.digits$e}").parse().unwrap_or(tick)
 }
 
 /// 1, 2 or 5 times a power of ten, so that a span has about the number of ticks asked for.
@@ -159,6 +208,17 @@ mod tests {
         assert_eq!(roomy([0.0, 9.0]), Scale { min: 0.0, max: 10.0, step: 2.0 });
         assert_eq!(roomy([0.0, 0.245]), Scale { min: 0.0, max: 6.0 * 0.05, step: 0.05 });
         assert_eq!(roomy([4.25, 6.75]), Scale { min: 4.0, max: 7.0, step: 0.5 });
+    }
+
+    #[test]
+    fn ticks_that_would_be_long_have_a_power_of_ten() {
+        let texts = |scale: Scale| scale.ticks().into_iter().map(|tick| scale.text(tick)).collect::<Vec<_>>();
+        assert_eq!(
+            texts(Scale { min: 0.0, max: 3e-7, step: 1e-7 }),
+            ["0e0", "1e\u{2212}7", "2e\u{2212}7", "3e\u{2212}7"]
+        );
+        assert_eq!(texts(Scale { min: 1e6, max: 2e6, step: 5e5 }), ["1e6", "1.5e6", "2e6"]);
+        assert_eq!(texts(Scale { min: -0.5, max: 0.5, step: 0.5 }), ["\u{2212}0.5", "0.0", "0.5"]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
-use doe::{Parameter, Region};
+use design_space::{Parameter, Region};
 use infuse::{CodesignProblem, Role, correction::CorrectionForm, gradient};
 use serde::Deserialize;
 
