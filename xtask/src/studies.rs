@@ -36,7 +36,7 @@ pub(crate) fn run(words: &[&str]) -> Result<()> {
     };
     let features = study.features.join(",");
     let build =
-        ["run", "--quiet", "--release", "--package", "studies", "--no-default-features", "--features", &features];
+        ["run", "--release", "--package", "studies", "--no-default-features", "--features", &features];
     let status = workspace::cargo(&build)?.arg("--").args(words).status()?;
     if status.success() {
         return Ok(());
