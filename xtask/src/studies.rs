@@ -35,8 +35,7 @@ pub(crate) fn run(words: &[&str]) -> Result<()> {
         bail!("no study `{}`", words.join(" "));
     };
     let features = study.features.join(",");
-    let build =
-        ["run", "--release", "--package", "studies", "--no-default-features", "--features", &features];
+    let build = ["run", "--release", "--package", "studies", "--no-default-features", "--features", &features];
     let status = workspace::cargo(&build)?.arg("--").args(words).status()?;
     if status.success() {
         return Ok(());

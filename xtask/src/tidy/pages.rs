@@ -29,7 +29,8 @@ pub(super) fn missing_tests(name: &str, text: &str, sources: &[(String, String)]
         sources.iter().filter_map(|(file, _)| file.strip_prefix("crates/")?.split('/').next()).collect();
     let quoted = text.split('`').skip(1).step_by(2);
     let named = quoted.filter_map(|quoted| {
-        let (package, rest) = quoted.split_once("::")?;
+        // `crate::module::function`, or `crate: module::function`.
+        let (package, rest) = quoted.split_once(": ").or_else(|| quoted.split_once("::"))?;
         let package = package.replace('_', "-");
         let (module, function) = rest.rsplit_once("::")?;
         let is_test =
@@ -62,7 +63,11 @@ mod tests {
     fn tests_that_are_not_there_are_found() {
         let sources = [("crates/a-b/tests/it/c.rs".to_owned(), "fn it_holds() {}".to_owned())];
         let check = |text: &str| missing_tests("docs/checks.md", text, &sources);
-        assert!(check("`a_b::c::it_holds`, `a_b::Type::new`, `std::mem::size_of`").is_empty(), "as it should be");
+        assert_eq!(check("`a-b: c::it_fails`").len(), 1, "in the other form");
+        assert!(
+            check("`a_b::c::it_holds`, `a-b: c::it_holds`, `a_b::Type::new`, `std::mem::size_of`").is_empty(),
+            "as it should be"
+        );
         assert_eq!(check("`a_b::c::it_fails`"), ["docs/checks.md: there is no test `a_b::c::it_fails`"]);
     }
 }
