@@ -82,6 +82,10 @@ pub fn open_loop_cost(integrals: &Integrals, heading: f64, lateral: f64) -> [f64
 }
 
 /// Weights with the title and the provenance of every number of their file.
+///
+/// # The file
+/// `title` and `k1_heading`, `k2_pitch`, `k3_roll` 1/rad^2, `k4_altitude` 1/m^2, `k5_reel_speed` s^2/m^2, `k6_zenith` 1/rad,
+/// `k7_ballast` 1/(% chord)^2, all zero or more. Numbers and units are those of [`RigFile`](crate::RigFile).
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostFile {
     /// The title of the file.

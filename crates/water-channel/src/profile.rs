@@ -60,6 +60,23 @@ pub struct TestProfile {
 }
 
 /// A test profile with the title and the provenance of every number of its file.
+///
+/// # The file
+/// | key | unit (range) |
+/// |---|---|
+/// | `title`, `duration` | text, s (> 0) |
+/// | `control` | `closed-loop` (when absent) or `open-loop`: outside the windows all commands are zero |
+/// | `[start]`: `zenith`, `azimuth`, `twist` | rad, short of a half turn, zero when absent: departure from trim |
+/// | `[[flow]]`, at least one: `from` | s, 0 in the first, then increasing, within the test |
+/// | `speed`, `direction` | m/s (≥ 0), rad |
+/// | `transition`, if given | `step` (the default) or `linear` to the next entry |
+/// | `[[window]]`, any number: `from`, `to` | s, `from` within the test, `to` not before it |
+/// | `center`, `starboard`, `port`, zero where absent | u_max, from −1 to 1: fraction of the winch's speed limit, positive pays out |
+///
+/// A window replaces the commands at every sample from `from` to `to`, both included; winches lag as always, and the filters go on.
+/// Where two windows share a sample the earlier entry wins.
+///
+/// Numbers and units are those of [`RigFile`](crate::RigFile).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProfileFile {
     /// The title of the file.

@@ -31,6 +31,23 @@ pub struct Rig {
 }
 
 /// A rig with the title and the provenance of every number of its file.
+///
+/// # The file
+/// `title`, then in `[plant.*]` the sections and keys of [`FIELDS`](bat_dynamics::FIELDS), with their units and ranges: positions in
+/// fractions of the chord aft of the leading edge, heights above the bridle joint; in `[plant.tether]` also `layout`,
+/// `one-forward-two-aft` or `two-forward-one-aft`.
+///
+/// | key of `[controller]` | unit (range) |
+/// |---|---|
+/// | `sample_time`, `altitude_set_point` | s, m (> 0) |
+/// | `pitch_set_point`, `roll_set_point` | rad |
+/// | `[controller.altitude]`: `proportional`, `derivative`, `time_constant` | 1/s, 1, s (> 0) |
+/// | `[controller.pitch]`, `[controller.roll]`: the same | m/(s*rad), m/rad, s (> 0) |
+///
+/// # Numbers in files
+/// Every number is a table `{ value, unit, provenance, source }`; `provenance` is one of [`Provenance`](crate::Provenance).
+/// In place of the units above a file may use `g`, `g/m`, `cm`, `mm`, `cm^2`, `cm^3`, `cm/s`, `mm/s`, `ms`, `min`, `deg`, `1/deg`,
+/// `% chord` for a fraction of the chord, and `%` for a plain number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigFile {
     /// The title of the file.
