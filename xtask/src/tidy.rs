@@ -17,7 +17,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("scaling", &[]),
     ("surface", &["doe"]),
     ("tether-control", &[]),
-    ("water-channel", &["bat-dynamics", "tether-control"]),
+    ("water-channel", &["bat-dynamics", "scaling", "tether-control"]),
     ("xtask", &["bat-dynamics", "doe", "infuse", "scaling", "surface", "tether-control", "water-channel"]),
 ];
 
