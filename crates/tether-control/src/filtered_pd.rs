@@ -11,8 +11,9 @@ use crate::error::{check_finite, check_positive};
 /// G(s) = (k_d s + k_p) / (τ s + 1) = k_d/τ + (k_p − k_d/τ) / (τ s + 1)
 /// ```
 ///
-/// Source: (10), (11), (12).
 /// The unit of `proportional` is that of the output per unit of the error, that of `derivative` is the same times a second.
+///
+/// Source: (10), (11), (12).
 ///
 /// ```
 /// use tether_control::FilteredPd;
@@ -102,7 +103,7 @@ impl FilteredPd {
 /// s_{k+1} = a s_k + (1 − a) e_k,    a = exp(−T/τ),    s_0 = 0
 /// ```
 ///
-/// Source: (10)–(12); the split of G(s) is in [`FilteredPd`].
+/// The split of G(s) is in [`FilteredPd`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampledPd {
     initial_gain: f64,

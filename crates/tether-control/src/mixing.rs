@@ -22,9 +22,11 @@ pub enum TetherLayout {
 ///     ⎣ 1   σ  −1 ⎦        σ = 1 with one line forward, −1 with two
 /// ```
 ///
-/// Source: (13), (14), which give σ = 1; model.md "Winches and lines" for σ = −1.
+/// The source gives σ = 1; σ = −1 is ours.
 /// Whatever the layout, v_theta > 0 takes the nose down, v_phi > 0 the starboard side up, and v_z > 0 the whole
 /// body up. The mean of the three lines moves at `v_z + σ v_theta/3`: turning the nose also moves the body.
+///
+/// Source: (13), (14).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mixing {
     pitch_sign: f64,

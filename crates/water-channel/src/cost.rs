@@ -5,7 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::FileError;
-use crate::quantity::{Range, Reader, Record, read_file};
+use crate::file;
+use crate::quantity::{PerAngle, PerAngleSquared, PerBallastSquared, PerLengthSquared, PerSpeedSquared, Record};
 
 /// Number of terms inside the square of (21).
 pub const N_TERMS: usize = 6;
@@ -52,10 +53,12 @@ pub struct CostBreakdown {
 }
 
 impl CostWeights {
-    /// The cost (21), read as `∫ (k1 (psi − psi_flow)² + … + k6 Phi)² dt + k7 (x_cm − x_cb)² (T_f − T_i)`.
+    /// The cost `∫ (k1 (psi − psi_flow)² + … + k6 Phi)² dt + k7 (x_cm − x_cb)² (T_f − T_i)`, term by term.
     ///
-    /// `ballast_pct_chord` is x_cm − x_cb in per cent of chord. Differs from the source: the bracket of (21)
-    /// closes behind the square there; this is the form of (60).
+    /// `ballast_pct_chord` is x_cm − x_cb in per cent of chord.
+    ///
+    /// Source: (21), (60).
+    /// Differs from the source: the bracket of (21) closes behind the square there; this is the form of (60).
     #[must_use]
     pub fn cost(&self, integrals: &Integrals, ballast_pct_chord: f64) -> CostBreakdown {
         let mut terms = [0.0; N_TERMS + 1];
@@ -68,22 +71,28 @@ impl CostWeights {
     }
 }
 
-/// The open-loop cost (20), `∫ (K1 psi² + K2 y²) dt`, as its two terms.
+/// The open-loop cost `∫ (K1 psi² + K2 y²) dt` as its two terms.
 ///
 /// `heading` is K1 per rad², `lateral` K2 per m²; psi is taken relative to the flow.
+///
+/// Source: (20).
 #[must_use]
 pub fn open_loop_cost(integrals: &Integrals, heading: f64, lateral: f64) -> [f64; 2] {
     [heading * integrals.heading_squared, lateral * integrals.lateral_squared]
 }
 
 /// Weights with the title and the provenance of every number of their file.
+///
+/// # The file
+/// `title` and `k1_heading`, `k2_pitch`, `k3_roll` 1/rad^2, `k4_altitude` 1/m^2, `k5_reel_speed` s^2/m^2, `k6_zenith` 1/rad,
+/// `k7_ballast` 1/(% chord)^2, all zero or more. Numbers and units are those of [`RigFile`](crate::RigFile).
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostFile {
     /// The title of the file.
     pub title: String,
     /// The weights.
     pub weights: CostWeights,
-    /// Every number as written.
+    /// Every number as written, sorted by key.
     pub records: Vec<Record>,
 }
 
@@ -93,7 +102,7 @@ impl CostFile {
     /// # Errors
     /// [`FileError`], with the file, the key, what was found and what is allowed. Unknown keys are errors.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, FileError> {
-        read_file(path.as_ref(), Self::parse)
+        file::read(path.as_ref(), Self::parse)
     }
 
     /// Reads weights from the text of a TOML file; see [`CostFile::read`].
@@ -101,21 +110,32 @@ impl CostFile {
     /// # Errors
     /// [`FileError`], without the name of a file.
     pub fn parse(text: &str) -> Result<Self, FileError> {
-        let ((title, weights), records) = Reader::parse(text, |top| {
-            let weight = |name, unit| top.quantity(name, unit, Range::NonNegative);
-            let weights = CostWeights {
-                terms: [
-                    weight("k1_heading", "1/rad^2")?,
-                    weight("k2_pitch", "1/rad^2")?,
-                    weight("k3_roll", "1/rad^2")?,
-                    weight("k4_altitude", "1/m^2")?,
-                    weight("k5_reel_speed", "s^2/m^2")?,
-                    weight("k6_zenith", "1/rad")?,
-                ],
-                ballast: weight("k7_ballast", "1/(% chord)^2")?,
-            };
-            Ok((top.text("title")?, weights))
-        })?;
-        Ok(Self { title, weights, records })
+        let (table, records) = file::parse::<CostTable>(text)?;
+        let weights = CostWeights {
+            terms: [
+                table.k1_heading.0,
+                table.k2_pitch.0,
+                table.k3_roll.0,
+                table.k4_altitude.0,
+                table.k5_reel_speed.0,
+                table.k6_zenith.0,
+            ],
+            ballast: table.k7_ballast.0,
+        };
+        Ok(Self { title: table.title, weights, records })
     }
+}
+
+/// Weights as they stand in a file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct CostTable {
+    title: String,
+    k1_heading: PerAngleSquared,
+    k2_pitch: PerAngleSquared,
+    k3_roll: PerAngleSquared,
+    k4_altitude: PerLengthSquared,
+    k5_reel_speed: PerSpeedSquared,
+    k6_zenith: PerAngle,
+    k7_ballast: PerBallastSquared,
 }

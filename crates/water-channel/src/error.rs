@@ -20,54 +20,32 @@ pub enum FileError {
     #[error("not a TOML file: {0}")]
     Syntax(#[from] toml::de::Error),
     /// A key that nothing reads, most often a typo.
-    #[error("unknown key `{key}`; known here: {known}")]
+    #[error("unknown key `{key}`{}; known here: {known}", .similar.as_ref().map_or(String::new(), |s| format!(" (is it `{s}`?)")))]
     UnknownKey {
         /// The key with its sections.
         key: String,
         /// The keys that are known in its section.
         known: String,
+        /// The known key of which it looks like a slip.
+        similar: Option<String>,
     },
     /// A key that is needed.
-    #[error("missing key `{key}`: {expected}{}", .similar.as_ref().map_or(String::new(), |s| format!(" (there is a key `{s}`)")))]
+    #[error("missing key `{key}`: {expected}")]
     MissingKey {
         /// The key with its sections.
         key: String,
         /// What should stand there.
         expected: String,
-        /// A key of the same section that looks like a slip of it.
-        similar: Option<String>,
     },
-    /// A value of the wrong kind.
+    /// A value of the wrong kind, in the wrong unit or out of range.
     #[error("`{key}` is {found}: it must be {expected}")]
-    Kind {
+    Value {
         /// The key with its sections.
         key: String,
         /// What stands there.
         found: String,
-        /// What should stand there.
-        expected: String,
-    },
-    /// A unit that the quantity cannot have.
-    #[error("`{key}` has the unit `{found}`: it must be {expected}")]
-    Unit {
-        /// The key with its sections.
-        key: String,
-        /// The unit that stands there.
-        found: String,
-        /// The units that are understood.
-        expected: String,
-    },
-    /// A number out of range.
-    #[error("`{key}` = {value} {unit}: it must be {allowed}")]
-    Range {
-        /// The key with its sections.
-        key: String,
-        /// The number in `unit`.
-        value: f64,
-        /// Its unit: as written, or in SI where it is compared with other numbers.
-        unit: String,
         /// What is allowed.
-        allowed: String,
+        expected: String,
     },
     /// Numbers that are allowed one by one and impossible together.
     #[error("{0}")]

@@ -5,19 +5,20 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::error::FlightError;
-use crate::flight::{Flight, FlightRequest, FlightSettings, Ready};
-use crate::integrate::{Landing, Setup, integrate};
+use crate::flight::{Flight, FlightRequest, Ready};
+use crate::integrate::{Ending, Setup, integrate};
 use crate::profile::TestProfile;
+use crate::settings::FlightSettings;
 
 /// Flies every request through `profile`, in parallel; result `i` belongs to request `i`.
 ///
 /// Each result has the same bits as that of [`fly`](crate::fly), whatever flies beside it and however many
-/// threads there are. `landed` is called with the number of flights that a finished batch adds, from any thread.
+/// threads there are. `finished` is called with the number of flights that a finished batch adds, from any thread.
 pub fn fly_all(
     requests: &[FlightRequest],
     profile: &TestProfile,
     settings: &FlightSettings,
-    landed: impl Fn(usize) + Sync,
+    finished: impl Fn(usize) + Sync,
 ) -> Vec<Result<Flight, FlightError>> {
     if let Err(error) = settings.validate() {
         return requests.iter().map(|_| Err(error.clone().into())).collect();
@@ -26,7 +27,7 @@ pub fn fly_all(
         .par_chunks(LANES)
         .flat_map_iter(|chunk| {
             let results = fly_chunk(chunk, profile, settings);
-            landed(chunk.len());
+            finished(chunk.len());
             results
         })
         .collect()
@@ -56,9 +57,9 @@ fn fly_chunk(
             .into_iter()
             .partition(|(_, one)| one.controller.parameters().sample_time_s.to_bits() == sample_time_s.to_bits());
         ready = rest;
-        let landings = fly_lanes(&batch, sample_time_s, profile, settings);
-        for ((index, one), landing) in batch.into_iter().zip(landings) {
-            results[index] = Some(one.finish(landing));
+        let endings = fly_lanes(&batch, sample_time_s, profile, settings);
+        for ((index, one), ending) in batch.into_iter().zip(endings) {
+            results[index] = Some(one.finish(ending));
         }
     }
     results.into_iter().flatten().collect()
@@ -69,7 +70,7 @@ fn fly_lanes(
     sample_time_s: f64,
     profile: &TestProfile,
     settings: &FlightSettings,
-) -> [Landing; LANES] {
+) -> [Ending; LANES] {
     // Unused lanes repeat the last flight.
     let lane = |k: usize| &batch[k.min(batch.len() - 1)].1;
     let setup = Setup {
@@ -87,6 +88,6 @@ fn fly_lanes(
 /// The loop compiled for several instruction sets, chosen when it runs; none of them contracts a product and a
 /// sum into one rounding, so all give the same bits.
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn integrate_lanes(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Landing; LANES] {
+fn integrate_lanes(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Ending; LANES] {
     integrate::<Lanes, LANES>(setup, start, |_| {})
 }

@@ -1,63 +1,16 @@
 //! One flight: from trim, or beside it, through the test profile, with what it cost and what it came close to.
 
 use bat_dynamics::{Fidelity, FlightState, Flow, Plant, Trim, TrimHeight, TrimRequest, check_state, trim};
-use serde::{Deserialize, Serialize};
 use tether_control::{Controller, SetPoints};
 
 use crate::cost::Integrals;
 use crate::error::{Error, FlightError};
-use crate::integrate::{Landing, Setup, integrate};
+use crate::integrate::{Ending, Sample, Setup, integrate};
 use crate::log::{FlightLog, LogRow};
 use crate::profile::TestProfile;
 use crate::rig::Rig;
-
-/// What a negative tension means.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SlackPolicy {
-    /// The flight fails: the model does not hold with a slack line.
-    #[default]
-    Fail,
-    /// The flight goes on and the first slack line is reported.
-    Warn,
-}
-
-/// How a flight is computed.
-#[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FlightSettings {
-    /// RK4 steps per sample: 2 keep the cost to about 1e-6, 1 to about 2e-5.
-    pub steps_per_sample: usize,
-    /// What a slack line means.
-    pub slack: SlackPolicy,
-}
-
-impl Default for FlightSettings {
-    fn default() -> Self {
-        Self { steps_per_sample: 2, slack: SlackPolicy::Fail }
-    }
-}
-
-impl FlightSettings {
-    /// The default with `steps_per_sample` RK4 steps per sample.
-    #[must_use]
-    pub fn with_steps(steps_per_sample: usize) -> Self {
-        Self { steps_per_sample, ..Self::default() }
-    }
-
-    /// # Errors
-    /// [`Error::Argument`] for no step or more than 1000 steps per sample.
-    pub fn validate(&self) -> Result<(), Error> {
-        if (1..=1000).contains(&self.steps_per_sample) {
-            return Ok(());
-        }
-        Err(Error::Argument {
-            name: "steps per sample",
-            value: self.steps_per_sample as f64,
-            allowed: "a whole number from 1 to 1000",
-        })
-    }
-}
+use crate::settings::FlightSettings;
+use crate::watch::{Extremes, SlackEvent};
 
 /// A rig with the physics that it flies in.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,34 +19,6 @@ pub struct FlightRequest {
     pub rig: Rig,
     /// The physics.
     pub fidelity: Fidelity,
-}
-
-/// How far a flight went, over its samples.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Extremes {
-    /// Largest |psi − psi_flow|.
-    pub peak_heading_rad: f64,
-    /// Smallest zenith angle.
-    pub smallest_zenith_rad: f64,
-    /// Largest zenith angle.
-    pub largest_zenith_rad: f64,
-    /// Smallest tension of any line: the margin to slack.
-    pub smallest_tension_n: f64,
-    /// The line that had it.
-    pub smallest_tension_line: &'static str,
-    /// When it had it.
-    pub smallest_tension_time_s: f64,
-}
-
-/// The first sample at which a line was slack.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct SlackEvent {
-    /// `center`, `starboard` or `port`.
-    pub line: &'static str,
-    /// When.
-    pub time_s: f64,
-    /// The tension that the model gives, negative.
-    pub tension_n: f64,
 }
 
 /// A completed flight.
@@ -155,15 +80,15 @@ impl Ready {
         Ok(Self { plant, controller, trim, start })
     }
 
-    pub(crate) fn finish(self, landing: Landing) -> Result<Flight, FlightError> {
-        match landing.failure {
+    pub(crate) fn finish(self, ending: Ending) -> Result<Flight, FlightError> {
+        match ending.failure {
             Some(failure) => Err(failure),
             None => Ok(Flight {
-                integrals: landing.integrals,
-                extremes: landing.extremes,
-                slack: landing.slack,
+                integrals: ending.integrals,
+                extremes: ending.extremes,
+                slack: ending.slack,
                 trim: self.trim,
-                final_state: landing.final_state,
+                final_state: ending.final_state,
             }),
         }
     }
@@ -176,8 +101,8 @@ impl Ready {
 pub fn fly(request: &FlightRequest, profile: &TestProfile, settings: &FlightSettings) -> Result<Flight, FlightError> {
     settings.validate()?;
     let ready = Ready::new(request, profile)?;
-    let [landing] = one(&ready, profile, settings, |_| {});
-    ready.finish(landing)
+    let [ending] = one(&ready, profile, settings, |_| {});
+    ready.finish(ending)
 }
 
 /// Flies like [`fly`] and keeps every `every`-th sample; the log ends where a failed flight ends.
@@ -197,21 +122,21 @@ pub fn fly_logged(
     let ready = Ready::new(request, profile)?;
     let mut rows = Vec::new();
     let mut sample = 0;
-    let [landing] = one(&ready, profile, settings, |seen| {
+    let [ending] = one(&ready, profile, settings, |seen| {
         if sample % every == 0 {
             rows.push(LogRow::of(seen, &request.rig));
         }
         sample += 1;
     });
-    Ok((ready.finish(landing), FlightLog { rows }))
+    Ok((ready.finish(ending), FlightLog { rows }))
 }
 
 fn one(
     ready: &Ready,
     profile: &TestProfile,
     settings: &FlightSettings,
-    watch: impl FnMut(&crate::integrate::Sample<'_, f64, 1>),
-) -> [Landing; 1] {
+    watch: impl FnMut(&Sample<'_, f64, 1>),
+) -> [Ending; 1] {
     let setup = Setup {
         plant: ready.plant,
         controllers: [&ready.controller],

@@ -9,9 +9,9 @@ use tether_control::{Controller, ControllerState, Measurement};
 
 use crate::cost::{Integrals, N_TERMS};
 use crate::error::FlightError;
-use crate::flight::{Extremes, FlightSettings, SlackEvent};
 use crate::profile::TestProfile;
-use crate::watch::{Seen, Watcher};
+use crate::settings::FlightSettings;
+use crate::watch::{Extremes, Seen, SlackEvent, Watcher};
 
 /// A scalar that carries `N` flights.
 pub(crate) trait Carrier<const N: usize>: Real {
@@ -54,7 +54,7 @@ pub(crate) struct Setup<'a, T, const N: usize> {
 
 /// What one flight ended with.
 #[derive(Clone, Debug)]
-pub(crate) struct Landing {
+pub(crate) struct Ending {
     pub(crate) integrals: Integrals,
     pub(crate) extremes: Extremes,
     pub(crate) slack: Option<SlackEvent>,
@@ -144,10 +144,26 @@ impl Water {
     }
 }
 
+/// The set points of each lane.
 struct Targets<T> {
     altitude: T,
     pitch: T,
     roll: T,
+}
+
+impl<T> Targets<T> {
+    #[inline(always)]
+    fn of<const N: usize>(controllers: &[&Controller; N]) -> Self
+    where
+        T: Carrier<N>,
+    {
+        let of_each = |f: fn(&Controller) -> f64| T::join(core::array::from_fn(|lane| f(controllers[lane])));
+        Self {
+            altitude: of_each(|c| c.parameters().set_points.altitude_m),
+            pitch: of_each(|c| c.parameters().set_points.pitch_rad),
+            roll: of_each(|c| c.parameters().set_points.roll_rad),
+        }
+    }
 }
 
 #[inline(always)]
@@ -179,16 +195,9 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
     setup: &Setup<'_, T, N>,
     start: [&FlightState; N],
     mut watch: impl FnMut(&Sample<'_, T, N>),
-) -> [Landing; N] {
+) -> [Ending; N] {
     let Setup { plant, controllers, sample_time_s, profile, settings, used } = setup;
-    let per_controller = |f: fn(&Controller) -> f64| T::join(core::array::from_fn(|lane| f(controllers[lane])));
-    let targets = Targets {
-        altitude: per_controller(|c| c.parameters().set_points.altitude_m),
-        pitch: per_controller(|c| c.parameters().set_points.pitch_rad),
-        roll: per_controller(|c| c.parameters().set_points.roll_rad),
-    };
-    let limits: [f64; N] = core::array::from_fn(|lane| controllers[lane].parameters().speed_limit_m_s);
-
+    let targets = Targets::of(controllers);
     let mut state: FlightState<T> = core::array::from_fn(|k| T::join(core::array::from_fn(|lane| start[lane][k])));
     let mut sums = [T::constant(0.0); N_SUMS];
     let mut memory = [ControllerState::default(); N];
@@ -202,21 +211,8 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
         let mut piece = profile.piece_after(time_s, *sample_time_s);
         let water = Water::new(profile.flow().within(piece, time_s));
 
-        // What the cameras see does not depend on the commands that the controller makes of it.
-        let seen = sight(plant, &state, &water.flow.cast());
-        let (altitude, pitch, roll) = (seen.altitude.split(), seen.pitch.split(), seen.roll.split());
         let by_hand = profile.override_at(time_s, *sample_time_s);
-        let mut commands = [[0.0; N]; 3];
-        for lane in 0..N {
-            let measured = Measurement { altitude_m: altitude[lane], pitch_rad: pitch[lane], roll_rad: roll[lane] };
-            let command = controllers[lane].command(&mut memory[lane], &measured).saturated_m_s;
-            for line in 0..3 {
-                commands[line][lane] = match by_hand {
-                    None => command[line],
-                    Some(fractions) => fractions[line] * limits[lane],
-                };
-            }
-        }
+        let commands = commands(controllers, &mut memory, &sight(plant, &state, &water.flow.cast()), by_hand);
         let held: [T; 3] = core::array::from_fn(|line| T::join(commands[line]));
 
         let mut from_s = time_s;
@@ -252,6 +248,45 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
             break;
         }
     }
+    endings(&state, &sums, watchers, duration_s)
+}
+
+/// The commands of the three lines in every lane, after which the filters have moved on by a sample.
+///
+/// What the cameras see, `seen`, does not depend on the commands that the controller makes of it.
+#[inline(always)]
+fn commands<T: Carrier<N>, const N: usize>(
+    controllers: &[&Controller; N],
+    memory: &mut [ControllerState; N],
+    seen: &Sight<T>,
+    by_hand: Option<[f64; 3]>,
+) -> [[f64; N]; 3] {
+    let (altitude, pitch, roll) = (seen.altitude.split(), seen.pitch.split(), seen.roll.split());
+    let mut commands = [[0.0; N]; 3];
+    for lane in 0..N {
+        let measured = Measurement { altitude_m: altitude[lane], pitch_rad: pitch[lane], roll_rad: roll[lane] };
+        let command = controllers[lane].command(&mut memory[lane], &measured).saturated_m_s;
+        for line in 0..3 {
+            commands[line][lane] = match by_hand {
+                None => command[line],
+                Some(fractions) => fractions[line] * controllers[lane].parameters().speed_limit_m_s,
+            };
+        }
+    }
+    commands
+}
+
+/// What each lane ends with, after a last look at its state.
+///
+/// State and sums come by reference: as values they are copied whole, stay in memory during the loop, and a flight takes
+/// a tenth more instructions.
+#[inline(always)]
+fn endings<T: Carrier<N>, const N: usize>(
+    state: &FlightState<T>,
+    sums: &[T; N_SUMS],
+    mut watchers: [Watcher; N],
+    duration_s: f64,
+) -> [Ending; N] {
     let end = core::array::from_fn::<_, N, _>(|lane| state.map(|x| x.split()[lane]));
     for lane in 0..N {
         if watchers[lane].failure.is_none() {
@@ -260,7 +295,7 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
     }
     let mut lane = 0;
     watchers.map(|watcher| {
-        let landing = Landing {
+        let ending = Ending {
             integrals: to_integrals(sums.map(|sum| sum.split()[lane]), duration_s),
             extremes: watcher.extremes,
             slack: watcher.slack,
@@ -268,7 +303,7 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
             failure: watcher.failure,
         };
         lane += 1;
-        landing
+        ending
     })
 }
 

@@ -4,14 +4,18 @@ mod closed_loop;
 mod cost;
 mod error;
 mod experiment;
+mod file;
 mod fleet;
 mod flight;
 mod integrate;
 mod log;
 mod open_loop;
+mod plant_table;
 mod profile;
 mod quantity;
 mod rig;
+mod settings;
+mod units;
 mod watch;
 
 pub use closed_loop::{ClosedLoop, SampledMode, closed_loop_modes};
@@ -19,11 +23,11 @@ pub use cost::{CostBreakdown, CostFile, CostWeights, Integrals, N_TERMS, TERM_NA
 pub use error::{Error, FileError, FlightError};
 pub use experiment::BoundedNoise;
 pub use fleet::fly_all;
-pub use flight::{
-    Extremes, Flight, FlightRequest, FlightSettings, SlackEvent, SlackPolicy, fly, fly_logged, footprint_m2,
-};
+pub use flight::{Flight, FlightRequest, fly, fly_logged, footprint_m2};
 pub use log::{FlightLog, LogRow};
 pub use open_loop::{OpenLoop, open_loop_modes};
 pub use profile::{Control, Departure, ProfileFile, TestProfile, Window};
 pub use quantity::{Provenance, Record};
 pub use rig::{Rig, RigFile};
+pub use settings::{FlightSettings, SlackPolicy};
+pub use watch::{Extremes, SlackEvent};

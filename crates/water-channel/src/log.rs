@@ -63,6 +63,18 @@ impl LogRow {
 }
 
 /// The samples of a flight.
+///
+/// # Columns
+/// | columns | unit |
+/// |---|---|
+/// | `time`; `flow_speed`, `flow_direction` | s; m/s, rad |
+/// | `altitude`, `lateral` (in the ground frame) of the center of mass | m |
+/// | `roll`, `pitch`, `heading_from_flow` | rad |
+/// | `pitch_error`, `roll_error`, `altitude_error`: theta − theta_sp, phi − phi_sp, h_sp − h | rad, rad, m |
+/// | the twelve states: `zenith`, `azimuth`, `twist`, their `_rate`, `line_` and `reel_` of the three lines | rad, rad/s, m, m/s |
+/// | `command_` and `tension_` of `center`, `starboard`, `port` | m/s, N |
+///
+/// A row is a sample before the plant moves on: its commands and tensions are those that hold after it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlightLog {
     /// One row per kept sample, in the order of time.

@@ -1,5 +1,4 @@
-//! The test profile: where a flight starts, flow over time, and windows in which the winches are driven by hand:
-//! (22)–(26).
+//! The test profile: where a flight starts, flow over time, and windows in which the winches are driven by hand.
 
 use std::path::Path;
 
@@ -7,7 +6,8 @@ use bat_dynamics::{Flow, FlowHistory, FlowKnot, Transition};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, FileError};
-use crate::quantity::{Range, Reader, Record, read_file};
+use crate::file;
+use crate::quantity::{Departing, Direction, Instant, Period, Record, ReelFraction, Speed};
 
 /// A time window in which given reel speeds replace the controller's command.
 ///
@@ -46,6 +46,10 @@ pub enum Control {
 }
 
 /// What happens during one experiment.
+///
+/// The test of the source has a window per equation, apart from (24), and the controller between them.
+///
+/// Source: (22), (23), (24), (25), (26).
 #[derive(Clone, Debug, PartialEq)]
 pub struct TestProfile {
     duration_s: f64,
@@ -56,13 +60,30 @@ pub struct TestProfile {
 }
 
 /// A test profile with the title and the provenance of every number of its file.
+///
+/// # The file
+/// | key | unit (range) |
+/// |---|---|
+/// | `title`, `duration` | text, s (> 0) |
+/// | `control` | `closed-loop` (when absent) or `open-loop`: outside the windows all commands are zero |
+/// | `[start]`: `zenith`, `azimuth`, `twist` | rad, short of a half turn, zero when absent: departure from trim |
+/// | `[[flow]]`, at least one: `from` | s, 0 in the first, then increasing, within the test |
+/// | `speed`, `direction` | m/s (≥ 0), rad |
+/// | `transition`, if given | `step` (the default) or `linear` to the next entry |
+/// | `[[window]]`, any number: `from`, `to` | s, `from` within the test, `to` not before it |
+/// | `center`, `starboard`, `port`, zero where absent | u_max, from −1 to 1: fraction of the winch's speed limit, positive pays out |
+///
+/// A window replaces the commands at every sample from `from` to `to`, both included; winches lag as always, and the filters go on.
+/// Where two windows share a sample the earlier entry wins.
+///
+/// Numbers and units are those of [`RigFile`](crate::RigFile).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProfileFile {
     /// The title of the file.
     pub title: String,
     /// The profile.
     pub profile: TestProfile,
-    /// Every number as written.
+    /// Every number as written, sorted by key.
     pub records: Vec<Record>,
 }
 
@@ -183,7 +204,7 @@ impl ProfileFile {
     /// # Errors
     /// [`FileError`], with the file, the key, what was found and what is allowed. Unknown keys are errors.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, FileError> {
-        read_file(path.as_ref(), Self::parse)
+        file::read(path.as_ref(), Self::parse)
     }
 
     /// Reads a profile from the text of a TOML file; see [`ProfileFile::read`].
@@ -191,61 +212,111 @@ impl ProfileFile {
     /// # Errors
     /// [`FileError`], without the name of a file.
     pub fn parse(text: &str) -> Result<Self, FileError> {
-        let ((title, profile), records) = Reader::parse(text, |top| {
-            let title = top.text("title")?;
-            let duration_s = top.quantity("duration", "s", Range::Positive)?;
-            let control = top.choice("control", "closed-loop or open-loop", Some(Control::ClosedLoop))?;
-            let start = top.optional_section("start", |start| {
-                let angle = |name| start.quantity_or(name, "rad", Range::WithinHalfTurn, 0.0);
-                Ok(Departure {
-                    zenith_rad: angle("zenith")?,
-                    azimuth_rad: angle("azimuth")?,
-                    twist_rad: angle("twist")?,
-                })
-            })?;
-            let start = start.unwrap_or_default();
-            let mut before_s = None;
-            let knots = top.list("flow", |knot| {
-                let from_s = knot.quantity("from", "s", Range::NonNegative)?;
-                match before_s.replace(from_s) {
-                    None if from_s > 0.0 => return Err(knot.refuse("from", from_s, "s", "0 in the first entry")),
-                    Some(before_s) if from_s <= before_s => {
-                        return Err(knot.refuse("from", from_s, "s", "later than in the entry before"));
-                    }
-                    _ if from_s > duration_s => return Err(knot.refuse("from", from_s, "s", "within `duration`")),
-                    _ => {}
-                }
-                Ok(FlowKnot {
-                    from_s,
-                    flow: Flow {
-                        speed_m_s: knot.quantity("speed", "m/s", Range::NonNegative)?,
-                        direction_rad: knot.quantity("direction", "rad", Range::Finite)?,
-                    },
-                    transition: knot.choice("transition", "step or linear", Some(Transition::Step))?,
-                })
-            })?;
-            if knots.is_empty() {
-                return Err(top.missing("flow", "at least one table [[flow]] with `from`, `speed` and `direction`"));
-            }
-            let windows = top.list("window", |window| {
-                let from_s = window.quantity("from", "s", Range::NonNegative)?;
-                if from_s > duration_s {
-                    return Err(window.refuse("from", from_s, "s", "within `duration`"));
-                }
-                let to_s = window.quantity("to", "s", Range::NonNegative)?;
-                if to_s < from_s {
-                    return Err(window.refuse("to", to_s, "s", "not before `from`"));
-                }
-                let command = |line| window.quantity_or(line, "u_max", Range::UnitInterval, 0.0);
-                let commands = [command("center")?, command("starboard")?, command("port")?];
-                Ok(Window { from_s, to_s, commands })
-            })?;
-            let profile = FlowHistory::new(knots)
-                .map_err(Error::Plant)
-                .and_then(|flow| TestProfile::new(duration_s, flow, windows)?.with_control(control).with_start(start))
-                .map_err(FileError::Inconsistent)?;
-            Ok((title, profile))
-        })?;
+        let (table, records) = file::parse::<ProfileTable>(text)?;
+        table.check()?;
+        let title = table.title.clone();
+        let profile = table.profile().map_err(FileError::Inconsistent)?;
         Ok(Self { title, profile, records })
+    }
+}
+
+/// A profile as it stands in a file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct ProfileTable {
+    title: String,
+    duration: Period,
+    #[serde(default)]
+    control: Control,
+    #[serde(default)]
+    start: StartTable,
+    #[serde(default)]
+    flow: Vec<KnotTable>,
+    #[serde(default)]
+    window: Vec<WindowTable>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
+struct StartTable {
+    zenith: Departing,
+    azimuth: Departing,
+    twist: Departing,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct KnotTable {
+    from: Instant,
+    speed: Speed,
+    direction: Direction,
+    #[serde(default)]
+    transition: Transition,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct WindowTable {
+    from: Instant,
+    to: Instant,
+    #[serde(default)]
+    center: ReelFraction,
+    #[serde(default)]
+    starboard: ReelFraction,
+    #[serde(default)]
+    port: ReelFraction,
+}
+
+impl ProfileTable {
+    /// Checks what depends on more than one number, naming the key.
+    fn check(&self) -> Result<(), FileError> {
+        let refuse = |key: String, time_s: f64, expected: &str| {
+            Err(FileError::Value { key, found: format!("{time_s} s"), expected: expected.to_owned() })
+        };
+        if self.flow.is_empty() {
+            let expected = "at least one table [[flow]] with `from`, `speed` and `direction`".to_owned();
+            return Err(FileError::MissingKey { key: "flow".to_owned(), expected });
+        }
+        let mut before_s = None;
+        for (index, from_s) in self.flow.iter().map(|knot| knot.from.0).enumerate() {
+            let key = format!("flow[{index}].from");
+            match before_s.replace(from_s) {
+                None if from_s > 0.0 => return refuse(key, from_s, "0 in the first entry"),
+                Some(before_s) if from_s <= before_s => return refuse(key, from_s, "later than in the entry before"),
+                _ if from_s > self.duration.0 => return refuse(key, from_s, "within `duration`"),
+                _ => {}
+            }
+        }
+        for (index, WindowTable { from, to, .. }) in self.window.iter().enumerate() {
+            if from.0 > self.duration.0 {
+                return refuse(format!("window[{index}].from"), from.0, "within `duration`");
+            }
+            if to.0 < from.0 {
+                return refuse(format!("window[{index}].to"), to.0, "not before `from`");
+            }
+        }
+        Ok(())
+    }
+
+    fn profile(&self) -> Result<TestProfile, Error> {
+        let knot = |KnotTable { from, speed, direction, transition }: &KnotTable| FlowKnot {
+            from_s: from.0,
+            flow: Flow { speed_m_s: speed.0, direction_rad: direction.0 },
+            transition: *transition,
+        };
+        let window = |WindowTable { from, to, center, starboard, port }: &WindowTable| Window {
+            from_s: from.0,
+            to_s: to.0,
+            commands: [center.0, starboard.0, port.0],
+        };
+        let flow = FlowHistory::new(self.flow.iter().map(knot).collect())?;
+        let start = Departure {
+            zenith_rad: self.start.zenith.0,
+            azimuth_rad: self.start.azimuth.0,
+            twist_rad: self.start.twist.0,
+        };
+        TestProfile::new(self.duration.0, flow, self.window.iter().map(window).collect())?
+            .with_control(self.control)
+            .with_start(start)
     }
 }

@@ -2,11 +2,14 @@
 
 use std::path::Path;
 
-use bat_dynamics::{FIELDS, Fidelity, Parameters, Plant, TetherLayout};
+use bat_dynamics::{Fidelity, Parameters, Plant, TetherLayout};
+use serde::Deserialize;
 use tether_control::{Controller, ControllerParameters, FilteredPd, SetPoints};
 
 use crate::error::{Error, FileError};
-use crate::quantity::{Range, Reader, Record, Section, read_file};
+use crate::file;
+use crate::plant_table::PlantTable;
+use crate::quantity::{Altitude, Attitude, LengthPerAngle, PerSecond, Period, Plain, Record, SpeedPerAngle};
 
 /// A tethered aerostat with its controller.
 ///
@@ -28,13 +31,30 @@ pub struct Rig {
 }
 
 /// A rig with the title and the provenance of every number of its file.
+///
+/// # The file
+/// `title`, then in `[plant.*]` the sections and keys of [`FIELDS`](bat_dynamics::FIELDS), with their units and ranges: positions in
+/// fractions of the chord aft of the leading edge, heights above the bridle joint; in `[plant.tether]` also `layout`,
+/// `one-forward-two-aft` or `two-forward-one-aft`.
+///
+/// | key of `[controller]` | unit (range) |
+/// |---|---|
+/// | `sample_time`, `altitude_set_point` | s, m (> 0) |
+/// | `pitch_set_point`, `roll_set_point` | rad |
+/// | `[controller.altitude]`: `proportional`, `derivative`, `time_constant` | 1/s, 1, s (> 0) |
+/// | `[controller.pitch]`, `[controller.roll]`: the same | m/(s*rad), m/rad, s (> 0) |
+///
+/// # Numbers in files
+/// Every number is a table `{ value, unit, provenance, source }`; `provenance` is one of [`Provenance`](crate::Provenance).
+/// In place of the units above a file may use `g`, `g/m`, `cm`, `mm`, `cm^2`, `cm^3`, `cm/s`, `mm/s`, `ms`, `min`, `deg`, `1/deg`,
+/// `% chord` for a fraction of the chord, and `%` for a plain number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigFile {
     /// The title of the file.
     pub title: String,
     /// The rig.
     pub rig: Rig,
-    /// Every number as written, in the order of reading.
+    /// Every number as written, sorted by key.
     pub records: Vec<Record>,
 }
 
@@ -73,7 +93,7 @@ impl RigFile {
     /// # Errors
     /// [`FileError`], with the file, the key, what was found and what is allowed. Unknown keys are errors.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, FileError> {
-        read_file(path.as_ref(), Self::parse)
+        file::read(path.as_ref(), Self::parse)
     }
 
     /// Reads a rig from the text of a TOML file; see [`RigFile::read`].
@@ -81,60 +101,67 @@ impl RigFile {
     /// # Errors
     /// [`FileError`], without the name of a file.
     pub fn parse(text: &str) -> Result<Self, FileError> {
-        let ((title, rig), records) = Reader::parse(text, |top| {
-            let title = top.text("title")?;
-            let plant = top.section("plant", plant)?;
-            let rig = top.section("controller", |controller| {
-                Ok(Rig {
-                    plant,
-                    altitude: controller.section("altitude", |s| filtered_pd(s, "1/s", "1"))?,
-                    pitch: controller.section("pitch", |s| filtered_pd(s, "m/(s*rad)", "m/rad"))?,
-                    roll: controller.section("roll", |s| filtered_pd(s, "m/(s*rad)", "m/rad"))?,
-                    set_points: SetPoints {
-                        altitude_m: controller.quantity("altitude_set_point", "m", Range::Positive)?,
-                        pitch_rad: controller.quantity("pitch_set_point", "rad", Range::WithinQuarterTurn)?,
-                        roll_rad: controller.quantity("roll_set_point", "rad", Range::WithinQuarterTurn)?,
-                    },
-                    sample_time_s: controller.quantity("sample_time", "s", Range::Positive)?,
-                })
-            })?;
-            Ok((title, rig))
-        })?;
+        let (table, records) = file::parse::<RigTable>(text)?;
+        let title = table.title.clone();
+        let rig = table.rig().map_err(FileError::Inconsistent)?;
         rig.plant(Fidelity::STALLED_WITH_ADDED_MASS).map_err(FileError::Inconsistent)?;
         rig.controller().map_err(FileError::Inconsistent)?;
         Ok(Self { title, rig, records })
     }
 }
 
-fn filtered_pd(section: &Section<'_>, proportional: &str, derivative: &str) -> Result<FilteredPd, FileError> {
-    let proportional = section.quantity("proportional", proportional, Range::Finite)?;
-    let derivative = section.quantity("derivative", derivative, Range::Finite)?;
-    let time_constant_s = section.quantity("time_constant", "s", Range::Positive)?;
-    FilteredPd::new(proportional, derivative, time_constant_s).map_err(|error| FileError::Inconsistent(error.into()))
+/// A rig as it stands in a file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct RigTable {
+    title: String,
+    plant: PlantTable,
+    controller: ControllerTable,
 }
 
-/// Walks the plant's own table of fields, so that a field is declared in one place only.
-fn plant(top: &Section<'_>) -> Result<Parameters, FileError> {
-    let mut values = vec![f64::NAN; FIELDS.len()];
-    let mut layout = TetherLayout::default();
-    let mut start = 0;
-    while start < FIELDS.len() {
-        let name = FIELDS[start].section;
-        let end = start + FIELDS[start..].iter().take_while(|field| field.section == name).count();
-        top.section(name, |section| {
-            for (value, field) in values[start..end].iter_mut().zip(&FIELDS[start..end]) {
-                *value = section.quantity(field.name, field.unit, Range::Finite)?;
-                if !field.allowed.admits(*value) {
-                    return Err(section.refuse(field.name, *value, field.unit, field.allowed.words()));
-                }
-            }
-            if name == "tether" {
-                layout = section.choice("layout", "one-forward-two-aft or two-forward-one-aft", None)?;
-            }
-            Ok(())
-        })?;
-        start = end;
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct ControllerTable {
+    sample_time: Period,
+    altitude_set_point: Altitude,
+    pitch_set_point: Attitude,
+    roll_set_point: Attitude,
+    altitude: AltitudeLoop,
+    pitch: AngleLoop,
+    roll: AngleLoop,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct AltitudeLoop {
+    proportional: PerSecond,
+    derivative: Plain,
+    time_constant: Period,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct AngleLoop {
+    proportional: SpeedPerAngle,
+    derivative: LengthPerAngle,
+    time_constant: Period,
+}
+
+impl RigTable {
+    fn rig(self) -> Result<Rig, Error> {
+        let ControllerTable { sample_time, altitude, pitch, roll, .. } = &self.controller;
+        let angle = |pd: &AngleLoop| FilteredPd::new(pd.proportional.0, pd.derivative.0, pd.time_constant.0);
+        Ok(Rig {
+            plant: self.plant.0,
+            altitude: FilteredPd::new(altitude.proportional.0, altitude.derivative.0, altitude.time_constant.0)?,
+            pitch: angle(pitch)?,
+            roll: angle(roll)?,
+            set_points: SetPoints {
+                altitude_m: self.controller.altitude_set_point.0,
+                pitch_rad: self.controller.pitch_set_point.0,
+                roll_rad: self.controller.roll_set_point.0,
+            },
+            sample_time_s: sample_time.0,
+        })
     }
-    let mut next = values.into_iter();
-    Parameters::from_fields(layout, |_| Ok(next.next().unwrap_or(f64::NAN)))
 }

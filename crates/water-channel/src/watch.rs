@@ -1,14 +1,43 @@
 //! What is noted of a flight at every sample: extremes, slack lines, and the moment it leaves the model.
 
 use bat_dynamics::{FlightState, STATE_NAMES, check_state};
+use serde::Serialize;
 
 use crate::error::FlightError;
-use crate::flight::{Extremes, FlightSettings, SlackEvent, SlackPolicy};
+use crate::settings::{FlightSettings, SlackPolicy};
 
 /// Zenith angles outside (this, pi/2) leave the model: near zero azimuth and twist coincide, at a quarter turn the
 /// body touches the floor.
 const SMALLEST_ZENITH_RAD: f64 = 1e-3;
 const LINES: [&str; 3] = ["center", "starboard", "port"];
+
+/// How far a flight went, over its samples.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Extremes {
+    /// Largest |psi − psi_flow|.
+    pub peak_heading_rad: f64,
+    /// Smallest zenith angle.
+    pub smallest_zenith_rad: f64,
+    /// Largest zenith angle.
+    pub largest_zenith_rad: f64,
+    /// Smallest tension of any line: the margin to slack.
+    pub smallest_tension_n: f64,
+    /// The line that had it.
+    pub smallest_tension_line: &'static str,
+    /// When it had it.
+    pub smallest_tension_time_s: f64,
+}
+
+/// The first sample at which a line was slack.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SlackEvent {
+    /// `center`, `starboard` or `port`.
+    pub line: &'static str,
+    /// When.
+    pub time_s: f64,
+    /// The tension that the model gives, negative.
+    pub tension_n: f64,
+}
 
 /// The notes on one flight.
 #[derive(Clone, Debug)]

@@ -36,7 +36,7 @@ const ROOMS: &[Room] = &[
     room(4, "page", &[]),
     room(3, "surface", &["design-space", "doe"]),
     room(2, "doe", &["design-space"]),
-    room(2, "water-channel", &["bat-dynamics", "tether-control"]),
+    room(2, "water-channel", &["bat-dynamics", "scaling", "tether-control"]),
     room(1, "design-space", &[]),
     room(1, "bat-dynamics", &[]),
     room(1, "tether-control", &[]),

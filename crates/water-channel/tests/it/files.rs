@@ -13,6 +13,15 @@ fn edited(name: &str, from: &str, to: &str) -> String {
     text.replacen(from, to, 1)
 }
 
+/// The text without one key.
+fn without(name: &str, keys: &[&str]) -> String {
+    let mut table: toml::Table = text(name).parse().unwrap();
+    let (last, sections) = keys.split_last().unwrap();
+    let section = sections.iter().fold(&mut table, |table, key| table[*key].as_table_mut().unwrap());
+    assert!(section.remove(*last).is_some(), "`{last}` is not in {name}");
+    table.to_string()
+}
+
 #[track_caller]
 fn check<T: std::fmt::Debug>(result: Result<T, FileError>, message: &str) {
     match result {
@@ -63,7 +72,11 @@ fn every_fixture_reads_with_its_provenance() {
 
 #[test]
 fn unknown_key_is_an_error_at_every_level() {
-    rig("title =", "titel = \"x\"\ntitle =", "unknown key `titel`; known here: controller, plant, title");
+    rig(
+        "title =",
+        "titel = \"x\"\ntitle =",
+        "unknown key `titel` (is it `title`?); known here: controller, plant, title",
+    );
     rig(
         "[plant.winch]",
         "[plant.motor]\n[plant.winch]",
@@ -100,7 +113,7 @@ fn unknown_key_is_an_error_at_every_level() {
     profile(
         "port =",
         "prot = 1\nport =",
-        "unknown key `window[0].prot`; known here: center, from, port, starboard, to",
+        "unknown key `window[0].prot` (is it `port`?); known here: center, from, port, starboard, to",
     );
     profile(
         "duration =",
@@ -117,8 +130,18 @@ fn unknown_key_is_an_error_at_every_level() {
 
 #[test]
 fn slip_in_a_key_is_pointed_at() {
-    rig("mass =", "mas =", &format!("missing key `plant.body.mass`: {FORM} (there is a key `plant.body.mas`)"));
-    weights("k3_roll", "k3_rol", &format!("missing key `k3_roll`: {FORM} (there is a key `k3_rol`)"));
+    let pointed_at = |result: Result<(), FileError>, key: &str, meant: &str| {
+        let message = result.unwrap_err().to_string();
+        assert!(message.starts_with(&format!("unknown key `{key}` (is it `{meant}`?); known here: ")), "{message}");
+    };
+    let rig = RigFile::parse(&edited("bat/rig.toml", "mass =", "mas ="));
+    pointed_at(rig.map(drop), "plant.body.mas", "mass");
+    let rig = RigFile::parse(&edited("bat/rig.toml", "[plant.stall]", "[plant.stal]"));
+    pointed_at(rig.map(drop), "plant.stal", "stall");
+    let weights = CostFile::parse(&edited("bat/cost-chapter4.toml", "k3_roll", "k3_rol"));
+    pointed_at(weights.map(drop), "k3_rol", "k3_roll");
+    let profile = ProfileFile::parse(&edited("bat/test-profile.toml", "speed =", "sped ="));
+    pointed_at(profile.map(drop), "flow[0].sped", "speed");
 }
 
 #[test]
@@ -137,9 +160,12 @@ fn missing_key_is_named_with_what_should_stand_there() {
         "",
         "missing key `plant.tether.layout`: one-forward-two-aft or two-forward-one-aft",
     );
-    rig("[plant.stall]", "[plant.unused]", "missing key `plant.stall`: a table");
-    profile("duration =", "length =", &format!("missing key `duration`: {FORM}"));
-    weights("k3_roll", "k3", &format!("missing key `k3_roll`: {FORM}"));
+    check(RigFile::parse(&without("bat/rig.toml", &["plant", "stall"])), "missing key `plant.stall`: a table");
+    check(RigFile::parse(&without("bat/rig.toml", &["controller", "roll"])), "missing key `controller.roll`: a table");
+    let missing = |key| format!("missing key `{key}`: {FORM}");
+    check(ProfileFile::parse(&without("bat/test-profile.toml", &["duration"])), &missing("duration"));
+    check(CostFile::parse(&without("bat/cost-chapter4.toml", &["k3_roll"])), &missing("k3_roll"));
+    profile("from =", "# from =", &missing("flow[0].from"));
     check(
         ProfileFile::parse(
             "title = \"no flow\"\nduration = { value = 1, unit = \"s\", provenance = \"given\", source = \"\" }",
@@ -151,28 +177,28 @@ fn missing_key_is_named_with_what_should_stand_there() {
 #[test]
 fn wrong_unit_is_named_with_the_units_that_are_understood() {
     let with = |unit: &str| MASS.replace("\"kg\"", &format!("\"{unit}\""));
-    rig(MASS, &with("lb"), "`plant.body.mass` has the unit `lb`: it must be `kg` or `g`");
-    rig(MASS, &with("m"), "`plant.body.mass` has the unit `m`: it must be `kg` or `g`");
-    rig(MASS, &with(""), "`plant.body.mass` has the unit ``: it must be `kg` or `g`");
+    rig(MASS, &with("lb"), "`plant.body.mass` is in the unit `lb`: it must be in `kg` or `g`");
+    rig(MASS, &with("m"), "`plant.body.mass` is in the unit `m`: it must be in `kg` or `g`");
+    rig(MASS, &with(""), "`plant.body.mass` is in the unit ``: it must be in `kg` or `g`");
     rig(
         "value = 45.18, unit = \"% chord\"",
         "value = 45.18, unit = \"%\"",
-        "`plant.body.joint_x` has the unit `%`: it must be `chord` or `% chord`",
+        "`plant.body.joint_x` is in the unit `%`: it must be in `chord` or `% chord`",
     );
     profile(
         "unit = \"deg\"",
         "unit = \"degree\"",
-        "`flow[0].direction` has the unit `degree`: it must be `rad` or `deg`",
+        "`flow[0].direction` is in the unit `degree`: it must be in `rad` or `deg`",
     );
-    profile("unit = \"u_max\"", "unit = \"m/s\"", "`window[0].port` has the unit `m/s`: it must be `u_max`");
+    profile("unit = \"u_max\"", "unit = \"m/s\"", "`window[0].port` is in the unit `m/s`: it must be in `u_max`");
 }
 
 #[test]
 fn wrong_type_is_named() {
-    rig(MASS, "mass = 0.18", &format!("`plant.body.mass` is float: it must be {FORM}"));
-    rig(MASS, &MASS.replace("0.18", "\"0.18\""), "`plant.body.mass.value` is string: it must be a number");
-    rig(MASS, &MASS.replace("\"kg\"", "1"), "`plant.body.mass.unit` is integer: it must be a text");
-    rig("title = \"Buoyant Air Turbine, 1/100, water channel\"", "title = 1", "`title` is integer: it must be a text");
+    rig(MASS, "mass = 0.18", &format!("`plant.body.mass` is 0.18: it must be {FORM}"));
+    rig(MASS, &MASS.replace("0.18", "\"0.18\""), "`plant.body.mass.value` is \"0.18\": it must be a number");
+    rig(MASS, &MASS.replace("\"kg\"", "1"), "`plant.body.mass.unit` is 1: it must be a text");
+    rig("title = \"Buoyant Air Turbine, 1/100, water channel\"", "title = 1", "`title` is 1: it must be a text");
     rig(
         "layout = \"one-forward-two-aft\"",
         "layout = \"sideways\"",
@@ -192,7 +218,7 @@ fn wrong_type_is_named() {
         ProfileFile::parse(
             "title = \"t\"\nflow = 1\nduration = { value = 1, unit = \"s\", provenance = \"given\", source = \"\" }",
         ),
-        "`flow` is integer: it must be an array of tables",
+        "`flow` is 1: it must be an array of tables",
     );
 }
 
@@ -201,17 +227,17 @@ fn number_out_of_range_is_named_with_what_is_allowed() {
     rig(
         "pitch_set_point = { value = 17.3",
         "pitch_set_point = { value = 95",
-        "`controller.pitch_set_point` = 95 deg: it must be finite and short of a quarter turn to either side",
+        "`controller.pitch_set_point` is 95 deg: it must be finite and short of a quarter turn to either side",
     );
     let mass = |value: &str| MASS.replace("0.18", value);
-    rig(MASS, &mass("-0.18"), "`plant.body.mass` = -0.18 kg: it must be finite and more than zero");
-    rig(MASS, &mass("nan"), "`plant.body.mass` = NaN kg: it must be finite");
-    rig(MASS, &mass("inf"), "`plant.body.mass` = inf kg: it must be finite");
-    rig(MASS, &mass("0"), "`plant.body.mass` = 0 kg: it must be finite and more than zero");
+    rig(MASS, &mass("-0.18"), "`plant.body.mass` is -0.18 kg: it must be finite and more than zero");
+    rig(MASS, &mass("nan"), "`plant.body.mass` is NaN kg: it must be finite and more than zero");
+    rig(MASS, &mass("inf"), "`plant.body.mass` is inf kg: it must be finite and more than zero");
+    rig(MASS, &mass("0"), "`plant.body.mass` is 0 kg: it must be finite and more than zero");
     rig(
         "hull = { value = 0.2775",
         "hull = { value = 1.6",
-        "`plant.stall.hull` = 1.6 rad: it must be more than 0 and at most pi/2 rad",
+        "`plant.stall.hull` is 1.6 rad: it must be more than 0 and at most pi/2 rad",
     );
     rig(
         "inertia_xx = { value = 3.527e-4",
@@ -221,33 +247,37 @@ fn number_out_of_range_is_named_with_what_is_allowed() {
     rig(
         "sample_time = { value = 0.025",
         "sample_time = { value = 0.0",
-        "`controller.sample_time` = 0 s: it must be finite and more than zero",
+        "`controller.sample_time` is 0 s: it must be finite and more than zero",
     );
     rig(
         "time_constant = { value = 0.1025",
         "time_constant = { value = -0.1025",
-        "`controller.pitch.time_constant` = -0.1025 s: it must be finite and more than zero",
+        "`controller.pitch.time_constant` is -0.1025 s: it must be finite and more than zero",
     );
-    profile("value = 0.205", "value = -0.205", "`flow[0].speed` = -0.205 m/s: it must be finite and zero or more");
-    profile("value = -1.0", "value = -1.01", "`window[0].port` = -1.01 u_max: it must be within -1 and 1");
-    weights("value = 11.6", "value = -11.6", "`k2_pitch` = -11.6 1/rad^2: it must be finite and zero or more");
-    weights("value = 11.6", "value = nan", "`k2_pitch` = NaN 1/rad^2: it must be finite and zero or more");
+    profile("value = 0.205", "value = -0.205", "`flow[0].speed` is -0.205 m/s: it must be finite and zero or more");
+    profile("value = -1.0", "value = -1.01", "`window[0].port` is -1.01 u_max: it must be within -1 and 1");
+    weights("value = 11.6", "value = -11.6", "`k2_pitch` is -11.6 1/rad^2: it must be finite and zero or more");
+    weights("value = 11.6", "value = nan", "`k2_pitch` is NaN 1/rad^2: it must be finite and zero or more");
 }
 
 #[test]
 fn numbers_that_do_not_fit_together_are_named() {
-    profile("to = { value = 21.0", "to = { value = 19.0", "`window[0].to` = 19 s: it must be not before `from`");
-    profile("from = { value = 0.0", "from = { value = 5.0", "`flow[0].from` = 5 s: it must be 0 in the first entry");
+    profile("to = { value = 21.0", "to = { value = 19.0", "`window[0].to` is 19 s: it must be not before `from`");
+    profile("from = { value = 0.0", "from = { value = 5.0", "`flow[0].from` is 5 s: it must be 0 in the first entry");
     profile(
         "from = { value = 200.0",
         "from = { value = 100.0",
-        "`flow[2].from` = 100 s: it must be later than in the entry before",
+        "`flow[2].from` is 100 s: it must be later than in the entry before",
     );
-    profile("from = { value = 200.0", "from = { value = 301.0", "`flow[2].from` = 301 s: it must be within `duration`");
+    profile(
+        "from = { value = 200.0",
+        "from = { value = 301.0",
+        "`flow[2].from` is 301 s: it must be within `duration`",
+    );
     profile(
         "from = { value = 220.0",
         "from = { value = 320.0",
-        "`window[4].from` = 320 s: it must be within `duration`",
+        "`window[4].from` is 320 s: it must be within `duration`",
     );
 }
 
@@ -265,7 +295,10 @@ fn error_names_the_file_that_could_not_be_read() {
 #[test]
 fn error_in_a_file_names_the_file() {
     let path = fixture("bat/cost-chapter4.toml");
-    check(ProfileFile::read(&path), &format!("{path}: missing key `duration`: {FORM}"));
+    check(
+        ProfileFile::read(&path),
+        &format!("{path}: unknown key `k1_heading`; known here: control, duration, flow, start, title, window"),
+    );
 }
 
 #[test]

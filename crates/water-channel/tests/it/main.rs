@@ -1,6 +1,7 @@
 //! Claims about the rig, its test, its cost and its files.
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
 
+mod accuracy;
 mod closed_loop;
 mod convergence;
 mod cost;
