@@ -119,7 +119,7 @@ pub fn closed_loop_modes(request: &FlightRequest, flow: &Flow) -> Result<ClosedL
     Ok(ClosedLoop { trim, map, sample_time_s, modes })
 }
 
-/// `ln(mu) / T` with the answers told at [`SampledMode::mode`].
+/// `ln(mu) / T` with the answers given at [`SampledMode::mode`].
 fn rate_of(multiplier: Complex<f64>, sample_time_s: f64) -> Complex<f64> {
     let size = multiplier.norm().max(f64::MIN_POSITIVE);
     // +0 so that a negative zero cannot turn pi into −pi.

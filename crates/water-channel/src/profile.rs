@@ -47,7 +47,7 @@ pub enum Control {
 
 /// What happens during one experiment.
 ///
-/// The test of the source has a window per equation, apart from (24), and the controller between them.
+/// In the source a line has one command in the windows T_1, another in T_2, and that of the controller otherwise.
 ///
 /// Source: (22), (23), (24), (25), (26).
 #[derive(Clone, Debug, PartialEq)]
