@@ -44,7 +44,7 @@ const ROOMS: &[Room] = &[
 ];
 
 /// The page with the drawing, which has a row for each crate.
-const PAGE: &str = "docs/architecture.md";
+pub(super) const PAGE: &str = "docs/architecture.md";
 
 /// Complaints about the dependencies of a crate.
 pub(super) fn complaints(name: &str, manifest: &Table) -> Vec<String> {

@@ -46,6 +46,10 @@ fn complaints(root: &Path) -> Result<Vec<String>> {
             complaints.extend(pages::missing_tests(name, text, &texts));
         }
     }
+    let names: Vec<&str> = texts.iter().map(|(name, _)| name.as_str()).collect();
+    if let Some((name, text)) = texts.iter().find(|(name, _)| name == layers::PAGE) {
+        complaints.extend(pages::missing_places(name, text, &names));
+    }
     complaints.extend(equation_complaints(&texts));
     complaints.extend(layers::page_complaints(&texts));
     for package in package_directories(root)? {

@@ -45,6 +45,32 @@ pub(super) fn missing_tests(name: &str, text: &str, sources: &[(String, String)]
     named.filter(is_missing).map(|(quoted, ..)| format!("{name}: there is no test `{quoted}`")).collect()
 }
 
+/// Complaints about files and folders that the map of the code names and that are not there, given all names from the root.
+pub(super) fn missing_places(name: &str, text: &str, names: &[&str]) -> Vec<String> {
+    let mut complaints = Vec::new();
+    let mut source = None;
+    for line in text.lines() {
+        if let Some(heading) = line.strip_prefix("### ") {
+            source = heading.split('`').nth(1).map(|package| format!("{package}/src/"));
+        } else if line.starts_with("## ") {
+            source = None;
+        }
+        let Some(source) = source.as_ref().filter(|_| line.starts_with('|')) else {
+            continue;
+        };
+        let first = line.split('|').nth(1).unwrap_or_default();
+        for place in first.split('`').skip(1).step_by(2) {
+            let whole = format!("{source}{place}");
+            let is_there =
+                names.iter().any(|name| *name == whole || (whole.ends_with('/') && name.starts_with(&whole)));
+            if !is_there {
+                complaints.push(format!("{name}: there is no {whole}"));
+            }
+        }
+    }
+    complaints
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,6 +83,14 @@ mod tests {
         let page = "a\n".repeat(FRONT_PAGE + 1);
         assert_eq!(complaints("crates/a/README.md", &page).len(), 1, "a manual");
         assert!(complaints("docs/a.md", &page).is_empty(), "not a front page");
+    }
+
+    #[test]
+    fn places_that_are_not_there_are_found() {
+        let names = ["crates/a/src/b.rs", "crates/a/src/c/d.rs"];
+        let map = |places: &str| format!("### `crates/a`: all\n| {places} | `none.rs` |\n\n## Else\n| `e.rs` | x |\n");
+        assert!(missing_places("m", &map("`b.rs`, `c/`, `c/d.rs`"), &names).is_empty(), "as it should be");
+        assert_eq!(missing_places("m", &map("`b.rs`, `f.rs`"), &names), ["m: there is no crates/a/src/f.rs"]);
     }
 
     #[test]
