@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::codesign::evaluator::Evaluator;
 use crate::codesign::search::{SearchSettings, search};
-use crate::correction::Correction;
+use crate::correction::Local;
 use crate::{CodesignProblem, CodesignStop, Error, FailedSimulation, OptimizerSettings, Role, Strategy};
 
 /// What a numerical optimization found and what it took.
@@ -71,7 +71,7 @@ pub fn codesign(
     simulation: &mut impl FnMut(&[f64]) -> Result<f64, String>,
 ) -> Result<CodesignReport, Error> {
     settings.validate()?;
-    let correction = Correction::zero(problem.n_parameters());
+    let correction = Local::zero(problem.n_parameters());
     let mut evaluator = Evaluator::new(problem.region(), &correction, simulation, settings.max_simulations);
     let stop = optimize(problem, settings, start, &mut evaluator)?;
     let best = evaluator.best()?;

@@ -14,7 +14,7 @@ use crate::checks::{check_cells, check_finite, check_not_negative};
 /// for any p, however it was found: add J_true(p) ≤ Ĵ_model(p) + eps and −J_true ≤ −Ĵ_model + eps at
 /// the best design. Source: beyond the text.
 ///
-/// eps must hold in the sup norm, such as [`Bound::finite`](crate::Bound::finite) of sup norms; a norm
+/// eps must hold in the sup norm, such as [`Bound::finite`](crate::convergence::Bound::finite) of sup norms; a norm
 /// of finite order says nothing about a single design.
 ///
 /// The certificate speaks of M. About designs dropped earlier it says nothing, unless each was dropped
@@ -23,7 +23,7 @@ use crate::checks::{check_cells, check_finite, check_not_negative};
 /// then holds against the original box. A z-test gives no such guarantee.
 ///
 /// ```
-/// use infuse::RegretCertificate;
+/// use infuse::convergence::RegretCertificate;
 ///
 /// let model = [4.20, 4.01, 4.35];
 /// let certificate = RegretCertificate::of_cell(1, &model, 0.3)?;
@@ -88,7 +88,7 @@ impl RegretCertificate {
     /// cost.
     ///
     /// A tolerance below twice the limit of the bound may never be reached:
-    /// [`Bound::limit`](crate::Bound::limit) tells beforehand.
+    /// [`Bound::limit`](crate::convergence::Bound::limit) tells beforehand.
     #[must_use]
     pub fn is_within(&self, tolerance: f64) -> bool {
         self.regret <= tolerance

@@ -74,8 +74,10 @@ pub enum NormScaling {
 /// and max |J(p)| for q = ∞. The unit is that of J if measures are dimensionless, so they are taken in
 /// coordinates coded to −1..1 over the original box, see [`coded_cell_measure`].
 ///
+/// Source: (42).
+///
 /// ```
-/// use infuse::{Norm, NormOrder, NormScaling};
+/// use infuse::convergence::{Norm, NormOrder, NormScaling};
 ///
 /// let integral = Norm { order: NormOrder::finite(2.0)?, scaling: NormScaling::Integral };
 /// assert_eq!(integral.over(&[3.0, -4.0], &[1.0, 1.0])?, 5.0);

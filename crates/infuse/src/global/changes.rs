@@ -6,7 +6,7 @@ use crate::Error;
 use crate::global::cells::Cells;
 use crate::global::retained::RetainedSet;
 use crate::global::surfaces::IterationSurfaces;
-use crate::global::traced::TracedSurface;
+use crate::traced::TracedSurface;
 
 /// Largest magnitudes over M_i, in the unit of the cost: what can be said of Figure 21 without knowing the truth.
 ///

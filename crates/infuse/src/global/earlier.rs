@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::Error;
 use crate::global::trial::{NEAR_THE_REGION, far_setting};
 
-/// An experiment that no iteration asked for, see [`Loop::add_earlier`](crate::Loop::add_earlier).
+/// An experiment that no iteration asked for, see [`Loop::add_earlier`](crate::global::Loop::add_earlier).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EarlierExperiment {

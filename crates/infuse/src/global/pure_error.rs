@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::Outcome;
-use crate::global::Loop;
+use crate::global::campaign::Loop;
 
 /// Scatter of experiments at equal settings about their mean, pooled over the campaign.
 ///
@@ -52,10 +51,7 @@ impl Loop {
     #[must_use]
     pub fn pure_error(&self) -> Option<PureError> {
         let closed = self.history.iter().flat_map(|report| &report.trials);
-        let records = closed.chain(self.open.iter().flat_map(|open| &open.trials));
-        PureError::of_readings(records.filter_map(|record| {
-            let cost = record.outcome.as_ref().and_then(Outcome::cost)?;
-            Some((record.settings().to_vec(), cost))
-        }))
+        let records = closed.chain(self.open.iter().flat_map(|open| open.trials.records()));
+        PureError::of_readings(records.filter_map(|record| Some((record.settings().to_vec(), record.cost()?))))
     }
 }

@@ -2,13 +2,14 @@
 
 use std::fmt;
 
+use design_space::Cell;
 use serde::{Deserialize, Serialize};
 
 use crate::Outcome;
-use crate::global::Settings;
 use crate::global::batch::Batch;
 use crate::global::changes::SurfaceChanges;
 use crate::global::screening::Screening;
+use crate::global::settings::Settings;
 use crate::global::trial::TrialRecord;
 
 /// Why a global campaign ended.
@@ -23,7 +24,7 @@ pub enum StopReason {
     /// Every experiment of the last iteration failed.
     NoInformation,
     /// The validation experiments of the last iteration gave no spread S, and
-    /// [`SpreadFallback::Stop`](crate::SpreadFallback::Stop) was set.
+    /// [`SpreadFallback::Stop`](crate::global::SpreadFallback::Stop) was set.
     NoSpread,
 }
 
@@ -42,8 +43,8 @@ impl fmt::Display for StopReason {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SimulationRecord {
-    /// The cell, by its index in the grid.
-    pub cell: u64,
+    /// The cell.
+    pub cell: Cell,
     /// Its settings, natural.
     pub point: Vec<f64>,
     /// Cost, or why there is none.
@@ -63,8 +64,8 @@ pub struct Report {
     pub simulations: Vec<SimulationRecord>,
     /// Every experiment with its outcome.
     pub trials: Vec<TrialRecord>,
-    /// How many [earlier experiments](crate::EarlierExperiment) counted in it.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    /// How many [earlier experiments](crate::global::EarlierExperiment) counted in it.
+    #[serde(default, skip_serializing_if = "crate::global::settings::is_zero")]
     pub n_earlier: usize,
     /// The optimum, the z-test and what it left.
     pub screening: Screening,
@@ -75,16 +76,10 @@ pub struct Report {
     pub changes: SurfaceChanges,
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
-pub(crate) fn is_zero(count: &usize) -> bool {
-    *count == 0
-}
-
 impl Report {
-    /// The experiments that were told as failed.
+    /// The experiments that failed.
     pub fn failed_trials(&self) -> impl Iterator<Item = &TrialRecord> {
-        let is_failed = |record: &&TrialRecord| matches!(record.outcome, Some(Outcome::Failed { .. }));
-        self.trials.iter().filter(is_failed)
+        self.trials.iter().filter(|record| record.is_failed())
     }
 
     /// The simulations that gave no cost.
@@ -100,8 +95,7 @@ impl Report {
 
     /// The same, whatever the limit on the iterations.
     pub(crate) fn own_stop(&self, settings: &Settings) -> Option<StopReason> {
-        let failed = |record: &TrialRecord| record.outcome.as_ref().and_then(Outcome::cost).is_none();
-        if self.trials.iter().all(failed) {
+        if self.trials.iter().all(|record| record.cost().is_none()) {
             Some(StopReason::NoInformation)
         } else if self.screening.ends_campaign(settings) {
             Some(StopReason::NoSpread)

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use surface::{Confounded, Data, InverseDistance, Kind};
 
 use crate::Error;
-use crate::correction::{CorrectionLaw, CorrectionRule, Gain};
+use crate::correction::{Gain, Law, Rule};
 
 /// Beyond it a regression may refuse its data as dependent, after the experiments were made.
 const LARGEST_WEIGHT_RATIO: f64 = 1e6;
@@ -83,7 +83,7 @@ pub struct Settings {
     pub n_experiments: usize,
     /// How many of the experiments repeat others of the same iteration, at most half of them: where, the design decides.
     /// Repeats measure the noise, and against it the lack of fit. Default 0.
-    #[serde(default, skip_serializing_if = "crate::global::report::is_zero")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub replicates: usize,
     /// N_S, simulations per iteration: at least the number of terms.
     pub n_simulations: usize,
@@ -109,7 +109,7 @@ pub struct Settings {
     /// How the experiments correct the simulation. Default: the recursion of the proof with gain 0.5;
     /// the dissertation does not tell its gain.
     #[serde(default = "default_correction")]
-    pub correction: CorrectionRule,
+    pub correction: Rule,
     /// What to do without a spread.
     #[serde(default)]
     pub fallback: SpreadFallback,
@@ -153,14 +153,19 @@ fn default_first_screening() -> usize {
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+pub(crate) fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
 fn is_one(count: &usize) -> bool {
     *count == 1
 }
 
-fn default_correction() -> CorrectionRule {
+fn default_correction() -> Rule {
     // One half is a gain, so the other branch is never taken.
     let gain = Gain::constant(0.5).unwrap_or_else(|_| Gain::harmonic());
-    CorrectionRule::new(CorrectionLaw::ProofRecursion, gain)
+    Rule::new(Law::ProofRecursion, gain)
 }
 
 fn default_split() -> SplitMethod {
