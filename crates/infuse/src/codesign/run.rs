@@ -43,11 +43,11 @@ impl CodesignReport {
 ///
 /// Every descent is BOBYQA in coded coordinates: it suits smooth costs, and can stop short of the
 /// optimum on a kink. Only the nested strategy looks at the whole controller axis for each plant it
-/// tries; which of the others miss what is shown in the crate documentation.
+/// tries; what the others miss is shown at [`Strategy`].
 ///
 /// # Errors
 ///
-/// [`Error::Region`] for a start outside the region, [`Error::NeedsPlantAndController`],
+/// [`Error::DesignSpace`] for a start outside the region, [`Error::NeedsPlantAndController`],
 /// [`Error::Setting`], [`Error::SettingCount`], [`Error::EverySimulationFailed`].
 ///
 /// ```

@@ -75,6 +75,7 @@ impl RegretCertificate {
     }
 
     /// For a retained cell, from the least model cost of the others, infinite without any.
+    #[cfg(feature = "global")]
     pub(crate) fn of_cell_among(model_cost: f64, least_other: f64, eps: f64) -> Result<Self, Error> {
         check_not_negative("eps", eps)?;
         Ok(Self::among(model_cost, least_other, model_cost - least_other.min(model_cost), eps))

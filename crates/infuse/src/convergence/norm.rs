@@ -133,6 +133,7 @@ impl Norm {
     }
 
     /// (|J|/largest)^q, a share of at most 1; 0 for q = ∞ and where everything is 0.
+    #[cfg(feature = "global")]
     pub(crate) fn share(&self, value: f64, largest: f64) -> f64 {
         match self.order.0 {
             UncheckedOrder::Finite(q) if largest > 0.0 => raised(value.abs() / largest, q),
@@ -141,6 +142,7 @@ impl Norm {
     }
 
     /// The norm over cells of one measure from the largest magnitude and the sum of the [shares](Self::share).
+    #[cfg(feature = "global")]
     pub(crate) fn of_shares(&self, largest: f64, sum: f64, n_cells: u64, measure: f64) -> Result<f64, Error> {
         if n_cells == 0 {
             return Err(Error::EmptyRegion);

@@ -43,7 +43,7 @@ impl Agreement {
         self.exact("trials.trial.id", &saved.id, &found.id)?;
         self.exact("trials.trial.iteration", &saved.iteration, &found.iteration)?;
         self.exact("trials.trial.used_for", &saved.used_for, &found.used_for)?;
-        self.exact("trials.trial.cell", &saved.cell, &found.cell)?;
+        self.exact("trials.trial.cell", &saved.cell.index(), &found.cell.index())?;
         self.exact("trials.trial.point", &saved.point, &found.point)
     }
 
@@ -83,11 +83,11 @@ impl Agreement {
     }
 
     fn of_screenings(self, saved: &Screening, found: &Screening) -> Result<(), Error> {
-        self.exact("screening.optimum_cell", &saved.optimum_cell, &found.optimum_cell)?;
+        self.exact("screening.optimum_cell", &saved.optimum_cell.index(), &found.optimum_cell.index())?;
         self.exact("screening.optimum", &saved.optimum, &found.optimum)?;
         self.cost("screening.optimum_value", saved.optimum_value, found.optimum_value)?;
-        let field = "screening.simulation_optimum_cell";
-        self.exact(field, &saved.simulation_optimum_cell, &found.simulation_optimum_cell)?;
+        let (cell, other) = (saved.simulation_optimum_cell.index(), found.simulation_optimum_cell.index());
+        self.exact("screening.simulation_optimum_cell", &cell, &other)?;
         self.exact("screening.simulation_optimum", &saved.simulation_optimum, &found.simulation_optimum)?;
         let field = "screening.spread";
         match (saved.spread, found.spread) {

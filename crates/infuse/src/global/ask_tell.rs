@@ -55,7 +55,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::Region`] if the searches find no design.
+    /// [`Error::DesignSpace`] if the searches find no design.
     pub fn plan(&self) -> Result<Option<Plan>, Error> {
         if self.open.is_some() || self.stop().is_some() {
             return Ok(None);
@@ -116,7 +116,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// Those of [`tell`](Self::tell), [`Error::Region`] for a wrong number of settings, and [`Error::ActualSettingOf`].
+    /// Those of [`tell`](Self::tell), [`Error::DesignSpace`] for a wrong number of settings, and [`Error::ActualSettingOf`].
     pub fn tell_at(&mut self, id: TrialId, actual: &[f64], outcome: Outcome) -> Result<(), Error> {
         self.record(id, Some(actual.to_vec()), outcome)
     }
@@ -149,7 +149,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::Region`] for a wrong number of settings, [`Error::EarlierSetting`] for one more than half a parameter's
+    /// [`Error::DesignSpace`] for a wrong number of settings, [`Error::EarlierSetting`] for one more than half a parameter's
     /// width outside its bounds, [`Error::Setting`] for a cost that is not finite.
     pub fn add_earlier(&mut self, point: &[f64], cost: f64, source: impl Into<String>) -> Result<(), Error> {
         let since = self.iteration();

@@ -40,7 +40,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::Region`] for a parameter without levels, [`Error::TooManyCells`], and those of
+    /// [`Error::DesignSpace`] for a parameter without levels, [`Error::TooManyCells`], and those of
     /// [`Settings::validate`].
     pub fn new(region: &Region, settings: Settings) -> Result<Self, Error> {
         settings.validate(region)?;
@@ -104,7 +104,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::Region`] for a cell outside the grid.
+    /// [`Error::DesignSpace`] for a cell outside the grid.
     pub fn point(&self, cell: Cell) -> Result<Vec<f64>, Error> {
         self.cells.natural(cell)
     }
@@ -122,7 +122,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::Region`] for a point outside the region.
+    /// [`Error::DesignSpace`] for a point outside the region.
     pub fn cell(&self, point: &[f64]) -> Result<Cell, Error> {
         Ok(self.grid().nearest(point)?)
     }

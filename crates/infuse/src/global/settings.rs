@@ -220,7 +220,7 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`Error::Region`] for a regressor of another number of factors, [`Error::Setting`], [`Error::SettingCount`];
+    /// [`Error::DesignSpace`] for a regressor of another number of factors, [`Error::Setting`], [`Error::SettingCount`];
     /// [`Error::Surface`] for the power or scale of a surface.
     pub fn validate(&self, region: &Region) -> Result<(), Error> {
         let (expected, found) = (region.n_parameters(), self.model.n_factors());

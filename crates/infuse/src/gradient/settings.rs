@@ -109,7 +109,7 @@ impl Settings {
     /// # Errors
     ///
     /// [`Error::WrongLength`], [`Error::ParameterSetting`], [`Error::SettingCount`],
-    /// [`Error::Setting`], [`Error::Region`] for a start outside the region, and
+    /// [`Error::Setting`], [`Error::DesignSpace`] for a start outside the region, and
     /// [`Error::NeedsPlantAndController`].
     pub fn validate(&self, problem: &CodesignProblem) -> Result<(), Error> {
         self.optimizer.validate()?;

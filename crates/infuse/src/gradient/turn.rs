@@ -24,14 +24,15 @@ impl Loop {
     /// The lower half, with the outcomes of all experiments.
     pub(super) fn finish(&self, open: OpenIteration) -> Report {
         let OpenIteration { numerical, trials } = open;
-        let (iteration, trials, settings) = (self.iteration(), trials.into_records(), self.settings());
+        let (iteration, settings) = (self.iteration(), self.settings());
         // The slopes of the experiments at the optimum,
-        let experiment_cost = measured_cost(&trials);
-        let experiment_gradient = measured_slopes(&trials, &numerical.point);
+        let experiment_cost = measured_cost(trials.records());
+        let experiment_gradient = measured_slopes(trials.records(), &numerical.point);
         // and by them the correction (27), with which the next turn begins.
         let (optimum, experiment, model) = (&numerical.point, &experiment_gradient, &numerical.model_gradient);
         let slopes = Slopes { optimum, experiment, model };
         let (correction, is_corrected) = self.correction().updated(settings.correction_form, &settings.trust, slopes);
+        let trials = trials.into_records();
         Report { iteration, numerical, trials, experiment_cost, experiment_gradient, is_corrected, correction }
     }
 

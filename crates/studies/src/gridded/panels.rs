@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use doe::Levels;
+use design_space::Cell;
 use infuse::global::{self, RetainedSet, TrialUse};
 
 use super::space::Space;
@@ -20,7 +21,7 @@ pub(crate) fn cell_panel(
     };
     let at = |i: usize, j: usize| -> Result<f64> {
         let cell = i * n_y + j;
-        if retained.contains(cell as u64) { value(cell) } else { Ok(f64::NAN) }
+        if retained.contains(Cell::new(cell as u64)) { value(cell) } else { Ok(f64::NAN) }
     };
     let row = |j: usize| (0..x.len()).map(|i| at(i, j)).collect::<Result<Vec<_>>>();
     let z = (0..y.len()).map(row).collect::<Result<_>>()?;
