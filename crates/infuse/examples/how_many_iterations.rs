@@ -3,7 +3,7 @@
 use infuse::{
     Error,
     convergence::{Bound, ErrorLevels, Norm, RegretCertificate},
-    correction::{Field, Law, Rule, Gain, ModelStage},
+    correction::{Field, Gain, Law, ModelStage, Rule},
 };
 
 /// Bounds on the errors of the fitted surfaces, in the unit of the cost.

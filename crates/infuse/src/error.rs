@@ -69,7 +69,7 @@ pub enum Error {
         /// What is allowed.
         expected: &'static str,
     },
-    /// Not one simulation of an optimization or of a batch gave a finite cost.
+    /// Not one simulation of an optimization or of a batch gave a finite response.
     #[error("all {n_simulations} simulations failed, the first at {first_point:?}: {first_reason}")]
     EverySimulationFailed {
         /// How many were tried.
@@ -92,13 +92,13 @@ pub enum Error {
         id: TrialId,
     },
     /// A second reply to the same trial.
-    #[error("trial {id} has been told already; its first outcome stands")]
+    #[error("trial {id} has an outcome already, and it stands")]
     AlreadyTold {
         /// The id given.
         id: TrialId,
     },
-    /// A cost that is NaN or infinite. A trial without a usable cost is told as failed.
-    #[error("trial {id} was told the value {value:?}, expected a finite cost, or a failure with its reason")]
+    /// A response that is NaN or infinite. A trial without a usable response is reported as failed.
+    #[error("the outcome of trial {id} is {value:?}, expected a finite response, or a failure with its reason")]
     NonFiniteOutcome {
         /// The id given.
         id: TrialId,

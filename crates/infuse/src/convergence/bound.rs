@@ -69,7 +69,7 @@ pub struct Bound {
     pub stage: ModelStage,
 }
 
-/// Bounds on the errors of the surfaces, the same in every iteration, in the unit of the cost.
+/// Bounds on the errors of the surfaces, the same in every iteration, in the unit of the response.
 ///
 /// Source: (41).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,7 +105,7 @@ pub struct Amplification {
 }
 
 impl Amplification {
-    /// The bound for these errors, in the unit of the cost.
+    /// The bound for these errors, in the unit of the response.
     #[must_use]
     pub fn error(&self, levels: &ErrorLevels) -> f64 {
         self.simulation * levels.simulation + self.experiment * levels.experiment + self.gap * levels.gap
@@ -188,7 +188,7 @@ impl Bound {
     }
 
     /// The least number of rounds from which on the bound stays within `tolerance`, in the unit of the
-    /// cost, of its limit; nothing if it has none, or needs more rounds than a double can count.
+    /// response, of its limit; nothing if it has none, or needs more rounds than a double can count.
     ///
     /// # Errors
     ///

@@ -19,7 +19,7 @@
 //! * The harmonic gain 1/n forgets the gap after one round and averages the noise of the rest; its limit is 2 E1 + E2 under both laws.
 //! * For 1 < k < 2 the laws still converge, to limits that grow as k nears 2; [`Bound`] documents them.
 //! * The table is for Ĵnum,n. The next iteration starts from Ĵsim,n+1 plus the same correction ([`ModelStage::Onset`](crate::correction::ModelStage::Onset)): 2 E1 + E2 in the limit under both laws.
-//! * In the sup norm a bound eps certifies a design: its true cost is above the best by at most its excess in the model plus 2 eps.
+//! * In the sup norm a bound eps certifies a design: its true response is above the best by at most its excess in the model plus 2 eps.
 //!   About designs dropped earlier that says nothing unless each was dropped by more than 2 eps; [`possible_optima`] drops no others.
 //!
 //! A global loop takes all this over its own cells, one after the other and without a list of them: `norm_over` is (42) over

@@ -27,10 +27,10 @@ pub fn agrees(saved: f64, found: f64, scale: f64) -> bool {
 }
 
 fn is_close(saved: f64, found: f64, margin: f64) -> bool {
-    (saved - found).abs() <= margin || saved.to_bits() == found.to_bits()
+    (margin.is_finite() && (saved - found).abs() <= margin) || saved.to_bits() == found.to_bits()
 }
 
-/// The two sides of a comparison: an iteration as saved and as found.
+/// The two sides of a comparison: a batch as saved and as found.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Agreement {
     pub(crate) iteration: usize,

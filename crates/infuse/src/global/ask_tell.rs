@@ -26,8 +26,8 @@ pub enum Ask {
 impl Loop {
     /// The experiments to run now.
     ///
-    /// While trials are outstanding it returns those not yet told, and the simulation is not called.
-    /// Otherwise it opens the next iteration: both designs are searched for, the simulations are run, and
+    /// While trials are outstanding it returns those without an outcome, and the simulation is not called.
+    /// Otherwise it opens the next batch: both designs are searched for, the simulations are run, and
     /// the experiments are handed out, N_E of them.
     ///
     /// `simulation` maps a cell and its natural point to a response or to the reason why there is none; failures are
@@ -49,7 +49,7 @@ impl Loop {
         Ok(Ask::Trials(self.outstanding()))
     }
 
-    /// The cells that the next iteration experiments and simulates on: the first half of [`ask`](Self::ask), for
+    /// The cells that the next batch experiments and simulates on: the first half of [`ask`](Self::ask), for
     /// callers who run many simulations at once, or who write the designs down before they begin. Nothing while trials
     /// are outstanding, and after the end.
     ///
@@ -63,7 +63,7 @@ impl Loop {
         self.plan_in(&self.design_space()?).map(Some)
     }
 
-    /// Opens the next iteration with these designs: the second half of [`ask`](Self::ask). `simulation` is called once per
+    /// Opens the next batch with these designs: the second half of [`ask`](Self::ask). `simulation` is called once per
     /// simulation of the plan, in its order, and may look up what has been run before.
     ///
     /// The designs need not be those of [`plan`](Self::plan): any cells that are left will do, in the numbers of the
@@ -99,12 +99,12 @@ impl Loop {
 
     /// The outcome of an outstanding trial, at the settings asked for.
     ///
-    /// The last outcome of an iteration closes it: surfaces are fitted, the correction is updated, cells are dropped,
-    /// and the iteration appears in [`reports`](Self::reports). The order of telling does not matter.
+    /// The last outcome of a batch closes it: surfaces are fitted, the correction is updated, cells are dropped,
+    /// and the batch appears in [`reports`](Self::reports). The order of telling does not matter.
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownTrial`], [`Error::AlreadyTold`], [`Error::NonFiniteOutcome`]; [`Error::Surface`] if a cost, or a
+    /// [`Error::UnknownTrial`], [`Error::AlreadyTold`], [`Error::NonFiniteOutcome`]; [`Error::Surface`] if a response, or a
     /// corrected one, is too large to be fitted. The state is then as before.
     pub fn tell(&mut self, id: TrialId, outcome: Outcome) -> Result<(), Error> {
         self.record(id, None, outcome)
@@ -143,14 +143,14 @@ impl Loop {
         }
     }
 
-    /// An experiment made outside the campaign, at these natural settings. From the iteration that is open or comes
-    /// next it counts as one more training experiment of every iteration at whose onset the nearest cell is left;
+    /// An experiment made outside the campaign, at these natural settings. From the batch that is open or comes
+    /// next it counts as one more training experiment of every batch at whose onset the nearest cell is left;
     /// it never validates. Designs do not know of it.
     ///
     /// # Errors
     ///
     /// [`Error::DesignSpace`] for a wrong number of settings, [`Error::EarlierSetting`] for one more than half a parameter's
-    /// width outside its bounds, [`Error::Setting`] for a cost that is not finite.
+    /// width outside its bounds, [`Error::Setting`] for a response that is not finite.
     pub fn add_earlier(&mut self, point: &[f64], cost: f64, source: impl Into<String>) -> Result<(), Error> {
         let since = self.iteration();
         let earlier = EarlierExperiment { point: point.to_vec(), cost, source: source.into(), since, until: None };
@@ -159,7 +159,7 @@ impl Loop {
         Ok(())
     }
 
-    /// Stops using the [earlier](Self::add_earlier) experiments from this source, from the iteration that is open or comes next
+    /// Stops using the [earlier](Self::add_earlier) experiments from this source, from the batch that is open or comes next
     /// on. Iterations that rest on them stand. How many were in use.
     pub fn withdraw_earlier(&mut self, source: &str) -> usize {
         let iteration = self.iteration();

@@ -1,4 +1,4 @@
-//! The G-optimal batch of an iteration: Section 5.1 over what is left of the gridded space.
+//! The G-optimal designs of a batch: Section 5.1 over what is left of the gridded space.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -25,7 +25,7 @@ pub struct Batch {
     /// Cells that the designs were chosen from, and over which their variance was looked at: all retained
     /// cells up to [`Settings::candidate_limit`], a part of them beyond.
     pub n_candidates: u64,
-    /// Terms of the regressor that these cells cannot tell apart, left out in this iteration.
+    /// Terms of the regressor that these cells cannot tell apart, left out in this batch.
     pub dropped_terms: Vec<DroppedTerm>,
     /// Whether all terms were left out, each vanishing or equal to others that vanish: a constant is then estimated
     /// in their place.
@@ -50,7 +50,7 @@ pub struct DroppedTerm {
 }
 
 impl Batch {
-    /// The regressor of this iteration.
+    /// The regressor of this batch.
     pub(crate) fn model(&self, settings: &Settings) -> Result<Model, Error> {
         regressor(settings, &self.dropped_terms)
     }
@@ -66,7 +66,7 @@ fn regressor(settings: &Settings, dropped: &[DroppedTerm]) -> Result<Model, Erro
     Ok(model.without_terms(&terms)?)
 }
 
-/// Which of an iteration's designs is searched for.
+/// Which of a batch's designs is searched for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Purpose {
     Candidates,
@@ -185,7 +185,7 @@ impl<'a> DesignSpace<'a> {
     }
 }
 
-/// One stream of random numbers per iteration and purpose.
+/// One stream of random numbers per batch and purpose.
 fn seed(seed: u64, iteration: usize, purpose: Purpose) -> u64 {
     let stream = 3 * iteration as u64 + purpose as u64;
     seed ^ stream.wrapping_mul(0x9E37_79B9_7F4A_7C15)

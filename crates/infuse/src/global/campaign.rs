@@ -69,13 +69,13 @@ impl Loop {
         &self.settings
     }
 
-    /// The closed iterations, first to last.
+    /// The closed batches, first to last.
     #[must_use]
     pub fn reports(&self) -> &[Report] {
         &self.history
     }
 
-    /// The surfaces of the closed iterations, first to last.
+    /// The surfaces of the closed batches, first to last.
     #[must_use]
     pub fn surfaces(&self) -> &[IterationSurfaces] {
         &self.surfaces
@@ -127,12 +127,12 @@ impl Loop {
         Ok(self.grid().nearest(point)?)
     }
 
-    /// Number of the iteration that is open or comes next, from 1.
+    /// Number of the batch that is open or comes next, from 1.
     pub(super) fn iteration(&self) -> usize {
         self.history.len() + 1
     }
 
-    /// How many trials the closed iterations handed out.
+    /// How many trials the closed batches handed out.
     pub(super) fn n_asked(&self) -> u64 {
         self.history.iter().map(|report| report.trials.len() as u64).sum()
     }

@@ -54,8 +54,7 @@ impl Cells {
 
     /// Coded to the original box.
     pub(crate) fn coded(&self, cell: Cell) -> Result<Vec<f64>, Error> {
-        let unknown =
-            || Error::UnknownCell { cell_idx: cell.index() as usize, n_cells: self.n_cells() as usize };
+        let unknown = || Error::UnknownCell { cell_idx: cell.index() as usize, n_cells: self.n_cells() as usize };
         self.points.point(cell.index()).ok_or_else(unknown)
     }
 

@@ -17,8 +17,8 @@ impl Loop {
         &self.retained
     }
 
-    /// M_i, what was left at the onset of iteration i from 1: recomputed from the surfaces of the iterations before.
-    /// None beyond the iteration that is open or comes next.
+    /// M_i, what was left at the onset of batch i from 1: recomputed from the surfaces of the batches before.
+    /// None beyond the batch that is open or comes next.
     #[must_use]
     pub fn retained_at(&self, iteration: usize) -> Option<RetainedSet> {
         if !(1..=self.iteration()).contains(&iteration) {
@@ -26,11 +26,9 @@ impl Loop {
         }
         let closed = self.history.iter().zip(&self.surfaces).take(iteration - 1);
         let full = RetainedSet::full(self.cells.n_cells());
-        Some(
-            closed.fold(full, |left, (report, surfaces)| {
-                report.screening.reduced(&left, self.cells.points(), &surfaces.combined)
-            }),
-        )
+        Some(closed.fold(full, |left, (report, surfaces)| {
+            report.screening.reduced(&left, self.cells.points(), &surfaces.combined)
+        }))
     }
 
     /// Whether this cell is still in the running.
@@ -44,7 +42,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::SettingCount`] for an iteration beyond the one that is open or comes next, [`Error::WrongLength`] for a
+    /// [`Error::SettingCount`] for a batch beyond the one that is open or comes next, [`Error::WrongLength`] for a
     /// surface with another number of factors, [`Error::Entry`] with the first cell at which it is not finite,
     /// [`Error::Setting`] if the norm itself is too large for a double.
     pub fn norm_over(&self, iteration: usize, surface: &dyn Surface, norm: Norm) -> Result<f64, Error> {
@@ -57,7 +55,7 @@ impl Loop {
         region.norm(self.cells.points(), surface, norm, cell)
     }
 
-    /// When and why a cell was dropped, from the surfaces of that iteration; none if it was not, or is no cell.
+    /// When and why a cell was dropped, from the surfaces of that batch; none if it was not, or is no cell.
     #[must_use]
     pub fn why_dropped(&self, cell: Cell) -> Option<Dropped> {
         let point = self.cells.coded(cell).ok()?;

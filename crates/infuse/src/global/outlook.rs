@@ -17,9 +17,9 @@ use crate::global::trial::TrialUse;
 /// Cells among which the best is looked for in every draw; of more that are left, a part.
 const MOST_CELLS: u64 = 20_000;
 
-/// How much better than p̂* the best of what is left may be, in the unit of the cost.
+/// How much better than p̂* the best of what is left may be, in the unit of the response.
 ///
-/// Ĵnum of the last iteration knows all experiments. Only they bring noise into it, through the correction
+/// Ĵnum of the last batch knows all experiments. Only they bring noise into it, through the correction
 /// Σ c_j Ĵexp,j + …, so surfaces that may as well be true are
 ///
 /// ```text
@@ -29,7 +29,7 @@ const MOST_CELLS: u64 = 20_000;
 /// with the sampling error δ_j of Ĵexp of round j, and independent standard normal z. The gain of such a draw is what its best cell
 /// undercuts p̂* by, so the mean is what it would be worth on average to know the surface exactly: no number of
 /// further experiments can bring more on average, if the regressor is right and the errors about it are independent.
-/// What it may be worth that the regressor is not right is told beside it.
+/// What it may be worth that the regressor is not right stands beside it.
 /// Source: beyond the text; the expected value of perfect information.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -67,7 +67,7 @@ impl Outlook {
 
 impl Loop {
     /// What more experiments could still bring, from this many draws. `noise` is that of the experiments,
-    /// [`pure_error`](Self::pure_error) or better knowledge. None before the first iteration is closed, and if
+    /// [`pure_error`](Self::pure_error) or better knowledge. None before the first batch is closed, and if
     /// some Ĵexp in the correction is no regression or has no degrees of freedom. The same settings and outcomes give
     /// the same draws.
     ///

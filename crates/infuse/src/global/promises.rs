@@ -20,16 +20,16 @@ pub struct ObservedErrors {
     pub simulation: f64,
     /// Largest error of an Ĵexp of the campaign at an experiment that was left out of the fit, its noise included.
     pub experiment: f64,
-    /// The bound on |Ĵnum − J_true| that follows from the errors of every iteration and the gap.
+    /// The bound on |Ĵnum − J_true| that follows from the errors of every batch and the gap.
     pub eps: f64,
     /// What eps promises of p̂*.
     pub certificate: RegretCertificate,
 }
 
 impl Loop {
-    /// What `eps` promises of the optimum p̂* of the last closed iteration, with the corrected model Ĵnum of that
-    /// iteration, over what it left: eps must bound |Ĵnum − J_true| there, in the sup norm. None before the
-    /// first iteration is closed.
+    /// What `eps` promises of the optimum p̂* of the last closed batch, with the corrected model Ĵnum of that
+    /// batch, over what it left: eps must bound |Ĵnum − J_true| there, in the sup norm. None before the
+    /// first batch is closed.
     ///
     /// # Errors
     ///
@@ -45,7 +45,7 @@ impl Loop {
     }
 
     /// The cells left that may still be the best of them, if `eps` bounds |Ĵnum − J_true| as for the
-    /// [`certificate`](Self::certificate): how many, and which. None before the first iteration is closed.
+    /// [`certificate`](Self::certificate): how many, and which. None before the first batch is closed.
     ///
     /// # Errors
     ///
@@ -91,7 +91,7 @@ impl Loop {
     }
 }
 
-/// The largest errors of Ĵsim and Ĵexp of an iteration at runs left out.
+/// The largest errors of Ĵsim and Ĵexp of a batch at runs left out.
 fn left_out(report: &Report, surfaces: &IterationSurfaces) -> Option<(f64, f64)> {
     if report.not_corrected.is_some() {
         return None;

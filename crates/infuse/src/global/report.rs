@@ -1,4 +1,4 @@
-//! What an iteration of the global loop did, and why a campaign ended.
+//! What a batch of the global loop did, and why a campaign ended.
 
 use std::fmt;
 
@@ -21,9 +21,9 @@ pub enum StopReason {
     FewerThanTwoCells,
     /// [`Settings::max_iterations`] were made.
     IterationLimit,
-    /// Every experiment of the last iteration failed.
+    /// Every experiment of the last batch failed.
     NoInformation,
-    /// The validation experiments of the last iteration gave no spread S, and
+    /// The validation experiments of the last batch gave no spread S, and
     /// [`SpreadFallback::Stop`](crate::global::SpreadFallback::Stop) was set.
     NoSpread,
 }
@@ -32,8 +32,8 @@ impl fmt::Display for StopReason {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Self::FewerThanTwoCells => "fewer than two cells are left",
-            Self::IterationLimit => "the limit on the iterations was reached",
-            Self::NoInformation => "every experiment of the last iteration failed",
+            Self::IterationLimit => "the limit on the batches was reached",
+            Self::NoInformation => "every experiment of the last batch failed",
             Self::NoSpread => "the validation experiments gave no spread",
         })
     }
@@ -51,12 +51,12 @@ pub struct SimulationRecord {
     pub outcome: Outcome,
 }
 
-/// One closed iteration of Figure 19.
+/// One closed batch of Figure 19.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Report {
-    /// Number of the iteration, from 1.
+    /// Number of the batch, from 1.
     pub iteration: usize,
     /// What was designed, and over what.
     pub batch: Batch,
@@ -69,10 +69,10 @@ pub struct Report {
     pub n_earlier: usize,
     /// The optimum, the z-test and what it left.
     pub screening: Screening,
-    /// Why the experiments could not be fitted, too many having failed: the correction is then that of the iteration
+    /// Why the experiments could not be fitted, too many having failed: the correction is then that of the batch
     /// before. Nothing if it was updated.
     pub not_corrected: Option<String>,
-    /// How the surfaces moved, largest magnitudes over the cells at the onset of the iteration.
+    /// How the surfaces moved, largest magnitudes over the cells at the onset of the batch.
     pub changes: SurfaceChanges,
 }
 
@@ -82,7 +82,7 @@ impl Report {
         self.trials.iter().filter(|record| record.is_failed())
     }
 
-    /// The simulations that gave no cost.
+    /// The simulations that gave no response.
     pub fn failed_simulations(&self) -> impl Iterator<Item = &SimulationRecord> {
         self.simulations.iter().filter(|record| matches!(record.outcome, Outcome::Failed { .. }))
     }
@@ -93,7 +93,7 @@ impl Report {
             .or_else(|| (self.iteration >= settings.max_iterations).then_some(StopReason::IterationLimit))
     }
 
-    /// The same, whatever the limit on the iterations.
+    /// The same, whatever the limit on the batches.
     pub(crate) fn own_stop(&self, settings: &Settings) -> Option<StopReason> {
         if self.trials.iter().all(|record| record.cost().is_none()) {
             Some(StopReason::NoInformation)

@@ -10,7 +10,7 @@ use crate::global::retained::RetainedSet;
 use crate::global::settings::{Settings, SpreadFallback};
 use crate::traced::{Observations, TracedSurface};
 
-/// S below this part of the costs it is made of is rounding.
+/// S below this part of the responses it is made of is rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// S of (40), the quality of fit: how far a combined surface is from validation experiments.
@@ -65,9 +65,9 @@ pub(crate) fn threshold(confidence: f64) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpreadFault {
-    /// Fewer than two of them gave a cost.
+    /// Fewer than two of them gave a response.
     TooFew,
-    /// They were predicted to rounding, 10⁻¹² of the largest cost among them.
+    /// They were predicted to rounding, 10⁻¹² of the largest response among them.
     Zero,
     /// S is not finite.
     NotFinite,
@@ -79,14 +79,14 @@ pub enum SpreadFault {
 pub enum Spread {
     /// (40), from this many validation experiments.
     Estimated {
-        /// S, in the unit of the cost.
+        /// S, in the unit of the response.
         s: f64,
-        /// Number of validation experiments that gave a cost.
+        /// Number of validation experiments that gave a response.
         n_validation: usize,
     },
     /// The one of the settings.
     Given {
-        /// S, in the unit of the cost.
+        /// S, in the unit of the response.
         s: f64,
         /// Why (40) gave none.
         because: SpreadFault,
@@ -128,7 +128,7 @@ impl Spread {
     }
 }
 
-/// The optimum of an iteration and the test of every other cell against it.
+/// The optimum of a batch and the test of every other cell against it.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -139,7 +139,7 @@ pub struct Screening {
     pub optimum: Vec<f64>,
     /// Ĵ(p̂*).
     pub optimum_value: f64,
-    /// The cell where Ĵsim is smallest among the retained cells: in iteration 1 the pure numerical optimum,
+    /// The cell where Ĵsim is smallest among the retained cells: in batch 1 the pure numerical optimum,
     /// row 0 of Tables 5 and 6.
     pub simulation_optimum_cell: Cell,
     /// The same, natural.
@@ -151,7 +151,7 @@ pub struct Screening {
     pub tested: bool,
     /// z_0.
     pub threshold: f64,
-    /// Cells at the onset of the iteration, M_i.
+    /// Cells at the onset of the batch, M_i.
     pub n_before: u64,
     /// Cells left after it, M_i+1.
     pub n_after: u64,
@@ -200,13 +200,13 @@ impl Screening {
 /// Why and when a cell was dropped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dropped {
-    /// The iteration that dropped it, from 1.
+    /// The batch that dropped it, from 1.
     pub iteration: usize,
-    /// Ĵ of that iteration at the cell.
+    /// Ĵ of that batch at the cell.
     pub value: f64,
-    /// Ĵ(p̂*) of that iteration.
+    /// Ĵ(p̂*) of that batch.
     pub optimum_value: f64,
-    /// S of that iteration.
+    /// S of that batch.
     pub spread: f64,
     /// z of (39), at least z0.
     pub z: f64,

@@ -123,7 +123,7 @@ fn agreement(campaign: &Loop, simulations: &[SimulationRecord], trials: &[TrialR
     Agreement { iteration: campaign.iteration(), largest_cost }
 }
 
-/// An iteration can follow only on a campaign that had not ended. The limit on iterations is left
+/// A batch can follow only on a campaign that had not ended. The limit on batches is left
 /// out: it may be changed in the file.
 fn check_may_go_on(campaign: &Loop) -> Result<(), Error> {
     let last = campaign.reports().last();

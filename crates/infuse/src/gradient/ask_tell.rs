@@ -18,7 +18,7 @@ pub enum Ask {
 impl Loop {
     /// The experiments to run now.
     ///
-    /// While trials are outstanding it returns those not yet told, and the simulation is not called.
+    /// While trials are outstanding it returns those without an outcome, and the simulation is not called.
     /// Otherwise it opens the next iteration: the simulation is optimized with the correction known so
     /// far, its gradient at the optimum is taken, and 2n + 1 trials are handed out in n parameters:
     /// the optimum and one step to each side in each parameter, fewer at a bound that must not be

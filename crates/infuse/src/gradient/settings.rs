@@ -3,8 +3,8 @@
 use design_space::Parameter;
 use serde::{Deserialize, Serialize};
 
-use crate::correction::Form;
 use crate::checks::check_length;
+use crate::correction::Form;
 use crate::{CodesignProblem, Error, OptimizerSettings};
 
 /// What happens to a difference step that would leave the region.

@@ -44,7 +44,8 @@ fn replayed(state: State) -> Result<Loop, Error> {
     let mut campaign = Loop::new(state.problem, state.settings)?;
     for report in state.history {
         let iteration = campaign.iteration();
-        let saved = OpenIteration { numerical: report.numerical.clone(), trials: Trials::of_records(report.trials.clone()) };
+        let saved =
+            OpenIteration { numerical: report.numerical.clone(), trials: Trials::of_records(report.trials.clone()) };
         let open = checked(&campaign, saved)?;
         if !open.trials.is_complete() || campaign.finish(open) != report {
             let expected = "what follows from its optimum, the outcomes of all its trials and the settings";

@@ -52,7 +52,7 @@ impl Observations {
         Ok(())
     }
 
-    /// The costs with a correction added, J(p) + Ĵcor(p) at every point.
+    /// The responses with a correction added, J(p) + Ĵcor(p) at every point.
     ///
     /// # Errors
     ///
@@ -99,13 +99,13 @@ impl Observations {
         self.coordinates.chunks_exact(self.n_factors.max(1))
     }
 
-    /// The costs, in order.
+    /// The responses, in order.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// The trials that the costs rest on.
+    /// The trials that the responses rest on.
     #[must_use]
     pub fn trials(&self) -> &BTreeSet<TrialId> {
         &self.trials

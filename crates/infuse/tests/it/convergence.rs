@@ -10,11 +10,10 @@ mod mutants;
 mod norm;
 mod proposition;
 
-use infuse::correction::{Field, Law, Rule, Gain, ModelStage};
+use infuse::correction::{Field, Gain, Law, ModelStage, Rule};
 use proptest::prelude::*;
 
-const LAWS: [Law; 3] =
-    [Law::ProofRecursion, Law::CurrentSimulation, Law::AsPrinted36];
+const LAWS: [Law; 3] = [Law::ProofRecursion, Law::CurrentSimulation, Law::AsPrinted36];
 const STAGES: [ModelStage; 2] = [ModelStage::Onset, ModelStage::Corrected];
 
 fn rule(law: Law, k: f64) -> Rule {

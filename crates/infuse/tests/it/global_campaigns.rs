@@ -174,8 +174,13 @@ fn nothing_is_dropped_before_the_first_screening() {
     campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
     let left: Vec<u64> = campaign.reports().iter().map(|report| report.screening.n_after).collect();
     assert!(left[0] == 576 && left[1] < 576, "{left:?}");
-    assert!(campaign.grid().cells().all(|cell| campaign.why_dropped(cell).is_none_or(|dropped| dropped.iteration == 2)));
-    assert_eq!(campaign.grid().cells().filter(|&cell| campaign.why_dropped(cell).is_some()).count() as u64, 576 - left[1]);
+    assert!(
+        campaign.grid().cells().all(|cell| campaign.why_dropped(cell).is_none_or(|dropped| dropped.iteration == 2))
+    );
+    assert_eq!(
+        campaign.grid().cells().filter(|&cell| campaign.why_dropped(cell).is_some()).count() as u64,
+        576 - left[1]
+    );
     let restored: global::Loop = serde_json::from_str(&save(&campaign)).unwrap();
     assert_eq!(restored, campaign);
     settings.first_screening = 0;

@@ -3,7 +3,7 @@
 use design_space::Cell;
 use doe::Model;
 use infuse::{
-    correction::{Field, Law, Rule, Gain},
+    correction::{Field, Gain, Law, Rule},
     global::{self, TrialUse},
 };
 

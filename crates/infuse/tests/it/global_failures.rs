@@ -3,7 +3,7 @@
 use design_space::Cell;
 use infuse::{
     Error, Outcome, TrialId,
-    correction::{Field, Law, Rule, Gain},
+    correction::{Field, Gain, Law, Rule},
     global::{self, Spread, SpreadFallback, SpreadFault, TracedSurface, TrialUse},
 };
 
@@ -99,7 +99,7 @@ fn too_few_experiments_leave_the_correction_as_it_was() {
         let ask = campaign.ask(&mut curved).unwrap();
         assert_eq!(ask, global::Ask::Stopped(global::StopReason::NoInformation));
         let read: global::Loop = serde_json::from_str(&save(&campaign)).unwrap();
-        assert_eq!(read.stop().unwrap().to_string(), "every experiment of the last iteration failed");
+        assert_eq!(read.stop().unwrap().to_string(), "every experiment of the last batch failed");
     }
 }
 
@@ -222,7 +222,7 @@ fn impossible_replies_are_refused_and_change_nothing() {
     };
     let value = || Outcome::Value(1.0);
     assert!(refused(TrialId::new(13), None, value()).contains("never handed out"));
-    assert!(refused(id, None, Outcome::Value(f64::INFINITY)).contains("told the value inf"));
+    assert!(refused(id, None, Outcome::Value(f64::INFINITY)).contains("is inf, expected a finite response"));
     assert!(refused(id, Some(&[12.0]), value()).contains("coordinates of a point: 1, expected 2"));
     assert!(refused(id, Some(&[12.0, 17.0]), value()).contains("of parameter `p1` is 17.0"));
     assert!(refused(id, Some(&[f64::NAN, 12.0]), value()).contains("of parameter `p0` is NaN"));

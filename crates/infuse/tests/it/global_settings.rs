@@ -94,5 +94,9 @@ fn cells_and_points_agree() {
             assert!((a - b).abs() < 1e-14);
         }
     }
-    assert!(campaign.point(Cell::new(576)).is_err() && campaign.coded(Cell::new(576)).is_err() && campaign.cell(&[9.0, 12.0]).is_err());
+    assert!(
+        campaign.point(Cell::new(576)).is_err()
+            && campaign.coded(Cell::new(576)).is_err()
+            && campaign.cell(&[9.0, 12.0]).is_err()
+    );
 }

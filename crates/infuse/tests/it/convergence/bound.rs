@@ -3,7 +3,7 @@
 use infuse::{
     Error,
     convergence::{Amplification, Bound, ErrorLevels},
-    correction::{Law, Rule, Gain, ModelStage},
+    correction::{Gain, Law, ModelStage, Rule},
 };
 use proptest::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use infuse::{
     convergence::{Norm, NormOrder, NormScaling},
-    correction::{Law, Rule, Gain, ModelStage},
+    correction::{Gain, Law, ModelStage, Rule},
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;

@@ -4,7 +4,7 @@ use std::fs;
 
 use infuse::{
     convergence::{Amplification, Bound},
-    correction::{Law, Rule, Gain, ModelStage},
+    correction::{Gain, Law, ModelStage, Rule},
 };
 use serde_json::Value;
 

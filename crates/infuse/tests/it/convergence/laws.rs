@@ -2,7 +2,7 @@
 
 use infuse::{
     Error,
-    correction::{Coefficients, Field, Law, Rule, Gain, ModelStage},
+    correction::{Coefficients, Field, Gain, Law, ModelStage, Rule},
 };
 use proptest::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use infuse::{
     convergence::Bound,
-    correction::{Law, Rule, Gain, ModelStage},
+    correction::{Gain, Law, ModelStage, Rule},
 };
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -83,11 +83,9 @@ const PRINTED: Mutant = |s| s.k(s.n) * (s.exp() - s.sim()) + s.sum_of_correction
 
 #[test]
 fn laws_without_a_slip_hold_in_every_case() {
-    for (law, definition) in [
-        (Law::ProofRecursion, PROOF),
-        (Law::CurrentSimulation, CURRENT),
-        (Law::AsPrinted36, PRINTED),
-    ] {
+    for (law, definition) in
+        [(Law::ProofRecursion, PROOF), (Law::CurrentSimulation, CURRENT), (Law::AsPrinted36, PRINTED)]
+    {
         let defined = count(law, |gain, experiment, simulation| run(definition, gain, experiment, simulation));
         assert_eq!(defined, [400, 0, 0], "{law:?} as defined");
         let built = count(law, |gain, experiment, simulation| {

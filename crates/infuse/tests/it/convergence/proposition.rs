@@ -3,7 +3,7 @@
 
 use infuse::{
     convergence::{Bound, Norm, NormOrder, NormScaling},
-    correction::{Law, Rule, Gain, ModelStage},
+    correction::{Gain, Law, ModelStage, Rule},
 };
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
