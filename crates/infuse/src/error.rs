@@ -227,10 +227,10 @@ pub enum Error {
         /// Why the surface could not be fitted.
         reason: surface::Error,
     },
-    /// Designs that the next iteration cannot be opened with.
-    #[error("the plan of iteration {iteration} is not usable, expected {expected}")]
+    /// Designs that the next batch of the global loop cannot be opened with.
+    #[error("the plan of batch {iteration} is not usable, expected {expected}")]
     Plan {
-        /// The iteration, from 1.
+        /// The batch, from 1.
         iteration: usize,
         /// What is allowed.
         expected: &'static str,
@@ -246,11 +246,11 @@ pub enum Error {
         expected: &'static str,
     },
     /// A surface that is a number at no retained cell.
-    #[error("the {surface} surface of iteration {iteration} is a number at no retained cell")]
+    #[error("the {surface} surface of batch {iteration} is a number at no retained cell")]
     NoMinimum {
         /// Which surface.
         surface: &'static str,
-        /// The iteration, from 1.
+        /// The batch, from 1.
         iteration: usize,
     },
 }

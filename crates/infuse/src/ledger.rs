@@ -55,6 +55,7 @@ impl<T: Numbered + Clone, A: Clone> Ledger<T, A> {
         Self { records }
     }
 
+    #[cfg(feature = "global")]
     pub(crate) fn records(&self) -> &[Record<T, A>] {
         &self.records
     }
@@ -131,4 +132,57 @@ pub(crate) fn ids_after(n_asked: u64) -> impl Iterator<Item = TrialId> {
 /// Why no outcome is expected for this id, with the first `n_closed` trials in closed batches and the id not in the open one.
 pub(crate) fn not_outstanding(id: TrialId, n_closed: u64) -> Error {
     if (1..=n_closed).contains(&id.number()) { Error::AlreadyTold { id } } else { Error::UnknownTrial { id } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, Clone, PartialEq)]
+    struct Reading(TrialId);
+
+    impl Numbered for Reading {
+        fn id(&self) -> TrialId {
+            self.0
+        }
+    }
+
+    fn value(value: f64) -> Outcome {
+        Outcome::Value(value)
+    }
+
+    /// Trials 4 to 6, after a closed batch of three.
+    fn ledger() -> Ledger<Reading, f64> {
+        Ledger::of(ids_after(3).take(3).map(Reading))
+    }
+
+    fn small(_: &Reading, actual: &f64) -> Result<(), Error> {
+        if *actual < 1.0 { Ok(()) } else { Err(Error::EmptyRegion) }
+    }
+
+    #[test]
+    fn outcomes_come_in_any_order_and_each_once() {
+        let mut ledger = ledger();
+        for number in [6, 4, 5] {
+            assert!(!ledger.is_complete());
+            ledger.record(TrialId::new(number), None, value(0.5), small).expect("an outstanding trial");
+            let again = ledger.record(TrialId::new(number), None, value(0.7), small);
+            assert_eq!(again, Err(Error::AlreadyTold { id: TrialId::new(number) }));
+        }
+        assert!(ledger.is_complete() && ledger.into_records().iter().all(|record| record.cost() == Some(0.5)));
+    }
+
+    #[test]
+    fn what_is_refused_changes_nothing() {
+        let (mut ledger, before) = (ledger(), ledger());
+        let mut refused = |number, actual, outcome| {
+            let error = ledger.record(TrialId::new(number), actual, outcome, small).expect_err("it is refused");
+            assert_eq!(ledger, before);
+            error
+        };
+        assert!(matches!(refused(3, None, value(1.0)), Error::AlreadyTold { .. }), "of a closed batch");
+        assert!(matches!(refused(7, None, value(1.0)), Error::UnknownTrial { .. }));
+        assert!(matches!(refused(5, None, value(f64::NAN)), Error::NonFiniteOutcome { .. }));
+        assert!(matches!(refused(5, Some(2.0), value(1.0)), Error::EmptyRegion), "the check of the loop");
+    }
 }

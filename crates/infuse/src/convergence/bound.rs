@@ -37,8 +37,8 @@ use crate::correction::{Law, ModelStage, Rule};
 /// | current, corrected | 1/n | 2 E1 + E2 | −2 E1/n |
 /// | as printed (36) | any | none | it grows as 2ⁿ |
 ///
-/// Source: the first limit is the proposition of Section 6.1, (55), where (52)–(54) bound the sum by
-/// early errors and need a second limit; everything else goes beyond the text and is derived as above.
+/// The exact error is (49) for any gain, and the first limit is the proposition of Section 6.1, (55), where (52)–(54) bound
+/// the sum by early errors and need a second limit; everything else goes beyond the text and is derived as above.
 /// With one round both laws give ρ (d_0 + E1) + k E2, with none d_0 + E1. Up to k = 1 the current law is
 /// never bounded worse than the proof's; above, it can be in the first rounds.
 ///
@@ -165,6 +165,8 @@ impl Bound {
     }
 
     /// Where the bound goes as n grows; nothing for (36) as printed, which leaves every bound.
+    ///
+    /// Source: (55).
     #[must_use]
     pub fn limit(&self) -> Option<Amplification> {
         let doubled = match self.rule.law {

@@ -58,10 +58,16 @@ impl Loop {
         // what is worse beyond doubt is dropped.
         let spread = Spread::of(&surfaces.combined, &data.validation, self.settings().fallback)?;
         let (screening, retained) = self.screen(&surfaces, spread)?;
-        let (iteration, n_earlier) = (self.iteration(), data.n_earlier);
-        let OpenBatch { batch, simulations, trials } = open;
-        let trials = trials.into_records();
-        let report = Report { iteration, batch, simulations, trials, n_earlier, screening, not_corrected, changes };
+        let report = Report {
+            iteration: self.iteration(),
+            batch: open.batch,
+            simulations: open.simulations,
+            trials: open.trials.into_records(),
+            n_earlier: data.n_earlier,
+            screening,
+            not_corrected,
+            changes,
+        };
         Ok(Closed { report, surfaces, retained })
     }
 }

@@ -74,14 +74,23 @@ pub(crate) fn check_actual(trial: &Trial, actual: f64, optimum: &[f64]) -> Resul
     Err(Error::ActualSetting { id: trial.id, actual, expected })
 }
 
-/// The response measured at the optimum itself.
-pub(crate) fn measured_cost(trials: &[TrialRecord]) -> Option<f64> {
-    with_role(trials, TrialRole::Center).and_then(Record::cost)
+/// What the experiments of an iteration say of its optimum.
+#[derive(Debug)]
+pub(crate) struct Measured {
+    /// The response at the optimum itself; unknown if that trial failed.
+    pub(crate) cost: Option<f64>,
+    /// Its slope there per unit of each parameter; unknown where too many trials failed.
+    pub(crate) gradient: Vec<Option<f64>>,
 }
 
-/// The slope of the measured response at the optimum per unit of each parameter; unknown where too many trials failed.
-pub(crate) fn measured_slopes(trials: &[TrialRecord], optimum: &[f64]) -> Vec<Option<f64>> {
-    let center = measured_cost(trials);
+impl Measured {
+    pub(crate) fn around(optimum: &[f64], trials: &[TrialRecord]) -> Self {
+        let cost = with_role(trials, TrialRole::Center).and_then(Record::cost);
+        Self { cost, gradient: slopes(cost, optimum, trials) }
+    }
+}
+
+fn slopes(center: Option<f64>, optimum: &[f64], trials: &[TrialRecord]) -> Vec<Option<f64>> {
     let side = |role| with_role(trials, role).and_then(|record| side(record, optimum));
     (0..optimum.len()).map(|index| slope(center, side(TrialRole::Plus(index)), side(TrialRole::Minus(index)))).collect()
 }

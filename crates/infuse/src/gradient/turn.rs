@@ -5,7 +5,7 @@ use crate::correction::Slopes;
 use crate::gradient::campaign::{Loop, OpenIteration};
 use crate::gradient::numerical::numerical_optimum;
 use crate::gradient::report::Report;
-use crate::gradient::trial::{Trials, experiments_around, measured_cost, measured_slopes};
+use crate::gradient::trial::{Measured, Trials, experiments_around};
 
 impl Loop {
     /// The upper half of the figure, up to the experiments: they wait for whoever has the rig.
@@ -24,16 +24,21 @@ impl Loop {
     /// The lower half, with the outcomes of all experiments.
     pub(super) fn finish(&self, open: OpenIteration) -> Report {
         let OpenIteration { numerical, trials } = open;
-        let (iteration, settings) = (self.iteration(), self.settings());
-        // The slopes of the experiments at the optimum,
-        let experiment_cost = measured_cost(trials.records());
-        let experiment_gradient = measured_slopes(trials.records(), &numerical.point);
+        let (trials, settings) = (trials.into_records(), self.settings());
+        // The slopes of the experiments at the optimum, beside those of the model there,
+        let Measured { cost, gradient } = Measured::around(&numerical.point, &trials);
+        let slopes = Slopes { optimum: &numerical.point, experiment: &gradient, model: &numerical.model_gradient };
         // and by them the correction (27), with which the next turn begins.
-        let (optimum, experiment, model) = (&numerical.point, &experiment_gradient, &numerical.model_gradient);
-        let slopes = Slopes { optimum, experiment, model };
         let (correction, is_corrected) = self.correction().updated(settings.correction_form, &settings.trust, slopes);
-        let trials = trials.into_records();
-        Report { iteration, numerical, trials, experiment_cost, experiment_gradient, is_corrected, correction }
+        Report {
+            iteration: self.iteration(),
+            numerical,
+            trials,
+            experiment_cost: cost,
+            experiment_gradient: gradient,
+            is_corrected,
+            correction,
+        }
     }
 
     /// The trials of the next iteration, if its optimum is here.

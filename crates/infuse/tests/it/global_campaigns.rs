@@ -47,7 +47,7 @@ fn plans_that_no_iteration_can_have_are_refused_and_change_nothing() {
     }
     campaign.open(&plan, &mut simulation).unwrap();
     let error = campaign.open(&plan, &mut simulation).unwrap_err();
-    assert_eq!(error.to_string(), "the plan of iteration 1 is not usable, expected none while trials are outstanding");
+    assert_eq!(error.to_string(), "the plan of batch 1 is not usable, expected none while trials are outstanding");
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! What the wrong choices cost: the loop and its rivals on one rig, over the grid that is flown in whole.
 
 use anyhow::{Context as _, Result};
-use doe::{Criterion, Effort, Problem};
 use design_space::Cell;
+use doe::{Criterion, Effort, Problem};
 use infuse::{
     Outcome, TrialId,
     correction::{Law, Rule},

@@ -1,8 +1,8 @@
 //! What figures show of an iteration over two parameters.
 
 use anyhow::Result;
-use doe::Levels;
 use design_space::Cell;
+use doe::Levels;
 use infuse::global::{self, RetainedSet, TrialUse};
 
 use super::space::Space;
