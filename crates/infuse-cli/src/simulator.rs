@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
 use anyhow::{Result, bail};
+use design_space::Cell;
 use infuse::global;
 
 use crate::journal::Measured;
@@ -16,7 +17,7 @@ use crate::program::Ran;
 use crate::sheet::{Fault, Table, none_of, point_columns};
 
 /// A point to simulate.
-pub(crate) type Job = (u64, Vec<f64>);
+pub(crate) type Job = (Cell, Vec<f64>);
 
 /// By which a remembered run is known to be of the same simulator.
 pub(crate) fn identity(simulator: &Simulator) -> String {
@@ -96,11 +97,11 @@ fn run_all(
 }
 
 /// The values of a table, by cell.
-fn table(path: &Path, problem: &Problem, campaign: &global::Loop) -> Result<HashMap<u64, f64>> {
+fn table(path: &Path, problem: &Problem, campaign: &global::Loop) -> Result<HashMap<Cell, f64>> {
     let parameters = problem.region.parameters();
     let k = parameters.len();
     let table = Table::read(path, &point_columns(problem))?;
-    let (mut values, mut faults): (HashMap<u64, f64>, Vec<Fault>) = (HashMap::new(), Vec::new());
+    let (mut values, mut faults): (HashMap<Cell, f64>, Vec<Fault>) = (HashMap::new(), Vec::new());
     for row in table.rows() {
         let mut point = Vec::with_capacity(k);
         for (column, parameter) in parameters.iter().enumerate() {

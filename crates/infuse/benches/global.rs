@@ -1,5 +1,6 @@
 //! One iteration of the global loop, and what of it is the scan over the cells: `cargo bench -p infuse`.
 
+use design_space::Cell;
 use divan::Bencher;
 use doe::{Model, Parameter, Region};
 use infuse::{Outcome, global};
@@ -28,7 +29,7 @@ fn campaign(k: usize, levels: u32, n_experiments: usize, n_simulations: usize) -
 
 /// Designs, simulations, surfaces and screening of the first iteration, all cells retained.
 fn iteration(campaign: &mut global::Loop) {
-    let mut simulation = |p: &[f64]| Ok(truth(p) + 0.5 * p[0]);
+    let mut simulation = |_: Cell, p: &[f64]| Ok(truth(p) + 0.5 * p[0]);
     if let global::Ask::Trials(trials) = campaign.ask(&mut simulation).expect("a batch") {
         for trial in trials {
             campaign.tell(trial.id, Outcome::Value(experiment(&trial))).expect("an outcome");

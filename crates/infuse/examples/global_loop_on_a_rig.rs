@@ -4,11 +4,12 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
+use design_space::Cell;
 use doe::{Model, Parameter, Region};
 use infuse::{Outcome, global};
 
 /// The model: its optimum is at (46.1, 17.3).
-fn simulation(p: &[f64]) -> Result<f64, String> {
+fn simulation(_: Cell, p: &[f64]) -> Result<f64, String> {
     Ok(4.35 + 0.08 * (p[0] - 46.1).powi(2) + 0.06 * (p[1] - 17.3).powi(2))
 }
 

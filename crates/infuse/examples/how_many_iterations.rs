@@ -3,7 +3,7 @@
 use infuse::{
     Error,
     convergence::{Bound, ErrorLevels, Norm, RegretCertificate},
-    correction::{CorrectedField, CorrectionLaw, CorrectionRule, Gain, ModelStage},
+    correction::{Field, Gain, Law, ModelStage, Rule},
 };
 
 /// Bounds on the errors of the fitted surfaces, in the unit of the cost.
@@ -20,12 +20,12 @@ fn main() -> Result<(), Error> {
     let levels = ErrorLevels::new(gap, SIMULATION_ERROR, EXPERIMENT_ERROR)?;
 
     println!("gap at most {gap:.2}; limit of the error, and iterations to within 0.05 of it");
-    let laws = [("proof", CorrectionLaw::ProofRecursion), ("current", CorrectionLaw::CurrentSimulation)];
+    let laws = [("proof", Law::ProofRecursion), ("current", Law::CurrentSimulation)];
     let gains = [0.1, 0.3, 0.5, 0.8, 1.0].map(|k| (k.to_string(), Gain::constant(k)));
     for (name, gain) in gains.into_iter().chain([("1/n".to_owned(), Ok(Gain::harmonic()))]) {
         let mut line = format!("gain {name:<4}");
         for (law_name, law) in laws {
-            let bound = Bound::new(CorrectionRule::new(law, gain.clone()?), ModelStage::Corrected);
+            let bound = Bound::new(Rule::new(law, gain.clone()?), ModelStage::Corrected);
             let iterations = bound.iterations_to(&levels, 0.05)?.map_or("never".to_owned(), |n| format!("{n:>2}"));
             let limit = bound.limit().map_or(f64::INFINITY, |limit| limit.error(&levels));
             line += &format!("   {law_name}: {limit:.2} in {iterations}");
@@ -34,8 +34,8 @@ fn main() -> Result<(), Error> {
     }
 
     // Four rounds in which the surfaces happen to stay the same.
-    let rule = CorrectionRule::new(CorrectionLaw::CurrentSimulation, Gain::constant(0.8)?);
-    let mut field = CorrectedField::new(rule, 5)?;
+    let rule = Rule::new(Law::CurrentSimulation, Gain::constant(0.8)?);
+    let mut field = Field::new(rule, 5)?;
     for _ in 0..4 {
         field.update(&experiment, &simulation)?;
         let eps = Bound::new(rule, ModelStage::Corrected).after(field.n_rounds()).error(&levels);

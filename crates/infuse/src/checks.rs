@@ -2,6 +2,14 @@
 
 use crate::Error;
 
+/// A list with one entry per parameter.
+pub(crate) fn check_length(name: &'static str, expected: usize, found: usize) -> Result<(), Error> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(Error::WrongLength { name, expected, found })
+}
+
 pub(crate) fn check_count(name: &'static str, expected: usize, found: usize, per: &'static str) -> Result<(), Error> {
     if found == expected { Ok(()) } else { Err(Error::WrongCount { name, found, expected, per }) }
 }

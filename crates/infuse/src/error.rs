@@ -69,7 +69,7 @@ pub enum Error {
         /// What is allowed.
         expected: &'static str,
     },
-    /// Not one simulation of an optimization or of a batch gave a finite cost.
+    /// Not one simulation of an optimization or of a batch gave a finite response.
     #[error("all {n_simulations} simulations failed, the first at {first_point:?}: {first_reason}")]
     EverySimulationFailed {
         /// How many were tried.
@@ -92,13 +92,13 @@ pub enum Error {
         id: TrialId,
     },
     /// A second reply to the same trial.
-    #[error("trial {id} has been told already; its first outcome stands")]
+    #[error("trial {id} has an outcome already, and it stands")]
     AlreadyTold {
         /// The id given.
         id: TrialId,
     },
-    /// A cost that is NaN or infinite. A trial without a usable cost is told as failed.
-    #[error("trial {id} was told the value {value:?}, expected a finite cost, or a failure with its reason")]
+    /// A response that is NaN or infinite. A trial without a usable response is reported as failed.
+    #[error("the outcome of trial {id} is {value:?}, expected a finite response, or a failure with its reason")]
     NonFiniteOutcome {
         /// The id given.
         id: TrialId,
@@ -227,10 +227,10 @@ pub enum Error {
         /// Why the surface could not be fitted.
         reason: surface::Error,
     },
-    /// Designs that the next iteration cannot be opened with.
-    #[error("the plan of iteration {iteration} is not usable, expected {expected}")]
+    /// Designs that the next batch of the global loop cannot be opened with.
+    #[error("the plan of batch {iteration} is not usable, expected {expected}")]
     Plan {
-        /// The iteration, from 1.
+        /// The batch, from 1.
         iteration: usize,
         /// What is allowed.
         expected: &'static str,
@@ -246,11 +246,11 @@ pub enum Error {
         expected: &'static str,
     },
     /// A surface that is a number at no retained cell.
-    #[error("the {surface} surface of iteration {iteration} is a number at no retained cell")]
+    #[error("the {surface} surface of batch {iteration} is a number at no retained cell")]
     NoMinimum {
         /// Which surface.
         surface: &'static str,
-        /// The iteration, from 1.
+        /// The batch, from 1.
         iteration: usize,
     },
 }

@@ -8,10 +8,14 @@ mod error;
 #[cfg(feature = "global")]
 pub mod global;
 pub mod gradient;
+mod ledger;
 mod problem;
+#[cfg(feature = "global")]
+mod traced;
 mod trial;
 
 pub use codesign::{CodesignReport, CodesignStop, FailedSimulation, OptimizerSettings, Strategy, codesign};
 pub use error::Error;
+pub use ledger::Record;
 pub use problem::{CodesignProblem, Role};
 pub use trial::{Outcome, TrialId};

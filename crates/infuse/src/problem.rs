@@ -3,6 +3,7 @@
 use design_space::Region;
 use serde::{Deserialize, Serialize};
 
+use crate::checks::check_length;
 use crate::{Error, Strategy};
 
 /// What a parameter is part of.
@@ -18,7 +19,7 @@ pub enum Role {
 /// A region of design parameters, each with its role: any number of each, at least one in total.
 ///
 /// The optimizers of this crate move every parameter continuously between its bounds; the levels of
-/// a [`doe::Parameter`] are not used by them.
+/// a [`design_space::Parameter`] are not used by them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "UncheckedProblem")]
 pub struct CodesignProblem {
@@ -62,7 +63,7 @@ impl CodesignProblem {
     }
 
     /// A list with `plant` at each plant parameter and `controller` at each controller parameter:
-    /// the two trust factors R_p and R_c of (27) as [`LoopSettings::trust`](crate::LoopSettings::trust).
+    /// the two trust factors R_p and R_c of (27) as [`Settings::trust`](crate::gradient::Settings::trust).
     #[must_use]
     pub fn per_role(&self, plant: f64, controller: f64) -> Vec<f64> {
         let value = |role: &Role| match role {
@@ -80,13 +81,6 @@ impl CodesignProblem {
         }
         Err(Error::NeedsPlantAndController { strategy, n_plant, n_controller })
     }
-}
-
-pub(crate) fn check_length(name: &'static str, expected: usize, found: usize) -> Result<(), Error> {
-    if found == expected {
-        return Ok(());
-    }
-    Err(Error::WrongLength { name, expected, found })
 }
 
 /// A problem as it stands in a file, before the roles are counted.

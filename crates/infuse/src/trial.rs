@@ -1,4 +1,4 @@
-//! One experiment that is asked for, and what is told about it.
+//! The number of an experiment, and what came of it.
 
 use std::fmt;
 
@@ -33,9 +33,9 @@ impl fmt::Display for TrialId {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// The cost that was measured, finite.
+    /// The response that was measured, finite: what is to be made small.
     Value(f64),
-    /// No cost, and it shall not be tried again.
+    /// None, and it shall not be tried again.
     Failed {
         /// Why, in the experimenter's own words.
         reason: String,
@@ -43,7 +43,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// The cost, if there is one.
+    /// The response, if there is one.
     #[must_use]
     pub fn cost(&self) -> Option<f64> {
         match self {
@@ -53,7 +53,7 @@ impl Outcome {
     }
 }
 
-/// An error is a failure, and so is a cost that is not finite.
+/// An error is a failure, and so is a response that is not finite.
 impl From<Result<f64, String>> for Outcome {
     fn from(result: Result<f64, String>) -> Self {
         match result {

@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use anyhow::{Context as _, Result, bail, ensure};
+use design_space::Cell;
 use infuse::{Error, TrialId, global};
 
 use super::changes::changes;
@@ -11,9 +12,6 @@ use super::{Campaign, Planned, Remembered};
 use crate::journal::{Event, FORMAT, JOURNAL, Learned, Measured};
 use crate::number::plain;
 use crate::problem::PROBLEM;
-
-/// What was found again may differ from a journal by this, relative: machines round differently.
-const TOLERANCE: f64 = 1e-9;
 
 impl Campaign {
     /// An event of the journal; an error names its line.
@@ -72,9 +70,7 @@ impl Campaign {
             bail!("batch {batch} is opened, expected a batch that was planned just before");
         };
         let (memory, problem) = (&self.memory, &self.problem);
-        // The loop asks in the order of the plan.
-        let mut cells = planned.plan.simulations.iter();
-        let mut look_up = |_: &[f64]| match cells.next().and_then(|cell| memory.get(cell)).map(|known| &known.result) {
+        let mut look_up = |cell: Cell, _: &[f64]| match memory.get(&cell).map(|known| &known.result) {
             Some(Measured::Value(value)) => Ok(problem.response.cost(*value)),
             Some(Measured::Failed(reason)) => Err(reason.clone()),
             None => Err("it was never simulated".to_owned()),
@@ -171,7 +167,7 @@ impl Campaign {
             bail!("batch {} is not complete", said.batch);
         };
         let scale = found.predicted.abs().max(found.spread.unwrap_or(0.0));
-        let is_close = |a: f64, b: f64| (a - b).abs() <= TOLERANCE * scale.max(a.abs());
+        let is_close = |said: f64, found: f64| global::agrees(said, found, scale);
         let spreads = match (said.spread, found.spread) {
             (Some(a), Some(b)) => is_close(a, b),
             (a, b) => a.is_none() && b.is_none(),

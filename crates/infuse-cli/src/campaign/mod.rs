@@ -10,6 +10,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Result;
+use design_space::Cell;
 use infuse::global::{self, Outlook, PureError};
 use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng as _};
@@ -37,7 +38,7 @@ pub(crate) struct Campaign {
     pub(crate) trials: BTreeMap<u64, global::Trial>,
     /// What was told about them.
     pub(crate) readings: BTreeMap<u64, Reading>,
-    memory: HashMap<u64, Remembered>,
+    memory: HashMap<Cell, Remembered>,
     n_learned: usize,
     has_begun: bool,
     /// Of `now`, once it was asked for.
@@ -194,7 +195,7 @@ impl Campaign {
     }
 
     /// The simulations that the planned batch still needs from this simulator, each once.
-    pub(crate) fn missing_simulations(&self, by: &str) -> Result<Vec<(u64, Vec<f64>)>> {
+    pub(crate) fn missing_simulations(&self, by: &str) -> Result<Vec<(Cell, Vec<f64>)>> {
         let Some(Planned { plan, is_open: false, .. }) = &self.plan else {
             return Ok(Vec::new());
         };

@@ -189,12 +189,12 @@ pub(crate) fn dropped_because(campaign: &Campaign, report: &global::Report) -> S
 
 /// The least and the largest setting of each parameter among the designs that are left.
 pub(crate) fn ranges(campaign: &Campaign, retained: &RetainedSet) -> Result<Vec<(f64, f64)>> {
-    let counts: Vec<u64> = grid_counts(campaign);
-    let mut ranges = vec![(u64::MAX, 0); counts.len()];
-    for mut cell in retained.cells() {
-        for (range, &count) in ranges.iter_mut().zip(&counts).rev() {
-            let digit = cell % count;
-            cell /= count;
+    let combinations = campaign.now.grid().combinations();
+    let mut digits = vec![0; combinations.counts().len()];
+    let mut ranges = vec![(u64::MAX, 0); digits.len()];
+    for cell in retained.cells() {
+        combinations.fill_digits(cell.index(), &mut digits);
+        for (range, &digit) in ranges.iter_mut().zip(&digits) {
             *range = (range.0.min(digit), range.1.max(digit));
         }
     }
@@ -203,14 +203,6 @@ pub(crate) fn ranges(campaign: &Campaign, retained: &RetainedSet) -> Result<Vec<
         Ok((at(least)?, at(most)?))
     };
     campaign.problem.region.parameters().iter().zip(ranges).map(level).collect()
-}
-
-fn grid_counts(campaign: &Campaign) -> Vec<u64> {
-    let count = |parameter: &doe::Parameter| match parameter.levels() {
-        doe::Levels::Count(count) => u64::from(count),
-        doe::Levels::Continuous => 1,
-    };
-    campaign.problem.region.parameters().iter().map(count).collect()
 }
 
 /// What more experiments could bring, and what is certain.

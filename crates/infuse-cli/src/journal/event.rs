@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use design_space::Cell;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -16,10 +17,10 @@ pub(crate) enum Event {
     /// The first line.
     Campaign { format: u32, at: String, problem: Value },
     /// A batch was designed: cells of the grid.
-    Planned { batch: usize, at: String, experiments: Vec<u64>, simulations: Vec<u64> },
+    Planned { batch: usize, at: String, experiments: Vec<Cell>, simulations: Vec<Cell> },
     /// A simulation was run, or looked up.
     Simulated {
-        cell: u64,
+        cell: Cell,
         point: Vec<f64>,
         #[serde(flatten)]
         result: Measured,

@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use doe::{Model, Region, Term};
 use infuse::{
-    correction::{CorrectionLaw, CorrectionRule, Gain},
+    correction::{Gain, Law, Rule},
     global,
 };
 
@@ -172,7 +172,7 @@ fn settings(entry: &LoopEntry, region: &Region, seed: u64) -> Result<global::Set
     settings.fallback = entry.without_spread.unwrap_or_default();
     // The harmonic gain forgets the gap at once and averages the noise of all batches.
     let gain = entry.gain.unwrap_or_else(Gain::harmonic);
-    settings.correction = CorrectionRule::new(CorrectionLaw::ProofRecursion, gain);
+    settings.correction = Rule::new(Law::ProofRecursion, gain);
     settings.validate(region).map_err(|error| anyhow!(in_words_of_the_file(&error.to_string())))?;
     Ok(settings)
 }

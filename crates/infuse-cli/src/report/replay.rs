@@ -1,6 +1,9 @@
 //! What could be promised after each batch: a campaign says it only of its last one, so it is followed again.
 
+use std::collections::HashMap;
+
 use anyhow::Result;
+use design_space::Cell;
 use infuse::{
     Outcome,
     global::{self, ObservedErrors},
@@ -22,8 +25,9 @@ pub(super) fn observed_errors(campaign: &Campaign) -> Result<Vec<Option<Observed
             experiments: report.trials.iter().map(|record| record.trial.cell).collect(),
             simulations: report.simulations.iter().map(|record| record.cell).collect(),
         };
-        let mut simulations = report.simulations.iter();
-        let mut look_up = |_: &[f64]| match simulations.next().map(|record| &record.outcome) {
+        let known: HashMap<Cell, &Outcome> =
+            report.simulations.iter().map(|record| (record.cell, &record.outcome)).collect();
+        let mut look_up = |cell: Cell, _: &[f64]| match known.get(&cell) {
             Some(Outcome::Value(cost)) => Ok(*cost),
             Some(Outcome::Failed { reason }) => Err(reason.clone()),
             None => Err("it was never simulated".to_owned()),

@@ -56,6 +56,23 @@ fn what_an_interrupted_call_has_left_is_set_aside_and_said() {
     assert!(rig.infuse(&["ask"]).stderr.is_empty(), "said once");
 }
 
+/// Another machine rounds differently: what follows from the lines before may differ by that, and by no more.
+#[test]
+fn what_was_learned_may_differ_by_rounding_and_not_by_more() {
+    let rig = two_batches();
+    rig.infuse(&["ask", "--anyway"]).ok();
+    let whole = rig.read("journal.jsonl");
+    let learned = whole.lines().find(|line| line.contains("\"event\":\"learned\"")).unwrap();
+    let with = |factor: f64| {
+        let mut event: serde_json::Value = serde_json::from_str(learned).unwrap();
+        event["predicted"] = serde_json::json!(event["predicted"].as_f64().unwrap() * factor);
+        rig.write("journal.jsonl", &whole.replace(learned, &event.to_string()));
+        rig.infuse(&["status"])
+    };
+    with(1.0 + 1e-12).ok();
+    assert!(with(1.0 + 1e-6).error().contains("one of them was changed"));
+}
+
 #[test]
 fn lines_that_were_edited_are_named_by_their_number() {
     let rig = two_batches();

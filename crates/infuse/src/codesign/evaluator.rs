@@ -4,7 +4,7 @@ use design_space::Region;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::correction::Correction;
+use crate::correction::Local;
 
 /// A simulation that gave no finite cost.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ pub(crate) struct Best {
 #[derive(Debug)]
 pub(crate) struct Evaluator<'a, S> {
     region: &'a Region,
-    correction: &'a Correction,
+    correction: &'a Local,
     simulation: &'a mut S,
     max_simulations: usize,
     pub(crate) n_simulations: usize,
@@ -41,7 +41,7 @@ pub(crate) struct Evaluator<'a, S> {
 impl<'a, S: FnMut(&[f64]) -> Result<f64, String>> Evaluator<'a, S> {
     pub(crate) fn new(
         region: &'a Region,
-        correction: &'a Correction,
+        correction: &'a Local,
         simulation: &'a mut S,
         max_simulations: usize,
     ) -> Self {

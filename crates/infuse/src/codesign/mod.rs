@@ -5,7 +5,9 @@ mod optimizer;
 pub(crate) mod run;
 mod search;
 mod starts;
+mod strategy;
 
 pub use evaluator::FailedSimulation;
-pub use optimizer::{CodesignStop, OptimizerSettings, Strategy};
+pub use optimizer::{CodesignStop, OptimizerSettings};
 pub use run::{CodesignReport, codesign};
+pub use strategy::Strategy;

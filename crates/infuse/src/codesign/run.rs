@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::codesign::evaluator::Evaluator;
 use crate::codesign::search::{SearchSettings, search};
-use crate::correction::Correction;
+use crate::correction::Local;
 use crate::{CodesignProblem, CodesignStop, Error, FailedSimulation, OptimizerSettings, Role, Strategy};
 
 /// What a numerical optimization found and what it took.
@@ -43,11 +43,11 @@ impl CodesignReport {
 ///
 /// Every descent is BOBYQA in coded coordinates: it suits smooth costs, and can stop short of the
 /// optimum on a kink. Only the nested strategy looks at the whole controller axis for each plant it
-/// tries; which of the others miss what is shown in the crate documentation.
+/// tries; what the others miss is shown at [`Strategy`].
 ///
 /// # Errors
 ///
-/// [`Error::Region`] for a start outside the region, [`Error::NeedsPlantAndController`],
+/// [`Error::DesignSpace`] for a start outside the region, [`Error::NeedsPlantAndController`],
 /// [`Error::Setting`], [`Error::SettingCount`], [`Error::EverySimulationFailed`].
 ///
 /// ```
@@ -71,7 +71,7 @@ pub fn codesign(
     simulation: &mut impl FnMut(&[f64]) -> Result<f64, String>,
 ) -> Result<CodesignReport, Error> {
     settings.validate()?;
-    let correction = Correction::zero(problem.n_parameters());
+    let correction = Local::zero(problem.n_parameters());
     let mut evaluator = Evaluator::new(problem.region(), &correction, simulation, settings.max_simulations);
     let stop = optimize(problem, settings, start, &mut evaluator)?;
     let best = evaluator.best()?;

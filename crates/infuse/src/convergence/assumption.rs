@@ -8,8 +8,10 @@ use crate::checks::{check_error_bounds, check_not_negative};
 /// The dissertation concludes from the shrinking region that they fall. That holds for the norm of one
 /// function; every iteration fits a new one, whose error over the smaller region may be larger. So it
 /// is an assumption, checked here on the bounds or estimates that a campaign comes by. Its failure
-/// takes nothing from [`Bound::finite`](crate::Bound::finite), which takes the errors as they come; it
+/// takes nothing from [`Bound::finite`](crate::convergence::Bound::finite), which takes the errors as they come; it
 /// says that they are not settling, so no limit is in sight.
+///
+/// Source: (43), (44).
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq)]
 pub struct AssumptionReport {

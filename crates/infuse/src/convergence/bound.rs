@@ -2,19 +2,19 @@
 
 use crate::Error;
 use crate::checks::{check_count, check_error_bounds, check_not_negative};
-use crate::correction::{CorrectionLaw, CorrectionRule, ModelStage};
+use crate::correction::{Law, ModelStage, Rule};
 
 /// Bounds on the error of a corrected model, in any norm for which those of the surfaces are known.
 ///
 /// Write e1,j = Ĵsim,j − J_sim and e2,j = Ĵexp,j − J_true for the errors of the surfaces (41), and
 /// d_0 = ‖J_true − J_sim‖ for the gap. A correction is linear in the surfaces and the weights w_j of
-/// [`CorrectionRule::correction`] are those of its experiments, so the error is, exactly,
+/// [`Rule::correction`] are those of its experiments, so the error is, exactly,
 ///
 /// ```text
 /// J_model − J_true = −(1 − Σ_j w_j) (J_true − J_sim) + Σ_j w_j e2,j + Σ_j s_j e1,j
 /// ```
 ///
-/// with s_j the factors of the simulation surfaces in [`CorrectionRule::model`]: both kinds of factors
+/// with s_j the factors of the simulation surfaces in [`Rule::model`]: both kinds of factors
 /// together sum to 1. The triangle inequality gives the bound
 ///
 /// ```text
@@ -37,8 +37,8 @@ use crate::correction::{CorrectionLaw, CorrectionRule, ModelStage};
 /// | current, corrected | 1/n | 2 E1 + E2 | −2 E1/n |
 /// | as printed (36) | any | none | it grows as 2ⁿ |
 ///
-/// Source: the first limit is the proposition of Section 6.1, (55), where (52)–(54) bound the sum by
-/// early errors and need a second limit; everything else goes beyond the text and is derived as above.
+/// The exact error is (49) for any gain, and the first limit is the proposition of Section 6.1, (55), where (52)–(54) bound
+/// the sum by early errors and need a second limit; everything else goes beyond the text and is derived as above.
 /// With one round both laws give ρ (d_0 + E1) + k E2, with none d_0 + E1. Up to k = 1 the current law is
 /// never bounded worse than the proof's; above, it can be in the first rounds.
 ///
@@ -49,9 +49,10 @@ use crate::correction::{CorrectionLaw, CorrectionRule, ModelStage};
 /// mean may.
 ///
 /// ```
-/// use infuse::{Bound, CorrectionLaw, CorrectionRule, ErrorLevels, Gain, ModelStage};
+/// use infuse::convergence::{Bound, ErrorLevels};
+/// use infuse::correction::{Gain, Law, ModelStage, Rule};
 ///
-/// let rule = CorrectionRule::new(CorrectionLaw::ProofRecursion, Gain::constant(0.5)?);
+/// let rule = Rule::new(Law::ProofRecursion, Gain::constant(0.5)?);
 /// let bound = Bound::new(rule, ModelStage::Corrected);
 /// let levels = ErrorLevels::new(1.0, 0.1, 0.2)?; // d_0, E1, E2
 ///
@@ -63,12 +64,14 @@ use crate::correction::{CorrectionLaw, CorrectionRule, ModelStage};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
     /// How the model is corrected.
-    pub rule: CorrectionRule,
+    pub rule: Rule,
     /// Which model is meant.
     pub stage: ModelStage,
 }
 
-/// Bounds on the errors, the same in every iteration, in the unit of the cost.
+/// Bounds on the errors of the surfaces, the same in every iteration, in the unit of the response.
+///
+/// Source: (41).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorLevels {
     gap: f64,
@@ -102,7 +105,7 @@ pub struct Amplification {
 }
 
 impl Amplification {
-    /// The bound for these errors, in the unit of the cost.
+    /// The bound for these errors, in the unit of the response.
     #[must_use]
     pub fn error(&self, levels: &ErrorLevels) -> f64 {
         self.simulation * levels.simulation + self.experiment * levels.experiment + self.gap * levels.gap
@@ -126,7 +129,7 @@ const MOST_ROUNDS: usize = 1 << 52;
 impl Bound {
     /// The bound on this model under this rule.
     #[must_use]
-    pub fn new(rule: CorrectionRule, stage: ModelStage) -> Self {
+    pub fn new(rule: Rule, stage: ModelStage) -> Self {
         Self { rule, stage }
     }
 
@@ -162,12 +165,14 @@ impl Bound {
     }
 
     /// Where the bound goes as n grows; nothing for (36) as printed, which leaves every bound.
+    ///
+    /// Source: (55).
     #[must_use]
     pub fn limit(&self) -> Option<Amplification> {
         let doubled = match self.rule.law {
-            CorrectionLaw::AsPrinted36 => return None,
-            CorrectionLaw::ProofRecursion => true,
-            CorrectionLaw::CurrentSimulation => self.stage == ModelStage::Onset,
+            Law::AsPrinted36 => return None,
+            Law::ProofRecursion => true,
+            Law::CurrentSimulation => self.stage == ModelStage::Onset,
         };
         let Some(k) = self.rule.gain.as_constant() else {
             return Some(Amplification { gap: 0.0, simulation: 2.0, experiment: 1.0 });
@@ -185,7 +190,7 @@ impl Bound {
     }
 
     /// The least number of rounds from which on the bound stays within `tolerance`, in the unit of the
-    /// cost, of its limit; nothing if it has none, or needs more rounds than a double can count.
+    /// response, of its limit; nothing if it has none, or needs more rounds than a double can count.
     ///
     /// # Errors
     ///
@@ -222,10 +227,10 @@ impl Bound {
 
     /// What the bound is above its limit; nothing where the closed forms do not hold.
     fn transient(&self, n: usize) -> Option<Amplification> {
-        if n < SETTLED || self.rule.law == CorrectionLaw::AsPrinted36 {
+        if n < SETTLED || self.rule.law == Law::AsPrinted36 {
             return None;
         }
-        let is_current = self.rule.law == CorrectionLaw::CurrentSimulation;
+        let is_current = self.rule.law == Law::CurrentSimulation;
         let Some(k) = self.rule.gain.as_constant() else {
             let is_corrected = is_current && self.stage == ModelStage::Corrected;
             let simulation = if is_corrected { -2.0 / n as f64 } else { 0.0 };

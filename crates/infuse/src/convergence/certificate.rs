@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::checks::{check_cells, check_finite, check_not_negative};
 
-/// How much worse than the best retained design a design can be, in the unit of the cost.
+/// How much worse than the best retained design a design can be, in the unit of the response.
 ///
 /// If |Ĵ_model − J_true| ≤ eps at the design p and everywhere in the retained region M, then
 ///
@@ -14,16 +14,16 @@ use crate::checks::{check_cells, check_finite, check_not_negative};
 /// for any p, however it was found: add J_true(p) ≤ Ĵ_model(p) + eps and −J_true ≤ −Ĵ_model + eps at
 /// the best design. Source: beyond the text.
 ///
-/// eps must hold in the sup norm, such as [`Bound::finite`](crate::Bound::finite) of sup norms; a norm
+/// eps must hold in the sup norm, such as [`Bound::finite`](crate::convergence::Bound::finite) of sup norms; a norm
 /// of finite order says nothing about a single design.
 ///
 /// The certificate speaks of M. About designs dropped earlier it says nothing, unless each was dropped
-/// while its model cost exceeded the least by more than 2 eps, with the eps valid then: such a design
+/// while its model response exceeded the least by more than 2 eps, with the eps valid then: such a design
 /// was truly worse than one that was kept. [`possible_optima`] drops no others, and the certificate
 /// then holds against the original box. A z-test gives no such guarantee.
 ///
 /// ```
-/// use infuse::RegretCertificate;
+/// use infuse::convergence::RegretCertificate;
 ///
 /// let model = [4.20, 4.01, 4.35];
 /// let certificate = RegretCertificate::of_cell(1, &model, 0.3)?;
@@ -41,11 +41,11 @@ pub struct RegretCertificate {
 }
 
 impl RegretCertificate {
-    /// For a design between the cells, from its model cost and those of all retained cells.
+    /// For a design between the cells, from its model response and those of all retained cells.
     ///
     /// # Errors
     ///
-    /// [`Error::EmptyRegion`]; [`Error::Entry`] and [`Error::Setting`] for a cost that is not finite or
+    /// [`Error::EmptyRegion`]; [`Error::Entry`] and [`Error::Setting`] for a response that is not finite or
     /// an `eps` that is negative, NaN or infinite.
     pub fn of_point(model_cost: f64, model: &[f64], eps: f64) -> Result<Self, Error> {
         check(model, eps)?;
@@ -74,7 +74,8 @@ impl RegretCertificate {
         Ok(Self::among(model_cost, least_other, certificate.model_excess, eps))
     }
 
-    /// For a retained cell, from the least model cost of the others, infinite without any.
+    /// For a retained cell, from the least model response of the others, infinite without any.
+    #[cfg(feature = "global")]
     pub(crate) fn of_cell_among(model_cost: f64, least_other: f64, eps: f64) -> Result<Self, Error> {
         check_not_negative("eps", eps)?;
         Ok(Self::among(model_cost, least_other, model_cost - least_other.min(model_cost), eps))
@@ -85,10 +86,10 @@ impl RegretCertificate {
     }
 
     /// The stopping rule: whether the design is certainly this close to the best, in the unit of the
-    /// cost.
+    /// response.
     ///
     /// A tolerance below twice the limit of the bound may never be reached:
-    /// [`Bound::limit`](crate::Bound::limit) tells beforehand.
+    /// [`Bound::limit`](crate::convergence::Bound::limit) tells beforehand.
     #[must_use]
     pub fn is_within(&self, tolerance: f64) -> bool {
         self.regret <= tolerance
@@ -96,11 +97,11 @@ impl RegretCertificate {
 }
 
 /// Which cells may still be the true optimum if |Ĵ_model − J_true| ≤ `eps` at every cell: those whose
-/// model cost exceeds the least by 2 `eps` at most.
+/// model response exceeds the least by 2 `eps` at most.
 ///
 /// # Errors
 ///
-/// [`Error::EmptyRegion`]; [`Error::Entry`] for a cost that is not finite; [`Error::Setting`] for an
+/// [`Error::EmptyRegion`]; [`Error::Entry`] for a response that is not finite; [`Error::Setting`] for an
 /// `eps` that is negative, NaN or infinite.
 pub fn possible_optima(model: &[f64], eps: f64) -> Result<Vec<bool>, Error> {
     check(model, eps)?;

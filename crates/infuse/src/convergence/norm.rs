@@ -74,8 +74,10 @@ pub enum NormScaling {
 /// and max |J(p)| for q = ∞. The unit is that of J if measures are dimensionless, so they are taken in
 /// coordinates coded to −1..1 over the original box, see [`coded_cell_measure`].
 ///
+/// Source: (42).
+///
 /// ```
-/// use infuse::{Norm, NormOrder, NormScaling};
+/// use infuse::convergence::{Norm, NormOrder, NormScaling};
 ///
 /// let integral = Norm { order: NormOrder::finite(2.0)?, scaling: NormScaling::Integral };
 /// assert_eq!(integral.over(&[3.0, -4.0], &[1.0, 1.0])?, 5.0);
@@ -131,6 +133,7 @@ impl Norm {
     }
 
     /// (|J|/largest)^q, a share of at most 1; 0 for q = ∞ and where everything is 0.
+    #[cfg(feature = "global")]
     pub(crate) fn share(&self, value: f64, largest: f64) -> f64 {
         match self.order.0 {
             UncheckedOrder::Finite(q) if largest > 0.0 => raised(value.abs() / largest, q),
@@ -139,6 +142,7 @@ impl Norm {
     }
 
     /// The norm over cells of one measure from the largest magnitude and the sum of the [shares](Self::share).
+    #[cfg(feature = "global")]
     pub(crate) fn of_shares(&self, largest: f64, sum: f64, n_cells: u64, measure: f64) -> Result<f64, Error> {
         if n_cells == 0 {
             return Err(Error::EmptyRegion);

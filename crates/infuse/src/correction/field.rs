@@ -2,18 +2,18 @@
 
 use crate::Error;
 use crate::checks::{check_cells, check_count, check_finite};
-use crate::correction::{CorrectionLaw, CorrectionRule};
+use crate::correction::{Law, Rule};
 
 /// Ĵcor,n and Ĵnum,n at the cells of a region, one round of experiments after the other.
 ///
-/// The same as [`CorrectionRule::correction`] to rounding, without keeping past surfaces.
+/// The same as [`Rule::correction`] to rounding, without keeping past surfaces.
 ///
 /// ```
-/// use infuse::{CorrectedField, CorrectionLaw, CorrectionRule, Gain};
+/// use infuse::correction::{Field, Gain, Law, Rule};
 ///
 /// // The simulation says 1 where the truth is 3. With k = 0.5 half of the gap is left each time.
-/// let rule = CorrectionRule::new(CorrectionLaw::ProofRecursion, Gain::constant(0.5)?);
-/// let mut field = CorrectedField::new(rule, 1)?;
+/// let rule = Rule::new(Law::ProofRecursion, Gain::constant(0.5)?);
+/// let mut field = Field::new(rule, 1)?;
 /// for expected in [2.0, 2.5, 2.75] {
 ///     field.update(&[3.0], &[1.0])?;
 ///     assert_eq!(field.model(), Some(&[expected][..]));
@@ -21,8 +21,8 @@ use crate::correction::{CorrectionLaw, CorrectionRule};
 /// # Ok::<(), infuse::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct CorrectedField {
-    rule: CorrectionRule,
+pub struct Field {
+    rule: Rule,
     n_rounds: usize,
     correction: Vec<f64>,
     /// Ĵnum,n; empty before the first round.
@@ -31,13 +31,13 @@ pub struct CorrectedField {
     sum_of_corrections: Vec<f64>,
 }
 
-impl CorrectedField {
+impl Field {
     /// No correction yet, at this many cells.
     ///
     /// # Errors
     ///
     /// [`Error::EmptyRegion`].
-    pub fn new(rule: CorrectionRule, n_cells: usize) -> Result<Self, Error> {
+    pub fn new(rule: Rule, n_cells: usize) -> Result<Self, Error> {
         check_cells(n_cells)?;
         let zeros = vec![0.0; n_cells];
         Ok(Self { rule, n_rounds: 0, correction: zeros.clone(), model: Vec::new(), sum_of_corrections: zeros })
@@ -95,16 +95,16 @@ impl CorrectedField {
                 let last = self.correction[cell];
                 let measured = experiment[cell];
                 match self.rule.law {
-                    CorrectionLaw::ProofRecursion => last + gain * (measured - last_model[cell]),
-                    CorrectionLaw::CurrentSimulation => last + gain * (measured - simulation[cell] - last),
-                    CorrectionLaw::AsPrinted36 => gain * (measured - simulation[cell]) + self.sum_of_corrections[cell],
+                    Law::ProofRecursion => last + gain * (measured - last_model[cell]),
+                    Law::CurrentSimulation => last + gain * (measured - simulation[cell] - last),
+                    Law::AsPrinted36 => gain * (measured - simulation[cell]) + self.sum_of_corrections[cell],
                 }
             })
             .collect();
         let model = add(simulation, &correction);
         check_finite("correction", &correction)?;
         check_finite("model", &model)?;
-        if self.rule.law == CorrectionLaw::AsPrinted36 {
+        if self.rule.law == Law::AsPrinted36 {
             let sum = add(&self.sum_of_corrections, &correction);
             check_finite("sum of corrections", &sum)?;
             self.sum_of_corrections = sum;

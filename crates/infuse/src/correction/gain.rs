@@ -7,7 +7,7 @@ use crate::Error;
 /// The gain k_n of iteration n, dimensionless. In files `{ constant = 0.4 }` or `"harmonic"`.
 ///
 /// ```
-/// use infuse::Gain;
+/// use infuse::correction::Gain;
 ///
 /// assert!(Gain::constant(0.4).is_ok());
 /// let error = Gain::constant(2.0).unwrap_err();
@@ -28,7 +28,7 @@ impl Gain {
     /// The same k in every iteration, 0 < k < 2; 0 < k ≤ 1 recommended.
     ///
     /// A fraction |1 − k| of the initial gap survives each iteration. Beyond 1 the correction
-    /// overshoots, and errors are amplified as [`Bound::limit`](crate::Bound::limit) says.
+    /// overshoots, and errors are amplified as [`Bound::limit`](crate::convergence::Bound::limit) says.
     ///
     /// # Errors
     ///

@@ -11,15 +11,16 @@ use crate::correction::{Coefficients, Gain};
 /// from 1; Ĵcor,0 = 0.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum CorrectionLaw {
+pub enum Law {
     /// The recursion of the dissertation's proof:
     ///
     /// ```text
     /// Ĵcor,n = Ĵcor,n−1 + k_n (Ĵexp,n − Ĵnum,n−1)        Ĵnum,n = Ĵsim,n + Ĵcor,n        Ĵnum,0 = Ĵsim,1
     /// ```
     ///
-    /// Source: (45), (46), whose n-th term is (47). The experiment is compared with the model of the
-    /// iteration before, so the simulation's error enters twice.
+    /// The experiment is compared with the model of the iteration before, so the simulation's error enters twice.
+    ///
+    /// Source: (45), (46).
     #[default]
     ProofRecursion,
     /// The same, but against the simulation surface of the same iteration:
@@ -39,8 +40,10 @@ pub enum CorrectionLaw {
     ///
     /// Do not use it on a rig. It adds up corrections that are sums already, so a constant gap is
     /// corrected k, 2k, 4k, 8k, ... times. In the global loop its numbers pass what a surface
-    /// takes, 1e100 ([`Data::LARGEST`](surface::Data::LARGEST)), after some 330 iterations for a gap of 1, and `tell`
-    /// then answers with an error; on their own they overflow after a thousand. It is offered so that one can watch it fail.
+    /// takes, 1e100, after some 330 batches for a gap of 1, and `tell` then answers with an error; on their own they
+    /// overflow after a thousand. It is offered so that one can watch it fail.
+    ///
+    /// Source: (36).
     #[serde(rename = "as_printed_36")]
     AsPrinted36,
 }
@@ -63,18 +66,18 @@ pub enum ModelStage {
 /// A correction law with its gain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct CorrectionRule {
+pub struct Rule {
     /// What is compared with what.
     #[serde(default)]
-    pub law: CorrectionLaw,
+    pub law: Law,
     /// How much of the difference is believed.
     pub gain: Gain,
 }
 
-impl CorrectionRule {
+impl Rule {
     /// This law with this gain.
     #[must_use]
-    pub fn new(law: CorrectionLaw, gain: Gain) -> Self {
+    pub fn new(law: Law, gain: Gain) -> Self {
         Self { law, gain }
     }
 
@@ -89,14 +92,16 @@ impl CorrectionRule {
     /// ```
     ///
     /// The first is (47) with a constant gain; the others follow by unrolling.
+    ///
+    /// Source: (47).
     #[must_use]
     pub fn correction(&self, n: usize) -> Coefficients {
         let experiment = self.weights(n).of_difference;
         let mut simulation = vec![0.0; n];
         for (index, weight) in experiment.iter().enumerate() {
             let compared = match self.law {
-                CorrectionLaw::ProofRecursion => index.saturating_sub(1),
-                CorrectionLaw::CurrentSimulation | CorrectionLaw::AsPrinted36 => index,
+                Law::ProofRecursion => index.saturating_sub(1),
+                Law::CurrentSimulation | Law::AsPrinted36 => index,
             };
             simulation[compared] -= weight;
         }
@@ -120,7 +125,7 @@ impl CorrectionRule {
     pub(crate) fn weights(&self, n: usize) -> Weights {
         let mut of_difference = vec![0.0; n];
         let mut rest = 1.0;
-        if self.law == CorrectionLaw::AsPrinted36 {
+        if self.law == Law::AsPrinted36 {
             // The sum of the corrections doubles, but only from the iteration before last on.
             let mut doubled = 1.0;
             for j in (1..=n).rev() {

@@ -3,25 +3,38 @@
 use std::fmt::Debug;
 
 use crate::Error;
-use crate::global::batch::Batch;
+use crate::global::batch::{Batch, DroppedTerm};
 use crate::global::changes::SurfaceChanges;
 use crate::global::report::Report;
 use crate::global::screening::{Screening, Spread};
 use crate::global::trial::Trial;
 
 /// Numbers computed from the outcomes agree to this, relative: factorizations round differently on machines with
-/// other instruction sets. Costs, and differences of them in which digits cancel, are compared relative to the
-/// largest cost.
+/// other instruction sets. Responses, and differences of them in which digits cancel, are compared relative to the
+/// largest response.
 const TOLERANCE: f64 = 1e-9;
 /// Efficiencies agree to this, relative: they come from information matrices, which square the condition of what is
 /// left of the grid.
 const EFFICIENCY_TOLERANCE: f64 = 1e-6;
 
-/// The two sides of a comparison: an iteration as saved and as found.
+/// Whether a number that was written down is the one found again, perhaps on another machine: to 1e-9 of `scale` or of
+/// the number itself, whichever is larger.
+///
+/// `scale` is the largest magnitude of what it was computed from. NaN and infinities agree with nothing but themselves.
+#[must_use]
+pub fn agrees(saved: f64, found: f64, scale: f64) -> bool {
+    is_close(saved, found, TOLERANCE * scale.max(found.abs()))
+}
+
+fn is_close(saved: f64, found: f64, margin: f64) -> bool {
+    (margin.is_finite() && (saved - found).abs() <= margin) || saved.to_bits() == found.to_bits()
+}
+
+/// The two sides of a comparison: a batch as saved and as found.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Agreement {
     pub(crate) iteration: usize,
-    /// The largest magnitude of all costs told and simulated so far.
+    /// The largest magnitude of all responses measured and simulated so far.
     pub(crate) largest_cost: f64,
 }
 
@@ -30,7 +43,7 @@ impl Agreement {
         self.exact("trials.trial.id", &saved.id, &found.id)?;
         self.exact("trials.trial.iteration", &saved.iteration, &found.iteration)?;
         self.exact("trials.trial.used_for", &saved.used_for, &found.used_for)?;
-        self.exact("trials.trial.cell", &saved.cell, &found.cell)?;
+        self.exact("trials.trial.cell", &saved.cell.index(), &found.cell.index())?;
         self.exact("trials.trial.point", &saved.point, &found.point)
     }
 
@@ -38,7 +51,7 @@ impl Agreement {
         self.exact("batch.n_candidates", &saved.n_candidates, &found.n_candidates)?;
         self.exact("batch.constant_instead", &saved.constant_instead, &found.constant_instead)?;
         let names = |batch: &Batch| -> Vec<(usize, String, Vec<String>)> {
-            let equals = |term: &crate::global::DroppedTerm| term.equals.iter().map(|(name, _)| name.clone()).collect();
+            let equals = |term: &DroppedTerm| term.equals.iter().map(|(name, _)| name.clone()).collect();
             batch.dropped_terms.iter().map(|term| (term.term, term.name.clone(), equals(term))).collect()
         };
         self.exact("batch.dropped_terms", &names(saved), &names(found))?;
@@ -70,11 +83,11 @@ impl Agreement {
     }
 
     fn of_screenings(self, saved: &Screening, found: &Screening) -> Result<(), Error> {
-        self.exact("screening.optimum_cell", &saved.optimum_cell, &found.optimum_cell)?;
+        self.exact("screening.optimum_cell", &saved.optimum_cell.index(), &found.optimum_cell.index())?;
         self.exact("screening.optimum", &saved.optimum, &found.optimum)?;
         self.cost("screening.optimum_value", saved.optimum_value, found.optimum_value)?;
-        let field = "screening.simulation_optimum_cell";
-        self.exact(field, &saved.simulation_optimum_cell, &found.simulation_optimum_cell)?;
+        let (cell, other) = (saved.simulation_optimum_cell.index(), found.simulation_optimum_cell.index());
+        self.exact("screening.simulation_optimum_cell", &cell, &other)?;
         self.exact("screening.simulation_optimum", &saved.simulation_optimum, &found.simulation_optimum)?;
         let field = "screening.spread";
         match (saved.spread, found.spread) {
@@ -111,13 +124,11 @@ impl Agreement {
     }
 
     fn cost(self, field: &'static str, saved: f64, found: f64) -> Result<(), Error> {
-        self.close(field, saved, found, TOLERANCE * self.largest_cost.max(found.abs()))
+        if agrees(saved, found, self.largest_cost) { Ok(()) } else { Err(self.differs(field, &saved, &found)) }
     }
 
     fn close(self, field: &'static str, saved: f64, found: f64, margin: f64) -> Result<(), Error> {
-        // NaN and infinities agree with nothing but themselves.
-        let is_close = (saved - found).abs() <= margin || saved.to_bits() == found.to_bits();
-        if is_close { Ok(()) } else { Err(self.differs(field, &saved, &found)) }
+        if is_close(saved, found, margin) { Ok(()) } else { Err(self.differs(field, &saved, &found)) }
     }
 
     fn differs(self, field: &'static str, saved: &impl Debug, found: &impl Debug) -> Error {

@@ -1,8 +1,9 @@
-//! The G-optimal batch of an iteration: Section 5.1 over what is left of the gridded space.
+//! The G-optimal designs of a batch: Section 5.1 over what is left of the gridded space.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
+use design_space::Cell;
 use doe::{
     Criterion, Design, Effort, Model, Problem, Replicates, SplitSettings, Term, confounded_terms, search, split,
 };
@@ -13,6 +14,7 @@ use crate::global::candidates::Candidates;
 use crate::global::cells::Cells;
 use crate::global::greedy::greedy;
 use crate::global::retained::RetainedSet;
+use crate::global::settings::Settings;
 use crate::global::trial::TrialUse;
 
 /// What a batch was designed over, and how good it is.
@@ -23,7 +25,7 @@ pub struct Batch {
     /// Cells that the designs were chosen from, and over which their variance was looked at: all retained
     /// cells up to [`Settings::candidate_limit`], a part of them beyond.
     pub n_candidates: u64,
-    /// Terms of the regressor that these cells cannot tell apart, left out in this iteration.
+    /// Terms of the regressor that these cells cannot tell apart, left out in this batch.
     pub dropped_terms: Vec<DroppedTerm>,
     /// Whether all terms were left out, each vanishing or equal to others that vanish: a constant is then estimated
     /// in their place.
@@ -48,14 +50,14 @@ pub struct DroppedTerm {
 }
 
 impl Batch {
-    /// The regressor of this iteration.
-    pub(crate) fn model(&self, settings: &crate::global::Settings) -> Result<Model, Error> {
+    /// The regressor of this batch.
+    pub(crate) fn model(&self, settings: &Settings) -> Result<Model, Error> {
         regressor(settings, &self.dropped_terms)
     }
 }
 
 /// The model of the settings without these terms; a constant if none is left.
-fn regressor(settings: &crate::global::Settings, dropped: &[DroppedTerm]) -> Result<Model, Error> {
+fn regressor(settings: &Settings, dropped: &[DroppedTerm]) -> Result<Model, Error> {
     let (model, k) = (&settings.model, settings.model.n_factors());
     if dropped.len() == model.n_terms() {
         return Ok(Model::new(k, vec![Term::new(vec![0; k])])?);
@@ -64,7 +66,7 @@ fn regressor(settings: &crate::global::Settings, dropped: &[DroppedTerm]) -> Res
     Ok(model.without_terms(&terms)?)
 }
 
-/// Which of an iteration's designs is searched for.
+/// Which of a batch's designs is searched for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Purpose {
     Candidates,
@@ -76,7 +78,7 @@ pub(crate) enum Purpose {
 #[derive(Debug)]
 pub(crate) struct DesignSpace<'a> {
     cells: &'a Cells,
-    settings: &'a crate::global::Settings,
+    settings: &'a Settings,
     iteration: usize,
     candidates: Candidates,
     model: Model,
@@ -87,7 +89,7 @@ impl<'a> DesignSpace<'a> {
     pub(crate) fn of(
         retained: &RetainedSet,
         cells: &'a Cells,
-        settings: &'a crate::global::Settings,
+        settings: &'a Settings,
         iteration: usize,
     ) -> Result<Self, Error> {
         let seed = seed(settings.seed, iteration, Purpose::Candidates);
@@ -110,7 +112,7 @@ impl<'a> DesignSpace<'a> {
     ///
     /// Distinct while there are more candidates than runs. Otherwise every candidate is run equally often, and some,
     /// evenly spaced, once more. If the search finds nothing, the design is built run by run.
-    pub(crate) fn design(&self, n_runs: usize, purpose: Purpose, avoided: &BTreeSet<u64>) -> Result<Vec<u64>, Error> {
+    pub(crate) fn design(&self, n_runs: usize, purpose: Purpose, avoided: &BTreeSet<Cell>) -> Result<Vec<Cell>, Error> {
         let candidates = self.candidates_but(avoided)?;
         let Candidates { cells, space } = candidates.as_ref();
         if cells.len() <= n_runs {
@@ -139,9 +141,9 @@ impl<'a> DesignSpace<'a> {
     }
 
     /// The candidates without these, or all if the rest does not support the model.
-    fn candidates_but(&self, avoided: &BTreeSet<u64>) -> Result<Cow<'_, Candidates>, Error> {
+    fn candidates_but(&self, avoided: &BTreeSet<Cell>) -> Result<Cow<'_, Candidates>, Error> {
         let others = self.candidates.cells.iter().copied().filter(|cell| !avoided.contains(cell));
-        let others: Vec<u64> = others.collect();
+        let others: Vec<Cell> = others.collect();
         if others.is_empty() || others.len() == self.candidates.cells.len() {
             return Ok(Cow::Borrowed(&self.candidates));
         }
@@ -151,7 +153,7 @@ impl<'a> DesignSpace<'a> {
     }
 
     /// What the experiments at these cells are used for, in their order.
-    pub(crate) fn uses(&self, experiments: &[u64]) -> Result<Vec<TrialUse>, Error> {
+    pub(crate) fn uses(&self, experiments: &[Cell]) -> Result<Vec<TrialUse>, Error> {
         let mut how = SplitSettings::default();
         how.method = self.settings.split;
         let halves = split(&self.model, &self.candidates.space, &self.as_design(experiments)?, &how)?;
@@ -162,7 +164,7 @@ impl<'a> DesignSpace<'a> {
         Ok(uses)
     }
 
-    pub(crate) fn batch(&self, experiments: &[u64], simulations: &[u64]) -> Result<Batch, Error> {
+    pub(crate) fn batch(&self, experiments: &[Cell], simulations: &[Cell]) -> Result<Batch, Error> {
         Ok(Batch {
             n_candidates: self.candidates.cells.len() as u64,
             dropped_terms: self.dropped.clone(),
@@ -172,18 +174,18 @@ impl<'a> DesignSpace<'a> {
         })
     }
 
-    fn efficiency(&self, runs: &[u64]) -> Result<f64, Error> {
+    fn efficiency(&self, runs: &[Cell]) -> Result<f64, Error> {
         let efficiency = Criterion::G.efficiency(&self.model, &self.candidates.space, &self.as_design(runs)?)?;
         Ok(efficiency.percent)
     }
 
-    fn as_design(&self, runs: &[u64]) -> Result<Design, Error> {
+    fn as_design(&self, runs: &[Cell]) -> Result<Design, Error> {
         let coded = runs.iter().map(|&cell| self.cells.coded(cell));
         Ok(Design::from_runs(&coded.collect::<Result<Vec<_>, _>>()?)?)
     }
 }
 
-/// One stream of random numbers per iteration and purpose.
+/// One stream of random numbers per batch and purpose.
 fn seed(seed: u64, iteration: usize, purpose: Purpose) -> u64 {
     let stream = 3 * iteration as u64 + purpose as u64;
     seed ^ stream.wrapping_mul(0x9E37_79B9_7F4A_7C15)

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use design_space::Cell;
 use doe::Space;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -19,7 +20,7 @@ const CHUNK: usize = 4096;
 /// Retained cells as a list, rising.
 #[derive(Debug, Clone)]
 pub(crate) struct Candidates {
-    pub(crate) cells: Vec<u64>,
+    pub(crate) cells: Vec<Cell>,
     pub(crate) space: Space,
 }
 
@@ -28,7 +29,7 @@ impl Candidates {
     /// with them the cells without which no design is good: the farthest along each axis and each
     /// diagonal, and the corners, edges and faces of the box around all of them, where retained.
     pub(crate) fn of(retained: &RetainedSet, cells: &Cells, limit: u64, seed: u64) -> Result<Self, Error> {
-        let chosen: Vec<u64> = if retained.n_retained() <= limit {
+        let chosen: Vec<Cell> = if retained.n_retained() <= limit {
             retained.cells().collect()
         } else {
             let mut chosen = sample(retained, limit, seed);
@@ -39,7 +40,7 @@ impl Candidates {
     }
 
     /// These cells, at least one.
-    pub(crate) fn of_cells(chosen: Vec<u64>, cells: &Cells) -> Result<Self, Error> {
+    pub(crate) fn of_cells(chosen: Vec<Cell>, cells: &Cells) -> Result<Self, Error> {
         let mut coordinates = Vec::with_capacity(chosen.len() * cells.n_factors());
         for &cell in &chosen {
             coordinates.extend(cells.coded(cell)?);
@@ -50,7 +51,7 @@ impl Candidates {
 }
 
 /// One retained cell from each of `n` equal stretches of the retained cells, at a random place in it.
-fn sample(retained: &RetainedSet, n: u64, seed: u64) -> BTreeSet<u64> {
+fn sample(retained: &RetainedSet, n: u64, seed: u64) -> BTreeSet<Cell> {
     let mut generator = Pcg64::seed_from_u64(seed);
     let stretch = retained.n_retained() as f64 / n as f64;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "ranks are below the number of cells")]
@@ -60,7 +61,7 @@ fn sample(retained: &RetainedSet, n: u64, seed: u64) -> BTreeSet<u64> {
         let here = u64::from(word.count_ones());
         while let Some(rank) = ranks.next_if(|&rank| rank < passed + here) {
             let nth = (0..rank - passed).fold(word, |word, _| word & (word - 1));
-            chosen.insert(64 * at + u64::from(nth.trailing_zeros()));
+            chosen.insert(Cell::new(64 * at + u64::from(nth.trailing_zeros())));
         }
         passed += here;
     }
@@ -68,7 +69,7 @@ fn sample(retained: &RetainedSet, n: u64, seed: u64) -> BTreeSet<u64> {
 }
 
 /// The retained cells that lie farthest in some direction, and those on the lattice of the box around all.
-fn extremes(retained: &RetainedSet, cells: &Cells) -> Result<BTreeSet<u64>, Error> {
+fn extremes(retained: &RetainedSet, cells: &Cells) -> Result<BTreeSet<Cell>, Error> {
     let k = cells.n_factors();
     let directions = directions(k);
     let farthest = retained
@@ -77,8 +78,9 @@ fn extremes(retained: &RetainedSet, cells: &Cells) -> Result<BTreeSet<u64>, Erro
         .enumerate()
         .map(|(chunk, words)| farthest(words, (chunk * CHUNK) as u64, cells, &directions))
         .reduce(|| vec![None; directions.len()], farther);
-    let mut chosen: BTreeSet<u64> = farthest.into_iter().flatten().map(|(_, cell)| cell).collect();
-    let digits: Vec<Vec<u64>> = chosen.iter().map(|&cell| cells.digits(cell)).collect();
+    let combinations = cells.grid().combinations();
+    let mut chosen: BTreeSet<Cell> = farthest.into_iter().flatten().map(|(_, cell)| cell).collect();
+    let digits: Vec<Vec<u64>> = chosen.iter().map(|cell| combinations.digits(cell.index())).collect();
     let marks: Vec<[u64; 3]> = (0..k)
         .map(|j| {
             let along = digits.iter().map(|digits| digits[j]);
@@ -89,7 +91,7 @@ fn extremes(retained: &RetainedSet, cells: &Cells) -> Result<BTreeSet<u64>, Erro
     if k <= MOST_SIGNS {
         let lattice = (0..3_usize.pow(k as u32)).map(|number| {
             let pick = |j: usize| marks[j][number / 3_usize.pow(j as u32) % 3];
-            cells.of_digits(&(0..k).map(pick).collect::<Vec<_>>())
+            Cell::new(combinations.index(&(0..k).map(pick).collect::<Vec<_>>()))
         });
         chosen.extend(lattice.filter(|&cell| retained.contains(cell)));
     }
@@ -109,7 +111,7 @@ fn directions(k: usize) -> Vec<Vec<f64>> {
 }
 
 /// A cell and how far it lies in some direction.
-type Farthest = Option<(f64, u64)>;
+type Farthest = Option<(f64, Cell)>;
 
 fn farther(a: Vec<Farthest>, b: Vec<Farthest>) -> Vec<Farthest> {
     let pick = |(a, b): (Farthest, Farthest)| match (a, b) {
@@ -122,7 +124,8 @@ fn farther(a: Vec<Farthest>, b: Vec<Farthest>) -> Vec<Farthest> {
 /// Along a line of the last parameter only the ends of a run of retained cells can be farthest.
 fn farthest(words: &[u64], at: u64, cells: &Cells, directions: &[Vec<f64>]) -> Vec<Farthest> {
     let mut best: Vec<Farthest> = vec![None; directions.len()];
-    let mut look = |cell: u64| {
+    let mut look = |index: u64| {
+        let cell = Cell::new(index);
         let Ok(point) = cells.coded(cell) else {
             return;
         };

@@ -1,15 +1,15 @@
-//! The gridded design space: every combination of levels, by index, nothing stored.
+//! The gridded design space: the grid of a region, and its points as surfaces take them.
 
-use doe::{Parameter, Region, Space};
+use design_space::{Cell, Grid, Region};
+use doe::Space;
 use surface::{GridPoints, PointSource};
 
 use crate::Error;
 
-/// The grid of a region. Cells count as in [`doe::Grid`], the last parameter fastest.
+/// The grid of a region, nothing stored per cell.
 #[derive(Debug, Clone)]
 pub(crate) struct Cells {
-    region: Region,
-    counts: Vec<u64>,
+    grid: Grid,
     points: GridPoints,
 }
 
@@ -18,29 +18,29 @@ impl Cells {
     pub(crate) const MOST: u64 = 1 << 34;
 
     pub(crate) fn of(region: &Region) -> Result<Self, Error> {
-        let n_cells = design_space::Grid::of(region)?.n_cells();
-        if n_cells > Self::MOST {
-            return Err(Error::TooManyCells { n_cells, most: Self::MOST });
+        let grid = Grid::of(region)?;
+        if grid.n_cells() > Self::MOST {
+            return Err(Error::TooManyCells { n_cells: grid.n_cells(), most: Self::MOST });
         }
         let points = GridPoints::of_space(&Space::of_region(region)?)?;
-        let counts = region.parameters().iter().map(|parameter| match parameter.levels() {
-            doe::Levels::Count(count) => u64::from(count),
-            // A region with a grid has none.
-            doe::Levels::Continuous => 1,
-        });
-        Ok(Self { region: region.clone(), counts: counts.collect(), points })
+        Ok(Self { grid, points })
+    }
+
+    pub(crate) fn grid(&self) -> &Grid {
+        &self.grid
     }
 
     pub(crate) fn region(&self) -> &Region {
-        &self.region
+        self.grid.region()
     }
 
+    /// All cells, coded to the original box.
     pub(crate) fn points(&self) -> &GridPoints {
         &self.points
     }
 
     pub(crate) fn n_factors(&self) -> usize {
-        self.counts.len()
+        self.points.n_factors()
     }
 
     pub(crate) fn n_cells(&self) -> u64 {
@@ -49,42 +49,21 @@ impl Cells {
 
     /// Number of levels of the last parameter: cells of one line lie side by side.
     pub(crate) fn line(&self) -> u64 {
-        self.counts[self.counts.len() - 1]
-    }
-
-    /// Level index of each parameter.
-    pub(crate) fn digits(&self, mut cell: u64) -> Vec<u64> {
-        let mut digits = vec![0; self.counts.len()];
-        for (digit, count) in digits.iter_mut().zip(&self.counts).rev() {
-            *digit = cell % count;
-            cell /= count;
-        }
-        digits
-    }
-
-    pub(crate) fn of_digits(&self, digits: &[u64]) -> u64 {
-        digits.iter().zip(&self.counts).fold(0, |cell, (digit, count)| cell * count + digit)
+        self.grid.combinations().counts().last().copied().unwrap_or(1)
     }
 
     /// Coded to the original box.
-    pub(crate) fn coded(&self, cell: u64) -> Result<Vec<f64>, Error> {
-        self.points.point(cell).ok_or(Error::UnknownCell { cell_idx: cell as usize, n_cells: self.n_cells() as usize })
+    pub(crate) fn coded(&self, cell: Cell) -> Result<Vec<f64>, Error> {
+        let unknown = || Error::UnknownCell { cell_idx: cell.index() as usize, n_cells: self.n_cells() as usize };
+        self.points.point(cell.index()).ok_or_else(unknown)
     }
 
-    pub(crate) fn natural(&self, cell: u64) -> Result<Vec<f64>, Error> {
-        Ok(design_space::Grid::of(&self.region)?.point(design_space::Cell::new(cell))?)
-    }
-
-    /// The cell nearest to a natural point within the region.
-    pub(crate) fn nearest(&self, point: &[f64]) -> Result<u64, Error> {
-        self.region.check(point)?;
-        let pairs = self.region.parameters().iter().zip(point);
-        let level = |(parameter, &value): (&Parameter, &f64)| parameter.nearest_level(value).map(u64::from);
-        Ok(self.of_digits(&pairs.map(level).collect::<Result<Vec<_>, _>>()?))
+    pub(crate) fn natural(&self, cell: Cell) -> Result<Vec<f64>, Error> {
+        Ok(self.grid.point(cell)?)
     }
 
     /// The cell with these coded coordinates, which are within rounding of its levels.
-    pub(crate) fn of_coded(&self, coded: &[f64]) -> u64 {
+    pub(crate) fn of_coded(&self, coded: &[f64]) -> Cell {
         let digit = |(x, &count): (&f64, &u64)| {
             let last = (count - 1) as f64;
             #[expect(
@@ -95,6 +74,7 @@ impl Cells {
             let digit = (0.5 * (x + 1.0) * last).round().clamp(0.0, last) as u64;
             digit
         };
-        self.of_digits(&coded.iter().zip(&self.counts).map(digit).collect::<Vec<_>>())
+        let combinations = self.grid.combinations();
+        Cell::new(combinations.index(&coded.iter().zip(combinations.counts()).map(digit).collect::<Vec<_>>()))
     }
 }

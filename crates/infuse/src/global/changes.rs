@@ -1,4 +1,4 @@
-//! How the surfaces moved from one iteration to the next.
+//! How the surfaces moved from one batch to the next.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,9 +6,9 @@ use crate::Error;
 use crate::global::cells::Cells;
 use crate::global::retained::RetainedSet;
 use crate::global::surfaces::IterationSurfaces;
-use crate::global::traced::TracedSurface;
+use crate::traced::TracedSurface;
 
-/// Largest magnitudes over M_i, in the unit of the cost: what can be said of Figure 21 without knowing the truth.
+/// Largest magnitudes over M_i, in the unit of the response: what can be said of Figure 21 without knowing the truth.
 ///
 /// With the errors e1 of Ĵsim and e2 of Ĵexp as in (41), the change of Ĵsim is at most E1_i + E1_i−1, that of Ĵexp at
 /// most E2_i + E2_i−1, and the gap at most d_0 + E1_i + E2_i; so each bounds its errors from below.
@@ -21,9 +21,9 @@ pub struct SurfaceChanges {
     pub innovation: Option<f64>,
     /// ‖Ĵnum,i − Ĵnum,i−1‖, with Ĵnum,0 = Ĵsim,1.
     pub model: f64,
-    /// ‖Ĵsim,i − Ĵsim,i−1‖; none in iteration 1.
+    /// ‖Ĵsim,i − Ĵsim,i−1‖; none in batch 1.
     pub simulation: Option<f64>,
-    /// ‖Ĵexp,i − Ĵexp,i−1‖; none in iteration 1 and without Ĵexp.
+    /// ‖Ĵexp,i − Ĵexp,i−1‖; none in batch 1 and without Ĵexp.
     pub experiment: Option<f64>,
 }
 

@@ -6,19 +6,19 @@ use serde::{Deserialize, Serialize};
 use crate::Error;
 use crate::global::trial::{NEAR_THE_REGION, far_setting};
 
-/// An experiment that no iteration asked for, see [`Loop::add_earlier`](crate::Loop::add_earlier).
+/// An experiment that no batch asked for, see [`Loop::add_earlier`](crate::global::Loop::add_earlier).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EarlierExperiment {
     /// Its settings, natural; not necessarily on the grid.
     pub point: Vec<f64>,
-    /// What it cost.
+    /// The response that it gave.
     pub cost: f64,
     /// Where it comes from, in the experimenter's own words.
     pub source: String,
-    /// The first iteration in which it counts.
+    /// The first batch in which it counts.
     pub since: usize,
-    /// The first iteration in which it counts no longer; nothing if it was not withdrawn.
+    /// The first batch in which it counts no longer; nothing if it was not withdrawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<usize>,
 }

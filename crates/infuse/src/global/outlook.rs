@@ -3,12 +3,10 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use statrs::distribution::{ContinuousCDF, Normal};
-use surface::{LeaveOneOut, Polynomial, Regression, Surface};
+use surface::{Polynomial, Regression, Surface};
 
 use crate::Error;
-use crate::convergence::{Bound, RegretCertificate};
-use crate::correction::ModelStage;
-use crate::global::Loop;
+use crate::global::campaign::Loop;
 use crate::global::candidates::Candidates;
 use crate::global::pure_error::PureError;
 use crate::global::report::Report;
@@ -19,9 +17,9 @@ use crate::global::trial::TrialUse;
 /// Cells among which the best is looked for in every draw; of more that are left, a part.
 const MOST_CELLS: u64 = 20_000;
 
-/// How much better than p̂* the best of what is left may be, in the unit of the cost.
+/// How much better than p̂* the best of what is left may be, in the unit of the response.
 ///
-/// Ĵnum of the last iteration knows all experiments. Only they bring noise into it, through the correction
+/// Ĵnum of the last batch knows all experiments. Only they bring noise into it, through the correction
 /// Σ c_j Ĵexp,j + …, so surfaces that may as well be true are
 ///
 /// ```text
@@ -31,7 +29,7 @@ const MOST_CELLS: u64 = 20_000;
 /// with the sampling error δ_j of Ĵexp of round j, and independent standard normal z. The gain of such a draw is what its best cell
 /// undercuts p̂* by, so the mean is what it would be worth on average to know the surface exactly: no number of
 /// further experiments can bring more on average, if the regressor is right and the errors about it are independent.
-/// What it may be worth that the regressor is not right is told beside it.
+/// What it may be worth that the regressor is not right stands beside it.
 /// Source: beyond the text; the expected value of perfect information.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -52,18 +50,11 @@ pub struct Outlook {
     pub n_cells: usize,
 }
 
-/// What [`Loop::observed_certificate`] rests on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct ObservedErrors {
-    /// Largest error of an Ĵsim of the campaign at a simulation that was left out of the fit.
-    pub simulation: f64,
-    /// Largest error of an Ĵexp of the campaign at an experiment that was left out of the fit, its noise included.
-    pub experiment: f64,
-    /// The bound on |Ĵnum − J_true| that follows from the errors of every iteration and the gap.
-    pub eps: f64,
-    /// What eps promises of p̂*.
-    pub certificate: RegretCertificate,
+/// The gain of every draw, and among how many cells it was looked for.
+#[derive(Debug)]
+struct Gains {
+    values: Vec<f64>,
+    n_cells: usize,
 }
 
 impl Outlook {
@@ -76,7 +67,7 @@ impl Outlook {
 
 impl Loop {
     /// What more experiments could still bring, from this many draws. `noise` is that of the experiments,
-    /// [`pure_error`](Self::pure_error) or better knowledge. None before the first iteration is closed, and if
+    /// [`pure_error`](Self::pure_error) or better knowledge. None before the first batch is closed, and if
     /// some Ĵexp in the correction is no regression or has no degrees of freedom. The same settings and outcomes give
     /// the same draws.
     ///
@@ -95,6 +86,24 @@ impl Loop {
         let Some(regressions) = regressions.filter(|regressions| !regressions.is_empty()) else {
             return Ok(None);
         };
+        let Some(mut gains) = self.drawn_gains(n_draws, &regressions, report, surfaces)? else {
+            return Ok(None);
+        };
+        gains.values.sort_by(f64::total_cmp);
+        let mean_gain = gains.values.iter().sum::<f64>() / n_draws as f64;
+        let upper_gain = gains.values[(9 * n_draws).div_ceil(10) - 1];
+        let misfit_gain = self.misfit_gain(noise, report, surfaces);
+        Ok(Some(Outlook { mean_gain, upper_gain, misfit_gain, n_draws, n_cells: gains.n_cells }))
+    }
+
+    /// By how much the best cell undercuts p̂* in each of so many drawn surfaces.
+    fn drawn_gains(
+        &self,
+        n_draws: usize,
+        regressions: &[&Regression],
+        report: &Report,
+        surfaces: &IterationSurfaces,
+    ) -> Result<Option<Gains>, Error> {
         let factors = self.settings.correction.correction(regressions.len()).experiment;
         let candidates = Candidates::of(&self.retained, &self.cells, MOST_CELLS, self.settings.seed)?;
         let points = candidates.cells.iter().map(|&cell| self.cells.coded(cell));
@@ -104,19 +113,21 @@ impl Loop {
         let optimum = self.cells.coded(report.screening.optimum_cell)?;
         let mean_at_optimum = model.predict(&optimum);
         let mut generator = Pcg64::seed_from_u64(self.settings.seed ^ report.iteration as u64);
-        let mut gains = Vec::with_capacity(n_draws);
+        let mut values = Vec::with_capacity(n_draws);
         for _ in 0..n_draws {
-            let Some(error) = drawn_error(&regressions, &factors, self.cells.n_factors(), &mut generator)? else {
+            let Some(error) = drawn_error(regressions, &factors, self.cells.n_factors(), &mut generator)? else {
                 return Ok(None);
             };
             let at_optimum = mean_at_optimum + error.predict(&optimum);
             let drawn = points.iter().zip(&means).map(|(point, mean)| mean + error.predict(point));
-            gains.push(drawn.map(|drawn| at_optimum - drawn).fold(0.0, f64::max));
+            values.push(drawn.map(|drawn| at_optimum - drawn).fold(0.0, f64::max));
         }
-        gains.sort_by(f64::total_cmp);
-        let mean_gain = gains.iter().sum::<f64>() / n_draws as f64;
-        let upper_gain = gains[(9 * n_draws).div_ceil(10) - 1];
-        let misfit_gain = match (self.retained.n_retained(), report.screening.spread) {
+        Ok(Some(Gains { values, n_cells: points.len() }))
+    }
+
+    /// What the wrong shape of the surface may hide besides the noise.
+    fn misfit_gain(&self, noise: Option<PureError>, report: &Report, surfaces: &IterationSurfaces) -> Option<f64> {
+        match (self.retained.n_retained(), report.screening.spread) {
             (0 | 1, _) => Some(0.0),
             (_, Spread::Estimated { s, n_validation }) => {
                 let explained = noise.map_or(0.0, |noise| noise.variance * (1.0 + self.fit_variance(report, surfaces)));
@@ -124,8 +135,7 @@ impl Loop {
                 Some(((s * s - explained * n / (n - 1.0)).max(0.0) / std::f64::consts::PI).sqrt())
             }
             _ => None,
-        };
-        Ok(Some(Outlook { mean_gain, upper_gain, misfit_gain, n_draws, n_cells: points.len() }))
+        }
     }
 
     /// The mean variance of the combined surface at the validation experiments, if its training experiments and
@@ -141,34 +151,6 @@ impl Loop {
         }
         let mean = variances.iter().sum::<f64>() / variances.len() as f64;
         self.settings.experiment_weight * mean / sigma_squared
-    }
-
-    /// The [certificate](Self::certificate) with errors of the surfaces as they were observed at runs left out of the
-    /// fit, one by one: a promise only as far as the surfaces err no more between the runs than at them. None if some surface cannot be
-    /// fitted without one of its runs, or if the correction law has no bound with such errors.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Setting`] if the errors are too large for a double.
-    pub fn observed_certificate(&self) -> Result<Option<ObservedErrors>, Error> {
-        let errors: Option<Vec<(f64, f64)>> =
-            self.history.iter().zip(&self.surfaces).map(|(report, surfaces)| left_out(report, surfaces)).collect();
-        let Some((e1, e2)) = errors.map(|errors| errors.into_iter().unzip::<f64, f64, Vec<f64>, Vec<f64>>()) else {
-            return Ok(None);
-        };
-        let Some(gap) = self.history.first().and_then(|report| report.changes.gap) else {
-            return Ok(None);
-        };
-        let bound = Bound::new(self.settings.correction, ModelStage::Corrected);
-        let eps = bound.finite(gap + e1[0] + e2[0], &e1, &e2)?;
-        let largest = |errors: &[f64]| errors.iter().copied().fold(0.0, f64::max);
-        let certificate = self.certificate(eps)?;
-        Ok(certificate.map(|certificate| ObservedErrors {
-            simulation: largest(&e1),
-            experiment: largest(&e2),
-            eps,
-            certificate,
-        }))
     }
 }
 
@@ -191,14 +173,4 @@ fn drawn_error(
         error = error.plus(factor, &drawn)?.plus(-factor, regression.polynomial())?;
     }
     Ok(Some(error))
-}
-
-/// The largest errors of Ĵsim and Ĵexp of an iteration at runs left out.
-fn left_out(report: &Report, surfaces: &IterationSurfaces) -> Option<(f64, f64)> {
-    if report.not_corrected.is_some() {
-        return None;
-    }
-    let largest = |errors: LeaveOneOut| errors.residuals().iter().fold(0.0, |largest: f64, e| largest.max(e.abs()));
-    let of = |surface: &crate::global::TracedSurface| surface.regression()?.leave_one_out().ok().map(largest);
-    Some((of(&surfaces.simulation)?, of(surfaces.experiment.as_ref()?)?))
 }

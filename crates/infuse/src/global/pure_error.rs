@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::Outcome;
-use crate::global::Loop;
+use crate::global::campaign::Loop;
 
 /// Scatter of experiments at equal settings about their mean, pooled over the campaign.
 ///
@@ -15,20 +14,20 @@ use crate::global::Loop;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct PureError {
-    /// s², in the squared unit of the cost.
+    /// s², in the squared unit of the response.
     pub variance: f64,
     /// Σ (n − 1), at least 1.
     pub degrees_of_freedom: usize,
 }
 
 impl PureError {
-    /// s, in the unit of the cost.
+    /// s, in the unit of the response.
     #[must_use]
     pub fn standard_deviation(&self) -> f64 {
         self.variance.sqrt()
     }
 
-    /// Of costs with the settings at which they were read; none if no settings come twice. Equal is equal to the last bit,
+    /// Of responses with the settings at which they were read; none if no settings come twice. Equal is equal to the last bit,
     /// but for the sign of zero.
     #[must_use]
     pub fn of_readings(readings: impl IntoIterator<Item = (Vec<f64>, f64)>) -> Option<Self> {
@@ -48,14 +47,11 @@ impl PureError {
 }
 
 impl Loop {
-    /// The noise of the experiments told so far, open iteration included; none while no setting was made twice.
+    /// The noise of the experiments reported so far, open batch included; none while no setting was made twice.
     #[must_use]
     pub fn pure_error(&self) -> Option<PureError> {
         let closed = self.history.iter().flat_map(|report| &report.trials);
-        let records = closed.chain(self.open.iter().flat_map(|open| &open.trials));
-        PureError::of_readings(records.filter_map(|record| {
-            let cost = record.outcome.as_ref().and_then(Outcome::cost)?;
-            Some((record.settings().to_vec(), cost))
-        }))
+        let records = closed.chain(self.open.iter().flat_map(|open| open.trials.records()));
+        PureError::of_readings(records.filter_map(|record| Some((record.settings().to_vec(), record.cost()?))))
     }
 }

@@ -1,14 +1,15 @@
-//! What an iteration of the global loop did, and why a campaign ended.
+//! What a batch of the global loop did, and why a campaign ended.
 
 use std::fmt;
 
+use design_space::Cell;
 use serde::{Deserialize, Serialize};
 
 use crate::Outcome;
-use crate::global::Settings;
 use crate::global::batch::Batch;
 use crate::global::changes::SurfaceChanges;
 use crate::global::screening::Screening;
+use crate::global::settings::Settings;
 use crate::global::trial::TrialRecord;
 
 /// Why a global campaign ended.
@@ -20,10 +21,10 @@ pub enum StopReason {
     FewerThanTwoCells,
     /// [`Settings::max_iterations`] were made.
     IterationLimit,
-    /// Every experiment of the last iteration failed.
+    /// Every experiment of the last batch failed.
     NoInformation,
-    /// The validation experiments of the last iteration gave no spread S, and
-    /// [`SpreadFallback::Stop`](crate::SpreadFallback::Stop) was set.
+    /// The validation experiments of the last batch gave no spread S, and
+    /// [`SpreadFallback::Stop`](crate::global::SpreadFallback::Stop) was set.
     NoSpread,
 }
 
@@ -31,8 +32,8 @@ impl fmt::Display for StopReason {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Self::FewerThanTwoCells => "fewer than two cells are left",
-            Self::IterationLimit => "the limit on the iterations was reached",
-            Self::NoInformation => "every experiment of the last iteration failed",
+            Self::IterationLimit => "the limit on the batches was reached",
+            Self::NoInformation => "every experiment of the last batch failed",
             Self::NoSpread => "the validation experiments gave no spread",
         })
     }
@@ -42,20 +43,20 @@ impl fmt::Display for StopReason {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SimulationRecord {
-    /// The cell, by its index in the grid.
-    pub cell: u64,
+    /// The cell.
+    pub cell: Cell,
     /// Its settings, natural.
     pub point: Vec<f64>,
     /// Cost, or why there is none.
     pub outcome: Outcome,
 }
 
-/// One closed iteration of Figure 19.
+/// One closed batch of Figure 19.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Report {
-    /// Number of the iteration, from 1.
+    /// Number of the batch, from 1.
     pub iteration: usize,
     /// What was designed, and over what.
     pub batch: Batch,
@@ -63,31 +64,25 @@ pub struct Report {
     pub simulations: Vec<SimulationRecord>,
     /// Every experiment with its outcome.
     pub trials: Vec<TrialRecord>,
-    /// How many [earlier experiments](crate::EarlierExperiment) counted in it.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    /// How many [earlier experiments](crate::global::EarlierExperiment) counted in it.
+    #[serde(default, skip_serializing_if = "crate::global::settings::is_zero")]
     pub n_earlier: usize,
     /// The optimum, the z-test and what it left.
     pub screening: Screening,
-    /// Why the experiments could not be fitted, too many having failed: the correction is then that of the iteration
+    /// Why the experiments could not be fitted, too many having failed: the correction is then that of the batch
     /// before. Nothing if it was updated.
     pub not_corrected: Option<String>,
-    /// How the surfaces moved, largest magnitudes over the cells at the onset of the iteration.
+    /// How the surfaces moved, largest magnitudes over the cells at the onset of the batch.
     pub changes: SurfaceChanges,
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
-pub(crate) fn is_zero(count: &usize) -> bool {
-    *count == 0
-}
-
 impl Report {
-    /// The experiments that were told as failed.
+    /// The experiments that failed.
     pub fn failed_trials(&self) -> impl Iterator<Item = &TrialRecord> {
-        let is_failed = |record: &&TrialRecord| matches!(record.outcome, Some(Outcome::Failed { .. }));
-        self.trials.iter().filter(is_failed)
+        self.trials.iter().filter(|record| record.is_failed())
     }
 
-    /// The simulations that gave no cost.
+    /// The simulations that gave no response.
     pub fn failed_simulations(&self) -> impl Iterator<Item = &SimulationRecord> {
         self.simulations.iter().filter(|record| matches!(record.outcome, Outcome::Failed { .. }))
     }
@@ -98,10 +93,9 @@ impl Report {
             .or_else(|| (self.iteration >= settings.max_iterations).then_some(StopReason::IterationLimit))
     }
 
-    /// The same, whatever the limit on the iterations.
+    /// The same, whatever the limit on the batches.
     pub(crate) fn own_stop(&self, settings: &Settings) -> Option<StopReason> {
-        let failed = |record: &TrialRecord| record.outcome.as_ref().and_then(Outcome::cost).is_none();
-        if self.trials.iter().all(failed) {
+        if self.trials.iter().all(|record| record.cost().is_none()) {
             Some(StopReason::NoInformation)
         } else if self.screening.ends_campaign(settings) {
             Some(StopReason::NoSpread)

@@ -2,8 +2,9 @@
 
 use std::cmp::Ordering;
 
+use design_space::Cell;
 use rayon::prelude::*;
-use surface::{GridPoints, LANES, Lanes, MOST_FACTORS, Minimum, PointSource, Surface};
+use surface::{GridPoints, LANES, Lanes, MOST_FACTORS, PointSource, Surface};
 
 use crate::Error;
 use crate::convergence::Norm;
@@ -17,13 +18,20 @@ const _: () = assert!(LANES < 64 && 64 % LANES == 0, "a word of cells is some wh
 
 /// The design space M_i: the cells of a grid that have not been dropped.
 ///
-/// Cells count as in [`doe::Grid`], the last parameter fastest. A cell takes one bit, whatever the
+/// Cells count as in [`Grid`](design_space::Grid), the last parameter fastest. A cell takes one bit, whatever the
 /// number of parameters.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RetainedSet {
     words: Vec<u64>,
     n_cells: u64,
     n_retained: u64,
+}
+
+/// The smallest estimate, and where.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Least {
+    pub(crate) cell: Cell,
+    pub(crate) value: f64,
 }
 
 impl RetainedSet {
@@ -59,14 +67,16 @@ impl RetainedSet {
 
     /// Whether this cell is retained; false for a cell outside the grid.
     #[must_use]
-    pub fn contains(&self, cell: u64) -> bool {
+    pub fn contains(&self, cell: Cell) -> bool {
+        let cell = cell.index();
         let word = usize::try_from(cell / 64).ok().and_then(|at| self.words.get(at));
         word.is_some_and(|word| word >> (cell % 64) & 1 == 1)
     }
 
     /// The retained cells, rising.
-    pub fn cells(&self) -> impl Iterator<Item = u64> + '_ {
-        self.words.iter().zip(0_u64..).flat_map(|(&word, at)| bits(word).map(move |bit| 64 * at + u64::from(bit)))
+    pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
+        let of_word = |(&word, at)| bits(word).map(move |bit| Cell::new(64 * at + u64::from(bit)));
+        self.words.iter().zip(0_u64..).flat_map(of_word)
     }
 
     /// 64 cells a word, the first cell in the lowest bit.
@@ -75,30 +85,31 @@ impl RetainedSet {
     }
 
     /// The retained cell of the smallest estimate, of equals the first; none if no estimate is a number.
-    pub(crate) fn minimum(&self, points: &GridPoints, surface: &dyn Surface) -> Option<Minimum> {
+    pub(crate) fn minimum(&self, points: &GridPoints, surface: &dyn Surface) -> Option<Least> {
         self.minimum_but(None, points, surface)
     }
 
     /// The same, one cell left out.
     pub(crate) fn minimum_but(
         &self,
-        except: Option<u64>,
+        except: Option<Cell>,
         points: &GridPoints,
         surface: &dyn Surface,
-    ) -> Option<Minimum> {
+    ) -> Option<Least> {
         let of_chunk = |(words, at): (&[u64], u64)| {
-            let mut best: Option<Minimum> = None;
+            let mut best: Option<Least> = None;
             each_estimate(words, at, points, surface, |cell, value| {
+                let cell = Cell::new(cell);
                 if except == Some(cell) {
                     return;
                 }
                 if best.map_or(!value.is_nan(), |best| value < best.value) {
-                    best = Some(Minimum { index: cell, value });
+                    best = Some(Least { cell, value });
                 }
             });
             best
         };
-        let least = |a: Minimum, b: Minimum| match (b.value, b.index).partial_cmp(&(a.value, a.index)) {
+        let least = |a: Least, b: Least| match (b.value, b.cell).partial_cmp(&(a.value, a.cell)) {
             Some(Ordering::Less) => b,
             _ => a,
         };

@@ -1,14 +1,16 @@
 //! Dropping what is worse than the optimum beyond doubt: Section 5.5.
 
+use design_space::Cell;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
+use surface::GridPoints;
 
 use crate::Error;
-use crate::global::observations::Observations;
-use crate::global::traced::TracedSurface;
-use crate::global::{Settings, SpreadFallback};
+use crate::global::retained::RetainedSet;
+use crate::global::settings::{Settings, SpreadFallback};
+use crate::traced::{Observations, TracedSurface};
 
-/// S below this part of the costs it is made of is rounding.
+/// S below this part of the responses it is made of is rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// S of (40), the quality of fit: how far a combined surface is from validation experiments.
@@ -17,7 +19,9 @@ const ROUNDING: f64 = 1e-12;
 /// S = √( Σ (Ĵ(p_val) − J(p_val))² / (n − 1) )
 /// ```
 ///
-/// Source: (40), with n the number of validation experiments that gave a cost. None for fewer than two.
+/// With n the number of validation experiments that gave a response; none for fewer than two.
+///
+/// Source: (40).
 ///
 /// The surface must never have seen these experiments, neither as its own data nor through the correction of
 /// the simulations it was fitted to, or S would be too small and the test would drop too much: the
@@ -45,6 +49,8 @@ pub fn quality_of_fit(combined: &TracedSurface, validation: &Observations) -> Re
 /// ```text
 /// z(p) = (Ĵ(p) − Ĵ(p*)) / (S √2)
 /// ```
+///
+/// Source: (39).
 pub(crate) fn z(value: f64, optimum_value: f64, spread: f64) -> f64 {
     (value - optimum_value) / (spread * std::f64::consts::SQRT_2)
 }
@@ -59,9 +65,9 @@ pub(crate) fn threshold(confidence: f64) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpreadFault {
-    /// Fewer than two of them gave a cost.
+    /// Fewer than two of them gave a response.
     TooFew,
-    /// They were predicted to rounding, 10⁻¹² of the largest cost among them.
+    /// They were predicted to rounding, 10⁻¹² of the largest response among them.
     Zero,
     /// S is not finite.
     NotFinite,
@@ -73,14 +79,14 @@ pub enum SpreadFault {
 pub enum Spread {
     /// (40), from this many validation experiments.
     Estimated {
-        /// S, in the unit of the cost.
+        /// S, in the unit of the response.
         s: f64,
-        /// Number of validation experiments that gave a cost.
+        /// Number of validation experiments that gave a response.
         n_validation: usize,
     },
     /// The one of the settings.
     Given {
-        /// S, in the unit of the cost.
+        /// S, in the unit of the response.
         s: f64,
         /// Why (40) gave none.
         because: SpreadFault,
@@ -122,20 +128,20 @@ impl Spread {
     }
 }
 
-/// The optimum of an iteration and the test of every other cell against it.
+/// The optimum of a batch and the test of every other cell against it.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Screening {
     /// The cell of p̂*, where the combined surface is smallest among the retained cells.
-    pub optimum_cell: u64,
+    pub optimum_cell: Cell,
     /// p̂*, natural.
     pub optimum: Vec<f64>,
     /// Ĵ(p̂*).
     pub optimum_value: f64,
-    /// The cell where Ĵsim is smallest among the retained cells: in iteration 1 the pure numerical optimum,
+    /// The cell where Ĵsim is smallest among the retained cells: in batch 1 the pure numerical optimum,
     /// row 0 of Tables 5 and 6.
-    pub simulation_optimum_cell: u64,
+    pub simulation_optimum_cell: Cell,
     /// The same, natural.
     pub simulation_optimum: Vec<f64>,
     /// The S of the test.
@@ -145,7 +151,7 @@ pub struct Screening {
     pub tested: bool,
     /// z_0.
     pub threshold: f64,
-    /// Cells at the onset of the iteration, M_i.
+    /// Cells at the onset of the batch, M_i.
     pub n_before: u64,
     /// Cells left after it, M_i+1.
     pub n_after: u64,
@@ -166,12 +172,24 @@ impl Screening {
         self.spread.s().filter(|_| self.tested)
     }
 
-    /// Whether a cell with this combined value is retained.
+    /// Whether a cell with this combined value is retained: (37), that it is as good as the optimum, is not rejected in
+    /// favor of (38), that it is worse.
+    ///
+    /// Source: (37), (38).
     pub(crate) fn keeps(&self, value: f64) -> bool {
         self.tested_spread().is_none_or(|s| {
             let z = z(value, self.optimum_value, s);
             z.is_nan() || z < self.threshold
         })
+    }
+
+    /// M_i+1: the cells of M_i that the test keeps.
+    pub(crate) fn reduced(&self, before: &RetainedSet, points: &GridPoints, combined: &TracedSurface) -> RetainedSet {
+        let mut after = before.clone();
+        if self.tested_spread().is_some() {
+            after.retain(points, combined.surface(), |value| self.keeps(value));
+        }
+        after
     }
 
     pub(crate) fn ends_campaign(&self, settings: &Settings) -> bool {
@@ -182,13 +200,13 @@ impl Screening {
 /// Why and when a cell was dropped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dropped {
-    /// The iteration that dropped it, from 1.
+    /// The batch that dropped it, from 1.
     pub iteration: usize,
-    /// Ĵ of that iteration at the cell.
+    /// Ĵ of that batch at the cell.
     pub value: f64,
-    /// Ĵ(p̂*) of that iteration.
+    /// Ĵ(p̂*) of that batch.
     pub optimum_value: f64,
-    /// S of that iteration.
+    /// S of that batch.
     pub spread: f64,
     /// z of (39), at least z0.
     pub z: f64,

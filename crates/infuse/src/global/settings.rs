@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use surface::{Confounded, Data, InverseDistance, Kind};
 
 use crate::Error;
-use crate::correction::{CorrectionLaw, CorrectionRule, Gain};
+use crate::correction::{Gain, Law, Rule};
 
 /// Beyond it a regression may refuse its data as dependent, after the experiments were made.
 const LARGEST_WEIGHT_RATIO: f64 = 1e6;
@@ -57,7 +57,7 @@ pub struct SurfaceKinds {
     pub combined: SurfaceKind,
 }
 
-/// What an iteration does when its validation experiments give no spread S: fewer than two of them
+/// What a batch does when its validation experiments give no spread S: fewer than two of them
 /// succeeded, or they were predicted without error, or so badly that S is not finite.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -65,7 +65,7 @@ pub enum SpreadFallback {
     /// It drops nothing.
     #[default]
     KeepAll,
-    /// It uses this S, in the unit of the cost, above 0.
+    /// It uses this S, in the unit of the response, above 0.
     Given(f64),
     /// It drops nothing and ends the campaign.
     Stop,
@@ -79,13 +79,13 @@ pub struct Settings {
     /// The regressor r(p) of (28), in coordinates coded to the original box: of the designs, and of
     /// every surface that is a regression.
     pub model: Model,
-    /// N_E, experiments per iteration: at least 4, and at least the number of terms.
+    /// N_E, experiments per batch: at least 4, and at least the number of terms.
     pub n_experiments: usize,
-    /// How many of the experiments repeat others of the same iteration, at most half of them: where, the design decides.
+    /// How many of the experiments repeat others of the same batch, at most half of them: where, the design decides.
     /// Repeats measure the noise, and against it the lack of fit. Default 0.
-    #[serde(default, skip_serializing_if = "crate::global::report::is_zero")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub replicates: usize,
-    /// N_S, simulations per iteration: at least the number of terms.
+    /// N_S, simulations per batch: at least the number of terms.
     pub n_simulations: usize,
     /// How the surfaces are estimated.
     #[serde(default)]
@@ -102,14 +102,14 @@ pub struct Settings {
     /// Level of the one-sided z-test, between 0.5 and 1. Default 0.9, as in Section 5.5.
     #[serde(default = "default_confidence")]
     pub confidence: f64,
-    /// The first iteration that drops cells. Default 1, as in Section 5.5. But the combined surface of iteration 1 is fitted to
+    /// The first batch that drops cells. Default 1, as in Section 5.5. But the combined surface of batch 1 is fitted to
     /// simulations that nothing has corrected yet, so where they are far off, 2 is safer.
     #[serde(default = "default_first_screening", skip_serializing_if = "is_one")]
     pub first_screening: usize,
     /// How the experiments correct the simulation. Default: the recursion of the proof with gain 0.5;
     /// the dissertation does not tell its gain.
     #[serde(default = "default_correction")]
-    pub correction: CorrectionRule,
+    pub correction: Rule,
     /// What to do without a spread.
     #[serde(default)]
     pub fallback: SpreadFallback,
@@ -117,17 +117,17 @@ pub struct Settings {
     /// The balanced split needs a training half with as many runs as the model has terms.
     #[serde(default = "default_split")]
     pub split: SplitMethod,
-    /// Limit on the iterations. Default 10.
+    /// Limit on the batches. Default 10.
     #[serde(default = "default_max_iterations")]
     pub max_iterations: usize,
     /// Everything random follows from this. Default 1.
     ///
-    /// It may be changed in the file of a saved campaign, and then counts from the next iteration on: designs that
+    /// It may be changed in the file of a saved campaign, and then counts from the next batch on: designs that
     /// were made are not searched for again. Only with more cells than the
     /// [`candidate_limit`](Self::candidate_limit) it also decides what past designs are compared with, and is refused.
     #[serde(default = "default_seed")]
     pub seed: u64,
-    /// Starts of each search for a design. Default 2; the time of an iteration is nearly all theirs.
+    /// Starts of each search for a design. Default 2; the time of a batch is nearly all theirs.
     #[serde(default = "default_design_starts")]
     pub design_starts: u64,
     /// Designs are searched among at most about this many cells, at least 1000: a larger set is
@@ -153,14 +153,19 @@ fn default_first_screening() -> usize {
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+pub(crate) fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
 fn is_one(count: &usize) -> bool {
     *count == 1
 }
 
-fn default_correction() -> CorrectionRule {
+fn default_correction() -> Rule {
     // One half is a gain, so the other branch is never taken.
     let gain = Gain::constant(0.5).unwrap_or_else(|_| Gain::harmonic());
-    CorrectionRule::new(CorrectionLaw::ProofRecursion, gain)
+    Rule::new(Law::ProofRecursion, gain)
 }
 
 fn default_split() -> SplitMethod {
@@ -184,10 +189,10 @@ fn default_candidate_limit() -> u64 {
 }
 
 impl Settings {
-    /// The largest number of experiments or simulations of an iteration.
+    /// The largest number of experiments or simulations of a batch.
     pub const MOST_RUNS: usize = 10_000;
 
-    /// Settings with this regressor and these numbers of experiments and simulations per iteration;
+    /// Settings with this regressor and these numbers of experiments and simulations per batch;
     /// the rest as documented per field.
     #[must_use]
     pub fn new(model: Model, n_experiments: usize, n_simulations: usize) -> Self {
@@ -215,7 +220,7 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`Error::Region`] for a regressor of another number of factors, [`Error::Setting`], [`Error::SettingCount`];
+    /// [`Error::DesignSpace`] for a regressor of another number of factors, [`Error::Setting`], [`Error::SettingCount`];
     /// [`Error::Surface`] for the power or scale of a surface.
     pub fn validate(&self, region: &Region) -> Result<(), Error> {
         let (expected, found) = (region.n_parameters(), self.model.n_factors());

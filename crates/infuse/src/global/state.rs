@@ -1,106 +1,116 @@
-//! The state of a global campaign in a file, and what is checked when it is read.
+//! The state of a campaign in a file, and what is checked when it is read.
 
 use std::collections::BTreeSet;
 
-use design_space::Region;
-use serde::{Deserialize, Serialize};
+use design_space::{Cell, Region};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::Error;
+use crate::Outcome;
 use crate::global::agreement::Agreement;
-use crate::global::batch::{Batch, DesignSpace};
+use crate::global::batch::DesignSpace;
+use crate::global::campaign::Loop;
 use crate::global::earlier::EarlierExperiment;
-use crate::global::iteration::{OpenIteration, trials};
+use crate::global::open_batch::{OpenBatch, trials};
 use crate::global::report::{Report, SimulationRecord};
-use crate::global::trial::TrialRecord;
-use crate::global::{Loop, Settings};
-use crate::{Error, Outcome};
+use crate::global::settings::Settings;
+use crate::global::trial::{Trial, TrialRecord, Trials, check_actual};
 
 const FORMAT: u32 = 1;
 
 /// The fields of a saved campaign.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Loop")]
-pub(crate) struct State {
+struct State {
     format: u32,
     region: Region,
     settings: Settings,
     history: Vec<Report>,
-    open: Option<OpenIteration>,
+    open: Option<OpenBatch>,
     #[serde(default)]
-    failed_cells: BTreeSet<u64>,
+    failed_cells: BTreeSet<Cell>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     earlier: Vec<EarlierExperiment>,
 }
 
-impl From<Loop> for State {
-    fn from(campaign: Loop) -> Self {
-        Self {
+impl Serialize for Loop {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let state = State {
             format: FORMAT,
-            region: campaign.region().clone(),
-            settings: campaign.settings,
-            history: campaign.history,
-            open: campaign.open,
-            failed_cells: campaign.failed_cells,
-            earlier: campaign.earlier,
-        }
+            region: self.region().clone(),
+            settings: self.settings.clone(),
+            history: self.history.clone(),
+            open: self.open.clone(),
+            failed_cells: self.failed_cells.clone(),
+            earlier: self.earlier.clone(),
+        };
+        state.serialize(serializer)
     }
 }
 
-impl TryFrom<State> for Loop {
-    type Error = Error;
-
-    /// Replays the campaign: everything but the outcomes and the choice of the cells is computed anew and must agree, what
-    /// was chosen exactly, what was computed to [rounding](Agreement). The numbers found are those that stay. The
-    /// designs are checked to be designs over what was left, and are not searched for again.
-    fn try_from(state: State) -> Result<Self, Error> {
-        if state.format != FORMAT {
-            return Err(Error::StateFormat { found: state.format, supported: FORMAT });
-        }
-        let mut campaign = Self::new(&state.region, state.settings)?;
-        let n_iterations = state.history.len() + 1;
-        for earlier in state.earlier {
-            let iteration = earlier.since;
-            earlier.check(&state.region).map_err(|_| {
-                let expected = "finite costs and settings near the region";
-                Error::State { field: "earlier", iteration, expected }
-            })?;
-            if !(1..=n_iterations).contains(&iteration) {
-                let expected = "since an iteration of the campaign";
-                return Err(Error::State { field: "earlier", iteration, expected });
-            }
-            campaign.earlier.push(earlier);
-        }
-        for report in state.history {
-            let iteration = campaign.iteration();
-            check_may_go_on(&campaign)?;
-            let Report { batch, simulations, trials, .. } = report.clone();
-            let mut open = OpenIteration { batch, simulations, trials };
-            open.batch = check_open(&campaign, &open)?;
-            if !open.is_complete() {
-                let expected = "an outcome for each of its trials";
-                return Err(Error::State { field: "history", iteration, expected });
-            }
-            let closed = campaign.finish(open)?;
-            agreement(&campaign, &closed.report.simulations, &closed.report.trials)
-                .of_reports(&report, &closed.report)?;
-            campaign.close(closed);
-        }
-        if !state.failed_cells.iter().all(|&cell| state.open.is_none() && campaign.is_retained(cell)) {
-            let expected = "cells that are left, and none in an open iteration";
-            return Err(Error::State { field: "failed_cells", iteration: campaign.iteration(), expected });
-        }
-        campaign.failed_cells = state.failed_cells;
-        if let Some(mut open) = state.open {
-            let iteration = campaign.iteration();
-            check_may_go_on(&campaign)?;
-            open.batch = check_open(&campaign, &open)?;
-            if open.is_complete() {
-                let expected = "at least one trial without an outcome";
-                return Err(Error::State { field: "open", iteration, expected });
-            }
-            campaign.open = Some(open);
-        }
-        Ok(campaign)
+impl<'de> Deserialize<'de> for Loop {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        replayed(State::deserialize(deserializer)?).map_err(serde::de::Error::custom)
     }
+}
+
+/// Replays the campaign: everything but the outcomes and the choice of the cells is computed anew and must agree, what
+/// was chosen exactly, what was computed to [rounding](Agreement). The numbers found are those that stay. The
+/// designs are checked to be designs over what was left, and are not searched for again.
+fn replayed(state: State) -> Result<Loop, Error> {
+    if state.format != FORMAT {
+        return Err(Error::StateFormat { found: state.format, supported: FORMAT });
+    }
+    let mut campaign = Loop::new(&state.region, state.settings)?;
+    campaign.earlier = checked_earlier(state.earlier, &state.region, state.history.len() + 1)?;
+    for report in &state.history {
+        replay(&mut campaign, report)?;
+    }
+    if !state.failed_cells.iter().all(|&cell| state.open.is_none() && campaign.is_retained(cell)) {
+        let expected = "cells that are left, and none in an open iteration";
+        return Err(Error::State { field: "failed_cells", iteration: campaign.iteration(), expected });
+    }
+    campaign.failed_cells = state.failed_cells;
+    if let Some(open) = state.open {
+        let open = checked_open(&campaign, open)?;
+        if open.trials.is_complete() {
+            let expected = "at least one trial without an outcome";
+            return Err(Error::State { field: "open", iteration: campaign.iteration(), expected });
+        }
+        campaign.open = Some(open);
+    }
+    Ok(campaign)
+}
+
+fn checked_earlier(
+    earlier: Vec<EarlierExperiment>,
+    region: &Region,
+    last: usize,
+) -> Result<Vec<EarlierExperiment>, Error> {
+    for experiment in &earlier {
+        let wrong = |expected| Error::State { field: "earlier", iteration: experiment.since, expected };
+        experiment.check(region).map_err(|_| wrong("finite costs and settings near the region"))?;
+        if !(1..=last).contains(&experiment.since) {
+            return Err(wrong("since an iteration of the campaign"));
+        }
+    }
+    Ok(earlier)
+}
+
+/// Closes one more batch with the outcomes of this report, if the rest of the report follows from them.
+fn replay(campaign: &mut Loop, report: &Report) -> Result<(), Error> {
+    let Report { batch, simulations, trials, .. } = report.clone();
+    let saved = OpenBatch { batch, simulations, trials: Trials::of_records(trials) };
+    let open = checked_open(campaign, saved)?;
+    if !open.trials.is_complete() {
+        let expected = "an outcome for each of its trials";
+        return Err(Error::State { field: "history", iteration: campaign.iteration(), expected });
+    }
+    let closed = campaign.finish(open)?;
+    let found = &closed.report;
+    agreement(campaign, &found.simulations, &found.trials).of_reports(report, found)?;
+    campaign.close(closed);
+    Ok(())
 }
 
 fn agreement(campaign: &Loop, simulations: &[SimulationRecord], trials: &[TrialRecord]) -> Agreement {
@@ -113,7 +123,7 @@ fn agreement(campaign: &Loop, simulations: &[SimulationRecord], trials: &[TrialR
     Agreement { iteration: campaign.iteration(), largest_cost }
 }
 
-/// An iteration can follow only on a campaign that had not ended. The limit on iterations is left
+/// A batch can follow only on a campaign that had not ended. The limit on batches is left
 /// out: it may be changed in the file.
 fn check_may_go_on(campaign: &Loop) -> Result<(), Error> {
     let last = campaign.reports().last();
@@ -124,12 +134,14 @@ fn check_may_go_on(campaign: &Loop) -> Result<(), Error> {
     Ok(())
 }
 
-/// Checks batch, simulations and trials of an iteration against what was left at its onset. Returns the batch as found.
-fn check_open(campaign: &Loop, open: &OpenIteration) -> Result<Batch, Error> {
+/// A saved batch, if it can be the next of this campaign: its cells, its trials and their outcomes as if each came in now.
+/// Its numbers are those found again.
+fn checked_open(campaign: &Loop, mut saved: OpenBatch) -> Result<OpenBatch, Error> {
+    check_may_go_on(campaign)?;
     let (cells, settings, iteration) = (&campaign.cells, &campaign.settings, campaign.iteration());
     let wrong = |field, expected| Error::State { field, iteration, expected };
-    let experiments: Vec<u64> = open.trials.iter().map(|record| record.trial.cell).collect();
-    let runs: Vec<u64> = open.simulations.iter().map(|record| record.cell).collect();
+    let experiments: Vec<Cell> = saved.trials.trials().map(|trial| trial.cell).collect();
+    let runs: Vec<Cell> = saved.simulations.iter().map(|record| record.cell).collect();
     if experiments.len() != settings.n_experiments || runs.len() != settings.n_simulations {
         return Err(wrong("trials", "as many experiments and simulations as the settings say"));
     }
@@ -138,25 +150,21 @@ fn check_open(campaign: &Loop, open: &OpenIteration) -> Result<Batch, Error> {
     }
     let space = DesignSpace::of(&campaign.retained, cells, settings, iteration)?;
     let handed_out = trials(&experiments, &space.uses(&experiments)?, cells, iteration, campaign.n_asked())?;
-    let agreement = agreement(campaign, &open.simulations, &open.trials);
-    for (saved, found) in open.trials.iter().zip(&handed_out) {
-        agreement.of_trials(&saved.trial, &found.trial)?;
+    let agreement = agreement(campaign, &saved.simulations, saved.trials.records());
+    for (saved, found) in saved.trials.trials().zip(handed_out.trials()) {
+        agreement.of_trials(saved, found)?;
     }
     let batch = space.batch(&experiments, &runs)?;
-    agreement.of_batches(&open.batch, &batch)?;
-    for (mut record, told) in handed_out.into_iter().zip(&open.trials) {
-        match &told.outcome {
-            Some(outcome) => record.tell(told.actual.clone(), outcome.clone(), cells.region())?,
-            None if told.actual.is_some() => return Err(wrong("actual", "nothing while the trial is outstanding")),
-            None => {}
-        }
-    }
-    for record in &open.simulations {
+    agreement.of_batches(&saved.batch, &batch)?;
+    let check = |trial: &Trial, actual: &Vec<f64>| check_actual(trial, actual, cells.region());
+    saved.trials = handed_out.with_outcomes_of(&saved.trials, iteration, check)?;
+    for record in &saved.simulations {
         agreement.exact("simulations.point", &record.point, &cells.natural(record.cell)?)?;
         if matches!(record.outcome, Outcome::Value(cost) if !cost.is_finite()) {
             return Err(wrong("simulations", "finite costs"));
         }
     }
-    campaign.check_simulations(open)?;
-    Ok(batch)
+    saved.check_simulations(cells, settings)?;
+    saved.batch = batch;
+    Ok(saved)
 }

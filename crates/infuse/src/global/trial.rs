@@ -1,9 +1,10 @@
-//! One experiment of a batch, and what is told about it.
+//! One experiment of a batch, and the settings at which it was really made.
 
-use design_space::Region;
+use design_space::{Cell, Region};
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Outcome, TrialId};
+use crate::ledger::{Ledger, Numbered, Record};
+use crate::{Error, TrialId};
 
 /// What an experiment is used for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -19,60 +20,44 @@ pub enum TrialUse {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trial {
-    /// Number by which the outcome is told.
+    /// Number under which its outcome is reported.
     pub id: TrialId,
-    /// Iteration it belongs to, from 1.
+    /// Batch it belongs to, from 1.
     pub iteration: usize,
     /// What it is used for.
     pub used_for: TrialUse,
-    /// The cell, by its index in the grid.
-    pub cell: u64,
+    /// The cell.
+    pub cell: Cell,
     /// Settings, natural coordinates.
     pub point: Vec<f64>,
 }
 
-/// A trial with what has been told about it so far.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TrialRecord {
-    /// What was asked.
-    pub trial: Trial,
-    /// The settings actually made, natural, if they were told.
-    pub actual: Option<Vec<f64>>,
-    /// What was told; nothing while the trial is outstanding.
-    pub outcome: Option<Outcome>,
+impl Numbered for Trial {
+    fn id(&self) -> TrialId {
+        self.id
+    }
 }
 
-impl TrialRecord {
-    /// Writes an outcome down, after checking it.
-    pub(crate) fn tell(&mut self, actual: Option<Vec<f64>>, outcome: Outcome, region: &Region) -> Result<(), Error> {
-        let id = self.trial.id;
-        if self.outcome.is_some() {
-            return Err(Error::AlreadyTold { id });
-        }
-        if let Some(value) = outcome.cost().filter(|cost| !cost.is_finite()) {
-            return Err(Error::NonFiniteOutcome { id, value });
-        }
-        if let Some(actual) = &actual {
-            check_actual(id, actual, region)?;
-        }
-        self.actual = actual;
-        self.outcome = Some(outcome);
-        Ok(())
-    }
+/// A trial of the global loop with what is known of it. `actual` holds the settings really made of all parameters, natural.
+pub type TrialRecord = Record<Trial, Vec<f64>>;
 
-    /// The settings of the experiment: those made if they were told, otherwise those asked for; natural.
+/// The trials of a batch.
+pub(crate) type Trials = Ledger<Trial, Vec<f64>>;
+
+impl Record<Trial, Vec<f64>> {
+    /// The settings of the experiment: those really made if they were reported, otherwise those asked for; natural.
     #[must_use]
     pub fn settings(&self) -> &[f64] {
         self.actual.as_ref().unwrap_or(&self.trial.point)
     }
 }
 
-fn check_actual(id: TrialId, actual: &[f64], region: &Region) -> Result<(), Error> {
+/// Whether settings that were made can be those of this trial.
+pub(crate) fn check_actual(trial: &Trial, actual: &[f64], region: &Region) -> Result<(), Error> {
     let Some((parameter, actual)) = far_setting(actual, region)? else {
         return Ok(());
     };
-    Err(Error::ActualSettingOf { id, parameter, actual, expected: NEAR_THE_REGION })
+    Err(Error::ActualSettingOf { id: trial.id, parameter, actual, expected: NEAR_THE_REGION })
 }
 
 pub(crate) const NEAR_THE_REGION: &str = "within half the parameter's width of its bounds";

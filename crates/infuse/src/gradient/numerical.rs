@@ -1,13 +1,38 @@
 //! The numerical half of an iteration: the optimum of the corrected model and its slope there.
 
 use design_space::{Parameter, Region};
+use serde::{Deserialize, Serialize};
 
 use crate::codesign::evaluator::Evaluator;
 use crate::codesign::run::optimize;
-use crate::correction::Correction;
+use crate::correction::Local;
+use crate::gradient::settings::{BoundPolicy, Settings};
 use crate::gradient::slope::{Side, slope, slope_away};
-use crate::gradient::{BoundPolicy, NumericalOptimum, Settings};
-use crate::{CodesignProblem, Error};
+use crate::{CodesignProblem, CodesignStop, Error, FailedSimulation};
+
+/// The numerical half of an iteration: the optimum p* of J + J_cor with the correction known then.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NumericalOptimum {
+    /// p*, natural coordinates.
+    pub point: Vec<f64>,
+    /// J(p*), the simulation alone.
+    pub model_cost: f64,
+    /// J_cor(p*).
+    pub correction_value: f64,
+    /// J(p*) + J_cor(p*): the "numerical cost (corrected)" of Table 3.
+    pub corrected_cost: f64,
+    /// Slope of J + J_cor at p* per unit of each parameter, by differences of the simulation: close
+    /// to zero unless a bound is active; unknown where too many simulations failed.
+    pub model_gradient: Vec<Option<f64>>,
+    /// Simulations run for the optimum and the gradient, failed ones included.
+    pub n_simulations: usize,
+    /// Simulations that gave no finite cost.
+    pub failures: Vec<FailedSimulation>,
+    /// Why the optimization ended.
+    pub stop: CodesignStop,
+}
 
 /// Optimizes J + J_cor, starting from the last optimum if there is one, and takes its gradient there:
 /// central differences, or second-order one-sided ones where a side is out of bounds or fails, so that
@@ -16,7 +41,7 @@ pub(crate) fn numerical_optimum<S: FnMut(&[f64]) -> Result<f64, String>>(
     problem: &CodesignProblem,
     settings: &Settings,
     last_optimum: Option<&[f64]>,
-    correction: &Correction,
+    correction: &Local,
     simulation: &mut S,
 ) -> Result<NumericalOptimum, Error> {
     let region = problem.region();

@@ -3,8 +3,8 @@
 use design_space::Parameter;
 use serde::{Deserialize, Serialize};
 
-use crate::correction::CorrectionForm;
-use crate::problem::check_length;
+use crate::checks::check_length;
+use crate::correction::Form;
 use crate::{CodesignProblem, Error, OptimizerSettings};
 
 /// What happens to a difference step that would leave the region.
@@ -51,7 +51,7 @@ pub struct Settings {
     pub bound_policy: BoundPolicy,
     /// How the correction is updated.
     #[serde(default)]
-    pub correction_form: CorrectionForm,
+    pub correction_form: Form,
     /// Limit on the iterations. Default 20.
     #[serde(default = "default_max_iterations")]
     pub max_iterations: usize,
@@ -79,7 +79,7 @@ impl Settings {
             move_limits: None,
             start: None,
             bound_policy: BoundPolicy::default(),
-            correction_form: CorrectionForm::default(),
+            correction_form: Form::default(),
             max_iterations: default_max_iterations(),
             optimizer: OptimizerSettings::default(),
         }
@@ -109,7 +109,7 @@ impl Settings {
     /// # Errors
     ///
     /// [`Error::WrongLength`], [`Error::ParameterSetting`], [`Error::SettingCount`],
-    /// [`Error::Setting`], [`Error::Region`] for a start outside the region, and
+    /// [`Error::Setting`], [`Error::DesignSpace`] for a start outside the region, and
     /// [`Error::NeedsPlantAndController`].
     pub fn validate(&self, problem: &CodesignProblem) -> Result<(), Error> {
         self.optimizer.validate()?;

@@ -1,9 +1,12 @@
 //! The state of a campaign in a file, and what is checked when it is read.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::gradient::ask_tell::OpenIteration;
-use crate::gradient::{Loop, NumericalOptimum, Report, Settings, TrialRecord};
+use crate::gradient::campaign::{Loop, OpenIteration};
+use crate::gradient::numerical::NumericalOptimum;
+use crate::gradient::report::{Report, StopReason};
+use crate::gradient::settings::Settings;
+use crate::gradient::trial::{Trials, check_actual};
 use crate::{CodesignProblem, Error};
 
 const FORMAT: u32 = 1;
@@ -11,7 +14,7 @@ const FORMAT: u32 = 1;
 /// The fields of a saved campaign.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Loop")]
-pub(crate) struct State {
+struct State {
     format: u32,
     problem: CodesignProblem,
     settings: Settings,
@@ -19,71 +22,70 @@ pub(crate) struct State {
     open: Option<OpenIteration>,
 }
 
-impl From<Loop> for State {
-    fn from(campaign: Loop) -> Self {
-        Self {
-            format: FORMAT,
-            problem: campaign.problem,
-            settings: campaign.settings,
-            history: campaign.history,
-            open: campaign.open,
-        }
+impl Serialize for Loop {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { problem, settings, history, open } = self.clone();
+        State { format: FORMAT, problem, settings, history, open }.serialize(serializer)
     }
 }
 
-impl TryFrom<State> for Loop {
-    type Error = Error;
-
-    /// Replays the campaign: every closed iteration must follow from its optimum and the outcomes of
-    /// its trials, number for number.
-    fn try_from(state: State) -> Result<Self, Error> {
-        if state.format != FORMAT {
-            return Err(Error::StateFormat { found: state.format, supported: FORMAT });
-        }
-        let mut campaign = Self::new(state.problem, state.settings)?;
-        for report in state.history {
-            let iteration = campaign.reports().len() + 1;
-            check_may_go_on(&campaign, iteration)?;
-            check_numerical(&campaign, &report.numerical, iteration)?;
-            let n_untold = check_trials(&campaign, &report.numerical, &report.trials, iteration)?;
-            let replayed = Report::close(
-                iteration,
-                report.numerical.clone(),
-                report.trials.clone(),
-                &campaign.correction(),
-                campaign.settings(),
-            );
-            if n_untold > 0 || replayed != report {
-                return Err(Error::State {
-                    field: "history",
-                    iteration,
-                    expected: "what follows from its optimum, the outcomes of all its trials and the settings",
-                });
-            }
-            campaign.history.push(report);
-        }
-        if let Some(open) = state.open {
-            let iteration = campaign.reports().len() + 1;
-            check_may_go_on(&campaign, iteration)?;
-            check_numerical(&campaign, &open.numerical, iteration)?;
-            if check_trials(&campaign, &open.numerical, &open.trials, iteration)? == 0 {
-                return Err(Error::State {
-                    field: "open",
-                    iteration,
-                    expected: "at least one trial without an outcome",
-                });
-            }
-            campaign.open = Some(open);
-        }
-        Ok(campaign)
+impl<'de> Deserialize<'de> for Loop {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        replayed(State::deserialize(deserializer)?).map_err(serde::de::Error::custom)
     }
+}
+
+/// Replays the campaign: every closed iteration must follow from its optimum and the outcomes of its trials, number for
+/// number.
+fn replayed(state: State) -> Result<Loop, Error> {
+    if state.format != FORMAT {
+        return Err(Error::StateFormat { found: state.format, supported: FORMAT });
+    }
+    let mut campaign = Loop::new(state.problem, state.settings)?;
+    for report in state.history {
+        let iteration = campaign.iteration();
+        let saved =
+            OpenIteration { numerical: report.numerical.clone(), trials: Trials::of_records(report.trials.clone()) };
+        let open = checked(&campaign, saved)?;
+        if !open.trials.is_complete() || campaign.finish(open) != report {
+            let expected = "what follows from its optimum, the outcomes of all its trials and the settings";
+            return Err(Error::State { field: "history", iteration, expected });
+        }
+        campaign.history.push(report);
+    }
+    if let Some(saved) = state.open {
+        let iteration = campaign.iteration();
+        let open = checked(&campaign, saved)?;
+        if open.trials.is_complete() {
+            let expected = "at least one trial without an outcome";
+            return Err(Error::State { field: "open", iteration, expected });
+        }
+        campaign.open = Some(open);
+    }
+    Ok(campaign)
+}
+
+/// A saved iteration, if it can be the next of this campaign: its optimum, its trials, and their outcomes as if each
+/// came in now.
+fn checked(campaign: &Loop, saved: OpenIteration) -> Result<OpenIteration, Error> {
+    let iteration = campaign.iteration();
+    check_may_go_on(campaign, iteration)?;
+    check_numerical(campaign, &saved.numerical, iteration)?;
+    let optimum = &saved.numerical.point;
+    let handed_out = campaign.experiments_around(optimum);
+    if !handed_out.trials().eq(saved.trials.trials()) {
+        let expected = "the trials that were handed out around its optimum";
+        return Err(Error::State { field: "trials", iteration, expected });
+    }
+    let check = |trial: &_, actual: &f64| check_actual(trial, *actual, optimum);
+    let trials = handed_out.with_outcomes_of(&saved.trials, iteration, check)?;
+    Ok(OpenIteration { numerical: saved.numerical, trials })
 }
 
 /// An iteration can follow only on a campaign that had not ended. The limit on iterations is left
 /// out: it may be changed in the file.
 fn check_may_go_on(campaign: &Loop, iteration: usize) -> Result<(), Error> {
-    use crate::gradient::StopReason::{Converged, NoInformation};
-    if matches!(campaign.stop(), Some(Converged | NoInformation)) {
+    if matches!(campaign.stop(), Some(StopReason::Converged | StopReason::NoInformation)) {
         return Err(Error::State { field: "history", iteration, expected: "none after the campaign had ended" });
     }
     Ok(())
@@ -113,39 +115,6 @@ fn check_numerical(campaign: &Loop, numerical: &NumericalOptimum, iteration: usi
         return Err(wrong("numerical", "finite costs, the correction that was known and its sum with the model cost"));
     }
     Ok(())
-}
-
-/// Checks each trial against the design, and each outcome as if it were told now; how many are
-/// untold.
-fn check_trials(
-    campaign: &Loop,
-    numerical: &NumericalOptimum,
-    trials: &[TrialRecord],
-    iteration: usize,
-) -> Result<usize, Error> {
-    let optimum = &numerical.point;
-    let mut design = campaign.design(optimum);
-    if !design.iter().map(|record| &record.trial).eq(trials.iter().map(|record| &record.trial)) {
-        return Err(Error::State {
-            field: "trials",
-            iteration,
-            expected: "the trials that were handed out around its optimum",
-        });
-    }
-    for (designed, record) in design.iter_mut().zip(trials) {
-        match &record.outcome {
-            Some(outcome) => designed.tell(record.actual, outcome.clone(), optimum)?,
-            None if record.actual.is_some() => {
-                return Err(Error::State {
-                    field: "actual",
-                    iteration,
-                    expected: "nothing while the trial is outstanding",
-                });
-            }
-            None => {}
-        }
-    }
-    Ok(trials.iter().filter(|record| record.outcome.is_none()).count())
 }
 
 fn same(a: f64, b: f64) -> bool {

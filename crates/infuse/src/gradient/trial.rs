@@ -1,11 +1,12 @@
-//! The experiments around an optimum, and what is known of them.
+//! The experiments around an optimum, and the slopes that follow from them.
 
 use design_space::Region;
 use serde::{Deserialize, Serialize};
 
-use crate::gradient::settings::BoundPolicy;
-use crate::gradient::slope::Side;
-use crate::{Error, Outcome, TrialId};
+use crate::gradient::settings::{BoundPolicy, Settings};
+use crate::gradient::slope::{Side, slope};
+use crate::ledger::{Ledger, Numbered, Record, ids_after};
+use crate::{Error, TrialId};
 
 /// Place of a trial in the design around the optimum; parameters by their index in the region.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -23,7 +24,7 @@ pub enum TrialRole {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trial {
-    /// Number by which the outcome is told.
+    /// Number under which its outcome is reported.
     pub id: TrialId,
     /// Iteration it belongs to, from 1.
     pub iteration: usize,
@@ -33,63 +34,84 @@ pub struct Trial {
     pub point: Vec<f64>,
 }
 
-/// A trial with what has been told about it so far.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TrialRecord {
-    /// What was asked.
-    pub trial: Trial,
-    /// The setting actually made of the parameter that the trial varies, in its unit, if it was told.
-    pub actual: Option<f64>,
-    /// What was told; nothing while the trial is outstanding.
-    pub outcome: Option<Outcome>,
+impl Numbered for Trial {
+    fn id(&self) -> TrialId {
+        self.id
+    }
 }
 
-impl TrialRecord {
-    /// Writes an outcome down, after checking it against the trial and the center it belongs to.
-    pub(crate) fn tell(&mut self, actual: Option<f64>, outcome: Outcome, optimum: &[f64]) -> Result<(), Error> {
-        let id = self.trial.id;
-        if self.outcome.is_some() {
-            return Err(Error::AlreadyTold { id });
-        }
-        if let Some(value) = outcome.cost().filter(|cost| !cost.is_finite()) {
-            return Err(Error::NonFiniteOutcome { id, value });
-        }
-        if let Some(actual) = actual {
-            self.check_actual(actual, optimum)?;
-        }
-        self.actual = actual;
-        self.outcome = Some(outcome);
-        Ok(())
-    }
+/// A trial of the gradient loop with what is known of it. `actual` is the setting really made of the parameter that the
+/// trial varies, in its unit.
+pub type TrialRecord = Record<Trial, f64>;
 
-    fn check_actual(&self, actual: f64, optimum: &[f64]) -> Result<(), Error> {
-        let (is_usable, expected) = match self.trial.role {
-            TrialRole::Center => (false, "none: the center varies no parameter"),
-            TrialRole::Plus(index) => (actual > optimum[index], "a number above the center's"),
-            TrialRole::Minus(index) => (actual < optimum[index], "a number below the center's"),
-        };
-        if is_usable && actual.is_finite() {
-            return Ok(());
-        }
-        Err(Error::ActualSetting { id: self.trial.id, actual, expected })
-    }
+/// The trials of an iteration.
+pub(crate) type Trials = Ledger<Trial, f64>;
 
-    /// Measured cost and distance from the center of a side trial.
-    pub(crate) fn side(&self, optimum: &[f64]) -> Option<Side> {
-        let (TrialRole::Plus(index) | TrialRole::Minus(index)) = self.trial.role else {
-            return None;
-        };
-        let cost = self.outcome.as_ref()?.cost()?;
-        let setting = self.actual.unwrap_or(self.trial.point[index]);
-        let distance = (setting - optimum[index]).abs();
-        Some(Side { distance, cost })
+/// The trials of this iteration around its optimum, the optimum first, numbered on from the `n_asked` before.
+pub(crate) fn experiments_around(
+    optimum: &[f64],
+    region: &Region,
+    settings: &Settings,
+    iteration: usize,
+    n_asked: u64,
+) -> Trials {
+    let center = (TrialRole::Center, optimum.to_vec());
+    let around = sides(optimum, &settings.experiment_steps, region, settings.bound_policy);
+    let points = std::iter::once(center).chain(around);
+    Ledger::of(ids_after(n_asked).zip(points).map(|(id, (role, point))| Trial { id, iteration, role, point }))
+}
+
+/// Whether a setting that was made can be that of this trial around this optimum.
+pub(crate) fn check_actual(trial: &Trial, actual: f64, optimum: &[f64]) -> Result<(), Error> {
+    let (is_usable, expected) = match trial.role {
+        TrialRole::Center => (false, "none: the center varies no parameter"),
+        TrialRole::Plus(index) => (actual > optimum[index], "a number above the center's"),
+        TrialRole::Minus(index) => (actual < optimum[index], "a number below the center's"),
+    };
+    if is_usable && actual.is_finite() {
+        return Ok(());
     }
+    Err(Error::ActualSetting { id: trial.id, actual, expected })
+}
+
+/// What the experiments of an iteration say of its optimum.
+#[derive(Debug)]
+pub(crate) struct Measured {
+    /// The response at the optimum itself; unknown if that trial failed.
+    pub(crate) cost: Option<f64>,
+    /// Its slope there per unit of each parameter; unknown where too many trials failed.
+    pub(crate) gradient: Vec<Option<f64>>,
+}
+
+impl Measured {
+    pub(crate) fn around(optimum: &[f64], trials: &[TrialRecord]) -> Self {
+        let cost = with_role(trials, TrialRole::Center).and_then(Record::cost);
+        Self { cost, gradient: slopes(cost, optimum, trials) }
+    }
+}
+
+fn slopes(center: Option<f64>, optimum: &[f64], trials: &[TrialRecord]) -> Vec<Option<f64>> {
+    let side = |role| with_role(trials, role).and_then(|record| side(record, optimum));
+    (0..optimum.len()).map(|index| slope(center, side(TrialRole::Plus(index)), side(TrialRole::Minus(index)))).collect()
+}
+
+fn with_role(trials: &[TrialRecord], role: TrialRole) -> Option<&TrialRecord> {
+    trials.iter().find(|record| record.trial.role == role)
+}
+
+/// Measured response and distance from the center of a trial beside it.
+fn side(record: &TrialRecord, optimum: &[f64]) -> Option<Side> {
+    let (TrialRole::Plus(index) | TrialRole::Minus(index)) = record.trial.role else {
+        return None;
+    };
+    let cost = record.cost()?;
+    let setting = record.actual.unwrap_or(record.trial.point[index]);
+    Some(Side { distance: (setting - optimum[index]).abs(), cost })
 }
 
 /// The sides of the design around a point: two per parameter, except where a step would leave the
 /// region and must not.
-pub(crate) fn sides(point: &[f64], steps: &[f64], region: &Region, policy: BoundPolicy) -> Vec<(TrialRole, Vec<f64>)> {
+fn sides(point: &[f64], steps: &[f64], region: &Region, policy: BoundPolicy) -> Vec<(TrialRole, Vec<f64>)> {
     let mut sides = Vec::with_capacity(2 * point.len());
     for (index, (parameter, &step)) in region.parameters().iter().zip(steps).enumerate() {
         for (role, setting) in

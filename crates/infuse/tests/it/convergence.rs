@@ -10,15 +10,14 @@ mod mutants;
 mod norm;
 mod proposition;
 
-use infuse::correction::{CorrectedField, CorrectionLaw, CorrectionRule, Gain, ModelStage};
+use infuse::correction::{Field, Gain, Law, ModelStage, Rule};
 use proptest::prelude::*;
 
-const LAWS: [CorrectionLaw; 3] =
-    [CorrectionLaw::ProofRecursion, CorrectionLaw::CurrentSimulation, CorrectionLaw::AsPrinted36];
+const LAWS: [Law; 3] = [Law::ProofRecursion, Law::CurrentSimulation, Law::AsPrinted36];
 const STAGES: [ModelStage; 2] = [ModelStage::Onset, ModelStage::Corrected];
 
-fn rule(law: CorrectionLaw, k: f64) -> CorrectionRule {
-    CorrectionRule::new(law, Gain::constant(k).unwrap())
+fn rule(law: Law, k: f64) -> Rule {
+    Rule::new(law, Gain::constant(k).unwrap())
 }
 
 fn any_gain() -> impl Strategy<Value = Gain> {
@@ -30,7 +29,7 @@ fn any_gain() -> impl Strategy<Value = Gain> {
     ]
 }
 
-fn converging_law() -> impl Strategy<Value = CorrectionLaw> {
+fn converging_law() -> impl Strategy<Value = Law> {
     prop::sample::select(&LAWS[..2])
 }
 
@@ -40,8 +39,8 @@ fn any_stage() -> impl Strategy<Value = ModelStage> {
 
 /// The model of a stage after n rounds, from n rows of experiments and n + 1 rows of simulations, by
 /// the recursion over cells.
-fn by_recursion(rule: CorrectionRule, stage: ModelStage, experiment: &[Vec<f64>], simulation: &[Vec<f64>]) -> Vec<f64> {
-    let mut field = CorrectedField::new(rule, simulation[0].len()).unwrap();
+fn by_recursion(rule: Rule, stage: ModelStage, experiment: &[Vec<f64>], simulation: &[Vec<f64>]) -> Vec<f64> {
+    let mut field = Field::new(rule, simulation[0].len()).unwrap();
     for (experiment, simulation) in experiment.iter().zip(simulation) {
         field.update(experiment, simulation).unwrap();
     }

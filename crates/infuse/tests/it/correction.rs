@@ -1,6 +1,6 @@
 //! The correction on pairs of parabolas, against closed forms.
 
-use infuse::{Strategy, correction::CorrectionForm, gradient};
+use infuse::{Strategy, correction::Form, gradient};
 use proptest::prelude::*;
 
 use crate::problems::{Parabola, measured, optimizer, pair, pair_loop, simulated, single, single_settings};
@@ -9,7 +9,7 @@ const MODEL: Parabola = Parabola { curvature: 2.0, optimum: 0.0 };
 const RIG: Parabola = Parabola { curvature: 3.0, optimum: 1.0 };
 
 /// Optimum of each iteration over −10 to 10.
-fn path(mut settings: gradient::Settings, form: CorrectionForm, model: Parabola, rig: Parabola) -> Vec<f64> {
+fn path(mut settings: gradient::Settings, form: Form, model: Parabola, rig: Parabola) -> Vec<f64> {
     settings.correction_form = form;
     let mut campaign = gradient::Loop::new(single(-10.0, 10.0), settings).unwrap();
     let reason = campaign.run(&mut |p| Ok(model.cost(p)), &mut |trial| Ok(rig.cost(&trial.point))).unwrap();
@@ -29,7 +29,7 @@ fn check_path(path: &[f64], model: Parabola, rig: Parabola, factor: f64) {
 #[test]
 fn printed_27_walks_away_from_the_optimum_of_the_experiment() {
     let r = 0.4;
-    let path = path(single_settings(r, 0.5, 5), CorrectionForm::AsPrinted, MODEL, RIG);
+    let path = path(single_settings(r, 0.5, 5), Form::AsPrinted, MODEL, RIG);
     check_path(&path, MODEL, RIG, 1.0 + r * RIG.curvature / MODEL.curvature);
     let costs: Vec<f64> = path.iter().map(|p| RIG.cost(&[*p])).collect();
     assert!(costs.is_sorted(), "every iteration is worse: {costs:?}");
@@ -40,14 +40,14 @@ fn printed_27_walks_away_from_the_optimum_of_the_experiment() {
 fn printed_27_ends_on_a_bound_and_is_not_called_converged() {
     let mut settings = single_settings(0.4, 0.5, 20);
     settings.tolerances = None;
-    let path = path(settings, CorrectionForm::AsPrinted, MODEL, RIG);
+    let path = path(settings, Form::AsPrinted, MODEL, RIG);
     assert!(path[19] <= -10.0, "the far bound: {path:?}");
 }
 
 #[test]
 fn repaired_27_approaches_the_optimum_of_the_experiment_geometrically() {
     for r in [0.1, 0.5, 1.0] {
-        let path = path(single_settings(r, 0.5, 8), CorrectionForm::Repaired, MODEL, RIG);
+        let path = path(single_settings(r, 0.5, 8), Form::Repaired, MODEL, RIG);
         check_path(&path, MODEL, RIG, 1.0 - r * RIG.curvature / MODEL.curvature);
     }
 }
@@ -57,7 +57,7 @@ fn repaired_27_contracts_below_twice_the_ratio_of_curvatures_and_not_above() {
     // 2 H_mod / H_exp = 1.25.
     let rig = Parabola { curvature: 3.2, optimum: 1.0 };
     for (r, contracts) in [(1.2, true), (1.3, false)] {
-        let path = path(single_settings(r, 0.5, 6), CorrectionForm::Repaired, MODEL, rig);
+        let path = path(single_settings(r, 0.5, 6), Form::Repaired, MODEL, rig);
         check_path(&path, MODEL, rig, 1.0 - r * 1.6);
         let nearer = (path[5] - 1.0).abs() < (path[0] - 1.0).abs();
         assert_eq!(nearer, contracts, "R = {r}: {path:?}");
@@ -181,7 +181,7 @@ fn an_actual_setting_replaces_the_one_asked_for_in_the_difference() {
 fn a_move_limit_holds_the_optimum_near_the_last() {
     let mut settings = single_settings(0.5, 0.1, 6);
     settings.move_limits = Some(vec![0.05]);
-    let path = path(settings, CorrectionForm::Repaired, MODEL, RIG);
+    let path = path(settings, Form::Repaired, MODEL, RIG);
     for (iteration, window) in path.windows(2).enumerate() {
         assert!((window[1] - window[0] - 0.05).abs() < 1e-9, "{iteration}: {path:?}");
     }

@@ -1,5 +1,6 @@
 //! Norms, certificates and possible optima of a campaign, against the same over lists of cells.
 
+use design_space::Cell;
 use infuse::{
     Error,
     convergence::{Norm, NormOrder, NormScaling, RegretCertificate, coded_cell_measure, possible_optima},
@@ -91,12 +92,12 @@ fn what_has_no_norm_is_named() {
     let one = infuse::global::TracedSurface::combination(1, []).unwrap();
     assert!(message(campaign.norm_over(1, one.surface(), Norm::SUP)).contains("`surface` has 1 entries"));
     for bad in [f64::NAN, f64::NEG_INFINITY] {
-        let spike = Spike(campaign.coded(345).unwrap(), bad);
+        let spike = Spike(campaign.coded(Cell::new(345)).unwrap(), bad);
         let refused = message(campaign.norm_over(1, &spike, Norm::SUP));
         assert!(refused.contains(&format!("`surface` has {bad:?} at index 345")), "{refused}");
     }
     // Too large to be squared, but not for the norm.
-    let spike = Spike(campaign.coded(345).unwrap(), -1e200);
+    let spike = Spike(campaign.coded(Cell::new(345)).unwrap(), -1e200);
     let two = Norm { order: NormOrder::finite(2.0).unwrap(), scaling: NormScaling::Mean };
     assert!((campaign.norm_over(1, &spike, two).unwrap() / 1e200 - 1.0 / 24.0).abs() < 1e-12);
 }
@@ -107,7 +108,7 @@ fn the_certificate_and_the_possible_optima_are_those_of_the_list_of_cells() {
         let campaign = after(n_iterations, planar().1);
         let surfaces = campaign.surfaces().last().unwrap();
         let model = values(&campaign, n_iterations + 1, surfaces.numerical.surface());
-        let cells: Vec<u64> = campaign.retained().cells().collect();
+        let cells: Vec<Cell> = campaign.retained().cells().collect();
         let optimum = campaign.reports().last().unwrap().screening.optimum_cell;
         let place = cells.iter().position(|&cell| cell == optimum).unwrap();
         for eps in [0.0, 0.03, 0.4, 1e3] {
@@ -136,9 +137,9 @@ fn the_certificate_of_the_best_cell_is_against_the_others() {
     let (region, mut settings) = planar();
     settings.max_iterations = 1;
     let mut campaign = global::Loop::new(&region, settings).unwrap();
-    campaign.run(&mut |p| Ok(truth(p)), &mut |trial| Ok(experiment(trial))).unwrap();
+    campaign.run(&mut |_, p| Ok(truth(p)), &mut |trial| Ok(experiment(trial))).unwrap();
     let model = values(&campaign, 2, campaign.surfaces()[0].numerical.surface());
-    let cells: Vec<u64> = campaign.retained().cells().collect();
+    let cells: Vec<Cell> = campaign.retained().cells().collect();
     let place = cells.iter().position(|&cell| cell == campaign.reports()[0].screening.optimum_cell).unwrap();
     let least = model.iter().copied().fold(f64::INFINITY, f64::min);
     assert!(model[place] <= least && model.len() > 1, "the best of several");

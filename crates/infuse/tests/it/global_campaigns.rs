@@ -1,5 +1,6 @@
 //! What people who run campaigns need: plans, repeats, earlier experiments, noise, and whether to go on.
 
+use design_space::Cell;
 use doe::Model;
 use infuse::{Error, Outcome, global};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
@@ -38,7 +39,7 @@ fn plans_that_no_iteration_can_have_are_refused_and_change_nothing() {
     let before = save(&campaign);
     let short = global::Plan { experiments: plan.experiments[1..].to_vec(), ..plan.clone() };
     let mut outside = plan.clone();
-    outside.simulations[0] = 576;
+    outside.simulations[0] = Cell::new(576);
     for wrong in [short, outside] {
         let error = campaign.open(&wrong, &mut simulation).unwrap_err();
         assert!(matches!(error, Error::Plan { iteration: 1, .. }), "{error}");
@@ -46,7 +47,7 @@ fn plans_that_no_iteration_can_have_are_refused_and_change_nothing() {
     }
     campaign.open(&plan, &mut simulation).unwrap();
     let error = campaign.open(&plan, &mut simulation).unwrap_err();
-    assert_eq!(error.to_string(), "the plan of iteration 1 is not usable, expected none while trials are outstanding");
+    assert_eq!(error.to_string(), "the plan of batch 1 is not usable, expected none while trials are outstanding");
 }
 
 #[test]
@@ -85,7 +86,7 @@ fn pure_error_is_the_pooled_scatter_of_equal_settings() {
     }
     let error = campaign.pure_error().expect("repeats");
     // Three pairs, or a triple that counts each of its pairs once where two thirds are due.
-    let groups: std::collections::BTreeSet<u64> = trials.iter().map(|trial| trial.cell).collect();
+    let groups: std::collections::BTreeSet<Cell> = trials.iter().map(|trial| trial.cell).collect();
     assert_eq!((groups.len(), error.degrees_of_freedom), (9, 3));
     assert!(squares > 0.0);
     assert!((error.variance - squares / 3.0).abs() < 1e-12, "{} {squares}", error.variance);
@@ -173,8 +174,13 @@ fn nothing_is_dropped_before_the_first_screening() {
     campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
     let left: Vec<u64> = campaign.reports().iter().map(|report| report.screening.n_after).collect();
     assert!(left[0] == 576 && left[1] < 576, "{left:?}");
-    assert!((0..576).all(|cell| campaign.why_dropped(cell).is_none_or(|dropped| dropped.iteration == 2)));
-    assert_eq!((0..576).filter(|&cell| campaign.why_dropped(cell).is_some()).count() as u64, 576 - left[1]);
+    assert!(
+        campaign.grid().cells().all(|cell| campaign.why_dropped(cell).is_none_or(|dropped| dropped.iteration == 2))
+    );
+    assert_eq!(
+        campaign.grid().cells().filter(|&cell| campaign.why_dropped(cell).is_some()).count() as u64,
+        576 - left[1]
+    );
     let restored: global::Loop = serde_json::from_str(&save(&campaign)).unwrap();
     assert_eq!(restored, campaign);
     settings.first_screening = 0;
@@ -190,7 +196,7 @@ fn outlook_over_two_cells_is_the_closed_form() {
     settings.confidence = 0.999_999;
     let mut campaign = global::Loop::new(&grid(&[2]), settings).unwrap();
     let readings = |number: u64| 0.3 * (12.9898 * number as f64).sin();
-    let mut simulated = |p: &[f64]| Ok(1.0 + 0.05 * coded(p)[0]);
+    let mut simulated = |_: Cell, p: &[f64]| Ok(1.0 + 0.05 * coded(p)[0]);
     campaign
         .run(&mut simulated, &mut |trial| Ok(1.0 - 0.02 * coded(&trial.point)[0] + readings(trial.id.number())))
         .unwrap();

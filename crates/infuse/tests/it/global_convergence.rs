@@ -1,8 +1,9 @@
 //! What the loop arrives at, and by which law.
 
+use design_space::Cell;
 use doe::Model;
 use infuse::{
-    correction::{CorrectedField, CorrectionLaw, CorrectionRule, Gain},
+    correction::{Field, Gain, Law, Rule},
     global::{self, TrialUse},
 };
 
@@ -13,13 +14,13 @@ fn flat(point: &[f64]) -> f64 {
     0.004 * truth(point)
 }
 
-fn by(law: CorrectionLaw) -> global::Loop {
+fn by(law: Law) -> global::Loop {
     let (region, mut settings) = planar();
-    settings.correction = CorrectionRule::new(law, Gain::constant(0.5).unwrap());
+    settings.correction = Rule::new(law, Gain::constant(0.5).unwrap());
     settings.confidence = 1.0 - 1e-15;
     settings.max_iterations = 7;
     let mut campaign = global::Loop::new(&region, settings).unwrap();
-    let mut biased = |p: &[f64]| Ok(flat(p) + simulation(p)? - truth(p));
+    let mut biased = |cell: Cell, p: &[f64]| Ok(flat(p) + simulation(cell, p)? - truth(p));
     campaign.run(&mut biased, &mut |trial| Ok(flat(&trial.point) + experiment(trial) - truth(&trial.point))).unwrap();
     assert_eq!(campaign.retained().n_retained(), 576);
     campaign
@@ -27,13 +28,12 @@ fn by(law: CorrectionLaw) -> global::Loop {
 
 /// Largest error of the corrected model over the whole grid, per iteration.
 fn model_errors(campaign: &global::Loop) -> Vec<f64> {
-    let cells = 0..campaign.retained().n_cells();
     let of = |surfaces: &infuse::global::IterationSurfaces| {
         let error = |cell| {
             let estimate = surfaces.numerical.surface().predict(&campaign.coded(cell).unwrap());
             (estimate - flat(&campaign.point(cell).unwrap())).abs()
         };
-        cells.clone().map(error).fold(0.0, f64::max)
+        campaign.grid().cells().map(error).fold(0.0, f64::max)
     };
     campaign.surfaces().iter().map(of).collect()
 }
@@ -71,12 +71,12 @@ fn the_proofs_recursion_leaves_the_closed_form_of_the_gap_and_36_as_printed_goes
     // Every surface is exact but for the experiments' error of 0.02, so only the law decides. The gap is
     // 1 + 2.2 + 1.6 at one corner.
     let gap: f64 = 4.8;
-    let proof = model_errors(&by(CorrectionLaw::ProofRecursion));
+    let proof = model_errors(&by(Law::ProofRecursion));
     for (n, error) in (1..).zip(&proof) {
         let left = gap * 0.5_f64.powi(n);
         assert!((error - left).abs() < 0.06, "iteration {n}: {error} instead of {left}");
     }
-    let printed = model_errors(&by(CorrectionLaw::AsPrinted36));
+    let printed = model_errors(&by(Law::AsPrinted36));
     for (n, error) in (2..).zip(&printed[1..]) {
         // k, then 2k, 4k, 8k, ... of the gap are added.
         let left = gap * (0.5 * 2.0_f64.powi(n - 1) - 1.0).abs();
@@ -86,12 +86,12 @@ fn the_proofs_recursion_leaves_the_closed_form_of_the_gap_and_36_as_printed_goes
 }
 
 /// The simulation with a wave that no term of the model has: its surface is another one in every iteration.
-fn waved(point: &[f64]) -> Result<f64, String> {
+fn waved(cell: Cell, point: &[f64]) -> Result<f64, String> {
     let x = coded(point);
-    Ok(simulation(point)? + 0.4 * (4.0 * x[0] + 1.0).sin() + 0.3 * (3.0 * x[1]).cos())
+    Ok(simulation(cell, point)? + 0.4 * (4.0 * x[0] + 1.0).sin() + 0.3 * (3.0 * x[1]).cos())
 }
 
-fn of_waves(n_iterations: usize, rule: CorrectionRule) -> global::Loop {
+fn of_waves(n_iterations: usize, rule: Rule) -> global::Loop {
     let (region, mut settings) = planar();
     settings.correction = rule;
     settings.max_iterations = n_iterations;
@@ -102,7 +102,7 @@ fn of_waves(n_iterations: usize, rule: CorrectionRule) -> global::Loop {
 }
 
 fn sampled(campaign: &global::Loop, surface: &infuse::global::TracedSurface) -> Vec<f64> {
-    let cells = 0..campaign.retained().n_cells();
+    let cells = campaign.grid().cells();
     cells.map(|cell| surface.surface().predict(&campaign.coded(cell).unwrap())).collect()
 }
 
@@ -113,16 +113,16 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn the_correction_is_that_of_the_value_recursion_at_every_cell() {
-    for law in [CorrectionLaw::ProofRecursion, CorrectionLaw::CurrentSimulation, CorrectionLaw::AsPrinted36] {
+    for law in [Law::ProofRecursion, Law::CurrentSimulation, Law::AsPrinted36] {
         for gain in [Gain::constant(0.3).unwrap(), Gain::harmonic()] {
-            let campaign = of_waves(4, CorrectionRule::new(law, gain));
+            let campaign = of_waves(4, Rule::new(law, gain));
             let sampled = |surface| sampled(&campaign, surface);
             let n_cells = usize::try_from(campaign.retained().n_cells()).unwrap();
             let simulations: Vec<_> = campaign.surfaces().iter().map(|at| sampled(&at.simulation)).collect();
             for pair in simulations.windows(2) {
                 assert!(largest_difference(&pair[0], &pair[1]) > 0.01, "each simulation surface is another one");
             }
-            let mut field = CorrectedField::new(campaign.settings().correction, n_cells).unwrap();
+            let mut field = Field::new(campaign.settings().correction, n_cells).unwrap();
             for surfaces in campaign.surfaces() {
                 field.update(&sampled(surfaces.experiment.as_ref().unwrap()), &sampled(&surfaces.simulation)).unwrap();
                 let pairs = [(&surfaces.correction, field.correction()), (&surfaces.numerical, field.model().unwrap())];
@@ -184,8 +184,8 @@ impl Quadratic {
 /// Two iterations of Section 5.3 from the costs in the reports, written out a second time.
 #[test]
 fn two_iterations_are_those_of_the_normal_equations() {
-    for law in [CorrectionLaw::ProofRecursion, CorrectionLaw::CurrentSimulation] {
-        let campaign = of_waves(2, CorrectionRule::new(law, Gain::constant(0.5).unwrap()));
+    for law in [Law::ProofRecursion, Law::CurrentSimulation] {
+        let campaign = of_waves(2, Rule::new(law, Gain::constant(0.5).unwrap()));
         let (mut correction, mut last) = (Quadratic([0.0; 6]), None);
         for (report, surfaces) in campaign.reports().iter().zip(campaign.surfaces()) {
             let (mut all, mut simulations, mut both) = (Vec::new(), Vec::new(), Vec::new());
@@ -205,7 +205,7 @@ fn two_iterations_are_those_of_the_normal_equations() {
             let (experiment, simulation) = (Quadratic::fit(&all), Quadratic::fit(&simulations));
             // Ĵnum,0 = Ĵsim,1.
             let compared = match law {
-                CorrectionLaw::ProofRecursion => last.unwrap_or(simulation),
+                Law::ProofRecursion => last.unwrap_or(simulation),
                 _ => simulation.plus(1.0, correction),
             };
             correction = correction.plus(0.5, experiment).plus(-0.5, compared);
@@ -218,7 +218,7 @@ fn two_iterations_are_those_of_the_normal_equations() {
                 (&surfaces.numerical, simulation.plus(1.0, correction)),
             ];
             for (number, (surface, expected)) in pairs.into_iter().enumerate() {
-                let cells = (0..576).map(|cell| expected.at(&campaign.coded(cell).unwrap()));
+                let cells = campaign.grid().cells().map(|cell| expected.at(&campaign.coded(cell).unwrap()));
                 let largest = largest_difference(&sampled(&campaign, surface), &cells.collect::<Vec<_>>());
                 assert!(largest < 1e-7, "{law:?}, iteration {}, surface {number}: {largest}", report.iteration);
             }
@@ -233,7 +233,7 @@ fn four_parameters_work_with_fewer_training_runs_than_terms() {
     settings.max_iterations = 4;
     let region = grid(&[6, 6, 6, 6]);
     let cost = |p: &[f64]| truth(&p[..2]) + (p[2] - 11.0).powi(2) + 0.5 * (p[3] - 13.0).powi(2);
-    let mut simulated = |p: &[f64]| Ok(cost(p) + 0.7 * p[0] - 0.9 * p[2]);
+    let mut simulated = |_: Cell, p: &[f64]| Ok(cost(p) + 0.7 * p[0] - 0.9 * p[2]);
     let mut campaign = global::Loop::new(&region, settings).unwrap();
     campaign
         .run(&mut simulated, &mut |trial| Ok(experiment(trial) - truth(&trial.point) + cost(&trial.point)))

@@ -1,8 +1,9 @@
 //! Experiments and simulations that fail, and settings that were not made.
 
+use design_space::Cell;
 use infuse::{
     Error, Outcome, TrialId,
-    correction::{CorrectedField, CorrectionLaw, CorrectionRule, Gain},
+    correction::{Field, Gain, Law, Rule},
     global::{self, Spread, SpreadFallback, SpreadFault, TracedSurface, TrialUse},
 };
 
@@ -58,13 +59,13 @@ fn validation_runs_that_all_failed_give_no_spread() {
 /// The experiments of iteration 2 are too few for a surface: it is no round of the recursion, and the next one is.
 #[test]
 fn too_few_experiments_leave_the_correction_as_it_was() {
-    for law in [CorrectionLaw::ProofRecursion, CorrectionLaw::CurrentSimulation] {
+    for law in [Law::ProofRecursion, Law::CurrentSimulation] {
         let (region, mut settings) = planar();
-        settings.correction = CorrectionRule::new(law, Gain::constant(0.5).unwrap());
+        settings.correction = Rule::new(law, Gain::constant(0.5).unwrap());
         settings.max_iterations = 4;
         let mut campaign = global::Loop::new(&region, settings).unwrap();
-        let mut curved = |p: &[f64]| Ok(simulation(p)? + 0.3 * (2.0 * p[0]).sin());
-        let mut field = CorrectedField::new(campaign.settings().correction, 576).unwrap();
+        let mut curved = |cell: Cell, p: &[f64]| Ok(simulation(cell, p)? + 0.3 * (2.0 * p[0]).sin());
+        let mut field = Field::new(campaign.settings().correction, 576).unwrap();
         for iteration in 1..=3 {
             for trial in asked(campaign.ask(&mut curved).unwrap()) {
                 // 12 experiments less 7 are fewer than the 6 terms.
@@ -76,7 +77,7 @@ fn too_few_experiments_leave_the_correction_as_it_was() {
             // What was saved is read, whatever failed.
             campaign = serde_json::from_str(&save(&campaign)).unwrap();
             let sampled = |surface: &TracedSurface| -> Vec<f64> {
-                (0..576).map(|cell| surface.surface().predict(&campaign.coded(cell).unwrap())).collect()
+                campaign.grid().cells().map(|cell| surface.surface().predict(&campaign.coded(cell).unwrap())).collect()
             };
             let (report, surfaces) = (&campaign.reports()[iteration - 1], &campaign.surfaces()[iteration - 1]);
             match &surfaces.experiment {
@@ -98,7 +99,7 @@ fn too_few_experiments_leave_the_correction_as_it_was() {
         let ask = campaign.ask(&mut curved).unwrap();
         assert_eq!(ask, global::Ask::Stopped(global::StopReason::NoInformation));
         let read: global::Loop = serde_json::from_str(&save(&campaign)).unwrap();
-        assert_eq!(read.stop().unwrap().to_string(), "every experiment of the last iteration failed");
+        assert_eq!(read.stop().unwrap().to_string(), "every experiment of the last batch failed");
     }
 }
 
@@ -116,12 +117,12 @@ fn simulations_that_fail_are_reported_as_long_as_the_others_suffice() {
     let mut campaign = campaign();
     let trials = asked(
         campaign
-            .ask(&mut |p| {
+            .ask(&mut |cell, p| {
                 count += 1;
                 match count {
                     3 => Ok(f64::NAN),
                     4 => Err("slack tether".to_owned()),
-                    _ => simulation(p),
+                    _ => simulation(cell, p),
                 }
             })
             .unwrap(),
@@ -139,7 +140,7 @@ fn simulations_that_fail_are_reported_as_long_as_the_others_suffice() {
 fn too_few_simulations_are_an_error_and_the_next_ask_simulates_elsewhere() {
     let mut campaign = campaign();
     let mut asked_before: Vec<Vec<f64>> = Vec::new();
-    let error = campaign.ask(&mut |p| {
+    let error = campaign.ask(&mut |_, p| {
         asked_before.push(p.to_vec());
         Err("no licence".to_owned())
     });
@@ -149,10 +150,10 @@ fn too_few_simulations_are_an_error_and_the_next_ask_simulates_elsewhere() {
     let mut count = 0;
     let mut restored: global::Loop = serde_json::from_str(&save(&campaign)).unwrap();
     assert_eq!(restored, campaign);
-    let error = restored.ask(&mut |p| {
+    let error = restored.ask(&mut |cell, p| {
         count += 1;
         assert!(!asked_before.contains(&p.to_vec()), "{p:?} had failed");
-        if count > 5 { Err("diverged".to_owned()) } else { simulation(p) }
+        if count > 5 { Err("diverged".to_owned()) } else { simulation(cell, p) }
     });
     let error = error.unwrap_err();
     assert!(error.to_string().starts_with("13 of 18 simulations failed"), "{error}");
@@ -169,8 +170,9 @@ fn a_simulation_that_never_works_is_tried_all_over_the_grid_again_and_again() {
     for _ in 0..4 {
         let mut batch = Vec::new();
         campaign
-            .ask(&mut |p| {
-                batch.push(campaign_cell(p));
+            .ask(&mut |cell, p| {
+                assert_eq!(cell, campaign_cell(p));
+                batch.push(cell);
                 Err("diverged".to_owned())
             })
             .unwrap_err();
@@ -183,7 +185,7 @@ fn a_simulation_that_never_works_is_tried_all_over_the_grid_again_and_again() {
 }
 
 /// The cell of a natural point of the 5 x 4 grid.
-fn campaign_cell(p: &[f64]) -> u64 {
+fn campaign_cell(p: &[f64]) -> Cell {
     let settings = settings(doe::Model::additive_quadratic(2).unwrap(), 6, 8);
     global::Loop::new(&grid(&[5, 4]), settings).unwrap().cell(p).unwrap()
 }
@@ -198,7 +200,7 @@ fn the_surfaces_use_the_settings_that_were_made() {
     }
     // The truth is quadratic: at the actual settings it is reproduced exactly.
     let surface = campaign.surfaces()[0].experiment.clone().unwrap();
-    for cell in (0..576).step_by(7) {
+    for cell in campaign.grid().cells().step_by(7) {
         let error = surface.surface().predict(&campaign.coded(cell).unwrap()) - truth(&campaign.point(cell).unwrap());
         assert!(error.abs() < 1e-10, "cell {cell}: {error}");
     }
@@ -220,8 +222,8 @@ fn impossible_replies_are_refused_and_change_nothing() {
     };
     let value = || Outcome::Value(1.0);
     assert!(refused(TrialId::new(13), None, value()).contains("never handed out"));
-    assert!(refused(id, None, Outcome::Value(f64::INFINITY)).contains("told the value inf"));
-    assert!(refused(id, Some(&[12.0]), value()).contains("a point has 1 coordinate,"));
+    assert!(refused(id, None, Outcome::Value(f64::INFINITY)).contains("is inf, expected a finite response"));
+    assert!(refused(id, Some(&[12.0]), value()).contains("coordinates of a point: 1, expected 2"));
     assert!(refused(id, Some(&[12.0, 17.0]), value()).contains("of parameter `p1` is 17.0"));
     assert!(refused(id, Some(&[f64::NAN, 12.0]), value()).contains("of parameter `p0` is NaN"));
     campaign.tell(id, value()).unwrap();

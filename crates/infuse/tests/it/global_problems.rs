@@ -1,5 +1,6 @@
 //! Gridded problems with known answers.
 
+use design_space::Cell;
 use doe::{Model, Parameter, Region};
 use infuse::global;
 
@@ -37,7 +38,7 @@ pub(crate) fn truth(point: &[f64]) -> f64 {
 
 /// Its simulation: an affine bias moves the optimum to the other side.
 #[expect(clippy::unnecessary_wraps, reason = "the loop takes simulations that can fail")]
-pub(crate) fn simulation(point: &[f64]) -> Result<f64, String> {
+pub(crate) fn simulation(_: Cell, point: &[f64]) -> Result<f64, String> {
     let x = coded(point);
     Ok(truth(point) + 1.0 + 2.2 * x[0] - 1.6 * x[1])
 }
@@ -63,8 +64,8 @@ pub(crate) fn after(n_iterations: usize, mut settings: global::Settings) -> glob
 }
 
 /// The smallest value of a function over all cells, and where.
-pub(crate) fn least(campaign: &global::Loop, cost: impl Fn(&[f64]) -> f64) -> (u64, f64) {
-    let values = (0..campaign.retained().n_cells()).map(|cell| (cell, cost(&campaign.point(cell).unwrap())));
+pub(crate) fn least(campaign: &global::Loop, cost: impl Fn(&[f64]) -> f64) -> (Cell, f64) {
+    let values = campaign.grid().cells().map(|cell| (cell, cost(&campaign.point(cell).unwrap())));
     values.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap()
 }
 

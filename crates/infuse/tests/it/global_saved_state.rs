@@ -236,3 +236,12 @@ fn one_iteration_too_many_is_refused_and_the_limit_may_be_raised() {
     let error = serde_json::from_str::<global::Loop>(&state.to_string()).unwrap_err();
     assert!(error.to_string().contains("none after the campaign had ended"), "{error}");
 }
+
+/// What a campaign in a file and the journal of one are compared by.
+#[test]
+fn numbers_agree_to_a_billionth_of_the_scale_or_of_themselves() {
+    assert!(global::agrees(1.0 + 0.9e-9, 1.0, 0.0) && !global::agrees(1.0 + 1.1e-9, 1.0, 0.0));
+    assert!(global::agrees(0.9e-7, 0.0, 100.0) && !global::agrees(1.1e-7, 0.0, 100.0));
+    assert!(global::agrees(f64::NAN, f64::NAN, 1.0) && global::agrees(f64::INFINITY, f64::INFINITY, 1.0));
+    assert!(!global::agrees(f64::NAN, 1.0, 1.0) && !global::agrees(f64::INFINITY, f64::NEG_INFINITY, 1.0));
+}

@@ -1,5 +1,6 @@
 //! The z-test, its spread, and why a cell was dropped.
 
+use design_space::Cell;
 use doe::Model;
 use infuse::{
     Error, TrialId,
@@ -49,7 +50,7 @@ fn the_correction_of_the_same_iteration_leaks_and_is_refused() {
     let (report, surfaces) = (&campaign.reports()[0], &campaign.surfaces()[0]);
     let mut observations = Observations::none(2);
     for record in &report.simulations {
-        observations.add_simulation(&coded(&record.point), simulation(&record.point).unwrap()).unwrap();
+        observations.add_simulation(&coded(&record.point), simulation(record.cell, &record.point).unwrap()).unwrap();
     }
     assert!(observations.trials().is_empty(), "a simulation rests on no trial");
     let mut validation = Observations::none(2);
@@ -84,7 +85,7 @@ fn what_was_dropped_has_a_reason_and_what_was_not_has_none() {
     let campaign = after(5, planar().1);
     let sets: Vec<_> = (1..=6).map(|iteration| campaign.retained_at(iteration).unwrap()).collect();
     let mut n_dropped = 0;
-    for cell in 0..576 {
+    for cell in campaign.grid().cells() {
         let Some(dropped) = campaign.why_dropped(cell) else {
             assert!(campaign.is_retained(cell), "cell {cell}");
             continue;
@@ -99,8 +100,8 @@ fn what_was_dropped_has_a_reason_and_what_was_not_has_none() {
     }
     assert_eq!(n_dropped, 576 - campaign.retained().n_retained());
     assert!(n_dropped > 100, "long enough to mean something");
-    assert_eq!(campaign.why_dropped(576), None);
-    assert!(!campaign.is_retained(576) && !campaign.is_retained(u64::MAX));
+    assert_eq!(campaign.why_dropped(Cell::new(576)), None);
+    assert!(!campaign.is_retained(Cell::new(576)) && !campaign.is_retained(Cell::new(u64::MAX)));
 }
 
 /// (40) and the numbers of the z-test from the reported runs alone, by hand.
@@ -130,7 +131,7 @@ fn without_a_spread_the_settings_decide() {
         settings.fallback = fallback;
         settings.max_iterations = 1;
         let mut campaign = global::Loop::new(&region, settings).unwrap();
-        let stop = campaign.run(&mut |p| Ok(truth(p)), &mut |trial| Ok(truth(&trial.point))).unwrap();
+        let stop = campaign.run(&mut |_, p| Ok(truth(p)), &mut |trial| Ok(truth(&trial.point))).unwrap();
         (stop, campaign.reports()[0].screening.clone())
     };
     let because = SpreadFault::Zero;
@@ -143,7 +144,7 @@ fn without_a_spread_the_settings_decide() {
     let (region, settings) = planar();
     let campaign = global::Loop::new(&region, settings).unwrap();
     let best = least(&campaign, truth).1;
-    let expected = (0..576).filter(|&cell| truth(&campaign.point(cell).unwrap()) < best + 0.181_238_76);
+    let expected = campaign.grid().cells().filter(|&cell| truth(&campaign.point(cell).unwrap()) < best + 0.181_238_76);
     assert_eq!(given.n_after, expected.count() as u64);
     let (stop, stopped) = run(SpreadFallback::Stop);
     assert_eq!((stop, stopped.n_after), (infuse::global::StopReason::NoSpread, 576));
@@ -169,7 +170,7 @@ proptest! {
         settings.max_iterations = 3;
         settings.fallback = SpreadFallback::Given(spread);
         let mut campaign = global::Loop::new(&grid(&[9, 11]), settings).unwrap();
-        campaign.run(&mut |p| Ok(cost(p)), &mut |trial| Ok(cost(&trial.point))).unwrap();
+        campaign.run(&mut |_, p| Ok(cost(p)), &mut |trial| Ok(cost(&trial.point))).unwrap();
         let (_, best) = least(&campaign, cost);
         let left = campaign.retained().cells().map(|cell| cost(&campaign.point(cell).unwrap()));
         prop_assert!(left.fold(f64::INFINITY, f64::min) <= best + 1e-9);

@@ -1,5 +1,6 @@
 //! What a global loop refuses to begin with.
 
+use design_space::Cell;
 use doe::{Model, Parameter, Region, SplitMethod};
 use infuse::{
     Error,
@@ -85,7 +86,7 @@ fn settings_with_nothing_but_the_necessary_can_be_read() {
 fn cells_and_points_agree() {
     let (region, settings) = planar();
     let campaign = global::Loop::new(&region, settings).unwrap();
-    for cell in 0..576 {
+    for cell in campaign.grid().cells() {
         let point = campaign.point(cell).unwrap();
         assert_eq!(campaign.cell(&point).unwrap(), cell);
         let coded = campaign.region().coded(&point).unwrap();
@@ -93,5 +94,9 @@ fn cells_and_points_agree() {
             assert!((a - b).abs() < 1e-14);
         }
     }
-    assert!(campaign.point(576).is_err() && campaign.coded(576).is_err() && campaign.cell(&[9.0, 12.0]).is_err());
+    assert!(
+        campaign.point(Cell::new(576)).is_err()
+            && campaign.coded(Cell::new(576)).is_err()
+            && campaign.cell(&[9.0, 12.0]).is_err()
+    );
 }

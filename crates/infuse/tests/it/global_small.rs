@@ -1,5 +1,6 @@
 //! What is left becomes small, and the loop does not die of it.
 
+use design_space::Cell;
 use doe::{Criterion, Design, Model, Space};
 use infuse::global::{self, SpreadFallback};
 
@@ -20,7 +21,7 @@ fn cost(point: &[f64]) -> f64 {
 }
 
 fn run(campaign: &mut global::Loop) -> global::StopReason {
-    let mut simulated = |p: &[f64]| Ok(cost(p) + 0.3 * coded(p)[0]);
+    let mut simulated = |_: Cell, p: &[f64]| Ok(cost(p) + 0.3 * coded(p)[0]);
     let noise = |number: u64| 0.01 * (78.233 * number as f64).sin();
     campaign.run(&mut simulated, &mut |trial| Ok(cost(&trial.point) + noise(trial.id.number()))).unwrap()
 }
@@ -36,24 +37,24 @@ fn two_levels_confound_the_square_with_the_constant_and_say_so() {
     assert_eq!(batch.dropped_terms[0].equals[0].0, "1");
     assert!((batch.dropped_terms[0].equals[0].1 - 1.0).abs() < 1e-12);
     // Four cells, six experiments: every cell, and two of them again.
-    let mut cells: Vec<u64> = campaign.reports()[0].trials.iter().map(|record| record.trial.cell).collect();
+    let mut cells: Vec<Cell> = campaign.reports()[0].trials.iter().map(|record| record.trial.cell).collect();
     cells.sort_unstable();
     cells.dedup();
-    assert_eq!(cells, [0, 1, 2, 3]);
+    assert_eq!(cells, [0, 1, 2, 3].map(Cell::new));
 }
 
 #[test]
 fn one_parameter_with_two_levels_is_decided() {
     let mut campaign = bowl(&[2], SpreadFallback::KeepAll);
     assert_eq!(run(&mut campaign), global::StopReason::FewerThanTwoCells);
-    assert_eq!(campaign.retained().cells().collect::<Vec<_>>(), [1]);
+    assert_eq!(campaign.retained().cells().collect::<Vec<_>>(), [Cell::new(1)]);
 }
 
 #[test]
 fn a_single_cell_ends_the_campaign_with_that_reason() {
     let mut campaign = bowl(&[24, 24], SpreadFallback::Given(1e-9));
     // Exact data, so that the given S is used.
-    let stop = campaign.run(&mut |p| Ok(cost(p)), &mut |trial| Ok(cost(&trial.point))).unwrap();
+    let stop = campaign.run(&mut |_, p| Ok(cost(p)), &mut |trial| Ok(cost(&trial.point))).unwrap();
     assert_eq!(stop, global::StopReason::FewerThanTwoCells);
     assert_eq!(campaign.retained().n_retained(), 1);
     assert_eq!(campaign.reports().len(), 1);
@@ -64,7 +65,7 @@ fn an_axis_that_is_left_with_one_level_loses_its_terms() {
     // Along p0 the cost is so steep that one level is left, along p1 nothing happens at all.
     let steep = |p: &[f64]| 1.0 + 1e3 * (coded(p)[0] - 0.2).powi(2);
     let mut campaign = bowl(&[11, 7], SpreadFallback::Given(0.1));
-    let stop = campaign.run(&mut |p| Ok(steep(p)), &mut |trial| Ok(steep(&trial.point))).unwrap();
+    let stop = campaign.run(&mut |_, p| Ok(steep(p)), &mut |trial| Ok(steep(&trial.point))).unwrap();
     assert_eq!(stop, global::StopReason::IterationLimit);
     let second = &campaign.reports()[1];
     assert_eq!(second.screening.n_before, 7);
@@ -115,7 +116,7 @@ fn a_model_of_which_nothing_is_left_becomes_a_constant() {
     // Steep in p0 only, so that the middle level of p0 is left, where its square vanishes.
     let steep = |p: &[f64]| 1e3 * coded(p)[0].powi(2);
     let mut rig = |trial: &infuse::global::Trial| Ok(steep(&trial.point));
-    assert_eq!(campaign.run(&mut |p| Ok(steep(p)), &mut rig).unwrap(), global::StopReason::IterationLimit);
+    assert_eq!(campaign.run(&mut |_, p| Ok(steep(p)), &mut rig).unwrap(), global::StopReason::IterationLimit);
     let batches: Vec<_> = campaign.reports().iter().map(|report| &report.batch).collect();
     assert_eq!(batches[1].n_candidates, 7);
     assert_eq!(batches.iter().map(|batch| batch.constant_instead).collect::<Vec<_>>(), [false, true, true]);
@@ -147,11 +148,11 @@ fn a_level_that_is_left_in_two_cells_only_is_designed_for() {
         _ => 1e3,
     };
     let mut campaign = global::Loop::new(&region, settings).unwrap();
-    campaign.run(&mut |p| Ok(cost(p)), &mut |trial| Ok(cost(&trial.point))).unwrap();
+    campaign.run(&mut |_, p| Ok(cost(p)), &mut |trial| Ok(cost(&trial.point))).unwrap();
     let second = &campaign.reports()[1];
     assert_eq!(second.screening.n_before, 2 * 144 + 2);
     assert!(second.batch.dropped_terms.is_empty(), "{:?}", second.batch);
-    let mut cells: Vec<u64> = second.trials.iter().map(|record| record.trial.cell).collect();
+    let mut cells: Vec<Cell> = second.trials.iter().map(|record| record.trial.cell).collect();
     let rare = second.trials.iter().filter(|record| digits(&record.trial.point)[1] == 4).count();
     assert_eq!(rare, 2, "the square of p1 needs them");
     cells.sort_unstable();

@@ -95,7 +95,7 @@ fn a_state_that_was_tampered_with_is_refused() {
     check_refused("/history/0/numerical/model_cost", json!(null), "invalid type: null");
     check_refused("/history/0/numerical/model_cost", json!(7.0), "its sum with the model cost");
     check_refused("/history/0/numerical/correction_value", json!(0.5), "the correction that was known");
-    check_refused("/history/0/numerical/point", json!([0.1]), "a point has 1 coordinate,");
+    check_refused("/history/0/numerical/point", json!([0.1]), "coordinates of a point: 1, expected 2");
     check_refused("/history/0/numerical/point/0", json!(2.0), "the value is 2.0, expected -1.0 to 1.0");
     check_refused("/history/0/numerical/point/0", json!(0.1), "handed out around its optimum");
     check_refused("/history/0/numerical/model_gradient", json!([0.0]), "one entry per parameter");

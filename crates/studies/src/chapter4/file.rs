@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
 use design_space::{Parameter, Region};
-use infuse::{CodesignProblem, Role, correction::CorrectionForm, gradient};
+use infuse::{CodesignProblem, Role, correction::Form, gradient};
 use serde::Deserialize;
 
 use crate::reproduction::read_study;
@@ -56,7 +56,7 @@ pub(crate) struct Variant {
     trust: f64,
     move_limits: Option<Vec<f64>>,
     #[serde(default)]
-    form: CorrectionForm,
+    form: Form,
     /// Whether it is run over the noise seeds too.
     #[serde(default = "yes")]
     pub(crate) with_noise: bool,

@@ -1,6 +1,6 @@
 //! What the dissertation says of this study, and whether it holds here.
 
-use infuse::correction::CorrectionLaw;
+use infuse::correction::Law;
 
 use super::tables::{BeforeAfter, Flown, digits};
 use super::{Ended, Findings};
@@ -18,7 +18,7 @@ const MOST: f64 = 0.9;
 
 /// What the dissertation says of this study, and what of it came out. (36) to the letter is left out: it is there to fail.
 pub(crate) fn claims(findings: &Findings) -> Vec<Claim> {
-    let is_literal = |ended: &&Ended| ended.campaign.settings().correction.law == CorrectionLaw::AsPrinted36;
+    let is_literal = |ended: &&Ended| ended.campaign.settings().correction.law == Law::AsPrinted36;
     let lawful: Vec<&Ended> = findings.ended.iter().filter(|ended| !is_literal(ended)).collect();
     let main: Vec<&Ended> = lawful.iter().copied().filter(|ended| ended.case.variant == 0).collect();
     vec![

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result, ensure};
 use bat_dynamics::{Fidelity, FluidInertia, Lift};
 use infuse::{
-    correction::{CorrectionLaw, CorrectionRule, Gain},
+    correction::{Gain, Law, Rule},
     global,
 };
 use serde::Deserialize;
@@ -95,7 +95,7 @@ pub(crate) struct NoiseEntry {
 #[serde(deny_unknown_fields)]
 pub(crate) struct Variant {
     pub(crate) label: String,
-    law: CorrectionLaw,
+    law: Law,
     gain: Gain,
     model: Option<Regressor>,
     only: Option<Only>,
@@ -249,7 +249,7 @@ impl Setup {
         settings.experiment_weight = entry.experiment_weight;
         settings.simulation_weight = entry.simulation_weight;
         settings.confidence = file.iterations.confidence;
-        settings.correction = CorrectionRule::new(variant.law, variant.gain);
+        settings.correction = Rule::new(variant.law, variant.gain);
         settings.max_iterations = file.iterations.iterations;
         settings.seed = file.iterations.seed;
         Ok(settings)

@@ -3,7 +3,7 @@
 use anyhow::{Context as _, Result};
 use infuse::{
     convergence::{Bound, ErrorLevels},
-    correction::{CorrectionLaw, ModelStage},
+    correction::{Law, ModelStage},
     global,
 };
 use water_channel::footprint_m2;
@@ -257,8 +257,7 @@ pub(crate) fn rounds(findings: &Findings) -> Result<Table> {
                 ended.case.space == space
                     && ended.case.truth == truth
                     && ended.case.noise.to_bits() == shown.case.noise.to_bits()
-                    && (variant.is_general()
-                        || ended.campaign.settings().correction.law == CorrectionLaw::CurrentSimulation)
+                    && (variant.is_general() || ended.campaign.settings().correction.law == Law::CurrentSimulation)
             };
             for ended in findings.ended.iter().filter(same) {
                 let Some(first) = ended.accuracy.iterations.first() else { continue };

@@ -23,7 +23,7 @@ pub(crate) struct Steps(pub(crate) Vec<Step>);
 impl Steps {
     fn of(campaign: &global::Loop, rig: &SurrogateRig<'_>) -> Result<Self> {
         let reports = campaign.reports();
-        let cells = reports.iter().map(|report| Ok(usize::try_from(report.screening.optimum_cell)?));
+        let cells = reports.iter().map(|report| Ok(usize::try_from(report.screening.optimum_cell.index())?));
         let costs = rig.truth.costs(&cells.collect::<Result<Vec<_>>>()?);
         rig.truth.keep()?;
         let steps = reports.iter().zip(costs).map(|(report, cost)| {
@@ -67,7 +67,7 @@ impl Runs {
         iterated: impl Fn(usize) + Sync,
     ) -> Result<Self> {
         let mut begun = global::Loop::new(rig.space.region(), settings.clone())?;
-        begun.ask(&mut |point| rig.simulate(point))?;
+        begun.ask(&mut |cell, _| rig.simulate(cell))?;
         let run = |rig: SurrogateRig<'_>| -> Result<(Steps, global::Loop)> {
             let campaign = campaigns.run_from(&rig, &begun, &iterated)?;
             Ok((Steps::of(&campaign, &rig)?, campaign))

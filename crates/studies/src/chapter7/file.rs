@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
 use infuse::{
-    correction::{CorrectionLaw, CorrectionRule, Gain},
+    correction::{Gain, Law, Rule},
     global,
 };
 use serde::Deserialize;
@@ -56,7 +56,7 @@ pub(crate) struct CaseEntry {
 #[serde(deny_unknown_fields)]
 pub(crate) struct LoopEntry {
     pub(crate) confidence: f64,
-    law: CorrectionLaw,
+    law: Law,
     pub(crate) gain: Gain,
     seed: u64,
 }
@@ -224,7 +224,7 @@ impl Setup {
         settings.experiment_weight = entry.experiment_weight;
         settings.simulation_weight = entry.simulation_weight;
         settings.confidence = self.file.rule.confidence;
-        settings.correction = CorrectionRule::new(self.file.rule.law, self.file.rule.gain);
+        settings.correction = Rule::new(self.file.rule.law, self.file.rule.gain);
         settings.max_iterations = entry.iterations;
         settings.seed = self.file.rule.seed;
         Ok(settings)

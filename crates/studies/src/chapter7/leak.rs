@@ -5,9 +5,10 @@
 //! switched off, and the simulations that it asks for come corrected by experiments of the same batch.
 
 use anyhow::Result;
+use design_space::Cell;
 use infuse::{
     Outcome,
-    correction::{CorrectionRule, Gain},
+    correction::{Gain, Rule},
     global::{self, Observations, TracedSurface},
 };
 use surface::{Confounded, Kind};
@@ -34,7 +35,7 @@ pub(crate) fn run(rig: &SurrogateRig<'_>, settings: &global::Settings, timing: T
     let k = region.n_parameters();
     let kind = Kind::Regression { model: settings.model.clone(), confounded: Confounded::Drop };
     let mut settings = settings.clone();
-    settings.correction = CorrectionRule::new(rule.law, Gain::constant(NO_GAIN)?);
+    settings.correction = Rule::new(rule.law, Gain::constant(NO_GAIN)?);
     let mut campaign = global::Loop::new(region, settings)?;
     let (mut experiments, mut simulations) = (Vec::new(), Vec::new());
     let mut correction = TracedSurface::combination(k, [])?;
@@ -42,8 +43,8 @@ pub(crate) fn run(rig: &SurrogateRig<'_>, settings: &global::Settings, timing: T
         // What the loop is about to run, found with a copy of it: designs do not depend on costs.
         let mut simulated = Observations::none(k);
         let mut fault = None;
-        let asked = campaign.clone().ask(&mut |point: &[f64]| {
-            let cost = rig.simulate(point)?;
+        let asked = campaign.clone().ask(&mut |cell: Cell, point: &[f64]| {
+            let cost = rig.simulate(cell)?;
             let added = region.coded(point).map_err(infuse::Error::from);
             let added = added.and_then(|coded| simulated.add_simulation(&coded, cost));
             fault = fault.take().or(added.err());
@@ -71,9 +72,9 @@ pub(crate) fn run(rig: &SurrogateRig<'_>, settings: &global::Settings, timing: T
             Timing::NextIteration => &before,
         };
 
-        campaign.ask(&mut |point: &[f64]| {
+        campaign.ask(&mut |cell: Cell, point: &[f64]| {
             let coded = region.coded(point).map_err(|error| error.to_string())?;
-            Ok(rig.simulate(point)? + acting.surface().predict(&coded))
+            Ok(rig.simulate(cell)? + acting.surface().predict(&coded))
         })?;
         for (trial, outcome) in trials.iter().zip(outcomes) {
             campaign.tell(trial.id, outcome)?;
@@ -132,7 +133,7 @@ mod tests {
         settings
     }
 
-    fn found(campaign: &global::Loop) -> Vec<(u64, u64)> {
+    fn found(campaign: &global::Loop) -> Vec<(Cell, u64)> {
         campaign.reports().iter().map(|report| (report.screening.optimum_cell, report.screening.n_after)).collect()
     }
 
@@ -142,7 +143,7 @@ mod tests {
         let rig = SurrogateRig { space: &model.space, model: &model, truth: &truth, noise: 0.01, seed: 3 };
         let smuggled = run(&rig, &settings(), Timing::NextIteration).expect("a campaign");
         let mut itself = global::Loop::new(model.space.region(), settings()).expect("a campaign");
-        while let global::Ask::Trials(trials) = itself.ask(&mut |point| rig.simulate(point)).expect("a batch") {
+        while let global::Ask::Trials(trials) = itself.ask(&mut |cell, _| rig.simulate(cell)).expect("a batch") {
             for (trial, outcome) in trials.iter().zip(rig.measure(&trials).expect("costs")) {
                 itself.tell(trial.id, outcome).expect("an outcome");
             }

@@ -1,10 +1,11 @@
 //! What the wrong choices cost: the loop and its rivals on one rig, over the grid that is flown in whole.
 
 use anyhow::{Context as _, Result};
+use design_space::Cell;
 use doe::{Criterion, Effort, Problem};
 use infuse::{
     Outcome, TrialId,
-    correction::{CorrectionLaw, CorrectionRule},
+    correction::{Law, Rule},
     global::{self, Observations, SurfaceKind, SurfaceKinds, TracedSurface, TrialUse},
 };
 use rayon::prelude::*;
@@ -65,8 +66,8 @@ pub(crate) fn choices(
     let (best_cell, best_cost) = truth.lowest()?;
     let end = |campaign: &global::Loop| -> Result<End> {
         let last = campaign.reports().last().context("a campaign without an iteration")?;
-        let cell = usize::try_from(last.screening.optimum_cell)?;
-        Ok(End { cell, keeps_best: Some(campaign.retained().contains(best_cell as u64)) })
+        let cell = usize::try_from(last.screening.optimum_cell.index())?;
+        Ok(End { cell, keeps_best: Some(campaign.retained().contains(Cell::new(best_cell as u64))) })
     };
     let with = |change: &dyn Fn(&mut global::Settings)| {
         let mut settings = base.clone();
@@ -120,7 +121,7 @@ pub(crate) fn choices(
             "(36) as printed",
             "Corrections are summed that are sums already, against a simulation that is not corrected.".to_owned(),
             looped(with(&|settings| {
-                settings.correction = CorrectionRule::new(CorrectionLaw::AsPrinted36, settings.correction.gain);
+                settings.correction = Rule::new(Law::AsPrinted36, settings.correction.gain);
             })),
         ),
         (
@@ -189,7 +190,7 @@ impl Alone {
                 id: TrialId::new(number),
                 iteration: 1,
                 used_for: TrialUse::Training,
-                cell: rig.space.cell(&point)? as u64,
+                cell: Cell::new(rig.space.cell(&point)? as u64),
                 point,
             })
         });

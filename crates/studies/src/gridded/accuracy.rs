@@ -1,6 +1,7 @@
 //! How far the models of a campaign are from the truth, beside what Section 6.1 says about it.
 
 use anyhow::{Context as _, Result};
+use design_space::Cell;
 use infuse::{
     convergence::{AssumptionReport, Bound, Norm, NormOrder, NormScaling, RegretCertificate, coded_cell_measure},
     correction::ModelStage,
@@ -136,7 +137,7 @@ impl Accuracy {
             let [a, b, c] = each;
             let norms = [a?, b?, c?];
 
-            let optimum_cell = usize::try_from(report.screening.optimum_cell)?;
+            let optimum_cell = usize::try_from(report.screening.optimum_cell.index())?;
             let optimum_cost = true_cost[optimum_cell];
             let corrected: Vec<f64> = over(&error).iter().zip(over(&true_cost)).map(|(e, truth)| e + truth).collect();
             let place = cells.iter().position(|cell| *cell == optimum_cell);
@@ -155,7 +156,7 @@ impl Accuracy {
                 regret: optimum_cost - best_cost,
                 retained_regret: optimum_cost - least,
                 certified_regret,
-                keeps_best: after.contains(best_cell as u64),
+                keeps_best: after.contains(Cell::new(best_cell as u64)),
                 spread: report.screening.spread.s(),
             });
         }
@@ -198,6 +199,6 @@ impl Accuracy {
 }
 
 fn flying_cells(retained: &RetainedSet, simulated: &[f64], true_cost: &[f64]) -> Vec<usize> {
-    let cells = retained.cells().filter_map(|cell| usize::try_from(cell).ok());
+    let cells = retained.cells().filter_map(|cell| usize::try_from(cell.index()).ok());
     cells.filter(|cell| simulated[*cell].is_finite() && true_cost[*cell].is_finite()).collect()
 }

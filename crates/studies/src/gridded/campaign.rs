@@ -4,6 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
+use design_space::Cell;
 use infuse::{Outcome, global};
 use water_channel::BoundedNoise;
 
@@ -24,9 +25,8 @@ pub(crate) struct SurrogateRig<'a> {
 }
 
 impl SurrogateRig<'_> {
-    pub(crate) fn simulate(&self, point: &[f64]) -> Cost {
-        let cell = self.space.cell(point).map_err(|error| format!("{error:#}"))?;
-        self.model.cost(cell)
+    pub(crate) fn simulate(&self, cell: Cell) -> Cost {
+        self.model.cost(usize::try_from(cell.index()).map_err(|error| error.to_string())?)
     }
 
     /// What these experiments read: the truth and an error, uniform and bounded, that depends on nothing but the number
@@ -34,7 +34,7 @@ impl SurrogateRig<'_> {
     pub(crate) fn measure(&self, trials: &[global::Trial]) -> Result<Vec<Outcome>> {
         let noise = BoundedNoise::new(self.noise, self.seed)?;
         let range = self.truth.range();
-        let cells = trials.iter().map(|trial| Ok(usize::try_from(trial.cell)?)).collect::<Result<Vec<_>>>()?;
+        let cells = trials.iter().map(|trial| Ok(usize::try_from(trial.cell.index())?)).collect::<Result<Vec<_>>>()?;
         let costs = self.truth.costs(&cells);
         let read = |(trial, cost): (&global::Trial, Cost)| {
             cost.map(|cost| cost + range * noise.relative_error(trial.id.number())).into()
@@ -77,7 +77,7 @@ impl Campaigns {
         let remembered = fs::read(&path).ok().and_then(|text| serde_json::from_slice::<global::Loop>(&text).ok());
         let mut campaign = remembered.unwrap_or_else(|| begun.clone());
         iterated(campaign.reports().len());
-        while let global::Ask::Trials(trials) = campaign.ask(&mut |point| rig.simulate(point))? {
+        while let global::Ask::Trials(trials) = campaign.ask(&mut |cell, _| rig.simulate(cell))? {
             for (trial, outcome) in trials.iter().zip(rig.measure(&trials)?) {
                 campaign.tell(trial.id, outcome)?;
             }

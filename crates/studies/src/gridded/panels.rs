@@ -1,6 +1,7 @@
 //! What figures show of an iteration over two parameters.
 
 use anyhow::Result;
+use design_space::Cell;
 use doe::Levels;
 use infuse::global::{self, RetainedSet, TrialUse};
 
@@ -20,7 +21,7 @@ pub(crate) fn cell_panel(
     };
     let at = |i: usize, j: usize| -> Result<f64> {
         let cell = i * n_y + j;
-        if retained.contains(cell as u64) { value(cell) } else { Ok(f64::NAN) }
+        if retained.contains(Cell::new(cell as u64)) { value(cell) } else { Ok(f64::NAN) }
     };
     let row = |j: usize| (0..x.len()).map(|i| at(i, j)).collect::<Result<Vec<_>>>();
     let z = (0..y.len()).map(row).collect::<Result<_>>()?;

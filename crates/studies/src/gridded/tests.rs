@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use infuse::{
-    correction::{CorrectionLaw, CorrectionRule, Gain},
+    correction::{Gain, Law, Rule},
     global,
 };
 
@@ -35,10 +35,10 @@ fn bowl(space: &Space, key: &str, on_top: impl Fn(f64, f64) -> f64) -> FlownGrid
     FlownGrid::of_costs(key, costs.collect())
 }
 
-fn settings(law: CorrectionLaw, k: f64, iterations: usize) -> global::Settings {
+fn settings(law: Law, k: f64, iterations: usize) -> global::Settings {
     let model = Regressor::AdditiveQuadratic.model(2).expect("a model");
     let mut settings = global::Settings::new(model, 12, 24);
-    settings.correction = CorrectionRule::new(law, Gain::constant(k).expect("a gain"));
+    settings.correction = Rule::new(law, Gain::constant(k).expect("a gain"));
     settings.max_iterations = iterations;
     settings
 }
@@ -52,7 +52,7 @@ fn directory(name: &str) -> std::path::PathBuf {
 fn a_constant_gap_falls_as_a_power_of_one_less_the_gain_and_attains_its_bound() {
     let space = space();
     let (model, truth) = (bowl(&space, "model", |_, _| 0.0), bowl(&space, "truth", |_, _| GAP));
-    for (law, k) in [(CorrectionLaw::ProofRecursion, 0.5), (CorrectionLaw::CurrentSimulation, 0.3)] {
+    for (law, k) in [(Law::ProofRecursion, 0.5), (Law::CurrentSimulation, 0.3)] {
         let rig = SurrogateRig { space: &space, model: &model, truth: &truth, noise: 0.0, seed: 1 };
         let out = directory(&format!("gap-{law:?}"));
         let campaign = Campaigns::new(out.clone()).run(&rig, &settings(law, k, 6), |_| {}).expect("a campaign");
@@ -81,7 +81,7 @@ fn a_wrong_model_with_noise_stays_inside_its_bound_and_its_certificate() {
     for seed in 0..10 {
         let rig = SurrogateRig { space: &space, model: &model, truth: &truth, noise: 0.03, seed };
         let out = directory(&format!("noise-{seed}"));
-        let settings = settings(CorrectionLaw::ProofRecursion, 0.5, 8);
+        let settings = settings(Law::ProofRecursion, 0.5, 8);
         let campaign = Campaigns::new(out.clone()).run(&rig, &settings, |_| {}).expect("a campaign");
         std::fs::remove_dir_all(&out).expect("just written");
         let accuracy = Accuracy::of(&campaign, &space, &model, &truth).expect("as many cells");
@@ -98,7 +98,7 @@ fn an_interrupted_campaign_goes_on_where_it_was() {
     let space = space();
     let (model, truth) = (bowl(&space, "model", |_, _| 0.0), bowl(&space, "truth", |x, y| 0.4 * x * y));
     let rig = SurrogateRig { space: &space, model: &model, truth: &truth, noise: 0.05, seed: 7 };
-    let settings = settings(CorrectionLaw::ProofRecursion, 0.5, 5);
+    let settings = settings(Law::ProofRecursion, 0.5, 5);
     let (whole, torn) = (directory("whole"), directory("torn"));
     let expected = Campaigns::new(whole.clone()).run(&rig, &settings, |_| {}).expect("a campaign");
 

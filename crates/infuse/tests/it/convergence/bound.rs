@@ -3,21 +3,21 @@
 use infuse::{
     Error,
     convergence::{Amplification, Bound, ErrorLevels},
-    correction::{CorrectionLaw, CorrectionRule, Gain, ModelStage},
+    correction::{Gain, Law, ModelStage, Rule},
 };
 use proptest::prelude::*;
 
 use super::{LAWS, STAGES, any_gain, any_stage, converging_law, rule};
 
-const PROOF: CorrectionLaw = CorrectionLaw::ProofRecursion;
-const CURRENT: CorrectionLaw = CorrectionLaw::CurrentSimulation;
+const PROOF: Law = Law::ProofRecursion;
+const CURRENT: Law = Law::CurrentSimulation;
 
 #[track_caller]
 fn check_near(found: f64, expected: f64) {
     assert!((found - expected).abs() <= 1e-12 * (1.0 + expected.abs()), "{found}, expected {expected}");
 }
 
-fn corrected(law: CorrectionLaw, k: f64) -> Bound {
+fn corrected(law: Law, k: f64) -> Bound {
     Bound::new(rule(law, k), ModelStage::Corrected)
 }
 
@@ -68,7 +68,7 @@ fn one_round_gives_the_same_bound_under_both_laws() {
 fn harmonic_gain_forgets_the_gap_at_once() {
     let levels = ErrorLevels::new(1e6, 0.5, 0.25).unwrap();
     let bound = |law, n| {
-        let rule = CorrectionRule::new(law, Gain::harmonic());
+        let rule = Rule::new(law, Gain::harmonic());
         Bound::new(rule, ModelStage::Corrected).after(n).error(&levels)
     };
     for n in 2..50 {
@@ -81,7 +81,7 @@ fn harmonic_gain_forgets_the_gap_at_once() {
 
 #[test]
 fn printed_36_has_a_bound_that_doubles_and_no_limit() {
-    let bound = corrected(CorrectionLaw::AsPrinted36, 0.5);
+    let bound = corrected(Law::AsPrinted36, 0.5);
     assert_eq!(bound.limit(), None);
     assert_eq!(bound.iterations_to(&ErrorLevels::new(1.0, 0.0, 0.0).unwrap(), 0.1), Ok(None));
     check_near(bound.after(11).gap, 0.5 * 1024.0 - 1.0);
@@ -130,7 +130,7 @@ proptest! {
         law in converging_law(), gain in any_gain(), stage in any_stage(),
         levels in [0.0..10.0, 0.0..2.0, 0.0..2.0], tolerance in 1e-6..1.0,
     ) {
-        let bound = Bound::new(CorrectionRule::new(law, gain), stage);
+        let bound = Bound::new(Rule::new(law, gain), stage);
         let levels = ErrorLevels::new(levels[0], levels[1], levels[2]).unwrap();
         let n = bound.iterations_to(&levels, tolerance).unwrap().unwrap();
         let limit = bound.limit().unwrap().error(&levels);
@@ -151,7 +151,7 @@ proptest! {
         law in prop::sample::select(&LAWS[..]), gain in any_gain(), stage in any_stage(), n in 0_usize..40,
         levels in [0.0..10.0, 0.0..2.0, 0.0..2.0],
     ) {
-        let bound = Bound::new(CorrectionRule::new(law, gain), stage);
+        let bound = Bound::new(Rule::new(law, gain), stage);
         let n_sim = if stage == ModelStage::Onset { n + 1 } else { n.max(1) };
         let summed = bound.finite(levels[0], &vec![levels[1]; n_sim], &vec![levels[2]; n]).unwrap();
         let closed = bound.after(n).error(&ErrorLevels::new(levels[0], levels[1], levels[2]).unwrap());
@@ -160,7 +160,7 @@ proptest! {
 
     #[test]
     fn after_very_many_rounds_only_the_limit_is_left(law in converging_law(), gain in any_gain(), stage in any_stage()) {
-        let bound = Bound::new(CorrectionRule::new(law, gain), stage);
+        let bound = Bound::new(Rule::new(law, gain), stage);
         let (far, limit) = (bound.after(1_000_000_000), bound.limit().unwrap());
         prop_assert!(far.gap.abs() < 1e-9);
         prop_assert!((far.simulation - limit.simulation).abs() < 1e-8, "{:?}, {:?}", far, limit);
@@ -172,7 +172,7 @@ proptest! {
         gain in gain_up_to_one(), n in 0_usize..30, levels in [0.0..10.0, 0.0..2.0, 0.0..2.0],
     ) {
         let levels = ErrorLevels::new(levels[0], levels[1], levels[2]).unwrap();
-        let of = |law| Bound::new(CorrectionRule::new(law, gain), ModelStage::Corrected).after(n).error(&levels);
+        let of = |law| Bound::new(Rule::new(law, gain), ModelStage::Corrected).after(n).error(&levels);
         prop_assert!(of(CURRENT) <= of(PROOF) * (1.0 + 1e-12), "{}, {}", of(CURRENT), of(PROOF));
     }
 }

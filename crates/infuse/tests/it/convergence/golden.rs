@@ -4,7 +4,7 @@ use std::fs;
 
 use infuse::{
     convergence::{Amplification, Bound},
-    correction::{CorrectionLaw, CorrectionRule, Gain, ModelStage},
+    correction::{Gain, Law, ModelStage, Rule},
 };
 use serde_json::Value;
 
@@ -21,8 +21,8 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
 }
 
-fn rule_of(case: &Value) -> CorrectionRule {
-    let law: CorrectionLaw = serde_json::from_value(case["law"].clone()).unwrap();
+fn rule_of(case: &Value) -> Rule {
+    let law: Law = serde_json::from_value(case["law"].clone()).unwrap();
     let gain = match case["gain"].as_str().unwrap() {
         "harmonic" => Gain::harmonic(),
         fraction => {
@@ -30,7 +30,7 @@ fn rule_of(case: &Value) -> CorrectionRule {
             Gain::constant(parts.next().unwrap() / parts.next().unwrap_or(1.0)).unwrap()
         }
     };
-    CorrectionRule::new(law, gain)
+    Rule::new(law, gain)
 }
 
 #[track_caller]

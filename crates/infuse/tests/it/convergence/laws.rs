@@ -2,7 +2,7 @@
 
 use infuse::{
     Error,
-    correction::{Coefficients, CorrectedField, CorrectionLaw, CorrectionRule, Gain, ModelStage},
+    correction::{Coefficients, Field, Gain, Law, ModelStage, Rule},
 };
 use proptest::prelude::*;
 
@@ -26,7 +26,7 @@ proptest! {
         gain in any_gain(),
         stage in any_stage(),
     ) {
-        let rule = CorrectionRule::new(law, gain);
+        let rule = Rule::new(law, gain);
         let model = rule.model(stage, experiment.len());
         let combined = model.combine(&experiment, &simulation[..model.simulation.len()]).unwrap();
         let scale: f64 = model.experiment.iter().chain(&model.simulation).map(|factor| 10.0 * factor.abs()).sum();
@@ -40,7 +40,7 @@ proptest! {
     fn printed_47_is_the_recursion((experiment, simulation) in surfaces(), k in 0.01..1.99) {
         let n = experiment.len();
         prop_assume!(n > 0);
-        let rule = rule(CorrectionLaw::ProofRecursion, k);
+        let rule = rule(Law::ProofRecursion, k);
         let model = by_recursion(rule, ModelStage::Corrected, &experiment, &simulation);
         for (cell, value) in model.iter().enumerate() {
             let exp = |j: usize| experiment[j - 1][cell];
@@ -60,7 +60,7 @@ proptest! {
     fn factors_of_a_model_sum_to_one(
         law in prop::sample::select(&LAWS[..]), gain in any_gain(), stage in any_stage(), n in 0_usize..12,
     ) {
-        let model = CorrectionRule::new(law, gain).model(stage, n);
+        let model = Rule::new(law, gain).model(stage, n);
         let sum: f64 = model.experiment.iter().chain(&model.simulation).sum();
         let scale: f64 = model.experiment.iter().chain(&model.simulation).map(|factor| factor.abs()).sum();
         prop_assert!((sum - 1.0).abs() <= 1e-13 * scale, "{}", sum);
@@ -75,8 +75,8 @@ proptest! {
         prop_assume!(n > 0);
         let (n_cells, drop_at) = (simulation[0].len(), at.index(n));
         let cell = which.index(n_cells);
-        let rule = CorrectionRule::new(law, gain);
-        let mut field = CorrectedField::new(rule, n_cells).unwrap();
+        let rule = Rule::new(law, gain);
+        let mut field = Field::new(rule, n_cells).unwrap();
         for j in 0..n {
             if j == drop_at {
                 let keep: Vec<bool> = (0..n_cells).map(|other| other == cell).collect();
@@ -92,8 +92,8 @@ proptest! {
 }
 
 /// One cell, exact surfaces that differ by `gap`: the error after each round.
-fn errors(rule: CorrectionRule, gap: f64, n: usize) -> Vec<f64> {
-    let mut field = CorrectedField::new(rule, 1).unwrap();
+fn errors(rule: Rule, gap: f64, n: usize) -> Vec<f64> {
+    let mut field = Field::new(rule, 1).unwrap();
     (0..n)
         .map(|_| {
             field.update(&[gap], &[0.0]).unwrap();
@@ -117,7 +117,7 @@ fn a_constant_gap_decays_geometrically() {
 #[test]
 fn harmonic_gain_is_right_after_one_round_and_averages_the_experiments() {
     for law in &LAWS[..2] {
-        let mut field = CorrectedField::new(CorrectionRule::new(*law, Gain::harmonic()), 1).unwrap();
+        let mut field = Field::new(Rule::new(*law, Gain::harmonic()), 1).unwrap();
         for (index, experiment) in [4.0, 1.0, 7.0, 2.0].into_iter().enumerate() {
             field.update(&[experiment], &[10.0]).unwrap();
             let mean = [4.0, 2.5, 4.0, 3.5][index];
@@ -129,11 +129,11 @@ fn harmonic_gain_is_right_after_one_round_and_averages_the_experiments() {
 #[test]
 fn printed_36_corrects_a_gap_twice_as_much_every_time() {
     let k = 0.4;
-    for (index, error) in errors(rule(CorrectionLaw::AsPrinted36, k), 2.0, 40).into_iter().enumerate() {
+    for (index, error) in errors(rule(Law::AsPrinted36, k), 2.0, 40).into_iter().enumerate() {
         let expected = 2.0 * (k * 2.0_f64.powi(i32::try_from(index).unwrap()) - 1.0);
         assert!((error - expected).abs() <= 1e-14 * expected.abs().max(1.0), "{error}, closed form {expected}");
     }
-    assert!(errors(rule(CorrectionLaw::AsPrinted36, k), 2.0, 30)[29] > 1e8, "k = 0.4 and a gap of 2, iteration 30");
+    assert!(errors(rule(Law::AsPrinted36, k), 2.0, 30)[29] > 1e8, "k = 0.4 and a gap of 2, iteration 30");
 }
 
 #[test]
@@ -157,7 +157,7 @@ fn nothing_is_corrected_before_the_first_round() {
             let model = rule.model(stage, 0);
             assert_eq!(model, Coefficients { experiment: vec![], simulation: vec![1.0] }, "{law:?}");
         }
-        let field = CorrectedField::new(rule, 2).unwrap();
+        let field = Field::new(rule, 2).unwrap();
         assert_eq!((field.n_rounds(), field.model()), (0, None), "{law:?}");
         assert_eq!(field.onset_model(&[3.0, 4.0]).unwrap(), [3.0, 4.0], "{law:?}");
     }
@@ -165,8 +165,8 @@ fn nothing_is_corrected_before_the_first_round() {
 
 #[test]
 fn onset_lacks_what_the_experiments_of_its_iteration_say() {
-    let rule = rule(CorrectionLaw::ProofRecursion, 0.5);
-    let mut field = CorrectedField::new(rule, 1).unwrap();
+    let rule = rule(Law::ProofRecursion, 0.5);
+    let mut field = Field::new(rule, 1).unwrap();
     field.update(&[3.0], &[1.0]).unwrap();
     let onset = field.onset_model(&[1.5]).unwrap();
     assert!((onset[0] - 2.5).abs() < 1e-15, "1.5 + 0.5 (3 - 1)");
@@ -186,9 +186,9 @@ fn rejects_gains_that_cannot_settle() {
 
 #[test]
 fn rejects_surfaces_that_do_not_fit_and_stays_as_it_was() {
-    let rule = rule(CorrectionLaw::AsPrinted36, 0.5);
-    assert_eq!(CorrectedField::new(rule, 0), Err(Error::EmptyRegion));
-    let mut field = CorrectedField::new(rule, 2).unwrap();
+    let rule = rule(Law::AsPrinted36, 0.5);
+    assert_eq!(Field::new(rule, 0), Err(Error::EmptyRegion));
+    let mut field = Field::new(rule, 2).unwrap();
     field.update(&[1.0, 2.0], &[0.0, 0.0]).unwrap();
     let before = field.clone();
     let short = field.update(&[1.0], &[0.0, 0.0]).unwrap_err();
@@ -205,7 +205,7 @@ fn rejects_surfaces_that_do_not_fit_and_stays_as_it_was() {
 
 #[test]
 fn printed_36_is_stopped_when_it_leaves_the_doubles() {
-    let mut field = CorrectedField::new(rule(CorrectionLaw::AsPrinted36, 0.5), 1).unwrap();
+    let mut field = Field::new(rule(Law::AsPrinted36, 0.5), 1).unwrap();
     let fault = (0..2000).find_map(|_| field.update(&[1.0], &[0.0]).err()).unwrap();
     assert!(matches!(fault, Error::Entry { name: "sum of corrections", index: 0, .. }), "{fault}");
     assert_eq!(field.n_rounds(), 1024, "2^1024 is the first power of two beyond the doubles");
@@ -213,7 +213,7 @@ fn printed_36_is_stopped_when_it_leaves_the_doubles() {
 
 #[test]
 fn rejects_combinations_of_the_wrong_shape() {
-    let model = rule(CorrectionLaw::ProofRecursion, 0.5).model(ModelStage::Corrected, 1);
+    let model = rule(Law::ProofRecursion, 0.5).model(ModelStage::Corrected, 1);
     assert_eq!(model.combine(&[[3.0]], &[[1.0]]).unwrap(), [2.0], "half of each");
     let nothing: [[f64; 1]; 0] = [];
     let missing = model.combine(&nothing, &[[1.0]]).unwrap_err();

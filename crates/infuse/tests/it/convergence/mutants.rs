@@ -2,7 +2,7 @@
 
 use infuse::{
     convergence::Bound,
-    correction::{CorrectionLaw, CorrectionRule, Gain, ModelStage},
+    correction::{Gain, Law, ModelStage, Rule},
 };
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -40,10 +40,10 @@ impl Seen<'_> {
     }
 }
 
-type Law = fn(&Seen<'_>) -> f64;
+type Mutant = fn(&Seen<'_>) -> f64;
 
 /// The corrected model after all rounds.
-fn run(law: Law, gain: Gain, experiment: &[f64], simulation: &[f64]) -> f64 {
+fn run(law: Mutant, gain: Gain, experiment: &[f64], simulation: &[f64]) -> f64 {
     let (mut last_correction, mut sum_of_corrections, mut last_model) = (0.0, 0.0, None);
     for n in 1..=experiment.len() {
         let seen = Seen { gain, n, last_correction, sum_of_corrections, last_model, experiment, simulation };
@@ -55,13 +55,13 @@ fn run(law: Law, gain: Gain, experiment: &[f64], simulation: &[f64]) -> f64 {
 }
 
 /// How often a law holds, leaves the bound of `law` and falls short of it, in 400 cases.
-fn count(law: CorrectionLaw, model: impl Fn(Gain, &[f64], &[f64]) -> f64) -> [usize; 3] {
+fn count(law: Law, model: impl Fn(Gain, &[f64], &[f64]) -> f64) -> [usize; 3] {
     let config = Config { failure_persistence: None, ..Config::default() };
     let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
     let mut counts = [0; 3];
     for _ in 0..400 {
         let (case, gain) = (cases(2..9), any_gain()).new_tree(&mut runner).unwrap().current();
-        let bound = Bound::new(CorrectionRule::new(law, gain), ModelStage::Corrected);
+        let bound = Bound::new(Rule::new(law, gain), ModelStage::Corrected);
         let verdict =
             verdict(&bound, &|experiment: &[f64], simulation: &[f64]| model(gain, experiment, simulation), &case);
         let all = [Verdict::Holds, Verdict::LeavesTheBound, Verdict::FallsShortOfIt];
@@ -71,27 +71,25 @@ fn count(law: CorrectionLaw, model: impl Fn(Gain, &[f64], &[f64]) -> f64) -> [us
 }
 
 #[track_caller]
-fn check_fails(name: &str, law: CorrectionLaw, mutant: Law) {
+fn check_fails(name: &str, law: Law, mutant: Mutant) {
     let [holds, leaves, falls_short] =
         count(law, |gain, experiment, simulation| run(mutant, gain, experiment, simulation));
     assert!(leaves + falls_short > 200, "{name}: {holds} hold, {leaves} leave, {falls_short} fall short");
 }
 
-const PROOF: Law = |s| s.last_correction + s.k(s.n) * (s.exp() - s.model());
-const CURRENT: Law = |s| s.last_correction + s.k(s.n) * (s.exp() - s.sim() - s.last_correction);
-const PRINTED: Law = |s| s.k(s.n) * (s.exp() - s.sim()) + s.sum_of_corrections;
+const PROOF: Mutant = |s| s.last_correction + s.k(s.n) * (s.exp() - s.model());
+const CURRENT: Mutant = |s| s.last_correction + s.k(s.n) * (s.exp() - s.sim() - s.last_correction);
+const PRINTED: Mutant = |s| s.k(s.n) * (s.exp() - s.sim()) + s.sum_of_corrections;
 
 #[test]
 fn laws_without_a_slip_hold_in_every_case() {
-    for (law, definition) in [
-        (CorrectionLaw::ProofRecursion, PROOF),
-        (CorrectionLaw::CurrentSimulation, CURRENT),
-        (CorrectionLaw::AsPrinted36, PRINTED),
-    ] {
+    for (law, definition) in
+        [(Law::ProofRecursion, PROOF), (Law::CurrentSimulation, CURRENT), (Law::AsPrinted36, PRINTED)]
+    {
         let defined = count(law, |gain, experiment, simulation| run(definition, gain, experiment, simulation));
         assert_eq!(defined, [400, 0, 0], "{law:?} as defined");
         let built = count(law, |gain, experiment, simulation| {
-            law_of_the_crate(CorrectionRule::new(law, gain), ModelStage::Corrected)(experiment, simulation)
+            law_of_the_crate(Rule::new(law, gain), ModelStage::Corrected)(experiment, simulation)
         });
         assert_eq!(built, [400, 0, 0], "{law:?} as built");
     }
@@ -99,8 +97,8 @@ fn laws_without_a_slip_hold_in_every_case() {
 
 #[test]
 fn proof_recursion_with_a_slip_fails() {
-    let law = CorrectionLaw::ProofRecursion;
-    let check = |name: &str, mutant: Law| check_fails(name, law, mutant);
+    let law = Law::ProofRecursion;
+    let check = |name: &str, mutant: Mutant| check_fails(name, law, mutant);
     check("sign of the difference", |s| s.last_correction - s.k(s.n) * (s.exp() - s.model()));
     check("last correction forgotten", |s| s.k(s.n) * (s.exp() - s.model()));
     check("1 - k missing: a sum of increments", |s| {
@@ -125,8 +123,8 @@ fn proof_recursion_with_a_slip_fails() {
 
 #[test]
 fn current_simulation_with_a_slip_fails() {
-    let law = CorrectionLaw::CurrentSimulation;
-    let check = |name: &str, mutant: Law| check_fails(name, law, mutant);
+    let law = Law::CurrentSimulation;
+    let check = |name: &str, mutant: Mutant| check_fails(name, law, mutant);
     check("sign of the difference", |s| s.last_correction - s.k(s.n) * (s.exp() - s.sim() - s.last_correction));
     check("sign of the last correction", |s| s.last_correction + s.k(s.n) * (s.exp() - s.sim() + s.last_correction));
     check("1 - k missing: a sum of increments", |s| s.last_correction + s.k(s.n) * (s.exp() - s.sim()));

@@ -3,7 +3,7 @@
 
 use infuse::{
     convergence::{Bound, Norm, NormOrder, NormScaling},
-    correction::{CorrectionLaw, CorrectionRule, Gain, ModelStage},
+    correction::{Gain, Law, ModelStage, Rule},
 };
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
@@ -100,7 +100,7 @@ pub(crate) fn verdict(bound: &Bound, law: &impl Fn(&[f64], &[f64]) -> f64, case:
     }
 }
 
-pub(crate) fn law_of_the_crate(rule: CorrectionRule, stage: ModelStage) -> impl Fn(&[f64], &[f64]) -> f64 {
+pub(crate) fn law_of_the_crate(rule: Rule, stage: ModelStage) -> impl Fn(&[f64], &[f64]) -> f64 {
     move |experiment, simulation| {
         let rows = |values: &[f64]| values.iter().map(|value| vec![*value]).collect::<Vec<_>>();
         by_recursion(rule, stage, &rows(experiment), &rows(simulation))[0]
@@ -115,7 +115,7 @@ proptest! {
     fn every_law_stays_inside_its_bound_and_attains_it(
         case in cases(0..13), law in prop::sample::select(&LAWS[..]), gain in any_gain(), stage in any_stage(),
     ) {
-        let rule = CorrectionRule::new(law, gain);
+        let rule = Rule::new(law, gain);
         let verdict = verdict(&Bound::new(rule, stage), &law_of_the_crate(rule, stage), &case);
         prop_assert_eq!(verdict, Verdict::Holds);
     }
@@ -129,7 +129,7 @@ proptest! {
         let (e1, e2) = (case.simulation[0], case.experiment[0]);
         case.simulation.fill(e1);
         case.experiment.fill(e2);
-        let rule = CorrectionRule::new(law, gain);
+        let rule = Rule::new(law, gain);
         let model = law_of_the_crate(rule, stage);
         let levels = infuse::convergence::ErrorLevels::new(case.gap, e1, e2).unwrap();
         let expected = Bound::new(rule, stage).after(n).error(&levels);
@@ -178,7 +178,7 @@ impl Campaign {
     }
 
     /// Norm of the model's error over the last region, J_sim being a saddle over the cells.
-    fn error(&self, rule: CorrectionRule, stage: ModelStage, norm: &Norm) -> f64 {
+    fn error(&self, rule: Rule, stage: ModelStage, norm: &Norm) -> f64 {
         let cells = 0..self.gap.len();
         let simulated: Vec<f64> = cells.map(|cell| cell as f64 - 2.0).collect();
         let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<f64>>();
@@ -223,7 +223,7 @@ proptest! {
         campaign in campaigns(), law in prop::sample::select(&LAWS[..]), gain in any_gain(), stage in any_stage(),
         norm in any_norm(),
     ) {
-        let rule = CorrectionRule::new(law, gain);
+        let rule = Rule::new(law, gain);
         let bound = Bound::new(rule, stage);
         let error = campaign.error(rule, stage, &norm);
         let last = campaign.last(stage);
@@ -241,7 +241,7 @@ proptest! {
         mut campaign in campaigns(), law in prop::sample::select(&LAWS[..]), gain in any_gain(), stage in any_stage(),
         norm in any_norm(), sizes in prop::collection::vec(0.01..3.0, 20),
     ) {
-        let rule = CorrectionRule::new(law, gain);
+        let rule = Rule::new(law, gain);
         let n = campaign.n();
         let model = rule.model(stage, n);
         let shape = campaign.gap.clone();
@@ -272,7 +272,7 @@ proptest! {
             *error *= 0.15 * case.gap;
         }
         case.fractions[0] = case.fractions[0].signum();
-        let printed = law_of_the_crate(rule(CorrectionLaw::AsPrinted36, k), stage);
+        let printed = law_of_the_crate(rule(Law::AsPrinted36, k), stage);
         let bound = Bound::new(rule(law, k), stage);
         // From 25 rounds on 0.1 k 2^(n−2) exceeds the largest amplification there is, 2/(2 − k) = 200.
         for n in 25..=48 {
@@ -298,7 +298,7 @@ fn printed_36_leaves_the_bounds_of_both_laws_however_small_the_gap() {
         for stage in STAGES {
             let levels = infuse::convergence::ErrorLevels::new(gap, 1.0, 1.0).unwrap();
             let bound = Bound::new(rule(law, k), stage);
-            let printed = law_of_the_crate(rule(CorrectionLaw::AsPrinted36, k), stage);
+            let printed = law_of_the_crate(rule(Law::AsPrinted36, k), stage);
             let is_outside = |n: usize| {
                 let error = printed(&vec![gap; n], &vec![0.0; n + 1]) - gap;
                 error.abs() > bound.after(n).error(&levels)
@@ -315,7 +315,7 @@ fn falling_errors_bring_the_finite_bound_to_the_limit_of_their_limits() {
     let falling = |n: usize, limit: f64| (1..=n).map(|j| limit + 3.0 / j as f64).collect::<Vec<f64>>();
     for law in &LAWS[..2] {
         for gain in [Gain::constant(0.3).unwrap(), Gain::constant(1.0).unwrap(), Gain::constant(1.4).unwrap()] {
-            let bound = Bound::new(CorrectionRule::new(*law, gain), ModelStage::Corrected);
+            let bound = Bound::new(Rule::new(*law, gain), ModelStage::Corrected);
             let limit = bound.limit().unwrap().error(&infuse::convergence::ErrorLevels::new(5.0, 0.2, 0.1).unwrap());
             let finite = [100, 1000, 10_000].map(|n| bound.finite(5.0, &falling(n, 0.2), &falling(n, 0.1)).unwrap());
             assert!(finite.is_sorted_by(|a, b| a > b), "{law:?}, {gain:?}: {finite:?}");

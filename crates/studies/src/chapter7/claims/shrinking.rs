@@ -1,5 +1,6 @@
 //! What is said of the design space, iteration by iteration.
 
+use design_space::Cell;
 use infuse::global;
 
 use super::votes::{Votes, by_seeds, count};
@@ -86,7 +87,7 @@ pub(super) fn designs(case: &Case, found: &Found) -> Claim {
     let is_left = |report: &global::Report, cell| {
         runs.quiet_campaign.retained_at(report.iteration).is_some_and(|left| left.contains(cell))
     };
-    let cells = |report: &global::Report| -> Vec<u64> {
+    let cells = |report: &global::Report| -> Vec<Cell> {
         let experiments = report.trials.iter().map(|record| record.trial.cell);
         experiments.chain(report.simulations.iter().map(|run| run.cell)).collect()
     };

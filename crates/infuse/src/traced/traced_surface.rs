@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use surface::{Kind, Regression, Surface};
+use surface::{Regression, Surface};
 
-use crate::global::observations::Observations;
-use crate::global::sum::Sum;
+use crate::checks::check_length;
+use crate::traced::sum::Sum;
 use crate::{Error, TrialId};
 
 /// A response surface with the trials whose outcomes have entered it, directly or through a correction.
@@ -14,36 +14,19 @@ use crate::{Error, TrialId};
 /// Coordinates are coded to the original box.
 #[derive(Debug, Clone)]
 pub struct TracedSurface {
-    form: Form,
-    trials: BTreeSet<TrialId>,
+    pub(super) form: Form,
+    pub(super) trials: BTreeSet<TrialId>,
 }
 
+/// What kind of surface it is.
 #[derive(Debug, Clone)]
-enum Form {
+pub(super) enum Form {
     Regression(Arc<Regression>),
     Smoother(Arc<dyn Surface>),
     Sum(Arc<Sum>),
 }
 
 impl TracedSurface {
-    /// The surface of this kind fitted to these observations.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Surface`].
-    pub fn fit(kind: &Kind, observations: &Observations) -> Result<Self, Error> {
-        let data = observations.data()?;
-        let form = match kind {
-            Kind::Regression { model, confounded } => {
-                Form::Regression(Arc::new(Regression::fit_with(model, &data, *confounded)?))
-            }
-            Kind::InverseDistance { .. } | Kind::SquaredExponential { .. } => {
-                Form::Smoother(Arc::from(kind.fit(&data)?))
-            }
-        };
-        Ok(Self { form, trials: observations.trials().clone() })
-    }
-
     /// Σ f Ĵ over these surfaces; a factor of exactly 0 leaves its surface out, and the trials of it too.
     ///
     /// Regressions are added coefficient by coefficient, so a sum of many costs no more to evaluate than one.
@@ -59,7 +42,7 @@ impl TracedSurface {
         let mut sum = Sum::zero(n_factors)?;
         let mut trials = BTreeSet::new();
         for (factor, part) in parts {
-            crate::problem::check_length("surface", n_factors, part.surface().n_factors())?;
+            check_length("surface", n_factors, part.surface().n_factors())?;
             if factor == 0.0 {
                 continue;
             }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use surface::Data;
 
-use crate::global::traced::TracedSurface;
+use crate::traced::traced_surface::TracedSurface;
 use crate::{Error, TrialId};
 
 /// Costs at coded points that remember every trial whose outcome has gone into one of them.
@@ -45,20 +45,20 @@ impl Observations {
     ///
     /// [`Error::WrongLength`].
     pub fn add_simulation(&mut self, point: &[f64], cost: f64) -> Result<(), Error> {
-        crate::problem::check_length("point", self.n_factors, point.len())?;
+        crate::checks::check_length("point", self.n_factors, point.len())?;
         self.coordinates.extend(point);
         self.values.push(cost);
         self.weights.push(1.0);
         Ok(())
     }
 
-    /// The costs with a correction added, J(p) + Ĵcor(p) at every point.
+    /// The responses with a correction added, J(p) + Ĵcor(p) at every point.
     ///
     /// # Errors
     ///
     /// [`Error::WrongLength`] if the correction has another number of factors.
     pub fn corrected_by(&self, correction: &TracedSurface) -> Result<Self, Error> {
-        crate::problem::check_length("correction", self.n_factors, correction.surface().n_factors())?;
+        crate::checks::check_length("correction", self.n_factors, correction.surface().n_factors())?;
         let mut corrected = self.clone();
         for (value, point) in corrected.values.iter_mut().zip(self.points()) {
             *value += correction.surface().predict(point);
@@ -80,7 +80,7 @@ impl Observations {
     ///
     /// [`Error::WrongLength`] if the others have another number of factors.
     pub fn followed_by(mut self, others: &Self) -> Result<Self, Error> {
-        crate::problem::check_length("observations", self.n_factors, others.n_factors)?;
+        crate::checks::check_length("observations", self.n_factors, others.n_factors)?;
         self.coordinates.extend(&others.coordinates);
         self.values.extend(&others.values);
         self.weights.extend(&others.weights);
@@ -99,20 +99,20 @@ impl Observations {
         self.coordinates.chunks_exact(self.n_factors.max(1))
     }
 
-    /// The costs, in order.
+    /// The responses, in order.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// The trials that the costs rest on.
+    /// The trials that the responses rest on.
     #[must_use]
     pub fn trials(&self) -> &BTreeSet<TrialId> {
         &self.trials
     }
 
     /// As data to fit a surface to.
-    pub(crate) fn data(&self) -> Result<Data, Error> {
+    pub(super) fn data(&self) -> Result<Data, Error> {
         let data = Data::new(self.n_factors, self.coordinates.clone(), self.values.clone())?;
         Ok(data.with_weights(self.weights.clone())?)
     }

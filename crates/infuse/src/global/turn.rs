@@ -1,0 +1,165 @@
+//! One turn of Figures 4 and 19.
+
+use std::collections::BTreeSet;
+
+use design_space::Cell;
+
+use crate::Error;
+use crate::correction::{corrected_model, correction};
+use crate::global::batch::{DesignSpace, Purpose};
+use crate::global::campaign::Loop;
+use crate::global::changes::SurfaceChanges;
+use crate::global::fits::{BatchData, unless_data_are_few};
+use crate::global::open_batch::{OpenBatch, simulated, trials};
+use crate::global::plan::Plan;
+use crate::global::report::Report;
+use crate::global::retained::RetainedSet;
+use crate::global::screening::{Screening, Spread, threshold};
+use crate::global::surfaces::IterationSurfaces;
+use crate::traced::{Observations, TracedSurface};
+
+/// What the lower half of a turn gives.
+#[derive(Debug)]
+pub(crate) struct Closed {
+    pub(crate) report: Report,
+    pub(crate) surfaces: IterationSurfaces,
+    pub(crate) retained: RetainedSet,
+}
+
+/// The turn.
+impl Loop {
+    /// The upper half of the figure, up to the experiments: they wait for whoever has the rig.
+    pub(super) fn begin(
+        &self,
+        simulation: &mut impl FnMut(Cell, &[f64]) -> Result<f64, String>,
+    ) -> Result<OpenBatch, Error> {
+        // 5.1: G-optimal experiments and simulations (29) over the cells that are left.
+        let space = self.design_space()?;
+        let plan = self.plan_in(&space)?;
+        // 5.2: the simulations.
+        self.open_in(&space, &plan, simulation)
+    }
+
+    /// The lower half, with the outcomes of all experiments.
+    pub(super) fn finish(&self, open: OpenBatch) -> Result<Closed, Error> {
+        let data = BatchData::of(&open, &self.earlier_observations()?, &self.cells, self.settings())?;
+        // 5.3: surfaces (30) to (34) of the experiments, of the simulations, and of both combined,
+        // the simulations corrected (35) by what the batches before have taught: see 7.1.
+        let experiment = data.experiment_surface();
+        let simulation = data.simulation_surface()?;
+        let combined = data.combined_surface(&self.correction()?)?;
+        // 5.4: the correction (36), by the law of the settings, and the corrected model (35), for the next batch.
+        let (experiment, not_corrected) = unless_data_are_few(experiment)?;
+        let correction = self.correction_with(experiment.as_ref(), &simulation)?;
+        let numerical = corrected_model(&simulation, &correction)?;
+        let surfaces = IterationSurfaces { experiment, simulation, combined, correction, numerical };
+        let changes = SurfaceChanges::between(self.surfaces.last(), &surfaces, &self.retained, &self.cells)?;
+        // 5.5: the optimum, the quality of fit S (40), and the test (37) to (39) of every cell against the optimum:
+        // what is worse beyond doubt is dropped.
+        let spread = Spread::of(&surfaces.combined, &data.validation, self.settings().fallback)?;
+        let (screening, retained) = self.screen(&surfaces, spread)?;
+        let report = Report {
+            iteration: self.iteration(),
+            batch: open.batch,
+            simulations: open.simulations,
+            trials: open.trials.into_records(),
+            n_earlier: data.n_earlier,
+            screening,
+            not_corrected,
+            changes,
+        };
+        Ok(Closed { report, surfaces, retained })
+    }
+}
+
+/// Its steps.
+impl Loop {
+    pub(super) fn design_space(&self) -> Result<DesignSpace<'_>, Error> {
+        DesignSpace::of(&self.retained, &self.cells, &self.settings, self.iteration())
+    }
+
+    pub(super) fn plan_in(&self, space: &DesignSpace) -> Result<Plan, Error> {
+        let settings = &self.settings;
+        Ok(Plan {
+            experiments: space.design(settings.n_experiments, Purpose::Experiments, &BTreeSet::new())?,
+            simulations: space.design(settings.n_simulations, Purpose::Simulations, &self.failed_cells)?,
+        })
+    }
+
+    /// Training and validation, the simulations, and the trials.
+    pub(super) fn open_in(
+        &self,
+        space: &DesignSpace,
+        plan: &Plan,
+        simulation: &mut impl FnMut(Cell, &[f64]) -> Result<f64, String>,
+    ) -> Result<OpenBatch, Error> {
+        let Plan { experiments, simulations } = plan;
+        let uses = space.uses(experiments)?;
+        let batch = space.batch(experiments, simulations)?;
+        let simulated = simulations.iter().map(|&cell| simulated(cell, &self.cells, simulation));
+        let simulations = simulated.collect::<Result<_, _>>()?;
+        let trials = trials(experiments, &uses, &self.cells, self.iteration(), self.n_asked())?;
+        Ok(OpenBatch { batch, simulations, trials })
+    }
+
+    /// The experiments made outside the campaign that count in the batch that is open or comes next.
+    fn earlier_observations(&self) -> Result<Observations, Error> {
+        let mut observations = Observations::none(self.cells.n_factors());
+        for earlier in self.earlier.iter().filter(|earlier| earlier.counts_in(self.iteration())) {
+            let inside = self.region().clamp(&earlier.point)?;
+            if self.retained.contains(self.cell(&inside)?) {
+                observations.add_simulation(&self.region().coded(&earlier.point)?, earlier.cost)?;
+            }
+        }
+        Ok(observations)
+    }
+
+    /// The correction learned so far: Ĵcor of the last closed batch.
+    fn correction(&self) -> Result<TracedSurface, Error> {
+        match self.surfaces.last() {
+            Some(surfaces) => Ok(surfaces.correction.clone()),
+            None => TracedSurface::combination(self.cells.n_factors(), []),
+        }
+    }
+
+    /// The correction after one more batch; unchanged without its experiments. A batch whose experiments could not be
+    /// fitted is no round of it.
+    fn correction_with(
+        &self,
+        experiment: Option<&TracedSurface>,
+        simulation: &TracedSurface,
+    ) -> Result<TracedSurface, Error> {
+        let Some(experiment) = experiment else {
+            return self.correction();
+        };
+        let past = self.surfaces.iter().filter_map(|past| Some((past.experiment.as_ref()?, &past.simulation)));
+        correction(self.settings.correction, self.cells.n_factors(), past.chain([(experiment, simulation)]))
+    }
+
+    /// The optimum of the combined surface, and the cells that are not worse beyond doubt.
+    fn screen(&self, surfaces: &IterationSurfaces, spread: Spread) -> Result<(Screening, RetainedSet), Error> {
+        let points = self.cells.points();
+        let minimum = |name, surface: &TracedSurface| {
+            let minimum = self.retained.minimum(points, surface.surface());
+            minimum.ok_or(Error::NoMinimum { surface: name, iteration: self.iteration() })
+        };
+        let optimum = minimum("combined", &surfaces.combined)?;
+        let simulated = minimum("simulation", &surfaces.simulation)?;
+        let n_before = self.retained.n_retained();
+        let mut screening = Screening {
+            optimum_cell: optimum.cell,
+            optimum: self.cells.natural(optimum.cell)?,
+            optimum_value: optimum.value,
+            simulation_optimum_cell: simulated.cell,
+            simulation_optimum: self.cells.natural(simulated.cell)?,
+            spread,
+            tested: self.iteration() >= self.settings.first_screening,
+            threshold: threshold(self.settings.confidence),
+            n_before,
+            n_after: n_before,
+        };
+        let retained = screening.reduced(&self.retained, points, &surfaces.combined);
+        screening.n_after = retained.n_retained();
+        Ok((screening, retained))
+    }
+}
