@@ -82,19 +82,4 @@ impl Cells {
         let level = |(parameter, &value): (&Parameter, &f64)| parameter.nearest_level(value).map(u64::from);
         Ok(self.of_digits(&pairs.map(level).collect::<Result<Vec<_>, _>>()?))
     }
-
-    /// The cell with these coded coordinates, which are within rounding of its levels.
-    pub(crate) fn of_coded(&self, coded: &[f64]) -> u64 {
-        let digit = |(x, &count): (&f64, &u64)| {
-            let last = (count - 1) as f64;
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "clamped to the indices of the axis"
-            )]
-            let digit = (0.5 * (x + 1.0) * last).round().clamp(0.0, last) as u64;
-            digit
-        };
-        self.of_digits(&coded.iter().zip(&self.counts).map(digit).collect::<Vec<_>>())
-    }
 }
