@@ -13,7 +13,7 @@ use crate::Error;
 /// assert_eq!(clock.len(), 1440);
 /// assert_eq!(clock.digits(61), [1, 1]);
 /// assert_eq!(clock.index(&[1, 1]), 61);
-/// assert_eq!(clock.stride(0), 60);
+/// assert_eq!(clock.strides(), [60, 1]);
 /// assert_eq!(clock.neighbours(61).collect::<Vec<_>>(), [1, 121, 60, 62]);
 /// # Ok::<(), design_space::Error>(())
 /// ```
@@ -100,10 +100,10 @@ impl Combinations {
         digits.iter().zip(&self.counts).fold(0, |index, (digit, count)| index * count + digit)
     }
 
-    /// How far apart two indices are that differ by one in this digit.
+    /// How far apart two indices are that differ by one in a digit, for each digit.
     #[must_use]
-    pub fn stride(&self, digit: usize) -> u64 {
-        self.strides.get(digit).copied().unwrap_or(1)
+    pub fn strides(&self) -> &[u64] {
+        &self.strides
     }
 
     /// The indices that differ from this one by one in one digit, where there are any: below, then above, digit by digit.

@@ -116,29 +116,37 @@ impl Lattice {
 
     /// Points at least as high as their neighbors along every axis and above a threshold, the highest first.
     pub(crate) fn local_maxima(&self, values: &[f64], threshold: f64, most: usize) -> Vec<usize> {
-        let Some(last) = self.levels.last() else {
+        let Some(last) = self.levels.last().map(Vec::len) else {
             return Vec::new();
         };
         let mut found = Vec::new();
-        for (number, line) in values.chunks_exact(last.len()).enumerate() {
+        let mut digits = vec![0; self.levels.len()];
+        for (number, line) in values.chunks_exact(last).enumerate() {
             for (i, &value) in line.iter().enumerate() {
-                let is_maximum_of_line = value >= threshold
-                    && (i == 0 || line[i - 1] <= value)
-                    && (i + 1 == line.len() || line[i + 1] <= value);
-                // Divisions are left to the few points that get there.
-                let index = number * last.len() + i;
-                if is_maximum_of_line && self.is_local_maximum(values, index) {
+                let is_maximum_of_line =
+                    value >= threshold && (i == 0 || line[i - 1] <= value) && (i + 1 == last || line[i + 1] <= value);
+                let index = number * last + i;
+                if is_maximum_of_line && self.is_maximum_across_lines(values, index, &digits) {
                     found.push(index);
                 }
             }
+            // From the last point of the line to the next line, without a division.
+            digits[self.levels.len() - 1] = last as u64 - 1;
+            self.combinations.advance(&mut digits);
         }
         found.sort_by(|&a, &b| values[b].total_cmp(&values[a]).then(a.cmp(&b)));
         found.truncate(most);
         found
     }
 
-    fn is_local_maximum(&self, values: &[f64], index: usize) -> bool {
-        self.combinations.neighbours(index as u64).all(|neighbour| values[neighbour as usize] <= values[index])
+    /// Whether a point is at least as high as its neighbors along every axis but the last, whose digit is not looked at.
+    fn is_maximum_across_lines(&self, values: &[f64], index: usize, digits: &[u64]) -> bool {
+        let value = values[index];
+        let axes = digits.iter().zip(self.combinations.counts()).zip(self.combinations.strides());
+        axes.rev().skip(1).all(|((&digit, &count), &stride)| {
+            let stride = stride as usize;
+            (digit == 0 || values[index - stride] <= value) && (digit + 1 == count || values[index + stride] <= value)
+        })
     }
 }
 

@@ -71,7 +71,7 @@ pub(crate) struct ProblemFile {
 }
 
 #[derive(Deserialize)]
-#[serde(untagged, expecting = "expected \"linear\", \"additive quadratic\", \"quadratic\" or a list of exponents")]
+#[serde(untagged, expecting = "expected a name, as \"quadratic\", or a list of exponents")]
 enum ModelName {
     Named(String),
     Listed(Vec<Vec<u8>>),
