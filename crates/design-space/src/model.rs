@@ -143,7 +143,7 @@ impl Model {
     }
 
     /// The same model without some of its terms, by index: what to do about
-    /// [confounded](crate::confounded_terms) terms.
+    /// terms that a design cannot tell apart.
     ///
     /// # Errors
     ///
