@@ -13,12 +13,15 @@ use crate::Error;
 /// assert_eq!(clock.len(), 1440);
 /// assert_eq!(clock.digits(61), [1, 1]);
 /// assert_eq!(clock.index(&[1, 1]), 61);
-/// assert_eq!(clock.stride(0), 60);
+/// assert_eq!(clock.strides(), [60, 1]);
+/// assert_eq!(clock.neighbours(61).collect::<Vec<_>>(), [1, 121, 60, 62]);
 /// # Ok::<(), design_space::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Combinations {
     counts: Vec<u64>,
+    /// How far apart two indices are that differ by one in a digit.
+    strides: Vec<u64>,
     n_combinations: u64,
 }
 
@@ -31,8 +34,21 @@ impl Combinations {
     pub fn new(counts: impl Into<Vec<u64>>) -> Result<Self, Error> {
         let counts = counts.into();
         let too_large = || Error::GridTooLarge { n_parameters: counts.len() };
-        let n_combinations = counts.iter().try_fold(1_u64, |n, &count| n.checked_mul(count)).ok_or_else(too_large)?;
-        Ok(Self { counts, n_combinations })
+        counts.iter().try_fold(1_u64, |n, &count| n.checked_mul(count)).ok_or_else(too_large)?;
+        Ok(Self::saturating(counts))
+    }
+
+    /// The same without an error: beyond 2⁶⁴ − 1 combinations only the first 2⁶⁴ − 1 have an index.
+    #[must_use]
+    pub fn saturating(counts: impl Into<Vec<u64>>) -> Self {
+        let counts = counts.into();
+        let mut n_combinations = 1_u64;
+        let mut strides = vec![1; counts.len()];
+        for (stride, &count) in strides.iter_mut().zip(&counts).rev() {
+            *stride = n_combinations;
+            n_combinations = n_combinations.saturating_mul(count);
+        }
+        Self { counts, strides, n_combinations }
     }
 
     /// The base of each digit.
@@ -63,11 +79,19 @@ impl Combinations {
 
     /// The same, written into a slice with one place per base.
     pub fn fill_digits(&self, index: u64, digits: &mut [u64]) {
-        let mut rest = index;
-        for (digit, &count) in digits.iter_mut().zip(&self.counts).rev() {
-            *digit = rest % count;
-            rest /= count;
+        for (place, digit) in digits.iter_mut().rev().zip(self.digits_from_last(index)) {
+            *place = digit;
         }
+    }
+
+    /// The same one after the other, the last digit first.
+    pub fn digits_from_last(&self, index: u64) -> impl Iterator<Item = u64> {
+        let mut rest = index;
+        self.counts.iter().rev().map(move |&count| {
+            let digit = rest % count;
+            rest /= count;
+            digit
+        })
     }
 
     /// The index of these digits, each below its base.
@@ -76,10 +100,20 @@ impl Combinations {
         digits.iter().zip(&self.counts).fold(0, |index, (digit, count)| index * count + digit)
     }
 
-    /// How far apart two indices are that differ by one in this digit.
+    /// How far apart two indices are that differ by one in a digit, for each digit.
     #[must_use]
-    pub fn stride(&self, digit: usize) -> u64 {
-        self.counts.iter().skip(digit + 1).product()
+    pub fn strides(&self) -> &[u64] {
+        &self.strides
+    }
+
+    /// The indices that differ from this one by one in one digit, where there are any: below, then above, digit by digit.
+    pub fn neighbours(&self, index: u64) -> impl Iterator<Item = u64> {
+        self.counts.iter().zip(&self.strides).flat_map(move |(&count, &stride)| {
+            let digit = index / stride % count;
+            let below = (digit > 0).then(|| index - stride);
+            let above = (digit + 1 < count).then(|| index + stride);
+            below.into_iter().chain(above)
+        })
     }
 
     /// Whether digits without an index were turned to the next combination; `false` after the last one, which then

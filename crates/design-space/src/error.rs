@@ -147,6 +147,14 @@ pub enum Error {
         /// Number of cells of the grid.
         n_cells: u64,
     },
+    /// A model is asked for by a name that no model has.
+    #[error("model \"{name}\": expected {} or a list of exponents", quoted(expected))]
+    NoSuchModel {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        expected: &'static [&'static str],
+    },
     /// A term with another number of exponents than the model has factors.
     #[error("exponents of term number {number} of the list: {found}, expected one per factor: {expected}", number = term + 1)]
     WrongTermLength {
@@ -207,6 +215,11 @@ pub enum Error {
         /// Number of coordinates given.
         found: usize,
     },
+}
+
+/// `"a", "b", "c"`.
+fn quoted(names: &[&str]) -> String {
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
 /// Two numbers for each that was expected are what decimal commas make of a point.

@@ -133,18 +133,8 @@ impl Grid {
     ///
     /// [`Error::NoSuchCell`].
     pub fn neighbours(&self, cell: Cell) -> Result<Vec<Cell>, Error> {
-        let digits = self.digits(cell)?;
-        let mut neighbours = Vec::with_capacity(2 * digits.len());
-        for (axis, (&digit, &count)) in digits.iter().zip(self.combinations.counts()).enumerate() {
-            let stride = self.combinations.stride(axis);
-            if digit > 0 {
-                neighbours.push(Cell::new(cell.index() - stride));
-            }
-            if digit + 1 < count {
-                neighbours.push(Cell::new(cell.index() + stride));
-            }
-        }
-        Ok(neighbours)
+        self.check(cell)?;
+        Ok(self.combinations.neighbours(cell.index()).map(Cell::new).collect())
     }
 
     fn check(&self, cell: Cell) -> Result<(), Error> {

@@ -31,6 +31,9 @@ impl Model {
     pub const MOST_FACTORS: usize = 12;
     /// The largest number of terms.
     pub const MOST_TERMS: usize = 256;
+    /// What models are called in files and on command lines: those of [`linear`](Self::linear),
+    /// [`additive_quadratic`](Self::additive_quadratic) and [`quadratic`](Self::quadratic).
+    pub const NAMES: [&'static str; 3] = ["linear", "additive quadratic", "quadratic"];
     /// The largest exponent.
     pub const LARGEST_EXPONENT: u8 = 8;
 
@@ -72,7 +75,9 @@ impl Model {
         Family::Linear.model(n_factors)
     }
 
-    /// 1, xᵢ, xᵢ²: 2 K + 1 terms, the regressor (61) of the source for K = 2.
+    /// 1, xᵢ, xᵢ²: 2 K + 1 terms.
+    ///
+    /// Source: (61), where K = 2.
     ///
     /// # Errors
     ///
@@ -88,6 +93,23 @@ impl Model {
     /// [`Error::Count`].
     pub fn quadratic(n_factors: usize) -> Result<Self, Error> {
         Family::Quadratic.model(n_factors)
+    }
+
+    /// The model with one of these [`NAMES`](Self::NAMES).
+    ///
+    /// ```
+    /// use design_space::Model;
+    /// assert_eq!(Model::named("quadratic", 2)?, Model::quadratic(2)?);
+    /// let error = Model::named("cubic", 2).unwrap_err();
+    /// assert!(error.to_string().starts_with("model \"cubic\": expected \"linear\", \"additive quadratic\""));
+    /// # Ok::<(), design_space::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchModel`], [`Error::Count`].
+    pub fn named(name: &str, n_factors: usize) -> Result<Self, Error> {
+        Family::named(name)?.model(n_factors)
     }
 
     /// Number of factors, K.
@@ -121,7 +143,7 @@ impl Model {
     }
 
     /// The same model without some of its terms, by index: what to do about
-    /// [confounded](crate::confounded_terms) terms.
+    /// terms that a design cannot tell apart.
     ///
     /// # Errors
     ///
@@ -186,19 +208,25 @@ fn check_count(name: &'static str, found: usize, most: usize) -> Result<(), Erro
     if (1..=most).contains(&found) { Ok(()) } else { Err(Error::Count { name, found, least: 1, most }) }
 }
 
-/// The models that have a name in files.
+/// The models that have a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "&'static str")]
 enum Family {
-    #[serde(rename = "linear")]
     Linear,
-    #[serde(rename = "additive quadratic")]
     AdditiveQuadratic,
-    #[serde(rename = "quadratic")]
     Quadratic,
 }
 
 impl Family {
+    /// In the order of [`Model::NAMES`].
     const ALL: [Self; 3] = [Self::Linear, Self::AdditiveQuadratic, Self::Quadratic];
+
+    fn named(name: &str) -> Result<Self, Error> {
+        let named = Model::NAMES.into_iter().zip(Self::ALL).find(|(known, _)| *known == name);
+        named
+            .map(|(_, family)| family)
+            .ok_or_else(|| Error::NoSuchModel { name: name.to_owned(), expected: &Model::NAMES })
+    }
 
     fn model(self, n_factors: usize) -> Result<Model, Error> {
         check_count("factors of a model", n_factors, Model::MOST_FACTORS)?;
@@ -222,6 +250,20 @@ impl Family {
             terms.extend((0..n_factors).map(|i| term(&[(i, 2)])));
         }
         Model::new(n_factors, terms)
+    }
+}
+
+impl TryFrom<String> for Family {
+    type Error = Error;
+
+    fn try_from(name: String) -> Result<Self, Error> {
+        Self::named(&name)
+    }
+}
+
+impl From<Family> for &'static str {
+    fn from(family: Family) -> Self {
+        Model::NAMES[family as usize]
     }
 }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::measure::Measure;
 use crate::products::Products;
-use crate::space::Shape;
+use crate::shape::Shape;
 use crate::{Design, Error, Information, Model, Over, PredictionVariance, Space};
 
 /// An optimality criterion: a number to be made small, and an efficiency to be made large.
@@ -34,7 +34,11 @@ pub enum Criterion {
     D,
     /// Mean variance of the coefficients.
     A,
-    /// Largest prediction variance, (29) of the source read as a maximum over the space.
+    /// Largest prediction variance over the space.
+    ///
+    /// Source: (29)
+    ///
+    /// The source minimizes a variance over the point where it is taken, which picks the point that is predicted best.
     G,
     /// Largest variance of a unit combination of the coefficients.
     E,

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::search::SAME_RUN;
+use crate::error::check_points;
+use crate::shape::SAME_RUN;
 use crate::{Error, Region, Space};
 
 /// An ordered list of runs in coded coordinates: n_runs × n_factors, row by row.
@@ -146,21 +147,6 @@ impl Design {
             }),
             None => Ok(()),
         }
-    }
-}
-
-/// Whether flat coordinates are whole, finite rows of at least one factor, and at least one row.
-pub(crate) fn check_points(name: &'static str, n_factors: usize, coordinates: &[f64]) -> Result<(), Error> {
-    crate::error::check_count("factors", n_factors, crate::Model::MOST_FACTORS)?;
-    if !coordinates.len().is_multiple_of(n_factors) {
-        return Err(Error::RaggedPoints { n_factors, n_coordinates: coordinates.len() });
-    }
-    if coordinates.is_empty() {
-        return Err(Error::Count { name, found: 0, least: 1, most: usize::MAX });
-    }
-    match coordinates.iter().position(|x| !x.is_finite()) {
-        Some(at) => Err(Error::NotFinite { point: at / n_factors, factor: at % n_factors, value: coordinates[at] }),
-        None => Ok(()),
     }
 }
 

@@ -236,6 +236,21 @@ pub(crate) fn check_count(name: &'static str, found: usize, most: usize) -> Resu
     if (1..=most).contains(&found) { Ok(()) } else { Err(Error::Count { name, found, least: 1, most }) }
 }
 
+/// Whether flat coordinates are whole, finite rows of at least one factor, and at least one row.
+pub(crate) fn check_points(name: &'static str, n_factors: usize, coordinates: &[f64]) -> Result<(), Error> {
+    check_count("factors", n_factors, design_space::Model::MOST_FACTORS)?;
+    if !coordinates.len().is_multiple_of(n_factors) {
+        return Err(Error::RaggedPoints { n_factors, n_coordinates: coordinates.len() });
+    }
+    if coordinates.is_empty() {
+        return Err(Error::Count { name, found: 0, least: 1, most: usize::MAX });
+    }
+    match coordinates.iter().position(|x| !x.is_finite()) {
+        Some(at) => Err(Error::NotFinite { point: at / n_factors, factor: at % n_factors, value: coordinates[at] }),
+        None => Ok(()),
+    }
+}
+
 fn coordinates(count: usize) -> String {
     counted(count as u64, "coordinate", "coordinates")
 }

@@ -1,12 +1,14 @@
 //! The information matrix of a design.
 
-use crate::confounding::confounded_terms_of_design;
 use crate::matrix::{self, add_outer, cholesky, inverse_of_factor};
+use crate::support::confounded_terms_of_design;
 use crate::{Design, Error, Model};
 
 /// R'R of a design with its inverse and determinant: what n uncorrelated runs of unit variance say about the terms.
 ///
-/// R holds one regressor per run as in (28) of the source; matrices are p × p, row by row.
+/// R holds one regressor per run; matrices are p × p, row by row.
+///
+/// Source: (28)
 #[derive(Debug, Clone, PartialEq)]
 pub struct Information {
     n_terms: usize,

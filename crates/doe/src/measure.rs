@@ -6,7 +6,7 @@
 
 use rand::RngExt;
 
-use crate::space::{Axis, BoxShape};
+use crate::shape::{Axis, BoxShape};
 
 /// Groups of equal cover along every axis.
 #[derive(Debug)]

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::maximum::{self, Maximum};
 use crate::products::Products;
-use crate::{Design, Error, Information, Model, Space};
+use crate::{Design, Error, Information, Model};
 
 /// v(x) = r(x)' (R'R)⁻¹ r(x), the variance of the prediction at x for unit variance of a run, as the polynomial it is.
 ///
@@ -81,20 +80,6 @@ impl PredictionVariance {
             crate::polynomial::slope(&line, point[j])
         };
         Ok((0..point.len()).map(slope).collect())
-    }
-
-    /// The largest v over a space, and where: over every point of a list or of a grid up to
-    /// [`Maximum::MOST_SCANNED`] points, else by ascent from every local maximum of a lattice; see [`Maximum`].
-    ///
-    /// # Errors
-    ///
-    /// [`Error::FactorMismatch`].
-    pub fn maximum(&self, space: &Space) -> Result<Maximum, Error> {
-        let (expected, found) = (self.products.n_factors, space.n_factors());
-        if expected != found {
-            return Err(Error::FactorMismatch { what: "the space", expected, found });
-        }
-        Ok(maximum::over(self, space))
     }
 
     /// Number of factors, K.

@@ -6,7 +6,7 @@ use doe::Design;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::surface::check_factors;
+use crate::lanes::check_factors;
 
 /// Measured or simulated values at points, with a weight per point.
 ///

@@ -4,7 +4,7 @@ use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
 use crate::distance::Distance;
-use crate::surface::is_usable;
+use crate::lanes::is_usable;
 use crate::weighted_average::{Datum, Packed, mean, squared_distances, used};
 use crate::{Data, Error, LANES, Lanes, LeaveOneOut, Surface};
 
@@ -14,7 +14,9 @@ use crate::{Data, Error, LANES, Lanes, LeaveOneOut, Surface};
 /// Ĵ(p) = Σ w_i J_i d_i^−q / Σ w_i d_i^−q        d_i = ‖p − p_i‖
 /// ```
 ///
-/// Source: (32) with (33), where q = 2 and w_i = 1.
+/// Source: (32), (33)
+///
+/// There q = 2 and w_i = 1.
 /// At a data point the estimate is the datum, at a point measured more than once the weighted mean; far away it tends
 /// to the weighted mean of everything. It never leaves the range of the values.
 ///
@@ -204,7 +206,7 @@ impl Surface for InverseDistance {
     }
 
     fn predict(&self, point: &[f64]) -> f64 {
-        match crate::surface::one_lane(point, self.n_factors()) {
+        match crate::lanes::one_lane(point, self.n_factors()) {
             Some(block) => self.estimate::<1>(&block[..point.len()])[0],
             None => f64::NAN,
         }

@@ -2,10 +2,11 @@
 
 use std::fmt;
 
+use design_space::Combinations;
 use doe::Space;
 
-use crate::surface::check_factors;
-use crate::{Error, Lanes};
+use crate::Error;
+use crate::lanes::{Lanes, MOST_FACTORS, check_factors};
 
 /// Points by index, written straight into the lanes in which a surface evaluates them.
 pub trait PointSource: fmt::Debug + Sync {
@@ -79,7 +80,7 @@ impl PointSource for Rows<'_> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct GridPoints {
     levels: Vec<Vec<f64>>,
-    n_points: u64,
+    combinations: Combinations,
 }
 
 impl GridPoints {
@@ -90,15 +91,12 @@ impl GridPoints {
     /// [`Error::Count`] for the number of factors or an axis without levels, [`Error::GridTooLarge`].
     pub fn new(levels: Vec<Vec<f64>>) -> Result<Self, Error> {
         check_factors(levels.len())?;
-        let mut n_points = 1_u64;
-        for axis in &levels {
-            if axis.is_empty() {
-                return Err(Error::Count { name: "levels of an axis", found: 0, least: 1, most: usize::MAX });
-            }
-            n_points =
-                n_points.checked_mul(axis.len() as u64).ok_or(Error::GridTooLarge { n_factors: levels.len() })?;
+        if levels.iter().any(Vec::is_empty) {
+            return Err(Error::Count { name: "levels of an axis", found: 0, least: 1, most: usize::MAX });
         }
-        Ok(Self { levels, n_points })
+        let counts: Vec<u64> = levels.iter().map(|axis| axis.len() as u64).collect();
+        let combinations = Combinations::new(counts).map_err(|_| Error::GridTooLarge { n_factors: levels.len() })?;
+        Ok(Self { levels, combinations })
     }
 
     /// The grid of a space.
@@ -121,20 +119,10 @@ impl GridPoints {
     /// The point with this index; none behind the last.
     #[must_use]
     pub fn point(&self, index: u64) -> Option<Vec<f64>> {
-        (index < self.n_points).then(|| {
-            let digits = self.digits(index);
-            self.levels.iter().zip(digits).map(|(axis, digit)| axis[digit]).collect()
+        (index < self.n_points()).then(|| {
+            let digits = self.combinations.digits(index);
+            self.levels.iter().zip(digits).map(|(axis, digit)| axis[digit as usize]).collect()
         })
-    }
-
-    /// Level index of every factor, zeros behind.
-    fn digits(&self, mut index: u64) -> [usize; crate::MOST_FACTORS] {
-        let mut digits = [0; crate::MOST_FACTORS];
-        for (digit, axis) in digits[..self.levels.len()].iter_mut().zip(&self.levels).rev() {
-            *digit = (index % axis.len() as u64) as usize;
-            index /= axis.len() as u64;
-        }
-        digits
     }
 }
 
@@ -144,30 +132,29 @@ impl PointSource for GridPoints {
     }
 
     fn n_points(&self) -> u64 {
-        self.n_points
+        self.combinations.len()
     }
 
     fn fill(&self, first: u64, n_filled: usize, block: &mut [Lanes]) {
-        let mut digits = self.digits(first);
+        let Some((last, others)) = self.levels.split_last() else {
+            return;
+        };
+        let mut digits = [0; MOST_FACTORS];
+        let digits = &mut digits[..self.levels.len()];
+        self.combinations.fill_digits(first, digits);
         // Run by run along the last axis: the other coordinates stay the same within a run.
-        let (last, others) = (self.levels.len() - 1, &self.levels[..self.levels.len() - 1]);
         let mut lane = 0;
         while lane < n_filled {
-            let run = &self.levels[last][digits[last]..];
+            let run = &last[digits[others.len()] as usize..];
             let run = &run[..run.len().min(n_filled - lane)];
-            for ((lanes, axis), &digit) in block.iter_mut().zip(others).zip(&digits) {
-                lanes[lane..lane + run.len()].fill(axis[digit]);
+            for ((lanes, axis), &digit) in block.iter_mut().zip(others).zip(&*digits) {
+                lanes[lane..lane + run.len()].fill(axis[digit as usize]);
             }
-            block[last][lane..lane + run.len()].copy_from_slice(run);
+            block[others.len()][lane..lane + run.len()].copy_from_slice(run);
             lane += run.len();
-            digits[last] = 0;
-            for (digit, axis) in digits[..last].iter_mut().zip(others).rev() {
-                *digit += 1;
-                if *digit < axis.len() {
-                    break;
-                }
-                *digit = 0;
-            }
+            // From the last point of the run to the next.
+            digits[others.len()] += run.len() as u64 - 1;
+            self.combinations.advance(digits);
         }
     }
 }

@@ -3,7 +3,7 @@
 use doe::{Model, Term};
 use multiversion::multiversion;
 
-use crate::surface::{check_factors, is_usable, one_lane};
+use crate::lanes::{check_factors, is_usable, one_lane};
 use crate::{Error, LANES, Lanes, Surface};
 
 /// Σ b_t Π x_j over the terms t, a surface without data: what a [`Regression`](crate::Regression) evaluates.

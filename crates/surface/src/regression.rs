@@ -4,8 +4,8 @@ use doe::{Confounding, Design, Model, confounded_terms_of_design};
 use faer::{Mat, MatRef};
 use serde::{Deserialize, Serialize};
 
+use crate::lanes::is_usable;
 use crate::polynomial::Polynomial;
-use crate::surface::is_usable;
 use crate::{Data, Error, Lanes, LeaveOneOut, Surface};
 
 /// A polynomial whose coefficients minimize the weighted sum of squared residuals.
@@ -14,7 +14,8 @@ use crate::{Data, Error, Lanes, LeaveOneOut, Surface};
 /// Ĵ(p) = r(p)'b        b = arg min Σ w_i (J_i − r_i'b)²
 /// ```
 ///
-/// Source: (30) and (31).
+/// Source: (30), (31)
+///
 /// The weights are relative precisions: the error of point i has the variance σ²/w_i, with one σ² for all, estimated
 /// by the weighted residual mean square Σ w e²/(n − p). Scaling all weights changes σ² and nothing else.
 /// n counts the points of positive weight.

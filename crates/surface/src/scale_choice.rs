@@ -3,11 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::distance::Distance;
-use crate::squared_exponential::average;
+use crate::relative_average::average;
 use crate::weighted_average::{Place, used};
-use crate::{Data, Error, SquaredExponential};
+use crate::{Data, Error};
 
-/// How the scale c of a [`SquaredExponential`] was chosen: what leaving out one place at a time says about it.
+/// How the scale c of a [`SquaredExponential`](crate::SquaredExponential) was chosen: what leaving out one place at a time says about it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScaleChoice {
@@ -25,6 +25,8 @@ pub struct ScaleChoice {
     pub at_bound: bool,
 }
 
+/// Bounds of the scale.
+pub(crate) const SCALES: [f64; 2] = [1e-100, 1e100];
 /// Scales tried first, in equal ratios from one end to the other; the error has more than one minimum.
 const N_TRIED: i32 = 65;
 /// Steps of golden section around the best; the interval shrinks to 3e-9 of its length.
@@ -76,7 +78,7 @@ fn range(places: &Data) -> [f64; 2] {
         }
     }
     neighbors.sort_by(f64::total_cmp);
-    let [least, most] = SquaredExponential::SCALES;
+    let [least, most] = SCALES;
     [(0.1 / farthest).clamp(least, most), (10.0 / neighbors[neighbors.len() / 2]).clamp(least, most)]
 }
 

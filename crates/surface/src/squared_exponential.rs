@@ -4,8 +4,10 @@ use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
 use crate::exponential::exp_of_negative;
-use crate::surface::{is_usable, one_lane};
-use crate::weighted_average::{Datum, Packed, mean, squared_distances, used};
+use crate::lanes::{is_usable, one_lane};
+use crate::relative_average::{average, nearest, relative_weight};
+use crate::scale_choice::SCALES;
+use crate::weighted_average::{Datum, Packed, squared_distances, used};
 use crate::{Data, Error, LANES, Lanes, LeaveOneOut, MOST_FACTORS, ScaleChoice, Surface};
 
 /// The average of the values, each weighted by a squared exponential of the distance to its point.
@@ -14,7 +16,9 @@ use crate::{Data, Error, LANES, Lanes, LeaveOneOut, MOST_FACTORS, ScaleChoice, S
 /// Ĵ(p) = Σ w_i J_i exp(−(c d_i)²) / Σ w_i exp(−(c d_i)²)        d_i = ‖p − p_i‖
 /// ```
 ///
-/// Source: (34), with w_i = 1.
+/// Source: (34)
+///
+/// There w_i = 1.
 /// Differs from the source: as printed, the square is outside of the sign, and the weight would grow with distance.
 ///
 /// It smooths and does not interpolate: 1/c is the distance at which a weight has fallen to 1/e. Where every
@@ -46,7 +50,7 @@ const PLAIN: f64 = 600.0;
 
 impl SquaredExponential {
     /// Bounds of the scale c, far beyond use, so that no product with it overflows.
-    pub const SCALES: [f64; 2] = [1e-100, 1e100];
+    pub const SCALES: [f64; 2] = SCALES;
 
     /// A surface through these data with a given scale c, in the inverse unit of the coordinates.
     ///
@@ -151,41 +155,6 @@ impl SquaredExponential {
             estimates[lane] = self.packed.within(average(point, self.packed.data(), self.scale));
         }
     }
-}
-
-/// (34) with all exponents relative to the largest: right at any distance. NaN without data or at a point that is not
-/// finite.
-pub(crate) fn average<'a>(point: &[f64], data: impl Iterator<Item = Datum<'a>> + Clone, scale: f64) -> f64 {
-    if !is_usable(point, point.len()) {
-        return f64::NAN;
-    }
-    let Some(nearest) = nearest(point, data.clone()) else {
-        return f64::NAN;
-    };
-    let relative = |datum: Datum<'_>| (datum.value, datum.weight * relative_weight(point, datum.point, nearest, scale));
-    mean(data.map(relative).filter(|&(_, weight)| weight > 0.0))
-}
-
-/// The nearest point, the first of equals.
-fn nearest<'a>(point: &[f64], data: impl Iterator<Item = Datum<'a>>) -> Option<&'a [f64]> {
-    let closer = |a: &'a [f64], b: &'a [f64]| if excess(point, b, a).0 < 0.0 { b } else { a };
-    data.map(|datum| datum.point).reduce(closer)
-}
-
-/// |p − a|² − |p − b|² as a number and a factor of at least 1 that it has to be multiplied by.
-///
-/// It is (b − a)·((p − a) + (p − b)), which neither cancels nor overflows however far p is.
-fn excess(point: &[f64], a: &[f64], b: &[f64]) -> (f64, f64) {
-    let size = point.iter().fold(1.0, |largest: f64, x| largest.max(x.abs()));
-    let parts = point.iter().zip(a.iter().zip(b)).map(|(x, (a, b))| (b - a) * ((x - a) / size + (x - b) / size));
-    (parts.sum(), size)
-}
-
-/// exp(−c² (d² − d_nearest²)).
-fn relative_weight(point: &[f64], datum: &[f64], nearest: &[f64], scale: f64) -> f64 {
-    let (excess, size) = excess(point, datum, nearest);
-    // An excess below zero is rounding; zero times an overflown factor would not be a number.
-    if excess <= 0.0 { 1.0 } else { exp_of_negative(-(scale * excess) * (scale * size)) }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]

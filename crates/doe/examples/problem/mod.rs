@@ -71,7 +71,7 @@ pub(crate) struct ProblemFile {
 }
 
 #[derive(Deserialize)]
-#[serde(untagged, expecting = "expected \"linear\", \"additive quadratic\", \"quadratic\" or a list of exponents")]
+#[serde(untagged, expecting = "expected a name, as \"quadratic\", or a list of exponents")]
 enum ModelName {
     Named(String),
     Listed(Vec<Vec<u8>>),
@@ -95,15 +95,7 @@ impl ProblemFile {
     pub(crate) fn model(&self) -> Result<Model, Box<dyn Error>> {
         let k = self.parameters.len();
         Ok(match &self.model {
-            ModelName::Named(name) => match name.as_str() {
-                "linear" => Model::linear(k)?,
-                "additive quadratic" => Model::additive_quadratic(k)?,
-                "quadratic" => Model::quadratic(k)?,
-                _ => {
-                    let expected = "expected \"linear\", \"additive quadratic\", \"quadratic\" or a list of exponents";
-                    return Err(format!("model \"{name}\": {expected}").into());
-                }
-            },
+            ModelName::Named(name) => Model::named(name, k)?,
             ModelName::Listed(exponents) => {
                 let terms: Vec<Term> = exponents.iter().map(|term| Term::new(term.clone())).collect();
                 Model::new(k, terms.clone()).map_err(|error| self.in_own_names(&terms, error))?

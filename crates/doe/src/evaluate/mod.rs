@@ -15,10 +15,10 @@ use sample::sample;
 pub use slice::VarianceSlice;
 pub use terms::{Alias, Coefficient, Correlations};
 
-use crate::maximum;
+use crate::ascent::climb;
 use crate::products::Products;
-use crate::search::SAME_RUN;
-use crate::space::Shape;
+use crate::shape::SAME_RUN;
+use crate::shape::Shape;
 use crate::{
     Criterion, Design, Efficiency, Error, Information, Model, Over, PredictionVariance, Space,
     confounded_terms_of_design,
@@ -224,7 +224,7 @@ fn minimum(model: &Model, space: &Space, information: &Information, points: &[f6
             let negative: Vec<f64> = information.inverse().iter().map(|value| -value).collect();
             let negative = PredictionVariance::with_products(std::sync::Arc::new(Products::of(model)), &negative);
             let descents = order.iter().take(DESCENTS).map(|&start| {
-                let (at, value) = maximum::climb(&negative, shape, &point(start));
+                let (at, value) = climb(&negative, shape, &point(start));
                 (at, -value)
             });
             descents.fold(best, |a, b| if b.1 < a.1 { b } else { a })

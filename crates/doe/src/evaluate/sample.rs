@@ -4,8 +4,9 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
+use crate::lattice::Lattice;
 use crate::measure::Measure;
-use crate::space::{Axis, BoxShape, Shape};
+use crate::shape::{Axis, BoxShape, Shape};
 use crate::{Error, Space};
 
 /// How the points that stand for a space were chosen.
@@ -70,12 +71,8 @@ pub(super) fn sample(space: &Space, n_points: usize, seed: u64) -> Result<(Vec<f
         Shape::Box(shape) => shape,
     };
     // Every combination is visited to leave out the forbidden ones, so the whole grid has to be small.
-    let whole = shape.axes.iter().try_fold(1_usize, |product, axis| match axis {
-        Axis::Continuous => None,
-        Axis::Levels(levels) => product.checked_mul(levels.len()),
-    });
-    if let Some(whole) = whole.filter(|&whole| whole <= n_points) {
-        let points = grid(shape, whole);
+    if shape.is_discrete() && shape.n_combinations() <= n_points as f64 {
+        let points = grid(shape);
         let n_points = points.len() / shape.axes.len();
         return Ok((points, Sampling::All { n_points }));
     }
@@ -93,28 +90,10 @@ pub(super) fn sample(space: &Space, n_points: usize, seed: u64) -> Result<(Vec<f
 pub(super) const MOST_SAMPLES: usize = 10_000_000;
 
 /// Every allowed combination of levels, the last axis fastest.
-fn grid(shape: &BoxShape, whole: usize) -> Vec<f64> {
-    let levels: Vec<&[f64]> = shape
-        .axes
-        .iter()
-        .map(|axis| match axis {
-            Axis::Continuous => &[][..],
-            Axis::Levels(levels) => levels,
-        })
-        .collect();
-    let mut points = Vec::with_capacity(whole * levels.len());
-    let mut point = vec![0.0; levels.len()];
-    for index in 0..whole {
-        let mut rest = index;
-        for (x, levels) in point.iter_mut().zip(&levels).rev() {
-            *x = levels[rest % levels.len()];
-            rest /= levels.len();
-        }
-        if !shape.forbids(&point) {
-            points.extend_from_slice(&point);
-        }
-    }
-    points
+fn grid(shape: &BoxShape) -> Vec<f64> {
+    let lattice = Lattice::whole(shape);
+    let points = (0..lattice.n_points()).map(|index| lattice.point(index));
+    points.filter(|point| !shape.forbids(point)).flatten().collect()
 }
 
 /// Points of the sequence looked at for each allowed one that is wanted, at most.

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::starts::IsOver;
+use super::ending::IsOver;
 
 /// A function to make small.
 pub(crate) trait Objective {

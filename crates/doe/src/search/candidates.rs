@@ -10,10 +10,10 @@ use rayon::prelude::*;
 use super::nested::Nested;
 use super::runs::Regressors;
 use crate::PredictionVariance;
-use crate::maximum::Lattice;
+use crate::lattice::Lattice;
 use crate::measure::Measure;
 use crate::products::Products;
-use crate::space::{Axis, BoxShape, List};
+use crate::shape::{BoxShape, List};
 
 /// Points per block of a scan.
 const BLOCK: usize = 16;
@@ -65,15 +65,13 @@ pub(crate) struct NearActive {
 
 impl<'a> Candidates<'a> {
     pub(crate) fn grid(shape: &'a BoxShape, products: &Products) -> Self {
-        let mut lattice = full_lattice(shape);
-        let cells = lattice.levels.iter().fold(1_usize, |product, levels| product.saturating_mul(levels.len()));
-        let values = if cells > MOST_CELLS {
-            Values::Parts(Nested::of(products, lattice.levels.clone()), PART)
+        let mut lattice = Lattice::whole(shape);
+        let nested = Nested::of(products, lattice.levels().to_vec());
+        let values = if lattice.n_points() > MOST_CELLS {
+            Values::Parts(nested, PART)
         } else {
-            if !shape.forbidden.is_empty() {
-                lattice.allowed = Some((0..cells).map(|index| !shape.forbids(&lattice.point(index))).collect());
-            }
-            Values::Whole(Nested::of(products, lattice.levels.clone()))
+            lattice = lattice.without_forbidden(shape);
+            Values::Whole(nested)
         };
         Self { points: Points::Grid { shape, measure: Measure::of(shape) }, values, lattice }
     }
@@ -82,11 +80,11 @@ impl<'a> Candidates<'a> {
         let points = Points::List(list);
         match grid_around(list) {
             Some(lattice) => {
-                let values = Values::Whole(Nested::of(products, lattice.levels.clone()));
+                let values = Values::Whole(Nested::of(products, lattice.levels().to_vec()));
                 Self { points, values, lattice }
             }
             None => {
-                let lattice = Lattice { levels: Vec::new(), allowed: None };
+                let lattice = Lattice::new(Vec::new());
                 Self { points, values: Values::Blocks(Blocks::of(list, regressors)), lattice }
             }
         }
@@ -146,12 +144,12 @@ impl<'a> Candidates<'a> {
                     Values::Parts(..) => values.clear(),
                     Values::Whole(nested) => {
                         nested.values(variance.coefficients(), values);
-                        if let Some(allowed) = &self.lattice.allowed {
+                        if let Some(allowed) = self.lattice.allowed() {
                             for (value, allowed) in values.iter_mut().zip(allowed) {
                                 *value = if *allowed { *value } else { f64::NEG_INFINITY };
                             }
                         }
-                        peaks = peaks_of(&self.lattice, values);
+                        peaks = self.lattice.local_maxima(values, PEAK_SHARE * largest(values), MOST_PEAKS);
                     }
                 }
                 highest = largest(values);
@@ -216,47 +214,6 @@ fn largest(values: &[f64]) -> f64 {
     lanes.iter().copied().fold(rest, f64::max)
 }
 
-fn full_lattice(shape: &BoxShape) -> Lattice {
-    let levels = |axis: &Axis| match axis {
-        Axis::Levels(levels) => levels.clone(),
-        Axis::Continuous => vec![-1.0, 1.0],
-    };
-    Lattice { levels: shape.axes.iter().map(levels).collect(), allowed: None }
-}
-
-/// Points as high as their neighbors along every axis, above a share of the highest, the highest first.
-fn peaks_of(lattice: &Lattice, values: &[f64]) -> Vec<usize> {
-    let Some((last, others)) = lattice.levels.split_last() else {
-        return Vec::new();
-    };
-    let threshold = PEAK_SHARE * largest(values);
-    let mut found = Vec::new();
-    for (line_index, line) in values.chunks_exact(last.len()).enumerate() {
-        for (i, &value) in line.iter().enumerate() {
-            let is_peak_of_line =
-                value >= threshold && (i == 0 || line[i - 1] <= value) && (i + 1 == line.len() || line[i + 1] <= value);
-            if !is_peak_of_line {
-                continue;
-            }
-            // Divisions are left to the few points that get here.
-            let index = line_index * last.len() + i;
-            let (mut stride, mut rest) = (last.len(), line_index);
-            let is_peak = others.iter().rev().all(|levels| {
-                let (n, at, step) = (levels.len(), rest % levels.len(), stride);
-                rest /= n;
-                stride *= n;
-                (at == 0 || values[index - step] <= value) && (at + 1 == n || values[index + step] <= value)
-            });
-            if is_peak {
-                found.push(index);
-            }
-        }
-    }
-    found.sort_by(|&a, &b| values[b].total_cmp(&values[a]).then(a.cmp(&b)));
-    found.truncate(MOST_PEAKS);
-    found
-}
-
 /// The grid that a list is part of, with its points allowed; none if they would be few among many others.
 fn grid_around(list: &List) -> Option<Lattice> {
     let mut levels: Vec<Vec<f64>> = Vec::with_capacity(list.n_factors);
@@ -271,15 +228,16 @@ fn grid_around(list: &List) -> Option<Lattice> {
             return None;
         }
     }
-    let mut allowed = vec![false; cells];
+    let lattice = Lattice::new(levels);
+    let mut allowed = vec![false; lattice.n_points()];
+    let mut digits = vec![0; list.n_factors];
     for point in list.points() {
-        let mut index = 0;
-        for (levels, x) in levels.iter().zip(point) {
-            index = index * levels.len() + levels.binary_search_by(|level| level.total_cmp(&(x + 0.0))).ok()?;
+        for ((digit, levels), x) in digits.iter_mut().zip(lattice.levels()).zip(point) {
+            *digit = levels.binary_search_by(|level| level.total_cmp(&(x + 0.0))).ok()? as u64;
         }
-        allowed[index] = true;
+        allowed[lattice.combinations().index(&digits) as usize] = true;
     }
-    Some(Lattice { levels, allowed: Some(allowed) })
+    Some(lattice.with_allowed(allowed))
 }
 
 /// By visiting all of the list.
@@ -311,21 +269,25 @@ fn near_on_grid(lattice: &Lattice, point: &[f64], count: usize, is_free: impl Fn
         let distance = |i: &usize| (levels[*i] - x).abs();
         (0..levels.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0) as i64
     };
-    let center: Vec<i64> = lattice.levels.iter().zip(point).map(|(levels, &x)| nearest(levels, x)).collect();
+    let center: Vec<i64> = lattice.levels().iter().zip(point).map(|(levels, &x)| nearest(levels, x)).collect();
     let mut found: Vec<(i64, Vec<f64>)> = Vec::new();
-    let mut steps = vec![0_i64; k];
+    let (mut steps, mut digits) = (vec![0_i64; k], vec![0_u64; k]);
     // At most two axes move at once: the number of neighbors grows with the square of the number of axes.
     let mut consider = |steps: &[i64]| {
-        let mut at = Vec::with_capacity(k);
-        let mut index = 0;
-        for ((levels, center), step) in lattice.levels.iter().zip(&center).zip(steps) {
-            let Some(level) = usize::try_from(center + step).ok().filter(|i| *i < levels.len()) else {
-                return;
-            };
-            at.push(levels[level]);
-            index = index * levels.len() + level;
+        for ((digit, &count), (center, step)) in
+            digits.iter_mut().zip(lattice.combinations().counts()).zip(center.iter().zip(steps))
+        {
+            match u64::try_from(center + step) {
+                Ok(level) if level < count => *digit = level,
+                _ => return,
+            }
         }
-        if lattice.is_allowed(index) && is_free(&at) {
+        if !lattice.is_allowed(lattice.combinations().index(&digits) as usize) {
+            return;
+        }
+        let at: Vec<f64> =
+            lattice.levels().iter().zip(&digits).map(|(levels, &digit)| levels[digit as usize]).collect();
+        if is_free(&at) {
             found.push((steps.iter().map(|s| s * s).sum(), at));
         }
     };
@@ -421,6 +383,7 @@ fn quadratic_forms(blocks: &[f64], upper: &[f64], p: usize, values: &mut [f64]) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shape::Axis;
     use crate::{Design, Model};
 
     #[test]
@@ -445,9 +408,9 @@ mod tests {
         let expected = scan(&whole);
         assert!(expected.1.len() >= 5, "{}", expected.1.len());
         for most in [1, 5, 30, 210] {
-            let nested = Nested::of(&products, whole.lattice.levels.clone());
+            let nested = Nested::of(&products, whole.lattice.levels().to_vec());
             let points = Points::Grid { shape: &shape, measure: Measure::of(&shape) };
-            let lattice = full_lattice(&shape);
+            let lattice = Lattice::whole(&shape);
             let (highest, points) = scan(&Candidates { points, values: Values::Parts(nested, most), lattice });
             assert!((highest - expected.0).abs() < 1e-12 * highest && points == expected.1, "{most} points at a time");
         }
@@ -467,7 +430,7 @@ mod tests {
         let regressors = Regressors::of(&model);
         let gridded = Candidates::list(&list, &regressors, &products);
         assert!(matches!(gridded.values, Values::Whole(_)), "four in five of the points of a grid");
-        let lattice = Lattice { levels: Vec::new(), allowed: None };
+        let lattice = Lattice::new(Vec::new());
         let blocks = Values::Blocks(Blocks::of(&list, &regressors));
         let any = Candidates { points: Points::List(&list), values: blocks, lattice };
         let scan = |candidates: &Candidates<'_>| {

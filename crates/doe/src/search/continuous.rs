@@ -3,14 +3,18 @@
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
+use super::attempt::Attempt;
 use super::bounded::{self, Objective as _, minimize};
+use super::ending::IsOver;
+use super::frame::Frame;
+use super::incumbents::Incumbents;
 use super::polish::{self, Peaks, polish};
 use super::settings::Effort;
-use super::smooth::{Frame, Smooth};
-use super::starts::{Attempt, Incumbents, IsOver};
-use crate::maximum::{Lattice, highest};
+use super::smooth::Smooth;
+use crate::lattice::Lattice;
+use crate::maximum::highest;
 use crate::measure::Measure;
-use crate::space::{Axis, BoxShape};
+use crate::shape::{Axis, BoxShape};
 use crate::{Criterion, Forbidden};
 
 /// A search over a box with continuous axes, or the continuous relaxation of a grid.

@@ -159,7 +159,7 @@ mod tests {
     use super::*;
     use crate::polynomial;
     use crate::products::Products;
-    use crate::search::smooth::{Frame, Matrices};
+    use crate::search::frame::{Frame, Matrices};
     use crate::{Criterion, Model, PredictionVariance};
     use std::sync::Arc;
 

@@ -10,7 +10,7 @@ fn cut_at(problem: &Problem, settings: &Settings, call: u64) -> (Result<Found, E
     let calls = AtomicU64::new(0);
     let is_interrupted = || calls.fetch_add(1, Ordering::Relaxed) >= call;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    let found = pool.install(|| search_until(problem, settings, &is_interrupted, |_| ()));
+    let found = pool.install(|| search_until(problem, settings, &is_interrupted, &mut |_| ()));
     (found, calls.into_inner())
 }
 

@@ -15,11 +15,14 @@ use multiversion::multiversion;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
+use super::attempt::Attempt;
 use super::bounded::Objective as _;
 use super::candidates::Candidates;
 use super::continuous::Continuous;
-use super::smooth::{Frame, Matrices, Smooth};
-use super::starts::{Attempt, Incumbents, IsOver};
+use super::ending::IsOver;
+use super::frame::{Frame, Matrices};
+use super::incumbents::Incumbents;
+use super::smooth::Smooth;
 use crate::matrix::{dot, multiply};
 use crate::{Criterion, PredictionVariance};
 
@@ -551,9 +554,7 @@ fn watched_variances(watched: &[f64], inverse: &[f64], p: usize, values: &mut Ve
 mod tests {
     use super::*;
     use crate::products::Products;
-    use crate::search::frame;
-    use crate::search::problem::SAME_RUN;
-    use crate::space::Shape;
+    use crate::shape::{SAME_RUN, Shape};
     use crate::{Model, Problem, Space};
     use rand::SeedableRng;
 
@@ -567,7 +568,8 @@ mod tests {
         for criterion in [Criterion::D, Criterion::A, Criterion::I, Criterion::G] {
             let problem =
                 Problem::new(Model::quadratic(2).expect("a model"), space.clone(), 9, criterion).expect("sound");
-            let frame = frame(&problem, Some(&shape.relaxed()), f64::NEG_INFINITY, <[f64]>::to_vec).expect("a frame");
+            let frame = Frame::of(&problem, Some(&shape.relaxed()), f64::NEG_INFINITY, &<[f64]>::to_vec);
+            let frame = frame.expect("a frame");
             let search = Discrete {
                 frame: &frame,
                 candidates: &candidates,

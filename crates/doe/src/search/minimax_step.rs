@@ -1,6 +1,6 @@
 //! One step of the minimax polish: least worst case of linear functions, plus a curvature, within bounds.
 
-use super::starts::IsOver;
+use super::ending::IsOver;
 use crate::matrix::{axpy, cholesky, dot};
 
 /// min over d and t of t + d'Hd/2, with heights + slopes d ≤ t and lower ≤ d ≤ upper.

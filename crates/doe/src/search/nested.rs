@@ -151,7 +151,7 @@ mod tests {
             let nested = Nested::of(&Arc::new(Products::of(&model)), levels.clone());
             let mut values = Vec::new();
             nested.values(variance.coefficients(), &mut values);
-            let lattice = crate::maximum::Lattice { levels, allowed: None };
+            let lattice = crate::lattice::Lattice::new(levels);
             assert_eq!(values.len(), lattice.n_points());
             for (index, value) in values.iter().enumerate() {
                 let expected = variance.value(&lattice.point(index));

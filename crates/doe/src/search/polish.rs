@@ -1,13 +1,14 @@
 //! The last digits of a G-optimal design: sequential quadratic programs over all near-active maxima.
 
 use super::curvature::Local;
+use super::ending::IsOver;
+use super::frame::{Frame, Matrices};
 use super::minimax_step::{MinimaxStep, Solution, solve};
-use super::smooth::{Frame, Matrices};
-use super::starts::IsOver;
 use crate::PredictionVariance;
+use crate::ascent::climb;
+use crate::lattice::Lattice;
 use crate::matrix::{dot, multiply};
-use crate::maximum::{Lattice, climb};
-use crate::space::BoxShape;
+use crate::shape::BoxShape;
 
 /// How far a polish goes.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,7 @@
 //! What is searched for.
 
-use crate::confounding::check_support;
+use crate::shape::Shape;
+use crate::support::check_support;
 use crate::{Criterion, Design, Error, Model, Space};
 
 /// A model, a space, a number of runs and a criterion; and what is settled beforehand.
@@ -31,8 +32,6 @@ pub enum Replicates {
     Planned(usize),
 }
 
-/// Coordinates that differ by no more make two runs replicates.
-pub(crate) const SAME_RUN: f64 = 1e-6;
 /// Runs that must be distinct along a continuous axis are at least this far apart, coded.
 pub(crate) const APART: f64 = 0.049;
 
@@ -172,18 +171,56 @@ impl Problem {
         let k = self.model.n_factors();
         let runs: Vec<&[f64]> = x.chunks_exact(k).collect();
         let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(x, y)| (x - y).abs() < APART);
-        let fixed: Vec<&[f64]> = self.fixed.iter().flat_map(Design::runs).collect();
+        let fixed: Vec<&[f64]> = self.fixed_runs().collect();
         runs.iter().enumerate().all(|(i, a)| !runs[..i].iter().any(|b| same(a, b)) && !fixed.iter().any(|b| same(a, b)))
     }
 
-    /// The whole design: fixed runs, distinct free runs, planned replicates.
+    /// The coordinates of the runs that are settled.
+    pub(crate) fn fixed_runs(&self) -> impl Iterator<Item = &[f64]> {
+        self.fixed.iter().flat_map(Design::runs)
+    }
+
+    /// The whole design of the distinct free runs at these coordinates.
     pub(crate) fn design(&self, x: &[f64]) -> Result<Design, Error> {
-        let k = self.model.n_factors();
-        let repeated = self.multiplicities().iter().filter(|&&multiplicity| multiplicity > 1.0).count();
-        let free = Design::new(k, [x, &x[..repeated * k]].concat())?;
-        match &self.fixed {
-            Some(fixed) => fixed.followed_by(&free),
-            None => Ok(free),
+        let free: Vec<&[f64]> = x.chunks_exact(self.model.n_factors()).collect();
+        Design::from_runs(&self.arranged(self.fixed_runs(), &free))
+    }
+
+    /// The candidate of each run of the whole design, by index, from those of the distinct free runs; nothing where the
+    /// space is no list.
+    pub(crate) fn candidates(&self, free: &[usize]) -> Vec<usize> {
+        match self.space.shape() {
+            Shape::Box(_) => Vec::new(),
+            Shape::List(list) => self.arranged(self.fixed_runs().map(|run| list.nearest(run).0), free),
+        }
+    }
+
+    /// In the order of the whole design: what belongs to fixed runs, to distinct free runs, and to planned replicates.
+    fn arranged<T: Copy>(&self, fixed: impl Iterator<Item = T>, free: &[T]) -> Vec<T> {
+        let n_repeated = self.multiplicities().iter().filter(|&&multiplicity| multiplicity > 1.0).count();
+        fixed.chain(free.iter().copied()).chain(free.iter().copied().take(n_repeated)).collect()
+    }
+
+    /// Efficiency of a logarithmic value of the criterion, per cent: for progress and targets.
+    pub(crate) fn percent(&self, log_value: f64) -> f64 {
+        let (n, p) = (self.n_runs as f64, self.model.n_terms() as f64);
+        100.0
+            * match self.criterion {
+                Criterion::D => (-log_value).exp() / n,
+                Criterion::A | Criterion::G | Criterion::I => p / (n * log_value.exp()),
+                Criterion::E => (-log_value).exp() / n,
+                Criterion::T => (-log_value).exp() / (n * p),
+            }
+    }
+
+    /// The inverse of [`percent`](Self::percent).
+    pub(crate) fn log_value(&self, percent: f64) -> f64 {
+        let (n, p) = (self.n_runs as f64, self.model.n_terms() as f64);
+        let fraction = percent / 100.0;
+        match self.criterion {
+            Criterion::D | Criterion::E => -(fraction * n).ln(),
+            Criterion::A | Criterion::G | Criterion::I => (p / (n * fraction)).ln(),
+            Criterion::T => -(fraction * n * p).ln(),
         }
     }
 }

@@ -9,6 +9,9 @@ use crate::{Design, Efficiency};
 pub struct Found {
     /// Fixed runs first, then the others, planned replicates last.
     pub design: Design,
+    /// Where the space is a list, the index of the candidate that each run is, in the order of the runs: a planned
+    /// replicate has that of the run it repeats, a fixed run that of the candidate nearest to it. Empty for boxes.
+    pub candidates: Vec<usize>,
     /// Efficiency by the criterion searched for, and over which set; computed anew from the design.
     pub efficiency: Efficiency,
     /// How the search went.

@@ -13,83 +13,12 @@
 //!
 //! G and E tend to the logarithm of their criterion as q grows.
 
-use std::sync::Arc;
-
 use multiversion::multiversion;
 
 use super::bounded::Objective;
-use super::runs::Regressors;
-use super::table::Table;
+use super::frame::{Frame, Matrices};
 use crate::Criterion;
-use crate::information::PIVOT_FLOOR;
-use crate::matrix::{add_outer, cholesky, inverse_of_factor, multiply, product};
-use crate::products::Products;
-
-/// What stays the same during a search.
-#[derive(Debug)]
-pub(crate) struct Frame {
-    pub(crate) criterion: Criterion,
-    pub(crate) regressors: Regressors,
-    pub(crate) products: Arc<Products>,
-    /// Information of the fixed runs, p × p.
-    pub(crate) fixed: Vec<f64>,
-    /// How often each free run is made.
-    pub(crate) multiplicities: Vec<f64>,
-    /// Mean of r r' over the space, for I; empty otherwise.
-    pub(crate) moments: Vec<f64>,
-    /// Least log det(M) / p that a search for T accepts; minus infinity for the others.
-    pub(crate) least_log_determinant: f64,
-    /// Lattice for G.
-    pub(crate) table: Option<Table>,
-}
-
-impl Frame {
-    pub(crate) fn n_terms(&self) -> usize {
-        self.regressors.n_terms
-    }
-
-    pub(crate) fn n_factors(&self) -> usize {
-        self.regressors.n_factors
-    }
-
-    /// M and M⁻¹ of all runs; none if singular. Regressors of the free runs are left in `rows`.
-    pub(crate) fn invert(&self, x: &[f64], rows: &mut [f64], matrices: &mut Matrices) -> Option<f64> {
-        let (p, k) = (self.n_terms(), self.n_factors());
-        for (point, row) in x.chunks_exact(k).zip(rows.chunks_exact_mut(p)) {
-            self.regressors.fill(point, row);
-        }
-        assemble(&self.fixed, rows, &self.multiplicities, p, matrices)
-    }
-}
-
-/// p × p matrices that a search reuses.
-#[derive(Debug, Clone)]
-pub(crate) struct Matrices {
-    pub(crate) information: Vec<f64>,
-    pub(crate) inverse: Vec<f64>,
-    factor: Vec<f64>,
-    scratch: Vec<f64>,
-}
-
-impl Matrices {
-    pub(crate) fn new(p: usize) -> Self {
-        let zeros = vec![0.0; p * p];
-        Self { information: zeros.clone(), inverse: zeros.clone(), factor: zeros.clone(), scratch: zeros }
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
-fn assemble(fixed: &[f64], rows: &[f64], multiplicities: &[f64], p: usize, matrices: &mut Matrices) -> Option<f64> {
-    let information = &mut matrices.information;
-    information.copy_from_slice(fixed);
-    for (row, &multiplicity) in rows.chunks_exact(p).zip(multiplicities) {
-        add_outer(information, p, multiplicity, row);
-    }
-    matrices.factor.copy_from_slice(information);
-    let log_determinant = cholesky(&mut matrices.factor, p, PIVOT_FLOOR)?;
-    inverse_of_factor(&matrices.factor, p, &mut matrices.inverse, &mut matrices.scratch);
-    Some(log_determinant)
-}
+use crate::matrix::{multiply, product};
 
 /// S = D X D for G and I.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
@@ -266,9 +195,14 @@ impl Objective for Smooth<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::maximum::Lattice;
-    use crate::space::Shape;
+    use crate::lattice::Lattice;
+    use crate::products::Products;
+    use crate::search::runs::Regressors;
+    use crate::search::table::Table;
+    use crate::shape::Shape;
     use crate::{Model, Space, moment_matrix};
 
     fn frame(criterion: Criterion) -> Frame {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use multiversion::multiversion;
 
-use crate::maximum::Lattice;
+use crate::lattice::Lattice;
 use crate::products::Products;
 
 /// Points per block: their sums stay in registers while the monomials stream by.

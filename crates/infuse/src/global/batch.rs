@@ -132,7 +132,7 @@ impl<'a> DesignSpace<'a> {
         settings.starts = self.settings.design_starts;
         settings.effort = Effort::Quick;
         let none = match search(&problem, &settings) {
-            Ok(found) => return Ok(found.design.runs().map(|run| self.cells.of_coded(run)).collect()),
+            Ok(found) => return Ok(found.candidates.into_iter().map(|candidate| cells[candidate]).collect()),
             Err(none @ doe::Error::NoDesign { .. }) => none,
             Err(error) => return Err(error.into()),
         };

@@ -61,20 +61,4 @@ impl Cells {
     pub(crate) fn natural(&self, cell: Cell) -> Result<Vec<f64>, Error> {
         Ok(self.grid.point(cell)?)
     }
-
-    /// The cell with these coded coordinates, which are within rounding of its levels.
-    pub(crate) fn of_coded(&self, coded: &[f64]) -> Cell {
-        let digit = |(x, &count): (&f64, &u64)| {
-            let last = (count - 1) as f64;
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "clamped to the indices of the axis"
-            )]
-            let digit = (0.5 * (x + 1.0) * last).round().clamp(0.0, last) as u64;
-            digit
-        };
-        let combinations = self.grid.combinations();
-        Cell::new(combinations.index(&coded.iter().zip(combinations.counts()).map(digit).collect::<Vec<_>>()))
-    }
 }

@@ -59,6 +59,12 @@ fn settings_out_of_range_are_named() {
 }
 
 #[test]
+fn the_loop_splits_as_the_source_and_doe_in_balance() {
+    assert_eq!(planar().1.split, SplitMethod::Alternating);
+    assert_eq!(doe::SplitSettings::default().method, SplitMethod::Balanced);
+}
+
+#[test]
 fn a_continuous_parameter_is_named() {
     let level = Parameter::continuous("pitch", "deg", 10.0, 22.0).unwrap();
     let region = Region::new(vec![level, grid(&[4]).parameters()[0].clone()]).unwrap();

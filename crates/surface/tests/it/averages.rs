@@ -14,7 +14,7 @@ fn bowl() -> Data {
     Data::new(2, points, values).expect("valid data")
 }
 
-fn regression(model: Result<Model, doe::Error>) -> Kind {
+fn regression(model: Result<Model, doe::DesignSpaceError>) -> Kind {
     Kind::Regression { model: model.expect("a valid model"), confounded: Confounded::Refuse }
 }
 

@@ -83,7 +83,8 @@ fn order_of_a_grid_is_that_of_its_region() {
     let region = doe::Region::new(vec![parameter("a", 3).expect("valid"), parameter("b", 5).expect("valid")]);
     let region = region.expect("two parameters");
     let grid = GridPoints::of_space(&Space::of_region(&region).expect("a space")).expect("a grid");
-    for (index, point) in region.grid().expect("levels").enumerate() {
+    let cells = doe::Grid::of(&region).expect("levels");
+    for (index, point) in cells.cells().map(|cell| cells.point(cell).expect("a cell")).enumerate() {
         let found = grid.point(index as u64).expect("as many points");
         assert!(found.iter().zip(&point).all(|(a, b)| (a - b).abs() < 1e-15), "{found:?}, expected {point:?}");
     }

@@ -185,5 +185,5 @@ fn passes_on_what_is_wrong_with_a_model() {
     let model = Model::linear(1).and_then(|model| model.without_terms(&[0])).expect("x alone");
     let zero = Data::new(1, vec![0.0], vec![1.0]).expect("valid data");
     let refused = Kind::Regression { model, confounded: Confounded::Drop }.fit(&zero).expect_err("refused");
-    assert!(matches!(refused, Error::Model(doe::Error::Count { found: 0, .. })), "{refused:?}");
+    assert!(matches!(refused, Error::Model(doe::DesignSpaceError::Count { found: 0, .. })), "{refused:?}");
 }

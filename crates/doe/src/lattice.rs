@@ -1,0 +1,159 @@
+//! Points of a box on a lattice, by index.
+
+use design_space::Combinations;
+use rayon::prelude::*;
+
+use crate::shape::{Axis, BoxShape, spread};
+use crate::{PredictionVariance, polynomial};
+
+/// A lattice of a box: levels per axis, the last varying fastest; forbidden points are skipped.
+#[derive(Debug, Clone)]
+pub(crate) struct Lattice {
+    levels: Vec<Vec<f64>>,
+    combinations: Combinations,
+    allowed: Option<Vec<bool>>,
+}
+
+impl Lattice {
+    /// All combinations of these levels, none of them forbidden.
+    pub(crate) fn new(levels: Vec<Vec<f64>>) -> Self {
+        let counts: Vec<u64> = levels.iter().map(|levels| levels.len() as u64).collect();
+        Self { levels, combinations: Combinations::saturating(counts), allowed: None }
+    }
+
+    /// All levels of a box, and both ends of its continuous axes; what is forbidden is not looked at.
+    pub(crate) fn whole(shape: &BoxShape) -> Self {
+        Self::new(shape.axes.iter().map(level_values).collect())
+    }
+
+    /// The same lattice with its forbidden points skipped.
+    pub(crate) fn without_forbidden(self, shape: &BoxShape) -> Self {
+        if shape.forbidden.is_empty() {
+            return self;
+        }
+        let allowed = (0..self.n_points()).map(|index| !shape.forbids(&self.point(index))).collect();
+        self.with_allowed(allowed)
+    }
+
+    /// The same lattice with these points allowed and no others.
+    pub(crate) fn with_allowed(self, allowed: Vec<bool>) -> Self {
+        Self { allowed: Some(allowed), ..self }
+    }
+
+    /// As many equally spaced levels per axis as `most` points allow, an odd number from 3 to 33, with the ends of
+    /// forbidden boxes among them; levels of gridded axes, thinned if there are more.
+    pub(crate) fn of(shape: &BoxShape, most: usize) -> Self {
+        let n_factors = shape.axes.len() as f64;
+        let root = (most as f64).powf(1.0 / n_factors).floor() as usize;
+        Self::with_levels(shape, root.saturating_sub(1 - root % 2).clamp(3, 33))
+    }
+
+    /// About this many levels per axis.
+    pub(crate) fn with_levels(shape: &BoxShape, count: usize) -> Self {
+        let axis_levels = |(factor, axis): (usize, &Axis)| match axis {
+            Axis::Levels(levels) => spread(count.min(levels.len()), levels.len()).map(|index| levels[index]).collect(),
+            Axis::Continuous => {
+                let last = (count - 1) as f64;
+                let mut levels: Vec<f64> = (0..count).map(|i| (2.0 * i as f64 - last) / last).collect();
+                levels.extend(shape.forbidden.iter().flat_map(|box_| box_.range(factor)).filter(|end| end.abs() < 1.0));
+                levels.sort_by(f64::total_cmp);
+                levels.dedup();
+                levels
+            }
+        };
+        let levels = shape.axes.iter().enumerate().map(axis_levels).collect();
+        Self::new(levels).without_forbidden(shape)
+    }
+
+    pub(crate) fn n_points(&self) -> usize {
+        self.combinations.len() as usize
+    }
+
+    /// The levels of each axis, rising.
+    pub(crate) fn levels(&self) -> &[Vec<f64>] {
+        &self.levels
+    }
+
+    pub(crate) fn combinations(&self) -> &Combinations {
+        &self.combinations
+    }
+
+    /// Which points are not forbidden; none if all are allowed.
+    pub(crate) fn allowed(&self) -> Option<&[bool]> {
+        self.allowed.as_deref()
+    }
+
+    pub(crate) fn point(&self, index: usize) -> Vec<f64> {
+        let mut point = vec![0.0; self.levels.len()];
+        let digits = self.combinations.digits_from_last(index as u64);
+        for ((x, levels), digit) in point.iter_mut().zip(&self.levels).rev().zip(digits) {
+            *x = levels[digit as usize];
+        }
+        point
+    }
+
+    /// Whether a lattice point is not forbidden.
+    pub(crate) fn is_allowed(&self, index: usize) -> bool {
+        self.allowed.as_ref().is_none_or(|allowed| allowed[index])
+    }
+
+    /// v at every point, line by line; forbidden points at minus infinity.
+    pub(crate) fn values(&self, variance: &PredictionVariance) -> Vec<f64> {
+        let last = self.levels.len() - 1;
+        let levels = &self.levels[last];
+        let mut values = vec![0.0; self.n_points()];
+        values.par_chunks_exact_mut(levels.len()).enumerate().with_min_len(64).for_each(|(line_index, values)| {
+            let point = self.point(line_index * levels.len());
+            let mut line = vec![0.0; variance.largest_power() + 1];
+            variance.along(&point, last, &mut line);
+            for (offset, (value, &x)) in values.iter_mut().zip(levels).enumerate() {
+                let allowed = self.is_allowed(line_index * levels.len() + offset);
+                *value = if allowed { polynomial::value(&line, x) } else { f64::NEG_INFINITY };
+            }
+        });
+        values
+    }
+
+    /// Points at least as high as their neighbors along every axis and above a threshold, the highest first.
+    pub(crate) fn local_maxima(&self, values: &[f64], threshold: f64, most: usize) -> Vec<usize> {
+        let Some(last) = self.levels.last().map(Vec::len) else {
+            return Vec::new();
+        };
+        let mut found = Vec::new();
+        let mut digits = vec![0; self.levels.len()];
+        for (number, line) in values.chunks_exact(last).enumerate() {
+            for (i, &value) in line.iter().enumerate() {
+                let is_maximum_of_line =
+                    value >= threshold && (i == 0 || line[i - 1] <= value) && (i + 1 == last || line[i + 1] <= value);
+                let index = number * last + i;
+                if is_maximum_of_line && self.is_maximum_across_lines(values, index, &digits) {
+                    found.push(index);
+                }
+            }
+            // From the last point of the line to the next line, without a division.
+            digits[self.levels.len() - 1] = last as u64 - 1;
+            self.combinations.advance(&mut digits);
+        }
+        found.sort_by(|&a, &b| values[b].total_cmp(&values[a]).then(a.cmp(&b)));
+        found.truncate(most);
+        found
+    }
+
+    /// Whether a point is at least as high as its neighbors along every axis but the last, whose digit is not looked at.
+    fn is_maximum_across_lines(&self, values: &[f64], index: usize, digits: &[u64]) -> bool {
+        let value = values[index];
+        let axes = digits.iter().zip(self.combinations.counts()).zip(self.combinations.strides());
+        axes.rev().skip(1).all(|((&digit, &count), &stride)| {
+            let stride = stride as usize;
+            (digit == 0 || values[index - stride] <= value) && (digit + 1 == count || values[index + stride] <= value)
+        })
+    }
+}
+
+/// The levels of an axis, or its ends.
+pub(crate) fn level_values(axis: &Axis) -> Vec<f64> {
+    match axis {
+        Axis::Levels(levels) => levels.clone(),
+        Axis::Continuous => vec![-1.0, 1.0],
+    }
+}

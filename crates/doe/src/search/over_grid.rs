@@ -1,0 +1,90 @@
+//! The search over a grid as it is, and over a box with a continuous axis and one with levels, or whose free runs must
+//! differ: on a fine grid, and off it along the continuous axes as far as runs that must differ stay apart.
+
+use rand_pcg::Pcg64;
+
+use super::attempt::{Attempt, Designer};
+use super::candidates::Candidates;
+use super::continuous::Continuous;
+use super::ending::IsOver;
+use super::exchange::Discrete;
+use super::frame::{Frame, lattice};
+use super::gridded::{gridded, thinned};
+use super::incumbents::Incumbents;
+use super::problem::{APART, Problem, Replicates};
+use super::settings::Effort;
+use super::starts::{Outcome, Runner};
+use crate::Error;
+use crate::shape::{BoxShape, SAME_RUN};
+
+pub(crate) fn over_grid(problem: &Problem, shape: &BoxShape, runner: Runner<'_>) -> Result<Outcome, Error> {
+    let is_discrete = shape.is_discrete();
+    let grid = if is_discrete { thinned(shape) } else { gridded(shape)? };
+    let relaxed = shape.relaxed();
+    let frame = Frame::of(problem, Some(&relaxed), runner.least_log_determinant, &<[f64]>::to_vec)?;
+    let lattice = lattice(&relaxed);
+    let continuous = |effort: Effort| Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort };
+    let candidates = Candidates::grid(&grid, &frame.products);
+    let search = Discrete {
+        frame: &frame,
+        candidates: &candidates,
+        relaxed: Some(continuous(Effort::Quick)),
+        is_distinct: problem.replicates() != Replicates::Allowed,
+        apart: if is_discrete { SAME_RUN } else { APART },
+        fixed: problem.fixed_runs().map(<[f64]>::to_vec).collect(),
+    };
+    let polish = continuous(runner.settings.effort);
+    let off_grid = (!is_discrete).then_some(OffGrid { problem, shape, polish });
+    Ok(runner.run(&Gridded { search, off_grid }))
+}
+
+/// Starts on a grid, and where they are taken from there.
+struct Gridded<'a> {
+    search: Discrete<'a>,
+    off_grid: Option<OffGrid<'a>>,
+}
+
+/// The box that the grid stands for.
+struct OffGrid<'a> {
+    problem: &'a Problem,
+    shape: &'a BoxShape,
+    polish: Continuous<'a>,
+}
+
+impl Designer for Gridded<'_> {
+    fn start(&self, generator: &mut Pcg64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Attempt {
+        self.search.start(generator, incumbents, is_over)
+    }
+
+    fn refine(&self, x: Vec<f64>, value: f64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Option<(Vec<f64>, f64)> {
+        match &self.off_grid {
+            None => Some((x, value)),
+            Some(off_grid) => off_grid.refine(x, incumbents, is_over),
+        }
+    }
+}
+
+impl OffGrid<'_> {
+    /// The design moved off the grid if that is better and keeps to the rule for replicates, else as it is.
+    fn refine(&self, x: Vec<f64>, incumbents: &Incumbents, is_over: IsOver<'_>) -> Option<(Vec<f64>, f64)> {
+        let value = self.score(&x)?;
+        let moved = if self.shape.is_continuous() {
+            self.polish.refine(x.clone(), incumbents, is_over)
+        } else {
+            self.polish.on_levels(self.shape, x.clone(), is_over)
+        };
+        let moved = moved.map(|(moved, _)| moved).filter(|moved| self.problem.keeps_replicates(moved));
+        match moved.and_then(|moved| Some((self.score(&moved)?, moved))) {
+            Some((better, moved)) if better < value => Some((moved, better)),
+            _ => Some((x, value)),
+        }
+    }
+
+    /// The value over the space, which is not that on the grid: both designs are scored where they count.
+    fn score(&self, x: &[f64]) -> Option<f64> {
+        let problem = self.problem;
+        let design = problem.design(x).ok()?;
+        let efficiency = problem.criterion().efficiency(problem.model(), problem.space(), &design).ok()?;
+        Some(problem.log_value(efficiency.percent))
+    }
+}

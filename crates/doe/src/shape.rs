@@ -1,0 +1,170 @@
+//! What a design space is made of: a box with continuous and gridded axes, or a list of candidates.
+
+use crate::{Error, Forbidden};
+
+/// The values one coded coordinate can take.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Axis {
+    /// All of −1 to 1.
+    Continuous,
+    /// These values, rising, within −1 to 1.
+    Levels(Vec<f64>),
+}
+
+impl Axis {
+    /// The largest number of equally spaced levels.
+    pub const MOST_LEVELS: u32 = 1_000_000;
+
+    /// `count` equally spaced levels from −1 to 1.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFewAxisLevels`] below two, [`Error::TooManyLevels`] above [`MOST_LEVELS`](Self::MOST_LEVELS).
+    pub fn equally_spaced(count: u32) -> Result<Self, Error> {
+        if count > Self::MOST_LEVELS {
+            return Err(Error::TooManyLevels { count, most: Self::MOST_LEVELS });
+        }
+        if count < 2 {
+            return Err(Error::TooFewAxisLevels { count: count as usize });
+        }
+        let last = f64::from(count - 1);
+        Ok(Self::Levels((0..count).map(|i| (2.0 * f64::from(i) - last) / last).collect()))
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Shape {
+    Box(BoxShape),
+    List(List),
+}
+
+/// Axes without the forbidden boxes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct BoxShape {
+    pub(crate) axes: Vec<Axis>,
+    pub(crate) forbidden: Vec<Forbidden>,
+}
+
+/// Candidates, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct List {
+    pub(crate) n_factors: usize,
+    pub(crate) coordinates: Vec<f64>,
+}
+
+/// How far a coordinate may be from a level, a bound or a candidate and still be it.
+pub(crate) const SAME: f64 = 1e-9;
+/// Coordinates that differ by no more make two runs replicates.
+pub(crate) const SAME_RUN: f64 = 1e-6;
+
+impl BoxShape {
+    /// The box with all axes continuous.
+    pub(crate) fn relaxed(&self) -> Self {
+        Self { axes: vec![Axis::Continuous; self.axes.len()], forbidden: self.forbidden.clone() }
+    }
+
+    /// How many combinations of levels there are, forbidden ones included, an axis without levels counted once.
+    pub(crate) fn n_combinations(&self) -> f64 {
+        let count = |axis: &Axis| if let Axis::Levels(levels) = axis { levels.len() as f64 } else { 1.0 };
+        self.axes.iter().map(count).product()
+    }
+
+    pub(crate) fn is_discrete(&self) -> bool {
+        self.axes.iter().all(|axis| matches!(axis, Axis::Levels(_)))
+    }
+
+    pub(crate) fn is_continuous(&self) -> bool {
+        self.axes.iter().all(|axis| *axis == Axis::Continuous)
+    }
+
+    pub(crate) fn contains(&self, point: &[f64]) -> bool {
+        let on_axes = self.axes.iter().zip(point).all(|(axis, &x)| match axis {
+            Axis::Continuous => x.abs() <= 1.0 + SAME,
+            Axis::Levels(levels) => levels.iter().any(|level| (level - x).abs() <= SAME),
+        });
+        on_axes && !self.forbids(point)
+    }
+
+    pub(crate) fn forbids(&self, point: &[f64]) -> bool {
+        self.forbidden.iter().any(|forbidden| (0..point.len()).all(|j| self.blocks(forbidden, j, point[j])))
+    }
+
+    /// Whether a value of one coordinate lies in the range of a forbidden box.
+    pub(crate) fn blocks(&self, forbidden: &Forbidden, axis: usize, x: f64) -> bool {
+        let [lower, upper] = forbidden.range(axis);
+        match self.axes[axis] {
+            Axis::Continuous => lower + SAME < x && x < upper - SAME,
+            Axis::Levels(_) => lower - SAME <= x && x <= upper + SAME,
+        }
+    }
+
+    /// Ranges of the forbidden boxes that the line through `point` along `axis` passes.
+    pub(crate) fn blocked_along(&self, point: &[f64], axis: usize) -> Vec<[f64; 2]> {
+        let elsewhere =
+            |forbidden: &&Forbidden| (0..point.len()).all(|j| j == axis || self.blocks(forbidden, j, point[j]));
+        self.forbidden.iter().filter(elsewhere).map(|forbidden| forbidden.range(axis)).collect()
+    }
+}
+
+impl List {
+    pub(crate) fn n_points(&self) -> usize {
+        self.coordinates.len() / self.n_factors
+    }
+
+    pub(crate) fn points(&self) -> std::slice::ChunksExact<'_, f64> {
+        self.coordinates.chunks_exact(self.n_factors)
+    }
+
+    pub(crate) fn point(&self, index: usize) -> &[f64] {
+        &self.coordinates[index * self.n_factors..][..self.n_factors]
+    }
+
+    /// Index of the nearest candidate and the largest distance along an axis to it; the first of equals.
+    pub(crate) fn nearest(&self, point: &[f64]) -> (usize, f64) {
+        let mut best = (0, f64::INFINITY, f64::INFINITY);
+        for (index, candidate) in self.points().enumerate() {
+            let square: f64 = candidate.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum();
+            if square < best.1 {
+                let largest = candidate.iter().zip(point).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                best = (index, square, largest);
+            }
+        }
+        (best.0, best.2)
+    }
+
+    pub(crate) fn retain(&mut self, keep: impl Fn(&[f64]) -> bool) {
+        let kept: Vec<f64> = self.points().filter(|point| keep(point)).flatten().copied().collect();
+        self.coordinates = kept;
+    }
+
+    pub(crate) fn check_distinct(&self) -> Result<(), Error> {
+        let mut order: Vec<usize> = (0..self.n_points()).collect();
+        let compare = |&a: &usize, &b: &usize| {
+            let pairs = self.point(a).iter().zip(self.point(b));
+            // Adding zero makes the two zeros one.
+            pairs
+                .map(|(x, y)| (x + 0.0).total_cmp(&(y + 0.0)))
+                .find(|order| order.is_ne())
+                .unwrap_or(std::cmp::Ordering::Equal)
+        };
+        order.sort_unstable_by(|a, b| compare(a, b).then(a.cmp(b)));
+        match order.windows(2).find(|pair| compare(&pair[0], &pair[1]).is_eq()) {
+            Some(pair) => Err(Error::DuplicateCandidate { first: pair[0], second: pair[1] }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Whether a point lies in a forbidden box or on its surface.
+pub(crate) fn within_closed(forbidden: &Forbidden, point: &[f64]) -> bool {
+    (0..point.len()).all(|j| {
+        let [lower, upper] = forbidden.range(j);
+        lower - SAME <= point[j] && point[j] <= upper + SAME
+    })
+}
+
+/// `n` indices spread evenly over those of `n_levels` levels, both ends among them.
+pub(crate) fn spread(n: usize, n_levels: usize) -> impl Iterator<Item = usize> {
+    let last = n_levels - 1;
+    (0..n).map(move |i| (i * last + (n - 1) / 2) / (n - 1))
+}
