@@ -5,6 +5,8 @@ use std::fmt::Write as _;
 use maud::{Markup, PreEscaped, Render, html};
 
 use super::axis::Scale;
+use super::palette::GRID;
+pub(super) use super::palette::{INK, PAPER, color};
 
 /// Width of every figure.
 pub(super) const WIDTH_PX: f64 = 940.0;
@@ -20,27 +22,15 @@ pub(super) const LEGEND_ROW_PX: f64 = 22.0;
 const FONT: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
 const TITLE_SIZE: u32 = 16;
 const LABEL_SIZE: u32 = 13;
-const TICK_SIZE: u32 = 12;
+pub(super) const TICK_SIZE: u32 = 12;
 pub(super) const TEXT_SIZE: u32 = 12;
 
-pub(super) const INK: &str = "#222222";
-pub(super) const PAPER: &str = "#ffffff";
-const GRID: &str = "#dddddd";
 const BLACK: &str = "#000000";
 const FRAME_PEN: Pen<'static> = Pen { color: BLACK, width: 1.0, dashes: None };
 /// How far a tick sticks out of its frame.
 const TICK_PX: f64 = 5.0;
 pub(super) const SHORT_DASHES: &str = "5 3";
 pub(super) const LONG_DASHES: &str = "8 4";
-
-/// The palette of Okabe and Ito, which color-blind readers can tell apart, dark and light by turns; its yellow is darkened
-/// to be seen on white.
-const COLORS: [&str; 8] = ["#0072b2", "#e69f00", "#cc79a7", "#009e73", "#d55e00", "#56b4e9", "#000000", "#a89f10"];
-
-/// The color of the series with this index.
-pub(super) fn color(index: usize) -> &'static str {
-    COLORS[index % COLORS.len()]
-}
 
 /// About how wide a text is.
 pub(super) fn text_width_px(text: &str, size: u32) -> f64 {
@@ -60,11 +50,11 @@ pub(super) struct Frame {
 
 impl Frame {
     pub(super) fn x_px(&self, x: f64) -> f64 {
-        self.left + (x - self.x.min) / (self.x.max - self.x.min) * (self.right - self.left)
+        self.left + self.x.place(x) * (self.right - self.left)
     }
 
     pub(super) fn y_px(&self, y: f64) -> f64 {
-        self.bottom - (y - self.y.min) / (self.y.max - self.y.min) * (self.bottom - self.top)
+        self.bottom - self.y.place(y) * (self.bottom - self.top)
     }
 
     pub(super) fn px(&self, point: (f64, f64)) -> (f64, f64) {
@@ -79,9 +69,12 @@ pub(super) struct FrameText<'a> {
     pub(super) grid: Grid,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Grid {
+/// Whether lines across a frame help to read values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grid {
+    /// A line at every tick.
     Shown,
+    /// Ticks alone.
     Hidden,
 }
 
@@ -141,7 +134,7 @@ impl<'a> Pen<'a> {
 }
 
 /// A length or a place in pixels, written to a hundredth.
-struct Px(f64);
+pub(super) struct Px(pub(super) f64);
 
 impl Render for Px {
     fn render_to(&self, buffer: &mut String) {
@@ -150,8 +143,9 @@ impl Render for Px {
 }
 
 /// A figure under construction.
+#[derive(Clone, Debug)]
 pub(super) struct Canvas {
-    height: f64,
+    size: (f64, f64),
     body: String,
     /// Clip paths so far.
     clips: usize,
@@ -159,9 +153,14 @@ pub(super) struct Canvas {
 
 impl Canvas {
     pub(super) fn new(title: &str, height_px: f64) -> Self {
-        let mut canvas = Self { height: height_px, body: String::new(), clips: 0 };
+        let mut canvas = Self::bare((WIDTH_PX, height_px));
         canvas.text_as(title, (WIDTH_PX / 2.0, 24.0), TITLE_SIZE, Anchor::Middle);
         canvas
+    }
+
+    /// A drawing of this size in pixels, without a title.
+    pub(super) fn bare(size: (f64, f64)) -> Self {
+        Self { size, body: String::new(), clips: 0 }
     }
 
     /// Axes around a frame, with their numbers and labels.
@@ -177,7 +176,7 @@ impl Canvas {
         self.axis_labels(frame, text);
     }
 
-    fn grid(&mut self, frame: &Frame) {
+    pub(super) fn grid(&mut self, frame: &Frame) {
         let pen = Pen::solid(GRID, 1.0);
         for x in frame.x.ticks().into_iter().map(|tick| frame.x_px(tick)) {
             self.line(&[(x, frame.top), (x, frame.bottom)], pen);
@@ -187,7 +186,7 @@ impl Canvas {
         }
     }
 
-    fn x_ticks(&mut self, frame: &Frame) {
+    pub(super) fn x_ticks(&mut self, frame: &Frame) {
         for tick in frame.x.ticks() {
             let x = frame.x_px(tick);
             self.line(&[(x, frame.bottom), (x, frame.bottom + TICK_PX)], FRAME_PEN);
@@ -195,7 +194,7 @@ impl Canvas {
         }
     }
 
-    fn y_ticks(&mut self, frame: &Frame) {
+    pub(super) fn y_ticks(&mut self, frame: &Frame) {
         for tick in frame.y.ticks() {
             let y = frame.y_px(tick);
             self.line(&[(frame.left - TICK_PX, y), (frame.left, y)], FRAME_PEN);
@@ -308,9 +307,19 @@ impl Canvas {
     }
 
     pub(super) fn dot(&mut self, at: (f64, f64), radius: f64, fill: &str, outline: &str) {
+        self.circle(at, radius, fill, Pen::solid(outline, 1.2));
+    }
+
+    pub(super) fn circle(&mut self, at: (f64, f64), radius: f64, fill: &str, outline: Pen) {
         self.add(&html! {
-            circle cx=(Px(at.0)) cy=(Px(at.1)) r=(Px(radius)) fill=(fill) stroke=(outline) stroke-width="1.2" {}
+            circle cx=(Px(at.0)) cy=(Px(at.1)) r=(Px(radius)) fill=(fill) stroke=(outline.color)
+                stroke-width=(Px(outline.width)) {}
         });
+    }
+
+    /// Width and height in pixels.
+    pub(super) fn size(&self) -> (f64, f64) {
+        self.size
     }
 
     pub(super) fn diamond(&mut self, (x, y): (f64, f64), fill: &str, outline: &str) {
@@ -325,13 +334,13 @@ impl Canvas {
         self.line(&[(x - r, y + r), (x + r, y - r)], Pen::solid(color, 1.2));
     }
 
-    fn add(&mut self, element: &Markup) {
+    pub(super) fn add(&mut self, element: &Markup) {
         self.body.push_str(&element.0);
     }
 
-    /// The SVG text, with a view box so that a page may scale it.
+    /// The SVG text of a file of its own, with a view box so that a page may scale it.
     pub(super) fn svg(self) -> String {
-        let (width, height) = (Px(WIDTH_PX), Px(self.height));
+        let (width, height) = (Px(self.size.0), Px(self.size.1));
         let svg = html! {
             svg viewBox={ "0 0 " (width) " " (height) } xmlns="http://www.w3.org/2000/svg" width=(width) height=(height)
                 font-family=(FONT) fill=(INK) {
@@ -340,6 +349,16 @@ impl Canvas {
             }
         };
         svg.into_string()
+    }
+
+    /// The SVG element of a page, around the middle of its view box or from its corner.
+    pub(super) fn element(&self, corner: (f64, f64)) -> Markup {
+        let ((left, top), (width, height)) = ((Px(corner.0), Px(corner.1)), (Px(self.size.0), Px(self.size.1)));
+        html! {
+            svg viewBox={ (left) " " (top) " " (width) " " (height) } width=(width) height=(height) fill=(INK) {
+                (PreEscaped(&self.body))
+            }
+        }
     }
 }
 

@@ -63,7 +63,7 @@ fn around_cells(axis: &Axis, centers: &[f64]) -> Scale {
     let scale = axis.scale(centers.iter().copied(), 6);
     let half = 0.5 * step(centers);
     match centers {
-        [first, .., last] => Scale { min: first - half, max: last + half, ..scale },
+        [first, .., last] => scale.between(first - half, last + half),
         _ => scale,
     }
 }

@@ -138,7 +138,7 @@ fn draw_field(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame, bands: 
 fn grid_scale(axis: &Axis, places: &[f64]) -> Scale {
     let scale = axis.scale(places.iter().copied(), 6);
     match places {
-        [first, .., last] if !axis.has_range() && first < last => Scale { min: *first, max: *last, ..scale },
+        [first, .., last] if !axis.has_range() && first < last => scale.between(*first, *last),
         _ => scale,
     }
 }

@@ -168,7 +168,7 @@ fn x_scale<'a>(axis: &Axis, panels: impl Iterator<Item = &'a Panel> + Clone) -> 
     if axis.has_range() || first >= last {
         return scale;
     }
-    Scale { min: scale.min.max(first), max: scale.max.min(last), ..scale }
+    scale.between(scale.min.max(first), scale.max.min(last))
 }
 
 fn shade(canvas: &mut Canvas, frame: &Frame, shaded: Option<&Shaded>) {
