@@ -50,7 +50,7 @@ impl Campaign {
             Event::Simulated { cell, result, by, .. } => {
                 self.memory.insert(cell, Remembered { by, result });
             }
-            Event::Forgotten { .. } => self.memory.clear(),
+            Event::Discarded { .. } => self.memory.clear(),
             Event::Opened { batch, .. } => self.open_batch(batch)?,
             Event::Told { id, result, actual, repeat, corrects, note, .. } => {
                 self.tell(id, result, actual, repeat, corrects, note)?;
@@ -87,7 +87,7 @@ impl Campaign {
             // The loop has noted where: the next plan goes elsewhere.
             Err(error @ (Error::EverySimulationFailed { .. } | Error::TooFewSimulations { .. })) => {
                 self.plan = None;
-                self.failed_opening = Some(error.to_string());
+                self.failed_opening = Some(error);
             }
             Err(error) => return Err(error.into()),
         }

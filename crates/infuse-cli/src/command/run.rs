@@ -8,8 +8,10 @@ use anyhow::{Context as _, Result, bail};
 use serde_json::json;
 
 use super::Output;
-use super::ask::{hand_out, sheet_path};
+use super::ask::hand_out;
+use super::shell::sheet_path;
 use crate::campaign::{Campaign, Stage};
+use crate::findings::reason_to_stop;
 use crate::journal::{Event, Measured, Writer, now};
 use crate::number::{count, percent, short, with_unit};
 use crate::problem::PROBLEM;
@@ -44,7 +46,7 @@ pub(crate) fn run(folder: &Path, wait: Duration, most: Option<usize>, anyway: bo
                 writeln!(text, "batch {}: {best}; {predicted} predicted, {} left", report.iteration, percent(share));
         }
     };
-    let reason = super::status::reason_to_stop(&campaign, &stage);
+    let reason = reason_to_stop(&campaign, &stage);
     let _ = match &reason {
         Some(reason) => writeln!(text, "Ended: {reason}."),
         None => writeln!(text, "{} made; infuse run goes on.", count(campaign.now.reports().len() - n_before, "batch")),

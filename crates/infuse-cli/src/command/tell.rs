@@ -11,6 +11,7 @@ use serde_json::json;
 use super::{Output, settings};
 use crate::arguments::Tell;
 use crate::campaign::{Campaign, Reading};
+use crate::findings::lesson;
 use crate::journal::{Event, Measured, now};
 use crate::number::{count, number_fault, plain};
 use crate::sheet::{Answer, Fault, answers, none_of};
@@ -47,7 +48,7 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
     let outstanding = campaign.now.outstanding().len();
     let is_closed = campaign.batch() > batch;
     if is_closed {
-        let _ = write!(text, "{}", super::status::lesson(&campaign)?);
+        text.extend(lesson(&campaign).map(|lesson| lesson.to_string()));
         let _ = writeln!(text, "Next: infuse status, then infuse ask");
     } else if outstanding > 0 {
         let _ = writeln!(text, "Batch {batch} waits for {}.", count(outstanding, "more experiment"));

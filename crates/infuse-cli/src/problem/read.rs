@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
-use doe::{Model, Region, Term};
+use design_space::{Model, Region, Term};
 use infuse::{
     correction::{CorrectionLaw, CorrectionRule, Gain},
     global,
@@ -12,8 +12,7 @@ use infuse::{
 
 use super::file::{Input, LoopEntry, ModelEntry, ProblemFile, ResponseEntry, SimulatorEntry};
 use super::levels::parameter;
-use super::{PROBLEM, Problem, Program, Response, Simulator};
-use crate::sheet::RESERVED;
+use super::{PROBLEM, Problem, Program, RESERVED, Response, Simulator};
 
 const TIMEOUT_SECONDS: f64 = 600.0;
 const LONGEST_TIMEOUT_SECONDS: f64 = 3.0e7;
@@ -38,7 +37,7 @@ impl Problem {
         let parameters = file.parameters.iter().map(parameter).collect::<Result<Vec<_>>>()?;
         let region = Region::new(parameters)?;
         let reserved = |name: &str| RESERVED.contains(&name) || name.starts_with("actual ");
-        for name in region.parameters().iter().map(doe::Parameter::name).chain([&*file.response.name]) {
+        for name in region.parameters().iter().map(design_space::Parameter::name).chain([&*file.response.name]) {
             ensure!(
                 !reserved(name),
                 "`{name}` is a heading of sheets, expected another name for a parameter or response"
@@ -133,7 +132,7 @@ fn program(command: Vec<String>, input: Option<Input>, timeout: Option<f64>, reg
         seconds > 0.0 && seconds <= LONGEST_TIMEOUT_SECONDS,
         "`timeout_seconds` is {seconds:?}, expected a positive number up to {LONGEST_TIMEOUT_SECONDS:e}"
     );
-    for name in region.parameters().iter().map(doe::Parameter::name) {
+    for name in region.parameters().iter().map(design_space::Parameter::name) {
         let is_given = command.iter().any(|argument| placeholders(argument).any(|placeholder| placeholder == name));
         let found: Vec<String> =
             command.iter().flat_map(|argument| placeholders(argument)).map(|name| format!("{{{name}}}")).collect();
@@ -208,7 +207,7 @@ fn model(entry: Option<&ModelEntry>, region: &Region) -> Result<Model> {
                 if let Some(name) = term.keys().find(|name| region.index_of(name).is_none()) {
                     bail!("`model`, term {}: no parameter is called `{name}`", number + 1);
                 }
-                let exponent = |parameter: &doe::Parameter| term.get(parameter.name()).copied().unwrap_or(0);
+                let exponent = |parameter: &design_space::Parameter| term.get(parameter.name()).copied().unwrap_or(0);
                 exponents.push(Term::new(region.parameters().iter().map(exponent).collect::<Vec<u8>>()));
             }
             Model::new(k, exponents)?

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
-use doe::Parameter;
+use design_space::Parameter;
 use infuse::global;
 
 use super::table::Row;
@@ -204,7 +204,10 @@ impl Reader<'_> {
 }
 
 /// The first parameter that was set otherwise.
-fn actual_columns<'a>(region: &'a doe::Region, actual: &BTreeMap<String, f64>) -> Option<(usize, &'a Parameter)> {
+fn actual_columns<'a>(
+    region: &'a design_space::Region,
+    actual: &BTreeMap<String, f64>,
+) -> Option<(usize, &'a Parameter)> {
     region.parameters().iter().enumerate().find(|(_, parameter)| actual.contains_key(parameter.name()))
 }
 

@@ -9,25 +9,36 @@ use super::points::Points;
 /// One panel: values on cells.
 #[derive(Clone, Debug)]
 pub struct CellPanel {
+    /// Above the panel.
     pub title: String,
     /// Centers of the cells, increasing, at least two.
     pub x: Vec<f64>,
+    /// Centers of the cells, increasing, at least two.
     pub y: Vec<f64>,
     /// `z[row][column]` belongs to `y[row]` and `x[column]`; NaN where there is no cell any more.
     pub z: Vec<Vec<f64>>,
+    /// Places to mark.
     pub points: Vec<Points>,
+    /// Where the quantity is lowest.
     pub minimum: Option<(f64, f64)>,
 }
 
 /// Panels over the same axes, two in a row, with one scale of colors.
 #[derive(Clone, Debug)]
 pub struct CellFigure {
+    /// Above all panels.
     pub title: String,
+    /// Along the columns of the cells.
     pub x_axis: Axis,
+    /// Along the rows of the cells.
     pub y_axis: Axis,
+    /// Of the values; its [`ColorScale`](crate::ColorScale) says how they become colors.
     pub z_axis: Axis,
+    /// In rows of two.
     pub panels: Vec<CellPanel>,
+    /// What a cell that is missing means.
     pub missing_label: String,
+    /// What the mark at the minimum means.
     pub minimum_label: String,
 }
 

@@ -14,10 +14,13 @@ use super::points::Points;
 /// Values on a rectangular grid and what is drawn over them.
 #[derive(Clone, Debug)]
 pub struct Landscape {
+    /// Above the figure, or above its panel.
     pub title: String,
+    /// Along the columns of the grid.
     pub x_axis: Axis,
+    /// Along the rows of the grid.
     pub y_axis: Axis,
-    /// Its [`ColorScale`](crate::ColorScale) says how values become colors.
+    /// Of the values. Its [`ColorScale`](crate::ColorScale) says how values become colors.
     pub z_axis: Axis,
     /// Increasing.
     pub x: Vec<f64>,
@@ -31,18 +34,22 @@ pub struct Landscape {
     pub points: Vec<Points>,
     /// Values of x to draw a line at.
     pub verticals: Vec<f64>,
+    /// What these lines mean.
     pub verticals_label: String,
     /// At most three, the most important one first.
     pub paths: Vec<Path>,
     /// Where the landscape itself is lowest.
     pub minimum: Option<(f64, f64)>,
+    /// What the mark there means.
     pub minimum_label: String,
 }
 
 /// Points in the order in which a search visited them; they are numbered from 1.
 #[derive(Clone, Debug)]
 pub struct Path {
+    /// What took this way.
     pub label: String,
+    /// In the units of the axes.
     pub points: Vec<(f64, f64)>,
 }
 

@@ -10,6 +10,7 @@ use super::thinning::{MAX_POINTS, changes, finite_stretches, thin};
 /// Series over one x axis.
 #[derive(Clone, Debug)]
 pub struct LineFigure {
+    /// Above the first panel.
     pub title: String,
     /// Below the last panel, for all that have none of their own.
     pub x_axis: Axis,
@@ -24,6 +25,7 @@ pub struct LineFigure {
 pub struct Panel {
     /// An x axis of the panel's own, below it.
     pub x_axis: Option<Axis>,
+    /// On the left.
     pub y_axis: Axis,
     /// Series of the same label have the same color in all panels.
     pub series: Vec<Series>,
@@ -32,7 +34,9 @@ pub struct Panel {
 /// Spans of x and what they are.
 #[derive(Clone, Debug)]
 pub struct Shaded {
+    /// What is set off.
     pub label: String,
+    /// From and to.
     pub spans: Vec<(f64, f64)>,
 }
 

@@ -5,9 +5,13 @@ use super::canvas::{Canvas, Frame, LegendEntry, Mark, PAPER};
 /// Places that mean the same.
 #[derive(Clone, Debug)]
 pub struct Points {
+    /// What they mean.
     pub label: String,
+    /// In the units of the axes.
     pub points: Vec<(f64, f64)>,
+    /// A color of SVG.
     pub fill: &'static str,
+    /// Of the dots.
     pub radius_px: f64,
 }
 

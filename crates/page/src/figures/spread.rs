@@ -9,15 +9,20 @@ use super::canvas::{
 /// One quantity over the iterations, in groups of repetitions.
 #[derive(Clone, Debug)]
 pub struct SpreadFigure {
+    /// Above the figure.
     pub title: String,
+    /// Of the quantity.
     pub y_axis: Axis,
+    /// Side by side at each iteration.
     pub groups: Vec<Group>,
+    /// Values to compare with.
     pub reference: Option<Reference>,
 }
 
 /// Repetitions under the same conditions.
 #[derive(Clone, Debug)]
 pub struct Group {
+    /// What they have in common.
     pub label: String,
     /// `values[iteration]` are those of the repetitions that got so far; a failed one is NaN and is left out.
     pub values: Vec<Vec<f64>>,
@@ -26,18 +31,26 @@ pub struct Group {
 /// Values to compare with, the first belongs to iteration 1.
 #[derive(Clone, Debug)]
 pub struct Reference {
+    /// Where they come from.
     pub label: String,
+    /// By iteration.
     pub values: Vec<f64>,
 }
 
 /// Five numbers that tell how values spread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
+    /// How many finite values there are.
     pub count: usize,
+    /// The least.
     pub minimum: f64,
+    /// Above a quarter of the values.
     pub lower_quartile: f64,
+    /// Above half of the values.
     pub median: f64,
+    /// Above three quarters of the values.
     pub upper_quartile: f64,
+    /// The largest.
     pub maximum: f64,
 }
 
