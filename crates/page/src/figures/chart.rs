@@ -315,6 +315,6 @@ mod tests {
         let bands = Bands::of(&z, (0..50).map(|i| f64::from(i * i)));
         let chart = Chart::with_color_bar((448.0, 380.0), &axis(0.0, 1.0), &axis(0.0, 1.0), &bands);
         assert!(chart.frame.right < 448.0 - 14.0 - BAR_WIDTH_PX - bands.text_width_px(), "{:?}", chart.frame);
-        assert!(chart.markup().into_string().contains(">force (N), from the lowest, 0<"), "the bar says what it is");
+        assert!(chart.markup().into_string().contains(">force (N) above the lowest, 0<"), "the bar says what it is");
     }
 }
