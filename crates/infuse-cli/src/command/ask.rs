@@ -160,7 +160,7 @@ fn pending(
     };
     let _ = writeln!(text, "{purpose}");
     if n_told > 0 {
-        let _ = writeln!(text, "Told so far: {n_told}; {} to go.", trials.len() - n_told);
+        let _ = writeln!(text, "Results so far: {n_told}; {} to go.", trials.len() - n_told);
     }
     let place = path.display();
     let _ = if is_new {

@@ -79,7 +79,7 @@ fn experiment(folder: &Path, campaign: &mut Campaign, writer: &mut Writer) -> Re
                 None => Measured::Value(value),
             },
             Ran::Failed(reason) => Measured::Failed(reason),
-            Ran::Interrupted => bail!("interrupted: what was told is written down, run again to go on"),
+            Ran::Interrupted => bail!("interrupted: the results so far are written down, run again to go on"),
         };
         let (actual, note) = (std::collections::BTreeMap::new(), String::new());
         let (from, at) = ("infuse run".to_owned(), now());

@@ -8,10 +8,10 @@ use crate::number::count;
 /// Batches and experiments so far.
 pub(crate) fn standing(campaign: &Campaign) -> Finding {
     let n_closed = campaign.now.reports().len();
-    let n_told = campaign.readings.values().filter(|reading| reading.first.is_some()).count();
+    let n_made = campaign.readings.values().filter(|reading| reading.first.is_some()).count();
     let n_failed = campaign.readings.values().filter(|reading| reading.values().count() == 0).count();
     let failed = if n_failed > 0 { format!(", {n_failed} of them without a result") } else { String::new() };
-    let mut text = format!("{} closed, {} told{failed}", count(n_closed, "batch"), count(n_told, "experiment"));
+    let mut text = format!("{} closed, {} made{failed}", count(n_closed, "batch"), count(n_made, "experiment"));
     let outstanding = campaign.now.outstanding().len();
     if outstanding > 0 {
         let batch = campaign.batch();
@@ -24,7 +24,7 @@ pub(crate) fn standing(campaign: &Campaign) -> Finding {
     }
     let numbers = [
         ("batches closed", n_closed),
-        ("experiments told", n_told),
+        ("experiments made", n_made),
         ("experiments without a result", n_failed),
         ("experiments waited for", outstanding),
         ("experiments imported", n_earlier),

@@ -6,6 +6,7 @@ use std::time::Duration;
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use design_space::{Model, Region, Term};
 use infuse::{
+    Error,
     correction::{CorrectionLaw, CorrectionRule, Gain},
     global,
 };
@@ -172,21 +173,25 @@ fn settings(entry: &LoopEntry, region: &Region, seed: u64) -> Result<global::Set
     // The harmonic gain forgets the gap at once and averages the noise of all batches.
     let gain = entry.gain.unwrap_or_else(Gain::harmonic);
     settings.correction = CorrectionRule::new(CorrectionLaw::ProofRecursion, gain);
-    settings.validate(region).map_err(|error| anyhow!(in_words_of_the_file(&error.to_string())))?;
+    settings.validate(region).map_err(by_its_name_in_the_file)?;
     Ok(settings)
 }
 
-/// The settings by the names they have in the file.
-fn in_words_of_the_file(message: &str) -> String {
-    [
-        ("`n_experiments`", "`experiments`"),
-        ("`n_simulations`", "`simulations`"),
-        ("`max_iterations`", "`batches`"),
-        ("`first_screening`", "`drop_from`"),
-        ("`fallback`", "`without_spread`"),
-    ]
-    .iter()
-    .fold(message.to_owned(), |message, (from, to)| message.replace(from, to))
+/// The fault of a setting under the name that this has in the file.
+fn by_its_name_in_the_file(error: Error) -> Error {
+    let key = |name: &'static str| match name {
+        "n_experiments" => "experiments",
+        "n_simulations" => "simulations",
+        "max_iterations" => "batches",
+        "first_screening" => "drop_from",
+        "fallback" => "without_spread",
+        name => name,
+    };
+    match error {
+        Error::Setting { name, value, expected } => Error::Setting { name: key(name), value, expected },
+        Error::SettingCount { name, value, expected } => Error::SettingCount { name: key(name), value, expected },
+        other => other,
+    }
 }
 
 fn model(entry: Option<&ModelEntry>, region: &Region) -> Result<Model> {

@@ -50,7 +50,7 @@ fn sheet(campaign: &Campaign, batch: usize) -> Result<(Table, String)> {
         filled.push((column, trials().map(|trial| setting(campaign, trial, index)).collect()));
     }
     let reading = |trial: &global::Trial| campaign.readings.get(&trial.id.number());
-    let told = trials().map(|trial| reading(trial).map_or_else(|| "not told yet".to_owned(), told));
+    let told = trials().map(|trial| reading(trial).map_or_else(|| "no result yet".to_owned(), told));
     filled.push((Column::number(&response.name, &response.unit), told.collect()));
     if let Some(surface) = surface {
         let predicted = trials().map(|trial| predicted(campaign, trial, surface)).collect::<Result<_>>()?;
@@ -114,7 +114,7 @@ fn told(reading: &Reading) -> String {
         Measured::Failed(reason) => format!("failed: {reason}"),
     };
     let all: Vec<String> = reading.first.iter().chain(reading.again.values()).map(in_words).collect();
-    if reading.first.is_some() { all.join(", ") } else { format!("not told yet; again: {}", all.join(", ")) }
+    if reading.first.is_some() { all.join(", ") } else { format!("no result yet; again: {}", all.join(", ")) }
 }
 
 fn write_failed_simulations(page: &mut Page, campaign: &Campaign, batch: usize) {

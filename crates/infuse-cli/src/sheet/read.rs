@@ -47,7 +47,7 @@ pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, glo
             None => {}
         }
     }
-    // Rows that repeat the same experiment are told apart by their order.
+    // Rows that repeat the same experiment are known by their order.
     let mut n_repeats: BTreeMap<u64, usize> = BTreeMap::new();
     for answer in filled.iter_mut().filter(|answer| answer.repeat > 0) {
         let number = n_repeats.entry(answer.id).or_default();
