@@ -1,10 +1,13 @@
 //! A quantity on the cells of a grid, some of which are no longer there, with the points chosen among them.
 
-use super::axis::{Axis, Scale};
-use super::canvas::{BELOW_PX, Canvas, Frame, INK, LEFT_PX, LegendEntry, Mark, PAPER, color, legend_height_px};
+use super::axis::Axis;
+use super::canvas::{Canvas, INK, PAPER, color};
 use super::color_scale::{Bands, draw_color_bar};
+use super::frame::{BELOW_PX, Frame, LEFT_PX};
+use super::legend::{LegendEntry, Mark, draw_legend, legend_height_px};
 use super::panels::Sheet;
 use super::points::Points;
+use super::scale::Scale;
 
 /// One panel: values on cells.
 #[derive(Clone, Debug)]
@@ -62,10 +65,10 @@ pub fn cell_figure(figure: &CellFigure) -> String {
         if let Some(minimum) = panel.minimum {
             canvas.diamond(frame.px(minimum), color(4), PAPER);
         }
-        canvas.outline(&frame);
+        frame.outline(&mut canvas);
     }
     draw_color_bar(&mut canvas, &bands, bottom);
-    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    draw_legend(&mut canvas, &legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 

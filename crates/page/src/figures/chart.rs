@@ -2,9 +2,12 @@
 
 use maud::{Markup, html};
 
-use super::axis::{Axis, Scale};
-use super::canvas::{Canvas, Frame, Grid, INK, PAPER, Pen, Px, TICK_SIZE, text_width_px};
+use super::axis::Axis;
+use super::canvas::{Canvas, INK, Pen, Px, text_width_px};
 use super::color_scale::{BAR_WIDTH_PX, Bands, Bar};
+use super::frame::{Frame, Grid, TICK_SIZE};
+use super::marks::{Key, Mark, Stroke, THIN_PX, draw_mark, draw_whisker, legend_markup, pen};
+use super::scale::Scale;
 
 const TOP_PX: f64 = 8.0;
 const BELOW_PX: f64 = 24.0;
@@ -12,36 +15,6 @@ const RIGHT_PX: f64 = 12.0;
 /// Along x and along y, where there is room.
 const MOST_TICKS: usize = 8;
 const Y_TICKS: usize = 5;
-const LINE_PX: f64 = 2.0;
-const THIN_PX: f64 = 1.5;
-
-/// How a point is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Mark {
-    /// A filled circle.
-    Dot,
-    /// A circle with paper inside.
-    Ring,
-    /// A square with paper inside.
-    Square,
-    /// A very small filled circle.
-    Speck,
-    /// Two strokes, for what has no value.
-    Cross,
-    /// A large diamond that shows what is below it.
-    Target,
-}
-
-/// How a line is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stroke {
-    /// Without gaps.
-    Solid,
-    /// Long pieces.
-    Dashes,
-    /// Short pieces.
-    Dots,
-}
 
 /// A rectangle of a map.
 #[derive(Clone, Debug)]
@@ -66,13 +39,6 @@ pub struct Chart {
     x_label: String,
     y_label: String,
     legend: Vec<Key>,
-}
-
-/// An entry of a legend: a sample of what is drawn, and what it means.
-#[derive(Clone, Debug)]
-pub struct Key {
-    sample: Canvas,
-    text: String,
 }
 
 impl Chart {
@@ -108,18 +74,18 @@ impl Chart {
         let frame = Frame { left, top: TOP_PX, right, bottom: size.1 - BELOW_PX, x: x_scale, y: y_scale };
         let mut canvas = Canvas::bare(size);
         if grid == Grid::Shown {
-            canvas.grid(&frame);
+            frame.draw_grid(&mut canvas);
         }
-        canvas.x_ticks(&frame);
-        canvas.y_ticks(&frame);
-        canvas.outline(&frame);
+        frame.draw_x_ticks(&mut canvas);
+        frame.draw_y_ticks(&mut canvas);
+        frame.outline(&mut canvas);
         let [x_label, y_label] = [x, y].map(|axis| axis.label().to_owned());
         Self { canvas, frame, x_label, y_label, legend: Vec::new() }
     }
 
     /// The frame once more, over what was drawn into it.
     pub fn outline(&mut self) {
-        self.canvas.outline(&self.frame);
+        self.frame.outline(&mut self.canvas);
     }
 
     /// A color behind a range of x.
@@ -157,7 +123,7 @@ impl Chart {
     /// A line from one value to another at an x, with its ends marked.
     pub fn whisker(&mut self, x: f64, low: f64, high: f64, color: &str) {
         let ((x, top), (_, bottom)) = (self.frame.px((x, high)), self.frame.px((x, low)));
-        whisker(&mut self.canvas, x, (top, bottom), color);
+        draw_whisker(&mut self.canvas, x, (top, bottom), color);
     }
 
     /// A mark at a point, unless that is not finite.
@@ -181,95 +147,6 @@ impl Chart {
                 div class="x" { (crate::text::escaped(&self.x_label)) }
                 (legend_markup(&self.legend))
             }
-        }
-    }
-}
-
-impl Key {
-    /// An entry without a sample, to be given one or several.
-    pub fn new(text: &str) -> Self {
-        Self { sample: Canvas::bare((26.0, 24.0)), text: text.to_owned() }
-    }
-
-    /// With a piece of a line.
-    pub fn line(mut self, stroke: Stroke, color: &str) -> Self {
-        self.sample.line(&[(-12.0, 0.0), (12.0, 0.0)], pen(stroke, color));
-        self
-    }
-
-    /// With a mark.
-    pub fn mark(mut self, mark: Mark, color: &str) -> Self {
-        draw_mark(&mut self.sample, (0.0, 0.0), mark, color);
-        self
-    }
-
-    /// With a field of a color.
-    pub fn field(mut self, color: &str) -> Self {
-        self.sample.rect((-11.0, -6.0), (22.0, 12.0), color, INK);
-        self
-    }
-
-    /// With a whisker.
-    pub fn whisker(mut self, color: &str) -> Self {
-        whisker(&mut self.sample, 0.0, (-6.0, 6.0), color);
-        self
-    }
-
-    /// With the border between two cells.
-    pub fn border(mut self) -> Self {
-        self.sample.line(&[(-12.0, 0.0), (12.0, 0.0)], Pen::solid(INK, THIN_PX));
-        self
-    }
-}
-
-/// The entries of a legend, unless there are none.
-pub(crate) fn legend_markup(legend: &[Key]) -> Markup {
-    html! {
-        @if !legend.is_empty() {
-            ul class="legend" {
-                @for key in legend {
-                    li { (key.sample.element((-13.0, -12.0))) " " (crate::text::escaped(&key.text)) }
-                }
-            }
-        }
-    }
-}
-
-fn pen(stroke: Stroke, color: &str) -> Pen<'_> {
-    match stroke {
-        Stroke::Solid => Pen::solid(color, LINE_PX),
-        Stroke::Dashes => Pen::dashed(color, LINE_PX, "7 4"),
-        Stroke::Dots => Pen::dashed(color, LINE_PX, "2 3"),
-    }
-}
-
-fn whisker(canvas: &mut Canvas, x: f64, (top, bottom): (f64, f64), color: &str) {
-    for ends in [[(x, top), (x, bottom)], [(x - 5.0, top), (x + 5.0, top)], [(x - 5.0, bottom), (x + 5.0, bottom)]] {
-        canvas.line(&ends, Pen::solid(color, THIN_PX));
-    }
-}
-
-fn draw_mark(canvas: &mut Canvas, (x, y): (f64, f64), mark: Mark, color: &str) {
-    let circle = |canvas: &mut Canvas, r: f64, fill: &str, pen: Pen| canvas.circle((x, y), r, fill, pen);
-    let strokes = |canvas: &mut Canvas, r: f64, pen: Pen| {
-        canvas.line(&[(x - r, y - r), (x + r, y + r)], pen);
-        canvas.line(&[(x - r, y + r), (x + r, y - r)], pen);
-    };
-    match mark {
-        Mark::Dot => circle(canvas, 4.0, color, Pen::solid(PAPER, 1.0)),
-        Mark::Ring => circle(canvas, 4.5, PAPER, Pen::solid(color, 1.8)),
-        Mark::Speck => circle(canvas, 2.2, color, Pen::solid(PAPER, 0.9)),
-        Mark::Square => canvas.rect((x - 4.0, y - 4.0), (8.0, 8.0), PAPER, color),
-        // On any color: light below, dark above.
-        Mark::Target => {
-            let r = 9.0;
-            let diamond = [(x, y - r), (x + r, y), (x, y + r), (x - r, y), (x, y - r), (x + r, y)];
-            canvas.line(&diamond, Pen::solid(PAPER, 5.0));
-            canvas.line(&diamond, Pen::solid(color, 2.6));
-        }
-        Mark::Cross => {
-            strokes(canvas, 4.0, Pen::solid(PAPER, 4.5));
-            strokes(canvas, 4.0, Pen::solid(color, 2.0));
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Values to bands of color, and the bar that explains them.
 
-use super::axis::{Axis, ColorScale, number_text};
+use super::axis::{Axis, ColorScale};
 use super::canvas::{Anchor, Canvas, INK, TEXT_SIZE, TITLE_PX, WIDTH_PX, text_width_px};
 use super::panels::RIGHT_PX;
+use super::scale::number_text;
 
 /// About as many bands.
 const BANDS: usize = 10;

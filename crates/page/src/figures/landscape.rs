@@ -1,15 +1,15 @@
 //! A quantity over two parameters, with the paths that a search took across it.
 
-use super::axis::{Axis, Scale};
-use super::canvas::{
-    BELOW_PX, Canvas, Frame, FrameText, INK, LEFT_PX, LegendEntry, Mark, PAPER, Pen, SHORT_DASHES, TEXT_SIZE, TITLE_PX,
-    color, legend_height_px, text_width_px,
-};
+use super::axis::Axis;
+use super::canvas::{Canvas, INK, PAPER, Pen, SHORT_DASHES, TEXT_SIZE, TITLE_PX, color, text_width_px};
 use super::color_scale::{Bands, draw_color_bar};
 use super::contours::{Grid, Segment};
+use super::frame::{BELOW_PX, Frame, FrameText, LEFT_PX};
 use super::labels::{Room, Taken};
+use super::legend::{LegendEntry, Mark, draw_legend, legend_height_px};
 use super::panels::{RIGHT_PX, Sheet};
 use super::points::Points;
+use super::scale::Scale;
 
 /// Values on a rectangular grid and what is drawn over them.
 #[derive(Clone, Debug)]
@@ -75,9 +75,9 @@ pub fn landscape_figure(landscape: &Landscape) -> String {
     let text = FrameText {
         x_label: Some(landscape.x_axis.label()),
         y_label: landscape.y_axis.label(),
-        grid: super::canvas::Grid::Hidden,
+        grid: super::frame::Grid::Hidden,
     };
-    canvas.frame(&frame, &text);
+    frame.draw(&mut canvas, &text);
 
     let bands = Bands::of(&landscape.z_axis, landscape.z.iter().flatten().copied());
     let mut room = room(landscape, &frame);
@@ -95,7 +95,7 @@ pub fn landscape_figure(landscape: &Landscape) -> String {
     keep_paths_free(&mut room, landscape, &frame);
     label_iso_lines(&mut canvas, &lines, &mut room);
     draw_color_bar(&mut canvas, &bands, bottom);
-    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    draw_legend(&mut canvas, &legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 
@@ -124,7 +124,7 @@ pub fn landscape_panels_figure(title: &str, landscapes: &[Landscape]) -> String 
         label_iso_lines(&mut canvas, &lines, &mut room);
     }
     draw_color_bar(&mut canvas, &bands, bottom);
-    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    draw_legend(&mut canvas, &legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 
@@ -137,7 +137,7 @@ fn draw_field(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame, bands: 
     for points in &landscape.points {
         points.draw(canvas, frame);
     }
-    canvas.outline(frame);
+    frame.outline(canvas);
     lines
 }
 

@@ -1,10 +1,10 @@
 //! Series over a shared axis, in one panel or in several below each other.
 
-use super::axis::{Axis, Scale};
-use super::canvas::{
-    BELOW_PX, Canvas, Frame, FrameText, Grid, LEFT_PX, LONG_DASHES, LegendEntry, Mark, Pen, TITLE_PX, WIDTH_PX, color,
-    legend_height_px,
-};
+use super::axis::Axis;
+use super::canvas::{Canvas, LONG_DASHES, Pen, TITLE_PX, WIDTH_PX, color};
+use super::frame::{BELOW_PX, Frame, FrameText, Grid, LEFT_PX};
+use super::legend::{LegendEntry, Mark, draw_legend, legend_height_px};
+use super::scale::Scale;
 use super::thinning::{MAX_POINTS, changes, finite_stretches, thin};
 
 /// Series over one x axis.
@@ -144,15 +144,15 @@ pub fn line_figure(figure: &LineFigure) -> String {
             y_label: panel.y_axis.label(),
             grid: Grid::Shown,
         };
-        canvas.frame(&frame, &text);
-        canvas.inside(&frame, |canvas| {
+        frame.draw(&mut canvas, &text);
+        frame.draw_inside(&mut canvas, |canvas| {
             for series in &panel.series {
                 series.draw(canvas, &frame, color_of(&series.label, &labels));
             }
         });
         top += panel_px(panel) + gap_px(panel);
     }
-    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    draw_legend(&mut canvas, &legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 

@@ -1,6 +1,8 @@
 //! Places that are marked in a figure.
 
-use super::canvas::{Canvas, Frame, LegendEntry, Mark, PAPER};
+use super::canvas::{Canvas, PAPER};
+use super::frame::Frame;
+use super::legend::{LegendEntry, Mark};
 
 /// Places that mean the same.
 #[derive(Clone, Debug)]

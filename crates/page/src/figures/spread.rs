@@ -1,10 +1,9 @@
 //! How a quantity spreads over repetitions, iteration by iteration.
 
 use super::axis::Axis;
-use super::canvas::{
-    BELOW_PX, Canvas, Frame, FrameText, Grid, INK, LEFT_PX, LegendEntry, Mark, PAPER, Pen, SHORT_DASHES, TITLE_PX,
-    WIDTH_PX, color, legend_height_px,
-};
+use super::canvas::{Canvas, INK, PAPER, Pen, SHORT_DASHES, TITLE_PX, WIDTH_PX, color};
+use super::frame::{BELOW_PX, Frame, FrameText, Grid, LEFT_PX};
+use super::legend::{LegendEntry, Mark, draw_legend, legend_height_px};
 
 /// One quantity over the iterations, in groups of repetitions.
 #[derive(Clone, Debug)]
@@ -101,7 +100,7 @@ pub fn spread_figure(figure: &SpreadFigure) -> String {
         y: figure.y_axis.roomy_scale(values.copied(), 6),
     };
     let text = FrameText { x_label: Some(axis.label()), y_label: figure.y_axis.label(), grid: Grid::Shown };
-    canvas.frame(&frame, &text);
+    frame.draw(&mut canvas, &text);
 
     let iteration_px = frame.x_px(2.0) - frame.x_px(1.0);
     let slot_px = BOXES_SHARE * iteration_px / figure.groups.len().max(1) as f64;
@@ -116,7 +115,7 @@ pub fn spread_figure(figure: &SpreadFigure) -> String {
             canvas.diamond(frame.px(((index + 1) as f64, *value)), color(4), PAPER);
         }
     }
-    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    draw_legend(&mut canvas, &legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 
