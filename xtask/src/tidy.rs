@@ -14,7 +14,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("design-space", &[]),
     ("doe", &["design-space"]),
     ("infuse", &["design-space", "doe", "surface"]),
-    ("infuse-cli", &["doe", "infuse", "surface"]),
+    ("infuse-cli", &["design-space", "infuse", "page", "surface"]),
     ("page", &[]),
     ("scaling", &[]),
     (
