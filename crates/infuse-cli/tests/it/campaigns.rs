@@ -297,3 +297,29 @@ fn a_problem_that_was_changed_after_the_beginning_is_told_where() {
     rig.edit("batches = 1", "batches = 3");
     assert!(rig.infuse(&["ask", "--anyway"]).ok().contains("Batch 2"));
 }
+
+/// What a machine reads is what a person reads, with the numbers beside it.
+#[test]
+fn findings_are_the_sentences_of_the_terminal() {
+    fn sentences(finding: &Value, found: &mut Vec<String>) {
+        found.push(finding["sentence"].as_str().unwrap().to_owned());
+        for number in finding["numbers"].as_array().into_iter().flatten() {
+            assert!(
+                number["name"].is_string() && number["value"].is_number() && number["unit"].is_string(),
+                "{number}"
+            );
+        }
+        finding["details"].as_array().into_iter().flatten().for_each(|detail| sentences(detail, found));
+    }
+    let rig = Rig::new();
+    assert!(rig.batch());
+    let text = rig.infuse(&["status"]).ok();
+    let status = rig.status();
+    let mut found = Vec::new();
+    status["findings"].as_array().unwrap().iter().for_each(|finding| sentences(finding, &mut found));
+    let lines: Vec<&str> = text.lines().skip(1).map(str::trim).filter(|line| !line.is_empty()).collect();
+    assert_eq!(found, lines);
+    let best = &status["findings"][1];
+    let predicted = best["details"][0]["numbers"][0]["value"].as_f64();
+    assert_eq!((best["numbers"][0]["name"].as_str(), predicted), (Some("spring"), status["predicted"].as_f64()));
+}
