@@ -52,7 +52,7 @@ pub(crate) enum Command {
     /// Say which experiments to run now, and write them to a sheet
     ///
     /// Begins the next batch if none is waited for: designs it, and runs its simulations. Asking again gives the same
-    /// experiments until they have been told. Interrupt it when you like; what was simulated is remembered.
+    /// experiments until they have a result. Interrupt it when you like; what was simulated is remembered.
     Ask {
         /// Where the sheet goes [default: sheet-N.csv in the folder of the campaign]
         #[arg(long, value_name = "FILE")]
@@ -123,13 +123,13 @@ pub(crate) struct Tell {
     /// Settings that were made otherwise: "spring=21010,damper=1500"
     #[arg(long, requires = "id", value_name = "NAME=VALUE,...")]
     pub(crate) actual: Option<String>,
-    /// It is one more run of an experiment that was told already
+    /// It is one more run of an experiment that has a result already
     #[arg(long, requires = "id", conflicts_with = "correct")]
     pub(crate) again: bool,
     /// A remark for the journal
     #[arg(long, requires = "id", default_value = "")]
     pub(crate) note: String,
-    /// Put right what was told before about the same experiments, as long as no later batch rests on it
+    /// Replace the results known of the same experiments, as long as no later batch rests on them
     #[arg(long)]
     pub(crate) correct: bool,
 }

@@ -3,6 +3,7 @@
 mod arguments;
 mod campaign;
 mod command;
+mod findings;
 mod journal;
 mod number;
 mod problem;

@@ -57,7 +57,7 @@ const LARGEST: f64 = surface::Data::LARGEST;
 /// What is allowed of a number, unless this is.
 pub(crate) fn number_fault(value: f64) -> Option<&'static str> {
     if !value.is_finite() {
-        Some("a finite number; a run without a result is told as failed, with its reason")
+        Some("a finite number; a run without a result is reported as failed, with its reason")
     } else if value.abs() > LARGEST {
         Some("a number of at most 1e100 in magnitude")
     } else {

@@ -9,14 +9,26 @@ use crate::Error;
 /// The head of a column.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Column {
+    /// What its values are.
     pub name: String,
     /// "1" for a pure number, empty for words.
     pub unit: String,
 }
 
 impl Column {
+    /// A column with its unit: "1" for a pure number, empty for words.
     pub fn new(name: &str, unit: &str) -> Self {
         Self { name: name.to_owned(), unit: unit.to_owned() }
+    }
+
+    /// A column of words.
+    pub fn words(name: &str) -> Self {
+        Self::new(name, "")
+    }
+
+    /// A column of numbers, also where they have no unit.
+    pub fn number(name: &str, unit: &str) -> Self {
+        Self::new(name, if unit.is_empty() { "1" } else { unit })
     }
 
     /// The name with the unit, as a CSV file has it.
@@ -28,16 +40,20 @@ impl Column {
 /// Rows of text under columns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
+    /// From left to right.
     pub columns: Vec<Column>,
-    /// Each as long as `columns`.
+    /// From top to bottom. Each as long as `columns`.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
+    /// A table without rows.
     pub fn new(columns: Vec<Column>) -> Self {
         Self { columns, rows: Vec::new() }
     }
 
+    /// Adds a row below the others.
+    ///
     /// # Panics
     /// When the row is not as long as the columns: a mistake in this program.
     pub fn push(&mut self, row: Vec<String>) {
@@ -83,6 +99,9 @@ impl Table {
     }
 
     /// Writes the table as CSV, the units in the header.
+    ///
+    /// # Errors
+    /// [`Error::Write`] when the file cannot be written.
     pub fn write_csv(&self, path: &Path) -> Result<(), Error> {
         write(path, &self.columns, self.rows.iter().cloned())
     }

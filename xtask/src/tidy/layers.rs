@@ -31,7 +31,7 @@ const ROOMS: &[Room] = &[
             "water-channel",
         ],
     ),
-    room(5, "infuse-cli", &["doe", "infuse", "surface"]),
+    room(5, "infuse-cli", &["design-space", "infuse", "page", "surface"]),
     room(4, "infuse", &["design-space", "doe", "surface"]),
     room(4, "page", &[]),
     room(3, "surface", &["design-space", "doe"]),

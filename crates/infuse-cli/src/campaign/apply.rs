@@ -48,7 +48,7 @@ impl Campaign {
             Event::Simulated { cell, result, by, .. } => {
                 self.memory.insert(cell, Remembered { by, result });
             }
-            Event::Forgotten { .. } => self.memory.clear(),
+            Event::Discarded { .. } => self.memory.clear(),
             Event::Opened { batch, .. } => self.open_batch(batch)?,
             Event::Told { id, result, actual, repeat, corrects, note, .. } => {
                 self.tell(id, result, actual, repeat, corrects, note)?;
@@ -83,7 +83,7 @@ impl Campaign {
             // The loop has noted where: the next plan goes elsewhere.
             Err(error @ (Error::EverySimulationFailed { .. } | Error::TooFewSimulations { .. })) => {
                 self.plan = None;
-                self.failed_opening = Some(error.to_string());
+                self.failed_opening = Some(error);
             }
             Err(error) => return Err(error.into()),
         }
@@ -103,7 +103,7 @@ impl Campaign {
         let is_open = self.plan.as_ref().is_some_and(|plan| plan.is_open && plan.batch == trial.iteration);
         ensure!(
             is_open,
-            "experiment {id} belongs to batch {}, and later batches rest on what was told about it: it stands",
+            "experiment {id} belongs to batch {}, and later batches rest on its result: it stands",
             trial.iteration
         );
         if let Some(name) = actual.keys().find(|name| self.problem.region.index_of(name).is_none()) {
@@ -113,12 +113,12 @@ impl Campaign {
         if repeat > 0 {
             ensure!(
                 corrects || !reading.again.contains_key(&repeat),
-                "repeat {repeat} of experiment {id} was told before"
+                "repeat {repeat} of experiment {id} has a result"
             );
             reading.again.insert(repeat, result);
             return Ok(());
         }
-        ensure!(reading.first.is_none() || corrects, "experiment {id} was told before");
+        ensure!(reading.first.is_none() || corrects, "experiment {id} has a result");
         reading.first = Some(result);
         reading.actual = actual;
         reading.note = note;
@@ -131,7 +131,7 @@ impl Campaign {
             return Ok(());
         }
         let untold = self.settled.outstanding().iter().filter(|trial| !self.is_told(trial.id)).count();
-        ensure!(untold == 0, "{untold} experiments of the batch before have not been told");
+        ensure!(untold == 0, "{untold} experiments of the batch before have no result");
         self.settled = self.with_what_was_told()?;
         self.plan = None;
         Ok(())

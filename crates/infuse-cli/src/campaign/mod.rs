@@ -44,7 +44,7 @@ pub(crate) struct Campaign {
     /// Of `now`, once it was asked for.
     outlook: OnceCell<Option<Outlook>>,
     /// Why the last batch that was planned could not be opened.
-    pub(crate) failed_opening: Option<String>,
+    pub(crate) failed_opening: Option<infuse::Error>,
 }
 
 /// A batch that was designed.

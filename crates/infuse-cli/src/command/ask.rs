@@ -1,16 +1,18 @@
 //! `infuse ask`: the next experiments.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use infuse::global;
+use infuse::{Error, global};
 use serde_json::{Map, Value, json};
 
 use super::Output;
+use super::shell::{sheet_path, tell_with};
 use crate::campaign::{Campaign, Stage};
+use crate::findings::reason_to_stop;
 use crate::journal::{Event, Measured, Writer, now};
 use crate::number::{count, rounded};
 use crate::simulator::{identity, simulate};
@@ -33,7 +35,7 @@ pub(crate) fn ask(
             let stand = "the simulations of the batch that is open stand; the next batch simulates everything again";
             notices.push(stand.to_owned());
         }
-        campaign.record(&mut writer, vec![Event::Forgotten { at: now() }])?;
+        campaign.record(&mut writer, vec![Event::Discarded { at: now() }])?;
     }
     let ran = hand_out(folder, &mut campaign, &mut writer, anyway)?;
     notices.extend(ran.notices);
@@ -76,13 +78,15 @@ pub(crate) fn hand_out(folder: &Path, campaign: &mut Campaign, writer: &mut Writ
         campaign.record(writer, vec![Event::Opened { batch, at: now() }])?;
         match campaign.failed_opening.take() {
             None => return Ok(done),
-            Some(reason) if reason.starts_with("all ") => {
-                bail!("{reason}\nMend the simulator and ask again: nothing is lost");
+            Some(error @ Error::EverySimulationFailed { .. }) => {
+                bail!("{error}\nRepair the simulator and ask again: nothing is lost");
             }
-            Some(reason) => done.notices.push(format!("{reason}; other points are simulated instead")),
+            Some(error) => done.notices.push(format!("{error}; other points are simulated instead")),
         }
     }
-    bail!("{ATTEMPTS} designs in a row could not be simulated; mend the simulator or narrow the bounds, and ask again")
+    bail!(
+        "{ATTEMPTS} designs in a row could not be simulated; repair the simulator or narrow the bounds, and ask again"
+    )
 }
 
 fn simulate_missing(
@@ -156,7 +160,7 @@ fn pending(
     };
     let _ = writeln!(text, "{purpose}");
     if n_told > 0 {
-        let _ = writeln!(text, "Told so far: {n_told}; {} to go.", trials.len() - n_told);
+        let _ = writeln!(text, "Results so far: {n_told}; {} to go.", trials.len() - n_told);
     }
     let place = path.display();
     let _ = if is_new {
@@ -183,29 +187,6 @@ fn pending(
     Ok(Output { text, json, notices })
 }
 
-pub(crate) fn sheet_path(folder: &Path, batch: usize, given: Option<&Path>) -> PathBuf {
-    match given {
-        Some(path) => path.to_path_buf(),
-        None if folder == Path::new(".") => PathBuf::from(format!("sheet-{batch}.csv")),
-        None => folder.join(format!("sheet-{batch}.csv")),
-    }
-}
-
-/// The command, as one would type it from here.
-pub(crate) fn infuse(folder: &Path) -> String {
-    if folder == Path::new(".") { "infuse".to_owned() } else { format!("infuse -C {}", quoted(folder)) }
-}
-
-pub(crate) fn tell_with(folder: &Path, sheet: &Path) -> String {
-    format!("{} tell {}", infuse(folder), quoted(sheet))
-}
-
-fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
-    let is_plain = text.chars().all(|c| c.is_alphanumeric() || "._-/\\:".contains(c));
-    if is_plain { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
-}
-
 fn plural_was(n: usize, noun: &str) -> String {
     format!("{} {}", count(n, noun), if n == 1 { "was" } else { "were" })
 }
@@ -218,7 +199,7 @@ pub(crate) fn settings(campaign: &Campaign, trial: &global::Trial) -> Value {
 
 /// Why there is nothing to run.
 fn ended(campaign: &Campaign, stage: &Stage, notices: Vec<String>) -> Output {
-    let reason = super::status::reason_to_stop(campaign, stage).unwrap_or_default();
+    let reason = reason_to_stop(campaign, stage).unwrap_or_default();
     let best = campaign.now.reports().last().map(|report| report.screening.optimum.clone());
     let mut text = format!("No more experiments: {reason}.\n");
     let has_learned = *stage != Stage::Ended(infuse::global::StopReason::NoInformation);

@@ -6,6 +6,7 @@ mod new;
 mod report;
 mod run;
 mod settings;
+mod shell;
 pub(crate) mod status;
 mod tell;
 

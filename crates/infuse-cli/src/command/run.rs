@@ -8,8 +8,10 @@ use anyhow::{Context as _, Result, bail};
 use serde_json::json;
 
 use super::Output;
-use super::ask::{hand_out, sheet_path};
+use super::ask::hand_out;
+use super::shell::sheet_path;
 use crate::campaign::{Campaign, Stage};
+use crate::findings::reason_to_stop;
 use crate::journal::{Event, Measured, Writer, now};
 use crate::number::{count, percent, short, with_unit};
 use crate::problem::PROBLEM;
@@ -44,7 +46,7 @@ pub(crate) fn run(folder: &Path, wait: Duration, most: Option<usize>, anyway: bo
                 writeln!(text, "batch {}: {best}; {predicted} predicted, {} left", report.iteration, percent(share));
         }
     };
-    let reason = super::status::reason_to_stop(&campaign, &stage);
+    let reason = reason_to_stop(&campaign, &stage);
     let _ = match &reason {
         Some(reason) => writeln!(text, "Ended: {reason}."),
         None => writeln!(text, "{} made; infuse run goes on.", count(campaign.now.reports().len() - n_before, "batch")),
@@ -77,7 +79,7 @@ fn experiment(folder: &Path, campaign: &mut Campaign, writer: &mut Writer) -> Re
                 None => Measured::Value(value),
             },
             Ran::Failed(reason) => Measured::Failed(reason),
-            Ran::Interrupted => bail!("interrupted: what was told is written down, run again to go on"),
+            Ran::Interrupted => bail!("interrupted: the results so far are written down, run again to go on"),
         };
         let (actual, note) = (std::collections::BTreeMap::new(), String::new());
         let (from, at) = ("infuse run".to_owned(), now());

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Result, anyhow, bail, ensure};
-use doe::Region;
+use design_space::Region;
 
 use crate::number::parse;
 
@@ -26,7 +26,7 @@ pub(crate) fn some(text: &str, region: &Region) -> Result<BTreeMap<String, f64>>
 /// A value for every parameter, in order.
 pub(crate) fn all(text: &str, region: &Region) -> Result<Vec<f64>> {
     let settings = some(text, region)?;
-    let value = |parameter: &doe::Parameter| {
+    let value = |parameter: &design_space::Parameter| {
         settings.get(parameter.name()).copied().ok_or_else(|| anyhow!("no value of `{}` in `{text}`", parameter.name()))
     };
     region.parameters().iter().map(value).collect()

@@ -11,6 +11,7 @@ use serde_json::json;
 use super::{Output, settings};
 use crate::arguments::Tell;
 use crate::campaign::{Campaign, Reading};
+use crate::findings::lesson;
 use crate::journal::{Event, Measured, now};
 use crate::number::{count, number_fault, plain};
 use crate::sheet::{Answer, Fault, answers, none_of};
@@ -39,7 +40,7 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
         campaign.record(&mut writer, events)?;
     }
     let mut text = String::new();
-    let known = if n_known > 0 { format!(", {n_known} had been told before") } else { String::new() };
+    let known = if n_known > 0 { format!(", {n_known} known before") } else { String::new() };
     let _ = writeln!(text, "Taken: {}{known}.", count(rows, "result"));
     if n_empty > 0 {
         let _ = writeln!(text, "{} not filled in yet.", count(n_empty, "row"));
@@ -47,7 +48,7 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
     let outstanding = campaign.now.outstanding().len();
     let is_closed = campaign.batch() > batch;
     if is_closed {
-        let _ = write!(text, "{}", super::status::lesson(&campaign)?);
+        text.extend(lesson(&campaign).map(|lesson| lesson.to_string()));
         let _ = writeln!(text, "Next: infuse status, then infuse ask");
     } else if outstanding > 0 {
         let _ = writeln!(text, "Batch {batch} waits for {}.", count(outstanding, "more experiment"));
@@ -95,7 +96,7 @@ fn single(tell: &Tell, campaign: &Campaign) -> Result<Answer> {
     Ok(Answer { id, result, actual, repeat, note: tell.note.clone(), row: 0 })
 }
 
-/// What is new, each with whether it puts right what was told before, and how much was known.
+/// What is new, each with whether it replaces a result, and how much was known.
 fn fresh(campaign: &Campaign, answers: Vec<Answer>, from: &str, correct: bool) -> Result<(Vec<(Answer, bool)>, usize)> {
     let (mut fresh, mut faults): (Vec<(Answer, bool)>, Vec<Fault>) = (Vec::new(), Vec::new());
     let mut n_known = 0;
@@ -124,13 +125,14 @@ fn fresh(campaign: &Campaign, answers: Vec<Answer>, from: &str, correct: bool) -
             } else {
                 String::new()
             };
-            let expected = format!("what was told before, {said}; to put it right, tell it again with --correct{more}");
+            let expected =
+                format!("the result known before, {said}; to replace it, tell it again with --correct{more}");
             refuse(format!("{id}, with {}", result_in_words(campaign, &answer.result)), expected);
             continue;
         }
         if trial.iteration < campaign.last_batch().unwrap_or(0) || campaign.is_settled(trial) {
             let expected = format!(
-                "one of batch {}: later batches rest on what was told about the others",
+                "one of batch {}: later batches rest on the results of the others",
                 campaign.last_batch().unwrap_or(0)
             );
             refuse(id.to_string(), expected);

@@ -27,7 +27,8 @@ pub(crate) enum Event {
         by: String,
     },
     /// What was simulated before is not to be used in batches to come.
-    Forgotten { at: String },
+    #[serde(rename = "forgotten")]
+    Discarded { at: String },
     /// All simulations of the batch are there, and the experiments can be handed out.
     Opened { batch: usize, at: String },
     /// An experiment was told.

@@ -49,7 +49,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Text> {
             if row == 1 && !group.is_empty() {
                 // The group before was cut short; later calls have set such lines aside, so someone has put them back.
                 bail!(
-                    "{JOURNAL}, line {number}: the lines before it are {} of {} that were told at once",
+                    "{JOURNAL}, line {number}: the lines before it are {} of {} that were written at once",
                     group.len(),
                     group[0].1.group().1
                 );

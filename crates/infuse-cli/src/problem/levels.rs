@@ -1,7 +1,7 @@
 //! How many levels an instrument's step makes.
 
 use anyhow::{Result, bail, ensure};
-use doe::Parameter;
+use design_space::Parameter;
 
 use crate::number::plain;
 use crate::problem::file::ParameterEntry;
@@ -75,7 +75,7 @@ mod tests {
     fn steps_that_doubles_cannot_hold_still_divide_the_width() {
         // 8 to 9.8 by 0.1: 1.8/0.1 is not 18 in doubles.
         let parameter = parameter(&entry(8.0, 9.8, None, Some(0.1))).expect("19 levels");
-        assert_eq!(parameter.levels(), doe::Levels::Count(19));
+        assert_eq!(parameter.levels(), design_space::Levels::Count(19));
         assert_eq!(plain(parameter.level(3).expect("a level")), "8.3");
     }
 

@@ -7,7 +7,7 @@ mod read;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use doe::Region;
+use design_space::Region;
 use infuse::{Role, global};
 use serde_json::{Value, json};
 
@@ -17,6 +17,9 @@ use crate::number::{plain, rounded, setting, with_unit};
 
 /// The name of the file in the folder of a campaign.
 pub(crate) const PROBLEM: &str = "campaign.toml";
+
+/// Headings of sheets, which no parameter may have.
+pub(crate) const RESERVED: [&str; 7] = ["run", "id", "repeats", "failed", "note", "source", "actual"];
 
 /// What a campaign is about.
 #[derive(Debug, Clone)]
@@ -79,10 +82,10 @@ pub(crate) fn heading(name: &str, unit: &str) -> String {
 }
 
 /// The distance between neighboring levels; 0 without levels.
-pub(crate) fn step(parameter: &doe::Parameter) -> f64 {
+pub(crate) fn step(parameter: &design_space::Parameter) -> f64 {
     match parameter.levels() {
-        doe::Levels::Count(count) => parameter.width() / f64::from(count.saturating_sub(1).max(1)),
-        doe::Levels::Continuous => 0.0,
+        design_space::Levels::Count(count) => parameter.width() / f64::from(count.saturating_sub(1).max(1)),
+        design_space::Levels::Continuous => 0.0,
     }
 }
 
@@ -103,7 +106,7 @@ pub(crate) struct Program {
 
 impl Problem {
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
-        self.region.parameters().iter().map(doe::Parameter::name)
+        self.region.parameters().iter().map(design_space::Parameter::name)
     }
 
     /// Settings by the names of their parameters.

@@ -4,16 +4,16 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
-use doe::{Model, Region, Term};
+use design_space::{Model, Region, Term};
 use infuse::{
+    Error,
     correction::{Gain, Law, Rule},
     global,
 };
 
 use super::file::{Input, LoopEntry, ModelEntry, ProblemFile, ResponseEntry, SimulatorEntry};
 use super::levels::parameter;
-use super::{PROBLEM, Problem, Program, Response, Simulator};
-use crate::sheet::RESERVED;
+use super::{PROBLEM, Problem, Program, RESERVED, Response, Simulator};
 
 const TIMEOUT_SECONDS: f64 = 600.0;
 const LONGEST_TIMEOUT_SECONDS: f64 = 3.0e7;
@@ -38,7 +38,7 @@ impl Problem {
         let parameters = file.parameters.iter().map(parameter).collect::<Result<Vec<_>>>()?;
         let region = Region::new(parameters)?;
         let reserved = |name: &str| RESERVED.contains(&name) || name.starts_with("actual ");
-        for name in region.parameters().iter().map(doe::Parameter::name).chain([&*file.response.name]) {
+        for name in region.parameters().iter().map(design_space::Parameter::name).chain([&*file.response.name]) {
             ensure!(
                 !reserved(name),
                 "`{name}` is a heading of sheets, expected another name for a parameter or response"
@@ -133,7 +133,7 @@ fn program(command: Vec<String>, input: Option<Input>, timeout: Option<f64>, reg
         seconds > 0.0 && seconds <= LONGEST_TIMEOUT_SECONDS,
         "`timeout_seconds` is {seconds:?}, expected a positive number up to {LONGEST_TIMEOUT_SECONDS:e}"
     );
-    for name in region.parameters().iter().map(doe::Parameter::name) {
+    for name in region.parameters().iter().map(design_space::Parameter::name) {
         let is_given = command.iter().any(|argument| placeholders(argument).any(|placeholder| placeholder == name));
         let found: Vec<String> =
             command.iter().flat_map(|argument| placeholders(argument)).map(|name| format!("{{{name}}}")).collect();
@@ -173,21 +173,25 @@ fn settings(entry: &LoopEntry, region: &Region, seed: u64) -> Result<global::Set
     // The harmonic gain forgets the gap at once and averages the noise of all batches.
     let gain = entry.gain.unwrap_or_else(Gain::harmonic);
     settings.correction = Rule::new(Law::ProofRecursion, gain);
-    settings.validate(region).map_err(|error| anyhow!(in_words_of_the_file(&error.to_string())))?;
+    settings.validate(region).map_err(by_its_name_in_the_file)?;
     Ok(settings)
 }
 
-/// The settings by the names they have in the file.
-fn in_words_of_the_file(message: &str) -> String {
-    [
-        ("`n_experiments`", "`experiments`"),
-        ("`n_simulations`", "`simulations`"),
-        ("`max_iterations`", "`batches`"),
-        ("`first_screening`", "`drop_from`"),
-        ("`fallback`", "`without_spread`"),
-    ]
-    .iter()
-    .fold(message.to_owned(), |message, (from, to)| message.replace(from, to))
+/// The fault of a setting under the name that this has in the file.
+fn by_its_name_in_the_file(error: Error) -> Error {
+    let key = |name: &'static str| match name {
+        "n_experiments" => "experiments",
+        "n_simulations" => "simulations",
+        "max_iterations" => "batches",
+        "first_screening" => "drop_from",
+        "fallback" => "without_spread",
+        name => name,
+    };
+    match error {
+        Error::Setting { name, value, expected } => Error::Setting { name: key(name), value, expected },
+        Error::SettingCount { name, value, expected } => Error::SettingCount { name: key(name), value, expected },
+        other => other,
+    }
 }
 
 fn model(entry: Option<&ModelEntry>, region: &Region) -> Result<Model> {
@@ -208,7 +212,7 @@ fn model(entry: Option<&ModelEntry>, region: &Region) -> Result<Model> {
                 if let Some(name) = term.keys().find(|name| region.index_of(name).is_none()) {
                     bail!("`model`, term {}: no parameter is called `{name}`", number + 1);
                 }
-                let exponent = |parameter: &doe::Parameter| term.get(parameter.name()).copied().unwrap_or(0);
+                let exponent = |parameter: &design_space::Parameter| term.get(parameter.name()).copied().unwrap_or(0);
                 exponents.push(Term::new(region.parameters().iter().map(exponent).collect::<Vec<u8>>()));
             }
             Model::new(k, exponents)?

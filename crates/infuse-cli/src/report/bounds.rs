@@ -3,10 +3,10 @@
 use anyhow::Result;
 use infuse::global::ObservedErrors;
 
-use super::html::{Column, Page, Table};
 use crate::campaign::Campaign;
-use crate::command::status::amount;
+use crate::findings::amount;
 use crate::number::{count, grouped, percent};
+use page::{Column, Page, Table};
 
 pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
     page.section("bounds", "Bounds");
@@ -22,13 +22,11 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
         return Ok(());
     };
     let possible = campaign.now.possible_optima(observed.eps)?.map(|possible| possible.n_retained());
-    page.table(&Table {
-        caption: "From what was observed to what follows.".to_owned(),
-        columns: vec![Column::words("quantity"), Column::number("value"), Column::words("what it is")],
-        rows: rows(campaign, &observed, possible),
-    });
+    let columns = vec![Column::words("quantity"), Column::number("value", ""), Column::words("what it is")];
+    let table = Table { columns, rows: rows(campaign, &observed, possible) };
+    page.table(&table, "From what was observed to what follows.");
     page.paragraph("It holds on these conditions:");
-    page.list(conditions(campaign));
+    page.list(&conditions(campaign));
     Ok(())
 }
 

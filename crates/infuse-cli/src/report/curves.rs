@@ -1,13 +1,11 @@
 //! The surfaces along one parameter after the other, through the best design.
 
 use anyhow::Result;
+use page::palette::{BLUE, GREEN, INK, LIGHT_BLUE, ORANGE, VERMILION};
+use page::{Chart, Grid, Key, Mark, Page, Stroke};
 
-use super::axis::Scale;
-use super::chart::{Chart, Grid, Mark, Stroke, Ticks, field_sample, line_sample, mark_sample};
-use super::html::{Figure, Key, Page};
 use super::last::{Last, Origin};
-use super::palette::{BLUE, GREEN, INK, LEFT, ORANGE, VERMILION};
-use crate::command::status::ranges;
+use crate::findings::ranges;
 
 const SIZE_PX: (f64, f64) = (448.0, 270.0);
 /// Places at which a curve is evaluated.
@@ -19,7 +17,7 @@ pub(super) fn write(page: &mut Page, last: &Last) -> Result<()> {
     let ranges = ranges(last.campaign, last.campaign.now.retained())?;
     let figures = ranges.iter().enumerate().map(|(parameter, &range)| figure(last, parameter, range));
     let figures = figures.collect::<Result<Vec<_>>>()?;
-    page.heading(&format!("Along each parameter, through the best design of batch {}", last.report.iteration));
+    page.subheading(&format!("Along each parameter, through the best design of batch {}", last.report.iteration));
     let is_flat = last.parameters().len() == 1;
     let place = if is_flat {
         "Experiments are drawn as measured."
@@ -32,7 +30,7 @@ pub(super) fn write(page: &mut Page, last: &Last) -> Result<()> {
     } else {
         ""
     };
-    page.figures(
+    page.charts(
         &figures,
         &legend(last),
         &format!(
@@ -44,7 +42,7 @@ pub(super) fn write(page: &mut Page, last: &Last) -> Result<()> {
     Ok(())
 }
 
-fn figure(last: &Last, parameter: usize, range: (f64, f64)) -> Result<Figure> {
+fn figure(last: &Last, parameter: usize, range: (f64, f64)) -> Result<Chart> {
     let surfaces = last.surfaces;
     let lines = [
         (curve(last, &surfaces.simulation, parameter)?, Stroke::Dashes, ORANGE),
@@ -55,11 +53,12 @@ fn figure(last: &Last, parameter: usize, range: (f64, f64)) -> Result<Figure> {
     let best = (last.report.screening.optimum[parameter], last.response().cost(last.report.screening.optimum_value));
     let bounds = &last.parameters()[parameter];
     let room = 0.02 * bounds.width();
-    let x = Scale::covering(bounds.lower() - room, bounds.upper() + room, points.iter().map(|(point, _)| point.0));
+    let run_at = points.iter().map(|(point, _)| point.0);
+    let x = last.axis(parameter).covering(bounds.lower() - room, bounds.upper() + room, run_at);
     let drawn = lines.iter().flat_map(|(line, ..)| line.iter().map(|point| point.1));
-    let y = Scale::around(drawn.chain(points.iter().map(|(point, _)| point.1)));
-    let mut chart = Chart::new(SIZE_PX, 0.0, (x, Ticks::Any), y, Grid::Hidden);
-    chart.band(range.0, range.1, LEFT);
+    let y = last.response_axis().around(drawn.chain(points.iter().map(|(point, _)| point.1)));
+    let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Hidden);
+    chart.band(range.0, range.1, LIGHT_BLUE);
     chart.outline();
     for (line, stroke, color) in &lines {
         chart.line(line, *stroke, color);
@@ -68,8 +67,7 @@ fn figure(last: &Last, parameter: usize, range: (f64, f64)) -> Result<Figure> {
         chart.mark(point, mark(origin), INK);
     }
     chart.mark(best, Mark::Target, VERMILION);
-    let (y_label, x_label) = (last.response().heading(), last.label(parameter));
-    Ok(Figure { y_label, svg: chart.svg(), width_px: SIZE_PX.0, x_label, legend: Vec::new() })
+    Ok(chart)
 }
 
 fn curve(last: &Last, surface: &infuse::global::TracedSurface, parameter: usize) -> Result<Line> {
@@ -103,12 +101,11 @@ fn mark(origin: Origin) -> Mark {
 }
 
 fn legend(last: &Last) -> Vec<Key> {
-    let key = |sample: String, text: &str| Key { sample, text: text.to_owned() };
     let mut keys = vec![
-        key(line_sample(Stroke::Solid, BLUE), "combined surface"),
-        key(line_sample(Stroke::Dashes, ORANGE), "simulation alone"),
-        key(line_sample(Stroke::Dots, GREEN), "corrected simulation"),
-        key(mark_sample(Mark::Target, VERMILION), "best design"),
+        Key::new("combined surface").line(Stroke::Solid, BLUE),
+        Key::new("simulation alone").line(Stroke::Dashes, ORANGE),
+        Key::new("corrected simulation").line(Stroke::Dots, GREEN),
+        Key::new("best design").mark(Mark::Target, VERMILION),
     ];
     let is_there = |origin: Origin| last.runs.iter().any(|run| run.origin == origin && run.cost.is_some());
     for (origin, text) in [
@@ -117,9 +114,9 @@ fn legend(last: &Last) -> Vec<Key> {
         (Origin::Imported, "imported experiment"),
     ] {
         if is_there(origin) {
-            keys.push(key(mark_sample(mark(origin), INK), text));
+            keys.push(Key::new(text).mark(mark(origin), INK));
         }
     }
-    keys.push(key(field_sample(LEFT), "range of the designs left"));
+    keys.push(Key::new("range of the designs left").field(LIGHT_BLUE));
     keys
 }

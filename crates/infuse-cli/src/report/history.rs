@@ -1,19 +1,22 @@
 //! Batch by batch: the best design, what was dropped, what was learned.
 
-use infuse::{
-    Outcome,
-    global::{self, IterationSurfaces, ObservedErrors},
-};
+use infuse::global::{self, IterationSurfaces, ObservedErrors};
 
-use super::html::{Column, Page, Table};
 use super::trends;
 use crate::campaign::Campaign;
-use crate::command::status::dropped_because;
+use crate::findings::{best_of_batch, dropped_because};
 use crate::number::{grouped, percent, short};
-use crate::problem::heading;
+use page::{Column, Page, Table};
 
 /// In a cell that has nothing to say.
 const NOTHING: &str = "–";
+const BEST: &str = "Best design after each batch. S: how far experiments that the surface had not seen were missed. The last \
+                    column is the best of the designs that were left, by the simulation alone.";
+const LEARNED: &str = "What each batch taught. Innovation: how far its experiments were, at the most, from the corrected \
+                       simulation of the batch before, for the first batch from the simulation. Correction: how far the \
+                       corrected simulation moved. Bound: see Bounds. Noise: standard deviation of repeats, of all batches \
+                       so far. Lack of fit: a probability p below 0.05 says that the surface of the experiments misses more \
+                       than noise explains.";
 
 pub(super) fn write(page: &mut Page, campaign: &Campaign, observed: &[Option<ObservedErrors>]) {
     page.section("history", "History");
@@ -23,9 +26,10 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign, observed: &[Option<Obs
         return;
     }
     trends::write(page, campaign, observed);
-    page.table(&best(campaign, reports));
-    page.table(&dropped(campaign, reports));
-    page.table(&learned(campaign, reports, observed));
+    page.table(&best(campaign, reports), BEST);
+    let of = grouped(campaign.now.retained().n_cells());
+    page.table(&dropped(campaign, reports), &format!("What each batch dropped of the {of} designs, and why."));
+    page.table(&learned(campaign, reports, observed), LEARNED);
 }
 
 fn best(campaign: &Campaign, reports: &[global::Report]) -> Table {
@@ -37,21 +41,17 @@ fn best(campaign: &Campaign, reports: &[global::Report]) -> Table {
             campaign.problem.describe(&screening.optimum),
             short(response.cost(screening.optimum_value)),
             screening.spread.s().map_or_else(nothing, short),
-            best_measured(report).map_or_else(nothing, |cost| short(response.cost(cost))),
+            best_of_batch(report).map_or_else(nothing, |cost| short(response.cost(cost))),
             campaign.problem.describe(&screening.simulation_optimum),
         ]
     };
     Table {
-        caption:
-            "Best design after each batch. S: how far experiments that the surface had not seen were missed. The last \
-                  column is the best of the designs that were left, by the simulation alone."
-                .to_owned(),
         columns: vec![
-            Column::number("batch"),
+            Column::number("batch", ""),
             Column::words("best design"),
-            Column::number(heading("predicted", &response.unit)),
-            Column::number(heading("S", &response.unit)),
-            Column::number(heading("best measured in the batch", &response.unit)),
+            Column::number("predicted", &response.unit),
+            Column::number("S", &response.unit),
+            Column::number("best measured in the batch", &response.unit),
             Column::words("simulation alone"),
         ],
         rows: reports.iter().map(row).collect(),
@@ -71,13 +71,12 @@ fn dropped(campaign: &Campaign, reports: &[global::Report]) -> Table {
         ]
     };
     Table {
-        caption: format!("What each batch dropped of the {} designs, and why.", grouped(of)),
         columns: vec![
-            Column::number("batch"),
-            Column::number("dropped"),
+            Column::number("batch", ""),
+            Column::number("dropped", ""),
             Column::words("why"),
-            Column::number("left"),
-            Column::number("share"),
+            Column::number("left", ""),
+            Column::number("share", ""),
         ],
         rows: reports.iter().map(row).collect(),
     }
@@ -101,20 +100,15 @@ fn learned(campaign: &Campaign, reports: &[global::Report], observed: &[Option<O
         ]
     };
     Table {
-        caption: "What each batch taught. Innovation: how far its experiments were, at the most, from the corrected \
-                  simulation of the batch before, for the first batch from the simulation. Correction: how far the corrected \
-                  simulation moved. Bound: see Bounds. Noise: standard deviation of repeats, of all batches so far. Lack of \
-                  fit: a probability p below 0.05 says that the surface of the experiments misses more than noise explains."
-            .to_owned(),
         columns: vec![
-            Column::number("batch"),
-            Column::number(heading("innovation", unit)),
-            Column::number(heading("correction", unit)),
-            Column::number(heading("bound", unit)),
-            Column::number("experiments failed"),
-            Column::number("simulations failed"),
-            Column::number(heading("noise", unit)),
-            Column::number("lack of fit, p"),
+            Column::number("batch", ""),
+            Column::number("innovation", unit),
+            Column::number("correction", unit),
+            Column::number("bound", unit),
+            Column::number("experiments failed", ""),
+            Column::number("simulations failed", ""),
+            Column::number("noise", unit),
+            Column::number("lack of fit, p", ""),
         ],
         rows: rows.map(row).collect(),
     }
@@ -123,12 +117,6 @@ fn learned(campaign: &Campaign, reports: &[global::Report], observed: &[Option<O
 fn lack_of_fit(surfaces: &IterationSurfaces) -> String {
     let test = surfaces.experiment.as_ref().and_then(|surface| surface.regression()?.lack_of_fit().ok());
     test.map_or_else(nothing, |test| short(test.p_value))
-}
-
-/// The least cost among the experiments of a batch.
-pub(super) fn best_measured(report: &global::Report) -> Option<f64> {
-    let costs = report.trials.iter().filter_map(|record| record.outcome.as_ref().and_then(Outcome::cost));
-    costs.min_by(f64::total_cmp)
 }
 
 fn nothing() -> String {

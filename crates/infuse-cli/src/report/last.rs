@@ -6,8 +6,10 @@ use infuse::{
     global::{self, IterationSurfaces, TracedSurface, TrialUse},
 };
 
+use page::Axis;
+
 use crate::campaign::Campaign;
-use crate::problem::{Response, heading};
+use crate::problem::Response;
 
 #[derive(Debug)]
 pub(super) struct Last<'a> {
@@ -67,14 +69,19 @@ impl<'a> Last<'a> {
         &self.campaign.problem.response
     }
 
-    pub(super) fn parameters(&self) -> &[doe::Parameter] {
+    pub(super) fn parameters(&self) -> &[design_space::Parameter] {
         self.campaign.problem.region.parameters()
     }
 
-    /// "spring [N/mm]"
-    pub(super) fn label(&self, parameter: usize) -> String {
+    /// An axis of the settings of a parameter.
+    pub(super) fn axis(&self, parameter: usize) -> Axis {
         let parameter = &self.parameters()[parameter];
-        heading(parameter.name(), parameter.unit())
+        Axis::new(parameter.name(), parameter.unit())
+    }
+
+    /// An axis of the response.
+    pub(super) fn response_axis(&self) -> Axis {
+        Axis::new(&self.response().name, &self.response().unit)
     }
 
     /// The best design with these parameters changed.

@@ -2,11 +2,11 @@
 
 use anyhow::Result;
 
-use super::html::{Column, Page, Table};
 use crate::campaign::Campaign;
-use crate::command::status::{dropped_by, ranges};
+use crate::findings::{dropped_by, ranges};
 use crate::number::{grouped, percent, setting};
 use crate::problem::{heading, step};
+use page::{Column, Finding, Page, Table};
 
 pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
     page.section("left", "What is left");
@@ -27,20 +27,21 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
         ]
     });
     let not_all = if n < of { " Not every combination within these ranges need be left." } else { "" };
-    page.table(&Table {
-        caption: format!("Least and largest setting among the designs left.{not_all}"),
+    let table = Table {
         columns: vec![
             Column::words("parameter"),
-            Column::number("bounds"),
-            Column::number("left"),
-            Column::number("best"),
+            Column::number("bounds", ""),
+            Column::number("left", ""),
+            Column::number("best", ""),
         ],
         rows: rows.collect(),
-    });
+    };
+    page.table(&table, &format!("Least and largest setting among the designs left.{not_all}"));
     let reports = campaign.now.reports();
     if !reports.is_empty() {
-        page.paragraph("Why the rest was dropped:");
-        page.list(reports.iter().map(|report| dropped_by(campaign, report)));
+        let why = Finding::new("Why the rest was dropped:");
+        let dropped = reports.iter().map(|report| dropped_by(campaign, report));
+        page.finding(&dropped.fold(why, Finding::detail));
         page.paragraph(
             "S is how far experiments that the surface had not seen were missed, and S √2 that of a difference of two designs. \
              `infuse status --why` tells the numbers of any one design.",

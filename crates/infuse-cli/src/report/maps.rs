@@ -3,13 +3,11 @@
 use std::collections::BTreeSet;
 
 use anyhow::Result;
-use doe::{Levels, Parameter};
+use design_space::{Levels, Parameter};
+use page::palette::{INK, VERMILION, gray};
+use page::{Axis, Bands, Chart, ColorScale, Key, MapCell, Mark, Page};
 
-use super::axis::Scale;
-use super::chart::{Chart, Grid, Mark, Ticks, border_sample, color_bar_room, field_sample, mark_sample};
-use super::html::{Figure, Key, Page};
 use super::last::{Last, Origin};
-use super::palette::{INK, VERMILION, dropped, viridis};
 use crate::number::{count, setting, short, with_unit};
 use crate::problem::{Goal, step};
 
@@ -22,14 +20,14 @@ const MOST_CELLS: usize = 6_000;
 /// The cells over two parameters, x fastest.
 #[derive(Debug)]
 struct Map {
-    x: Axis,
-    y: Axis,
+    x: Side,
+    y: Side,
     cells: Vec<Cell>,
 }
 
 /// The levels that are drawn.
 #[derive(Debug)]
-struct Axis {
+struct Side {
     parameter: usize,
     levels: Vec<f64>,
     /// One in so many levels.
@@ -55,10 +53,15 @@ pub(super) fn write(page: &mut Page, last: &Last) -> Result<()> {
     let most_levels = (MOST_CELLS / shown).isqrt();
     let maps = pairs.iter().map(|&(x, y)| Map::of(last, x, y, most_levels)).collect::<Result<Vec<_>>>()?;
     let maps = most_varied(maps);
-    let scale = Scale::around(maps.iter().flat_map(Map::left).map(|cell| cell.value));
-    let figures: Vec<Figure> = maps.iter().map(|map| map.figure(last, scale)).collect();
-    page.heading("Over pairs of parameters, through the best design");
-    page.figures(&figures, &legend(last, &maps), &caption(last, &maps, pairs.len()));
+    let colors = match last.response().goal {
+        Goal::Minimize => ColorScale::NearLowest,
+        Goal::Maximize => ColorScale::NearHighest,
+    };
+    let axis = last.response_axis().with_colors(colors);
+    let bands = Bands::of(&axis, maps.iter().flat_map(Map::left).map(|cell| cell.value));
+    let charts: Vec<Chart> = maps.iter().map(|map| map.chart(last, &bands)).collect();
+    page.subheading("Over pairs of parameters, through the best design");
+    page.charts(&charts, &legend(last, &maps), &caption(last, &maps, pairs.len()));
     Ok(())
 }
 
@@ -71,7 +74,7 @@ fn most_varied(maps: Vec<Map>) -> Vec<Map> {
     ranked.into_iter().map(|(_, map)| map).collect()
 }
 
-impl Axis {
+impl Side {
     /// At most this many levels, that of the best design among them.
     fn of(last: &Last, parameter: usize, most: usize) -> Result<Self> {
         let bounds: &Parameter = &last.parameters()[parameter];
@@ -91,14 +94,16 @@ impl Axis {
         (self.levels[index] - self.half, self.levels[index] + self.half)
     }
 
-    fn scale(&self, settings: impl Iterator<Item = f64>) -> Scale {
-        Scale::covering(self.sides(0).0, self.sides(self.levels.len() - 1).1, settings)
+    /// As far as its levels and the settings of all runs go.
+    fn axis(&self, last: &Last) -> Axis {
+        let settings = last.runs.iter().map(|run| run.settings[self.parameter]);
+        last.axis(self.parameter).covering(self.sides(0).0, self.sides(self.levels.len() - 1).1, settings)
     }
 }
 
 impl Map {
     fn of(last: &Last, x: usize, y: usize, most_levels: usize) -> Result<Self> {
-        let (x, y) = (Axis::of(last, x, most_levels)?, Axis::of(last, y, most_levels)?);
+        let (x, y) = (Side::of(last, x, most_levels)?, Side::of(last, y, most_levels)?);
         let (now, mut cells) = (&last.campaign.now, Vec::new());
         for &at_y in &y.levels {
             for &at_x in &x.levels {
@@ -124,48 +129,40 @@ impl Map {
         &self.cells[y * self.x.levels.len() + x]
     }
 
-    fn figure(&self, last: &Last, scale: Scale) -> Figure {
-        let settings = |axis: &Axis| {
-            let parameter = axis.parameter;
-            axis.scale(last.runs.iter().map(move |run| run.settings[parameter]))
-        };
-        let room = color_bar_room(scale);
-        let mut chart = Chart::new(SIZE_PX, room, (settings(&self.x), Ticks::Any), settings(&self.y), Grid::Hidden);
-        self.draw_cells(last, &mut chart, scale);
+    fn chart(&self, last: &Last, bands: &Bands) -> Chart {
+        let mut chart = Chart::with_color_bar(SIZE_PX, &self.x.axis(last), &self.y.axis(last), bands);
+        self.draw_cells(last, &mut chart, bands);
         self.draw_border(&mut chart);
         chart.outline();
         self.draw_runs(last, &mut chart);
-        chart.color_bar(scale, |share| viridis(lightness(last, share)));
-        let (y_label, x_label) = (last.label(self.y.parameter), last.label(self.x.parameter));
-        Figure { y_label, svg: chart.svg(), width_px: SIZE_PX.0, x_label, legend: Vec::new() }
+        chart
     }
 
-    fn draw_cells(&self, last: &Last, chart: &mut Chart, scale: Scale) {
-        let response = last.response();
+    fn draw_cells(&self, last: &Last, chart: &mut Chart, bands: &Bands) {
         for y in 0..self.y.levels.len() {
             for x in 0..self.x.levels.len() {
                 let cell = self.cell(x, y);
-                let value = with_unit(&short(cell.value), &response.unit);
-                let (fill, class, fate) = match cell.dropped {
-                    Some(batch) => (
-                        dropped(batch, last.report.iteration),
-                        format!("dropped by-{batch}"),
-                        format!(", dropped by batch {batch}"),
-                    ),
-                    None => (viridis(lightness(last, scale.place(cell.value))), "left".to_owned(), String::new()),
+                let (fill, class) = match cell.dropped {
+                    Some(batch) => (gray(batch, last.report.iteration), format!("dropped by-{batch}")),
+                    None => (bands.color_of(cell.value), "left".to_owned()),
                 };
-                let place = [(&self.x, x), (&self.y, y)].map(|(axis, index)| {
-                    let parameter = &last.parameters()[axis.parameter];
-                    format!(
-                        "{} {}",
-                        parameter.name(),
-                        with_unit(&setting(axis.levels[index], step(parameter)), parameter.unit())
-                    )
-                });
-                let title = format!("{}: {value}{fate}", place.join(", "));
-                chart.cell(self.x.sides(x), self.y.sides(y), &fill, &class, &title);
+                let title = self.title(last, x, y);
+                chart.cell(&MapCell { x: self.x.sides(x), y: self.y.sides(y), fill, class, title });
             }
         }
+    }
+
+    /// What a pointer on a cell shows.
+    fn title(&self, last: &Last, x: usize, y: usize) -> String {
+        let cell = self.cell(x, y);
+        let value = with_unit(&short(cell.value), &last.response().unit);
+        let fate = cell.dropped.map(|batch| format!(", dropped by batch {batch}")).unwrap_or_default();
+        let place = [(&self.x, x), (&self.y, y)].map(|(side, index)| {
+            let parameter = &last.parameters()[side.parameter];
+            let at = with_unit(&setting(side.levels[index], step(parameter)), parameter.unit());
+            format!("{} {at}", parameter.name())
+        });
+        format!("{}: {value}{fate}", place.join(", "))
     }
 
     /// Between what was dropped and what is left.
@@ -213,17 +210,8 @@ fn mark(origin: Origin, is_failed: bool) -> Mark {
     }
 }
 
-/// The better, the darker.
-fn lightness(last: &Last, share: f64) -> f64 {
-    match last.response().goal {
-        Goal::Minimize => share,
-        Goal::Maximize => 1.0 - share,
-    }
-}
-
 fn legend(last: &Last, maps: &[Map]) -> Vec<Key> {
-    let key = |sample: String, text: String| Key { sample, text };
-    let mut keys = vec![key(mark_sample(Mark::Target, VERMILION), "best design".to_owned())];
+    let mut keys = vec![Key::new("best design").mark(Mark::Target, VERMILION)];
     let is_there = |origin: Origin, is_failed: bool| {
         last.runs.iter().any(|run| {
             (run.origin == Origin::Imported) == (origin == Origin::Imported) && run.cost.is_none() == is_failed
@@ -235,16 +223,17 @@ fn legend(last: &Last, maps: &[Map]) -> Vec<Key> {
         (Origin::Imported, false, "imported experiment"),
     ] {
         if is_there(origin, is_failed) {
-            keys.push(key(mark_sample(mark(origin, is_failed), INK), text.to_owned()));
+            keys.push(Key::new(text).mark(mark(origin, is_failed), INK));
         }
     }
-    keys.push(key(mark_sample(Mark::Speck, INK), "simulation".to_owned()));
+    keys.push(Key::new("simulation").mark(Mark::Speck, INK));
     let batches: BTreeSet<usize> = maps.iter().flat_map(|map| &map.cells).filter_map(|cell| cell.dropped).collect();
     if !batches.is_empty() {
-        keys.push(key(border_sample(), "edge of what is left".to_owned()));
+        keys.push(Key::new("edge of what is left").border());
     }
     for batch in batches {
-        keys.push(key(field_sample(&dropped(batch, last.report.iteration)), format!("dropped by batch {batch}")));
+        let color = gray(batch, last.report.iteration);
+        keys.push(Key::new(&format!("dropped by batch {batch}")).field(&color));
     }
     keys
 }
@@ -252,7 +241,7 @@ fn legend(last: &Last, maps: &[Map]) -> Vec<Key> {
 fn caption(last: &Last, maps: &[Map], n_pairs: usize) -> String {
     let (response, best) = (last.response(), &last.report.screening.optimum);
     let mut text = format!(
-        "Color: {} by the combined surface of batch {}; darker is better.",
+        "Color: {} by the combined surface of batch {}; darker is better, and colors change faster near the best.",
         response.heading(),
         last.report.iteration
     );

@@ -1,15 +1,11 @@
 //! One HTML page about a campaign that stands alone. The same campaign gives the same bytes.
 
-mod axis;
 mod bounds;
-mod chart;
 mod curves;
 mod history;
-mod html;
 mod last;
 mod left;
 mod maps;
-mod palette;
 mod provenance;
 mod replay;
 mod sheets;
@@ -20,8 +16,8 @@ use anyhow::Result;
 
 use crate::campaign::{Campaign, Stage};
 use crate::journal::Journal;
-use html::Page;
 use last::Last;
+use page::Page;
 
 /// The page, from top to bottom. The journal is the one that the campaign follows from.
 pub(crate) fn page(campaign: &Campaign, stage: &Stage, journal: &Journal) -> Result<String> {

@@ -1,29 +1,29 @@
 //! Where all of it comes from.
 
-use doe::Levels;
+use design_space::Levels;
 use infuse::Role;
 use serde::Serialize;
 
-use super::html::{Column, Page, Table};
 use crate::campaign::Campaign;
 use crate::journal::{Event, JOURNAL, Journal};
 use crate::number::{count, plain, setting, with_unit};
 use crate::problem::{Goal, PROBLEM, Problem, Simulator, step};
+use page::{Column, Page, Table};
 
 pub(super) fn write(page: &mut Page, campaign: &Campaign, journal: &Journal) {
     let problem = &campaign.problem;
     page.section("provenance", "Provenance");
-    page.table(&parameters(problem));
+    page.table(&parameters(problem), "What can be set.");
     let rows = [from_problem(problem), from_loop(problem), from_files(journal)].concat();
-    page.table(&Table {
-        caption: format!("The rest of {PROBLEM}, and what this page was made from."),
+    let table = Table {
         columns: vec![Column::words("what"), Column::words("value")],
         rows: rows.into_iter().map(|(what, value)| vec![what.to_owned(), value]).collect(),
-    });
+    };
+    page.table(&table, &format!("The rest of {PROBLEM}, and what this page was made from."));
 }
 
 fn parameters(problem: &Problem) -> Table {
-    let row = |(parameter, role): (&doe::Parameter, &Role)| {
+    let row = |(parameter, role): (&design_space::Parameter, &Role)| {
         let (levels, step) = match parameter.levels() {
             Levels::Count(n) => (n.to_string(), setting(step(parameter), step(parameter))),
             Levels::Continuous => ("any".to_owned(), "any".to_owned()),
@@ -37,14 +37,13 @@ fn parameters(problem: &Problem) -> Table {
         vec![name, unit, plain(parameter.lower()), plain(parameter.upper()), step, levels, role.to_owned()]
     };
     Table {
-        caption: "What can be set.".to_owned(),
         columns: vec![
             Column::words("parameter"),
             Column::words("unit"),
-            Column::number("lower"),
-            Column::number("upper"),
-            Column::number("step"),
-            Column::number("levels"),
+            Column::number("lower", ""),
+            Column::number("upper", ""),
+            Column::number("step", ""),
+            Column::number("levels", ""),
             Column::words("role"),
         ],
         rows: problem.region.parameters().iter().zip(&problem.roles).map(row).collect(),
@@ -128,7 +127,7 @@ fn time(event: &Event) -> Option<&str> {
     match event {
         Event::Campaign { at, .. }
         | Event::Planned { at, .. }
-        | Event::Forgotten { at }
+        | Event::Discarded { at }
         | Event::Opened { at, .. }
         | Event::Told { at, .. }
         | Event::Imported { at, .. }

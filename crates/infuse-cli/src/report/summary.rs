@@ -3,19 +3,20 @@
 use std::path::Path;
 
 use anyhow::Result;
+use page::{Finding, Page};
 
-use super::html::Page;
 use crate::campaign::{Campaign, Stage};
-use crate::command::status;
+use crate::command::status::next;
+use crate::findings::{best, lesson, prospects, standing};
 
 pub(super) fn write(page: &mut Page, campaign: &Campaign, stage: &Stage) -> Result<()> {
     page.section("stands", "Where the campaign stands");
-    page.paragraph(status::standing(campaign).trim());
-    let next = status::next(campaign, stage, Path::new("."));
-    page.note(&(status::best(campaign)? + &next));
-    if !campaign.now.reports().is_empty() {
-        page.terminal_text(&status::lesson(campaign)?);
-        page.terminal_text(&status::prospects(campaign)?);
+    page.finding(&standing(campaign));
+    let first: Vec<Finding> = best(campaign).into_iter().chain([next(campaign, stage, Path::new("."))]).collect();
+    page.key_findings(&first);
+    if let Some(lesson) = lesson(campaign) {
+        page.finding(&lesson);
+        prospects(campaign)?.iter().for_each(|finding| page.finding(finding));
     }
     for notice in &campaign.notices {
         page.paragraph(&format!("Note: {notice}."));

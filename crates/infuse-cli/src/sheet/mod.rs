@@ -12,9 +12,6 @@ pub(crate) use write::{replace, write};
 
 use crate::problem::Problem;
 
-/// Headings that no parameter may have.
-pub(crate) const RESERVED: [&str; 7] = ["run", "id", "repeats", "failed", "note", "source", "actual"];
-
 /// A column per parameter, and one for the response: what a table of points has.
 pub(crate) fn point_columns(problem: &Problem) -> Vec<Column> {
     let (parameters, response) = (problem.region.parameters(), &problem.response);
@@ -41,8 +38,9 @@ impl Columns {
         all.extend(parameters.iter().map(|parameter| Column::optional(parameter.name(), parameter.unit())));
         all.push(Column::required(&response.name, &response.unit));
         all.push(Column::optional("failed", ""));
-        let actual =
-            |parameter: &doe::Parameter| Column::optional(&format!("actual {}", parameter.name()), parameter.unit());
+        let actual = |parameter: &design_space::Parameter| {
+            Column::optional(&format!("actual {}", parameter.name()), parameter.unit())
+        };
         all.extend(parameters.iter().map(actual));
         all.push(Column::optional("note", ""));
         Self { all, n_parameters: parameters.len() }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Result;
-use doe::Parameter;
+use design_space::Parameter;
 use infuse::global;
 
 use super::table::Row;
@@ -47,7 +47,7 @@ pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, glo
             None => {}
         }
     }
-    // Rows that repeat the same experiment are told apart by their order.
+    // Rows that repeat the same experiment are known by their order.
     let mut n_repeats: BTreeMap<u64, usize> = BTreeMap::new();
     for answer in filled.iter_mut().filter(|answer| answer.repeat > 0) {
         let number = n_repeats.entry(answer.id).or_default();
@@ -204,7 +204,10 @@ impl Reader<'_> {
 }
 
 /// The first parameter that was set otherwise.
-fn actual_columns<'a>(region: &'a doe::Region, actual: &BTreeMap<String, f64>) -> Option<(usize, &'a Parameter)> {
+fn actual_columns<'a>(
+    region: &'a design_space::Region,
+    actual: &BTreeMap<String, f64>,
+) -> Option<(usize, &'a Parameter)> {
     region.parameters().iter().enumerate().find(|(_, parameter)| actual.contains_key(parameter.name()))
 }
 

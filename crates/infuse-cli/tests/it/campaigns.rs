@@ -50,7 +50,7 @@ fn asking_again_gives_the_same_experiments_and_leaves_the_sheet_alone() {
     assert_eq!((&again["sheet_is_new"], &again["simulations_made"]), (&json!(false), &json!(0)));
     assert_eq!(rig.read("sheet-1.csv"), filled, "a person is filling it in");
     rig.infuse(&["tell", "sheet-1.csv"]).ok();
-    assert_eq!(rig.infuse(&["ask"]).ok().matches("Told so far: 1; 9 to go.").count(), 1);
+    assert_eq!(rig.infuse(&["ask"]).ok().matches("Results so far: 1; 9 to go.").count(), 1);
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn failures_actual_settings_repeats_and_remarks_come_back_with_the_sheet() {
     let noise = rig.status()["noise"]["degrees_of_freedom"].clone();
     assert!(noise == 3 || noise == 2, "{noise}: the repeat of a failed or moved run is none");
     let again = rig.infuse(&["tell", "sheet-1.csv"]).ok();
-    assert!(again.contains("Taken: 0 results, 11 had been told before."), "{again}");
+    assert!(again.contains("Taken: 0 results, 11 known before."), "{again}");
 }
 
 #[test]
@@ -161,8 +161,8 @@ fn further_runs_are_put_right_and_never_lost() {
     assert!(rig.infuse(&["tell", "a.csv"]).ok().contains("Taken: 3 results."));
     rig.write("a.csv", &format!("{headings}\n3,,9\n,3,9.9\n,3,9.2\n"));
     let error = rig.infuse(&["tell", "a.csv"]).error();
-    assert!(error.contains("what was told before, 99 mm/s; to put it right") && error.contains("--again"), "{error}");
-    assert!(rig.infuse(&["tell", "a.csv", "--correct"]).ok().contains("Taken: 1 result, 2 had been told before."));
+    assert!(error.contains("the result known before, 99 mm/s; to replace it") && error.contains("--again"), "{error}");
+    assert!(rig.infuse(&["tell", "a.csv", "--correct"]).ok().contains("Taken: 1 result, 2 known before."));
     // (9 + 9.9 + 9.2)/3
     let mean = rig.status()["best_measured"]["value"].as_f64().unwrap();
     assert!((mean - 28.1 / 3.0).abs() < 1e-12, "{mean}");
@@ -244,7 +244,7 @@ fn one_experiment_is_told_without_a_sheet_and_put_right() {
     rig.infuse(&["tell", "--id", "3", "--value", "12.5", "--note", "by hand"]).ok();
     let error = rig.infuse(&["tell", "--id", "3", "--value", "12.6"]).error();
     assert!(
-        error.contains("what was told before, 12.5 mm/s; to put it right, tell it again with --correct"),
+        error.contains("the result known before, 12.5 mm/s; to replace it, tell it again with --correct"),
         "{error}"
     );
     rig.infuse(&["tell", "--id", "3", "--value", "12.6", "--correct"]).ok();
@@ -256,7 +256,7 @@ fn one_experiment_is_told_without_a_sheet_and_put_right() {
     rig.infuse(&["tell", "--id", "3", "--value", "12.7", "--correct"]).ok();
     rig.infuse(&["ask"]).ok();
     let error = rig.infuse(&["tell", "--id", "3", "--value", "12.8", "--correct"]).error();
-    assert!(error.contains("one of batch 2: later batches rest on what was told about the others"), "{error}");
+    assert!(error.contains("one of batch 2: later batches rest on the results of the others"), "{error}");
     let error = rig.infuse(&["tell", "--id", "99", "--value", "1"]).error();
     assert!(error.contains("experiment 99 was never asked for, expected an id from 1 to 20"), "{error}");
 }
@@ -296,4 +296,30 @@ fn a_problem_that_was_changed_after_the_beginning_is_told_where() {
     assert!(rig.infuse(&["ask"]).ok().contains("all 1 batch of [loop] were made") || rig.status()["stage"] == "ended");
     rig.edit("batches = 1", "batches = 3");
     assert!(rig.infuse(&["ask", "--anyway"]).ok().contains("Batch 2"));
+}
+
+/// What a machine reads is what a person reads, with the numbers beside it.
+#[test]
+fn findings_are_the_sentences_of_the_terminal() {
+    fn sentences(finding: &Value, found: &mut Vec<String>) {
+        found.push(finding["sentence"].as_str().unwrap().to_owned());
+        for number in finding["numbers"].as_array().into_iter().flatten() {
+            assert!(
+                number["name"].is_string() && number["value"].is_number() && number["unit"].is_string(),
+                "{number}"
+            );
+        }
+        finding["details"].as_array().into_iter().flatten().for_each(|detail| sentences(detail, found));
+    }
+    let rig = Rig::new();
+    assert!(rig.batch());
+    let text = rig.infuse(&["status"]).ok();
+    let status = rig.status();
+    let mut found = Vec::new();
+    status["findings"].as_array().unwrap().iter().for_each(|finding| sentences(finding, &mut found));
+    let lines: Vec<&str> = text.lines().skip(1).map(str::trim).filter(|line| !line.is_empty()).collect();
+    assert_eq!(found, lines);
+    let best = &status["findings"][1];
+    let predicted = best["details"][0]["numbers"][0]["value"].as_f64();
+    assert_eq!((best["numbers"][0]["name"].as_str(), predicted), (Some("spring"), status["predicted"].as_f64()));
 }

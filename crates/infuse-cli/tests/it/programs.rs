@@ -62,11 +62,11 @@ fn runs_that_fail_are_written_down_with_their_reason_and_survived() {
 }
 
 #[test]
-fn a_simulator_that_never_works_is_told_at_once_and_mended_later() {
+fn a_simulator_that_never_works_is_reported_at_once_and_repaired_later() {
     let rig = rig(&shell("echo no licence for {spring} {damper gain} >&2; exit 1"));
     let error = rig.infuse(&["ask"]).error();
     assert!(error.contains("all 20 simulations failed") && error.contains("no licence for"), "{error}");
-    assert!(error.contains("Mend the simulator and ask again"), "{error}");
+    assert!(error.contains("Repair the simulator and ask again"), "{error}");
     rig.edit(&shell("echo no licence for {spring} {damper gain} >&2; exit 1"), "table = \"simulation.csv\"");
     assert!(rig.infuse(&["ask"]).ok().contains("Batch 1: 10 experiments"));
     let rig = self::rig("command = [\"no-such-program\", \"{spring}\", \"{damper gain}\"]");

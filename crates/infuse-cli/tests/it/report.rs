@@ -146,7 +146,7 @@ fn sheets_show_every_experiment_as_it_was_made() {
     for (id, row) in by_id {
         match id {
             11 => assert!(row[5].starts_with("failed: belt"), "{row:?}"),
-            21.. => assert_eq!(row[5], "not told yet"),
+            21.. => assert_eq!(row[5], "no result yet"),
             _ => assert_eq!(row[5].parse::<f64>().ok(), values.get(&id).copied(), "{row:?}"),
         }
         assert_eq!(row[3].starts_with("21.37 (asked: "), id == 12, "{row:?}");

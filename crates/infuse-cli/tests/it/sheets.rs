@@ -90,7 +90,7 @@ fn an_id_that_comes_twice_with_different_values_is_refused_and_with_the_same_is_
     assert!(rig.infuse(&["tell", "two.csv"]).ok().contains("Taken: 2 results."));
     rig.write("two.csv", &format!("{headings}\n3,7.6\n5,9\n"));
     let error = rig.infuse(&["tell", "two.csv"]).error();
-    assert!(error.contains("expected what was told before, 7.5 mm/s"), "{error}");
+    assert!(error.contains("expected the result known before, 7.5 mm/s"), "{error}");
     assert_eq!(rig.status()["told"], 2, "experiment 5 was not taken either");
 }
 

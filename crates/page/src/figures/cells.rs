@@ -1,33 +1,47 @@
 //! A quantity on the cells of a grid, some of which are no longer there, with the points chosen among them.
 
-use super::axis::{Axis, Scale};
-use super::canvas::{BELOW_PX, Canvas, Frame, INK, LEFT_PX, LegendEntry, Mark, PAPER, color, legend_height_px};
+use super::axis::Axis;
+use super::canvas::{Canvas, INK, PAPER, color};
 use super::color_scale::{Bands, draw_color_bar};
+use super::frame::{BELOW_PX, Frame, LEFT_PX};
+use super::legend::{LegendEntry, Mark, draw_legend, legend_height_px};
 use super::panels::Sheet;
 use super::points::Points;
+use super::scale::Scale;
 
 /// One panel: values on cells.
 #[derive(Clone, Debug)]
 pub struct CellPanel {
+    /// Above the panel.
     pub title: String,
     /// Centers of the cells, increasing, at least two.
     pub x: Vec<f64>,
+    /// Centers of the cells, increasing, at least two.
     pub y: Vec<f64>,
     /// `z[row][column]` belongs to `y[row]` and `x[column]`; NaN where there is no cell any more.
     pub z: Vec<Vec<f64>>,
+    /// Places to mark.
     pub points: Vec<Points>,
+    /// Where the quantity is lowest.
     pub minimum: Option<(f64, f64)>,
 }
 
 /// Panels over the same axes, two in a row, with one scale of colors.
 #[derive(Clone, Debug)]
 pub struct CellFigure {
+    /// Above all panels.
     pub title: String,
+    /// Along the columns of the cells.
     pub x_axis: Axis,
+    /// Along the rows of the cells.
     pub y_axis: Axis,
+    /// Of the values; its [`ColorScale`](crate::ColorScale) says how they become colors.
     pub z_axis: Axis,
+    /// In rows of two.
     pub panels: Vec<CellPanel>,
+    /// What a cell that is missing means.
     pub missing_label: String,
+    /// What the mark at the minimum means.
     pub minimum_label: String,
 }
 
@@ -51,10 +65,10 @@ pub fn cell_figure(figure: &CellFigure) -> String {
         if let Some(minimum) = panel.minimum {
             canvas.diamond(frame.px(minimum), color(4), PAPER);
         }
-        canvas.outline(&frame);
+        frame.outline(&mut canvas);
     }
     draw_color_bar(&mut canvas, &bands, bottom);
-    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    draw_legend(&mut canvas, &legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 
@@ -63,7 +77,7 @@ fn around_cells(axis: &Axis, centers: &[f64]) -> Scale {
     let scale = axis.scale(centers.iter().copied(), 6);
     let half = 0.5 * step(centers);
     match centers {
-        [first, .., last] => Scale { min: first - half, max: last + half, ..scale },
+        [first, .., last] => scale.between(first - half, last + half),
         _ => scale,
     }
 }

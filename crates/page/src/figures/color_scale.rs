@@ -1,18 +1,19 @@
 //! Values to bands of color, and the bar that explains them.
 
-use super::axis::{Axis, ColorScale, number_text};
-use super::canvas::{Anchor, Canvas, INK, TEXT_SIZE, TITLE_PX, WIDTH_PX};
+use super::axis::{Axis, ColorScale};
+use super::canvas::{Anchor, Canvas, INK, TEXT_SIZE, TITLE_PX, WIDTH_PX, text_width_px};
 use super::panels::RIGHT_PX;
+use super::scale::number_text;
 
 /// About as many bands.
 const BANDS: usize = 10;
 /// Borders within one power of ten, by what they are times of it.
 const ROUND: [f64; 3] = [1.0, 2.0, 5.0];
-const BAR_LEFT_PX: f64 = RIGHT_PX + 30.0;
-const BAR_WIDTH_PX: f64 = 20.0;
+pub(super) const BAR_WIDTH_PX: f64 = 20.0;
 
-/// The borders between the bands of color.
-pub(super) struct Bands {
+/// Bands of color over values, dark to light.
+#[derive(Clone, Debug)]
+pub struct Bands {
     /// In the order of the colors, dark to light.
     borders: Vec<f64>,
     texts: Vec<String>,
@@ -26,9 +27,9 @@ pub(super) struct Bands {
 
 impl Bands {
     /// The bands of these values, of which those that are not finite are left out.
-    pub(super) fn of(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
+    pub fn of(axis: &Axis, values: impl IntoIterator<Item = f64>) -> Self {
         let sign = if axis.colors() == ColorScale::NearHighest { -1.0 } else { 1.0 };
-        let mut ranked: Vec<f64> = values.filter(|z| z.is_finite()).map(|z| sign * z).collect();
+        let mut ranked: Vec<f64> = values.into_iter().filter(|z| z.is_finite()).map(|z| sign * z).collect();
         ranked.sort_by(f64::total_cmp);
         let is_flat = ranked.first() == ranked.last();
         match axis.colors() {
@@ -57,10 +58,10 @@ impl Bands {
         let distances: Vec<f64> = ranked.iter().map(|value| value - first).collect();
         let steps = round_distances(&distances);
         let decimals = (-steps[0].log10() - 1e-9).ceil().clamp(0.0, 12.0) as usize;
-        let (end, plus) = if sign > 0.0 { ("lowest", "+") } else { ("highest", "\u{2212}") };
+        let (side, end, plus) = if sign > 0.0 { ("above", "lowest", "+") } else { ("below", "highest", "\u{2212}") };
         let shown_decimals = |step: &f64| (-step.log10() - 1e-9).ceil().max(0.0) as usize;
         let texts = steps.iter().map(|step| format!("{plus}{}", number_text(*step, shown_decimals(step))));
-        let label = format!("{}, from the {end}, {}", axis.label(), number_text(sign * first, decimals));
+        let label = format!("{} {side} the {end}, {}", axis.label(), number_text(sign * first, decimals));
         let borders: Vec<f64> = std::iter::once(first).chain(steps.iter().map(|step| first + step)).collect();
         let texts = std::iter::once(end.to_owned()).chain(texts).collect();
         Self { exceeded: exceeds(ranked, &borders), borders, texts, label, sign }
@@ -75,6 +76,11 @@ impl Bands {
         let texts = borders.iter().map(|border| number_text(*border, decimals)).collect();
         let label = format!("{}, as many cells in each color", axis.label());
         Self { borders, texts, label, exceeded: false, sign: 1.0 }
+    }
+
+    /// The width of the widest text at a border.
+    pub(super) fn text_width_px(&self) -> f64 {
+        self.texts.iter().map(|text| text_width_px(text, TEXT_SIZE)).fold(0.0, f64::max)
     }
 
     /// How many bands there are.
@@ -103,7 +109,7 @@ impl Bands {
     }
 
     /// The color of a value: that of the first or the last band beyond them.
-    pub(super) fn color_of(&self, value: f64) -> String {
+    pub fn color_of(&self, value: f64) -> String {
         let rank = self.rank(value);
         let passed = self.borders.iter().filter(|border| **border <= rank).count();
         self.color(passed.saturating_sub(1).min(self.count().saturating_sub(1)))
@@ -135,7 +141,7 @@ fn round_distances(distances: &[f64]) -> Vec<f64> {
     while steps.len() < BANDS {
         (exponent, digit) = if digit == 0 { (exponent - 1, 2) } else { (exponent, digit - 1) };
         let next = round(exponent, digit);
-        if steps.len() > 1 && next <= at(0.002) {
+        if steps.len() > 1 && next <= at(0.005) {
             break;
         }
         steps.push(next);
@@ -144,26 +150,43 @@ fn round_distances(distances: &[f64]) -> Vec<f64> {
     steps
 }
 
-/// The bar beside the frame, with a tip when values go on beyond it.
+/// The bar beside the frame of a whole figure.
 pub(super) fn draw_color_bar(canvas: &mut Canvas, bands: &Bands, frame_bottom: f64) {
-    let (top, bottom) = (TITLE_PX + 24.0, frame_bottom - 10.0);
-    let count = bands.count();
-    let height = (bottom - top) / count.max(1) as f64;
-    for band in 0..count {
-        let band_top = bottom - (band + 1) as f64 * height;
-        canvas.rect((BAR_LEFT_PX, band_top), (BAR_WIDTH_PX, height), &bands.color(band), INK);
+    let bar =
+        Bar { left: RIGHT_PX + 30.0, top: TITLE_PX + 24.0, bottom: frame_bottom - 10.0, label_x: WIDTH_PX - 14.0 };
+    bar.draw(canvas, bands);
+}
+
+/// Where a bar of colors stands.
+pub(super) struct Bar {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) bottom: f64,
+    /// Where its label runs up.
+    pub(super) label_x: f64,
+}
+
+impl Bar {
+    /// Draws the bar, with a tip when values go on beyond it.
+    pub(super) fn draw(&self, canvas: &mut Canvas, bands: &Bands) {
+        let count = bands.count();
+        let height = (self.bottom - self.top) / count.max(1) as f64;
+        for band in 0..count {
+            let band_top = self.bottom - (band + 1) as f64 * height;
+            canvas.rect((self.left, band_top), (BAR_WIDTH_PX, height), &bands.color(band), INK);
+        }
+        if bands.exceeded && count > 0 {
+            let (left, right, top) = (self.left, self.left + BAR_WIDTH_PX, self.top);
+            let d = format!("M{left} {top}L{right} {top}L{} {}Z", 0.5 * (left + right), top - 14.0);
+            canvas.path(&d, &bands.color(count - 1), INK, 1.0);
+        }
+        for border in 0..bands.borders.len() {
+            let y = self.bottom - border as f64 * height;
+            let at = (self.left + BAR_WIDTH_PX + 6.0, y + 4.0);
+            canvas.text_as(bands.text(border), at, TEXT_SIZE, Anchor::Start);
+        }
+        canvas.vertical_text(&bands.label, (self.label_x, 0.5 * (self.top + self.bottom)));
     }
-    if bands.exceeded && count > 0 {
-        let (left, right) = (BAR_LEFT_PX, BAR_LEFT_PX + BAR_WIDTH_PX);
-        let d = format!("M{left} {top}L{right} {top}L{} {}Z", 0.5 * (left + right), top - 14.0);
-        canvas.path(&d, &bands.color(count - 1), INK, 1.0);
-    }
-    for border in 0..bands.borders.len() {
-        let y = bottom - border as f64 * height;
-        let at = (BAR_LEFT_PX + BAR_WIDTH_PX + 6.0, y + 4.0);
-        canvas.text_as(bands.text(border), at, TEXT_SIZE, Anchor::Start);
-    }
-    canvas.vertical_text(&bands.label, (WIDTH_PX - 14.0, 0.5 * (top + bottom)));
 }
 
 #[cfg(test)]
@@ -190,11 +213,10 @@ mod tests {
         let bands = bands(ColorScale::NearLowest, &values);
         let near: Vec<f64> = values.iter().copied().filter(|value| *value < 5.0).collect();
         let linear = self::bands(ColorScale::Linear, &values);
-        assert!(used(&bands, &near) >= 3, "colors where it matters");
-        assert_eq!(used(&linear, &near), 1);
+        assert!(used(&bands, &near) > used(&linear, &near), "colors where it matters");
         assert_eq!(bands.text(0), "lowest");
         assert_eq!(bands.texts.last().map(String::as_str), Some("+10"));
-        assert!(bands.label.starts_with("cost (s), from the lowest, 4"), "{}", bands.label);
+        assert!(bands.label.starts_with("cost (s) above the lowest, 4"), "{}", bands.label);
         assert!(bands.borders.windows(2).all(|pair| pair[0] < pair[1]), "{:?}", bands.borders);
     }
 

@@ -1,23 +1,26 @@
 //! A quantity over two parameters, with the paths that a search took across it.
 
-use super::axis::{Axis, Scale};
-use super::canvas::{
-    BELOW_PX, Canvas, Frame, FrameText, INK, LEFT_PX, LegendEntry, Mark, PAPER, Pen, SHORT_DASHES, TEXT_SIZE, TITLE_PX,
-    color, legend_height_px, text_width_px,
-};
+use super::axis::Axis;
+use super::canvas::{Canvas, INK, PAPER, Pen, SHORT_DASHES, TEXT_SIZE, TITLE_PX, color, text_width_px};
 use super::color_scale::{Bands, draw_color_bar};
 use super::contours::{Grid, Segment};
+use super::frame::{BELOW_PX, Frame, FrameText, LEFT_PX};
 use super::labels::{Room, Taken};
+use super::legend::{LegendEntry, Mark, draw_legend, legend_height_px};
 use super::panels::{RIGHT_PX, Sheet};
 use super::points::Points;
+use super::scale::Scale;
 
 /// Values on a rectangular grid and what is drawn over them.
 #[derive(Clone, Debug)]
 pub struct Landscape {
+    /// Above the figure, or above its panel.
     pub title: String,
+    /// Along the columns of the grid.
     pub x_axis: Axis,
+    /// Along the rows of the grid.
     pub y_axis: Axis,
-    /// Its [`ColorScale`](crate::ColorScale) says how values become colors.
+    /// Of the values. Its [`ColorScale`](crate::ColorScale) says how values become colors.
     pub z_axis: Axis,
     /// Increasing.
     pub x: Vec<f64>,
@@ -31,18 +34,22 @@ pub struct Landscape {
     pub points: Vec<Points>,
     /// Values of x to draw a line at.
     pub verticals: Vec<f64>,
+    /// What these lines mean.
     pub verticals_label: String,
     /// At most three, the most important one first.
     pub paths: Vec<Path>,
     /// Where the landscape itself is lowest.
     pub minimum: Option<(f64, f64)>,
+    /// What the mark there means.
     pub minimum_label: String,
 }
 
 /// Points in the order in which a search visited them; they are numbered from 1.
 #[derive(Clone, Debug)]
 pub struct Path {
+    /// What took this way.
     pub label: String,
+    /// In the units of the axes.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -68,9 +75,9 @@ pub fn landscape_figure(landscape: &Landscape) -> String {
     let text = FrameText {
         x_label: Some(landscape.x_axis.label()),
         y_label: landscape.y_axis.label(),
-        grid: super::canvas::Grid::Hidden,
+        grid: super::frame::Grid::Hidden,
     };
-    canvas.frame(&frame, &text);
+    frame.draw(&mut canvas, &text);
 
     let bands = Bands::of(&landscape.z_axis, landscape.z.iter().flatten().copied());
     let mut room = room(landscape, &frame);
@@ -88,7 +95,7 @@ pub fn landscape_figure(landscape: &Landscape) -> String {
     keep_paths_free(&mut room, landscape, &frame);
     label_iso_lines(&mut canvas, &lines, &mut room);
     draw_color_bar(&mut canvas, &bands, bottom);
-    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    draw_legend(&mut canvas, &legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 
@@ -117,7 +124,7 @@ pub fn landscape_panels_figure(title: &str, landscapes: &[Landscape]) -> String 
         label_iso_lines(&mut canvas, &lines, &mut room);
     }
     draw_color_bar(&mut canvas, &bands, bottom);
-    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    draw_legend(&mut canvas, &legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 
@@ -130,7 +137,7 @@ fn draw_field(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame, bands: 
     for points in &landscape.points {
         points.draw(canvas, frame);
     }
-    canvas.outline(frame);
+    frame.outline(canvas);
     lines
 }
 
@@ -138,7 +145,7 @@ fn draw_field(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame, bands: 
 fn grid_scale(axis: &Axis, places: &[f64]) -> Scale {
     let scale = axis.scale(places.iter().copied(), 6);
     match places {
-        [first, .., last] if !axis.has_range() && first < last => Scale { min: *first, max: *last, ..scale },
+        [first, .., last] if !axis.has_range() && first < last => scale.between(*first, *last),
         _ => scale,
     }
 }

@@ -1,15 +1,16 @@
 //! Series over a shared axis, in one panel or in several below each other.
 
-use super::axis::{Axis, Scale};
-use super::canvas::{
-    BELOW_PX, Canvas, Frame, FrameText, Grid, LEFT_PX, LONG_DASHES, LegendEntry, Mark, Pen, TITLE_PX, WIDTH_PX, color,
-    legend_height_px,
-};
+use super::axis::Axis;
+use super::canvas::{Canvas, LONG_DASHES, Pen, TITLE_PX, WIDTH_PX, color};
+use super::frame::{BELOW_PX, Frame, FrameText, Grid, LEFT_PX};
+use super::legend::{LegendEntry, Mark, draw_legend, legend_height_px};
+use super::scale::Scale;
 use super::thinning::{MAX_POINTS, changes, finite_stretches, thin};
 
 /// Series over one x axis.
 #[derive(Clone, Debug)]
 pub struct LineFigure {
+    /// Above the first panel.
     pub title: String,
     /// Below the last panel, for all that have none of their own.
     pub x_axis: Axis,
@@ -24,6 +25,7 @@ pub struct LineFigure {
 pub struct Panel {
     /// An x axis of the panel's own, below it.
     pub x_axis: Option<Axis>,
+    /// On the left.
     pub y_axis: Axis,
     /// Series of the same label have the same color in all panels.
     pub series: Vec<Series>,
@@ -32,7 +34,9 @@ pub struct Panel {
 /// Spans of x and what they are.
 #[derive(Clone, Debug)]
 pub struct Shaded {
+    /// What is set off.
     pub label: String,
+    /// From and to.
     pub spans: Vec<(f64, f64)>,
 }
 
@@ -140,15 +144,15 @@ pub fn line_figure(figure: &LineFigure) -> String {
             y_label: panel.y_axis.label(),
             grid: Grid::Shown,
         };
-        canvas.frame(&frame, &text);
-        canvas.inside(&frame, |canvas| {
+        frame.draw(&mut canvas, &text);
+        frame.draw_inside(&mut canvas, |canvas| {
             for series in &panel.series {
                 series.draw(canvas, &frame, color_of(&series.label, &labels));
             }
         });
         top += panel_px(panel) + gap_px(panel);
     }
-    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    draw_legend(&mut canvas, &legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 
@@ -168,7 +172,7 @@ fn x_scale<'a>(axis: &Axis, panels: impl Iterator<Item = &'a Panel> + Clone) -> 
     if axis.has_range() || first >= last {
         return scale;
     }
-    Scale { min: scale.min.max(first), max: scale.max.min(last), ..scale }
+    scale.between(scale.min.max(first), scale.max.min(last))
 }
 
 fn shade(canvas: &mut Canvas, frame: &Frame, shaded: Option<&Shaded>) {

@@ -1,7 +1,9 @@
 //! Where panels over the same axes stand, two in a row.
 
-use super::axis::{Axis, Scale};
-use super::canvas::{Anchor, Canvas, Frame, FrameText, Grid, LEFT_PX, TEXT_SIZE, TITLE_PX, WIDTH_PX};
+use super::axis::Axis;
+use super::canvas::{Anchor, Canvas, TEXT_SIZE, TITLE_PX, WIDTH_PX};
+use super::frame::{Frame, FrameText, Grid, LEFT_PX};
+use super::scale::Scale;
 
 /// Where the frames of a figure with a color bar end; the bar stands on their right.
 pub(super) const RIGHT_PX: f64 = WIDTH_PX - 130.0;
@@ -49,7 +51,7 @@ impl Sheet {
             y_label: if column == 0 { y_axis.label() } else { "" },
             grid: Grid::Hidden,
         };
-        canvas.frame(&frame, &text);
+        frame.draw(canvas, &text);
         canvas.text_as(title, (left, frame.top - 8.0), TEXT_SIZE, Anchor::Start);
         frame
     }

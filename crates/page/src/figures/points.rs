@@ -1,13 +1,19 @@
 //! Places that are marked in a figure.
 
-use super::canvas::{Canvas, Frame, LegendEntry, Mark, PAPER};
+use super::canvas::{Canvas, PAPER};
+use super::frame::Frame;
+use super::legend::{LegendEntry, Mark};
 
 /// Places that mean the same.
 #[derive(Clone, Debug)]
 pub struct Points {
+    /// What they mean.
     pub label: String,
+    /// In the units of the axes.
     pub points: Vec<(f64, f64)>,
+    /// A color of SVG.
     pub fill: &'static str,
+    /// Of the dots.
     pub radius_px: f64,
 }
 

@@ -1,23 +1,27 @@
 //! How a quantity spreads over repetitions, iteration by iteration.
 
 use super::axis::Axis;
-use super::canvas::{
-    BELOW_PX, Canvas, Frame, FrameText, Grid, INK, LEFT_PX, LegendEntry, Mark, PAPER, Pen, SHORT_DASHES, TITLE_PX,
-    WIDTH_PX, color, legend_height_px,
-};
+use super::canvas::{Canvas, INK, PAPER, Pen, SHORT_DASHES, TITLE_PX, WIDTH_PX, color};
+use super::frame::{BELOW_PX, Frame, FrameText, Grid, LEFT_PX};
+use super::legend::{LegendEntry, Mark, draw_legend, legend_height_px};
 
 /// One quantity over the iterations, in groups of repetitions.
 #[derive(Clone, Debug)]
 pub struct SpreadFigure {
+    /// Above the figure.
     pub title: String,
+    /// Of the quantity.
     pub y_axis: Axis,
+    /// Side by side at each iteration.
     pub groups: Vec<Group>,
+    /// Values to compare with.
     pub reference: Option<Reference>,
 }
 
 /// Repetitions under the same conditions.
 #[derive(Clone, Debug)]
 pub struct Group {
+    /// What they have in common.
     pub label: String,
     /// `values[iteration]` are those of the repetitions that got so far; a failed one is NaN and is left out.
     pub values: Vec<Vec<f64>>,
@@ -26,18 +30,26 @@ pub struct Group {
 /// Values to compare with, the first belongs to iteration 1.
 #[derive(Clone, Debug)]
 pub struct Reference {
+    /// Where they come from.
     pub label: String,
+    /// By iteration.
     pub values: Vec<f64>,
 }
 
 /// Five numbers that tell how values spread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
+    /// How many finite values there are.
     pub count: usize,
+    /// The least.
     pub minimum: f64,
+    /// Above a quarter of the values.
     pub lower_quartile: f64,
+    /// Above half of the values.
     pub median: f64,
+    /// Above three quarters of the values.
     pub upper_quartile: f64,
+    /// The largest.
     pub maximum: f64,
 }
 
@@ -88,7 +100,7 @@ pub fn spread_figure(figure: &SpreadFigure) -> String {
         y: figure.y_axis.roomy_scale(values.copied(), 6),
     };
     let text = FrameText { x_label: Some(axis.label()), y_label: figure.y_axis.label(), grid: Grid::Shown };
-    canvas.frame(&frame, &text);
+    frame.draw(&mut canvas, &text);
 
     let iteration_px = frame.x_px(2.0) - frame.x_px(1.0);
     let slot_px = BOXES_SHARE * iteration_px / figure.groups.len().max(1) as f64;
@@ -103,7 +115,7 @@ pub fn spread_figure(figure: &SpreadFigure) -> String {
             canvas.diamond(frame.px(((index + 1) as f64, *value)), color(4), PAPER);
         }
     }
-    canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
+    draw_legend(&mut canvas, &legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 

@@ -140,10 +140,10 @@ fn scale_of_colors_says_what_it_does() {
         landscape.z_axis = landscape.z_axis.with_colors(colors);
         landscape
     };
-    check(&landscape_figure(&with(ColorScale::NearLowest)), &["lowest", "+100", "cost (s), from the lowest, 256"]);
+    check(&landscape_figure(&with(ColorScale::NearLowest)), &["lowest", "+100", "cost (s) above the lowest, 256"]);
     let mirrored = landscape_figure(&with(ColorScale::NearHighest));
     check(&mirrored, &["highest"]);
-    assert!(mirrored.contains(">cost (s), from the highest, "), "the bar says so");
+    assert!(mirrored.contains(">cost (s) below the highest, "), "the bar says so");
     check(&landscape_figure(&with(ColorScale::EqualShares)), &["cost (s), as many cells in each color"]);
     let z_axis = Axis::new("cost", "s").with_colors(ColorScale::NearLowest);
     let z = with(ColorScale::NearLowest).z;
@@ -158,7 +158,7 @@ fn scale_of_colors_says_what_it_does() {
         minimum_label: String::new(),
     };
     let svg = cell_figure(&figure);
-    check(&svg, &["lowest", "cost (s), from the lowest, 256"]);
+    check(&svg, &["lowest", "cost (s) above the lowest, 256"]);
     let fills: std::collections::BTreeSet<&str> = svg.split("fill=\"#").skip(1).map(|rest| &rest[..6]).collect();
     assert!(fills.len() > 6, "the cells have many colors: {fills:?}");
 }

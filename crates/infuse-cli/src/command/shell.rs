@@ -1,0 +1,28 @@
+//! Commands and paths as one would type them from here.
+
+use std::path::{Path, PathBuf};
+
+/// Where the sheet of a batch is.
+pub(crate) fn sheet_path(folder: &Path, batch: usize, given: Option<&Path>) -> PathBuf {
+    match given {
+        Some(path) => path.to_path_buf(),
+        None if folder == Path::new(".") => PathBuf::from(format!("sheet-{batch}.csv")),
+        None => folder.join(format!("sheet-{batch}.csv")),
+    }
+}
+
+/// The program, with the folder of the campaign if that is another.
+pub(crate) fn infuse(folder: &Path) -> String {
+    if folder == Path::new(".") { "infuse".to_owned() } else { format!("infuse -C {}", quoted(folder)) }
+}
+
+/// The command that takes a sheet back.
+pub(crate) fn tell_with(folder: &Path, sheet: &Path) -> String {
+    format!("{} tell {}", infuse(folder), quoted(sheet))
+}
+
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = text.chars().all(|c| c.is_alphanumeric() || "._-/\\:".contains(c));
+    if is_plain { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
+}

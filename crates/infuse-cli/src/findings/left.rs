@@ -1,0 +1,68 @@
+//! What is left of the design space, and why the rest was dropped.
+
+use anyhow::Result;
+use design_space::Parameter;
+use infuse::global::{Report, RetainedSet};
+use page::Finding;
+
+use super::amount::value;
+use crate::campaign::Campaign;
+use crate::number::{grouped, percent, plain, short, with_unit};
+
+/// How many designs are left, between which settings, and what each batch dropped.
+pub(crate) fn left(campaign: &Campaign) -> Result<Finding> {
+    let retained = campaign.now.retained();
+    let (n, of) = (retained.n_retained(), retained.n_cells());
+    let mut left =
+        Finding::new(format!("Left: {} of {} designs, {}.", grouped(n), grouped(of), percent(retained.share())))
+            .with("designs left", n as f64, "1")
+            .with("designs", of as f64, "1");
+    for (parameter, (least, most)) in campaign.problem.region.parameters().iter().zip(ranges(campaign, retained)?) {
+        let whole = least <= parameter.lower() && most >= parameter.upper();
+        let range = with_unit(&format!("{} to {}", plain(least), plain(most)), parameter.unit());
+        let sentence = format!("{}: {range}{}", parameter.name(), if whole { ", all of it" } else { "" });
+        let range = Finding::new(sentence).with("least", least, parameter.unit()).with("most", most, parameter.unit());
+        left = left.detail(range);
+    }
+    let dropped = campaign.now.reports().iter().map(|report| dropped_by(campaign, report));
+    Ok(dropped.fold(left, Finding::detail))
+}
+
+/// Why a batch dropped what it dropped.
+pub(crate) fn dropped_by(campaign: &Campaign, report: &Report) -> Finding {
+    let n = report.screening.n_before - report.screening.n_after;
+    let because = dropped_because(campaign, report);
+    Finding::new(format!("batch {} dropped {}: {because}", report.iteration, grouped(n))).with("dropped", n as f64, "1")
+}
+
+/// The reason alone.
+pub(crate) fn dropped_because(campaign: &Campaign, report: &Report) -> String {
+    let screening = &report.screening;
+    match screening.spread.s() {
+        _ if !screening.tested => "the first batches only correct, see `drop_from` in [loop]".to_owned(),
+        Some(s) => {
+            let worse = screening.threshold * s * std::f64::consts::SQRT_2;
+            let limit = value(campaign, screening.optimum_value + worse);
+            let word = if campaign.problem.response.better() == "lower" { "above" } else { "below" };
+            format!("predicted {word} {limit}, that is worse than the best by {} S √2", short(screening.threshold))
+        }
+        None => "nothing could be dropped, as the validation experiments gave no spread S".to_owned(),
+    }
+}
+
+/// The least and the largest setting of each parameter among the designs that are left.
+pub(crate) fn ranges(campaign: &Campaign, retained: &RetainedSet) -> Result<Vec<(f64, f64)>> {
+    let region = &campaign.problem.region;
+    let combinations = campaign.now.grid().combinations();
+    let mut digits = vec![0; region.n_parameters()];
+    let mut ranges = vec![(u64::MAX, 0); region.n_parameters()];
+    for cell in retained.cells() {
+        combinations.fill_digits(cell.index(), &mut digits);
+        for (range, &digit) in ranges.iter_mut().zip(&digits) {
+            *range = (range.0.min(digit), range.1.max(digit));
+        }
+    }
+    let setting = |parameter: &Parameter, digit: u64| parameter.level(u32::try_from(digit).unwrap_or(u32::MAX));
+    let pairs = region.parameters().iter().zip(ranges);
+    pairs.map(|(parameter, (least, most))| Ok((setting(parameter, least)?, setting(parameter, most)?))).collect()
+}

@@ -1,0 +1,90 @@
+//! What more experiments could bring, and what is certain.
+
+use anyhow::Result;
+use infuse::global::{ObservedErrors, Outlook};
+use page::Finding;
+
+use super::amount::{amount, gain};
+use crate::campaign::Campaign;
+
+/// The gain that may be expected, what follows from it, and the guarantee; as far as each is known.
+pub(crate) fn prospects(campaign: &Campaign) -> Result<Vec<Finding>> {
+    let mut found = Vec::new();
+    if let Some(outlook) = campaign.outlook()? {
+        found.push(expected_gain(campaign, &outlook));
+        found.extend(verdict(campaign, outlook.total_gain()));
+    }
+    if let Some(observed) = campaign.now.observed_certificate()? {
+        found.push(guarantee(campaign, &observed));
+    }
+    Ok(found)
+}
+
+fn expected_gain(campaign: &Campaign, outlook: &Outlook) -> Finding {
+    let unit = &campaign.problem.response.unit;
+    let total = outlook.total_gain();
+    let headline = total.map_or_else(|| "nobody knows how much".to_owned(), |total| gain(campaign, total));
+    let mean = gain(campaign, outlook.mean_gain);
+    let upper = match outlook.upper_gain {
+        upper if upper > 0.0 => format!("at most {}", amount(campaign, upper)),
+        _ => "nothing".to_owned(),
+    };
+    let by_noise = Finding::new(format!("{mean} by averaging out the noise ({upper} nine times in ten);"))
+        .with("mean gain", outlook.mean_gain, unit)
+        .with("gain nine times in ten at most", outlook.upper_gain, unit);
+    let by_shape = Finding::new(format!("{}.", by_shape(campaign, outlook)));
+    let by_shape = match outlook.misfit_gain {
+        Some(misfit) => by_shape.with("gain by a better shape", misfit, unit),
+        None => by_shape,
+    };
+    let finding = Finding::new(format!("More experiments may still gain {headline} on average:"));
+    let finding = match total {
+        Some(total) => finding.with("total gain", total, unit),
+        None => finding,
+    };
+    finding.detail(by_noise).detail(by_shape)
+}
+
+fn by_shape(campaign: &Campaign, outlook: &Outlook) -> String {
+    match outlook.misfit_gain {
+        _ if campaign.now.retained().n_retained() < 2 => "nothing by a better shape: one design is left".to_owned(),
+        Some(misfit) if misfit > 0.0 => {
+            let why = match campaign.noise() {
+                Some(_) => "S is larger than noise and fit make it on average",
+                None => "S may be noise, but no run was repeated",
+            };
+            format!("{} because the surface may have the wrong shape: {why}", amount(campaign, misfit))
+        }
+        Some(_) => "nothing by a better shape: S is no larger than noise and fit make it".to_owned(),
+        None => "what a better shape would bring is not known, without an S".to_owned(),
+    }
+}
+
+/// Whether another batch is worth its cost; none once the campaign has ended.
+fn verdict(campaign: &Campaign, total: Option<f64>) -> Option<Finding> {
+    let unit = &campaign.problem.response.unit;
+    let of_worth = |worth: f64| format!("{} of `worth`", amount(campaign, worth));
+    match (campaign.problem.worth, total) {
+        _ if campaign.now.stop().is_some() => None,
+        (Some(worth), Some(total)) if total < worth => {
+            let sentence = format!("That is less than the {}: stop.", of_worth(worth));
+            Some(Finding::new(sentence).with("worth", worth, unit))
+        }
+        (Some(worth), _) => {
+            let sentence = format!("That is not less than the {}: go on.", of_worth(worth));
+            Some(Finding::new(sentence).with("worth", worth, unit))
+        }
+        (None, _) => Some(Finding::new("`worth` in [stop] says from what gain on another batch is worth its cost.")),
+    }
+}
+
+fn guarantee(campaign: &Campaign, observed: &ObservedErrors) -> Finding {
+    let (unit, ObservedErrors { eps, certificate, .. }) = (&campaign.problem.response.unit, observed);
+    let sentence = format!(
+        "Guarantee: of the designs left none is better than this one by more than {}, if the corrected simulation is off by \
+         at most {}, as its errors at left-out runs say.",
+        amount(campaign, certificate.regret),
+        amount(campaign, *eps),
+    );
+    Finding::new(sentence).with("regret", certificate.regret, unit).with("eps", *eps, unit)
+}

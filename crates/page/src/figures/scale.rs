@@ -1,0 +1,170 @@
+//! Round numbers along an axis.
+
+/// How far apart the same ratio or the same difference is along an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Spacing {
+    /// The same difference everywhere.
+    Even,
+    /// The same ratio everywhere.
+    Decades,
+}
+
+/// An axis with its ticks: the multiples of `step` from `min` to `max`, or one power of ten in `step`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scale {
+    pub(super) min: f64,
+    pub(super) max: f64,
+    pub(super) step: f64,
+    spacing: Spacing,
+}
+
+impl Scale {
+    /// The multiples of a step between two values.
+    pub(super) fn even(min: f64, max: f64, step: f64) -> Self {
+        Self { min, max, step, spacing: Spacing::Even }
+    }
+
+    /// The same ticks between other ends.
+    pub(super) fn between(self, min: f64, max: f64) -> Self {
+        Self { min, max, ..self }
+    }
+
+    /// The powers of ten between two positive values, at most about this many.
+    pub(super) fn in_decades(min: f64, max: f64, ticks: usize) -> Self {
+        let decades = (max / min).log10().round();
+        Self { min, max, step: (decades / ticks.max(1) as f64).ceil().max(1.0), spacing: Spacing::Decades }
+    }
+
+    /// 0 at the beginning of the axis, 1 at its end.
+    pub(super) fn place(&self, value: f64) -> f64 {
+        match self.spacing {
+            Spacing::Even => (value - self.min) / (self.max - self.min),
+            Spacing::Decades => (value / self.min).log10() / (self.max / self.min).log10(),
+        }
+    }
+
+    /// From a tick below all finite values to a tick above, from zero when that is near.
+    pub(super) fn around(values: impl Iterator<Item = f64>, ticks: usize) -> Self {
+        let (mut min, mut max) = ends(values).unwrap_or((0.0, 1.0));
+        if min >= 0.0 && min < 0.25 * max {
+            min = 0.0;
+        }
+        if max - min <= 1e-9 * max.abs().max(min.abs()) {
+            let half = if max == 0.0 { 1.0 } else { 0.1 * max.abs() };
+            (min, max) = (min - half, max + half);
+        }
+        let step = round_step(max - min, ticks);
+        Self::even((min / step).floor() * step, (max / step).ceil() * step, step)
+    }
+
+    /// The ticks, without the rounding that adding up steps would bring.
+    pub(super) fn ticks(&self) -> Vec<f64> {
+        match self.spacing {
+            Spacing::Even => multiples(self.min, self.max, self.step),
+            Spacing::Decades => {
+                let exponents = multiples(self.min.log10().round(), self.max.log10().round(), self.step);
+                exponents.into_iter().map(|exponent| 10_f64.powf(exponent)).collect()
+            }
+        }
+    }
+
+    /// Decimals that tell neighboring ticks apart.
+    pub(super) fn decimals(&self) -> usize {
+        (-self.step.log10() - 1e-9).ceil().max(0.0) as usize
+    }
+
+    /// What stands at a tick: as many decimals as all ticks need, and a power of ten where that would be long.
+    pub(super) fn text(&self, tick: f64) -> String {
+        if self.spacing == Spacing::Decades {
+            return if (1e-4..1e6).contains(&tick) {
+                tick.to_string()
+            } else {
+                format!("{tick:e}").replace('-', MINUS)
+            };
+        }
+        let largest = self.max.abs().max(self.min.abs());
+        match self.decimals() {
+            decimals @ 0..=5 if largest < 1e6 => number_text(tick, decimals),
+            _ => format!("{:e}", rounded_to(tick, self.step)).replace('-', MINUS),
+        }
+    }
+}
+
+/// The least and the largest finite value.
+pub(super) fn ends(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    finite.fold(None, |ends, value| match ends {
+        None => Some((value, value)),
+        Some((min, max)) => Some((value.min(min), value.max(max))),
+    })
+}
+
+/// The multiples of a step in a range.
+fn multiples(min: f64, max: f64, step: f64) -> Vec<f64> {
+    let slack = 1e-6;
+    let first = (min / step - slack).ceil() as i64;
+    let last = (max / step + slack).floor() as i64;
+    (first..=last).map(|tick| tick as f64 * step).collect()
+}
+
+const MINUS: &str = "\u{2212}";
+
+/// A number with its decimals and a proper minus sign.
+pub(super) fn number_text(value: f64, decimals: usize) -> String {
+    format!("{:.decimals$}", value + 0.0).replace('-', MINUS)
+}
+
+/// A multiple of a step without the last bits of the multiplication, which its shortest text would show.
+fn rounded_to(tick: f64, step: f64) -> f64 {
+    let digits = if tick.abs() > 0.0 { (tick.abs() / step).log10().floor().max(0.0) as usize + 1 } else { 0 };
+    format!("{tick:.digits$e}").parse().unwrap_or(tick)
+}
+
+/// 1, 2 or 5 times a power of ten, so that a span has about the number of ticks asked for.
+pub(super) fn round_step(span: f64, ticks: usize) -> f64 {
+    let rough = span / ticks.max(1) as f64;
+    let power = 10_f64.powf(rough.log10().floor());
+    let factor = match rough / power {
+        share if share < 1.5 => 1.0,
+        share if share < 3.5 => 2.0,
+        share if share < 7.5 => 5.0,
+        _ => 10.0,
+    };
+    factor * power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scale_is_round_and_holds_the_values() {
+        let scale = Scale::around([4.35, 6.85].into_iter(), 5);
+        assert_eq!(scale, Scale::even(4.0, 7.0, 0.5));
+        assert_eq!(scale.decimals(), 1);
+        assert_eq!(scale.ticks().len(), 7);
+    }
+
+    #[test]
+    fn scale_starts_at_zero_when_that_is_near() {
+        assert!(Scale::around([0.001, 0.02].into_iter(), 5).min.abs() <= 0.0, "from zero");
+        assert!(Scale::around([4.0, 5.0].into_iter(), 5).min > 3.0, "zero is far");
+    }
+
+    #[test]
+    fn scale_survives_bad_values() {
+        for values in [vec![], vec![f64::NAN], vec![3.0], vec![0.0], vec![f64::INFINITY, 2.0]] {
+            let scale = Scale::around(values.iter().copied(), 5);
+            assert!(scale.min < scale.max && scale.step > 0.0, "{values:?}: {scale:?}");
+            assert!(scale.ticks().len() >= 2, "{values:?}: {scale:?}");
+        }
+    }
+
+    #[test]
+    fn ticks_that_would_be_long_have_a_power_of_ten() {
+        let texts = |scale: Scale| scale.ticks().into_iter().map(|tick| scale.text(tick)).collect::<Vec<_>>();
+        assert_eq!(texts(Scale::even(0.0, 3e-7, 1e-7)), ["0e0", "1e\u{2212}7", "2e\u{2212}7", "3e\u{2212}7"]);
+        assert_eq!(texts(Scale::even(1e6, 2e6, 5e5)), ["1e6", "1.5e6", "2e6"]);
+        assert_eq!(texts(Scale::even(-0.5, 0.5, 0.5)), ["\u{2212}0.5", "0.0", "0.5"]);
+    }
+}
