@@ -1,6 +1,6 @@
 //! Claims about designs, their evaluation and their search.
 
-#![expect(clippy::unwrap_used, clippy::missing_assert_message, reason = "the helpers of tests fail like tests")]
+#![expect(clippy::unwrap_used, reason = "the helpers of tests fail like tests")]
 
 mod design;
 mod evaluate;
