@@ -15,9 +15,9 @@ use water_channel::{FlightLog, fly_logged};
 use file::Setup;
 use panels::PanelFlights;
 
+use crate::bat::{MODEL, STAND_IN};
 use crate::handover::Handover;
 use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
-use crate::study::{MODEL, STAND_IN};
 use page::{Column, Table, write_columns_csv};
 
 /// The study, and the committed copy of its results.

@@ -126,7 +126,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::study::{MODEL, STAND_IN};
+    use crate::bat::{MODEL, STAND_IN};
 
     fn setup() -> Setup {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

@@ -3,12 +3,12 @@
 use infuse::{CodesignReport, gradient};
 use water_channel::Provenance;
 
-use super::file::Published;
+use super::file::Table3Row;
 use super::pictures::Material;
 use super::results::{ERRORS, Rows, fall_pct, falls_pct};
+use crate::bat::{MODEL, STAND_IN};
 use crate::claims::{Claim, Place, Verdict};
 use crate::reproduction::Picture;
-use crate::study::{MODEL, STAND_IN};
 use page::Summary;
 use page::{Column, Table};
 
@@ -38,7 +38,7 @@ impl Findings<'_> {
         &self.material.rows[0]
     }
 
-    pub(super) fn published(&self) -> &[Published] {
+    pub(super) fn published(&self) -> &[Table3Row] {
         &self.material.setup.file.published
     }
 
@@ -49,7 +49,7 @@ impl Findings<'_> {
 
     /// What was fitted, and how well the fit is met in this run.
     pub(super) fn calibration_table(&self) -> Table {
-        let study = &self.material.setup.study;
+        let study = &self.material.setup.bat;
         let (first, last) = (self.published()[0], self.published()[self.published().len() - 1]);
         let start = self.printed().first();
         let cost = |point: [f64; 2], fidelity| match study.cost(&point, fidelity) {
@@ -287,7 +287,7 @@ impl Findings<'_> {
 
     /// How many numbers were fitted, and to how many.
     pub(super) fn identifiability(&self) -> String {
-        let records = &self.material.setup.study.records;
+        let records = &self.material.setup.bat.records;
         let fitted = records.iter().filter(|record| record.provenance == Provenance::Calibrated).count();
         format!(
             "Identifiability is poor: {fitted} calibrated numbers stand against the {} published ones of this table and a \

@@ -21,9 +21,9 @@ use lattice::Lattice;
 use pictures::Material;
 use results::{Digits, Rows};
 
+use crate::bat::{MODEL, STAND_IN};
 use crate::handover::Handover;
 use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
-use crate::study::{MODEL, STAND_IN};
 use page::{Column, write_columns_csv};
 
 /// Points at which interpolation is held against a flight of its own.
@@ -49,7 +49,7 @@ fn reproduce(root: &Path) -> Result<()> {
     let iterations = setup.loop_settings(&setup.file.variant[0]).max_iterations * setup.file.variant.len();
     let bar = progress("2/4 loops without noise: iterations", iterations);
     let campaigns = loops::direct(&setup, || bar.inc(1))?;
-    let best = loops::optimum(&setup, |point| setup.study.cost(point, STAND_IN))?;
+    let best = loops::optimum(&setup, |point| setup.bat.cost(point, STAND_IN))?;
     bar.finish();
 
     let noisy = setup.file.variant.iter().filter(|variant| variant.with_noise).count();
@@ -107,7 +107,7 @@ fn interpolation_error(setup: &Setup, model: &Lattice) -> Result<f64> {
             vec![at(0, share), at(1, other)]
         })
         .collect();
-    let flown = setup.study.costs(&points, MODEL, |_| {});
+    let flown = setup.bat.costs(&points, MODEL, |_| {});
     let mut largest = 0.0_f64;
     for (point, cost) in points.iter().zip(flown) {
         if let (Ok(cost), Ok(guess)) = (cost, interpolant(point)) {

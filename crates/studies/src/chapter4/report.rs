@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::findings::{Findings, change_words};
 use super::results::{Digits, cost_table, falls_pct, flight_table, seed_table, side_by_side, variant_table};
+use crate::bat::{MODEL, STAND_IN};
 use crate::provenance::provenance_table;
-use crate::study::{MODEL, STAND_IN};
 use page::Page;
 use page::Summary;
 
@@ -106,7 +106,7 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
          experiments ({}) are ours. Simulations carry no noise: the seeds share {} remembered flights of the model and \
          interpolate between them (cubic); against {} flights of their own the largest error is {:.1e} of the cost. \
          Experiments are always flown.",
-        100.0 * setup.file.noise.relative_bound,
+        100.0 * setup.file.noise.share,
         setup.file.noise.first_seed,
         setup.file.noise.first_seed + setup.file.noise.seeds - 1,
         setup.experiment_steps(),
@@ -119,15 +119,15 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
     page.table(&findings.step_table, &step_caption(findings));
     page.heading("Every number");
     page.table(
-        &provenance_table(&setup.study.records),
+        &provenance_table(&setup.bat.records),
         "Plant, controller, test and cost: value, unit and where each comes from.",
     );
     page.paragraph(&format!(
         "Made by `cargo xtask reproduce-chapter4` in {:.0} s with {} flights of the model and {} of the stand-in, each \
          300 s long.",
         findings.seconds,
-        setup.study.flown(MODEL),
-        setup.study.flown(STAND_IN)
+        setup.bat.n_known(MODEL),
+        setup.bat.n_known(STAND_IN)
     ));
     page
 }
@@ -221,7 +221,7 @@ pub(crate) fn print(findings: &Findings<'_>, out: &Path) {
     println!(
         "\nWith noise of up to ±{} % on every measured cost, drawn {} times anew; R is how much of the measured slope the \
          loop takes over:",
-        100.0 * findings.material.setup.file.noise.relative_bound,
+        100.0 * findings.material.setup.file.noise.share,
         findings.material.setup.file.noise.seeds
     );
     for seeded in findings.material.seeded {

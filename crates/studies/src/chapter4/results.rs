@@ -6,7 +6,7 @@ use water_channel::{CostBreakdown, Flight, FlightLog, LogRow, TERM_NAMES, closed
 
 use super::file::Setup;
 use super::loops::{Campaign, Seeded};
-use crate::study::STAND_IN;
+use crate::bat::STAND_IN;
 use page::Summary;
 use page::{Column, Table};
 
@@ -41,8 +41,8 @@ const LATERAL: [&str; 4] = ["azimuth", "twist", "azimuth_rate", "twist_rate"];
 impl YawMode {
     /// The least damped oscillation in which the lateral states have more than half of the shares.
     fn of(setup: &Setup, point: &[f64]) -> Result<Option<Self>> {
-        let flow = setup.study.profile().flow().at(0.0);
-        let closed = closed_loop_modes(&setup.study.request(point, STAND_IN), &flow)?;
+        let flow = setup.bat.profile().flow().at(0.0);
+        let closed = closed_loop_modes(&setup.bat.request(point, STAND_IN), &flow)?;
         let lateral = closed.modes.iter().filter(|m| m.share_of(&LATERAL).is_some_and(|share| share > 0.5));
         let oscillating = lateral.map(|m| &m.mode).filter(|mode| mode.eigenvalue.im > 0.0);
         let least = oscillating.min_by(|a, b| a.damping_ratio().total_cmp(&b.damping_ratio()));
@@ -56,7 +56,7 @@ impl Row {
         let numerical = &report.numerical;
         let point = [numerical.point[0], numerical.point[1]];
         let (flight, log) = setup
-            .study
+            .bat
             .logged(&point, STAND_IN, LOG_EVERY)
             .with_context(|| format!("the design of iteration {}", report.iteration))?;
         Ok(Self {
@@ -64,7 +64,7 @@ impl Row {
             point,
             model_cost: numerical.model_cost,
             corrected_cost: numerical.corrected_cost,
-            experiment: setup.study.breakdown(&point, &flight),
+            experiment: setup.bat.breakdown(&point, &flight),
             flight,
             log,
             n_experiments: report.trials.len(),
@@ -216,7 +216,7 @@ pub(crate) fn iteration_table(setup: &Setup, rows: &Rows, digits: Digits) -> Tab
     let published = &setup.file.published;
     for k in 0..rows.rows.len().max(published.len()) {
         let (theirs, ours) = (published.get(k), rows.rows.get(k));
-        let their = |f: &dyn Fn(&super::file::Published) -> f64, few| digits.show(theirs.map_or(f64::NAN, f), few);
+        let their = |f: &dyn Fn(&super::file::Table3Row) -> f64, few| digits.show(theirs.map_or(f64::NAN, f), few);
         let our = |f: &dyn Fn(&Row) -> f64, few| digits.show(ours.map_or(f64::NAN, f), few);
         table.push(vec![
             (k + 1).to_string(),
@@ -328,7 +328,7 @@ pub(crate) const READINGS: [(&str, &str, Reading); 4] = [
     ("Pitch set point", "deg", |_, report| report.numerical.point[1]),
     ("Corrected numerical cost", "s", |_, report| report.numerical.corrected_cost),
     ("Experimental cost, noise-free", "s", |setup, report| {
-        setup.study.cost(&report.numerical.point, STAND_IN).unwrap_or(f64::NAN)
+        setup.bat.cost(&report.numerical.point, STAND_IN).unwrap_or(f64::NAN)
     }),
 ];
 

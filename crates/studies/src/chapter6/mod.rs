@@ -11,13 +11,14 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result};
 use infuse::global;
+use rayon::prelude::*;
 
 use file::{Case, Setup};
 
-use crate::gridded::{Accuracy, Campaigns, FlightStore, FlownGrid, SurrogateRig};
+use crate::bat::MODEL;
+use crate::gridded::{Accuracy, Designs, FlownGrid, SurrogateRig};
 use crate::handover::Handover;
-use crate::reproduction::{self, Extent, Reproduction, Run, progress};
-use crate::study::MODEL;
+use crate::reproduction::{self, DESIGNS, Extent, FLIGHTS, Reproduction, Run, progress};
 
 /// The study, and the committed copy of its results.
 pub(crate) const CHAPTER: Reproduction =
@@ -56,22 +57,24 @@ fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter6.toml"), extent)?;
     let out = CHAPTER.prepare(root, extent)?;
-    let store = FlightStore::new(root.join("target/reproduction/flights"));
-    let campaigns = Campaigns::new(root.join("target/reproduction/campaigns"));
+    for space in &setup.spaces {
+        space.bat.keep_in(&root.join(FLIGHTS), space.space.region(), &setup.fidelities())?;
+    }
+    let designs = Designs::keep_in(&root.join(DESIGNS))?;
     eprintln!("{}: the experiments are flights of a surrogate model with noise.", setup.file.title);
 
     let n_flights: usize = setup.spaces.iter().map(|space| space.space.n_cells() * (1 + setup.n_truths())).sum();
     if extent == Extent::Full {
-        eprintln!("--full: {}", estimate(&setup, &store)?);
+        eprintln!("--full: {}", estimate(&setup)?);
     }
     let bar = progress("1/3 true costs: flights of model and surrogates", n_flights);
-    let flown = fly(&setup, &store, |n| bar.inc(n as u64))?;
+    let flown = fly(&setup, |n| bar.inc(n as u64))?;
     bar.finish();
 
     let cases = setup.cases();
     let bar = progress("2/3 campaigns: iterations", cases.len() * setup.file.iterations.iterations);
-    let run = |case: &Case| run(&setup, &flown, &campaigns, *case, |n| bar.inc(n as u64));
-    let ended = cases.iter().map(run).collect::<Result<Vec<_>>>()?;
+    let study = Campaigns { setup: &setup, flown: &flown, designs: &designs };
+    let ended = study.run(&cases, |n| bar.inc(n as u64))?;
     bar.finish();
 
     let bar = progress("3/3 designs of the figures, pictures", 2);
@@ -94,17 +97,17 @@ fn reproduce(root: &Path, extent: Extent) -> Result<()> {
 }
 
 /// How long the flights will take, by the pace of a few.
-fn estimate(setup: &Setup, store: &FlightStore) -> Result<String> {
+fn estimate(setup: &Setup) -> Result<String> {
     const TIMED: usize = 64;
     let (mut missing, mut seconds) = (0, 0.0);
     for space in &setup.spaces {
-        let truths = (0..setup.n_truths()).map(|truth| setup.truth(truth).fidelity());
-        for fidelity in std::iter::once(MODEL).chain(truths) {
-            missing += store.n_missing(&space.study, &space.space, fidelity)?;
+        let points = space.space.points()?;
+        for fidelity in setup.fidelities() {
+            missing += space.bat.n_missing(&points, fidelity);
         }
         let cells = (0..TIMED).map(|k| space.space.point(k * (space.space.n_cells() - 1) / TIMED));
         let started = Instant::now();
-        space.study.flown_costs(&cells.collect::<Result<Vec<_>>>()?, MODEL, |_| {});
+        space.bat.flown_costs(&cells.collect::<Result<Vec<_>>>()?, MODEL, |_| {});
         seconds = started.elapsed().as_secs_f64() / TIMED as f64;
     }
     Ok(format!(
@@ -114,22 +117,44 @@ fn estimate(setup: &Setup, store: &FlightStore) -> Result<String> {
     ))
 }
 
-fn fly(setup: &Setup, store: &FlightStore, landed: impl Fn(usize) + Sync) -> Result<Vec<Flown>> {
+fn fly(setup: &Setup, done: impl Fn(usize) + Sync) -> Result<Vec<Flown>> {
     let each = setup.spaces.iter().map(|space| {
-        let fly = |fidelity| store.fly(&space.study, &space.space, fidelity, &landed);
+        let fly = |fidelity| FlownGrid::fly(&space.bat, &space.space, fidelity, &done);
         let truths = (0..setup.n_truths()).map(|truth| fly(setup.truth(truth).fidelity()));
         Ok(Flown { model: fly(MODEL)?, truths: truths.collect::<Result<_>>()? })
     });
     each.collect()
 }
 
-fn run(setup: &Setup, flown: &[Flown], campaigns: &Campaigns, case: Case, iterated: impl Fn(usize)) -> Result<Ended> {
-    let (space, flown) = (&setup.spaces[case.space].space, &flown[case.space]);
-    let (model, truth) = (&flown.model, &flown.truths[case.truth]);
-    let rig = SurrogateRig { space, model, truth, noise: case.noise, seed: setup.file.noise.seed };
-    let campaign = campaigns.run(&rig, &setup.settings(case)?, iterated).with_context(|| setup.words(case))?;
-    let accuracy = Accuracy::of(&campaign, space, model, truth)?;
-    Ok(Ended { case, campaign, accuracy })
+/// What the campaigns of the study are made from.
+struct Campaigns<'a> {
+    setup: &'a Setup,
+    flown: &'a [Flown],
+    designs: &'a Designs,
+}
+
+impl Campaigns<'_> {
+    /// Runs them side by side, in their order.
+    fn run(&self, cases: &[Case], iterated: impl Fn(usize) + Sync) -> Result<Vec<Ended>> {
+        for case in cases {
+            self.rig(*case).prepare(&self.setup.settings(*case)?, self.designs)?;
+        }
+        cases.par_iter().map(|case| self.run_one(*case, &iterated).with_context(|| self.setup.words(*case))).collect()
+    }
+
+    fn rig(&self, case: Case) -> SurrogateRig<'_> {
+        let (space, flown) = (&self.setup.spaces[case.space].space, &self.flown[case.space]);
+        let (model, truth) = (&flown.model, &flown.truths[case.truth]);
+        SurrogateRig { space, model, truth, noise: case.noise, seed: self.setup.file.noise.seed }
+    }
+
+    fn run_one(&self, case: Case, iterated: impl Fn(usize)) -> Result<Ended> {
+        let campaign = self.rig(case).run(&self.setup.settings(case)?, self.designs, iterated)?;
+        let flown = &self.flown[case.space];
+        let space = &self.setup.spaces[case.space].space;
+        let accuracy = Accuracy::of(&campaign, space, &flown.model, &flown.truths[case.truth])?;
+        Ok(Ended { case, campaign, accuracy })
+    }
 }
 
 impl Findings {

@@ -228,7 +228,7 @@ fn flights(findings: &Findings, ended: &Ended) -> Result<Picture> {
     let (first, last) = (reports.first().context("an iteration")?, reports.last().context("an iteration")?);
     let mut panels = [("heading", Vec::new()), ("zenith angle", Vec::new())];
     for (when, report) in [("first", first), ("last", last)] {
-        let (_, log) = space.study.logged(&report.screening.optimum, truth.fidelity(), LOG_EVERY)?;
+        let (_, log) = space.bat.logged(&report.screening.optimum, truth.fidelity(), LOG_EVERY)?;
         let t: Vec<f64> = log.rows.iter().map(|row| row.time_s).collect();
         let label = format!("{when} optimum: {}", findings.point_words(ended.case.space, &report.screening.optimum));
         let heading: Vec<f64> = log.rows.iter().map(|row| row.heading_rad.to_degrees()).collect();
@@ -239,7 +239,7 @@ fn flights(findings: &Findings, ended: &Ended) -> Result<Picture> {
     let label = &space.entry.label;
     let figure = LineFigure {
         title: format!("{label}: the optima of the first and the last iteration, {}", truth.label),
-        x_axis: Axis::new("time", "s").with_range(0.0, space.study.profile().duration_s()),
+        x_axis: Axis::new("time", "s").with_range(0.0, space.bat.profile().duration_s()),
         panels: panels
             .into_iter()
             .map(|(name, series)| Panel { x_axis: None, y_axis: Axis::new(name, "deg"), series })

@@ -137,7 +137,7 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.table(&tables::fields(findings)?, FIELD_CAPTION);
     page.heading("Every number");
     page.table(
-        &provenance_table(&findings.setup.spaces[0].study.records),
+        &provenance_table(&findings.setup.spaces[0].bat.records),
         "Plant, controller, test and cost: value, unit and where each comes from.",
     );
     page.paragraph(&format!("Made by `cargo xtask {}` in {:.0} s.", super::CHAPTER.command, findings.seconds));

@@ -190,7 +190,7 @@ pub(crate) fn before_after(findings: &Findings) -> Result<Vec<BeforeAfter>> {
             let reports = ended.campaign.reports();
             let fly = |report: Option<&infuse::global::Report>| -> Result<Flown> {
                 let point = report.context("no iteration was made")?.screening.optimum.clone();
-                let study = &findings.setup.spaces[space].study;
+                let study = &findings.setup.spaces[space].bat;
                 let (flight, log) = study.logged(&point, findings.setup.truth(truth).fidelity(), 4)?;
                 let n = log.rows.len() as f64;
                 let mean = |f: &dyn Fn(&water_channel::LogRow) -> f64| log.rows.iter().map(f).sum::<f64>() / n;

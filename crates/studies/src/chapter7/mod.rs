@@ -16,6 +16,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
+use indicatif::ProgressBar;
 use infuse::global;
 use rayon::prelude::*;
 
@@ -25,26 +26,21 @@ use flights::{BeforeAfter, Flown};
 use optima::Optimum;
 use wrong::Choice;
 
-use crate::gridded::{Campaigns, CellCosts, FlightStore, FlownGrid, OnDemand, Space, SurrogateRig};
+use crate::bat::{MODEL, STAND_IN};
+use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space, SurrogateRig};
 use crate::handover::Handover;
-use crate::reproduction::{self, Extent, Reproduction, Run, progress};
-use crate::study::{MODEL, STAND_IN};
+use crate::reproduction::{self, DESIGNS, Extent, FLIGHTS, Reproduction, Run, progress};
 
 /// The study, and the committed copy of its results.
 pub(crate) const CHAPTER: Reproduction =
     Reproduction { command: "reproduce-chapter7", name: "chapter7", run: Run::Always(reproduce) };
 
-/// The grid that is flown in whole.
-#[derive(Debug)]
-struct Ground {
-    model: FlownGrid,
-    truth: FlownGrid,
-}
-
 /// Everything that was found in one of the two studies.
 #[derive(Debug)]
 struct Found {
-    ground: Ground,
+    /// Costs over the grid that is flown in whole.
+    model: FlownGrid,
+    truth: FlownGrid,
     /// The optimum of the numerical model: row 0.
     numerical: Optimum,
     /// What the numerical optimum truly costs.
@@ -76,7 +72,7 @@ struct Findings {
 impl Findings {
     /// The largest error of an experiment in a study, in s.
     fn noise_s(&self, found: &Found) -> f64 {
-        self.setup.file.noise.share * found.ground.truth.range()
+        self.setup.file.noise.share * found.truth.range()
     }
 
     fn cases(&self) -> impl Iterator<Item = (&Case, &Found)> {
@@ -88,63 +84,19 @@ fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter7.toml"))?;
     let out = CHAPTER.prepare(root, Extent::Default)?;
-    let store = FlightStore::new(root.join("target/reproduction/flights"));
-    let campaigns = Campaigns::new(root.join("target/reproduction/campaigns"));
+    for case in &setup.cases {
+        case.bat.keep_in(&root.join(FLIGHTS), case.space.region(), &[MODEL, STAND_IN])?;
+    }
+    let designs = Designs::keep_in(&root.join(DESIGNS))?;
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
 
-    let bar = progress("1/5 flights of model and stand-in over whole grids", setup.cases.iter().map(n_flights).sum());
-    let grounds = setup.cases.iter().map(|case| {
-        let fly = |fidelity| store.fly(&case.study, &case.flown, fidelity, |n| bar.inc(n as u64));
-        Ok(Ground { model: fly(MODEL)?, truth: fly(STAND_IN)? })
+    let found = setup.cases.iter().map(|case| {
+        let study = CaseStudy { setup: &setup, case, designs: &designs };
+        study.run().with_context(|| case.entry.label.clone())
     });
-    let grounds = grounds.collect::<Result<Vec<_>>>()?;
-    bar.finish();
-
-    let bar = progress("2/5 optima of model and stand-in themselves", setup.cases.len());
-    let optima = setup.cases.iter().zip(&grounds).map(|(case, ground)| {
-        let (model, truth) =
-            rayon::join(|| Optimum::of(case, &ground.model, MODEL), || Optimum::of(case, &ground.truth, STAND_IN));
-        bar.inc(1);
-        Ok((model?, truth?))
-    });
-    let optima = optima.collect::<Result<Vec<_>>>()?;
-    bar.finish();
-
-    let bar = progress("3/5 campaigns: iterations", setup.cases.iter().map(|case| n_iterations(&setup, case)).sum());
-    let runs = setup
-        .cases
-        .iter()
-        .zip(&grounds)
-        .map(|(case, ground)| run(&setup, case, ground, &store, &campaigns, |n| bar.inc(n as u64)));
-    let runs = runs.collect::<Result<Vec<_>>>()?;
-    bar.finish();
-
-    let seeds = setup.file.noise.numbers(setup.file.noise.seeds);
-    let bar = progress("4/5 wrong choices: campaigns", setup.cases.len() * wrong::N_CHOICES * seeds.len());
-    let choices = setup.cases.iter().zip(&grounds).map(|(case, ground)| {
-        let rig = rig(&setup, &case.flown, &ground.model, &ground.truth);
-        let base = setup.settings(case, &setup.file.variant[0])?;
-        wrong::choices(&rig, [&ground.model, &ground.truth], &base, &seeds, &campaigns, || bar.inc(1))
-            .with_context(|| case.entry.label.clone())
-    });
-    let choices = choices.collect::<Result<Vec<_>>>()?;
-    bar.finish();
-
-    let bar = progress("5/5 designs of the figures, pictures", setup.cases.len() + 1);
-    let mut found = Vec::new();
-    for ((((case, ground), (numerical, best)), runs), choices) in
-        setup.cases.iter().zip(grounds).zip(optima).zip(runs).zip(choices)
-    {
-        let flights = fly_before_after(case, &numerical, &runs[0])?;
-        let numerical_true_cost = case.study.cost(&numerical.point, STAND_IN).unwrap_or(f64::NAN);
-        let best = best_known(best, &runs);
-        found.push(Found { ground, numerical, numerical_true_cost, best, runs, choices, flights });
-        bar.inc(1);
-    }
+    let found = found.collect::<Result<_>>()?;
     let mut findings = Findings { setup, found, seconds: 0.0 };
     let pictures = pictures::all(&findings)?;
-    bar.inc(1);
-    bar.finish();
 
     findings.seconds = started.elapsed().as_secs_f64();
     let claims = claims::all(&findings);
@@ -157,43 +109,78 @@ fn reproduce(root: &Path) -> Result<()> {
     Ok(())
 }
 
-fn n_flights(case: &Case) -> usize {
-    2 * case.flown.n_cells()
+/// What one of the two studies is made from.
+struct CaseStudy<'a> {
+    setup: &'a Setup,
+    case: &'a Case,
+    designs: &'a Designs,
 }
 
-fn n_iterations(setup: &Setup, case: &Case) -> usize {
-    setup.file.variant.iter().map(|variant| case.entry.iterations * (1 + variant.seeds as usize)).sum()
-}
+impl CaseStudy<'_> {
+    fn run(&self) -> Result<Found> {
+        let bar = self.bar("1/5 flights of model and stand-in", 2 * self.case.flown.n_cells());
+        let fly = |fidelity| FlownGrid::fly(&self.case.bat, &self.case.flown, fidelity, |n| bar.inc(n as u64));
+        let (model, truth) = (fly(MODEL)?, fly(STAND_IN)?);
+        bar.finish();
 
-fn rig<'a>(setup: &Setup, space: &'a Space, model: &'a dyn CellCosts, truth: &'a dyn CellCosts) -> SurrogateRig<'a> {
-    SurrogateRig { space, model, truth, noise: setup.file.noise.share, seed: setup.file.noise.first_seed }
-}
+        let bar = self.bar("2/5 optima of model and stand-in", 1);
+        let (numerical, best) =
+            rayon::join(|| Optimum::of(self.case, &model, MODEL), || Optimum::of(self.case, &truth, STAND_IN));
+        let (numerical, best) = (numerical?, best?);
+        bar.finish();
 
-/// The campaigns of every variant: on the grid that is flown, or with flights on demand where it has too many cells.
-fn run(
-    setup: &Setup,
-    case: &Case,
-    ground: &Ground,
-    store: &FlightStore,
-    campaigns: &Campaigns,
-    iterated: impl Fn(usize) + Sync,
-) -> Result<Vec<Runs>> {
-    let runs = |rig: &SurrogateRig<'_>| {
-        let each = setup.file.variant.iter().map(|variant| {
-            let seeds = setup.file.noise.numbers(variant.seeds);
-            Runs::of(&variant.label, rig, &setup.settings(case, variant)?, &seeds, campaigns, &iterated)
-                .with_context(|| format!("{}, {}", case.entry.label, variant.label))
-        });
-        each.collect()
-    };
-    if case.is_flown_whole() {
-        return runs(&rig(setup, &case.space, &ground.model, &ground.truth));
+        let runs = self.runs(&model, &truth)?;
+        let choices = self.choices(&model, &truth)?;
+
+        let bar = self.bar("5/5 designs of the figures", 1);
+        let flights = fly_before_after(self.case, &numerical, &runs[0])?;
+        let numerical_true_cost = self.case.bat.cost(&numerical.point, STAND_IN).unwrap_or(f64::NAN);
+        let best = best_known(best, &runs);
+        bar.finish();
+        Ok(Found { model, truth, numerical, numerical_true_cost, best, runs, choices, flights })
     }
-    let demand = |fidelity, grid: &FlownGrid| -> Result<OnDemand<'_>> {
-        store.on_demand(&case.study, &case.space, fidelity, grid.range())
-    };
-    let (model, truth) = (demand(MODEL, &ground.model)?, demand(STAND_IN, &ground.truth)?);
-    runs(&rig(setup, &case.space, &model, &truth))
+
+    fn bar(&self, what: &str, length: usize) -> ProgressBar {
+        progress(&format!("{}: {what}", self.case.entry.label), length)
+    }
+
+    fn rig<'a>(&self, space: &'a Space, [model, truth]: [&'a dyn CellCosts; 2]) -> SurrogateRig<'a> {
+        let noise = &self.setup.file.noise;
+        SurrogateRig { space, model, truth, noise: noise.share, seed: noise.first_seed }
+    }
+
+    /// The campaigns of every variant: on the grid that is flown, or with flights on demand where it has too many cells.
+    fn runs(&self, model: &FlownGrid, truth: &FlownGrid) -> Result<Vec<Runs>> {
+        let Self { setup, case, designs } = self;
+        let variants = &setup.file.variant;
+        let n_campaigns: usize = variants.iter().map(|variant| 1 + variant.seeds as usize).sum();
+        let bar = self.bar("3/5 campaigns: iterations", case.entry.iterations * n_campaigns);
+        let demand =
+            |fidelity, grid: &FlownGrid| OnDemand { bat: &case.bat, space: &case.space, fidelity, range: grid.range() };
+        let (model_on_demand, truth_on_demand) = (demand(MODEL, model), demand(STAND_IN, truth));
+        let costs: [&dyn CellCosts; 2] =
+            if case.is_flown_whole() { [model, truth] } else { [&model_on_demand, &truth_on_demand] };
+        let rig = self.rig(&case.space, costs);
+        let runs = variants.iter().map(|variant| {
+            let seeds = setup.file.noise.numbers(variant.seeds);
+            let settings = setup.settings(case, variant)?;
+            Runs::of(&variant.label, &rig, &settings, &seeds, designs, |n| bar.inc(n as u64))
+                .with_context(|| variant.label.clone())
+        });
+        let runs = runs.collect();
+        bar.finish();
+        runs
+    }
+
+    fn choices(&self, model: &FlownGrid, truth: &FlownGrid) -> Result<Vec<Choice>> {
+        let seeds = self.setup.file.noise.numbers(self.setup.file.noise.seeds);
+        let bar = self.bar("4/5 wrong choices: campaigns", wrong::N_CHOICES * seeds.len());
+        let rig = self.rig(&self.case.flown, [model, truth]);
+        let base = self.setup.settings(self.case, &self.setup.file.variant[0])?;
+        let choices = wrong::choices(&rig, [model, truth], &base, &seeds, self.designs, || bar.inc(1));
+        bar.finish();
+        choices
+    }
 }
 
 /// The best design of the stand-in: that of the search, unless a campaign came upon a better one.

@@ -70,7 +70,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
     for (report, surfaces) in campaign.reports().iter().zip(campaign.surfaces()) {
         let retained = campaign.retained_at(report.iteration).context("a closed iteration")?;
         let share = shares(campaign, report.iteration).unwrap_or(f64::NAN);
-        let truth = |cell| Ok(found.ground.truth.cost(cell).clone().unwrap_or(f64::NAN));
+        let truth = |cell| Ok(found.truth.cost(cell).clone().unwrap_or(f64::NAN));
         let combined =
             |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&region.coded(&space.point(cell)?)?)) };
         let (x, y) = (report.screening.optimum[0], report.screening.optimum[1]);
@@ -136,7 +136,7 @@ fn flights(case: &Case, found: &Found, figure: &FlightFigure) -> Picture {
     let names: Vec<&str> = figure.quantities.iter().map(|quantity| quantity.name).collect();
     let drawn = LineFigure {
         title: format!("{}: {} in the stand-in", case.entry.label, names.join(", ")),
-        x_axis: Axis::new("time", "s").with_range(0.0, case.study.profile().duration_s()),
+        x_axis: Axis::new("time", "s").with_range(0.0, case.bat.profile().duration_s()),
         panels,
         shaded: None,
     };

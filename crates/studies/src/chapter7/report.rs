@@ -96,7 +96,7 @@ fn spread_words(found: &Found) -> String {
          only where the surface is {factor:.2} S above its optimum, so a regressor that does not follow the stand-in keeps the space large; the \
          range of the true cost is {:.2} s.",
         found.runs.iter().map(of).collect::<Vec<_>>().join("; "),
-        found.ground.truth.range()
+        found.truth.range()
     )
 }
 
@@ -219,7 +219,7 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.heading("Every number");
     if let Some(case) = findings.setup.cases.first() {
         page.table(
-            &provenance_table(&case.study.records),
+            &provenance_table(&case.bat.records),
             "Plant, controller, test and cost: value, unit and where each comes from.",
         );
     }
