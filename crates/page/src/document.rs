@@ -1,14 +1,21 @@
 //! One HTML document that stands alone: text, tables and figures, no script and nothing from elsewhere.
 
-use std::fmt::Write as _;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::Table;
+use crate::figures::{Chart, Key, legend_markup};
+use crate::text::{escaped, marked_up};
+use crate::{Finding, Table};
 
 /// A page under construction, from top to bottom.
+///
+/// In every text, what stands between two backticks is code; all else is shown as it is.
 #[derive(Clone, Debug)]
 pub struct Page {
     title: String,
+    /// What stands below the title and the contents.
     body: String,
+    /// Anchor and heading of each section.
+    contents: Vec<(String, String)>,
     figures: usize,
 }
 
@@ -17,171 +24,195 @@ pub struct Page {
 pub struct Link {
     /// Relative to this page, so that the folder may be moved; none where there is nothing yet.
     pub to: Option<String>,
+    /// What is linked.
     pub text: String,
     /// What follows the link.
     pub about: String,
 }
 
 impl Page {
+    /// A page with nothing but its title.
     pub fn new(title: &str) -> Self {
-        let body = format!("<h1>{}</h1>\n", marked_up(title));
-        Self { title: title.to_owned(), body, figures: 0 }
+        Self { title: title.to_owned(), body: String::new(), contents: Vec::new(), figures: 0 }
     }
 
+    /// A heading.
     pub fn heading(&mut self, text: &str) {
-        self.push(&format!("<h2>{}</h2>\n", marked_up(text)));
+        self.push(&html! { h2 { (marked_up(text)) } });
     }
 
+    /// A heading that the contents at the beginning of the page lead to; no other section has this anchor, a word.
+    pub fn section(&mut self, anchor: &str, heading: &str) {
+        self.contents.push((anchor.to_owned(), heading.to_owned()));
+        self.push(&html! { h2 id=(escaped(anchor)) { (marked_up(heading)) } });
+    }
+
+    /// A heading within a section.
+    pub fn subheading(&mut self, text: &str) {
+        self.push(&html! { h3 { (marked_up(text)) } });
+    }
+
+    /// A paragraph.
     pub fn paragraph(&mut self, text: &str) {
-        self.push(&format!("<p>{}</p>\n", marked_up(text)));
+        self.push(&html! { p { (marked_up(text)) } });
     }
 
     /// A paragraph set off from the others: what a reader should know before the rest.
     pub fn note(&mut self, text: &str) {
-        self.push(&format!("<p class=\"note\">{}</p>\n", marked_up(text)));
+        self.push(&html! { p class="note" { (marked_up(text)) } });
     }
 
+    /// Items with a dot each.
     pub fn list(&mut self, items: &[String]) {
-        let items: String = items.iter().map(|item| format!("<li>{}</li>\n", marked_up(item))).collect();
-        self.push(&format!("<ul>\n{items}</ul>\n"));
+        self.push(&html! { ul { @for item in items { li { (marked_up(item)) } } } });
+    }
+
+    /// A sentence, and a list of what belongs to it.
+    pub fn finding(&mut self, finding: &Finding) {
+        self.push(&finding_markup(finding));
+    }
+
+    /// Findings set off from the rest: what a reader should know first.
+    pub fn key_findings(&mut self, findings: &[Finding]) {
+        self.push(&html! { div class="note" { @for finding in findings { (finding_markup(finding)) } } });
     }
 
     /// A list of other pages.
     pub fn links(&mut self, links: &[Link]) {
-        let item = |link: &Link| {
-            let text = marked_up(&link.text);
-            let linked = link.to.as_ref().map(|to| format!("<a href=\"{}\">{text}</a>", escape(to)));
-            format!("<li>{}{}</li>\n", linked.unwrap_or(text), marked_up(&link.about))
-        };
-        let items: String = links.iter().map(item).collect();
-        self.push(&format!("<ul>\n{items}</ul>\n"));
+        self.push(&html! {
+            ul {
+                @for link in links {
+                    li {
+                        @if let Some(to) = &link.to {
+                            a href=(escaped(to)) { (marked_up(&link.text)) }
+                        } @else {
+                            (marked_up(&link.text))
+                        }
+                        (marked_up(&link.about))
+                    }
+                }
+            }
+        });
     }
 
     /// A figure in SVG with its caption. It has no number of its own: captions name figures of the dissertation, and two
     /// numbers would be one too many.
     pub fn figure(&mut self, svg: &str, caption: &str) {
         self.figures += 1;
-        let (spoken, caption) = (escape(&caption.replace('`', "")), marked_up(caption));
-        let svg = with_own_ids(svg, self.figures);
-        self.push(&format!(
-            "<figure role=\"img\" aria-label=\"{spoken}\">\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n"
-        ));
+        let svg = PreEscaped(with_own_ids(svg, self.figures));
+        self.push(&html! {
+            figure role="img" aria-label=(escaped(&caption.replace('`', ""))) {
+                (svg)
+                figcaption { (marked_up(caption)) }
+            }
+        });
+    }
+
+    /// Charts side by side, as many as fit, with a legend and a caption for all of them.
+    pub fn charts(&mut self, charts: &[Chart], legend: &[Key], caption: &str) {
+        self.push(&html! {
+            div class="charts" { @for chart in charts { (chart.markup()) } }
+            (legend_markup(legend))
+            p class="caption" { (marked_up(caption)) }
+        });
     }
 
     /// A table with its caption, without a number for the same reason. Columns without a unit are words, the others
     /// numbers.
     pub fn table(&mut self, table: &Table, caption: &str) {
-        self.table_as(table, caption, None);
+        self.push(&table_markup(table, caption, None));
     }
 
     /// A table of sentences as wide as the page, each column with its part of the width in per cent; every cell wraps.
     pub fn prose_table(&mut self, table: &Table, caption: &str, widths_pct: &[u32]) {
-        self.table_as(table, caption, Some(widths_pct));
-    }
-
-    fn table_as(&mut self, table: &Table, caption: &str, widths_pct: Option<&[u32]>) {
-        let class = if widths_pct.is_some() { " class=\"prose\"" } else { "" };
-        let columns: String =
-            widths_pct.into_iter().flatten().map(|width| format!("<col style=\"width:{width}%\">")).collect();
-        let mut html = format!(
-            "<div class=\"scroll\"><table{class}>\n<caption>{}</caption>\n{columns}<thead><tr>",
-            marked_up(caption)
-        );
-        let class = |unit: &str| if unit.is_empty() { "words" } else { "number" };
-        for column in &table.columns {
-            let unit = match column.unit.as_str() {
-                "" | "1" => String::new(),
-                unit => format!("<br><span>{}</span>", escape(unit)),
-            };
-            let _ = write!(html, "<th class=\"{}\">{}{unit}</th>", class(&column.unit), escape(&column.name));
-        }
-        html.push_str("</tr></thead>\n<tbody>\n");
-        for row in &table.rows {
-            html.push_str("<tr>");
-            for (cell, column) in row.iter().zip(&table.columns) {
-                let long = if cell.chars().count() > LONGEST_UNBROKEN { " long" } else { "" };
-                let _ = write!(html, "<td class=\"{}{long}\">{}</td>", class(&column.unit), marked_up(cell));
-            }
-            html.push_str("</tr>\n");
-        }
-        html.push_str("</tbody></table></div>\n");
-        self.push(&html);
+        self.push(&table_markup(table, caption, Some(widths_pct)));
     }
 
     /// The document.
     pub fn html(&self) -> String {
-        format!(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
-            escape(&self.title),
-            self.body
-        )
+        let document = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    title { (escaped(&self.title)) }
+                    style { (PreEscaped(include_str!("page.css"))) }
+                }
+                body {
+                    main {
+                        h1 { (marked_up(&self.title)) }
+                        @if !self.contents.is_empty() {
+                            nav { @for (anchor, heading) in &self.contents {
+                                a href={ "#" (escaped(anchor)) } { (marked_up(heading)) }
+                            } }
+                        }
+                        (PreEscaped(&self.body))
+                    }
+                }
+            }
+        };
+        document.into_string()
     }
 
-    fn push(&mut self, html: &str) {
-        self.body.push_str(html);
+    fn push(&mut self, markup: &Markup) {
+        self.body.push_str(&markup.0);
+        self.body.push('\n');
+    }
+}
+
+fn finding_markup(finding: &Finding) -> Markup {
+    html! {
+        p { (marked_up(finding.sentence())) }
+        @if !finding.details().is_empty() {
+            ul { @for detail in finding.details() { li { (detail_markup(detail)) } } }
+        }
+    }
+}
+
+fn detail_markup(finding: &Finding) -> Markup {
+    html! {
+        (marked_up(finding.sentence()))
+        @if !finding.details().is_empty() {
+            ul { @for detail in finding.details() { li { (detail_markup(detail)) } } }
+        }
     }
 }
 
 /// Cells up to this length stay on one line.
 const LONGEST_UNBROKEN: usize = 32;
 
-const STYLE: &str = "\
-body { margin: 0; background: #fff; color: #222; font: 16px/1.5 'DejaVu Sans', Verdana, Arial, sans-serif; }
-main { max-width: 960px; margin: 0 auto; padding: 24px 20px 64px; }
-h1 { font-size: 26px; line-height: 1.25; margin: 16px 0; }
-h2 { font-size: 20px; margin: 40px 0 8px; border-bottom: 1px solid #ccc; padding-bottom: 4px; }
-p, ul { max-width: 46em; margin: 12px 0; }
-.note { border-left: 4px solid #0072b2; background: #f3f7fa; padding: 8px 14px; }
-figure { margin: 24px 0; }
-figure svg { display: block; max-width: 100%; height: auto; }
-figcaption, caption { color: #444; font-size: 14px; text-align: left; padding: 6px 0; max-width: 62em; }
-.scroll { overflow-x: auto; margin: 20px 0; }
-table { border-collapse: collapse; font-size: 14px; }
-th, td { padding: 5px 9px; border-bottom: 1px solid #ddd; vertical-align: bottom; }
-thead th { border-bottom: 2px solid #222; }
-th span { font-weight: normal; color: #555; }
-.number { text-align: right; font-variant-numeric: tabular-nums; }
-td { white-space: nowrap; vertical-align: top; }
-.words { text-align: left; }
-.long, .prose td { white-space: normal; }
-.prose { table-layout: fixed; width: 100%; overflow-wrap: break-word; }
-code { font: 0.92em 'DejaVu Sans Mono', Menlo, Consolas, monospace; }
-a { color: #0072b2; }
-@media print { figure, table { break-inside: avoid; } }
-";
-
-/// A text as HTML shows it, in an element or in an attribute.
-fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            other => escaped.push(other),
+fn table_markup(table: &Table, caption: &str, widths_pct: Option<&[u32]>) -> Markup {
+    let class = |unit: &str| if unit.is_empty() { "words" } else { "number" };
+    let cell_class = |unit: &str, cell: &str| {
+        let long = if cell.chars().count() > LONGEST_UNBROKEN { " long" } else { "" };
+        format!("{}{long}", class(unit))
+    };
+    html! {
+        div class="scroll" {
+            table class=[widths_pct.map(|_| "prose")] {
+                caption { (marked_up(caption)) }
+                @for width in widths_pct.into_iter().flatten() { col style={ "width:" (width) "%" }; }
+                thead { tr {
+                    @for column in &table.columns {
+                        th class=(class(&column.unit)) {
+                            (escaped(&column.name))
+                            @if !["", "1"].contains(&column.unit.as_str()) { br; span { (escaped(&column.unit)) } }
+                        }
+                    }
+                } }
+                tbody {
+                    @for row in &table.rows {
+                        tr {
+                            @for (cell, column) in row.iter().zip(&table.columns) {
+                                td class=(cell_class(&column.unit, cell)) { (marked_up(cell)) }
+                            }
+                        }
+                    }
+                }
+            }
         }
     }
-    escaped
-}
-
-/// A text as HTML shows it in an element; what stands between two backticks is code, and no line breaks before a per cent
-/// sign.
-fn marked_up(text: &str) -> String {
-    let text = text.replace(" %", "\u{a0}%");
-    let parts: Vec<&str> = text.split('`').collect();
-    let is_paired = parts.len() % 2 == 1;
-    if !is_paired {
-        return escape(&text);
-    }
-    let mark = |(number, part): (usize, &&str)| match number % 2 {
-        0 => escape(part),
-        _ => format!("<code>{}</code>", escape(part)),
-    };
-    parts.iter().enumerate().map(mark).collect()
 }
 
 /// The figure with ids that no other figure of the page has: a page has one space of names, and a clip path of the same
@@ -193,13 +224,22 @@ fn with_own_ids(svg: &str, number: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Column;
+    use crate::{Axis, Column, Grid, MapCell};
 
     #[test]
     fn text_is_escaped_everywhere() {
         let evil = "<b>&\"'";
         let mut page = Page::new(evil);
         page.heading(evil);
+        page.subheading(evil);
+        page.section("section", evil);
+        page.finding(&Finding::new(evil).detail(Finding::new(evil)));
+        let axis = Axis::new(evil, evil).with_range(0.0, 1.0);
+        let mut chart = Chart::new((300.0, 200.0), &axis, &axis, Grid::Hidden);
+        chart.key(Key::new(evil));
+        let (fill, class, title) = (evil.to_owned(), "left".to_owned(), evil.to_owned());
+        chart.cell(&MapCell { x: (0.0, 1.0), y: (0.0, 1.0), fill: fill.replace('\'', ""), class, title });
+        page.charts(&[chart], &[Key::new(evil)], evil);
         page.paragraph(evil);
         page.note(evil);
         page.list(&[evil.to_owned()]);
@@ -210,17 +250,42 @@ mod tests {
         page.table(&table, evil);
         let html = page.html();
         assert!(!html.contains(evil), "{html}");
-        assert_eq!(html.matches("&lt;b&gt;&amp;&quot;&#39;").count(), 15, "{html}");
+        assert_eq!(html.matches("&lt;b&gt;&amp;&quot;&#39;").count(), 28, "{html}");
     }
 
     #[test]
-    fn backticks_become_code_and_a_single_one_stays() {
-        assert_eq!(marked_up("run `a < b`, then `c`"), "run <code>a &lt; b</code>, then <code>c</code>");
-        assert_eq!(marked_up("a ` b"), "a ` b");
-        assert_eq!(marked_up("5 %"), "5\u{a0}%");
+    fn spoken_words_carry_no_marks() {
         let mut page = Page::new("Backticks");
         page.figure("<svg></svg>", "made by `it`");
-        assert!(page.html().contains("aria-label=\"made by it\""), "spoken words carry no marks: {}", page.html());
+        assert!(page.html().contains("aria-label=\"made by it\""), "{}", page.html());
+    }
+
+    #[test]
+    fn contents_lead_to_the_sections() {
+        let mut page = Page::new("Sections");
+        page.section("bounds", "Bounds & more");
+        page.subheading("below");
+        let html = page.html();
+        for part in
+            ["<a href=\"#bounds\">Bounds &amp; more</a>", "<h2 id=\"bounds\">Bounds &amp; more</h2>", "<h3>below</h3>"]
+        {
+            assert!(html.contains(part), "{part} in {html}");
+        }
+    }
+
+    #[test]
+    fn findings_keep_what_belongs_to_them() {
+        let mut page = Page::new("Findings");
+        let finding = Finding::new("Batch 1:").detail(Finding::new("`one`.")).detail(Finding::new("two."));
+        page.finding(&finding);
+        page.key_findings(&[Finding::new("First.")]);
+        let html = page.html();
+        for part in [
+            "<p>Batch 1:</p><ul><li><code>one</code>.</li><li>two.</li></ul>",
+            "<div class=\"note\"><p>First.</p></div>",
+        ] {
+            assert!(html.contains(part), "{part} in {html}");
+        }
     }
 
     #[test]

@@ -3,12 +3,16 @@
 mod document;
 mod error;
 mod figures;
+mod finding;
 mod table;
+mod text;
 
 pub use document::{Link, Page};
 pub use error::Error;
 pub use figures::{
-    Axis, CellFigure, CellPanel, Group, Landscape, LineFigure, Panel, Path, Points, Reference, Series, Shaded,
-    SpreadFigure, Summary, cell_figure, landscape_figure, landscape_panels_figure, line_figure, spread_figure,
+    Axis, Bands, CellFigure, CellPanel, Chart, ColorScale, Grid, Group, Key, Landscape, LineFigure, MapCell, Mark,
+    Panel, Path, Points, Reference, Series, Shaded, SpreadFigure, Stroke, Summary, cell_figure, landscape_figure,
+    landscape_panels_figure, line_figure, palette, spread_figure,
 };
+pub use finding::{Finding, Number};
 pub use table::{Column, Table, write_columns_csv};

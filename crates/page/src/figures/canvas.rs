@@ -1,14 +1,12 @@
-//! The sheet that all figures are drawn on: frames with axes (by kuva), markers, legends, and the SVG text.
+//! The sheet that all figures are drawn on: frames with axes, markers, legends, and the SVG text.
 
-use std::sync::Arc;
+use std::fmt::Write as _;
 
-use kuva::backend::svg::SvgBackend;
-use kuva::plot::LinePlot;
-use kuva::render::layout::{AxisLine, Layout, TickFormat};
-use kuva::render::plots::Plot;
-use kuva::render::render::{PathData, Primitive, Scene, TextAnchor, render_multiple};
+use maud::{Markup, PreEscaped, Render, html};
 
 use super::axis::Scale;
+use super::palette::GRID;
+pub(super) use super::palette::{INK, PAPER, color};
 
 /// Width of every figure.
 pub(super) const WIDTH_PX: f64 = 940.0;
@@ -24,21 +22,15 @@ pub(super) const LEGEND_ROW_PX: f64 = 22.0;
 const FONT: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
 const TITLE_SIZE: u32 = 16;
 const LABEL_SIZE: u32 = 13;
-const TICK_SIZE: u32 = 12;
+pub(super) const TICK_SIZE: u32 = 12;
 pub(super) const TEXT_SIZE: u32 = 12;
 
-pub(super) const INK: &str = "#222222";
-pub(super) const PAPER: &str = "#ffffff";
-const GRID: &str = "#dddddd";
-
-/// The palette of Okabe and Ito, which color-blind readers can tell apart, dark and light by turns; its yellow is darkened
-/// to be seen on white.
-const COLORS: [&str; 8] = ["#0072b2", "#e69f00", "#cc79a7", "#009e73", "#d55e00", "#56b4e9", "#000000", "#a89f10"];
-
-/// The color of the series with this index.
-pub(super) fn color(index: usize) -> &'static str {
-    COLORS[index % COLORS.len()]
-}
+const BLACK: &str = "#000000";
+const FRAME_PEN: Pen<'static> = Pen { color: BLACK, width: 1.0, dashes: None };
+/// How far a tick sticks out of its frame.
+const TICK_PX: f64 = 5.0;
+pub(super) const SHORT_DASHES: &str = "5 3";
+pub(super) const LONG_DASHES: &str = "8 4";
 
 /// About how wide a text is.
 pub(super) fn text_width_px(text: &str, size: u32) -> f64 {
@@ -58,11 +50,11 @@ pub(super) struct Frame {
 
 impl Frame {
     pub(super) fn x_px(&self, x: f64) -> f64 {
-        self.left + (x - self.x.min) / (self.x.max - self.x.min) * (self.right - self.left)
+        self.left + self.x.place(x) * (self.right - self.left)
     }
 
     pub(super) fn y_px(&self, y: f64) -> f64 {
-        self.bottom - (y - self.y.min) / (self.y.max - self.y.min) * (self.bottom - self.top)
+        self.bottom - self.y.place(y) * (self.bottom - self.top)
     }
 
     pub(super) fn px(&self, point: (f64, f64)) -> (f64, f64) {
@@ -77,9 +69,12 @@ pub(super) struct FrameText<'a> {
     pub(super) grid: Grid,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Grid {
+/// Whether lines across a frame help to read values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grid {
+    /// A line at every tick.
     Shown,
+    /// Ticks alone.
     Hidden,
 }
 
@@ -101,63 +96,117 @@ pub(super) struct LegendEntry {
     pub(super) text: String,
 }
 
+/// Where a text stands beside its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+impl Anchor {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Start => "start",
+            Self::Middle => "middle",
+            Self::End => "end",
+        }
+    }
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Pen<'a> {
+    pub(super) color: &'a str,
+    pub(super) width: f64,
+    /// Lengths of dashes and gaps, as SVG has them.
+    pub(super) dashes: Option<&'static str>,
+}
+
+impl<'a> Pen<'a> {
+    pub(super) fn solid(color: &'a str, width: f64) -> Self {
+        Self { color, width, dashes: None }
+    }
+
+    pub(super) fn dashed(color: &'a str, width: f64, dashes: &'static str) -> Self {
+        Self { color, width, dashes: Some(dashes) }
+    }
+}
+
+/// A length or a place in pixels, written to a hundredth.
+pub(super) struct Px(pub(super) f64);
+
+impl Render for Px {
+    fn render_to(&self, buffer: &mut String) {
+        let _ = write!(buffer, "{}", (100.0 * self.0).round() / 100.0 + 0.0);
+    }
+}
+
 /// A figure under construction.
+#[derive(Clone, Debug)]
 pub(super) struct Canvas {
-    scene: Scene,
+    size: (f64, f64),
+    body: String,
+    /// Clip paths so far.
+    clips: usize,
 }
 
 impl Canvas {
     pub(super) fn new(title: &str, height_px: f64) -> Self {
-        let mut scene = Scene::new(WIDTH_PX, height_px);
-        scene.background_color = Some(PAPER.into());
-        scene.text_color = Some(INK.into());
-        scene.font_family = Some(FONT.into());
-        let mut canvas = Self { scene };
-        canvas.text_as(title, (WIDTH_PX / 2.0, 24.0), TITLE_SIZE, TextAnchor::Middle);
+        let mut canvas = Self::bare((WIDTH_PX, height_px));
+        canvas.text_as(title, (WIDTH_PX / 2.0, 24.0), TITLE_SIZE, Anchor::Middle);
         canvas
     }
 
-    /// Axes around a frame, and plots inside it.
-    pub(super) fn frame(&mut self, frame: &Frame, text: &FrameText, plots: Vec<Plot>) {
-        // kuva draws a whole figure with margins; the frame sits in one of its own, shifted to its place.
-        let below = 30.0;
-        let height = frame.bottom - frame.top + below;
-        let mut layout = Layout::new((frame.x.min, frame.x.max), (frame.y.min, frame.y.max))
-            .with_width(WIDTH_PX)
-            .with_height(height)
-            .with_force_margins(frame.left, WIDTH_PX - frame.right)
-            .with_force_margins_y(0.0, below)
-            .with_x_axis_min(frame.x.min)
-            .with_x_axis_max(frame.x.max)
-            .with_y_axis_min(frame.y.min)
-            .with_y_axis_max(frame.y.max)
-            .with_x_tick_step(frame.x.step)
-            .with_y_tick_step(frame.y.step)
-            .with_x_tick_format(tick_format(&frame.x))
-            .with_y_tick_format(tick_format(&frame.y))
-            .with_tick_size(TICK_SIZE)
-            .with_show_grid(text.grid == Grid::Shown)
-            .with_axis_line(AxisLine::Box);
-        layout.theme.grid_color = GRID.into();
-        layout.suppress_x_ticks = text.x_label.is_none();
-        layout.show_legend = false;
-        let plots = if plots.is_empty() { vec![LinePlot::new().into()] } else { plots };
-        let inner = render_multiple(plots, layout);
-        self.scene.defs.extend(inner.defs);
-        let transform = Some(format!("translate(0,{})", frame.top));
-        self.add(Primitive::GroupStart { transform, title: None, extra_attrs: None });
-        for element in inner.elements {
-            self.add(element);
+    /// A drawing of this size in pixels, without a title.
+    pub(super) fn bare(size: (f64, f64)) -> Self {
+        Self { size, body: String::new(), clips: 0 }
+    }
+
+    /// Axes around a frame, with their numbers and labels.
+    pub(super) fn frame(&mut self, frame: &Frame, text: &FrameText) {
+        if text.grid == Grid::Shown {
+            self.grid(frame);
         }
-        self.add(Primitive::GroupEnd);
+        self.outline(frame);
+        if text.x_label.is_some() {
+            self.x_ticks(frame);
+        }
+        self.y_ticks(frame);
         self.axis_labels(frame, text);
+    }
+
+    pub(super) fn grid(&mut self, frame: &Frame) {
+        let pen = Pen::solid(GRID, 1.0);
+        for x in frame.x.ticks().into_iter().map(|tick| frame.x_px(tick)) {
+            self.line(&[(x, frame.top), (x, frame.bottom)], pen);
+        }
+        for y in frame.y.ticks().into_iter().map(|tick| frame.y_px(tick)) {
+            self.line(&[(frame.left, y), (frame.right, y)], pen);
+        }
+    }
+
+    pub(super) fn x_ticks(&mut self, frame: &Frame) {
+        for tick in frame.x.ticks() {
+            let x = frame.x_px(tick);
+            self.line(&[(x, frame.bottom), (x, frame.bottom + TICK_PX)], FRAME_PEN);
+            self.text_as(&frame.x.text(tick), (x, frame.bottom + 16.0), TICK_SIZE, Anchor::Middle);
+        }
+    }
+
+    pub(super) fn y_ticks(&mut self, frame: &Frame) {
+        for tick in frame.y.ticks() {
+            let y = frame.y_px(tick);
+            self.line(&[(frame.left - TICK_PX, y), (frame.left, y)], FRAME_PEN);
+            self.text_as(&frame.y.text(tick), (frame.left - 8.0, y + 4.4), TICK_SIZE, Anchor::End);
+        }
     }
 
     /// The labels of the axes; a long one along y breaks before its unit.
     fn axis_labels(&mut self, frame: &Frame, text: &FrameText) {
         if let Some(label) = text.x_label {
             let at = (0.5 * (frame.left + frame.right), frame.bottom + 40.0);
-            self.text_as(label, at, LABEL_SIZE, TextAnchor::Middle);
+            self.text_as(label, at, LABEL_SIZE, Anchor::Middle);
         }
         let middle = 0.5 * (frame.top + frame.bottom);
         let long = text_width_px(text.y_label, LABEL_SIZE) > frame.bottom - frame.top;
@@ -170,17 +219,23 @@ impl Canvas {
         }
     }
 
-    /// The outline of a frame once more, over what was drawn into it.
+    /// The outline of a frame; once more over what was drawn into it.
     pub(super) fn outline(&mut self, frame: &Frame) {
-        self.add(Primitive::Rect {
-            x: frame.left,
-            y: frame.top,
-            width: frame.right - frame.left,
-            height: frame.bottom - frame.top,
-            fill: "none".into(),
-            stroke: Some("black".into()),
-            stroke_width: Some(1.0),
-            opacity: None,
+        let size = (frame.right - frame.left, frame.bottom - frame.top);
+        self.rect((frame.left, frame.top), size, "none", BLACK);
+    }
+
+    /// Draws what is cut off at the border of a frame.
+    pub(super) fn inside(&mut self, frame: &Frame, draw: impl FnOnce(&mut Self)) {
+        self.clips += 1;
+        let id = format!("clip-{}", self.clips);
+        let outside = std::mem::take(&mut self.body);
+        draw(self);
+        let inside = PreEscaped(std::mem::replace(&mut self.body, outside));
+        let (width, height) = (frame.right - frame.left, frame.bottom - frame.top);
+        self.add(&html! {
+            clipPath id=(id) { rect x=(Px(frame.left)) y=(Px(frame.top)) width=(Px(width)) height=(Px(height)) {} }
+            g clip-path={ "url(#" (id) ")" } { (inside) }
         });
     }
 
@@ -192,15 +247,16 @@ impl Canvas {
                 (x, y) = (left_px, top_px + (row as f64 + 0.5) * LEGEND_ROW_PX);
             }
             self.legend_mark(entry, (x + 10.0, y));
-            self.text_as(&entry.text, (x + 26.0, y + 4.0), TEXT_SIZE, TextAnchor::Start);
+            self.text_as(&entry.text, (x + 26.0, y + 4.0), TEXT_SIZE, Anchor::Start);
             x += entry_width_px(entry);
         }
     }
 
     fn legend_mark(&mut self, entry: &LegendEntry, at: (f64, f64)) {
+        let ends = [(at.0 - 10.0, at.1), (at.0 + 10.0, at.1)];
         match entry.mark {
-            Mark::Line => self.line(&[(at.0 - 10.0, at.1), (at.0 + 10.0, at.1)], &entry.fill, 2.5),
-            Mark::Dashes => self.dashed_line(&[(at.0 - 10.0, at.1), (at.0 + 10.0, at.1)], &entry.fill, 2.5),
+            Mark::Line => self.line(&ends, Pen::solid(&entry.fill, 2.5)),
+            Mark::Dashes => self.line(&ends, Pen::dashed(&entry.fill, 2.5, SHORT_DASHES)),
             Mark::Box => self.rect((at.0 - 10.0, at.1 - 6.0), (20.0, 12.0), &entry.fill, &entry.outline),
             Mark::Dot => self.dot(at, 4.0, &entry.fill, &entry.outline),
             Mark::Diamond => self.diamond(at, &entry.fill, &entry.outline),
@@ -209,134 +265,117 @@ impl Canvas {
     }
 
     pub(super) fn text(&mut self, text: &str, at: (f64, f64)) {
-        self.text_as(text, (at.0, at.1 + 4.0), TEXT_SIZE, TextAnchor::Middle);
+        self.text_as(text, (at.0, at.1 + 4.0), TEXT_SIZE, Anchor::Middle);
     }
 
-    pub(super) fn text_as(&mut self, text: &str, at: (f64, f64), size: u32, anchor: TextAnchor) {
-        self.add(Primitive::Text {
-            x: at.0,
-            y: at.1,
-            content: text.into(),
-            size,
-            anchor,
-            rotate: None,
-            bold: false,
-            color: Some(INK.into()),
+    pub(super) fn text_as(&mut self, text: &str, at: (f64, f64), size: u32, anchor: Anchor) {
+        self.add(&html! {
+            text x=(Px(at.0)) y=(Px(at.1)) font-size=(size) text-anchor=(anchor.name()) { (text) }
         });
     }
 
     /// A text along a vertical axis, read from below.
     pub(super) fn vertical_text(&mut self, text: &str, at: (f64, f64)) {
-        self.add(Primitive::Text {
-            x: at.0,
-            y: at.1,
-            content: text.into(),
-            size: LABEL_SIZE,
-            anchor: TextAnchor::Middle,
-            rotate: Some(-90.0),
-            bold: false,
-            color: Some(INK.into()),
+        let (x, y) = (Px(at.0), Px(at.1));
+        self.add(&html! {
+            text x=(x) y=(y) font-size=(LABEL_SIZE) text-anchor="middle" transform={ "rotate(-90 " (x) " " (y) ")" } {
+                (text)
+            }
         });
     }
 
-    pub(super) fn line(&mut self, points: &[(f64, f64)], color: &str, width: f64) {
-        self.add(Primitive::PolyLine {
-            points: points.to_vec(),
-            stroke: color.into(),
-            stroke_width: width,
-            stroke_dasharray: None,
+    pub(super) fn line(&mut self, points: &[(f64, f64)], pen: Pen) {
+        self.add(&html! {
+            polyline points=(Places(points)) fill="none" stroke=(pen.color) stroke-width=(Px(pen.width))
+                stroke-dasharray=[pen.dashes] {}
         });
     }
 
-    pub(super) fn dashed_line(&mut self, points: &[(f64, f64)], color: &str, width: f64) {
-        self.add(Primitive::PolyLine {
-            points: points.to_vec(),
-            stroke: color.into(),
-            stroke_width: width,
-            stroke_dasharray: Some("5 3".into()),
-        });
-    }
-
-    pub(super) fn area(&mut self, d: String, fill: &str) {
+    pub(super) fn area(&mut self, d: &str, fill: &str) {
         self.path(d, fill, "none", 0.0);
     }
 
-    pub(super) fn path(&mut self, d: String, fill: &str, stroke: &str, width: f64) {
-        self.add(Primitive::Path(Box::new(PathData {
-            d,
-            fill: Some(fill.into()),
-            stroke: stroke.into(),
-            stroke_width: width,
-            opacity: None,
-            stroke_dasharray: None,
-        })));
+    pub(super) fn path(&mut self, d: &str, fill: &str, stroke: &str, width: f64) {
+        self.add(&html! { path d=(d) fill=(fill) stroke=(stroke) stroke-width=(Px(width)) {} });
     }
 
     pub(super) fn rect(&mut self, corner: (f64, f64), size: (f64, f64), fill: &str, outline: &str) {
-        self.add(Primitive::Rect {
-            x: corner.0,
-            y: corner.1,
-            width: size.0,
-            height: size.1,
-            fill: fill.into(),
-            stroke: Some(outline.into()),
-            stroke_width: Some(1.0),
-            opacity: None,
+        self.add(&html! {
+            rect x=(Px(corner.0)) y=(Px(corner.1)) width=(Px(size.0)) height=(Px(size.1)) fill=(fill)
+                stroke=[(outline != "none").then_some(outline)] {}
         });
     }
 
     pub(super) fn dot(&mut self, at: (f64, f64), radius: f64, fill: &str, outline: &str) {
-        self.add(Primitive::Circle {
-            cx: at.0,
-            cy: at.1,
-            r: radius,
-            fill: fill.into(),
-            fill_opacity: None,
-            stroke: Some(outline.into()),
-            stroke_width: Some(1.2),
+        self.circle(at, radius, fill, Pen::solid(outline, 1.2));
+    }
+
+    pub(super) fn circle(&mut self, at: (f64, f64), radius: f64, fill: &str, outline: Pen) {
+        self.add(&html! {
+            circle cx=(Px(at.0)) cy=(Px(at.1)) r=(Px(radius)) fill=(fill) stroke=(outline.color)
+                stroke-width=(Px(outline.width)) {}
         });
+    }
+
+    /// Width and height in pixels.
+    pub(super) fn size(&self) -> (f64, f64) {
+        self.size
     }
 
     pub(super) fn diamond(&mut self, (x, y): (f64, f64), fill: &str, outline: &str) {
         let r = 6.5;
-        let d = format!("M{} {}L{} {}L{} {}L{} {}Z", x - r, y, x, y - r, x + r, y, x, y + r);
-        self.path(d, fill, outline, 1.4);
+        let d = format!("M{:.2} {y:.2}L{x:.2} {:.2}L{:.2} {y:.2}L{x:.2} {:.2}Z", x - r, y - r, x + r, y + r);
+        self.path(&d, fill, outline, 1.4);
     }
 
     pub(super) fn cross(&mut self, (x, y): (f64, f64), color: &str) {
         let r = 3.0;
-        self.line(&[(x - r, y - r), (x + r, y + r)], color, 1.2);
-        self.line(&[(x - r, y + r), (x + r, y - r)], color, 1.2);
+        self.line(&[(x - r, y - r), (x + r, y + r)], Pen::solid(color, 1.2));
+        self.line(&[(x - r, y + r), (x + r, y - r)], Pen::solid(color, 1.2));
     }
 
-    fn add(&mut self, primitive: Primitive) {
-        self.scene.add(primitive);
+    pub(super) fn add(&mut self, element: &Markup) {
+        self.body.push_str(&element.0);
     }
 
-    /// The SVG text, with a view box so that a page may scale it.
+    /// The SVG text of a file of its own, with a view box so that a page may scale it.
     pub(super) fn svg(self) -> String {
-        let (width, height) = (self.scene.width, self.scene.height);
-        let svg = with_own_clips(SvgBackend::new().render_scene(&self.scene));
-        let view = format!("<svg viewBox=\"0 0 {width} {height}\" ");
-        svg.replacen("<svg ", &view, 1)
+        let (width, height) = (Px(self.size.0), Px(self.size.1));
+        let svg = html! {
+            svg viewBox={ "0 0 " (width) " " (height) } xmlns="http://www.w3.org/2000/svg" width=(width) height=(height)
+                font-family=(FONT) fill=(INK) {
+                rect width="100%" height="100%" fill=(PAPER) {}
+                (PreEscaped(self.body))
+            }
+        };
+        svg.into_string()
+    }
+
+    /// The SVG element of a page, around the middle of its view box or from its corner.
+    pub(super) fn element(&self, corner: (f64, f64)) -> Markup {
+        let ((left, top), (width, height)) = ((Px(corner.0), Px(corner.1)), (Px(self.size.0), Px(self.size.1)));
+        html! {
+            svg viewBox={ (left) " " (top) " " (width) " " (height) } width=(width) height=(height) fill=(INK) {
+                (PreEscaped(&self.body))
+            }
+        }
     }
 }
 
-/// kuva numbers its clip paths over the whole life of the program; a figure numbers its own, to be the same each time.
-fn with_own_clips(mut svg: String) -> String {
-    const THEIRS: &str = "id=\"kuva-clip-";
-    for number in 1.. {
-        let Some(start) = svg.find(THEIRS) else {
-            break;
-        };
-        let their: String = svg[start + THEIRS.len()..].chars().take_while(char::is_ascii_digit).collect();
-        if their.is_empty() {
-            break;
+/// Points of a line, in pixels.
+struct Places<'a>(&'a [(f64, f64)]);
+
+impl Render for Places<'_> {
+    fn render_to(&self, buffer: &mut String) {
+        for (number, (x, y)) in self.0.iter().enumerate() {
+            if number > 0 {
+                buffer.push(' ');
+            }
+            Px(*x).render_to(buffer);
+            buffer.push(',');
+            Px(*y).render_to(buffer);
         }
-        svg = svg.replace(&format!("id=\"kuva-clip-{their}\""), &format!("id=\"clip-{number}\""));
-        svg = svg.replace(&format!("url(#kuva-clip-{their})"), &format!("url(#clip-{number})"));
     }
-    svg
 }
 
 /// How many rows a legend takes.
@@ -362,17 +401,4 @@ fn legend_rows(entries: &[LegendEntry], left_px: f64) -> Vec<usize> {
 
 fn entry_width_px(entry: &LegendEntry) -> f64 {
     26.0 + text_width_px(&entry.text, TEXT_SIZE) + 20.0
-}
-
-fn tick_format(scale: &Scale) -> TickFormat {
-    let largest = scale.max.abs().max(scale.min.abs());
-    match scale.decimals() {
-        decimals @ 0..=5 if largest < 1e6 => TickFormat::Custom(Arc::new(move |value| number_text(value, decimals))),
-        _ => TickFormat::Sci,
-    }
-}
-
-/// A number with its decimals and a proper minus sign.
-pub(super) fn number_text(value: f64, decimals: usize) -> String {
-    format!("{:.decimals$}", value + 0.0).replace('-', "\u{2212}")
 }

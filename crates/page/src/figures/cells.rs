@@ -2,7 +2,9 @@
 
 use super::axis::{Axis, Scale};
 use super::canvas::{BELOW_PX, Canvas, Frame, INK, LEFT_PX, LegendEntry, Mark, PAPER, color, legend_height_px};
-use super::landscape::{Levels, Points, Sheet, draw_color_bar};
+use super::color_scale::{Bands, draw_color_bar};
+use super::panels::Sheet;
+use super::points::Points;
 
 /// One panel: values on cells.
 #[derive(Clone, Debug)]
@@ -37,12 +39,12 @@ pub fn cell_figure(figure: &CellFigure) -> String {
     let bottom = sheet.bottom();
     let legend = legend(figure);
     let mut canvas = Canvas::new(&figure.title, bottom + BELOW_PX + legend_height_px(&legend, LEFT_PX));
-    let levels = Levels::of(&figure.z_axis, figure.panels.iter().flat_map(|panel| panel.z.iter().flatten().copied()));
+    let bands = Bands::of(&figure.z_axis, figure.panels.iter().flat_map(|panel| panel.z.iter().flatten().copied()));
     for (number, panel) in figure.panels.iter().enumerate() {
         let axes = [&figure.x_axis, &figure.y_axis];
         let scales = [around_cells(axes[0], &panel.x), around_cells(axes[1], &panel.y)];
         let frame = sheet.panel(&mut canvas, number, &panel.title, axes, scales);
-        draw_cells(&mut canvas, &frame, panel, &levels);
+        draw_cells(&mut canvas, &frame, panel, &bands);
         for points in &panel.points {
             points.draw(&mut canvas, &frame);
         }
@@ -51,7 +53,7 @@ pub fn cell_figure(figure: &CellFigure) -> String {
         }
         canvas.outline(&frame);
     }
-    draw_color_bar(&mut canvas, figure.z_axis.label(), &levels, bottom);
+    draw_color_bar(&mut canvas, &bands, bottom);
     canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
@@ -61,7 +63,7 @@ fn around_cells(axis: &Axis, centers: &[f64]) -> Scale {
     let scale = axis.scale(centers.iter().copied(), 6);
     let half = 0.5 * step(centers);
     match centers {
-        [first, .., last] => Scale { min: first - half, max: last + half, ..scale },
+        [first, .., last] => scale.between(first - half, last + half),
         _ => scale,
     }
 }
@@ -73,13 +75,13 @@ fn step(centers: &[f64]) -> f64 {
     }
 }
 
-fn draw_cells(canvas: &mut Canvas, frame: &Frame, panel: &CellPanel, levels: &Levels) {
+fn draw_cells(canvas: &mut Canvas, frame: &Frame, panel: &CellPanel, bands: &Bands) {
     let (dx, dy) = (step(&panel.x), step(&panel.y));
     for (y, row) in panel.y.iter().zip(&panel.z) {
         for (x, z) in panel.x.iter().zip(row) {
             let (left, right) = (frame.x_px(x - 0.5 * dx), frame.x_px(x + 0.5 * dx));
             let (top, bottom) = (frame.y_px(y + 0.5 * dy), frame.y_px(y - 0.5 * dy));
-            let fill = if z.is_finite() { levels.color_of(*z) } else { MISSING.to_owned() };
+            let fill = if z.is_finite() { bands.color_of(*z) } else { MISSING.to_owned() };
             // A little larger, so that no gap shows between neighbors.
             canvas.rect((left, top), (right - left + 0.4, bottom - top + 0.4), &fill, "none");
         }

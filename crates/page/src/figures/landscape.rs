@@ -1,15 +1,15 @@
 //! A quantity over two parameters, with the paths that a search took across it.
 
-use kuva::plot::ColorMap;
-use kuva::render::render::TextAnchor;
-
 use super::axis::{Axis, Scale};
 use super::canvas::{
-    BELOW_PX, Canvas, Frame, FrameText, INK, LEFT_PX, LegendEntry, Mark, PAPER, TEXT_SIZE, TITLE_PX, WIDTH_PX, color,
-    legend_height_px, number_text, text_width_px,
+    BELOW_PX, Canvas, Frame, FrameText, INK, LEFT_PX, LegendEntry, Mark, PAPER, Pen, SHORT_DASHES, TEXT_SIZE, TITLE_PX,
+    color, legend_height_px, text_width_px,
 };
+use super::color_scale::{Bands, draw_color_bar};
 use super::contours::{Grid, Segment};
 use super::labels::{Room, Taken};
+use super::panels::{RIGHT_PX, Sheet};
+use super::points::Points;
 
 /// Values on a rectangular grid and what is drawn over them.
 #[derive(Clone, Debug)]
@@ -17,8 +17,7 @@ pub struct Landscape {
     pub title: String,
     pub x_axis: Axis,
     pub y_axis: Axis,
-    /// Above a range given here, or else above what four fifths of the grid stay below if the rest is far higher, all
-    /// values have the color of the highest.
+    /// Its [`ColorScale`](crate::ColorScale) says how values become colors.
     pub z_axis: Axis,
     /// Increasing.
     pub x: Vec<f64>,
@@ -40,32 +39,6 @@ pub struct Landscape {
     pub minimum_label: String,
 }
 
-/// Places that mean the same.
-#[derive(Clone, Debug)]
-pub struct Points {
-    pub label: String,
-    pub points: Vec<(f64, f64)>,
-    pub fill: &'static str,
-    pub radius_px: f64,
-}
-
-impl Points {
-    /// Small white dots.
-    pub fn small(label: &str, points: Vec<(f64, f64)>) -> Self {
-        Self { label: label.to_owned(), points, fill: PAPER, radius_px: 2.4 }
-    }
-
-    pub(super) fn draw(&self, canvas: &mut Canvas, frame: &Frame) {
-        for point in &self.points {
-            canvas.dot(frame.px(*point), self.radius_px, self.fill, "#000000");
-        }
-    }
-
-    pub(super) fn entry(&self) -> LegendEntry {
-        LegendEntry { mark: Mark::Dot, fill: self.fill.into(), outline: "#000000".into(), text: self.label.clone() }
-    }
-}
-
 /// Points in the order in which a search visited them; they are numbered from 1.
 #[derive(Clone, Debug)]
 pub struct Path {
@@ -73,11 +46,7 @@ pub struct Path {
     pub points: Vec<(f64, f64)>,
 }
 
-const RIGHT_PX: f64 = WIDTH_PX - 130.0;
 const HEIGHT_PX: f64 = 420.0;
-const BAR_LEFT_PX: f64 = RIGHT_PX + 30.0;
-const BAR_WIDTH_PX: f64 = 20.0;
-const BANDS: usize = 10;
 const PATH_FILLS: [&str; 3] = ["#56b4e9", "#e69f00", "#cc79a7"];
 const PATH_RADII_PX: [f64; 3] = [3.2, 5.8, 8.4];
 /// Points closer than this share a label.
@@ -101,11 +70,11 @@ pub fn landscape_figure(landscape: &Landscape) -> String {
         y_label: landscape.y_axis.label(),
         grid: super::canvas::Grid::Hidden,
     };
-    canvas.frame(&frame, &text, Vec::new());
+    canvas.frame(&frame, &text);
 
-    let levels = Levels::of(&landscape.z_axis, landscape.z.iter().flatten().copied());
+    let bands = Bands::of(&landscape.z_axis, landscape.z.iter().flatten().copied());
     let mut room = room(landscape, &frame);
-    let lines = draw_field(&mut canvas, landscape, &frame, &levels);
+    let lines = draw_field(&mut canvas, landscape, &frame, &bands);
     // What is drawn later is smaller, so that of points on one spot all are seen.
     if let Some(minimum) = landscape.minimum {
         canvas.diamond(frame.px(minimum), color(4), PAPER);
@@ -118,59 +87,9 @@ pub fn landscape_figure(landscape: &Landscape) -> String {
     }
     keep_paths_free(&mut room, landscape, &frame);
     label_iso_lines(&mut canvas, &lines, &mut room);
-    draw_color_bar(&mut canvas, landscape.z_axis.label(), &levels, bottom);
+    draw_color_bar(&mut canvas, &bands, bottom);
     canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
-}
-
-const COLUMNS: usize = 2;
-const SMALL_HEIGHT_PX: f64 = 300.0;
-const COLUMN_GAP_PX: f64 = 60.0;
-const ROW_GAP_PX: f64 = 40.0;
-/// Space above a panel, with its title in it.
-const PANEL_TITLE_PX: f64 = 24.0;
-
-/// Where panels over the same axes stand, two in a row.
-pub(super) struct Sheet {
-    rows: usize,
-}
-
-impl Sheet {
-    pub(super) fn of(panels: usize) -> Self {
-        Self { rows: panels.div_ceil(COLUMNS).max(1) }
-    }
-
-    fn top_of(row: usize) -> f64 {
-        TITLE_PX + PANEL_TITLE_PX + row as f64 * (SMALL_HEIGHT_PX + ROW_GAP_PX)
-    }
-
-    pub(super) fn bottom(&self) -> f64 {
-        Self::top_of(self.rows - 1) + SMALL_HEIGHT_PX
-    }
-
-    /// Draws the frame of a panel with its title above it; only the outer panels label their axes.
-    pub(super) fn panel(
-        &self,
-        canvas: &mut Canvas,
-        number: usize,
-        title: &str,
-        [x_axis, y_axis]: [&Axis; 2],
-        [x, y]: [Scale; 2],
-    ) -> Frame {
-        let width = (RIGHT_PX - LEFT_PX - COLUMN_GAP_PX) / COLUMNS as f64;
-        let (row, column) = (number / COLUMNS, number % COLUMNS);
-        let left = LEFT_PX + column as f64 * (width + COLUMN_GAP_PX);
-        let top = Self::top_of(row);
-        let frame = Frame { left, top, right: left + width, bottom: top + SMALL_HEIGHT_PX, x, y };
-        let text = FrameText {
-            x_label: (row + 1 == self.rows).then_some(x_axis.label()),
-            y_label: if column == 0 { y_axis.label() } else { "" },
-            grid: super::canvas::Grid::Hidden,
-        };
-        canvas.frame(&frame, &text, Vec::new());
-        canvas.text_as(title, (left, frame.top - 8.0), TEXT_SIZE, TextAnchor::Start);
-        frame
-    }
 }
 
 /// Draws landscapes over the same axes side by side, with one scale of colors; each title stands above its panel.
@@ -185,32 +104,27 @@ pub fn landscape_panels_figure(title: &str, landscapes: &[Landscape]) -> String 
         }
     }
     let mut canvas = Canvas::new(title, bottom + BELOW_PX + legend_height_px(&legend, LEFT_PX));
-    let levels = Levels::of(&first.z_axis, landscapes.iter().flat_map(|one| one.z.iter().flatten().copied()));
+    let bands = Bands::of(&first.z_axis, landscapes.iter().flat_map(|one| one.z.iter().flatten().copied()));
     for (number, landscape) in landscapes.iter().enumerate() {
         let (x, y) = (&landscape.x_axis, &landscape.y_axis);
         let scales = [grid_scale(x, &landscape.x), grid_scale(y, &landscape.y)];
         let frame = sheet.panel(&mut canvas, number, &landscape.title, [x, y], scales);
         let mut room = room(landscape, &frame);
-        let lines = draw_field(&mut canvas, landscape, &frame, &levels);
+        let lines = draw_field(&mut canvas, landscape, &frame, &bands);
         if let Some(minimum) = landscape.minimum {
             canvas.diamond(frame.px(minimum), color(4), PAPER);
         }
         label_iso_lines(&mut canvas, &lines, &mut room);
     }
-    draw_color_bar(&mut canvas, first.z_axis.label(), &levels, bottom);
+    draw_color_bar(&mut canvas, &bands, bottom);
     canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
     canvas.svg()
 }
 
 /// Colors, lines and marks of the field itself, under its frame; the pieces of each iso-line with its text.
-fn draw_field(
-    canvas: &mut Canvas,
-    landscape: &Landscape,
-    frame: &Frame,
-    levels: &Levels,
-) -> Vec<(String, Vec<Segment>)> {
-    draw_bands(canvas, landscape, frame, levels);
-    let lines = draw_iso_lines(canvas, landscape, frame, levels);
+fn draw_field(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame, bands: &Bands) -> Vec<(String, Vec<Segment>)> {
+    draw_bands(canvas, landscape, frame, bands);
+    let lines = draw_iso_lines(canvas, landscape, frame, bands);
     draw_missing(canvas, landscape, frame);
     draw_verticals(canvas, landscape, frame);
     for points in &landscape.points {
@@ -224,70 +138,25 @@ fn draw_field(
 fn grid_scale(axis: &Axis, places: &[f64]) -> Scale {
     let scale = axis.scale(places.iter().copied(), 6);
     match places {
-        [first, .., last] if !axis.has_range() && first < last => Scale { min: *first, max: *last, ..scale },
+        [first, .., last] if !axis.has_range() && first < last => scale.between(*first, *last),
         _ => scale,
     }
 }
 
-/// The borders between the bands of color, lowest first.
-pub(super) struct Levels {
-    borders: Vec<f64>,
-    decimals: usize,
-    /// Whether some values lie above the highest border.
-    exceeded: bool,
-}
-
-impl Levels {
-    pub(super) fn of(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
-        let mut values: Vec<f64> = values.filter(|z| z.is_finite()).collect();
-        values.sort_by(f64::total_cmp);
-        let mut shown = values.clone();
-        if let (Some(lowest), Some(highest)) = (values.first(), values.last()) {
-            let most = values[(values.len() - 1) * 4 / 5];
-            if !axis.has_range() && most > *lowest && highest - lowest > 1.5 * (most - lowest) {
-                shown.retain(|value| *value <= most);
-            }
-        }
-        let scale = axis.scale(shown.into_iter(), BANDS);
-        let borders = scale.ticks();
-        let exceeded = match (borders.last(), values.last()) {
-            (Some(border), Some(highest)) => *highest > border + 1e-9 * border.abs(),
-            _ => false,
-        };
-        Self { borders, decimals: scale.decimals(), exceeded }
-    }
-
-    fn bands(&self) -> usize {
-        self.borders.len().saturating_sub(1)
-    }
-
-    fn color(&self, band: usize) -> String {
-        ColorMap::Viridis.map((band as f64 + 0.5) / self.bands() as f64)
-    }
-
-    /// The color of a value: that of the lowest or the highest band beyond them.
-    pub(super) fn color_of(&self, value: f64) -> String {
-        let above = self.borders.iter().filter(|border| **border <= value).count();
-        self.color(above.saturating_sub(1).min(self.bands().saturating_sub(1)))
-    }
-
-    fn text(&self, border: usize) -> String {
-        number_text(self.borders[border], self.decimals)
-    }
-}
-
-fn with_pixel_grid<R>(landscape: &Landscape, frame: &Frame, draw: impl FnOnce(Grid) -> R) -> R {
+/// The grid in pixels, its values as the bands rank them.
+fn with_pixel_grid<R>(landscape: &Landscape, frame: &Frame, bands: &Bands, draw: impl FnOnce(Grid) -> R) -> R {
     let x: Vec<f64> = landscape.x.iter().map(|x| frame.x_px(*x)).collect();
     let y: Vec<f64> = landscape.y.iter().map(|y| frame.y_px(*y)).collect();
-    draw(Grid { x: &x, y: &y, z: &landscape.z })
+    let z: Vec<Vec<f64>> = landscape.z.iter().map(|row| row.iter().map(|z| bands.rank(*z)).collect()).collect();
+    draw(Grid { x: &x, y: &y, z: &z })
 }
 
 /// Each band is drawn over the one below it, so that no gap shows between them.
-fn draw_bands(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame, levels: &Levels) {
-    with_pixel_grid(landscape, frame, |grid| {
-        for band in 0..levels.bands() {
-            let from = if band == 0 { f64::MIN } else { levels.borders[band] };
-            canvas.area(grid.at_least(from), &levels.color(band));
+fn draw_bands(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame, bands: &Bands) {
+    with_pixel_grid(landscape, frame, bands, |grid| {
+        for band in 0..bands.count() {
+            let from = if band == 0 { f64::MIN } else { bands.borders()[band] };
+            canvas.area(&grid.at_least(from), &bands.color(band));
         }
     });
 }
@@ -297,18 +166,18 @@ fn draw_iso_lines(
     canvas: &mut Canvas,
     landscape: &Landscape,
     frame: &Frame,
-    levels: &Levels,
+    bands: &Bands,
 ) -> Vec<(String, Vec<Segment>)> {
-    with_pixel_grid(landscape, frame, |grid| {
+    with_pixel_grid(landscape, frame, bands, |grid| {
         let mut lines = Vec::new();
-        for border in 1..levels.borders.len() {
-            let segments = grid.iso_line(levels.borders[border]);
+        for (border, &level) in bands.borders().iter().enumerate().skip(1) {
+            let segments = grid.iso_line(level);
             let d: String =
                 segments.iter().map(|(a, b)| format!("M{:.1} {:.1}L{:.1} {:.1}", a.0, a.1, b.0, b.1)).collect();
             if !d.is_empty() {
-                canvas.path(d, "none", INK, 0.6);
+                canvas.path(&d, "none", INK, 0.6);
             }
-            lines.push((levels.text(border), segments));
+            lines.push((bands.text(border).to_owned(), segments));
         }
         lines
     })
@@ -343,7 +212,8 @@ fn draw_missing(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame) {
 
 fn draw_verticals(canvas: &mut Canvas, landscape: &Landscape, frame: &Frame) {
     for x in landscape.verticals.iter().filter(|x| (frame.x.min..=frame.x.max).contains(x)) {
-        canvas.dashed_line(&[(frame.x_px(*x), frame.top), (frame.x_px(*x), frame.bottom)], PAPER, 1.6);
+        let ends = [(frame.x_px(*x), frame.top), (frame.x_px(*x), frame.bottom)];
+        canvas.line(&ends, Pen::dashed(PAPER, 1.6, SHORT_DASHES));
     }
 }
 
@@ -371,8 +241,8 @@ fn keep_paths_free(room: &mut Room, landscape: &Landscape, frame: &Frame) {
 
 fn draw_path(canvas: &mut Canvas, frame: &Frame, path: &Path, fill: &str, radius: f64) {
     let points: Vec<(f64, f64)> = path.points.iter().map(|point| frame.px(*point)).collect();
-    canvas.line(&points, "#000000", 3.4);
-    canvas.line(&points, fill, 1.8);
+    canvas.line(&points, Pen::solid("#000000", 3.4));
+    canvas.line(&points, Pen::solid(fill, 1.8));
     for point in points {
         canvas.dot(point, radius, fill, "#000000");
     }
@@ -392,28 +262,6 @@ fn label_path(canvas: &mut Canvas, frame: &Frame, path: &Path, fill: &str, room:
         canvas.text(&text, at);
         first += count;
     }
-}
-
-/// The bar beside the frame, with a tip when values go on above it.
-pub(super) fn draw_color_bar(canvas: &mut Canvas, label: &str, levels: &Levels, frame_bottom: f64) {
-    let (top, bottom) = (TITLE_PX + 24.0, frame_bottom - 10.0);
-    let bands = levels.bands();
-    let height = (bottom - top) / bands.max(1) as f64;
-    for band in 0..bands {
-        let band_top = bottom - (band + 1) as f64 * height;
-        canvas.rect((BAR_LEFT_PX, band_top), (BAR_WIDTH_PX, height), &levels.color(band), INK);
-    }
-    if levels.exceeded && bands > 0 {
-        let (left, right) = (BAR_LEFT_PX, BAR_LEFT_PX + BAR_WIDTH_PX);
-        let d = format!("M{left} {top}L{right} {top}L{} {}Z", 0.5 * (left + right), top - 14.0);
-        canvas.path(d, &levels.color(bands - 1), INK, 1.0);
-    }
-    for border in 0..levels.borders.len() {
-        let y = bottom - border as f64 * height;
-        let at = (BAR_LEFT_PX + BAR_WIDTH_PX + 6.0, y + 4.0);
-        canvas.text_as(&levels.text(border), at, TEXT_SIZE, TextAnchor::Start);
-    }
-    canvas.vertical_text(label, (WIDTH_PX - 14.0, 0.5 * (top + bottom)));
 }
 
 fn legend(landscape: &Landscape) -> Vec<LegendEntry> {

@@ -1,11 +1,9 @@
 //! Series over a shared axis, in one panel or in several below each other.
 
-use kuva::plot::{LinePlot, ScatterPlot};
-use kuva::render::plots::Plot;
-
 use super::axis::{Axis, Scale};
 use super::canvas::{
-    BELOW_PX, Canvas, Frame, FrameText, Grid, LEFT_PX, LegendEntry, Mark, TITLE_PX, WIDTH_PX, color, legend_height_px,
+    BELOW_PX, Canvas, Frame, FrameText, Grid, LEFT_PX, LONG_DASHES, LegendEntry, Mark, Pen, TITLE_PX, WIDTH_PX, color,
+    legend_height_px,
 };
 use super::thinning::{MAX_POINTS, changes, finite_stretches, thin};
 
@@ -75,28 +73,37 @@ impl Series {
         Self { dashed: true, ..self }
     }
 
-    fn plots(&self, color: &str) -> Vec<Plot> {
-        let mut plots = Vec::new();
+    fn draw(&self, canvas: &mut Canvas, frame: &Frame, color: &str) {
+        let pen = Pen { color, width: 1.4, dashes: self.dashed.then_some(LONG_DASHES) };
         for stretch in finite_stretches(&self.points) {
-            let line = match self.shape {
-                Shape::Step => lines(thin(&changes(stretch), MAX_POINTS), color).with_step(),
-                Shape::Line => lines(thin(stretch, MAX_POINTS), color),
+            let points = match self.shape {
+                Shape::Step => stairs(&thin(&changes(stretch), MAX_POINTS)),
+                Shape::Line => thin(stretch, MAX_POINTS),
             };
-            plots.push(if self.dashed { line.with_dashed() } else { line }.into());
+            let points: Vec<(f64, f64)> = points.into_iter().map(|point| frame.px(point)).collect();
+            canvas.line(&points, pen);
         }
         if self.shape == Shape::Line && self.points.len() <= FEW_POINTS {
-            let finite = finite_stretches(&self.points).concat();
-            plots.push(ScatterPlot::new().with_data(finite).with_color(color).with_size(3.5).into());
+            for point in finite_stretches(&self.points).concat() {
+                canvas.dot(frame.px(point), 3.5, color, "none");
+            }
         }
-        plots
     }
 }
 
 /// So few points are shown as such, beside the line through them.
 const FEW_POINTS: usize = 30;
 
-fn lines(points: Vec<(f64, f64)>, color: &str) -> LinePlot {
-    LinePlot::new().with_data(points).with_color(color).with_stroke_width(1.4)
+/// Each value held until the next one.
+fn stairs(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut stairs: Vec<(f64, f64)> = Vec::with_capacity(2 * points.len());
+    for &(x, y) in points {
+        if let Some(&(_, before)) = stairs.last() {
+            stairs.push((x, before));
+        }
+        stairs.push((x, y));
+    }
+    stairs
 }
 
 const RIGHT_PX: f64 = WIDTH_PX - 24.0;
@@ -133,8 +140,12 @@ pub fn line_figure(figure: &LineFigure) -> String {
             y_label: panel.y_axis.label(),
             grid: Grid::Shown,
         };
-        let plots = panel.series.iter().flat_map(|series| series.plots(color_of(&series.label, &labels)));
-        canvas.frame(&frame, &text, plots.collect());
+        canvas.frame(&frame, &text);
+        canvas.inside(&frame, |canvas| {
+            for series in &panel.series {
+                series.draw(canvas, &frame, color_of(&series.label, &labels));
+            }
+        });
         top += panel_px(panel) + gap_px(panel);
     }
     canvas.legend(&legend, LEFT_PX, bottom + BELOW_PX);
@@ -157,7 +168,7 @@ fn x_scale<'a>(axis: &Axis, panels: impl Iterator<Item = &'a Panel> + Clone) -> 
     if axis.has_range() || first >= last {
         return scale;
     }
-    Scale { min: scale.min.max(first), max: scale.max.min(last), ..scale }
+    scale.between(scale.min.max(first), scale.max.min(last))
 }
 
 fn shade(canvas: &mut Canvas, frame: &Frame, shaded: Option<&Shaded>) {

@@ -2,8 +2,8 @@
 
 use super::axis::Axis;
 use super::canvas::{
-    BELOW_PX, Canvas, Frame, FrameText, Grid, INK, LEFT_PX, LegendEntry, Mark, PAPER, TITLE_PX, WIDTH_PX, color,
-    legend_height_px,
+    BELOW_PX, Canvas, Frame, FrameText, Grid, INK, LEFT_PX, LegendEntry, Mark, PAPER, Pen, SHORT_DASHES, TITLE_PX,
+    WIDTH_PX, color, legend_height_px,
 };
 
 /// One quantity over the iterations, in groups of repetitions.
@@ -88,7 +88,7 @@ pub fn spread_figure(figure: &SpreadFigure) -> String {
         y: figure.y_axis.roomy_scale(values.copied(), 6),
     };
     let text = FrameText { x_label: Some(axis.label()), y_label: figure.y_axis.label(), grid: Grid::Shown };
-    canvas.frame(&frame, &text, Vec::new());
+    canvas.frame(&frame, &text);
 
     let iteration_px = frame.x_px(2.0) - frame.x_px(1.0);
     let slot_px = BOXES_SHARE * iteration_px / figure.groups.len().max(1) as f64;
@@ -129,18 +129,18 @@ fn draw_group(canvas: &mut Canvas, frame: &Frame, group: &Group, boxes: Boxes) {
         .filter_map(|(index, values)| Some((frame.x_px((index + 1) as f64) + boxes.shift_px, Summary::of(values)?)))
         .collect();
     let medians: Vec<(f64, f64)> = summaries.iter().map(|(x, summary)| (*x, frame.y_px(summary.median))).collect();
-    canvas.dashed_line(&medians, boxes.color, 1.0);
+    canvas.line(&medians, Pen::dashed(boxes.color, 1.0, SHORT_DASHES));
     for (x, summary) in summaries {
         let y = |value: f64| frame.y_px(value);
         let (left, right) = (x - 0.5 * width, x + 0.5 * width);
-        canvas.line(&[(x, y(summary.minimum)), (x, y(summary.maximum))], INK, 1.0);
+        canvas.line(&[(x, y(summary.minimum)), (x, y(summary.maximum))], Pen::solid(INK, 1.0));
         for end in [summary.minimum, summary.maximum] {
-            canvas.line(&[(x - 0.25 * width, y(end)), (x + 0.25 * width, y(end))], INK, 1.0);
+            canvas.line(&[(x - 0.25 * width, y(end)), (x + 0.25 * width, y(end))], Pen::solid(INK, 1.0));
         }
         let (top, bottom) = (y(summary.upper_quartile), y(summary.lower_quartile));
         canvas.rect((left, top), (width, bottom - top), boxes.color, INK);
-        canvas.line(&[(left, y(summary.median)), (right, y(summary.median))], PAPER, 4.0);
-        canvas.line(&[(left, y(summary.median)), (right, y(summary.median))], INK, 2.0);
+        canvas.line(&[(left, y(summary.median)), (right, y(summary.median))], Pen::solid(PAPER, 4.0));
+        canvas.line(&[(left, y(summary.median)), (right, y(summary.median))], Pen::solid(INK, 2.0));
     }
 }
 

@@ -134,6 +134,36 @@ fn far_higher_corner_does_not_flatten_the_rest() {
 }
 
 #[test]
+fn scale_of_colors_says_what_it_does() {
+    let with = |colors: ColorScale| {
+        let mut landscape = landscape(|x, y| bowl(x, y).powi(4));
+        landscape.z_axis = landscape.z_axis.with_colors(colors);
+        landscape
+    };
+    check(&landscape_figure(&with(ColorScale::NearLowest)), &["lowest", "+100", "cost (s), from the lowest, 256"]);
+    let mirrored = landscape_figure(&with(ColorScale::NearHighest));
+    check(&mirrored, &["highest"]);
+    assert!(mirrored.contains(">cost (s), from the highest, "), "the bar says so");
+    check(&landscape_figure(&with(ColorScale::EqualShares)), &["cost (s), as many cells in each color"]);
+    let z_axis = Axis::new("cost", "s").with_colors(ColorScale::NearLowest);
+    let z = with(ColorScale::NearLowest).z;
+    let (x, y) = (with(ColorScale::NearLowest).x, with(ColorScale::NearLowest).y);
+    let figure = CellFigure {
+        title: "Cells".into(),
+        x_axis: Axis::new("spring", "N"),
+        y_axis: Axis::new("damper", "N s"),
+        z_axis,
+        panels: vec![CellPanel { title: "one".into(), x, y, z, points: Vec::new(), minimum: None }],
+        missing_label: String::new(),
+        minimum_label: String::new(),
+    };
+    let svg = cell_figure(&figure);
+    check(&svg, &["lowest", "cost (s), from the lowest, 256"]);
+    let fills: std::collections::BTreeSet<&str> = svg.split("fill=\"#").skip(1).map(|rest| &rest[..6]).collect();
+    assert!(fills.len() > 6, "the cells have many colors: {fills:?}");
+}
+
+#[test]
 fn panels_share_their_scale_of_colors_and_their_legend() {
     let of = |title: &str, value: fn(f64, f64) -> f64| Landscape {
         title: title.into(),

@@ -1,0 +1,320 @@
+//! A small drawing between two axes, of which a page shows several side by side.
+
+use maud::{Markup, html};
+
+use super::axis::{Axis, Scale};
+use super::canvas::{Canvas, Frame, Grid, INK, PAPER, Pen, Px, TICK_SIZE, text_width_px};
+use super::color_scale::{BAR_WIDTH_PX, Bands, Bar};
+
+const TOP_PX: f64 = 8.0;
+const BELOW_PX: f64 = 24.0;
+const RIGHT_PX: f64 = 12.0;
+/// Along x and along y, where there is room.
+const MOST_TICKS: usize = 8;
+const Y_TICKS: usize = 5;
+const LINE_PX: f64 = 2.0;
+const THIN_PX: f64 = 1.5;
+
+/// How a point is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Mark {
+    /// A filled circle.
+    Dot,
+    /// A circle with paper inside.
+    Ring,
+    /// A square with paper inside.
+    Square,
+    /// A very small filled circle.
+    Speck,
+    /// Two strokes, for what has no value.
+    Cross,
+    /// A large diamond that shows what is below it.
+    Target,
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stroke {
+    /// Without gaps.
+    Solid,
+    /// Long pieces.
+    Dashes,
+    /// Short pieces.
+    Dots,
+}
+
+/// A rectangle of a map.
+#[derive(Clone, Debug)]
+pub struct MapCell {
+    /// From and to, in units of the axis.
+    pub x: (f64, f64),
+    /// From and to, in units of the axis.
+    pub y: (f64, f64),
+    /// A color of SVG.
+    pub fill: String,
+    /// The class of the element.
+    pub class: String,
+    /// What a pointer that rests on it shows.
+    pub title: String,
+}
+
+/// A drawing between two axes; its labels stand around it, in the text of the page.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    canvas: Canvas,
+    frame: Frame,
+    x_label: String,
+    y_label: String,
+    legend: Vec<Key>,
+}
+
+/// An entry of a legend: a sample of what is drawn, and what it means.
+#[derive(Clone, Debug)]
+pub struct Key {
+    sample: Canvas,
+    text: String,
+}
+
+impl Chart {
+    /// Axes with their numbers in a drawing of this size in pixels. The axes need a range.
+    pub fn new(size: (f64, f64), x: &Axis, y: &Axis, grid: Grid) -> Self {
+        Self::with_room(size, RIGHT_PX, x, y, grid)
+    }
+
+    /// The same with a bar of colors on the right.
+    pub fn with_color_bar(size: (f64, f64), x: &Axis, y: &Axis, bands: &Bands) -> Self {
+        let text_px = bands.text_width_px();
+        let mut chart = Self::with_room(size, 14.0 + BAR_WIDTH_PX + 6.0 + text_px + 22.0, x, y, Grid::Hidden);
+        let Frame { top, bottom, right, .. } = chart.frame;
+        // Room for the tip.
+        let bar = Bar { left: right + 14.0, top: top + 16.0, bottom, label_x: size.0 - 4.0 };
+        bar.draw(&mut chart.canvas, bands);
+        chart
+    }
+
+    fn with_room(size: (f64, f64), room: f64, x: &Axis, y: &Axis, grid: Grid) -> Self {
+        let y_scale = y.scale(std::iter::empty(), Y_TICKS);
+        let widest = |scale: &Scale| {
+            scale.ticks().into_iter().map(|tick| text_width_px(&scale.text(tick), TICK_SIZE)).fold(0.0, f64::max)
+        };
+        let most = x.scale(std::iter::empty(), MOST_TICKS);
+        // The first and the last number along x stick out by half.
+        let left = (widest(&y_scale) + 14.0).max(0.5 * widest(&most));
+        let right = size.0 - room.max(0.5 * widest(&most) + 4.0);
+        let fits = |scale: &Scale| scale.ticks().len() as f64 * (widest(scale) + 12.0) < right - left;
+        let x_scale = (1..=MOST_TICKS).rev().map(|ticks| x.scale(std::iter::empty(), ticks)).find(fits);
+        // Where no number fits, at most one stands.
+        let x_scale = x_scale.unwrap_or_else(|| Scale::even(most.min, most.max, 10.0 * (most.max - most.min)));
+        let frame = Frame { left, top: TOP_PX, right, bottom: size.1 - BELOW_PX, x: x_scale, y: y_scale };
+        let mut canvas = Canvas::bare(size);
+        if grid == Grid::Shown {
+            canvas.grid(&frame);
+        }
+        canvas.x_ticks(&frame);
+        canvas.y_ticks(&frame);
+        canvas.outline(&frame);
+        let [x_label, y_label] = [x, y].map(|axis| axis.label().to_owned());
+        Self { canvas, frame, x_label, y_label, legend: Vec::new() }
+    }
+
+    /// The frame once more, over what was drawn into it.
+    pub fn outline(&mut self) {
+        self.canvas.outline(&self.frame);
+    }
+
+    /// A color behind a range of x.
+    pub fn band(&mut self, from: f64, to: f64, color: &str) {
+        let (left, right) = (self.frame.x_px(from), self.frame.x_px(to));
+        let size = (right - left + 2.0, self.frame.bottom - self.frame.top);
+        self.canvas.rect((left - 1.0, self.frame.top), size, color, "none");
+    }
+
+    /// A rectangle in the units of the axes.
+    pub fn cell(&mut self, cell: &MapCell) {
+        // Whole pixels, so that no seam shows between neighbors.
+        let whole = |(x, y): (f64, f64)| (x.round(), y.round());
+        let ((left, top), (right, bottom)) =
+            (whole(self.frame.px((cell.x.0, cell.y.1))), whole(self.frame.px((cell.x.1, cell.y.0))));
+        self.canvas.add(&html! {
+            rect class=(cell.class) x=(Px(left)) y=(Px(top)) width=(Px(right - left)) height=(Px(bottom - top))
+                fill=(cell.fill) { title { (crate::text::escaped(&cell.title)) } }
+        });
+    }
+
+    /// A straight line between two cells.
+    pub fn border(&mut self, from: (f64, f64), to: (f64, f64)) {
+        let whole = |(x, y): (f64, f64)| (x.round(), y.round());
+        self.canvas.line(&[whole(self.frame.px(from)), whole(self.frame.px(to))], Pen::solid(INK, THIN_PX));
+    }
+
+    /// A line through the points that are finite.
+    pub fn line(&mut self, points: &[(f64, f64)], stroke: Stroke, color: &str) {
+        let finite = points.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
+        let places: Vec<(f64, f64)> = finite.map(|point| self.frame.px(*point)).collect();
+        self.canvas.line(&places, pen(stroke, color));
+    }
+
+    /// A line from one value to another at an x, with its ends marked.
+    pub fn whisker(&mut self, x: f64, low: f64, high: f64, color: &str) {
+        let ((x, top), (_, bottom)) = (self.frame.px((x, high)), self.frame.px((x, low)));
+        whisker(&mut self.canvas, x, (top, bottom), color);
+    }
+
+    /// A mark at a point, unless that is not finite.
+    pub fn mark(&mut self, point: (f64, f64), mark: Mark, color: &str) {
+        if point.0.is_finite() && point.1.is_finite() {
+            draw_mark(&mut self.canvas, self.frame.px(point), mark, color);
+        }
+    }
+
+    /// Adds an entry to the legend below the drawing.
+    pub fn key(&mut self, key: Key) {
+        self.legend.push(key);
+    }
+
+    /// The figure as it stands in a page.
+    pub(crate) fn markup(&self) -> Markup {
+        html! {
+            figure style={ "width: " (Px(self.canvas.size().0)) "px" } {
+                div class="y" { (crate::text::escaped(&self.y_label)) }
+                (self.canvas.element((0.0, 0.0)))
+                div class="x" { (crate::text::escaped(&self.x_label)) }
+                (legend_markup(&self.legend))
+            }
+        }
+    }
+}
+
+impl Key {
+    /// An entry without a sample, to be given one or several.
+    pub fn new(text: &str) -> Self {
+        Self { sample: Canvas::bare((26.0, 24.0)), text: text.to_owned() }
+    }
+
+    /// With a piece of a line.
+    pub fn line(mut self, stroke: Stroke, color: &str) -> Self {
+        self.sample.line(&[(-12.0, 0.0), (12.0, 0.0)], pen(stroke, color));
+        self
+    }
+
+    /// With a mark.
+    pub fn mark(mut self, mark: Mark, color: &str) -> Self {
+        draw_mark(&mut self.sample, (0.0, 0.0), mark, color);
+        self
+    }
+
+    /// With a field of a color.
+    pub fn field(mut self, color: &str) -> Self {
+        self.sample.rect((-11.0, -6.0), (22.0, 12.0), color, INK);
+        self
+    }
+
+    /// With a whisker.
+    pub fn whisker(mut self, color: &str) -> Self {
+        whisker(&mut self.sample, 0.0, (-6.0, 6.0), color);
+        self
+    }
+
+    /// With the border between two cells.
+    pub fn border(mut self) -> Self {
+        self.sample.line(&[(-12.0, 0.0), (12.0, 0.0)], Pen::solid(INK, THIN_PX));
+        self
+    }
+}
+
+/// The entries of a legend, unless there are none.
+pub(crate) fn legend_markup(legend: &[Key]) -> Markup {
+    html! {
+        @if !legend.is_empty() {
+            ul class="legend" {
+                @for key in legend {
+                    li { (key.sample.element((-13.0, -12.0))) " " (crate::text::escaped(&key.text)) }
+                }
+            }
+        }
+    }
+}
+
+fn pen(stroke: Stroke, color: &str) -> Pen<'_> {
+    match stroke {
+        Stroke::Solid => Pen::solid(color, LINE_PX),
+        Stroke::Dashes => Pen::dashed(color, LINE_PX, "7 4"),
+        Stroke::Dots => Pen::dashed(color, LINE_PX, "2 3"),
+    }
+}
+
+fn whisker(canvas: &mut Canvas, x: f64, (top, bottom): (f64, f64), color: &str) {
+    for ends in [[(x, top), (x, bottom)], [(x - 5.0, top), (x + 5.0, top)], [(x - 5.0, bottom), (x + 5.0, bottom)]] {
+        canvas.line(&ends, Pen::solid(color, THIN_PX));
+    }
+}
+
+fn draw_mark(canvas: &mut Canvas, (x, y): (f64, f64), mark: Mark, color: &str) {
+    let circle = |canvas: &mut Canvas, r: f64, fill: &str, pen: Pen| canvas.circle((x, y), r, fill, pen);
+    let strokes = |canvas: &mut Canvas, r: f64, pen: Pen| {
+        canvas.line(&[(x - r, y - r), (x + r, y + r)], pen);
+        canvas.line(&[(x - r, y + r), (x + r, y - r)], pen);
+    };
+    match mark {
+        Mark::Dot => circle(canvas, 4.0, color, Pen::solid(PAPER, 1.0)),
+        Mark::Ring => circle(canvas, 4.5, PAPER, Pen::solid(color, 1.8)),
+        Mark::Speck => circle(canvas, 2.2, color, Pen::solid(PAPER, 0.9)),
+        Mark::Square => canvas.rect((x - 4.0, y - 4.0), (8.0, 8.0), PAPER, color),
+        // On any color: light below, dark above.
+        Mark::Target => {
+            let r = 9.0;
+            let diamond = [(x, y - r), (x + r, y), (x, y + r), (x - r, y), (x, y - r), (x + r, y)];
+            canvas.line(&diamond, Pen::solid(PAPER, 5.0));
+            canvas.line(&diamond, Pen::solid(color, 2.6));
+        }
+        Mark::Cross => {
+            strokes(canvas, 4.0, Pen::solid(PAPER, 4.5));
+            strokes(canvas, 4.0, Pen::solid(color, 2.0));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(from: f64, to: f64) -> Axis {
+        Axis::new("gap", "mm").with_range(from, to)
+    }
+
+    #[test]
+    fn marks_stand_where_the_axes_say() {
+        let mut chart = Chart::new((200.0, 100.0), &axis(0.0, 10.0), &axis(-1.0, 1.0), Grid::Shown);
+        let Frame { left, right, bottom, .. } = chart.frame;
+        assert!((bottom - 76.0).abs() < 1e-9, "{bottom}");
+        chart.mark((10.0, 1.0), Mark::Dot, INK);
+        chart.mark((0.0, 0.0), Mark::Ring, INK);
+        chart.mark((f64::NAN, 0.0), Mark::Dot, INK);
+        let html = chart.markup().into_string();
+        let px = |value: f64| format!("{}", (100.0 * value).round() / 100.0);
+        assert!(html.contains(&format!("<circle cx=\"{}\" cy=\"8\"", px(right))), "{html}");
+        assert!(html.contains(&format!("<circle cx=\"{}\" cy=\"42\"", px(left))), "{html}");
+        assert!(!html.contains("NaN"), "a place that is none");
+    }
+
+    #[test]
+    fn numbers_along_x_do_not_touch() {
+        for width in [120.0, 200.0, 400.0] {
+            let chart = Chart::new((width, 90.0), &axis(1.0e6, 1.000_001e6), &axis(0.0, 1.0), Grid::Hidden);
+            let scale = chart.frame.x;
+            let ticks = scale.ticks();
+            let widest = ticks.iter().map(|tick| text_width_px(&scale.text(*tick), TICK_SIZE)).fold(0.0, f64::max);
+            let apart = ticks.windows(2).map(|pair| chart.frame.x_px(pair[1]) - chart.frame.x_px(pair[0]));
+            assert!(apart.fold(f64::INFINITY, f64::min) > widest, "{width}: {ticks:?}");
+        }
+    }
+
+    #[test]
+    fn color_bar_fits_beside_the_frame() {
+        let z = Axis::new("force", "N").with_colors(crate::ColorScale::NearLowest);
+        let bands = Bands::of(&z, (0..50).map(|i| f64::from(i * i)));
+        let chart = Chart::with_color_bar((448.0, 380.0), &axis(0.0, 1.0), &axis(0.0, 1.0), &bands);
+        assert!(chart.frame.right < 448.0 - 14.0 - BAR_WIDTH_PX - bands.text_width_px(), "{:?}", chart.frame);
+        assert!(chart.markup().into_string().contains(">force (N), from the lowest, 0<"), "the bar says what it is");
+    }
+}
