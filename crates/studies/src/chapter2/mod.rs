@@ -70,8 +70,10 @@ fn reproduce(root: &Path) -> Result<()> {
     bar.inc(1);
     bar.finish();
 
-    reproduction::save_page(&out, &pictures, &report::page(&findings, &pictures)?, &report::markdown(&findings)?)?;
-    Handover::new(report::claims(&findings)?, &pictures).save(&out)?;
+    let claims = report::claims(&findings)?;
+    let page = report::page(&findings, &claims, &pictures)?;
+    reproduction::save_page(&out, &pictures, &page, &report::markdown(&findings, &claims)?)?;
+    Handover::new(claims, &pictures).save(&out)?;
     findings.full_scale.save(&setup, &out)?;
     tables::full_scale(&findings).write_csv(&out.join("full-scale.csv"))?;
     tables::laws(&findings)?.write_csv(&out.join("laws.csv"))?;

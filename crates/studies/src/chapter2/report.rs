@@ -8,7 +8,7 @@ use super::Findings;
 use super::file::{Analysis, Stated};
 use super::models::{Case, Releases};
 use super::tables::{self, magnitude};
-use crate::claims::{Claim, Place, Verdict};
+use crate::claims::{self, Claim, Place, Verdict};
 use crate::provenance::provenance_table;
 use crate::reproduction::{Picture, markdown_list};
 use page::Page;
@@ -25,11 +25,11 @@ const BY_CONSTRUCTION: &str = "The equations that fly here have no viscosity. Th
 const REYNOLDS_CAPTION: &str = "Chord times flow speed over kinematic viscosity (handbook values at 20 degrees Celsius): of the models \
     as printed, and of the reference model converted to full scale.";
 
-const MENDED_19: &str = "(19), its slips mended (t_bar/tau_z in place of V/tau_z, which is not dimensionless, and V/k_p,phi, which is \
+const REPAIRED_19: &str = "(19), its slips repaired (t_bar/tau_z in place of V/tau_z, which is not dimensionless, and V/k_p,phi, which is \
     missing; t_bar = L_t/V),";
 
 const LISTED_15: &str = "listed in (15)";
-const LISTED_19: &str = "listed in (19), slips mended";
+const LISTED_19: &str = "listed in (19), slips repaired";
 
 const COLLAPSE_CAPTION: &str = "Largest distance of the curves of models 1 and 3 from that of model 2, as a share of that one's peak, \
     against time and against normalized time; and the period of the slowest oscillation of each model about its trim.";
@@ -278,7 +278,7 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Result<Vec<Claim>> {
             Place::Section("2.4.2".to_owned()),
             "The controller's variables give the 8 groups of (19)",
             Verdict::in_kind_if(same(&setup.controller)),
-            findings.groups_sentence(&setup.controller, MENDED_19),
+            findings.groups_sentence(&setup.controller, REPAIRED_19),
         ),
         Claim::new(
             Place::Section("2.4".to_owned()),
@@ -328,9 +328,10 @@ fn law_differs(findings: &Findings<'_>) -> Result<bool> {
 }
 
 /// The page of the study.
-pub(crate) fn page(findings: &Findings<'_>, pictures: &[Picture]) -> Result<Page> {
+pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim], pictures: &[Picture]) -> Result<Page> {
     let setup = findings.setup;
     let mut page = Page::new("Chapter 2: when is a small model a model?");
+    claims::begin(&mut page, claims, pictures.first());
     page.note(SURROGATE);
     page.paragraph(
         "A turbine of 7.5 m chord is tested as a model of 7.5 cm in water. Which speeds, masses and controller gains make the model \
@@ -343,7 +344,7 @@ pub(crate) fn page(findings: &Findings<'_>, pictures: &[Picture]) -> Result<Page
     );
     page.paragraph(&findings.groups_sentence(&setup.plant, "(15)"));
     page.table(&tables::groups(&setup.controller, LISTED_19), "Controller: the groups of Section 2.4.2's variables.");
-    page.paragraph(&findings.groups_sentence(&setup.controller, MENDED_19));
+    page.paragraph(&findings.groups_sentence(&setup.controller, REPAIRED_19));
     page.heading("The dissertation's Table 2, checked");
     page.table(
         &tables::table_2(findings)?,
@@ -359,7 +360,7 @@ pub(crate) fn page(findings: &Findings<'_>, pictures: &[Picture]) -> Result<Page
     page.heading("Figures 11 and 12");
     page.paragraph(&findings.release_sentence());
     page.table(&tables::collapse(findings), COLLAPSE_CAPTION);
-    for picture in pictures {
+    for picture in pictures.iter().skip(1) {
         picture.show_in(&mut page);
     }
     page.paragraph(&findings.honest_paragraph());
@@ -390,21 +391,22 @@ pub(crate) fn page(findings: &Findings<'_>, pictures: &[Picture]) -> Result<Page
 }
 
 /// The results as a page of `docs/`.
-pub(crate) fn markdown(findings: &Findings<'_>) -> Result<String> {
+pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> Result<String> {
     let setup = findings.setup;
     Ok(format!(
         "# Chapter 2: results\n\n\
          Written by `cargo xtask reproduce-chapter2`; `cargo xtask ci` fails when this page is not what the command finds.\n\
-         {SURROGATE}\n\n\
+         {SURROGATE}\n\n{}\n\
          ## Dimensionless groups\n\n{}\n\n{}\n{}\n\n{}\n\
          ## The dissertation's Table 2, checked\n\n{}\n{SIMILARITY_CAPTION}\n\n{}\n{}\n\n{}\n{}\n\n\
          ## Figures 11 and 12\n\n{}\n\n{COLLAPSE_CAPTION}\n\n{}\n{}\n\n\
          ## What this does not show\n\n{BY_CONSTRUCTION}\n\n{REYNOLDS_CAPTION}\n\n{}\n\
          ## Scaling laws\n\n{LAW_CAPTION}\n\n{}\n{}\n\n\
          ## The rig at full scale, in air\n\n{}{}\n{}",
+        claims::beginning(claims),
         findings.groups_sentence(&setup.plant, "(15)"),
         tables::groups(&setup.plant, LISTED_15).markdown(),
-        findings.groups_sentence(&setup.controller, MENDED_19),
+        findings.groups_sentence(&setup.controller, REPAIRED_19),
         tables::groups(&setup.controller, LISTED_19).markdown(),
         tables::table_2(findings)?.markdown(),
         tables::similarity(findings).markdown(),

@@ -63,8 +63,10 @@ fn reproduce(root: &Path) -> Result<()> {
     bar.inc(1);
     bar.finish();
 
-    reproduction::save_page(&out, &pictures, &report::page(&findings, &pictures), &report::markdown(&findings))?;
-    Handover::new(report::claims(&findings), &pictures).save(&out)?;
+    let claims = report::claims(&findings);
+    let page = report::page(&findings, &claims, &pictures);
+    reproduction::save_page(&out, &pictures, &page, &report::markdown(&findings, &claims))?;
+    Handover::new(claims, &pictures).save(&out)?;
     designs_csv(&findings, &out.join("designs.csv"))?;
     report::print(&findings, &CHAPTER.out());
     Ok(())

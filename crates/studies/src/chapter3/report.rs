@@ -7,7 +7,7 @@ use water_channel::LogRow;
 use super::Findings;
 use super::file::Setup;
 use super::panels::{Design, PanelFlights};
-use crate::claims::{Claim, Place, Verdict};
+use crate::claims::{self, Claim, Place, Verdict};
 use crate::provenance::provenance_table;
 use crate::reproduction::{Picture, markdown_list};
 use page::Page;
@@ -340,8 +340,9 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
 const MATTERS: f64 = 1.5;
 
 /// The page of the study.
-pub(crate) fn page(findings: &Findings<'_>, pictures: &[Picture]) -> Page {
+pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim], pictures: &[Picture]) -> Page {
     let mut page = Page::new("Chapter 3: which configurations fly well without a controller");
+    claims::begin(&mut page, claims, pictures.first());
     page.note(SURROGATE);
     page.paragraph(
         "Before anything is optimized, the bare machine is compared in four configurations: with the horizontal fin at three angles \
@@ -350,7 +351,6 @@ pub(crate) fn page(findings: &Findings<'_>, pictures: &[Picture]) -> Page {
          heading and lateral position squared.",
     );
     page.heading("Figure 14");
-    pictures[0].show_in(&mut page);
     page.list(&sentences(findings));
     page.table(&best_table(findings, &findings.stand_in), BEST_CAPTION);
     page.table(&count_table(&findings.stand_in), COUNT_CAPTION);
@@ -372,13 +372,14 @@ pub(crate) fn page(findings: &Findings<'_>, pictures: &[Picture]) -> Page {
 }
 
 /// The results as a page of `docs/`.
-pub(crate) fn markdown(findings: &Findings<'_>) -> String {
+pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> String {
     format!(
         "# Chapter 3: results\n\n\
          Written by `cargo xtask reproduce-chapter3`; `cargo xtask ci` fails when this page is not what the command finds.\n\
-         {SURROGATE}\n\n\
+         {SURROGATE}\n\n{}\n\
          ## Figure 14, in the stand-in\n\n{}\n{BEST_CAPTION}\n\n{}\n{COUNT_CAPTION}\n\n{}\n\
          ## In the numerical model\n\n{}\n{}",
+        claims::beginning(claims),
         markdown_list(&sentences(findings)),
         best_table(findings, &findings.stand_in).markdown(),
         count_table(&findings.stand_in).markdown(),

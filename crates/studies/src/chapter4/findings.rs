@@ -183,17 +183,17 @@ impl Findings<'_> {
     pub(super) fn what_changed(&self) -> Vec<String> {
         let (before, after) = (self.printed().first(), self.printed().last());
         let mut items = Vec::new();
-        let mut tell = |what: &str, before: f64, after: f64, unit: &str| {
+        let mut note = |what: &str, before: f64, after: f64, unit: &str| {
             let verdict = if after < before { "better" } else { "worse" };
             items.push(format!("{what}: {before:.2} before, {after:.2} {unit} after: {verdict}."));
         };
         for (angle, figure, error) in ERRORS {
             let what = format!("mean squared {angle} error (Figure {figure})");
-            tell(&what, before.mean_squared_deg2(error), after.mean_squared_deg2(error), "deg²");
+            note(&what, before.mean_squared_deg2(error), after.mean_squared_deg2(error), "deg²");
         }
-        tell("ground footprint, mean", before.mean_footprint_m2() * 1e4, after.mean_footprint_m2() * 1e4, "cm²");
+        note("ground footprint, mean", before.mean_footprint_m2() * 1e4, after.mean_footprint_m2() * 1e4, "cm²");
         for (k, name) in water_channel::TERM_NAMES.iter().enumerate() {
-            tell(&format!("share of the cost from {name}"), before.experiment.terms[k], after.experiment.terms[k], "s");
+            note(&format!("share of the cost from {name}"), before.experiment.terms[k], after.experiment.terms[k], "s");
         }
         items
     }
@@ -243,7 +243,7 @@ impl Findings<'_> {
                 Place::Contribution(1),
                 "An iterative co-design framework that fuses experiments and simulations by gradients",
                 between(falls),
-                format!("`infuse::gradient::Loop` with the sign of (27) mended. {FITTED} {fall}"),
+                format!("`infuse::gradient::Loop` with the sign of (27) repaired. {FITTED} {fall}"),
             ),
             Claim::new(
                 Place::Contribution(5),

@@ -50,7 +50,7 @@ pub(crate) fn n_flights() -> usize {
 }
 
 /// Failures and margins over the box of the four design parameters of Table 4.
-pub(crate) fn box_table(setup: &Setup, landed: impl Fn(usize) + Sync) -> Table {
+pub(crate) fn box_table(setup: &Setup, done: impl Fn(usize) + Sync) -> Table {
     let mut table = Table::new(vec![
         Column::new("Physics", ""),
         Column::new("Flights", "1"),
@@ -60,7 +60,7 @@ pub(crate) fn box_table(setup: &Setup, landed: impl Fn(usize) + Sync) -> Table {
         Column::new("Peak heading", "deg"),
     ]);
     for (name, fidelity) in FIDELITIES {
-        let flown = fly_all(&requests(setup, fidelity), setup.bat.profile(), &FlightSettings::with_steps(1), &landed);
+        let flown = fly_all(&requests(setup, fidelity), setup.bat.profile(), &FlightSettings::with_steps(1), &done);
         let extremes: Vec<_> = flown.iter().flatten().map(|flight| flight.extremes).collect();
         let fold = |f: fn(&water_channel::Extremes) -> f64, pick: fn(f64, f64) -> f64| {
             extremes.iter().map(f).reduce(pick).unwrap_or(f64::NAN)

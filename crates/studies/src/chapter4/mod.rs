@@ -41,9 +41,9 @@ fn reproduce(root: &Path) -> Result<()> {
     eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
 
     let bar = progress("1/4 cost landscapes: flights of model and stand-in", 2 * Lattice::size(&setup));
-    let landed = |n: usize| bar.inc(n as u64);
-    let model = Lattice::fly(&setup, MODEL, landed);
-    let stand_in = Lattice::fly(&setup, STAND_IN, landed);
+    let done = |n: usize| bar.inc(n as u64);
+    let model = Lattice::fly(&setup, MODEL, done);
+    let stand_in = Lattice::fly(&setup, STAND_IN, done);
     bar.finish();
 
     let iterations = setup.loop_settings(&setup.file.variant[0]).max_iterations * setup.file.variant.len();
@@ -119,8 +119,10 @@ fn interpolation_error(setup: &Setup, model: &Lattice) -> Result<f64> {
 
 /// The page, the figures and the data.
 fn write(out: &Path, findings: &Findings<'_>) -> Result<()> {
-    reproduction::save_page(out, findings.pictures, &report::page(findings), &report::markdown(findings))?;
-    Handover::new(findings.claims(), findings.pictures).save(out)?;
+    let claims = findings.claims();
+    let page = report::page(findings, &claims);
+    reproduction::save_page(out, findings.pictures, &page, &report::markdown(findings, &claims))?;
+    Handover::new(claims, findings.pictures).save(out)?;
     let m = &findings.material;
     results::iteration_table(m.setup, &m.rows[0], Digits::All).write_csv(&out.join("table-3.csv"))?;
     results::variant_table(m.rows, Digits::All).write_csv(&out.join("loops.csv"))?;

@@ -5,9 +5,13 @@ use std::path::Path;
 use super::findings::{Findings, change_words};
 use super::results::{Digits, cost_table, falls_pct, flight_table, seed_table, side_by_side, variant_table};
 use crate::bat::{MODEL, STAND_IN};
+use crate::claims::{self, Claim};
 use crate::provenance::provenance_table;
 use page::Page;
 use page::Summary;
+
+/// The picture that the page begins with.
+const FIRST: &str = "landscape-stand-in";
 
 const BOX_CAPTION: &str = "Flights over the box of the four parameters of Table 4 (pitch to 22 deg): center of mass and \
     pitch set point at five values each, both stabilizers at their smallest, nominal and largest area; one step per sample. \
@@ -30,10 +34,11 @@ fn step_caption(findings: &Findings<'_>) -> String {
 }
 
 /// The page of the study.
-pub(crate) fn page(findings: &Findings<'_>) -> Page {
+pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim]) -> Page {
     let m = &findings.material;
     let setup = m.setup;
     let mut page = Page::new("Chapter 4: experimentally infused optimization of a tethered turbine, two parameters");
+    claims::begin(&mut page, claims, findings.pictures.iter().find(|picture| picture.name == FIRST));
     page.note(
         "No experiment was made. The water channel of the dissertation is replaced by a surrogate: the numerical model \
          plus stall plus added mass. Published figures stand beside ours. What was fitted is called calibrated and is \
@@ -74,7 +79,8 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
     page.paragraph(&findings.identifiability());
 
     let show = |page: &mut Page, names: &[&str]| {
-        for picture in findings.pictures.iter().filter(|picture| names.iter().any(|n| picture.name.starts_with(n))) {
+        let others = findings.pictures.iter().filter(|picture| picture.name != FIRST);
+        for picture in others.filter(|picture| names.iter().any(|n| picture.name.starts_with(n))) {
             page.figure(&picture.svg, &picture.caption);
         }
     };
@@ -133,7 +139,7 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
 }
 
 /// The results as a page of `docs/`, without anything that differs from run to run.
-pub(crate) fn markdown(findings: &Findings<'_>) -> String {
+pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> String {
     let m = &findings.material;
     let falls: String = m
         .seeded
@@ -150,7 +156,7 @@ pub(crate) fn markdown(findings: &Findings<'_>) -> String {
         "# Chapter 4: results\n\n\
          Written by `cargo xtask reproduce-chapter4`; `cargo xtask ci` fails when this page is not what the command finds.\n\
          The water channel is replaced by a surrogate: the numerical model plus stall plus added mass.\n\
-         Rows marked calibrated were fitted and reproduce nothing; see [departures](departures.md) for what is ours.\n\n\
+         Rows marked calibrated were fitted and reproduce nothing; see [departures](departures.md) for what is ours.\n\n{}\n\
          ## Table 3: dissertation / this run\n\n{}\n\
          The calibrated costs leave room for a fall of at most {:.1} % (from the first row to the stand-in's best design, \
          {:.2} % chord and {:.2} deg at {:.3} s); the loop takes {:.1} %, the dissertation's {:.1} %.\n\n\
@@ -158,6 +164,7 @@ pub(crate) fn markdown(findings: &Findings<'_>) -> String {
          ## What got better and what did not\n\nBefore (iteration 1) and after (last iteration), in the stand-in.\n\n{}\n## Costs of the printed loop's designs in the stand-in\n\n{}\n## How they fly\n\n{}\n\
          ## Over noise seeds\n\nFall of the experimental cost, noise taken off:\n\n{}\n{}\n\
          ## Margins over the box of Table 4\n\n{BOX_CAPTION}\n\n{}\n## Step size\n\n{}\n\n{}",
+        claims::beginning(claims),
         side_by_side(m.setup, findings.printed()).markdown(),
         findings.room_pct(),
         findings.best.point[0],

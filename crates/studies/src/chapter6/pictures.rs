@@ -6,7 +6,7 @@ use super::file::Case;
 use super::{Ended, Findings};
 use crate::gridded::{IterationAccuracy, NORMS, NormAccuracy, Q2, cell_panel, design_points};
 use crate::reproduction::Picture;
-use page::{Axis, CellFigure, CellPanel, LineFigure, Panel, Series, cell_figure, line_figure};
+use page::{Axis, CellFigure, CellPanel, ColorScale, LineFigure, Panel, Series, cell_figure, line_figure};
 
 /// Samples per row of a flight log: 0.1 s.
 const LOG_EVERY: usize = 4;
@@ -81,7 +81,7 @@ fn designs(findings: &Findings, ended: &Ended) -> Result<Picture> {
         title: format!("{}, {truth}: designs and combined response", setup.variant(ended.case).label),
         x_axis: axis(x.name(), x.unit()),
         y_axis: axis(y.name(), y.unit()),
-        z_axis: Axis::new("cost J", "s"),
+        z_axis: Axis::new("cost J", "s").with_colors(ColorScale::NearLowest),
         panels,
         missing_label: "dropped by a z-test".to_owned(),
         minimum_label: "optimum of the combined surface".to_owned(),
@@ -92,7 +92,7 @@ fn designs(findings: &Findings, ended: &Ended) -> Result<Picture> {
         caption: format!(
             "The counterpart of Figure 20 with {} as the truth, noise within ±{} % of the range: what is left of the \
              space at the onset of an iteration, the runs made in it, and the surface fitted to training experiments and \
-             corrected simulations. Above the highest color all values have it.",
+             corrected simulations. Colors: distance from the lowest cost of all panels, finer near it.",
             setup.truth(ended.case.truth).with_article(),
             100.0 * ended.case.noise
         ),

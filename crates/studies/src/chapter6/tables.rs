@@ -240,7 +240,7 @@ pub(crate) fn flights(findings: &Findings) -> Table {
 }
 
 /// The third question of the dissertation: how many iterations?
-pub(crate) fn rounds(findings: &Findings) -> Result<Table> {
+pub(crate) fn how_many(findings: &Findings) -> Result<Table> {
     let mut table = Table::new(vec![
         Column::new("Space", ""),
         Column::new("Truth", ""),
@@ -267,14 +267,14 @@ pub(crate) fn rounds(findings: &Findings) -> Result<Table> {
                 let bound = Bound::new(ended.campaign.settings().correction, ModelStage::Corrected);
                 let limit = bound.limit().map(|limit| limit.error(&levels));
                 let promises = limit.is_some_and(|limit| limit < first.gap);
-                let rounds = if promises { bound.iterations_to(&levels, 0.1 * first.gap)? } else { None };
+                let needed = if promises { bound.iterations_to(&levels, 0.1 * first.gap)? } else { None };
                 table.push(vec![
                     findings.setup.spaces[space].entry.label.clone(),
                     findings.setup.truth(truth).short().to_owned(),
                     findings.setup.variant(ended.case).label.clone(),
                     limit.map_or("–".to_owned(), digits),
                     digits(first.gap),
-                    or_dash(rounds),
+                    or_dash(needed),
                 ]);
             }
         }

@@ -10,8 +10,8 @@ use crate::gridded::{cell_panel, design_points};
 use crate::reproduction::Picture;
 use page::Column;
 use page::{
-    Axis, CellFigure, CellPanel, Group, LineFigure, Panel, Reference, Series, SpreadFigure, cell_figure, line_figure,
-    spread_figure,
+    Axis, CellFigure, CellPanel, ColorScale, Group, LineFigure, Panel, Reference, Series, SpreadFigure, cell_figure,
+    line_figure, spread_figure,
 };
 
 /// A figure of flights: its number, how many parameters its study has, what it shows, and what the dissertation says of it.
@@ -90,7 +90,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
         title: format!("{}, {}: runs and combined response", case.entry.label, found.main().label),
         x_axis: Axis::new(&x.0.to_lowercase(), x.1),
         y_axis: Axis::new(&y.0.to_lowercase(), y.1),
-        z_axis: Axis::new("cost J", "s"),
+        z_axis: Axis::new("cost J", "s").with_colors(ColorScale::NearLowest),
         panels,
         missing_label: "dropped by a z-test".to_owned(),
         minimum_label: "optimum of the combined surface".to_owned(),
@@ -100,7 +100,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
         svg: cell_figure(&figure),
         caption: "The counterpart of Figure 23, without noise. Left: what is left of the space at the onset of an \
                   iteration with its true cost in the stand-in, and the runs made there. Right: the surface fitted to \
-                  training experiments and corrected simulations. Above the highest color all values have it."
+                  training experiments and corrected simulations. Colors: distance from the lowest cost of all panels, finer near it."
             .to_owned(),
     })
 }

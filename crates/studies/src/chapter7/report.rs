@@ -5,7 +5,7 @@ use std::path::Path;
 use super::claims::last_row_words;
 use super::tables::{self, Rows, point_words};
 use super::{Case, Choice, Findings, Found};
-use crate::claims::{self, Claim};
+use crate::claims::{self, Claim, FOUND};
 use crate::handover::Excerpt;
 use crate::provenance::provenance_table;
 use crate::reproduction::{Picture, markdown_list};
@@ -168,6 +168,8 @@ pub(crate) fn excerpts(findings: &Findings) -> Vec<Excerpt> {
 /// The page of the study.
 pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) -> Page {
     let mut page = Page::new("Chapter 7: experimentally infused optimization over two and over four parameters");
+    let first = pictures.first();
+    claims::begin(&mut page, claims, first);
     page.note(SURROGATE);
     page.paragraph(
         "In every iteration a few experiments and more simulations are made where they say most, one surface is fitted to training \
@@ -178,8 +180,10 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.list(&findings.cases().map(|(case, found)| loop_words(findings, case, found)).collect::<Vec<_>>());
     page.heading("What the dissertation says, and what holds here");
     page.prose_table(&claims::table(claims), CLAIM_CAPTION, &claims::WIDTHS_PCT);
+    page.paragraph(claims::FOUND);
+    page.list(&claims::found(claims));
     let show = |page: &mut Page, name: &str| {
-        for picture in pictures.iter().filter(|picture| picture.name.starts_with(name)) {
+        for picture in pictures.iter().skip(1).filter(|picture| picture.name.starts_with(name)) {
             picture.show_in(page);
         }
     };
@@ -233,11 +237,13 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> String {
     let mut text = format!(
         "# Chapter 7: results\n\n\
          Written by `cargo xtask {}`; `cargo xtask ci` fails when this page is not what the command finds.\n\
-         See [departures](departures.md) for what is built instead of what is printed.\n\n{SURROGATE}\n\n{CALIBRATED}\n\n{}\n\
-         ## What the dissertation says, and what holds here\n\n{CLAIM_CAPTION}\n\n{}",
+         See [departures](departures.md) for what is built instead of what is printed.\n\n{}\n{SURROGATE}\n\n{CALIBRATED}\n\n{}\n\
+         ## What the dissertation says, and what holds here\n\n{CLAIM_CAPTION}\n\n{}\n{FOUND}\n\n{}",
         super::CHAPTER.command,
+        claims::beginning(claims),
         markdown_list(&loops),
-        claims::table(claims).markdown()
+        claims::table(claims).markdown(),
+        markdown_list(&claims::found(claims))
     );
     let mut section = |heading: &str, words: &str, table: &str| {
         text.push_str(&format!("\n## {heading}\n\n{words}\n\n{table}"));

@@ -139,7 +139,7 @@ pub(crate) fn choices(
         ),
         (
             "squared-exponential surfaces",
-            "All three surfaces are (34) with its sign mended, the scale chosen by leaving out one place at a time."
+            "All three surfaces are (34) with its sign repaired, the scale chosen by leaving out one place at a time."
                 .to_owned(),
             surfaces(SurfaceKind::SquaredExponential { scale: None }),
         ),

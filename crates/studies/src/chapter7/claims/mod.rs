@@ -68,7 +68,7 @@ fn framework(findings: &Findings) -> Claim {
         "A global framework of optimal designs, response surfaces and hypothesis tests",
         Verdict::in_kind_of(votes::count(&free), free.len()),
         format!(
-            "`infuse::global::Loop` with (36) mended ends truly better than the numerical model alone in {} campaigns whose ends were not \
+            "`infuse::global::Loop` with (36) repaired ends truly better than the numerical model alone in {} campaigns whose ends were not \
              calibrated, which decide here, and in {} between calibrated ends.",
             words(&free),
             words(&fitted)
