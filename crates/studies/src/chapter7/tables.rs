@@ -4,9 +4,9 @@ use water_channel::Record;
 
 use super::campaigns::{Runs, Step};
 use super::file::{Case, Standing};
+use super::findings::{Findings, Found};
 use super::flights::READINGS;
 use super::wrong::Choice;
-use super::{Findings, Found};
 use crate::bat::{STAND_IN, Variable};
 use page::Summary;
 use page::{Column, Table};

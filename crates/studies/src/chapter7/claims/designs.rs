@@ -3,9 +3,9 @@
 use super::votes::{Votes, count};
 use super::{FITTED, median_words, table_place};
 use crate::bat::Variable;
-use crate::chapter7::Found;
 use crate::chapter7::campaigns::Steps;
 use crate::chapter7::file::{Case, Row, Standing};
+use crate::chapter7::findings::Found;
 use crate::chapter7::tables::point_words;
 use crate::claims::{Claim, Place, Verdict};
 

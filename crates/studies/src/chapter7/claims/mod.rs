@@ -9,7 +9,7 @@ pub(super) use designs::last_row_words;
 
 use super::campaigns::Runs;
 use super::file::Case;
-use super::{Findings, Found};
+use super::findings::{Findings, Found};
 use crate::claims::{Claim, Place, Verdict};
 use page::Summary;
 

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::findings::{Findings, change_words};
-use super::results::{Digits, cost_table, falls_pct, flight_table, seed_table, side_by_side, variant_table};
+use super::rows::falls_pct;
+use super::tables::{Digits, cost_table, flight_table, seed_table, side_by_side, variant_table};
 use crate::bat::{MODEL, STAND_IN};
 use crate::claims::{self, Claim};
 use crate::provenance::provenance_table;
@@ -117,7 +118,7 @@ pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim]) -> Page {
         setup.file.noise.first_seed + setup.file.noise.seeds - 1,
         setup.experiment_steps(),
         m.model.axes[0].len() * m.model.axes[1].len(),
-        super::CHECKED_POINTS,
+        super::findings::CHECKED_POINTS,
         findings.interpolation_error
     ));
     page.heading("Margins and step size");

@@ -2,8 +2,9 @@
 
 use anyhow::{Context as _, Result};
 
+use super::campaigns::Ended;
 use super::file::Case;
-use super::{Ended, Findings};
+use super::findings::Findings;
 use crate::gridded::{IterationAccuracy, NORMS, NormAccuracy, Q2, cell_panel, design_points};
 use crate::reproduction::Picture;
 use page::{Axis, CellFigure, CellPanel, ColorScale, LineFigure, Panel, Series, cell_figure, line_figure};

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::{Ended, Findings, tables};
+use super::campaigns::Ended;
+use super::findings::Findings;
+use super::tables;
 use crate::claims::{self, Claim, FOUND};
 use crate::provenance::provenance_table;
 use crate::reproduction::{Extent, Picture, markdown_list};
@@ -148,7 +150,7 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
         &provenance_table(&findings.setup.spaces[0].bat.records),
         "Plant, controller, test and cost: value, unit and where each comes from.",
     );
-    page.paragraph(&format!("Made by `cargo xtask {}` in {:.0} s.", super::CHAPTER.command, findings.seconds));
+    page.paragraph(&format!("Made by `cargo xtask reproduce-chapter6` in {:.0} s.", findings.seconds));
     Ok(page)
 }
 

@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
+use super::campaigns::Runs;
 use super::claims::last_row_words;
+use super::file::Case;
+use super::findings::{Findings, Found};
 use super::tables::{self, Rows, point_words};
-use super::{Case, Choice, Findings, Found};
+use super::wrong::Choice;
 use crate::claims::{self, Claim, FOUND};
 use crate::handover::Excerpt;
 use crate::provenance::provenance_table;
@@ -82,7 +85,7 @@ fn best_words(case: &Case, found: &Found) -> String {
 
 /// Why the space shrinks as it does.
 fn spread_words(found: &Found) -> String {
-    let of = |runs: &super::Runs| {
+    let of = |runs: &Runs| {
         let reports = runs.quiet_campaign.reports().iter();
         let spreads: Vec<String> = reports
             .map(|report| report.screening.spread.s().map_or("–".to_owned(), |spread| format!("{spread:.3}")))
@@ -227,7 +230,7 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
             "Plant, controller, test and cost: value, unit and where each comes from.",
         );
     }
-    page.paragraph(&format!("Made by `cargo xtask {}` in {:.0} s.", super::CHAPTER.command, findings.seconds));
+    page.paragraph(&format!("Made by `cargo xtask reproduce-chapter7` in {:.0} s.", findings.seconds));
     page
 }
 
@@ -236,10 +239,9 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> String {
     let loops: Vec<String> = findings.cases().map(|(case, found)| loop_words(findings, case, found)).collect();
     let mut text = format!(
         "# Chapter 7: results\n\n\
-         Written by `cargo xtask {}`; `cargo xtask ci` fails when this page is not what the command finds.\n\
+         Written by `cargo xtask reproduce-chapter7`; `cargo xtask ci` fails when this page is not what the command finds.\n\
          See [departures](departures.md) for what is built instead of what is printed.\n\n{}\n{SURROGATE}\n\n{CALIBRATED}\n\n{}\n\
          ## What the dissertation says, and what holds here\n\n{CLAIM_CAPTION}\n\n{}\n{FOUND}\n\n{}",
-        super::CHAPTER.command,
         claims::beginning(claims),
         markdown_list(&loops),
         claims::table(claims).markdown(),

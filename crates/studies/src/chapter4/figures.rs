@@ -5,7 +5,7 @@ use water_channel::LogRow;
 use super::file::Setup;
 use super::lattice::Lattice;
 use super::loops::Seeded;
-use super::results::{Angle, ERRORS, READINGS, Row, Rows, over_seeds};
+use super::rows::{Angle, ERRORS, READINGS, Row, Rows, over_seeds};
 use crate::reproduction::Picture;
 use page::{
     Axis, Group, Landscape, LineFigure, Panel, Path, Reference, Series, Shaded, SpreadFigure, landscape_figure,

@@ -2,10 +2,11 @@
 
 use anyhow::{Context as _, Result};
 
+use super::campaigns::Step;
 use super::file::Case;
-use super::flights::{ALTITUDE, HEADING, PITCH, Quantity, ROLL, ZENITH};
+use super::findings::{Findings, Found, shares};
+use super::flights::{ALTITUDE, Flown, HEADING, PITCH, Quantity, ROLL, ZENITH};
 use super::tables::{point_words, variable_words};
-use super::{Findings, Found, Step, shares};
 use crate::gridded::{cell_panel, design_points};
 use crate::reproduction::Picture;
 use page::Column;
@@ -109,7 +110,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
 fn flights(case: &Case, found: &Found, figure: &FlightFigure) -> Picture {
     let both = [("numerical optimum", &found.flights.before), ("infused optimum", &found.flights.after)];
     let label = |name: &str, point: &[f64]| format!("{name}: {}", point_words(case, point));
-    let panel = |axis: Axis, map: &dyn Fn(&super::Flown) -> Vec<f64>| Panel {
+    let panel = |axis: Axis, map: &dyn Fn(&Flown) -> Vec<f64>| Panel {
         x_axis: None,
         y_axis: axis,
         series: both
