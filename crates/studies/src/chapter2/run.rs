@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn table_2_has_one_mismatch_and_the_masses_that_mend_it() {
+    fn table_2_has_one_mismatch_and_the_masses_that_repair_it() {
         let setup = setup();
         let similarity = Similarity::check(&setup.plant.groups, &setup.set_ups, setup.tolerance).expect("a check");
         let mismatches: Vec<String> = similarity.mismatches().map(|row| row.group.to_string()).collect();
