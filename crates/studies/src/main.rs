@@ -1,5 +1,4 @@
 //! Runs the studies: `studies <command>`, from the root of the workspace.
-#![expect(clippy::print_stdout, reason = "a program of the command line talks")]
 #![cfg_attr(
     not(feature = "global"),
     expect(dead_code, reason = "some of what the chapters share is for those with the global loop alone")

@@ -82,7 +82,7 @@ fn designs(findings: &Findings, ended: &Ended) -> Result<Picture> {
         title: format!("{}, {truth}: designs and combined response", setup.variant(ended.case).label),
         x_axis: axis(x.name(), x.unit()),
         y_axis: axis(y.name(), y.unit()),
-        z_axis: Axis::new("cost J", "s").with_colors(ColorScale::NearLowest),
+        z_axis: Axis::new("cost J", "s").with_colors(ColorScale::EqualShares),
         panels,
         missing_label: "dropped by a z-test".to_owned(),
         minimum_label: "optimum of the combined surface".to_owned(),
@@ -93,7 +93,7 @@ fn designs(findings: &Findings, ended: &Ended) -> Result<Picture> {
         caption: format!(
             "The counterpart of Figure 20 with {} as the truth, noise within ±{} % of the range: what is left of the \
              space at the onset of an iteration, the runs made in it, and the surface fitted to training experiments and \
-             corrected simulations. Colors: distance from the lowest cost of all panels, finer near it.",
+             corrected simulations. Each color has equally many cells of all panels.",
             setup.truth(ended.case.truth).with_article(),
             100.0 * ended.case.noise
         ),

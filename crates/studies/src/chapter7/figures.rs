@@ -91,7 +91,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
         title: format!("{}, {}: runs and combined response", case.entry.label, found.main().label),
         x_axis: Axis::new(&x.0.to_lowercase(), x.1),
         y_axis: Axis::new(&y.0.to_lowercase(), y.1),
-        z_axis: Axis::new("cost J", "s").with_colors(ColorScale::NearLowest),
+        z_axis: Axis::new("cost J", "s").with_colors(ColorScale::EqualShares),
         panels,
         missing_label: "dropped by a z-test".to_owned(),
         minimum_label: "optimum of the combined surface".to_owned(),
@@ -101,7 +101,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
         svg: cell_figure(&figure),
         caption: "The counterpart of Figure 23, without noise. Left: what is left of the space at the onset of an \
                   iteration with its true cost in the stand-in, and the runs made there. Right: the surface fitted to \
-                  training experiments and corrected simulations. Colors: distance from the lowest cost of all panels, finer near it."
+                  training experiments and corrected simulations. Each color has equally many cells of all panels."
             .to_owned(),
     })
 }

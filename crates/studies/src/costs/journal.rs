@@ -4,10 +4,13 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::store::Cost;
+use super::cost::Cost;
 
 /// What stands before the reason of a flight without a cost.
 const FAILED: &str = "failed: ";
+
+/// A point with its cost.
+pub(super) type FlownPoint = (Vec<f64>, Cost);
 
 /// The end of a file of costs.
 ///
@@ -21,7 +24,7 @@ pub(super) struct Journal {
 
 impl Journal {
     /// Opens a file to go on with it, with the points that it knows. Lines that make no sense are as good as not there.
-    pub(super) fn open(path: &Path) -> std::io::Result<(Self, Vec<(Vec<f64>, Cost)>)> {
+    pub(super) fn open(path: &Path) -> std::io::Result<(Self, Vec<FlownPoint>)> {
         let mut file = OpenOptions::new().read(true).append(true).create(true).open(path)?;
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes)?;
@@ -48,7 +51,7 @@ fn line(point: &[f64], cost: &Cost) -> String {
     }
 }
 
-fn read_line(line: &str) -> Option<(Vec<f64>, Cost)> {
+fn read_line(line: &str) -> Option<FlownPoint> {
     let (point, cost) = line.split_once('\t')?;
     let cost = match cost.strip_prefix(FAILED) {
         Some(reason) => Err(reason.to_owned()),

@@ -7,10 +7,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use bat_dynamics::Fidelity;
 
+use super::cost::Cost;
 use super::journal::Journal;
-
-/// A flight's cost, or the reason why there is none.
-pub(crate) type Cost = Result<f64, String>;
 
 /// The bits of a point.
 type Bits = Vec<u64>;

@@ -132,7 +132,7 @@ fn fingerprint() -> Result<String> {
     let mut key = Key::default().with(VERSION);
     for (n_factors, levels, n_experiments, n_simulations) in [(2, 24, 12, 24), (4, 10, 18, 36)] {
         let parameter =
-            |factor: usize| Parameter::continuous(&format!("x{factor}"), "1", -1.0, 1.0)?.with_levels(levels);
+            |factor: usize| Parameter::continuous(format!("x{factor}"), "1", -1.0, 1.0)?.with_levels(levels);
         let region = Region::new((0..n_factors).map(parameter).collect::<Result<_, _>>()?)?;
         for model in [Model::additive_quadratic(n_factors)?, Model::quadratic(n_factors)?] {
             let settings = global::Settings::new(model, n_experiments, n_simulations);
