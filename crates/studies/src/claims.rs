@@ -4,7 +4,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use page::{Column, Table};
+use page::{Column, Finding, Page, Table};
+
+use crate::reproduction::Picture;
 
 /// Where the dissertation says it; in the order in which the claims are listed.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -106,24 +108,73 @@ impl Claim {
     }
 }
 
-/// Claims for the page of their study.
+/// Verdicts in the order in which a page begins with them.
+const ORDER: [Verdict; 7] = [
+    Verdict::Reproduced,
+    Verdict::InKind,
+    Verdict::InPart,
+    Verdict::NotReproduced,
+    Verdict::PartlyCalibrated,
+    Verdict::Calibrated,
+    Verdict::TakenOver,
+];
+
+/// What was found in words: the claims by what became of them.
+fn by_verdict(claims: &[&Claim]) -> Vec<(Verdict, Vec<String>)> {
+    let of = |verdict: Verdict| -> Vec<String> {
+        let claims = claims.iter().filter(|claim| claim.verdict == verdict);
+        claims.map(|claim| claim.says.trim_end_matches('.').to_owned()).collect()
+    };
+    ORDER.into_iter().map(|verdict| (verdict, of(verdict))).filter(|(_, says)| !says.is_empty()).collect()
+}
+
+/// The first screen of a page: what was found, in words, and one picture.
+pub(crate) fn begin(page: &mut Page, claims: &[Claim], picture: Option<&Picture>) {
+    let findings = by_verdict(&claims.iter().collect::<Vec<_>>()).into_iter().map(|(verdict, says)| {
+        let finding = Finding::new(format!("{}:", capitalized(&verdict.to_string())));
+        says.into_iter().fold(finding, |finding, says| finding.detail(Finding::new(says)))
+    });
+    page.key_findings(&findings.collect::<Vec<_>>());
+    if let Some(picture) = picture {
+        picture.show_in(page);
+    }
+}
+
+/// The same for a page of `docs/`.
+pub(crate) fn beginning(claims: &[Claim]) -> String {
+    let found = by_verdict(&claims.iter().collect::<Vec<_>>()).into_iter();
+    let items =
+        found.map(|(verdict, says)| format!("- **{}**: {}.\n", capitalized(&verdict.to_string()), says.join("; ")));
+    format!("## What was found\n\n{}", items.collect::<String>())
+}
+
+fn capitalized(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Claims with what became of them, for the page of their study.
 pub(crate) fn table<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Table {
-    let mut table = Table::new(vec![
-        Column::new("Where", ""),
-        Column::new("The dissertation says", ""),
-        Column::new("Here", ""),
-        Column::new("What the latest run found", ""),
-    ]);
+    let mut table =
+        Table::new(vec![Column::new("Where", ""), Column::new("The dissertation says", ""), Column::new("Here", "")]);
     for claim in claims {
-        table.push(vec![claim.place.to_string(), claim.says.clone(), claim.verdict.to_string(), claim.found.clone()]);
+        table.push(vec![claim.place.to_string(), claim.says.clone(), claim.verdict.to_string()]);
     }
     table
 }
 
+/// What the latest run found about each, to be read below the table.
+pub(crate) fn found<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Vec<String> {
+    claims.into_iter().map(|claim| format!("{}, {}: {}", claim.place, claim.says, claim.found)).collect()
+}
+
+/// What stands above them.
+pub(crate) const FOUND: &str = "What the latest run found, claim by claim:";
+
 /// How a page divides its width among the columns of [`table`], in per cent.
-pub(crate) const WIDTHS_PCT: [u32; 4] = [11, 21, 11, 57];
+pub(crate) const WIDTHS_PCT: [u32; 3] = [16, 64, 20];
 /// The same with the command.
-pub(crate) const WIDTHS_WITH_COMMANDS_PCT: [u32; 5] = [11, 20, 11, 45, 13];
+pub(crate) const WIDTHS_WITH_COMMANDS_PCT: [u32; 4] = [14, 52, 16, 18];
 
 /// Claims of several studies, each with the command that gives it.
 pub(crate) fn table_with_commands<'a>(claims: impl IntoIterator<Item = (&'a Claim, &'a str)>) -> Table {
@@ -147,6 +198,20 @@ mod tests {
         places.sort();
         let words: Vec<String> = places.iter().map(ToString::to_string).collect();
         assert_eq!(words, ["1.3, contribution 2", "Section 2.4", "Table 5", "Table 6", "Figure 3"]);
+    }
+
+    #[test]
+    fn a_page_begins_with_the_claims_by_verdict() {
+        let claim = |says, verdict| Claim::new(Place::Table(1), says, verdict, String::new());
+        let claims = [
+            claim("It flies.", Verdict::NotReproduced),
+            claim("It costs", Verdict::Reproduced),
+            claim("It turns", Verdict::NotReproduced),
+        ];
+        assert_eq!(
+            beginning(&claims),
+            "## What was found\n\n- **Reproduced**: It costs.\n- **Not reproduced**: It flies; It turns.\n"
+        );
     }
 
     #[test]

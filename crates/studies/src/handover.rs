@@ -82,8 +82,8 @@ mod tests {
 
     #[test]
     fn handover_comes_back_from_its_file() {
-        let out = std::env::temp_dir().join(format!("xtask-{}-handover", std::process::id()));
-        std::fs::create_dir_all(&out).expect("a writable directory");
+        let folder = tempfile::tempdir().expect("a writable directory");
+        let out = folder.path().to_owned();
         let claims = vec![
             Claim::new(Place::Table(3), "The cost falls", Verdict::in_kind_if(true), "15 %".into()).shown_in(&["a"]),
             Claim::new(Place::Contribution(1), "A loop", Verdict::in_kind_if(false), "none".into()),
@@ -97,7 +97,6 @@ mod tests {
         let outcome = given.save(&out).and_then(|()| Ok(std::fs::write(out.join("a.svg"), &picture.svg)?));
         let read = outcome.and_then(|()| Handover::read(&out));
         let shown = given.picture(&out, "a");
-        std::fs::remove_dir_all(&out).expect("just written");
         assert_eq!(read.expect("just written"), given);
         assert_eq!(shown.expect("a picture with its caption").caption, "A fall");
     }

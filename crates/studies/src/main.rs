@@ -1,6 +1,10 @@
 //! Runs the studies: `studies <command>`, from the root of the workspace.
-#![expect(clippy::print_stdout, reason = "a program of the command line talks")]
+#![cfg_attr(
+    not(feature = "global"),
+    expect(dead_code, reason = "some of what the chapters share is for those with the global loop alone")
+)]
 
+mod bat;
 #[cfg(feature = "similarity")]
 mod chapter2;
 mod chapter3;
@@ -10,6 +14,7 @@ mod chapter6;
 #[cfg(feature = "global")]
 mod chapter7;
 mod claims;
+mod costs;
 #[cfg(feature = "global")]
 mod design_page;
 #[cfg(feature = "global")]
@@ -23,7 +28,7 @@ mod provenance;
 #[cfg(feature = "global")]
 mod reproduce_all;
 mod reproduction;
-mod study;
+mod study_file;
 
 use std::path::Path;
 use std::process::ExitCode;

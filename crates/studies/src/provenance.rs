@@ -4,7 +4,7 @@ use page::{Column, Table};
 use water_channel::{Provenance, Record};
 
 /// Every number of the plant, the controller, the test and the cost, with where it comes from.
-pub fn provenance_table(records: &[Record]) -> Table {
+pub(crate) fn provenance_table(records: &[Record]) -> Table {
     let mut table = Table::new(vec![
         Column::new("Key", ""),
         Column::new("Value", "1"),

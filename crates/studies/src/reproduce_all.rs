@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 use crate::claims::{self, Claim, Verdict};
 use crate::exemptions;
 use crate::handover::Handover;
-use crate::reproduction::{self, Extent, Reproduction};
+use crate::reproduction::{self, Extent, Picture, Reproduction, markdown_list};
 use page::Table;
 use page::{Link, Page};
 
@@ -36,7 +36,7 @@ struct Chapter<'a> {
 }
 
 /// A claim with the study that it was looked at in.
-struct Told<'a> {
+struct Listed<'a> {
     claim: &'a Claim,
     chapter: &'a Chapter<'a>,
 }
@@ -50,16 +50,16 @@ pub(crate) fn run(root: &Path, studies: &[Reproduction], check: bool) -> Result<
     }
     let read = |study| Ok(Chapter { study, handover: Handover::read(&root.join(study.out()))? });
     let chapters = chosen.into_iter().map(read).collect::<Result<Vec<_>>>()?;
-    let mut told: Vec<Told<'_>> = chapters
+    let mut listed: Vec<Listed<'_>> = chapters
         .iter()
-        .flat_map(|chapter| chapter.handover.claims.iter().map(move |claim| Told { claim, chapter }))
+        .flat_map(|chapter| chapter.handover.claims.iter().map(move |claim| Listed { claim, chapter }))
         .collect();
-    told.sort_by(|a, b| a.claim.place.cmp(&b.claim.place));
-    exemptions::check(told.iter().map(|told| told.claim))?;
+    listed.sort_by(|a, b| a.claim.place.cmp(&b.claim.place));
+    exemptions::check(listed.iter().map(|one| one.claim))?;
     let out = root.join(DIRECTORY);
-    reproduction::save(&out, "index.html", &page(root, studies, &chapters, &told)?.html())?;
-    reproduction::save(&out, NAME, &markdown(&told))?;
-    print(&told);
+    reproduction::save(&out, "index.html", &page(root, studies, &chapters, &listed)?.html())?;
+    reproduction::save(&out, NAME, &markdown(&listed))?;
+    print(&listed);
     if check { reproduction::compare(root, &Path::new(DIRECTORY).join(NAME), &format!("docs/{NAME}")) } else { Ok(()) }
 }
 
@@ -68,8 +68,8 @@ fn is_chapter(study: &Reproduction) -> bool {
     study.name.starts_with("chapter")
 }
 
-fn table(told: &[Told<'_>]) -> Table {
-    claims::table_with_commands(told.iter().map(|told| (told.claim, told.chapter.study.command)))
+fn table(listed: &[Listed<'_>]) -> Table {
+    claims::table_with_commands(listed.iter().map(|one| (one.claim, one.chapter.study.command)))
 }
 
 fn count_words<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
@@ -88,8 +88,8 @@ fn count_words<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
     )
 }
 
-fn counts(told: &[Told<'_>]) -> String {
-    count_words(told.iter().map(|told| told.claim))
+fn counts(listed: &[Listed<'_>]) -> String {
+    count_words(listed.iter().map(|one| one.claim))
 }
 
 /// The way to the page of a study; without a link while there is no page.
@@ -107,34 +107,43 @@ fn link(root: &Path, study: &Reproduction) -> Link {
 }
 
 /// All claims, then each with its pictures, from top to bottom.
-fn page(root: &Path, studies: &[Reproduction], chapters: &[Chapter<'_>], told: &[Told<'_>]) -> Result<Page> {
+fn page(root: &Path, studies: &[Reproduction], chapters: &[Chapter<'_>], listed: &[Listed<'_>]) -> Result<Page> {
     let mut page = Page::new("What of the dissertation comes out");
-    page.note(NOTE);
-    page.paragraph(&counts(told));
+    let shown = pictures(listed);
+    let picture = |(chapter, name): &(&Chapter<'_>, &String)| -> Result<Picture> {
+        let mut picture = chapter.handover.picture(&root.join(chapter.study.out()), name)?;
+        for claim in chapter.handover.claims.iter().filter(|claim| claim.pictures.contains(*name)) {
+            picture.caption.push_str(&format!(" {}: “{}”: {}.", claim.place, claim.says, claim.verdict));
+        }
+        Ok(picture)
+    };
+    page.note(&counts(listed));
+    if let Some(first) = shown.first() {
+        picture(first)?.show_in(&mut page);
+    }
+    page.paragraph(NOTE);
     page.paragraph(WORDS);
     page.heading("The pages");
     page.links(&studies.iter().map(|study| link(root, study)).collect::<Vec<_>>());
     page.heading("Claim by claim");
-    page.prose_table(&table(told), CLAIM_CAPTION, &claims::WIDTHS_WITH_COMMANDS_PCT);
+    page.prose_table(&table(listed), CLAIM_CAPTION, &claims::WIDTHS_WITH_COMMANDS_PCT);
+    page.paragraph(claims::FOUND);
+    page.list(&claims::found(listed.iter().map(|one| one.claim)));
     page.prose_table(&exemptions::table(), EXEMPT_CAPTION, &exemptions::WIDTHS_PCT);
     for excerpt in chapters.iter().flat_map(|chapter| &chapter.handover.excerpts) {
         excerpt.show_in(&mut page);
     }
     page.heading("The figures");
-    for (chapter, name) in pictures(told) {
-        let mut picture = chapter.handover.picture(&root.join(chapter.study.out()), name)?;
-        for claim in chapter.handover.claims.iter().filter(|claim| claim.pictures.contains(name)) {
-            picture.caption.push_str(&format!(" {}: “{}”: {}.", claim.place, claim.says, claim.verdict));
-        }
-        picture.show_in(&mut page);
+    for one in shown.iter().skip(1) {
+        picture(one)?.show_in(&mut page);
     }
     Ok(page)
 }
 
 /// Every picture that shows a claim, once, where its first claim is.
-fn pictures<'a>(told: &[Told<'a>]) -> Vec<(&'a Chapter<'a>, &'a String)> {
+fn pictures<'a>(listed: &[Listed<'a>]) -> Vec<(&'a Chapter<'a>, &'a String)> {
     let mut pictures: Vec<(&Chapter<'_>, &String)> = Vec::new();
-    for Told { claim, chapter } in told {
+    for Listed { claim, chapter } in listed {
         for name in &claim.pictures {
             let is_shown =
                 |(of, shown): &(&Chapter<'_>, &String)| of.study.name == chapter.study.name && *shown == name;
@@ -146,24 +155,26 @@ fn pictures<'a>(told: &[Told<'a>]) -> Vec<(&'a Chapter<'a>, &'a String)> {
     pictures
 }
 
-fn markdown(told: &[Told<'_>]) -> String {
+fn markdown(listed: &[Listed<'_>]) -> String {
     format!(
         "# What of the dissertation comes out\n\n\
          Written by `cargo xtask reproduce-all`; `cargo xtask ci` fails when this page is not what the command finds.\n\n\
-         {NOTE}\n\n{}\n\n{WORDS}\n\n{CLAIM_CAPTION}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
-        counts(told),
-        table(told).markdown(),
+         {}\n\n{NOTE}\n\n{WORDS}\n\n{CLAIM_CAPTION}\n\n{}\n{}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
+        counts(listed),
+        table(listed).markdown(),
+        claims::FOUND,
+        markdown_list(&claims::found(listed.iter().map(|one| one.claim))),
         exemptions::table().markdown()
     )
 }
 
 #[expect(clippy::print_stdout, reason = "the result of the command")]
-fn print(told: &[Told<'_>]) {
+fn print(listed: &[Listed<'_>]) {
     println!("\nWhat of the dissertation comes out\n");
-    for Told { claim, .. } in told {
+    for Listed { claim, .. } in listed {
         println!("{:22} {:19} {}", claim.place.to_string(), claim.verdict.to_string(), claim.says);
     }
-    println!("\n{}\nOne page over all: {DIRECTORY}/index.html", counts(told));
+    println!("\n{}\nOne page over all: {DIRECTORY}/index.html", counts(listed));
 }
 
 #[cfg(test)]
@@ -198,9 +209,9 @@ mod tests {
             Reproduction { command: "none", name: "chapter0", run: reproduction::Run::Always(|_| Ok(())) };
         let claims = claims(&[Verdict::InKind, Verdict::InPart]).into_iter().map(|claim| claim.shown_in(&["a", "b"]));
         let chapter = Chapter { study: &STUDY, handover: Handover::new(claims.collect(), &[]) };
-        let told: Vec<Told<'_>> =
-            chapter.handover.claims.iter().map(|claim| Told { claim, chapter: &chapter }).collect();
-        let names: Vec<&str> = pictures(&told).into_iter().map(|(_, name)| name.as_str()).collect();
+        let listed: Vec<Listed<'_>> =
+            chapter.handover.claims.iter().map(|claim| Listed { claim, chapter: &chapter }).collect();
+        let names: Vec<&str> = pictures(&listed).into_iter().map(|(_, name)| name.as_str()).collect();
         assert_eq!(names, ["a", "b"]);
     }
 }

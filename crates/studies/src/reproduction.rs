@@ -7,6 +7,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use page::Page;
 
+/// Where studies keep the costs of flights, from the root.
+#[cfg(feature = "global")]
+pub(crate) const FLIGHTS: &str = "target/reproduction/flights";
+/// Where they keep the designs of batches.
+#[cfg(feature = "global")]
+pub(crate) const DESIGNS: &str = "target/reproduction/designs";
+
 /// How much of a study is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extent {
@@ -94,32 +101,6 @@ pub(crate) struct Picture {
 impl Picture {
     pub(crate) fn show_in(&self, page: &mut Page) {
         page.figure(&self.svg, &self.caption);
-    }
-}
-
-/// Reads a study file with a parser that is told the folder in which other files are looked up; errors name the file.
-pub(crate) fn read_study<T>(path: &Path, parse: impl FnOnce(&str, &Path) -> Result<T>) -> Result<T> {
-    let name = || path.display().to_string();
-    let text = std::fs::read_to_string(path).with_context(name)?;
-    parse(&text, path.parent().unwrap_or(Path::new("."))).with_context(name)
-}
-
-/// That a study file of `fixtures/bat` with its first `from` replaced by `to` is refused in these words.
-#[cfg(test)]
-#[track_caller]
-pub(crate) fn assert_refused<T: std::fmt::Debug>(
-    name: &str,
-    parse: impl FnOnce(&str, &Path) -> Result<T>,
-    [from, to]: [&str; 2],
-    words: &[&str],
-) {
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/bat");
-    let text = std::fs::read_to_string(directory.join(name)).expect("the study file");
-    let changed = text.replacen(from, to, 1);
-    assert_ne!(changed, text, "the change changes something");
-    let error = format!("{:#}", parse(&changed, &directory).expect_err("an error"));
-    for word in words {
-        assert!(error.contains(word), "`{word}` is not in: {error}");
     }
 }
 

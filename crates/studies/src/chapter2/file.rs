@@ -7,7 +7,7 @@ use scaling::{BigRational, Groups, SetUp, System, Units};
 use serde::Deserialize;
 use water_channel::RigFile;
 
-use crate::reproduction::read_study;
+use crate::study_file;
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -215,11 +215,10 @@ fn check_reference(model: &Model, rig: &water_channel::Rig) -> Result<()> {
 
 impl Setup {
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        read_study(path, Self::parse)
+        study_file::read(path, Self::of)
     }
 
-    fn parse(text: &str, directory: &Path) -> Result<Self> {
-        let file: StudyFile = toml::from_str(text)?;
+    fn of(file: StudyFile, directory: &Path) -> Result<Self> {
         let units = units_of_the_files()?;
         let plant = file.plant.analysis(&units, "plant")?;
         let controller = file.controller.analysis(&units, "controller")?;
@@ -323,11 +322,11 @@ impl Setup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduction::assert_refused;
+    use crate::study_file::assert_refused;
 
     #[track_caller]
     fn refuses(from: &str, to: &str, words: &[&str]) {
-        assert_refused("chapter2.toml", Setup::parse, [from, to], words);
+        assert_refused("chapter2.toml", Setup::of, [from, to], words);
     }
 
     #[test]

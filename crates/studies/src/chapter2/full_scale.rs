@@ -8,8 +8,8 @@ use scaling::{Conversion, Converted, DocumentOptions, ScalingLaw, Units};
 use water_channel::{CostFile, FlightLog, FlightRequest, FlightSettings, ProfileFile, RigFile, fly_logged};
 
 use super::file::Setup;
+use crate::bat::{MODEL, STAND_IN};
 use crate::reproduction;
-use crate::study::{MODEL, STAND_IN};
 
 /// The files of the rig at full scale.
 #[derive(Debug)]

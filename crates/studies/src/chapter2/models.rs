@@ -8,7 +8,7 @@ use water_channel::{
 };
 
 use super::file::{Model, Setup};
-use crate::study::STAND_IN;
+use crate::bat::STAND_IN;
 
 /// What is taken from Table 2 and what from the laws of scaling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

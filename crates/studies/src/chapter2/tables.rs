@@ -1,10 +1,10 @@
 //! The tables of Chapter 2.
 
 use anyhow::Result;
-use scaling::{BigRational, Verdict};
+use scaling::Verdict;
 
-use super::Findings;
 use super::file::Analysis;
+use super::findings::{Findings, magnitude, power_of_length, significant};
 use super::models::Departures;
 use page::{Column, Table};
 
@@ -134,12 +134,6 @@ pub(crate) fn reynolds(findings: &Findings<'_>) -> Result<Table> {
     Ok(table)
 }
 
-/// The power of length in a law, at one gravity and in one fluid.
-pub(crate) fn power_of_length(rule: &scaling::Rule) -> BigRational {
-    let zero = || BigRational::from_integer(0.into());
-    rule.exponents.iter().find(|(name, _)| name == "L_t").map_or_else(zero, |(_, power)| power.clone())
-}
-
 /// How far the models' curves are apart.
 pub(crate) fn collapse(findings: &Findings<'_>) -> Table {
     let mut columns = vec![
@@ -213,19 +207,4 @@ pub(crate) fn both_scales(findings: &Findings<'_>) -> Table {
         ]);
     }
     table
-}
-
-/// A rounding error to its power of ten: its digits are nobody's business and differ between builds.
-pub(crate) fn magnitude(value: f64) -> String {
-    if value > 0.0 { format!("below 1e{:.0}", value.log10().ceil()) } else { "0".to_owned() }
-}
-
-/// A number with some significant digits.
-pub(crate) fn significant(value: f64, digits: i32) -> String {
-    let order = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
-    if (-4..=6).contains(&order) {
-        format!("{value:.*}", (digits - 1 - order).max(0) as usize)
-    } else {
-        format!("{value:.*e}", (digits - 1).max(0) as usize)
-    }
 }

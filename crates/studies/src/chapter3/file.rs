@@ -7,7 +7,7 @@ use bat_dynamics::{Fidelity, TetherLayout};
 use serde::Deserialize;
 use water_channel::{FlightRequest, FlightSettings, ProfileFile, Record, Rig, RigFile, TestProfile};
 
-use crate::reproduction::read_study;
+use crate::study_file;
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -110,11 +110,10 @@ pub(crate) struct Setup {
 
 impl Setup {
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        read_study(path, Self::parse)
+        study_file::read(path, Self::of)
     }
 
-    fn parse(text: &str, directory: &Path) -> Result<Self> {
-        let file: StudyFile = toml::from_str(text)?;
+    fn of(file: StudyFile, directory: &Path) -> Result<Self> {
         for (key, pitch) in [("lower", file.trim_pitch.lower), ("upper", file.trim_pitch.upper)] {
             ensure!(pitch.abs() < 90.0, "trim_pitch.{key} = {pitch}: it must be within 90 to either side");
         }
@@ -123,7 +122,7 @@ impl Setup {
         for (key, weight) in [("heading", file.cost.heading), ("lateral", file.cost.lateral)] {
             ensure!(weight.is_finite() && weight >= 0.0, "cost.{key} = {weight}: it must be finite and zero or more");
         }
-        ensure!(!file.panel.is_empty(), "panel: at least one is needed");
+        study_file::check_not_empty([("panel", file.panel.len())])?;
         for panel in &file.panel {
             ensure!(!panel.label.trim().is_empty(), "panel.label is empty");
             ensure!(
@@ -164,11 +163,11 @@ impl Setup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduction::assert_refused;
+    use crate::study_file::assert_refused;
 
     #[track_caller]
     fn refuses(from: &str, to: &str, words: &[&str]) {
-        assert_refused("chapter3.toml", Setup::parse, [from, to], words);
+        assert_refused("chapter3.toml", Setup::of, [from, to], words);
     }
 
     #[test]

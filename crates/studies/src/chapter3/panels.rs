@@ -53,14 +53,14 @@ impl<'a> PanelFlights<'a> {
         setup: &Setup,
         configuration: &'a Configuration,
         fidelity: Fidelity,
-        landed: impl Fn(usize) + Sync,
+        done: impl Fn(usize) + Sync,
     ) -> Self {
         let x = setup.center_of_mass.places();
         let designs: Vec<[f64; 2]> =
             setup.trim_pitch.places().iter().flat_map(|y| x.iter().map(|x| [*x, *y])).collect();
         let requests: Vec<FlightRequest> =
             designs.iter().map(|at| setup.request(configuration, *at, fidelity)).collect();
-        let flights = fly_all(&requests, &setup.profile, &setup.settings, landed);
+        let flights = fly_all(&requests, &setup.profile, &setup.settings, done);
         let flows: Vec<Flow> = setup.profile.flow().knots().iter().map(|knot| knot.flow).collect();
         let growth: Vec<Result<f64, String>> = requests
             .par_iter()
@@ -126,7 +126,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::study::{MODEL, STAND_IN};
+    use crate::bat::{MODEL, STAND_IN};
 
     fn setup() -> Setup {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

@@ -7,8 +7,8 @@ use design_space::{Parameter, Region};
 use infuse::{CodesignProblem, Role, correction::Form, gradient};
 use serde::Deserialize;
 
-use crate::reproduction::read_study;
-use crate::study::{NumericsEntry, Study, Variable};
+use crate::bat::{Bat, Variable};
+use crate::study_file::{self, NoiseEntry, NumericsEntry};
 
 /// The file as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -18,18 +18,18 @@ pub(crate) struct StudyFile {
     rig: String,
     profile: String,
     cost: String,
-    parameter: Vec<ParameterEntry>,
+    parameter: Vec<LoopParameter>,
     #[serde(rename = "loop")]
     iterations: LoopEntry,
     pub(crate) variant: Vec<Variant>,
     pub(crate) noise: NoiseEntry,
     numerics: NumericsEntry,
-    pub(crate) published: Vec<Published>,
+    pub(crate) published: Vec<Table3Row>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct ParameterEntry {
+pub(crate) struct LoopParameter {
     name: String,
     unit: String,
     role: Role,
@@ -66,25 +66,17 @@ fn yes() -> bool {
     true
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct NoiseEntry {
-    pub(crate) relative_bound: f64,
-    pub(crate) seeds: u64,
-    pub(crate) first_seed: u64,
-}
-
 /// A row of Table 3 as printed.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Published {
+pub(crate) struct Table3Row {
     pub(crate) center_of_mass: f64,
     pub(crate) pitch_set_point: f64,
     pub(crate) corrected_cost: f64,
     pub(crate) experiment_cost: f64,
 }
 
-impl Published {
+impl Table3Row {
     pub(crate) fn point(&self) -> [f64; 2] {
         [self.center_of_mass, self.pitch_set_point]
     }
@@ -97,21 +89,20 @@ const MOST_LATTICE_POINTS: f64 = 100_000.0;
 #[derive(Debug)]
 pub(crate) struct Setup {
     pub(crate) file: StudyFile,
-    pub(crate) study: Study,
+    pub(crate) bat: Bat,
     pub(crate) problem: CodesignProblem,
 }
 
 impl Setup {
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        read_study(path, Self::parse)
+        study_file::read(path, Self::of)
     }
 
-    pub(super) fn parse(text: &str, directory: &Path) -> Result<Self> {
-        let file: StudyFile = toml::from_str(text)?;
+    pub(super) fn of(file: StudyFile, directory: &Path) -> Result<Self> {
         ensure!(file.parameter.len() == 2, "parameter: {} entries, Chapter 4 has two", file.parameter.len());
-        ensure!(!file.variant.is_empty(), "variant: at least one is needed");
+        study_file::check_not_empty([("variant", file.variant.len())])?;
         ensure!(file.published.len() >= 2, "published: {} rows, at least two are needed", file.published.len());
-        ensure!(file.noise.seeds >= 1, "noise.seeds = 0: it must be at least 1");
+        file.noise.check()?;
         for entry in &file.parameter {
             ensure!(
                 entry.table_step.is_finite() && entry.table_step > 0.0,
@@ -134,21 +125,20 @@ impl Setup {
         );
         let steps = file.numerics.steps();
         let problem = CodesignProblem::new(Region::new(parameters)?, roles)?;
-        let study = Study::read(directory, [&file.rig, &file.profile, &file.cost], variables, steps)?;
-        let setup = Self { file, study, problem };
+        let bat = Bat::read(directory, [&file.rig, &file.profile, &file.cost], variables, steps)?;
+        let setup = Self { file, bat, problem };
         for variant in &setup.file.variant {
             setup
                 .loop_settings(variant)
                 .validate(&setup.problem)
                 .with_context(|| format!("variant `{}`", variant.label))?;
         }
-        water_channel::BoundedNoise::new(setup.file.noise.relative_bound, 0).context("noise")?;
         Ok(setup)
     }
 
     /// The loop's settings in a variant.
     pub(crate) fn loop_settings(&self, variant: &Variant) -> gradient::Settings {
-        let each = |f: fn(&ParameterEntry) -> f64| self.file.parameter.iter().map(f).collect::<Vec<_>>();
+        let each = |f: fn(&LoopParameter) -> f64| self.file.parameter.iter().map(f).collect::<Vec<_>>();
         let mut settings =
             gradient::Settings::new(vec![variant.trust; self.file.parameter.len()], each(|p| p.experiment_step));
         settings.model_steps = Some(each(|p| p.model_step));
@@ -160,7 +150,7 @@ impl Setup {
         settings
     }
 
-    pub(crate) fn parameters(&self) -> &[ParameterEntry] {
+    pub(crate) fn parameters(&self) -> &[LoopParameter] {
         &self.file.parameter
     }
 
@@ -171,7 +161,7 @@ impl Setup {
 
     /// The experiment steps in words.
     pub(crate) fn experiment_steps(&self) -> String {
-        let step = |p: &ParameterEntry| format!("{} {} in {}", p.experiment_step, p.unit, p.name.replace('_', " "));
+        let step = |p: &LoopParameter| format!("{} {} in {}", p.experiment_step, p.unit, p.name.replace('_', " "));
         self.file.parameter.iter().map(step).collect::<Vec<_>>().join(", ")
     }
 
@@ -184,11 +174,11 @@ impl Setup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduction::assert_refused;
+    use crate::study_file::assert_refused;
 
     #[track_caller]
     fn refuses(from: &str, to: &str, words: &[&str]) {
-        assert_refused("chapter4.toml", Setup::parse, [from, to], words);
+        assert_refused("chapter4.toml", Setup::of, [from, to], words);
     }
 
     #[test]
@@ -196,7 +186,7 @@ mod tests {
         refuses("iterations = 3", "iteration = 3", &["iteration", "unknown field"]);
         refuses("lower = 45.65", "lower = 55.0", &["center_of_mass", "55"]);
         refuses("unit = \"deg\"", "unit = \"rad\"", &["pitch_set_point", "`rad`", "`deg`"]);
-        refuses("relative_bound = 0.02", "relative_bound = nan", &["noise", "NaN"]);
+        refuses("share = 0.02", "share = nan", &["noise", "NaN"]);
         refuses("trust = 0.3", "trust = -0.3", &["R = 0.3", "-0.3"]);
         refuses("table_step = 0.5", "table_step = 0.0", &["pitch_set_point", "table_step"]);
         refuses("table_step = 0.5", "table_step = 1e-9", &["table_step", "100000"]);

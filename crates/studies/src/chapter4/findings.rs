@@ -3,12 +3,11 @@
 use infuse::{CodesignReport, gradient};
 use water_channel::Provenance;
 
-use super::file::Published;
-use super::pictures::Material;
-use super::results::{ERRORS, Rows, fall_pct, falls_pct};
-use crate::claims::{Claim, Place, Verdict};
+use super::figures::Material;
+use super::file::Table3Row;
+use super::rows::{ERRORS, Rows, fall_pct, falls_pct};
+use crate::bat::{MODEL, STAND_IN};
 use crate::reproduction::Picture;
-use crate::study::{MODEL, STAND_IN};
 use page::Summary;
 use page::{Column, Table};
 
@@ -29,27 +28,24 @@ pub(crate) struct Findings<'a> {
     pub(crate) pictures: &'a [Picture],
 }
 
-/// What a claim says first when there was nothing to find at either end.
-const FITTED: &str = "Both ends of the path and their costs were calibrated; that the loop goes from the one towards the other is what came out.";
-
 impl Findings<'_> {
     /// The loop as printed: the first variant.
-    pub(super) fn printed(&self) -> &Rows {
+    pub(crate) fn printed(&self) -> &Rows {
         &self.material.rows[0]
     }
 
-    pub(super) fn published(&self) -> &[Published] {
+    pub(crate) fn published(&self) -> &[Table3Row] {
         &self.material.setup.file.published
     }
 
-    pub(super) fn published_fall_pct(&self) -> f64 {
+    pub(crate) fn published_fall_pct(&self) -> f64 {
         let rows = self.published();
         fall_pct(rows[0].experiment_cost, rows[rows.len() - 1].experiment_cost)
     }
 
     /// What was fitted, and how well the fit is met in this run.
-    pub(super) fn calibration_table(&self) -> Table {
-        let study = &self.material.setup.study;
+    pub(crate) fn calibration_table(&self) -> Table {
+        let study = &self.material.setup.bat;
         let (first, last) = (self.published()[0], self.published()[self.published().len() - 1]);
         let start = self.printed().first();
         let cost = |point: [f64; 2], fidelity| match study.cost(&point, fidelity) {
@@ -101,7 +97,7 @@ impl Findings<'_> {
     }
 
     /// What was not fitted.
-    pub(super) fn prediction_table(&self) -> Table {
+    pub(crate) fn prediction_table(&self) -> Table {
         let (rows, published) = (self.printed(), self.published());
         let theirs = &published[published.len() - 1];
         let ours = rows.last();
@@ -137,16 +133,16 @@ impl Findings<'_> {
     }
 
     /// Cost of the last design above that of the stand-in's best, in per cent: the regret of the loop.
-    pub(super) fn regret_pct(&self) -> f64 {
+    pub(crate) fn regret_pct(&self) -> f64 {
         100.0 * (self.printed().last().experiment.total / self.best.value - 1.0)
     }
 
     /// The largest fall that the stand-in allows from the first row, in per cent.
-    pub(super) fn room_pct(&self) -> f64 {
+    pub(crate) fn room_pct(&self) -> f64 {
         fall_pct(self.printed().first().experiment.total, self.best.value)
     }
 
-    pub(super) fn failures(&self) -> String {
+    pub(crate) fn failures(&self) -> String {
         let m = &self.material;
         let count = |lattice: &super::lattice::Lattice| lattice.failures.len();
         let (model, stand_in) = (count(m.model), count(m.stand_in));
@@ -160,7 +156,7 @@ impl Findings<'_> {
         )
     }
 
-    pub(super) fn stops(&self) -> Vec<String> {
+    pub(crate) fn stops(&self) -> Vec<String> {
         let describe = |rows: &Rows| {
             let why = match rows.campaign.stop {
                 gradient::StopReason::Converged => "the optimum came to rest",
@@ -180,26 +176,26 @@ impl Findings<'_> {
     }
 
     /// What the loop improved and what it paid for it, before and after, in the stand-in.
-    pub(super) fn what_changed(&self) -> Vec<String> {
+    pub(crate) fn what_changed(&self) -> Vec<String> {
         let (before, after) = (self.printed().first(), self.printed().last());
         let mut items = Vec::new();
-        let mut tell = |what: &str, before: f64, after: f64, unit: &str| {
+        let mut note = |what: &str, before: f64, after: f64, unit: &str| {
             let verdict = if after < before { "better" } else { "worse" };
             items.push(format!("{what}: {before:.2} before, {after:.2} {unit} after: {verdict}."));
         };
         for (angle, figure, error) in ERRORS {
             let what = format!("mean squared {angle} error (Figure {figure})");
-            tell(&what, before.mean_squared_deg2(error), after.mean_squared_deg2(error), "deg²");
+            note(&what, before.mean_squared_deg2(error), after.mean_squared_deg2(error), "deg²");
         }
-        tell("ground footprint, mean", before.mean_footprint_m2() * 1e4, after.mean_footprint_m2() * 1e4, "cm²");
+        note("ground footprint, mean", before.mean_footprint_m2() * 1e4, after.mean_footprint_m2() * 1e4, "cm²");
         for (k, name) in water_channel::TERM_NAMES.iter().enumerate() {
-            tell(&format!("share of the cost from {name}"), before.experiment.terms[k], after.experiment.terms[k], "s");
+            note(&format!("share of the cost from {name}"), before.experiment.terms[k], after.experiment.terms[k], "s");
         }
         items
     }
 
     /// The wells of the stand-in's landscape.
-    pub(super) fn wells(&self) -> String {
+    pub(crate) fn wells(&self) -> String {
         let wells = self.material.stand_in.wells();
         let list: Vec<String> = wells
             .iter()
@@ -213,81 +209,9 @@ impl Findings<'_> {
         )
     }
 
-    /// What the dissertation claims in this chapter, and what of it came out.
-    pub(super) fn claims(&self) -> Vec<Claim> {
-        let rows = self.printed();
-        let (first, last) = (rows.first(), rows.last());
-        let (theirs, published) = (self.published_fall_pct(), self.published());
-        let falls = rows.fall_pct() > 0.0;
-        let moves = |k: usize| {
-            let theirs = published[published.len() - 1].point()[k] - published[0].point()[k];
-            theirs * (last.point[k] - first.point[k]) > 0.0
-        };
-        let seeds: Vec<String> = self
-            .material
-            .seeded
-            .first()
-            .and_then(|seeded| Some((seeded, Summary::of(&falls_pct(self.material.setup, seeded))?)))
-            .map(|(_, s)| format!(" Over {} noise seeds: median {:.1} %, worst {:.1} %.", s.count, s.median, s.minimum))
-            .into_iter()
-            .collect();
-        let fall = format!(
-            "The experimental cost falls by {:.1} %, in the dissertation by {theirs:.1} %, with {} experiments each.{}",
-            rows.fall_pct(),
-            rows.n_experiments(),
-            seeds.concat()
-        );
-        let between = |holds: bool| Verdict::in_kind_if(holds).between_fitted_ends();
-        let mut claims = vec![
-            Claim::new(
-                Place::Contribution(1),
-                "An iterative co-design framework that fuses experiments and simulations by gradients",
-                between(falls),
-                format!("`infuse::gradient::Loop` with the sign of (27) mended. {FITTED} {fall}"),
-            ),
-            Claim::new(
-                Place::Contribution(5),
-                "It is validated on two parameters in the water channel",
-                between(falls),
-                format!("Against a stand-in, not in water. {FITTED} {fall}"),
-            ),
-            Claim::new(
-                Place::Table(3),
-                "In three iterations the optimum moves aft and to a higher pitch, and the experimental cost falls",
-                between(falls && moves(0) && moves(1)),
-                format!(
-                    "{FITTED} Last row: {:.2} % chord and {:.2} deg, in the dissertation {} and {}. {fall}",
-                    last.point[0],
-                    last.point[1],
-                    published[published.len() - 1].center_of_mass,
-                    published[published.len() - 1].pitch_set_point
-                ),
-            )
-            .shown_in(&["landscape-stand-in"]),
-            Claim::new(
-                Place::Figure(15),
-                "The test: three speeds, three pulls at the port line",
-                Verdict::TakenOver,
-                "As printed in Section 3.2 and (22)-(26).".to_owned(),
-            )
-            .shown_in(&["figure-15-test-profile"]),
-        ];
-        claims.extend(ERRORS.map(|(what, number, error)| {
-            let (before, after) = (first.mean_squared_deg2(error), last.mean_squared_deg2(error));
-            Claim::new(
-                Place::Figure(number as u8),
-                &format!("The {what} error squared is smaller after infusion"),
-                Verdict::in_kind_if(after < before),
-                format!("Its mean is {before:.2} deg² before and {after:.2} deg² after."),
-            )
-            .shown_in(&[&format!("figure-{number}-{what}")])
-        }));
-        claims
-    }
-
     /// How many numbers were fitted, and to how many.
-    pub(super) fn identifiability(&self) -> String {
-        let records = &self.material.setup.study.records;
+    pub(crate) fn identifiability(&self) -> String {
+        let records = &self.material.setup.bat.records;
         let fitted = records.iter().filter(|record| record.provenance == Provenance::Calibrated).count();
         format!(
             "Identifiability is poor: {fitted} calibrated numbers stand against the {} published ones of this table and a \
@@ -298,6 +222,9 @@ impl Findings<'_> {
 }
 
 /// A fall in words, a rise where it is negative.
-pub(super) fn change_words(fall_pct: f64) -> String {
+pub(crate) fn change_words(fall_pct: f64) -> String {
     if fall_pct < 0.0 { format!("a rise of {:.1} %", -fall_pct) } else { format!("a fall of {fall_pct:.1} %") }
 }
+
+/// Points at which interpolation is held against a flight of its own.
+pub(crate) const CHECKED_POINTS: usize = 32;

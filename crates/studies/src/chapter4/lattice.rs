@@ -33,10 +33,10 @@ impl Lattice {
         Self::axes(setup).iter().map(Vec::len).product()
     }
 
-    pub(crate) fn fly(setup: &Setup, fidelity: Fidelity, landed: impl Fn(usize) + Sync) -> Self {
+    pub(crate) fn fly(setup: &Setup, fidelity: Fidelity, done: impl Fn(usize) + Sync) -> Self {
         let axes = Self::axes(setup);
         let points: Vec<Vec<f64>> = axes[0].iter().flat_map(|x| axes[1].iter().map(move |y| vec![*x, *y])).collect();
-        let flown = setup.study.costs(&points, fidelity, landed);
+        let flown = setup.bat.costs(&points, fidelity, done);
         let failures =
             points.iter().zip(&flown).filter_map(|(p, cost)| Some((p.clone(), cost.as_ref().err()?.clone()))).collect();
         let costs = flown.into_iter().map(|cost| cost.unwrap_or(f64::NAN)).collect();

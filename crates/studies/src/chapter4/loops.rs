@@ -7,7 +7,8 @@ use water_channel::BoundedNoise;
 
 use super::file::{Setup, Variant};
 use super::lattice::Lattice;
-use crate::study::{Cost, MODEL, STAND_IN};
+use crate::bat::{MODEL, STAND_IN};
+use crate::costs::Cost;
 
 /// A campaign that has ended.
 #[derive(Clone, Debug)]
@@ -30,7 +31,7 @@ fn run(
             gradient::Ask::Stopped(stop) => break stop,
             gradient::Ask::Trials(trials) => {
                 let points: Vec<Vec<f64>> = trials.iter().map(|trial| trial.point.clone()).collect();
-                let costs = setup.study.costs(&points, STAND_IN, |_| {});
+                let costs = setup.bat.costs(&points, STAND_IN, |_| {});
                 for (trial, cost) in trials.iter().zip(costs) {
                     campaign.tell(trial.id, Outcome::from(read(trial, cost)))?;
                 }
@@ -43,8 +44,7 @@ fn run(
 
 /// Every variant without noise, each simulation flown. Variants run side by side and share what they fly.
 pub(crate) fn direct(setup: &Setup, iterated: impl Fn() + Sync) -> Result<Vec<Campaign>> {
-    let fly =
-        |variant: &Variant| run(setup, variant, |point| setup.study.cost(point, MODEL), |_, cost| cost, &iterated);
+    let fly = |variant: &Variant| run(setup, variant, |point| setup.bat.cost(point, MODEL), |_, cost| cost, &iterated);
     // The first iteration is the same for all: flown once, remembered by the others.
     let (first, rest) = setup.file.variant.split_first().context("no variant")?;
     let first = fly(first)?;
@@ -73,7 +73,7 @@ pub(crate) fn seeded(setup: &Setup, model: &Lattice, finished: impl Fn() + Sync)
             let campaigns = seeds
                 .iter()
                 .map(|seed| {
-                    let noise = BoundedNoise::new(noise.relative_bound, *seed)?;
+                    let noise = BoundedNoise::new(noise.share, *seed)?;
                     let read =
                         |trial: &gradient::Trial, cost: Cost| cost.map(|cost| noise.measured(cost, trial.id.number()));
                     let campaign = run(setup, variant, &simulate, read, || {})?;
@@ -105,13 +105,12 @@ mod tests {
 
     /// The study with a box in which many designs cannot fly, one step per sample and one iteration.
     fn reckless() -> Setup {
-        let directory = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/bat");
-        let text = std::fs::read_to_string(directory.join("chapter4.toml")).unwrap();
-        let text = text
-            .replace("upper = 51.25", "upper = 90.0")
-            .replace("tolerance = 0.01", "tolerance = 0.1")
-            .replace("iterations = 3", "iterations = 1");
-        Setup::parse(&text, &directory).unwrap()
+        let change = |text: String| {
+            text.replace("upper = 51.25", "upper = 90.0")
+                .replace("tolerance = 0.01", "tolerance = 0.1")
+                .replace("iterations = 3", "iterations = 1")
+        };
+        crate::study_file::read_changed("chapter4.toml", Setup::of, change).expect("a study")
     }
 
     #[test]
@@ -121,7 +120,7 @@ mod tests {
             gradient::TrialRole::Plus(0) => Err("the camera lost the body".to_owned()),
             _ => cost,
         };
-        let simulate = |point: &[f64]| setup.study.cost(point, MODEL);
+        let simulate = |point: &[f64]| setup.bat.cost(point, MODEL);
         let campaign = run(&setup, &setup.file.variant[0], simulate, read, || {}).unwrap();
         let report = &campaign.reports[0];
         let reasons: Vec<&str> = report.numerical.failures.iter().map(|failure| failure.reason.as_str()).collect();

@@ -7,7 +7,7 @@ use water_channel::{FlightRequest, FlightSettings, fly, fly_all};
 
 use super::file::Setup;
 use super::loops::optimum;
-use crate::study::{MODEL, STAND_IN};
+use crate::bat::{MODEL, STAND_IN};
 use page::{Column, Table};
 
 /// Factors on the stabilizers' areas: the ends of Table 4 and the nominal one.
@@ -33,7 +33,7 @@ fn requests(setup: &Setup, fidelity: Fidelity) -> Vec<FlightRequest> {
         for y in SHARES {
             for horizontal in HORIZONTAL {
                 for vertical in VERTICAL {
-                    let mut request = setup.study.request(&[at(0, x), at(1, y)], fidelity);
+                    let mut request = setup.bat.request(&[at(0, x), at(1, y)], fidelity);
                     request.rig.plant.horizontal_stabilizer.area_factor = horizontal;
                     request.rig.plant.vertical_stabilizer.area_factor = vertical;
                     requests.push(request);
@@ -50,7 +50,7 @@ pub(crate) fn n_flights() -> usize {
 }
 
 /// Failures and margins over the box of the four design parameters of Table 4.
-pub(crate) fn box_table(setup: &Setup, landed: impl Fn(usize) + Sync) -> Table {
+pub(crate) fn box_table(setup: &Setup, done: impl Fn(usize) + Sync) -> Table {
     let mut table = Table::new(vec![
         Column::new("Physics", ""),
         Column::new("Flights", "1"),
@@ -60,7 +60,7 @@ pub(crate) fn box_table(setup: &Setup, landed: impl Fn(usize) + Sync) -> Table {
         Column::new("Peak heading", "deg"),
     ]);
     for (name, fidelity) in FIDELITIES {
-        let flown = fly_all(&requests(setup, fidelity), setup.study.profile(), &FlightSettings::with_steps(1), &landed);
+        let flown = fly_all(&requests(setup, fidelity), setup.bat.profile(), &FlightSettings::with_steps(1), &done);
         let extremes: Vec<_> = flown.iter().flatten().map(|flight| flight.extremes).collect();
         let fold = |f: fn(&water_channel::Extremes) -> f64, pick: fn(f64, f64) -> f64| {
             extremes.iter().map(f).reduce(pick).unwrap_or(f64::NAN)
@@ -97,7 +97,7 @@ pub(crate) fn physics_table(setup: &Setup, start: &[f64]) -> Result<Table> {
     ]);
     let best: Vec<_> = FIDELITIES
         .par_iter()
-        .map(|(_, fidelity)| optimum(setup, |point| setup.study.cost(point, *fidelity)))
+        .map(|(_, fidelity)| optimum(setup, |point| setup.bat.cost(point, *fidelity)))
         .collect::<Result<_>>()?;
     for ((name, fidelity), best) in FIDELITIES.iter().zip(best) {
         table.push(vec![
@@ -105,7 +105,7 @@ pub(crate) fn physics_table(setup: &Setup, start: &[f64]) -> Result<Table> {
             format!("{:.2}", best.point[0]),
             format!("{:.2}", best.point[1]),
             format!("{:.3}", best.value),
-            setup.study.cost(start, *fidelity).map_or_else(|reason| reason, |cost| format!("{cost:.3}")),
+            setup.bat.cost(start, *fidelity).map_or_else(|reason| reason, |cost| format!("{cost:.3}")),
         ]);
     }
     Ok(table)
@@ -119,8 +119,8 @@ pub(crate) fn step_table(setup: &Setup, point: &[f64]) -> Result<Table> {
     for (name, fidelity) in FIDELITIES {
         let cost = |steps| -> Result<f64> {
             let settings = FlightSettings::with_steps(steps);
-            let flight = fly(&setup.study.request(point, fidelity), setup.study.profile(), &settings)?;
-            Ok(setup.study.breakdown(point, &flight).total)
+            let flight = fly(&setup.bat.request(point, fidelity), setup.bat.profile(), &settings)?;
+            Ok(setup.bat.breakdown(point, &flight).total)
         };
         let exact = cost(EXACT_STEPS)?;
         let mut row = vec![name.to_owned()];

@@ -2,8 +2,10 @@
 
 use infuse::correction::Law;
 
-use super::tables::{BeforeAfter, Flown, digits};
-use super::{Ended, Findings};
+use super::campaigns::Ended;
+use super::findings::Findings;
+use super::flights::{BeforeAfter, Flown};
+use super::tables::digits;
 use crate::claims::{Claim, Place, Verdict};
 use crate::gridded::{IterationAccuracy, NORMS, Q2, SUP};
 

@@ -10,9 +10,10 @@ use infuse::{
 };
 use serde::Deserialize;
 
-use crate::gridded::{ParameterEntry, Regressor, Space};
-use crate::reproduction::{Extent, read_study};
-use crate::study::{NumericsEntry, Study};
+use crate::bat::{Bat, MODEL};
+use crate::gridded::{Regressor, Space};
+use crate::reproduction::Extent;
+use crate::study_file::{self, NumericsEntry, ParameterEntry, check_labels, check_share};
 
 /// The file as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -128,7 +129,7 @@ pub(crate) struct Setup {
 pub(crate) struct SpaceSetup {
     pub(crate) entry: SpaceEntry,
     pub(crate) space: Space,
-    pub(crate) study: Study,
+    pub(crate) bat: Bat,
 }
 
 /// One campaign to run: indices into the spaces, truths and variants, and the noise.
@@ -142,30 +143,22 @@ pub(crate) struct Case {
 
 impl Setup {
     pub(crate) fn read(path: &Path, extent: Extent) -> Result<Self> {
-        read_study(path, |text, directory| Self::parse(text, directory, extent))
+        study_file::read(path, |file, directory| Self::of(file, directory, extent))
     }
 
-    fn parse(text: &str, directory: &Path, extent: Extent) -> Result<Self> {
-        let file: StudyFile = toml::from_str(text)?;
-        for (name, count) in [
+    fn of(file: StudyFile, directory: &Path, extent: Extent) -> Result<Self> {
+        study_file::check_not_empty([
             ("space", file.space.len()),
             ("truth", file.truth.len()),
             ("variant", file.variant.len()),
             ("noise.shares", file.noise.shares.len()),
-        ] {
-            ensure!(count > 0, "{name}: at least one is needed");
-        }
-        let labels = |name: &str, labels: Vec<String>| -> Result<()> {
-            let twice = labels.iter().enumerate().find(|(at, label)| labels[..*at].contains(label));
-            ensure!(twice.is_none(), "{name}: {} is there twice", twice.map_or("", |(_, label)| label));
-            Ok(())
-        };
-        labels("space.label", file.space.iter().map(|space| space.label.clone()).collect())?;
-        labels("truth.label", file.truth.iter().map(|truth| truth.label.clone()).collect())?;
-        labels("variant.label", file.variant.iter().map(|variant| variant.label.clone()).collect())?;
-        labels("noise.shares", file.noise.shares.iter().map(ToString::to_string).collect())?;
+        ])?;
+        check_labels("space.label", file.space.iter().map(|space| space.label.clone()))?;
+        check_labels("truth.label", file.truth.iter().map(|truth| truth.label.clone()))?;
+        check_labels("variant.label", file.variant.iter().map(|variant| variant.label.clone()))?;
+        check_labels("noise.shares", file.noise.shares.iter().map(ToString::to_string))?;
         for share in &file.noise.shares {
-            ensure!((0.0..1.0).contains(share), "noise.shares: {share}: it must be 0 or more and less than 1");
+            check_share("noise.shares", *share)?;
         }
         for only in file.variant.iter().filter_map(|variant| variant.only.as_ref()) {
             let known = file.space.iter().any(|space| space.label == only.space);
@@ -186,8 +179,8 @@ impl Setup {
                 let (default, full) = (of(entry.levels)?, of(entry.full_levels).context("full_levels")?);
                 let space = if extent == Extent::Full { full } else { default };
                 let files = [file.rig.as_str(), &file.profile, &file.cost];
-                let study = Study::read(directory, files, space.variables.clone(), steps)?;
-                Ok(SpaceSetup { entry: entry.clone(), space, study })
+                let bat = Bat::read(directory, files, space.variables.clone(), steps)?;
+                Ok(SpaceSetup { entry: entry.clone(), space, bat })
             })
             .collect::<Result<Vec<_>>>()?;
         let setup = Self { file, spaces };
@@ -235,6 +228,11 @@ impl Setup {
         &self.file.truth[truth]
     }
 
+    /// Those of the model and of every truth.
+    pub(crate) fn fidelities(&self) -> Vec<Fidelity> {
+        std::iter::once(MODEL).chain(self.file.truth.iter().map(TruthEntry::fidelity)).collect()
+    }
+
     pub(crate) fn n_truths(&self) -> usize {
         self.file.truth.len()
     }
@@ -259,12 +257,12 @@ impl Setup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduction::assert_refused;
+    use crate::study_file::assert_refused;
 
     #[track_caller]
     fn refuses(from: &str, to: &str, words: &[&str]) {
-        let parse = |text: &str, directory: &Path| Setup::parse(text, directory, Extent::Default);
-        assert_refused("chapter6.toml", parse, [from, to], words);
+        let check = |file, directory: &Path| Setup::of(file, directory, Extent::Default);
+        assert_refused("chapter6.toml", check, [from, to], words);
     }
 
     #[test]

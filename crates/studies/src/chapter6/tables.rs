@@ -1,19 +1,18 @@
 //! The tables of Chapter 6.
 
-use anyhow::{Context as _, Result};
+use super::campaigns::Ended;
+use super::findings::Findings;
+use crate::gridded::{NORMS, Q2, SUP};
+use anyhow::Result;
 use infuse::{
     convergence::{Bound, ErrorLevels},
     correction::{Law, ModelStage},
     global,
 };
-use water_channel::footprint_m2;
-
-use super::{Ended, Findings};
-use crate::gridded::{NORMS, Q2, SUP};
 use page::{Column, Table};
 
 /// Why a campaign ended before its limit, to be read after the iteration.
-fn stop_words(ended: &Ended) -> String {
+pub(crate) fn stop_words(ended: &Ended) -> String {
     match ended.campaign.stop() {
         Some(global::StopReason::IterationLimit) | None => String::new(),
         Some(global::StopReason::FewerThanTwoCells) => ", one cell".to_owned(),
@@ -34,7 +33,7 @@ pub(crate) fn digits(value: f64) -> String {
     }
 }
 
-fn or_dash(iteration: Option<usize>) -> String {
+pub(crate) fn or_dash(iteration: Option<usize>) -> String {
     iteration.map_or("–".to_owned(), |iteration| iteration.to_string())
 }
 
@@ -164,53 +163,6 @@ pub(crate) fn norms(findings: &Findings, ended: &Ended) -> Table {
     table
 }
 
-/// The optimum of the first and of the last iteration, flown in the truth.
-#[derive(Clone, Debug)]
-pub(crate) struct BeforeAfter {
-    pub(crate) space: usize,
-    pub(crate) truth: usize,
-    pub(crate) designs: [Flown; 2],
-}
-
-/// How a design flies.
-#[derive(Clone, Debug)]
-pub(crate) struct Flown {
-    point: Vec<f64>,
-    pub(crate) cost: f64,
-    pub(crate) heading_deg2: f64,
-    pub(crate) zenith_deg: f64,
-    pub(crate) footprint_m2: f64,
-}
-
-pub(crate) fn before_after(findings: &Findings) -> Result<Vec<BeforeAfter>> {
-    let mut all = Vec::new();
-    for space in 0..findings.setup.spaces.len() {
-        for truth in 0..findings.setup.n_truths() {
-            let ended = findings.shown(space, truth)?;
-            let reports = ended.campaign.reports();
-            let fly = |report: Option<&infuse::global::Report>| -> Result<Flown> {
-                let point = report.context("no iteration was made")?.screening.optimum.clone();
-                let study = &findings.setup.spaces[space].study;
-                let (flight, log) = study.logged(&point, findings.setup.truth(truth).fidelity(), 4)?;
-                let n = log.rows.len() as f64;
-                let mean = |f: &dyn Fn(&water_channel::LogRow) -> f64| log.rows.iter().map(f).sum::<f64>() / n;
-                Ok(Flown {
-                    cost: study.breakdown(&point, &flight).total,
-                    heading_deg2: mean(&|row| row.heading_rad.to_degrees().powi(2)),
-                    zenith_deg: mean(&|row| row.state[0].to_degrees()),
-                    footprint_m2: mean(&|row| {
-                        footprint_m2((row.state[6] + row.state[7] + row.state[8]) / 3.0, row.state[0])
-                    }),
-                    point,
-                })
-            };
-            let designs = [fly(reports.first())?, fly(reports.last())?];
-            all.push(BeforeAfter { space, truth, designs });
-        }
-    }
-    Ok(all)
-}
-
 pub(crate) fn flights(findings: &Findings) -> Table {
     let mut table = Table::new(vec![
         Column::new("Space", ""),
@@ -240,7 +192,7 @@ pub(crate) fn flights(findings: &Findings) -> Table {
 }
 
 /// The third question of the dissertation: how many iterations?
-pub(crate) fn rounds(findings: &Findings) -> Result<Table> {
+pub(crate) fn how_many(findings: &Findings) -> Result<Table> {
     let mut table = Table::new(vec![
         Column::new("Space", ""),
         Column::new("Truth", ""),
@@ -266,14 +218,14 @@ pub(crate) fn rounds(findings: &Findings) -> Result<Table> {
                 let bound = Bound::new(ended.campaign.settings().correction, ModelStage::Corrected);
                 let limit = bound.limit().map(|limit| limit.error(&levels));
                 let promises = limit.is_some_and(|limit| limit < first.gap);
-                let rounds = if promises { bound.iterations_to(&levels, 0.1 * first.gap)? } else { None };
+                let needed = if promises { bound.iterations_to(&levels, 0.1 * first.gap)? } else { None };
                 table.push(vec![
                     findings.setup.spaces[space].entry.label.clone(),
                     findings.setup.truth(truth).short().to_owned(),
                     findings.setup.variant(ended.case).label.clone(),
                     limit.map_or("–".to_owned(), digits),
                     digits(first.gap),
-                    or_dash(rounds),
+                    or_dash(needed),
                 ]);
             }
         }

@@ -4,7 +4,7 @@ use anyhow::{Context as _, Result};
 use infuse::global;
 use rayon::prelude::*;
 
-use crate::gridded::{Campaigns, SurrogateRig};
+use crate::gridded::{Designs, SurrogateRig};
 
 /// What an iteration found.
 #[derive(Clone, Debug)]
@@ -25,7 +25,6 @@ impl Steps {
         let reports = campaign.reports();
         let cells = reports.iter().map(|report| Ok(usize::try_from(report.screening.optimum_cell.index())?));
         let costs = rig.truth.costs(&cells.collect::<Result<Vec<_>>>()?);
-        rig.truth.keep()?;
         let steps = reports.iter().zip(costs).map(|(report, cost)| {
             let screening = &report.screening;
             Step {
@@ -57,26 +56,26 @@ pub(crate) struct Runs {
 }
 
 impl Runs {
-    /// Runs them side by side; `rig` has the noise, and `iterated` hears of every iteration.
+    /// Runs them side by side; `rig` has the noise, and `iterated` is called after each iteration.
     pub(crate) fn of(
         label: &str,
         rig: &SurrogateRig<'_>,
         settings: &global::Settings,
         seeds: &[u64],
-        campaigns: &Campaigns,
+        designs: &Designs,
         iterated: impl Fn(usize) + Sync,
     ) -> Result<Self> {
-        let mut begun = global::Loop::new(rig.space.region(), settings.clone())?;
-        begun.ask(&mut |cell, _| rig.simulate(cell))?;
+        rig.prepare(settings, designs)?;
         let run = |rig: SurrogateRig<'_>| -> Result<(Steps, global::Loop)> {
-            let campaign = campaigns.run_from(&rig, &begun, &iterated)?;
+            let campaign = rig.run(settings, designs, &iterated)?;
             Ok((Steps::of(&campaign, &rig)?, campaign))
         };
-        // First, because the others make the same experiments in their first iteration.
-        let (quiet, quiet_campaign) = run(SurrogateRig { noise: 0.0, seed: 0, ..*rig })?;
-        let noisy = seeds.par_iter().map(|seed| Ok(run(SurrogateRig { seed: *seed, ..*rig })?.0));
-        let noisy = noisy.collect::<Result<_>>()?;
-        Ok(Self { label: label.to_owned(), quiet, quiet_campaign, noisy, seeds: seeds.to_vec() })
+        let noisy = || -> Result<Vec<Steps>> {
+            seeds.par_iter().map(|seed| Ok(run(SurrogateRig { seed: *seed, ..*rig })?.0)).collect()
+        };
+        let (quiet, noisy) = rayon::join(|| run(SurrogateRig { noise: 0.0, seed: 0, ..*rig }), noisy);
+        let (quiet, quiet_campaign) = quiet?;
+        Ok(Self { label: label.to_owned(), quiet, quiet_campaign, noisy: noisy?, seeds: seeds.to_vec() })
     }
 
     /// The seed whose last design has the median true cost, the lower one of two, with its campaign: unlike a median taken
@@ -99,10 +98,11 @@ impl Runs {
 
 #[cfg(test)]
 mod tests {
-    use doe::Model;
+    use design_space::Model;
 
     use super::*;
-    use crate::gridded::{ParameterEntry, Space};
+    use crate::gridded::Space;
+    use crate::study_file::ParameterEntry;
 
     #[test]
     fn the_median_is_one_campaign() {

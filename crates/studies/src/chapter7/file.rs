@@ -10,9 +10,9 @@ use infuse::{
 use serde::Deserialize;
 use water_channel::{CostFile, Record};
 
-use crate::gridded::{ParameterEntry, Regressor, Space};
-use crate::reproduction::read_study;
-use crate::study::{MODEL, NumericsEntry, Study, Variable};
+use crate::bat::{Bat, MODEL, Variable};
+use crate::gridded::{Regressor, Space};
+use crate::study_file::{self, NoiseEntry, NumericsEntry, ParameterEntry, check_seeds};
 
 /// The file as written.
 #[derive(Clone, Debug, Deserialize)]
@@ -68,21 +68,6 @@ pub(crate) struct Variant {
     pub(crate) label: String,
     pub(crate) model: Regressor,
     pub(crate) seeds: u64,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct NoiseEntry {
-    pub(crate) share: f64,
-    pub(crate) first_seed: u64,
-    /// With which wrong choices are compared.
-    pub(crate) seeds: u64,
-}
-
-impl NoiseEntry {
-    pub(crate) fn numbers(&self, count: u64) -> Vec<u64> {
-        (self.first_seed..self.first_seed.saturating_add(count)).collect()
-    }
 }
 
 /// What our counterpart of a row owes to fitting.
@@ -149,7 +134,7 @@ pub(crate) struct Case {
     pub(crate) space: Space,
     /// The grid that is flown in whole.
     pub(crate) flown: Space,
-    pub(crate) study: Study,
+    pub(crate) bat: Bat,
     /// In per cent of chord.
     pub(crate) center_of_buoyancy: f64,
     pub(crate) published: Vec<Row>,
@@ -178,22 +163,14 @@ impl Case {
 
 impl Setup {
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        read_study(path, Self::parse)
+        study_file::read(path, Self::of)
     }
 
-    fn parse(text: &str, directory: &Path) -> Result<Self> {
-        let file: StudyFile = toml::from_str(text)?;
-        for (name, count) in [("case", file.case.len()), ("variant", file.variant.len())] {
-            ensure!(count > 0, "{name}: at least one is needed");
-        }
-        ensure!(
-            (0.0..1.0).contains(&file.noise.share),
-            "noise.share = {}: it must be 0 or more and less than 1",
-            file.noise.share
-        );
-        let counts = file.variant.iter().map(|variant| ("variant.seeds", variant.seeds));
-        for (name, seeds) in counts.chain([("noise.seeds", file.noise.seeds)]) {
-            ensure!((1..=1000).contains(&seeds), "{name} = {seeds}: from 1 to 1000 are allowed");
+    fn of(file: StudyFile, directory: &Path) -> Result<Self> {
+        study_file::check_not_empty([("case", file.case.len()), ("variant", file.variant.len())])?;
+        file.noise.check()?;
+        for variant in &file.variant {
+            check_seeds("variant.seeds", variant.seeds)?;
         }
         for row in &file.published {
             let known = file.case.iter().any(|case| case.table == row.table);
@@ -238,9 +215,9 @@ impl Case {
         ensure!(entry.parameters.len() >= 2, "parameters: at least two are needed");
         let steps = file.numerics.steps();
         let files = [file.rig.as_str(), &file.profile, &file.cost];
-        let study = Study::read(directory, files, space.variables.clone(), steps)?;
+        let bat = Bat::read(directory, files, space.variables.clone(), steps)?;
         let center = space.region().center();
-        let center_of_buoyancy = 100.0 * study.request(&center, MODEL).rig.plant.body.center_of_buoyancy_x;
+        let center_of_buoyancy = 100.0 * bat.request(&center, MODEL).rig.plant.body.center_of_buoyancy_x;
 
         let rows = file.published.iter().filter(|row| row.table == entry.table).enumerate();
         let rows = rows.map(|(number, row)| {
@@ -271,18 +248,18 @@ impl Case {
             published.len(),
             entry.iterations
         );
-        Ok(Self { entry: entry.clone(), space, flown, study, center_of_buoyancy, published })
+        Ok(Self { entry: entry.clone(), space, flown, bat, center_of_buoyancy, published })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduction::assert_refused;
+    use crate::study_file::assert_refused;
 
     #[track_caller]
     fn refuses(from: &str, to: &str, words: &[&str]) {
-        assert_refused("chapter7.toml", Setup::parse, [from, to], words);
+        assert_refused("chapter7.toml", Setup::of, [from, to], words);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use anyhow::Result;
 use water_channel::{FlightLog, LogRow};
 
 use super::file::Case;
-use crate::study::STAND_IN;
+use crate::bat::STAND_IN;
 
 /// Samples per row of a flight log: 0.1 s.
 const LOG_EVERY: usize = 4;
@@ -61,8 +61,8 @@ pub(crate) struct Flown {
 
 impl Flown {
     pub(crate) fn fly(case: &Case, point: &[f64]) -> Result<Self> {
-        let (flight, log) = case.study.logged(point, STAND_IN, LOG_EVERY)?;
-        Ok(Self { point: point.to_vec(), cost: case.study.breakdown(point, &flight).total, log })
+        let (flight, log) = case.bat.logged(point, STAND_IN, LOG_EVERY)?;
+        Ok(Self { point: point.to_vec(), cost: case.bat.breakdown(point, &flight).total, log })
     }
 
     pub(crate) fn times(&self) -> Vec<f64> {

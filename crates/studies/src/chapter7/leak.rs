@@ -13,7 +13,7 @@ use infuse::{
 };
 use surface::{Confounded, Kind};
 
-use crate::gridded::SurrogateRig;
+use crate::gridded::{Designs, SurrogateRig};
 
 /// Which correction the simulations of iteration n carry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +29,12 @@ pub(crate) enum Timing {
 const NO_GAIN: f64 = 1e-13;
 
 /// Runs a campaign whose correction acts when `timing` says.
-pub(crate) fn run(rig: &SurrogateRig<'_>, settings: &global::Settings, timing: Timing) -> Result<global::Loop> {
+pub(crate) fn run(
+    rig: &SurrogateRig<'_>,
+    settings: &global::Settings,
+    designs: &Designs,
+    timing: Timing,
+) -> Result<global::Loop> {
     let rule = settings.correction;
     let region = rig.space.region();
     let k = region.n_parameters();
@@ -39,18 +44,17 @@ pub(crate) fn run(rig: &SurrogateRig<'_>, settings: &global::Settings, timing: T
     let mut campaign = global::Loop::new(region, settings)?;
     let (mut experiments, mut simulations) = (Vec::new(), Vec::new());
     let mut correction = TracedSurface::combination(k, [])?;
-    loop {
-        // What the loop is about to run, found with a copy of it: designs do not depend on costs.
+    while let Some(plan) = designs.next(&campaign)? {
+        // What the loop is about to run, by a copy of it: designs do not depend on costs.
         let mut simulated = Observations::none(k);
         let mut fault = None;
-        let asked = campaign.clone().ask(&mut |cell: Cell, point: &[f64]| {
+        let trials = campaign.clone().open(&plan, &mut |cell: Cell, point: &[f64]| {
             let cost = rig.simulate(cell)?;
             let added = region.coded(point).map_err(infuse::Error::from);
             let added = added.and_then(|coded| simulated.add_simulation(&coded, cost));
             fault = fault.take().or(added.err());
             Ok(cost)
         })?;
-        let global::Ask::Trials(trials) = asked else { return Ok(campaign) };
         if let Some(fault) = fault {
             return Err(fault.into());
         }
@@ -72,7 +76,7 @@ pub(crate) fn run(rig: &SurrogateRig<'_>, settings: &global::Settings, timing: T
             Timing::NextIteration => &before,
         };
 
-        campaign.ask(&mut |cell: Cell, point: &[f64]| {
+        campaign.open(&plan, &mut |cell: Cell, point: &[f64]| {
             let coded = region.coded(point).map_err(|error| error.to_string())?;
             Ok(rig.simulate(cell)? + acting.surface().predict(&coded))
         })?;
@@ -80,6 +84,7 @@ pub(crate) fn run(rig: &SurrogateRig<'_>, settings: &global::Settings, timing: T
             campaign.tell(trial.id, outcome)?;
         }
     }
+    Ok(campaign)
 }
 
 #[cfg(test)]
@@ -88,8 +93,9 @@ mod tests {
     use infuse::{TrialId, global::quality_of_fit};
 
     use super::*;
-    use crate::gridded::{CellCosts, ParameterEntry, Space};
-    use crate::study::Cost;
+    use crate::costs::Cost;
+    use crate::gridded::{CellCosts, Space};
+    use crate::study_file::ParameterEntry;
 
     /// A bowl over seven levels of two parameters, with a ripple that no quadratic follows.
     #[derive(Debug)]
@@ -99,10 +105,6 @@ mod tests {
     }
 
     impl CellCosts for Bowl {
-        fn key(&self) -> &'static str {
-            "a bowl"
-        }
-
         fn cost(&self, cell: usize) -> Cost {
             let point = self.space.point(cell).map_err(|error| error.to_string())?;
             let (x, y) = (point[0] - self.lowest[0], point[1] - self.lowest[1]);
@@ -133,15 +135,17 @@ mod tests {
         settings
     }
 
-    fn found(campaign: &global::Loop) -> Vec<(Cell, u64)> {
-        campaign.reports().iter().map(|report| (report.screening.optimum_cell, report.screening.n_after)).collect()
+    fn found(campaign: &global::Loop) -> Vec<(u64, u64)> {
+        campaign.reports().iter().map(|report| (report.screening.optimum_cell.index(), report.screening.n_after)).collect()
     }
 
     #[test]
     fn a_correction_smuggled_in_one_iteration_later_is_the_loop_itself() {
         let [model, truth] = bowls();
         let rig = SurrogateRig { space: &model.space, model: &model, truth: &truth, noise: 0.01, seed: 3 };
-        let smuggled = run(&rig, &settings(), Timing::NextIteration).expect("a campaign");
+        let folder = tempfile::tempdir().expect("a writable directory");
+        let designs = Designs::keep_in(folder.path()).expect("no designs yet");
+        let smuggled = run(&rig, &settings(), &designs, Timing::NextIteration).expect("a campaign");
         let mut itself = global::Loop::new(model.space.region(), settings()).expect("a campaign");
         while let global::Ask::Trials(trials) = itself.ask(&mut |cell, _| rig.simulate(cell)).expect("a batch") {
             for (trial, outcome) in trials.iter().zip(rig.measure(&trials).expect("costs")) {
@@ -150,7 +154,7 @@ mod tests {
         }
         assert_eq!(found(&smuggled), found(&itself), "optimum and cells left, iteration by iteration");
         assert!(found(&itself).len() > 1, "the correction has acted: {:?}", found(&itself));
-        let leaking = run(&rig, &settings(), Timing::SameIteration).expect("a campaign");
+        let leaking = run(&rig, &settings(), &designs, Timing::SameIteration).expect("a campaign");
         let spread = |campaign: &global::Loop| campaign.reports()[0].screening.spread.s().expect("S");
         assert!(spread(&leaking) < spread(&itself), "the first S knows its own experiments");
     }

@@ -5,8 +5,8 @@ use bat_dynamics::Fidelity;
 use infuse::{CodesignProblem, OptimizerSettings, Role, Strategy, codesign};
 
 use super::file::Case;
+use crate::bat::Variable;
 use crate::gridded::FlownGrid;
-use crate::study::Variable;
 
 /// The best design of a physics.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ impl Optimum {
         let problem = CodesignProblem::new(case.space.region().clone(), roles)?;
         let mut settings = OptimizerSettings::default();
         settings.strategy = Strategy::Simultaneous;
-        let found = codesign(&problem, &settings, &start, &mut |point| case.study.cost(point, fidelity))?;
+        let found = codesign(&problem, &settings, &start, &mut |point| case.bat.cost(point, fidelity))?;
         Ok(if found.value < cost {
             Self { point: found.point, cost: found.value }
         } else {

@@ -4,10 +4,10 @@ use water_channel::Record;
 
 use super::campaigns::{Runs, Step};
 use super::file::{Case, Standing};
+use super::findings::{Findings, Found};
 use super::flights::READINGS;
 use super::wrong::Choice;
-use super::{Findings, Found};
-use crate::study::{STAND_IN, Variable};
+use crate::bat::{STAND_IN, Variable};
 use page::Summary;
 use page::{Column, Table};
 
@@ -70,7 +70,7 @@ pub(crate) fn designs(case: &Case, found: &Found, runs: &Runs, which: Rows) -> T
         table.push(row);
     };
     let flown = |point: &[f64], share| {
-        let cost = case.study.cost(point, STAND_IN).unwrap_or(f64::NAN);
+        let cost = case.bat.cost(point, STAND_IN).unwrap_or(f64::NAN);
         Step { point: point.to_vec(), cost, share }
     };
     for (iteration, row) in case.published.iter().enumerate() {
@@ -222,9 +222,8 @@ pub(crate) fn fields(findings: &Findings) -> Table {
         Column::new("Its cost", "s"),
     ]);
     for (case, found) in findings.cases() {
-        let ground = &found.ground;
         for (physics, grid, best) in
-            [("numerical model", &ground.model, &found.numerical), ("stand-in", &ground.truth, &found.best)]
+            [("numerical model", &found.model, &found.numerical), ("stand-in", &found.truth, &found.best)]
         {
             table.push(vec![
                 case.entry.label.clone(),

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use surface::{Confounded, GridPoints, Kind};
 
 use super::leak::{self, Timing};
-use crate::gridded::{Campaigns, FlownGrid, Regressor, SurrogateRig};
+use crate::gridded::{Designs, FlownGrid, Regressor, SurrogateRig};
 use page::Summary;
 
 /// How far below the experiments' weight the simulations' is when experiments are to stand alone.
@@ -54,13 +54,16 @@ struct End {
 /// One seed of one choice.
 type RunSeed<'a> = Box<dyn Fn(&SurrogateRig<'_>) -> Result<End> + Sync + 'a>;
 
+/// A choice by name, what is done in a sentence, and how.
+type Way<'a> = (&'static str, String, RunSeed<'a>);
+
 /// All ways of choosing; `base` are the settings of the loop as it is.
 pub(crate) fn choices(
     rig: &SurrogateRig<'_>,
     [model, truth]: [&FlownGrid; 2],
     base: &global::Settings,
     seeds: &[u64],
-    campaigns: &Campaigns,
+    designs: &Designs,
     finished: impl Fn() + Sync,
 ) -> Result<Vec<Choice>> {
     let (best_cell, best_cost) = truth.lowest()?;
@@ -74,9 +77,8 @@ pub(crate) fn choices(
         change(&mut settings);
         settings
     };
-    let looped = |settings: global::Settings| -> RunSeed<'_> {
-        Box::new(move |rig| end(&campaigns.run(rig, &settings, |_| {})?))
-    };
+    let looped =
+        |settings: global::Settings| -> RunSeed<'_> { Box::new(move |rig| end(&rig.run(&settings, designs, |_| {})?)) };
     let surfaces = |kind: SurfaceKind| {
         looped(with(&|settings| {
             settings.surfaces = SurfaceKinds { experiment: kind, simulation: kind, combined: kind };
@@ -84,7 +86,7 @@ pub(crate) fn choices(
     };
     let alone = Alone::design(rig, base)?;
     let products = Regressor::Quadratic.model(rig.space.region().n_parameters())?;
-    let all: Vec<(&'static str, String, RunSeed<'_>)> = vec![
+    let all: Vec<Way<'_>> = vec![
         (
             "the loop as it is",
             "Regressor, weights, law and test of this study.".to_owned(),
@@ -129,7 +131,7 @@ pub(crate) fn choices(
             "The correction acts in its own iteration (5.4 read literally): S is estimated from experiments that are in \
              the surface. The library refuses it; here it is smuggled in through the simulation."
                 .to_owned(),
-            Box::new(|rig| end(&leak::run(rig, base, Timing::SameIteration)?)),
+            Box::new(|rig| end(&leak::run(rig, base, designs, Timing::SameIteration)?)),
         ),
         (
             "inverse-distance surfaces",
@@ -138,29 +140,29 @@ pub(crate) fn choices(
         ),
         (
             "squared-exponential surfaces",
-            "All three surfaces are (34) with its sign mended, the scale chosen by leaving out one place at a time."
+            "All three surfaces are (34) with its sign repaired, the scale chosen by leaving out one place at a time."
                 .to_owned(),
             surfaces(SurfaceKind::SquaredExponential { scale: None }),
         ),
     ];
-    all.into_iter()
-        .map(|(label, how, run)| {
-            let ends = seeds.par_iter().map(|seed| {
-                let end = run(&SurrogateRig { seed: *seed, ..*rig }).with_context(|| format!("{label}, seed {seed}"));
-                finished();
-                end
-            });
-            let ends = ends.collect::<Result<Vec<End>>>()?;
-            let regret = |end: &End| truth.cost(end.cell).as_ref().map_or(f64::INFINITY, |cost| cost - best_cost);
-            let kept: Option<Vec<bool>> = ends.iter().map(|end| end.keeps_best).collect();
-            Ok(Choice {
-                label,
-                how,
-                regrets: ends.iter().map(regret).collect(),
-                lost: kept.map(|kept| kept.iter().filter(|kept| !**kept).count()),
-            })
-        })
-        .collect()
+    for model in [&base.model, &products] {
+        rig.prepare(&with(&|settings| settings.model = model.clone()), designs)?;
+    }
+    let run = |number: usize| {
+        let ((label, _, run), seed) = (&all[number / seeds.len()], seeds[number % seeds.len()]);
+        let end = run(&SurrogateRig { seed, ..*rig }).with_context(|| format!("{label}, seed {seed}"));
+        finished();
+        end
+    };
+    // All side by side: a choice whose last seeds take long does not keep the others waiting.
+    let ends = (0..all.len() * seeds.len()).into_par_iter().map(run).collect::<Result<Vec<End>>>()?;
+    let regret = |end: &End| truth.cost(end.cell).as_ref().map_or(f64::INFINITY, |cost| cost - best_cost);
+    let choice = |((label, how, _), ends): (Way<'_>, &[End])| {
+        let kept: Option<Vec<bool>> = ends.iter().map(|end| end.keeps_best).collect();
+        let lost = kept.map(|kept| kept.iter().filter(|kept| !**kept).count());
+        Choice { label, how, regrets: ends.iter().map(regret).collect(), lost }
+    };
+    Ok(all.into_iter().zip(ends.chunks(seeds.len())).map(choice).collect())
 }
 
 /// How many choices there are, for whoever waits.

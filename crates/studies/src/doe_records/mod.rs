@@ -8,6 +8,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
+use design_space::Combinations;
 use doe::{Criterion, Effort, Found, Model, PredictionVariance, Problem, Settings, Space, search};
 use rayon::prelude::*;
 
@@ -137,19 +138,14 @@ fn row(size: Size, kept: Kept) -> Result<Row> {
 fn largest_on_lattice(kept: &Kept) -> Result<f64> {
     let factors = kept.design.n_factors();
     let variance = PredictionVariance::of(&Model::quadratic(factors)?, &kept.design)?;
-    let levels = (1e5_f64.powf(1.0 / factors as f64).round() as usize).clamp(3, 2001);
+    let levels = (1e5_f64.powf(1.0 / factors as f64).round() as u64).clamp(3, 2001);
     // An odd number, so that the middle is among them.
     let levels = levels + 1 - levels % 2;
     let mut largest = 0.0_f64;
-    for index in 0..levels.pow(factors as u32) {
-        let mut rest = index;
-        let point: Vec<f64> = (0..factors)
-            .map(|_| {
-                let level = rest % levels;
-                rest /= levels;
-                2.0 * level as f64 / (levels - 1) as f64 - 1.0
-            })
-            .collect();
+    let lattice = Combinations::new(vec![levels; factors])?;
+    for index in 0..lattice.len() {
+        let coded = |level: u64| 2.0 * level as f64 / (levels - 1) as f64 - 1.0;
+        let point: Vec<f64> = lattice.digits(index).into_iter().map(coded).collect();
         largest = largest.max(variance.at(&point)?);
     }
     Ok(largest)
@@ -166,11 +162,11 @@ fn grid_row(model: &'static str, runs: usize) -> Result<GridRow> {
 
 /// A search over a list of the points of a grid in four factors, as candidates and not as a grid.
 fn over_list(levels: u32) -> Result<(usize, Found)> {
-    let level = |index: u32| 2.0 * f64::from(index) / f64::from(levels - 1) - 1.0;
-    let mut candidates = Vec::new();
-    for point in 0..levels.pow(4) {
-        candidates.extend((0..4).map(|factor| level(point / levels.pow(factor) % levels)));
-    }
+    let level = |index: u64| 2.0 * index as f64 / f64::from(levels - 1) - 1.0;
+    let grid = Combinations::new(vec![u64::from(levels); 4])?;
+    // The first factor varies fastest.
+    let candidates: Vec<f64> =
+        (0..grid.len()).flat_map(|index| grid.digits(index).into_iter().rev().map(level)).collect();
     let n_candidates = candidates.len() / 4;
     let problem = Problem::new(Model::quadratic(4)?, Space::list(4, candidates)?, LIST_RUNS, Criterion::G)?;
     let mut settings = Settings::default();

@@ -211,7 +211,7 @@ fn about_the_searches(findings: &Findings) -> Vec<String> {
     vec![
         format!("Searches that missed their goal of {:.0} % of the kept design: {}.", 100.0 * GOAL, named(missed)),
         format!("Kept designs that a search of this run has beaten, and that should be replaced: {}.", named(beaten)),
-        "Starts are made in rounds of 16, so a time is that of whole rounds.".to_owned(),
+        "Starts are made 16 at a time, so a time is that of all 16.".to_owned(),
     ]
 }
 

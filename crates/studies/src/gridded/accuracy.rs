@@ -9,7 +9,7 @@ use infuse::{
 };
 use surface::GridPoints;
 
-use super::flown::FlownGrid;
+use super::grid::FlownGrid;
 use super::space::Space;
 
 /// A norm by name: those of (42) for q = 1 and 2 as printed, and the largest magnitude.

@@ -3,21 +3,20 @@
 
 mod accuracy;
 mod campaign;
-mod flown;
-mod key;
-mod on_demand;
+mod cell_costs;
+mod designs;
+mod grid;
 mod panels;
 mod regressor;
-mod source;
 mod space;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use accuracy::{Accuracy, IterationAccuracy, NORMS, NormAccuracy, Q2, SUP};
-pub(crate) use campaign::{Campaigns, SurrogateRig};
-pub(crate) use flown::{FlightStore, FlownGrid};
-pub(crate) use on_demand::OnDemand;
+pub(crate) use campaign::SurrogateRig;
+pub(crate) use cell_costs::{CellCosts, OnDemand};
+pub(crate) use designs::Designs;
+pub(crate) use grid::FlownGrid;
 pub(crate) use panels::{cell_panel, design_points};
 pub(crate) use regressor::Regressor;
-pub(crate) use source::CellCosts;
-pub(crate) use space::{ParameterEntry, Space};
+pub(crate) use space::Space;

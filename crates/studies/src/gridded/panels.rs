@@ -2,7 +2,6 @@
 
 use anyhow::Result;
 use design_space::Cell;
-use doe::Levels;
 use infuse::global::{self, RetainedSet, TrialUse};
 
 use super::space::Space;
@@ -15,12 +14,8 @@ pub(crate) fn cell_panel(
     value: impl Fn(usize) -> Result<f64>,
 ) -> Result<CellPanel> {
     let (x, y) = (space.levels(0)?, space.levels(1)?);
-    let n_y = match space.region().parameters()[1].levels() {
-        Levels::Count(count) => count as usize,
-        Levels::Continuous => 1,
-    };
     let at = |i: usize, j: usize| -> Result<f64> {
-        let cell = i * n_y + j;
+        let cell = space.cell_of(&[i, j])?;
         if retained.contains(Cell::new(cell as u64)) { value(cell) } else { Ok(f64::NAN) }
     };
     let row = |j: usize| (0..x.len()).map(|i| at(i, j)).collect::<Result<Vec<_>>>();

@@ -1,20 +1,10 @@
 //! A design space of levels, as a study file has it.
 
 use anyhow::{Context as _, Result, ensure};
-use doe::{Parameter, Region};
-use serde::Deserialize;
+use design_space::{Cell, Grid, Parameter, Region};
 
-use crate::study::Variable;
-
-/// A parameter as written.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct ParameterEntry {
-    pub(crate) name: String,
-    pub(crate) unit: String,
-    pub(crate) lower: f64,
-    pub(crate) upper: f64,
-}
+use crate::bat::Variable;
+use crate::study_file::ParameterEntry;
 
 /// Cells of one space: more flights would take days.
 const MOST_CELLS: u64 = 1_000_000;
@@ -22,7 +12,7 @@ const MOST_CELLS: u64 = 1_000_000;
 /// Some of the parameters with their levels.
 #[derive(Clone, Debug)]
 pub(crate) struct Space {
-    region: Region,
+    grid: Grid,
     pub(crate) variables: Vec<Variable>,
     n_cells: usize,
 }
@@ -38,17 +28,17 @@ impl Space {
             let parameter = Parameter::continuous(&entry.name, &entry.unit, entry.lower, entry.upper)?;
             parameters.push(parameter.with_levels(levels).with_context(|| format!("levels = {levels}"))?);
         }
-        let region = Region::new(parameters)?;
-        let n_cells = design_space::Grid::of(&region)?.n_cells();
+        let grid = Grid::of(&Region::new(parameters)?)?;
+        let n_cells = grid.n_cells();
         ensure!(
             n_cells <= MOST_CELLS,
             "levels = {levels}: {n_cells} cells, and each is flown: at most {MOST_CELLS} are allowed"
         );
-        Ok(Self { region, variables, n_cells: usize::try_from(n_cells)? })
+        Ok(Self { grid, variables, n_cells: usize::try_from(n_cells)? })
     }
 
     pub(crate) fn region(&self) -> &Region {
-        &self.region
+        self.grid.region()
     }
 
     pub(crate) fn n_cells(&self) -> usize {
@@ -57,26 +47,29 @@ impl Space {
 
     /// The natural coordinates of a cell, counted as the loop counts them.
     pub(crate) fn point(&self, cell: usize) -> Result<Vec<f64>> {
-        Ok(design_space::Grid::of(&self.region)?.point(design_space::Cell::new(cell as u64))?)
+        Ok(self.grid.point(Cell::new(cell as u64))?)
+    }
+
+    /// Those of all cells, in their order.
+    pub(crate) fn points(&self) -> Result<Vec<Vec<f64>>> {
+        Ok(self.grid.cells().map(|cell| self.grid.point(cell)).collect::<Result<_, _>>()?)
     }
 
     /// The cell of a point that lies on the levels.
     pub(crate) fn cell(&self, point: &[f64]) -> Result<usize> {
-        let mut cell = 0;
-        for (parameter, x) in self.region.parameters().iter().zip(point) {
-            let count = match parameter.levels() {
-                doe::Levels::Count(count) => count as usize,
-                doe::Levels::Continuous => 1,
-            };
-            cell = cell * count + parameter.nearest_level(*x)? as usize;
-        }
-        Ok(cell)
+        Ok(usize::try_from(self.grid.nearest(point)?.index())?)
+    }
+
+    /// The cell of these levels, one for each parameter, from 0.
+    pub(crate) fn cell_of(&self, levels: &[usize]) -> Result<usize> {
+        let digits: Vec<u64> = levels.iter().map(|level| *level as u64).collect();
+        Ok(usize::try_from(self.grid.of_digits(&digits)?.index())?)
     }
 
     /// The levels of a parameter, rising.
     pub(crate) fn levels(&self, parameter: usize) -> Result<Vec<f64>> {
-        let parameter = &self.region.parameters()[parameter];
-        let doe::Levels::Count(count) = parameter.levels() else { return Ok(Vec::new()) };
+        let parameter = &self.region().parameters()[parameter];
+        let design_space::Levels::Count(count) = parameter.levels() else { return Ok(Vec::new()) };
         Ok((0..count).map(|index| parameter.level(index)).collect::<std::result::Result<_, _>>()?)
     }
 }

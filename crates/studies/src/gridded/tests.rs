@@ -9,6 +9,7 @@ use infuse::{
 };
 
 use super::*;
+use crate::study_file::ParameterEntry;
 
 const LEVELS: u32 = 9;
 /// The model lacks this much everywhere.
@@ -26,13 +27,13 @@ fn space() -> Space {
 }
 
 /// A bowl that (61) can follow, with this much on top, at the cells of the space.
-fn bowl(space: &Space, key: &str, on_top: impl Fn(f64, f64) -> f64) -> FlownGrid {
+fn bowl(space: &Space, on_top: impl Fn(f64, f64) -> f64) -> FlownGrid {
     let costs = (0..space.n_cells()).map(|cell| {
         let point = space.point(cell).expect("a cell");
         let (x, y) = (point[0] - 48.5, (point[1] - 6.0) / 4.0);
         Ok(2.0 + x * x + 0.5 * y * y + on_top(x, y))
     });
-    FlownGrid::of_costs(key, costs.collect())
+    FlownGrid::of_costs(costs.collect())
 }
 
 fn settings(law: Law, k: f64, iterations: usize) -> global::Settings {
@@ -43,20 +44,21 @@ fn settings(law: Law, k: f64, iterations: usize) -> global::Settings {
     settings
 }
 
-fn directory(name: &str) -> std::path::PathBuf {
-    std::env::temp_dir().join(format!("xtask-{}-{name}", std::process::id()))
+fn designs() -> (tempfile::TempDir, Designs) {
+    let folder = tempfile::tempdir().expect("a writable directory");
+    let designs = Designs::keep_in(folder.path()).expect("no designs yet");
+    (folder, designs)
 }
 
 /// Without noise and misfit both surfaces are exact, so what is left of the gap is known: (47) with e1 = e2 = 0.
 #[test]
 fn a_constant_gap_falls_as_a_power_of_one_less_the_gain_and_attains_its_bound() {
     let space = space();
-    let (model, truth) = (bowl(&space, "model", |_, _| 0.0), bowl(&space, "truth", |_, _| GAP));
+    let (model, truth) = (bowl(&space, |_, _| 0.0), bowl(&space, |_, _| GAP));
     for (law, k) in [(Law::ProofRecursion, 0.5), (Law::CurrentSimulation, 0.3)] {
         let rig = SurrogateRig { space: &space, model: &model, truth: &truth, noise: 0.0, seed: 1 };
-        let out = directory(&format!("gap-{law:?}"));
-        let campaign = Campaigns::new(out.clone()).run(&rig, &settings(law, k, 6), |_| {}).expect("a campaign");
-        std::fs::remove_dir_all(&out).expect("just written");
+        let (_folder, designs) = designs();
+        let campaign = rig.run(&settings(law, k, 6), &designs, |_| {}).expect("a campaign");
         let accuracy = Accuracy::of(&campaign, &space, &model, &truth).expect("as many cells");
         assert!(accuracy.iterations.len() >= 4, "{law:?}: {} iterations", accuracy.iterations.len());
         for i in &accuracy.iterations {
@@ -76,14 +78,13 @@ fn a_constant_gap_falls_as_a_power_of_one_less_the_gain_and_attains_its_bound() 
 #[test]
 fn a_wrong_model_with_noise_stays_inside_its_bound_and_its_certificate() {
     let space = space();
-    let model = bowl(&space, "model", |_, _| 0.0);
-    let truth = bowl(&space, "truth", |x, y| 0.4 * x * y + 0.3 * (2.0 * x).sin());
+    let model = bowl(&space, |_, _| 0.0);
+    let truth = bowl(&space, |x, y| 0.4 * x * y + 0.3 * (2.0 * x).sin());
+    let (_folder, designs) = designs();
     for seed in 0..10 {
         let rig = SurrogateRig { space: &space, model: &model, truth: &truth, noise: 0.03, seed };
-        let out = directory(&format!("noise-{seed}"));
         let settings = settings(Law::ProofRecursion, 0.5, 8);
-        let campaign = Campaigns::new(out.clone()).run(&rig, &settings, |_| {}).expect("a campaign");
-        std::fs::remove_dir_all(&out).expect("just written");
+        let campaign = rig.run(&settings, &designs, |_| {}).expect("a campaign");
         let accuracy = Accuracy::of(&campaign, &space, &model, &truth).expect("as many cells");
         assert!(accuracy.largest_share_of_bound() <= 1.0 + 1e-9, "seed {seed}");
         for i in &accuracy.iterations {
@@ -96,31 +97,46 @@ fn a_wrong_model_with_noise_stays_inside_its_bound_and_its_certificate() {
 #[test]
 fn an_interrupted_campaign_goes_on_where_it_was() {
     let space = space();
-    let (model, truth) = (bowl(&space, "model", |_, _| 0.0), bowl(&space, "truth", |x, y| 0.4 * x * y));
+    let (model, truth) = (bowl(&space, |_, _| 0.0), bowl(&space, |x, y| 0.4 * x * y));
     let rig = SurrogateRig { space: &space, model: &model, truth: &truth, noise: 0.05, seed: 7 };
     let settings = settings(Law::ProofRecursion, 0.5, 5);
-    let (whole, torn) = (directory("whole"), directory("torn"));
-    let expected = Campaigns::new(whole.clone()).run(&rig, &settings, |_| {}).expect("a campaign");
+    let (_whole, all) = designs();
+    let expected = rig.run(&settings, &all, |_| {}).expect("a campaign");
+    let n_batches = expected.reports().len();
+    assert_eq!(all.n_searched(), n_batches, "one search for each");
 
+    let (folder, begun) = designs();
     let made = AtomicUsize::new(0);
     let stop_after_two = |n: usize| assert!(made.fetch_add(n, Ordering::Relaxed) + n < 3, "interrupted");
-    let campaigns = Campaigns::new(torn.clone());
-    let interrupted = catch_unwind(AssertUnwindSafe(|| campaigns.run(&rig, &settings, stop_after_two)));
+    let interrupted = catch_unwind(AssertUnwindSafe(|| rig.run(&settings, &begun, stop_after_two)));
     assert!(interrupted.is_err(), "it was interrupted");
-    let remembered = AtomicUsize::new(0);
-    let note_first = |n: usize| {
-        let _ = remembered.compare_exchange(0, n, Ordering::Relaxed, Ordering::Relaxed);
-    };
-    let resumed = campaigns.run(&rig, &settings, note_first).expect("a campaign");
-    assert_eq!(remembered.load(Ordering::Relaxed), 3, "iterations that were not made again");
+    let again = || Designs::keep_in(folder.path()).expect("its designs");
+    let rest = again();
+    let resumed = rig.run(&settings, &rest, |_| {}).expect("a campaign");
+    assert_eq!(rest.n_searched(), n_batches - 3, "three iterations were not designed again");
     assert_eq!(resumed, expected);
 
     // A file that makes no sense is as good as none.
-    for file in std::fs::read_dir(&torn).expect("the folder").flatten() {
+    for file in std::fs::read_dir(folder.path()).expect("the folder").flatten() {
         std::fs::write(file.path(), "{").expect("a writable file");
     }
-    assert_eq!(campaigns.run(&rig, &settings, |_| {}).expect("a campaign"), expected);
-    for out in [whole, torn] {
-        std::fs::remove_dir_all(&out).expect("just written");
+    let anew = again();
+    assert_eq!(rig.run(&settings, &anew, |_| {}).expect("a campaign"), expected);
+    assert_eq!(anew.n_searched(), n_batches, "all anew");
+}
+
+#[test]
+fn known_designs_make_the_campaign_that_the_loop_makes_of_its_own() {
+    let space = space();
+    let (model, truth) = (bowl(&space, |_, _| 0.0), bowl(&space, |x, y| 0.4 * x * y));
+    let rig = SurrogateRig { space: &space, model: &model, truth: &truth, noise: 0.05, seed: 3 };
+    let settings = settings(Law::ProofRecursion, 0.5, 4);
+    let (_folder, designs) = designs();
+    let mut itself = global::Loop::new(space.region(), settings.clone()).expect("a campaign");
+    while let global::Ask::Trials(trials) = itself.ask(&mut |cell, _| rig.simulate(cell)).expect("a batch") {
+        for (trial, outcome) in trials.iter().zip(rig.measure(&trials).expect("costs")) {
+            itself.tell(trial.id, outcome).expect("an outcome");
+        }
     }
+    assert_eq!(rig.run(&settings, &designs, |_| {}).expect("a campaign"), itself);
 }

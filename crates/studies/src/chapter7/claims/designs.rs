@@ -2,12 +2,12 @@
 
 use super::votes::{Votes, count};
 use super::{FITTED, median_words, table_place};
-use crate::chapter7::Found;
+use crate::bat::Variable;
 use crate::chapter7::campaigns::Steps;
 use crate::chapter7::file::{Case, Row, Standing};
+use crate::chapter7::findings::Found;
 use crate::chapter7::tables::point_words;
 use crate::claims::{Claim, Place, Verdict};
-use crate::study::Variable;
 
 /// Within this part of each parameter's width a design counts as the published one.
 const NEAR: f64 = 0.1;

@@ -2,8 +2,8 @@
 
 use super::votes::Votes;
 use super::{GREATLY, median_words};
-use crate::chapter7::Found;
 use crate::chapter7::file::Case;
+use crate::chapter7::findings::Found;
 use crate::chapter7::flights::Means;
 use crate::claims::{Claim, Place};
 

@@ -9,7 +9,7 @@ pub(super) use designs::last_row_words;
 
 use super::campaigns::Runs;
 use super::file::Case;
-use super::{Findings, Found};
+use super::findings::{Findings, Found};
 use crate::claims::{Claim, Place, Verdict};
 use page::Summary;
 
@@ -68,7 +68,7 @@ fn framework(findings: &Findings) -> Claim {
         "A global framework of optimal designs, response surfaces and hypothesis tests",
         Verdict::in_kind_of(votes::count(&free), free.len()),
         format!(
-            "`infuse::global::Loop` with (36) mended ends truly better than the numerical model alone in {} campaigns whose ends were not \
+            "`infuse::global::Loop` with (36) repaired ends truly better than the numerical model alone in {} campaigns whose ends were not \
              calibrated, which decide here, and in {} between calibrated ends.",
             words(&free),
             words(&fitted)

@@ -5,9 +5,9 @@ use infuse::global;
 
 use super::votes::{Votes, by_seeds, count};
 use super::{GREATLY, median_words, table_place};
-use crate::chapter7::Found;
 use crate::chapter7::campaigns::{Runs, Steps};
 use crate::chapter7::file::Case;
+use crate::chapter7::findings::Found;
 use crate::claims::{Claim, Place, Verdict};
 
 const FIGURE: &str = "figure-23";

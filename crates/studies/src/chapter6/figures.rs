@@ -2,11 +2,12 @@
 
 use anyhow::{Context as _, Result};
 
+use super::campaigns::Ended;
 use super::file::Case;
-use super::{Ended, Findings};
+use super::findings::Findings;
 use crate::gridded::{IterationAccuracy, NORMS, NormAccuracy, Q2, cell_panel, design_points};
 use crate::reproduction::Picture;
-use page::{Axis, CellFigure, CellPanel, LineFigure, Panel, Series, cell_figure, line_figure};
+use page::{Axis, CellFigure, CellPanel, ColorScale, LineFigure, Panel, Series, cell_figure, line_figure};
 
 /// Samples per row of a flight log: 0.1 s.
 const LOG_EVERY: usize = 4;
@@ -81,7 +82,7 @@ fn designs(findings: &Findings, ended: &Ended) -> Result<Picture> {
         title: format!("{}, {truth}: designs and combined response", setup.variant(ended.case).label),
         x_axis: axis(x.name(), x.unit()),
         y_axis: axis(y.name(), y.unit()),
-        z_axis: Axis::new("cost J", "s"),
+        z_axis: Axis::new("cost J", "s").with_colors(ColorScale::EqualShares),
         panels,
         missing_label: "dropped by a z-test".to_owned(),
         minimum_label: "optimum of the combined surface".to_owned(),
@@ -92,7 +93,7 @@ fn designs(findings: &Findings, ended: &Ended) -> Result<Picture> {
         caption: format!(
             "The counterpart of Figure 20 with {} as the truth, noise within ±{} % of the range: what is left of the \
              space at the onset of an iteration, the runs made in it, and the surface fitted to training experiments and \
-             corrected simulations. Above the highest color all values have it.",
+             corrected simulations. Each color has equally many cells of all panels.",
             setup.truth(ended.case.truth).with_article(),
             100.0 * ended.case.noise
         ),
@@ -228,7 +229,7 @@ fn flights(findings: &Findings, ended: &Ended) -> Result<Picture> {
     let (first, last) = (reports.first().context("an iteration")?, reports.last().context("an iteration")?);
     let mut panels = [("heading", Vec::new()), ("zenith angle", Vec::new())];
     for (when, report) in [("first", first), ("last", last)] {
-        let (_, log) = space.study.logged(&report.screening.optimum, truth.fidelity(), LOG_EVERY)?;
+        let (_, log) = space.bat.logged(&report.screening.optimum, truth.fidelity(), LOG_EVERY)?;
         let t: Vec<f64> = log.rows.iter().map(|row| row.time_s).collect();
         let label = format!("{when} optimum: {}", findings.point_words(ended.case.space, &report.screening.optimum));
         let heading: Vec<f64> = log.rows.iter().map(|row| row.heading_rad.to_degrees()).collect();
@@ -239,7 +240,7 @@ fn flights(findings: &Findings, ended: &Ended) -> Result<Picture> {
     let label = &space.entry.label;
     let figure = LineFigure {
         title: format!("{label}: the optima of the first and the last iteration, {}", truth.label),
-        x_axis: Axis::new("time", "s").with_range(0.0, space.study.profile().duration_s()),
+        x_axis: Axis::new("time", "s").with_range(0.0, space.bat.profile().duration_s()),
         panels: panels
             .into_iter()
             .map(|(name, series)| Panel { x_axis: None, y_axis: Axis::new(name, "deg"), series })

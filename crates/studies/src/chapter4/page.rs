@@ -3,11 +3,16 @@
 use std::path::Path;
 
 use super::findings::{Findings, change_words};
-use super::results::{Digits, cost_table, falls_pct, flight_table, seed_table, side_by_side, variant_table};
+use super::rows::falls_pct;
+use super::tables::{Digits, cost_table, flight_table, seed_table, side_by_side, variant_table};
+use crate::bat::{MODEL, STAND_IN};
+use crate::claims::{self, Claim};
 use crate::provenance::provenance_table;
-use crate::study::{MODEL, STAND_IN};
 use page::Page;
 use page::Summary;
+
+/// The picture that the page begins with.
+const FIRST: &str = "landscape-stand-in";
 
 const BOX_CAPTION: &str = "Flights over the box of the four parameters of Table 4 (pitch to 22 deg): center of mass and \
     pitch set point at five values each, both stabilizers at their smallest, nominal and largest area; one step per sample. \
@@ -30,10 +35,11 @@ fn step_caption(findings: &Findings<'_>) -> String {
 }
 
 /// The page of the study.
-pub(crate) fn page(findings: &Findings<'_>) -> Page {
+pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim]) -> Page {
     let m = &findings.material;
     let setup = m.setup;
     let mut page = Page::new("Chapter 4: experimentally infused optimization of a tethered turbine, two parameters");
+    claims::begin(&mut page, claims, findings.pictures.iter().find(|picture| picture.name == FIRST));
     page.note(
         "No experiment was made. The water channel of the dissertation is replaced by a surrogate: the numerical model \
          plus stall plus added mass. Published figures stand beside ours. What was fitted is called calibrated and is \
@@ -74,7 +80,8 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
     page.paragraph(&findings.identifiability());
 
     let show = |page: &mut Page, names: &[&str]| {
-        for picture in findings.pictures.iter().filter(|picture| names.iter().any(|n| picture.name.starts_with(n))) {
+        let others = findings.pictures.iter().filter(|picture| picture.name != FIRST);
+        for picture in others.filter(|picture| names.iter().any(|n| picture.name.starts_with(n))) {
             page.figure(&picture.svg, &picture.caption);
         }
     };
@@ -106,12 +113,12 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
          experiments ({}) are ours. Simulations carry no noise: the seeds share {} remembered flights of the model and \
          interpolate between them (cubic); against {} flights of their own the largest error is {:.1e} of the cost. \
          Experiments are always flown.",
-        100.0 * setup.file.noise.relative_bound,
+        100.0 * setup.file.noise.share,
         setup.file.noise.first_seed,
         setup.file.noise.first_seed + setup.file.noise.seeds - 1,
         setup.experiment_steps(),
         m.model.axes[0].len() * m.model.axes[1].len(),
-        super::CHECKED_POINTS,
+        super::findings::CHECKED_POINTS,
         findings.interpolation_error
     ));
     page.heading("Margins and step size");
@@ -119,21 +126,21 @@ pub(crate) fn page(findings: &Findings<'_>) -> Page {
     page.table(&findings.step_table, &step_caption(findings));
     page.heading("Every number");
     page.table(
-        &provenance_table(&setup.study.records),
+        &provenance_table(&setup.bat.records),
         "Plant, controller, test and cost: value, unit and where each comes from.",
     );
     page.paragraph(&format!(
         "Made by `cargo xtask reproduce-chapter4` in {:.0} s with {} flights of the model and {} of the stand-in, each \
          300 s long.",
         findings.seconds,
-        setup.study.flown(MODEL),
-        setup.study.flown(STAND_IN)
+        setup.bat.n_known(MODEL),
+        setup.bat.n_known(STAND_IN)
     ));
     page
 }
 
 /// The results as a page of `docs/`, without anything that differs from run to run.
-pub(crate) fn markdown(findings: &Findings<'_>) -> String {
+pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> String {
     let m = &findings.material;
     let falls: String = m
         .seeded
@@ -150,7 +157,7 @@ pub(crate) fn markdown(findings: &Findings<'_>) -> String {
         "# Chapter 4: results\n\n\
          Written by `cargo xtask reproduce-chapter4`; `cargo xtask ci` fails when this page is not what the command finds.\n\
          The water channel is replaced by a surrogate: the numerical model plus stall plus added mass.\n\
-         Rows marked calibrated were fitted and reproduce nothing; see [departures](departures.md) for what is ours.\n\n\
+         Rows marked calibrated were fitted and reproduce nothing; see [departures](departures.md) for what is ours.\n\n{}\n\
          ## Table 3: dissertation / this run\n\n{}\n\
          The calibrated costs leave room for a fall of at most {:.1} % (from the first row to the stand-in's best design, \
          {:.2} % chord and {:.2} deg at {:.3} s); the loop takes {:.1} %, the dissertation's {:.1} %.\n\n\
@@ -158,6 +165,7 @@ pub(crate) fn markdown(findings: &Findings<'_>) -> String {
          ## What got better and what did not\n\nBefore (iteration 1) and after (last iteration), in the stand-in.\n\n{}\n## Costs of the printed loop's designs in the stand-in\n\n{}\n## How they fly\n\n{}\n\
          ## Over noise seeds\n\nFall of the experimental cost, noise taken off:\n\n{}\n{}\n\
          ## Margins over the box of Table 4\n\n{BOX_CAPTION}\n\n{}\n## Step size\n\n{}\n\n{}",
+        claims::beginning(claims),
         side_by_side(m.setup, findings.printed()).markdown(),
         findings.room_pct(),
         findings.best.point[0],
@@ -221,7 +229,7 @@ pub(crate) fn print(findings: &Findings<'_>, out: &Path) {
     println!(
         "\nWith noise of up to ±{} % on every measured cost, drawn {} times anew; R is how much of the measured slope the \
          loop takes over:",
-        100.0 * findings.material.setup.file.noise.relative_bound,
+        100.0 * findings.material.setup.file.noise.share,
         findings.material.setup.file.noise.seeds
     );
     for seeded in findings.material.seeded {

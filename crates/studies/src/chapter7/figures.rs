@@ -2,16 +2,17 @@
 
 use anyhow::{Context as _, Result};
 
+use super::campaigns::Step;
 use super::file::Case;
-use super::flights::{ALTITUDE, HEADING, PITCH, Quantity, ROLL, ZENITH};
+use super::findings::{Findings, Found, shares};
+use super::flights::{ALTITUDE, Flown, HEADING, PITCH, Quantity, ROLL, ZENITH};
 use super::tables::{point_words, variable_words};
-use super::{Findings, Found, Step, shares};
 use crate::gridded::{cell_panel, design_points};
 use crate::reproduction::Picture;
 use page::Column;
 use page::{
-    Axis, CellFigure, CellPanel, Group, LineFigure, Panel, Reference, Series, SpreadFigure, cell_figure, line_figure,
-    spread_figure,
+    Axis, CellFigure, CellPanel, ColorScale, Group, LineFigure, Panel, Reference, Series, SpreadFigure, cell_figure,
+    line_figure, spread_figure,
 };
 
 /// A figure of flights: its number, how many parameters its study has, what it shows, and what the dissertation says of it.
@@ -70,7 +71,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
     for (report, surfaces) in campaign.reports().iter().zip(campaign.surfaces()) {
         let retained = campaign.retained_at(report.iteration).context("a closed iteration")?;
         let share = shares(campaign, report.iteration).unwrap_or(f64::NAN);
-        let truth = |cell| Ok(found.ground.truth.cost(cell).clone().unwrap_or(f64::NAN));
+        let truth = |cell| Ok(found.truth.cost(cell).clone().unwrap_or(f64::NAN));
         let combined =
             |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&region.coded(&space.point(cell)?)?)) };
         let (x, y) = (report.screening.optimum[0], report.screening.optimum[1]);
@@ -90,7 +91,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
         title: format!("{}, {}: runs and combined response", case.entry.label, found.main().label),
         x_axis: Axis::new(&x.0.to_lowercase(), x.1),
         y_axis: Axis::new(&y.0.to_lowercase(), y.1),
-        z_axis: Axis::new("cost J", "s"),
+        z_axis: Axis::new("cost J", "s").with_colors(ColorScale::EqualShares),
         panels,
         missing_label: "dropped by a z-test".to_owned(),
         minimum_label: "optimum of the combined surface".to_owned(),
@@ -100,7 +101,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
         svg: cell_figure(&figure),
         caption: "The counterpart of Figure 23, without noise. Left: what is left of the space at the onset of an \
                   iteration with its true cost in the stand-in, and the runs made there. Right: the surface fitted to \
-                  training experiments and corrected simulations. Above the highest color all values have it."
+                  training experiments and corrected simulations. Each color has equally many cells of all panels."
             .to_owned(),
     })
 }
@@ -109,7 +110,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
 fn flights(case: &Case, found: &Found, figure: &FlightFigure) -> Picture {
     let both = [("numerical optimum", &found.flights.before), ("infused optimum", &found.flights.after)];
     let label = |name: &str, point: &[f64]| format!("{name}: {}", point_words(case, point));
-    let panel = |axis: Axis, map: &dyn Fn(&super::Flown) -> Vec<f64>| Panel {
+    let panel = |axis: Axis, map: &dyn Fn(&Flown) -> Vec<f64>| Panel {
         x_axis: None,
         y_axis: axis,
         series: both
@@ -136,7 +137,7 @@ fn flights(case: &Case, found: &Found, figure: &FlightFigure) -> Picture {
     let names: Vec<&str> = figure.quantities.iter().map(|quantity| quantity.name).collect();
     let drawn = LineFigure {
         title: format!("{}: {} in the stand-in", case.entry.label, names.join(", ")),
-        x_axis: Axis::new("time", "s").with_range(0.0, case.study.profile().duration_s()),
+        x_axis: Axis::new("time", "s").with_range(0.0, case.bat.profile().duration_s()),
         panels,
         shaded: None,
     };

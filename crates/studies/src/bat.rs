@@ -1,16 +1,21 @@
-//! What the loop sees of the case study: named design variables in, costs out, flights remembered.
+//! The case study as a problem: named design variables in, costs out, flights remembered.
 
-use std::collections::HashMap;
 use std::path::Path;
-use std::sync::Mutex;
 
 use anyhow::{Context as _, Result, bail};
 use bat_dynamics::Fidelity;
-use serde::Deserialize;
+#[cfg(feature = "global")]
+use bat_dynamics::{FluidInertia, Lift};
+#[cfg(feature = "global")]
+use design_space::Region;
 use water_channel::{
     CostBreakdown, CostFile, CostWeights, Flight, FlightLog, FlightRequest, FlightSettings, ProfileFile, Record, Rig,
     RigFile, TestProfile, fly, fly_all, fly_logged,
 };
+
+#[cfg(feature = "global")]
+use crate::costs::key::Key;
+use crate::costs::{Cost, Store};
 
 /// The numerical model that the loop optimizes.
 pub(crate) const MODEL: Fidelity = Fidelity::NUMERICAL;
@@ -47,6 +52,16 @@ impl Variable {
         Ok(variable)
     }
 
+    #[cfg(feature = "global")]
+    fn name(self) -> &'static str {
+        match self {
+            Self::CenterOfMass => "center_of_mass",
+            Self::PitchSetPoint => "pitch_set_point",
+            Self::HorizontalArea => "horizontal_area",
+            Self::VerticalArea => "vertical_area",
+        }
+    }
+
     fn set(self, rig: &mut Rig, value: f64) {
         match self {
             Self::CenterOfMass => rig.plant.body.center_of_mass_x = value / 100.0,
@@ -57,34 +72,9 @@ impl Variable {
     }
 }
 
-/// The step sizes of a study file.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct NumericsEntry {
-    steps_per_sample: usize,
-    report_steps_per_sample: usize,
-}
-
-impl NumericsEntry {
-    /// RK4 steps per sample: in searches and landscapes, and for reported designs.
-    pub(crate) fn steps(&self) -> [usize; 2] {
-        [self.steps_per_sample, self.report_steps_per_sample]
-    }
-}
-
-/// A flight's cost, or the reason why there is none.
-pub(crate) type Cost = std::result::Result<f64, String>;
-
-/// A point of the design space, bit for bit, in a fidelity.
-type Key = (Fidelity, Vec<u64>);
-
-fn key(point: &[f64], fidelity: Fidelity) -> Key {
-    (fidelity, point.iter().map(|x| x.to_bits()).collect())
-}
-
 /// The closed loop as a function of the design variables.
 #[derive(Debug)]
-pub(crate) struct Study {
+pub(crate) struct Bat {
     rig: Rig,
     profile: TestProfile,
     weights: CostWeights,
@@ -93,21 +83,29 @@ pub(crate) struct Study {
     /// For the designs that are reported.
     report_settings: FlightSettings,
     variables: Vec<Variable>,
-    /// Flights carry no noise, so each point is flown once per fidelity.
-    memory: Mutex<HashMap<Key, Cost>>,
+    /// Of flights with the settings for searches.
+    costs: Store,
+    /// Rig, test and weights as their files have them.
+    #[cfg_attr(not(feature = "global"), expect(dead_code, reason = "only costs on disk need a name"))]
+    texts: [String; 3],
     pub(crate) records: Vec<Record>,
 }
 
-impl Study {
+impl Bat {
     pub(crate) fn read(
         directory: &Path,
         [rig, profile, cost]: [&str; 3],
         variables: Vec<Variable>,
         [steps_per_sample, report_steps_per_sample]: [usize; 2],
     ) -> Result<Self> {
-        let rig = RigFile::read(directory.join(rig))?;
-        let profile = ProfileFile::read(directory.join(profile))?;
-        let cost = CostFile::read(directory.join(cost))?;
+        let read = |name: &str| {
+            let path = directory.join(name);
+            std::fs::read_to_string(&path).with_context(|| path.display().to_string())
+        };
+        let texts = [read(rig)?, read(profile)?, read(cost)?];
+        let rig = RigFile::parse(&texts[0]).with_context(|| rig.to_owned())?;
+        let profile = ProfileFile::parse(&texts[1]).with_context(|| profile.to_owned())?;
+        let cost = CostFile::parse(&texts[2]).with_context(|| cost.to_owned())?;
         let settings = FlightSettings::with_steps(steps_per_sample);
         settings.validate().context("numerics.steps_per_sample")?;
         let report_settings = FlightSettings::with_steps(report_steps_per_sample);
@@ -119,7 +117,8 @@ impl Study {
             settings,
             report_settings,
             variables,
-            memory: Mutex::default(),
+            costs: Store::default(),
+            texts,
             records: [rig.records, profile.records, cost.records].concat(),
         })
     }
@@ -154,24 +153,24 @@ impl Study {
 
     /// The cost at `point`, flown unless it is remembered.
     pub(crate) fn cost(&self, point: &[f64], fidelity: Fidelity) -> Cost {
-        let key = key(point, fidelity);
-        if let Some(cost) = self.remembered(&key) {
+        if let Some(cost) = self.costs.get(point, fidelity) {
             return cost;
         }
         let cost = self.value(point, fly(&self.request(point, fidelity), &self.profile, &self.settings));
-        self.remember(key, cost.clone());
+        self.costs.add(fidelity, [(point, &cost)]);
         cost
     }
 
-    /// The costs at many points, flown in lanes and threads; `landed` hears how many flights each batch added.
-    pub(crate) fn costs(&self, points: &[Vec<f64>], fidelity: Fidelity, landed: impl Fn(usize) + Sync) -> Vec<Cost> {
-        let known: Vec<Option<Cost>> = points.iter().map(|point| self.remembered(&key(point, fidelity))).collect();
-        let missing: Vec<usize> = (0..points.len()).filter(|k| known[*k].is_none()).collect();
-        landed(points.len() - missing.len());
+    /// The costs at many points, flown in lanes and threads unless they are remembered; `done` is called with how many
+    /// points each batch adds.
+    pub(crate) fn costs(&self, points: &[Vec<f64>], fidelity: Fidelity, done: impl Fn(usize) + Sync) -> Vec<Cost> {
+        let mut costs: Vec<Option<Cost>> = points.iter().map(|point| self.costs.get(point, fidelity)).collect();
+        let missing: Vec<usize> = (0..points.len()).filter(|k| costs[*k].is_none()).collect();
+        done(points.len() - missing.len());
         let unknown: Vec<Vec<f64>> = missing.iter().map(|k| points[*k].clone()).collect();
-        let mut costs = known;
-        for (k, cost) in missing.into_iter().zip(self.flown_costs(&unknown, fidelity, landed)) {
-            self.remember(key(&points[k], fidelity), cost.clone());
+        let flown = self.flown_costs(&unknown, fidelity, done);
+        self.costs.add(fidelity, unknown.iter().map(Vec::as_slice).zip(&flown));
+        for (k, cost) in missing.into_iter().zip(flown) {
             costs[k] = Some(cost);
         }
         costs.into_iter().flatten().collect()
@@ -182,17 +181,11 @@ impl Study {
         &self,
         points: &[Vec<f64>],
         fidelity: Fidelity,
-        landed: impl Fn(usize) + Sync,
+        done: impl Fn(usize) + Sync,
     ) -> Vec<Cost> {
         let requests: Vec<FlightRequest> = points.iter().map(|point| self.request(point, fidelity)).collect();
-        let flown = fly_all(&requests, &self.profile, &self.settings, landed);
+        let flown = fly_all(&requests, &self.profile, &self.settings, done);
         points.iter().zip(flown).map(|(point, flight)| self.value(point, flight)).collect()
-    }
-
-    /// Everything in this study that decides what a design costs in a fidelity, as text: rig, test, weights, step size
-    /// and what the design variables are.
-    pub(crate) fn contents(&self, fidelity: Fidelity) -> String {
-        format!("{:?}", (&self.rig, &self.profile, &self.weights, &self.settings, &self.variables, fidelity))
     }
 
     /// A flight of a reported design with its log, every `every`-th sample.
@@ -201,21 +194,68 @@ impl Study {
         Ok((flight?, log))
     }
 
-    /// How many different points have been flown in a fidelity.
-    pub(crate) fn flown(&self, fidelity: Fidelity) -> usize {
-        self.lock().keys().filter(|(flown, _)| *flown == fidelity).count()
+    /// How many different points are known in a fidelity.
+    pub(crate) fn n_known(&self, fidelity: Fidelity) -> usize {
+        self.costs.len(fidelity)
+    }
+}
+
+/// On disk.
+#[cfg(feature = "global")]
+impl Bat {
+    /// Keeps what is flown in these fidelities in a folder, and goes on with what is there: one file for each combination
+    /// of rig, test, weights, step size, design variables and fidelity, named after all of it.
+    pub(crate) fn keep_in(&self, directory: &Path, region: &Region, fidelities: &[Fidelity]) -> Result<()> {
+        std::fs::create_dir_all(directory).with_context(|| directory.display().to_string())?;
+        for fidelity in fidelities {
+            let path = directory.join(format!("{}.tsv", self.key(region, *fidelity)));
+            self.costs.keep_in(&path, *fidelity).with_context(|| path.display().to_string())?;
+        }
+        Ok(())
     }
 
-    fn remembered(&self, key: &Key) -> Option<Cost> {
-        self.lock().get(key).cloned()
+    /// How many of these points no flight is known of.
+    pub(crate) fn n_missing(&self, points: &[Vec<f64>], fidelity: Fidelity) -> usize {
+        points.iter().filter(|point| self.costs.get(point, fidelity).is_none()).count()
     }
 
-    fn remember(&self, key: Key, cost: Cost) {
-        self.lock().insert(key, cost);
+    /// A name for everything that a cost depends on. The plant, the controller and the integration of this program are
+    /// in it by what they make of some designs, flown anew.
+    fn key(&self, region: &Region, fidelity: Fidelity) -> String {
+        let mut key = Key::default();
+        for text in &self.texts {
+            key = key.with(text);
+        }
+        key = key.with(self.settings.steps_per_sample.to_le_bytes());
+        for variable in &self.variables {
+            key = key.with(variable.name());
+        }
+        key = key.with(match fidelity.lift {
+            Lift::Attached => "attached",
+            Lift::Stalled => "stalled",
+        });
+        key = key.with(match fidelity.fluid_inertia {
+            FluidInertia::Neglected => "neglected",
+            FluidInertia::Included => "included",
+        });
+        for cost in self.flown_costs(&probes(region), fidelity, |_| {}) {
+            key = match cost {
+                Ok(cost) => key.with(cost.to_le_bytes()),
+                Err(reason) => key.with(reason),
+            };
+        }
+        key.name()
     }
+}
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<Key, Cost>> {
-        // A panic elsewhere cannot leave the map half written.
-        self.memory.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
-    }
+/// Designs whose costs stand for the program, all over a region.
+#[cfg(feature = "global")]
+fn probes(region: &Region) -> Vec<Vec<f64>> {
+    const N_PROBES: usize = 24;
+    let share = |probe: usize, factor: usize| (0.5 + probe as f64 * f64::from([2, 3, 5, 7][factor % 4]).sqrt()).fract();
+    let point = |probe: usize| {
+        let parameters = region.parameters().iter().enumerate();
+        parameters.map(|(factor, p)| p.lower() + share(probe, factor) * (p.upper() - p.lower())).collect()
+    };
+    (0..N_PROBES).map(point).collect()
 }

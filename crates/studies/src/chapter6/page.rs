@@ -4,10 +4,12 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::{Ended, Findings, tables};
-use crate::claims::{self, Claim};
+use super::campaigns::Ended;
+use super::findings::Findings;
+use super::tables;
+use crate::claims::{self, Claim, FOUND};
 use crate::provenance::provenance_table;
-use crate::reproduction::{Extent, Picture};
+use crate::reproduction::{Extent, Picture, markdown_list};
 use page::Page;
 use page::Table;
 
@@ -38,7 +40,7 @@ const NORM_CAPTION: &str = "Some iterations of the campaign in the figures, in t
     error of the corrected model, the finite-iteration bound, and the right-hand side of (55) with the errors of the iteration; the \
     optimum, its true cost, its regret over what was left and what is certified of it.";
 
-const ROUND_CAPTION: &str = "The third question of the dissertation, how many iterations, answered by the finite-iteration bound in the \
+const HOW_MANY_CAPTION: &str = "The third question of the dissertation, how many iterations, answered by the finite-iteration bound in the \
     sup norm, if the errors of the first iteration stayed as they are: iterations until the bound is within a tenth of the gap of its limit; a dash where the limit lies above the gap, so that it promises less \
     than no correction would. The harmonic gain forgets the gap at once; the law that corrects \
     against the current simulation has the lower limit.";
@@ -49,6 +51,9 @@ const FLIGHT_CAPTION: &str =
 const FIELD_CAPTION: &str = "The costs at every cell. The noise of an experiment is a part of the range of its truth. For two parameters \
     the best designs of the numerical model and of the stand-in were calibrated to rows 0 and 3 of Table 5; the others were not.";
 
+/// The picture that the page begins with.
+const FIRST: &str = "figure-21-2-parameters-stand-in";
+
 /// Campaigns of the first variant.
 fn main_table(findings: &Findings) -> Table {
     tables::campaigns_of(findings, findings.ended.iter().filter(|ended| ended.case.variant == 0)).without("Correction")
@@ -58,8 +63,8 @@ fn other_table(findings: &Findings) -> Table {
     tables::campaigns_of(findings, findings.ended.iter().filter(|ended| ended.case.variant != 0))
 }
 
-/// The campaign that is told iteration by iteration: two parameters, the stand-in.
-fn told(findings: &Findings) -> Result<&Ended> {
+/// The campaign that is followed iteration by iteration: two parameters, the stand-in.
+fn followed(findings: &Findings) -> Result<&Ended> {
     findings.shown(0, findings.setup.n_truths() - 1)
 }
 
@@ -103,6 +108,8 @@ fn loop_words(findings: &Findings) -> String {
 /// The page of the study.
 pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) -> Result<Page> {
     let mut page = Page::new("Chapter 6: how close the corrected model comes to the truth");
+    let first = pictures.iter().find(|picture| picture.name.starts_with(FIRST));
+    claims::begin(&mut page, claims, first);
     page.note(SURROGATE);
     page.paragraph(
         "A cheap model is wrong and an experiment is dear. In every iteration a few experiments and more simulations are made where they \
@@ -115,8 +122,11 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.paragraph(&loop_words(findings));
     page.heading("What the dissertation says, and what holds here");
     page.prose_table(&claims::table(claims), CLAIM_CAPTION, &claims::WIDTHS_PCT);
+    page.paragraph(claims::FOUND);
+    page.list(&claims::found(claims));
     let show = |page: &mut Page, names: &str| {
-        for picture in pictures.iter().filter(|picture| picture.name.starts_with(names)) {
+        let others = pictures.iter().filter(|picture| !picture.name.starts_with(FIRST));
+        for picture in others.filter(|picture| picture.name.starts_with(names)) {
             picture.show_in(page);
         }
     };
@@ -125,11 +135,11 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.heading("Error, bounds, and what is left");
     show(&mut page, "figure-21");
     page.table(&main_table(findings), CAMPAIGN_CAPTION);
-    page.table(&tables::norms(findings, told(findings)?), NORM_CAPTION);
+    page.table(&tables::norms(findings, followed(findings)?), NORM_CAPTION);
     page.heading("Gains and laws");
     show(&mut page, "gains");
     page.table(&other_table(findings), VARIANT_CAPTION);
-    page.table(&tables::rounds(findings)?, ROUND_CAPTION);
+    page.table(&tables::how_many(findings)?, HOW_MANY_CAPTION);
     page.heading("Before and after");
     show(&mut page, "figure-22");
     page.table(&tables::flights(findings), FLIGHT_CAPTION);
@@ -137,10 +147,10 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.table(&tables::fields(findings)?, FIELD_CAPTION);
     page.heading("Every number");
     page.table(
-        &provenance_table(&findings.setup.spaces[0].study.records),
+        &provenance_table(&findings.setup.spaces[0].bat.records),
         "Plant, controller, test and cost: value, unit and where each comes from.",
     );
-    page.paragraph(&format!("Made by `cargo xtask {}` in {:.0} s.", super::CHAPTER.command, findings.seconds));
+    page.paragraph(&format!("Made by `cargo xtask reproduce-chapter6` in {:.0} s.", findings.seconds));
     Ok(page)
 }
 
@@ -149,19 +159,21 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> Result<String> 
     Ok(format!(
         "# Chapter 6: results\n\n\
          Written by `cargo xtask reproduce-chapter6`; `cargo xtask ci` fails when this page is not what the command finds.\n\
-         See [departures](departures.md) for what is built instead of what is printed.\n\n{SURROGATE}\n\n{OURS}\n\n{}\n\n{}\n\n\
-         ## What the dissertation says, and what holds here\n\n{CLAIM_CAPTION}\n\n{}\n\
+         See [departures](departures.md) for what is built instead of what is printed.\n\n{}\n{SURROGATE}\n\n{OURS}\n\n{}\n\n{}\n\n\
+         ## What the dissertation says, and what holds here\n\n{CLAIM_CAPTION}\n\n{}\n{FOUND}\n\n{}\n\
          ## Campaigns with the first gain\n\n{CAMPAIGN_CAPTION}\n\n{}\n## Other gains, laws and regressors\n\n{VARIANT_CAPTION}\n\n{}\n\
-         ## One campaign, iteration by iteration\n\n{}.\n{NORM_CAPTION}\n\n{}\n## How many iterations\n\n{ROUND_CAPTION}\n\n{}\n\
+         ## One campaign, iteration by iteration\n\n{}.\n{NORM_CAPTION}\n\n{}\n## How many iterations\n\n{HOW_MANY_CAPTION}\n\n{}\n\
          ## Before and after\n\n{FLIGHT_CAPTION}\n\n{}\n## The fields\n\n{FIELD_CAPTION}\n\n{}",
+        claims::beginning(claims),
         extent_words(findings),
         loop_words(findings),
         claims::table(claims).markdown(),
+        markdown_list(&claims::found(claims)),
         main_table(findings).markdown(),
         other_table(findings).markdown(),
-        findings.setup.words(told(findings)?.case),
-        tables::norms(findings, told(findings)?).markdown(),
-        tables::rounds(findings)?.markdown(),
+        findings.setup.words(followed(findings)?.case),
+        tables::norms(findings, followed(findings)?).markdown(),
+        tables::how_many(findings)?.markdown(),
         tables::flights(findings).markdown(),
         tables::fields(findings)?.markdown(),
     ))
@@ -177,7 +189,7 @@ pub(crate) fn print(findings: &Findings, claims: &[Claim], out: &Path) -> Result
     for claim in claims {
         println!("- {}: {}: {}.\n    {}", claim.place, claim.says, claim.verdict, claim.found);
     }
-    let ended = told(findings)?;
+    let ended = followed(findings)?;
     if let Some(last) = ended.accuracy.last() {
         println!(
             "\nFor example ({}): after {} iterations {:.1} % of the space is left; the corrected model is within {} s of the truth \

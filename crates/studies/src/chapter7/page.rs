@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
+use super::campaigns::Runs;
 use super::claims::last_row_words;
+use super::file::Case;
+use super::findings::{Findings, Found};
 use super::tables::{self, Rows, point_words};
-use super::{Case, Choice, Findings, Found};
-use crate::claims::{self, Claim};
+use super::wrong::Choice;
+use crate::claims::{self, Claim, FOUND};
 use crate::handover::Excerpt;
 use crate::provenance::provenance_table;
 use crate::reproduction::{Picture, markdown_list};
@@ -82,7 +85,7 @@ fn best_words(case: &Case, found: &Found) -> String {
 
 /// Why the space shrinks as it does.
 fn spread_words(found: &Found) -> String {
-    let of = |runs: &super::Runs| {
+    let of = |runs: &Runs| {
         let reports = runs.quiet_campaign.reports().iter();
         let spreads: Vec<String> = reports
             .map(|report| report.screening.spread.s().map_or("–".to_owned(), |spread| format!("{spread:.3}")))
@@ -96,7 +99,7 @@ fn spread_words(found: &Found) -> String {
          only where the surface is {factor:.2} S above its optimum, so a regressor that does not follow the stand-in keeps the space large; the \
          range of the true cost is {:.2} s.",
         found.runs.iter().map(of).collect::<Vec<_>>().join("; "),
-        found.ground.truth.range()
+        found.truth.range()
     )
 }
 
@@ -168,6 +171,8 @@ pub(crate) fn excerpts(findings: &Findings) -> Vec<Excerpt> {
 /// The page of the study.
 pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) -> Page {
     let mut page = Page::new("Chapter 7: experimentally infused optimization over two and over four parameters");
+    let first = pictures.first();
+    claims::begin(&mut page, claims, first);
     page.note(SURROGATE);
     page.paragraph(
         "In every iteration a few experiments and more simulations are made where they say most, one surface is fitted to training \
@@ -178,8 +183,10 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.list(&findings.cases().map(|(case, found)| loop_words(findings, case, found)).collect::<Vec<_>>());
     page.heading("What the dissertation says, and what holds here");
     page.prose_table(&claims::table(claims), CLAIM_CAPTION, &claims::WIDTHS_PCT);
+    page.paragraph(claims::FOUND);
+    page.list(&claims::found(claims));
     let show = |page: &mut Page, name: &str| {
-        for picture in pictures.iter().filter(|picture| picture.name.starts_with(name)) {
+        for picture in pictures.iter().skip(1).filter(|picture| picture.name.starts_with(name)) {
             picture.show_in(page);
         }
     };
@@ -219,11 +226,11 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.heading("Every number");
     if let Some(case) = findings.setup.cases.first() {
         page.table(
-            &provenance_table(&case.study.records),
+            &provenance_table(&case.bat.records),
             "Plant, controller, test and cost: value, unit and where each comes from.",
         );
     }
-    page.paragraph(&format!("Made by `cargo xtask {}` in {:.0} s.", super::CHAPTER.command, findings.seconds));
+    page.paragraph(&format!("Made by `cargo xtask reproduce-chapter7` in {:.0} s.", findings.seconds));
     page
 }
 
@@ -232,12 +239,13 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> String {
     let loops: Vec<String> = findings.cases().map(|(case, found)| loop_words(findings, case, found)).collect();
     let mut text = format!(
         "# Chapter 7: results\n\n\
-         Written by `cargo xtask {}`; `cargo xtask ci` fails when this page is not what the command finds.\n\
-         See [departures](departures.md) for what is built instead of what is printed.\n\n{SURROGATE}\n\n{CALIBRATED}\n\n{}\n\
-         ## What the dissertation says, and what holds here\n\n{CLAIM_CAPTION}\n\n{}",
-        super::CHAPTER.command,
+         Written by `cargo xtask reproduce-chapter7`; `cargo xtask ci` fails when this page is not what the command finds.\n\
+         See [departures](departures.md) for what is built instead of what is printed.\n\n{}\n{SURROGATE}\n\n{CALIBRATED}\n\n{}\n\
+         ## What the dissertation says, and what holds here\n\n{CLAIM_CAPTION}\n\n{}\n{FOUND}\n\n{}",
+        claims::beginning(claims),
         markdown_list(&loops),
-        claims::table(claims).markdown()
+        claims::table(claims).markdown(),
+        markdown_list(&claims::found(claims))
     );
     let mut section = |heading: &str, words: &str, table: &str| {
         text.push_str(&format!("\n## {heading}\n\n{words}\n\n{table}"));

@@ -5,7 +5,7 @@ use water_channel::LogRow;
 use super::file::Setup;
 use super::lattice::Lattice;
 use super::loops::Seeded;
-use super::results::{Angle, ERRORS, READINGS, Row, Rows, over_seeds};
+use super::rows::{Angle, ERRORS, READINGS, Row, Rows, over_seeds};
 use crate::reproduction::Picture;
 use page::{
     Axis, Group, Landscape, LineFigure, Panel, Path, Reference, Series, Shaded, SpreadFigure, landscape_figure,
@@ -32,7 +32,7 @@ fn time(row: &Row) -> Vec<f64> {
 /// The windows of the profile, merged where they touch.
 fn windows(setup: &Setup) -> Shaded {
     let mut spans: Vec<(f64, f64)> = Vec::new();
-    for window in setup.study.profile().windows() {
+    for window in setup.bat.profile().windows() {
         match spans.last_mut() {
             Some(span) if window.from_s <= span.1 => span.1 = span.1.max(window.to_s),
             _ => spans.push((window.from_s, window.to_s)),
@@ -42,7 +42,7 @@ fn windows(setup: &Setup) -> Shaded {
 }
 
 fn time_axis(setup: &Setup) -> Axis {
-    Axis::new("time", "s").with_range(0.0, setup.study.profile().duration_s())
+    Axis::new("time", "s").with_range(0.0, setup.bat.profile().duration_s())
 }
 
 /// Figure 15: flow speed and line commands.
@@ -184,7 +184,7 @@ pub(crate) fn spreads(m: &Material<'_>) -> Vec<Picture> {
         .zip(NAMES)
         .enumerate()
         .map(|(k, ((what, unit, reading), name))| {
-            let published = |row: &super::file::Published| match k {
+            let published = |row: &super::file::Table3Row| match k {
                 0 => row.center_of_mass,
                 1 => row.pitch_set_point,
                 2 => row.corrected_cost,
@@ -210,7 +210,7 @@ pub(crate) fn spreads(m: &Material<'_>) -> Vec<Picture> {
                     "{what} per iteration over {} noise seeds: median, quartiles and extremes; noise within \
                      ±{} % of J. Rows of iteration 1 were calibrated, the others are predicted.",
                     m.setup.file.noise.seeds,
-                    100.0 * m.setup.file.noise.relative_bound
+                    100.0 * m.setup.file.noise.share
                 ),
             }
         })

@@ -1,0 +1,28 @@
+//! What Chapter 3 of the dissertation says, and whether it holds here.
+
+use super::findings::{Findings, in_table4};
+use super::panels::Design;
+use crate::claims::{Claim, Place, Verdict};
+
+/// What the dissertation claims in this chapter, and what of it came out.
+pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
+    let inside = |design: &Design| in_table4(findings.setup, design);
+    let spans: Vec<f64> =
+        findings.stand_in.iter().filter_map(|panel| Some(panel.worst(inside)?.1 / panel.best(inside)?.1)).collect();
+    let depends = spans.len() == findings.stand_in.len() && spans.iter().all(|span| *span > MATTERS);
+    let words: Vec<String> = spans.iter().map(|span| format!("{span:.1}")).collect();
+    let claim = Claim::new(
+        Place::Figure(14),
+        "In each of four configurations the open-loop cost depends on trim pitch and center of mass",
+        Verdict::in_kind_if(depends),
+        format!(
+            "In the stand-in the highest cost of the stable designs within Table 4 is {} times the lowest, panel by panel. The figure \
+             prints no numbers that could be compared.",
+            words.join(", ")
+        ),
+    );
+    vec![claim.shown_in(&["figure-14"])]
+}
+
+/// A cost that varies by less than this factor would depend on nothing.
+pub(crate) const MATTERS: f64 = 1.5;

@@ -1,0 +1,107 @@
+//! Figure 14, and one flight of its test.
+
+use water_channel::LogRow;
+
+use super::findings::{Findings, in_table4};
+use super::panels::{Design, PanelFlights};
+use crate::reproduction::Picture;
+use page::{Axis, Landscape, LineFigure, Panel, Points, Series, landscape_panels_figure, line_figure};
+
+/// Four landscapes with one scale of colors.
+pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], name: &str, physics: &str) -> Picture {
+    let setup = findings.setup;
+    let z_axis = cost_axis(findings);
+    let landscapes: Vec<Landscape> = panels
+        .iter()
+        .zip('a'..)
+        .map(|(panel, letter)| Landscape {
+            title: format!("({letter}) {}", panel.configuration.label),
+            x_axis: Axis::new("center of mass", "% chord"),
+            y_axis: Axis::new("trim pitch", "deg"),
+            z_axis: z_axis.clone(),
+            x: setup.center_of_mass.places(),
+            y: setup.trim_pitch.places(),
+            z: panel
+                .rows
+                .iter()
+                .map(|row| row.iter().map(|design| design.cost().map_or(f64::NAN, f64::log10)).collect())
+                .collect(),
+            missing_label: "a line goes slack, or the state leaves the model".to_owned(),
+            points: vec![Points::small(
+                "unstable",
+                panel
+                    .unstable()
+                    .filter(|design| design.cost().is_some())
+                    .map(|design| (design.at[0], design.at[1]))
+                    .collect(),
+            )],
+            verticals: setup.center_of_mass.table4.map_or(Vec::new(), |bounds| bounds.to_vec()),
+            verticals_label: "bounds of Table 4".to_owned(),
+            paths: Vec::new(),
+            minimum: panel.best(|design| in_table4(setup, design)).map(|(best, _)| (best.at[0], best.at[1])),
+            minimum_label: "best stable design within Table 4".to_owned(),
+        })
+        .collect();
+    Picture {
+        name: name.to_owned(),
+        svg: landscape_panels_figure(&format!("Open-loop cost in {physics}"), &landscapes),
+        caption: format!(
+            "The counterpart of Figure 14 in {physics}: cost (20) over trim pitch and center of mass, for four settings of fin \
+             incidence and lines. Colors go by the logarithm, the same in both physics; above the highest, all values have its color."
+        ),
+    }
+}
+
+/// One scale of colors for both physics, up to what nine tenths of the designs stay below.
+pub(crate) fn cost_axis(findings: &Findings<'_>) -> Axis {
+    let panels = findings.stand_in.iter().chain(&findings.model);
+    let mut costs: Vec<f64> = panels.flat_map(PanelFlights::designs).filter_map(Design::cost).map(f64::log10).collect();
+    costs.sort_by(f64::total_cmp);
+    let axis = Axis::new("log10 of the cost (20) in s", "1");
+    match (costs.first(), costs.get(costs.len() * 9 / 10)) {
+        (Some(lowest), Some(high)) if lowest < high => {
+            axis.with_range((5.0 * lowest).floor() / 5.0, (5.0 * high).ceil() / 5.0)
+        }
+        _ => axis,
+    }
+}
+
+/// What one open-loop flight looks like.
+pub(crate) fn one_flight(findings: &Findings<'_>) -> Picture {
+    let rows = &findings.shown.rows;
+    let column = |f: fn(&LogRow) -> f64| -> Vec<f64> { rows.iter().map(f).collect() };
+    let t = column(|row| row.time_s);
+    let panel = |y_axis: Axis, series: Vec<Series>| Panel { x_axis: None, y_axis, series };
+    let line = |k: usize| -> Vec<f64> { rows.iter().map(|row| 1000.0 * row.commands_m_s[k]).collect() };
+    let figure = LineFigure {
+        title: "The open-loop test: the best design of the first panel".to_owned(),
+        x_axis: Axis::new("time", "s").with_range(0.0, findings.setup.profile.duration_s()),
+        panels: vec![
+            panel(Axis::new("flow speed", "m/s"), vec![Series::step("flow", &t, &column(|row| row.flow_speed_m_s))]),
+            panel(
+                Axis::new("command", "mm/s"),
+                vec![
+                    Series::step("line 1, center", &t, &line(0)),
+                    Series::step("line 2, starboard", &t, &line(1)),
+                    Series::step("line 3, port", &t, &line(2)),
+                ],
+            ),
+            panel(
+                Axis::new("heading", "deg"),
+                vec![Series::line("heading", &t, &column(|row| row.heading_rad.to_degrees()))],
+            ),
+            panel(
+                Axis::new("lateral position", "mm"),
+                vec![Series::line("lateral position", &t, &column(|row| 1000.0 * row.lateral_m))],
+            ),
+        ],
+        shaded: None,
+    };
+    Picture {
+        name: "one-flight".to_owned(),
+        svg: line_figure(&figure),
+        caption: "One flight of the test in the stand-in: at each speed the three lines are reeled in, held and let out one after \
+                  the other; between and after that the lines keep their lengths. The times of the sequence are ours."
+            .to_owned(),
+    }
+}

@@ -1,0 +1,51 @@
+//! How the optima of the first and of the last iteration fly in the truth.
+
+use anyhow::{Context as _, Result};
+use infuse::global;
+use water_channel::{LogRow, footprint_m2};
+
+use super::campaigns::Ended;
+use super::file::{Case, Setup};
+
+/// The optimum of the first and of the last iteration, flown in the truth.
+#[derive(Clone, Debug)]
+pub(crate) struct BeforeAfter {
+    pub(crate) space: usize,
+    pub(crate) truth: usize,
+    pub(crate) designs: [Flown; 2],
+}
+
+/// How a design flies.
+#[derive(Clone, Debug)]
+pub(crate) struct Flown {
+    pub(crate) point: Vec<f64>,
+    pub(crate) cost: f64,
+    pub(crate) heading_deg2: f64,
+    pub(crate) zenith_deg: f64,
+    pub(crate) footprint_m2: f64,
+}
+
+/// The optima of a campaign for each of these spaces and truths.
+pub(crate) fn all(setup: &Setup, shown: &[&Ended]) -> Result<Vec<BeforeAfter>> {
+    shown.iter().map(|ended| before_after(setup, ended)).collect()
+}
+
+fn before_after(setup: &Setup, ended: &Ended) -> Result<BeforeAfter> {
+    let Case { space, truth, .. } = ended.case;
+    let fly = |report: Option<&global::Report>| -> Result<Flown> {
+        let point = report.context("no iteration was made")?.screening.optimum.clone();
+        let bat = &setup.spaces[space].bat;
+        let (flight, log) = bat.logged(&point, setup.truth(truth).fidelity(), 4)?;
+        let n = log.rows.len() as f64;
+        let mean = |f: &dyn Fn(&LogRow) -> f64| log.rows.iter().map(f).sum::<f64>() / n;
+        Ok(Flown {
+            cost: bat.breakdown(&point, &flight).total,
+            heading_deg2: mean(&|row| row.heading_rad.to_degrees().powi(2)),
+            zenith_deg: mean(&|row| row.state[0].to_degrees()),
+            footprint_m2: mean(&|row| footprint_m2((row.state[6] + row.state[7] + row.state[8]) / 3.0, row.state[0])),
+            point,
+        })
+    };
+    let reports = ended.campaign.reports();
+    Ok(BeforeAfter { space, truth, designs: [fly(reports.first())?, fly(reports.last())?] })
+}

@@ -1,0 +1,81 @@
+//! The order of things in Chapter 6.
+
+use super::campaigns::{Campaigns, fly};
+use super::file::Setup;
+use super::findings::Findings;
+use super::{claims, figures, flights, page, tables};
+use crate::bat::MODEL;
+use crate::gridded::Designs;
+use crate::handover::Handover;
+use crate::reproduction::{self, DESIGNS, Extent, FLIGHTS, Reproduction, Run, progress};
+use anyhow::Result;
+use std::path::Path;
+use std::time::Instant;
+
+/// The study, and the committed copy of its results.
+pub(crate) const CHAPTER: Reproduction =
+    Reproduction { command: "reproduce-chapter6", name: "chapter6", run: Run::OrFull(reproduce) };
+
+pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
+    let started = Instant::now();
+    let setup = Setup::read(&root.join("fixtures/bat/chapter6.toml"), extent)?;
+    let out = CHAPTER.prepare(root, extent)?;
+    for space in &setup.spaces {
+        space.bat.keep_in(&root.join(FLIGHTS), space.space.region(), &setup.fidelities())?;
+    }
+    let designs = Designs::keep_in(&root.join(DESIGNS))?;
+    eprintln!("{}: the experiments are flights of a surrogate model with noise.", setup.file.title);
+
+    let n_flights: usize = setup.spaces.iter().map(|space| space.space.n_cells() * (1 + setup.n_truths())).sum();
+    if extent == Extent::Full {
+        eprintln!("--full: {}", estimate(&setup)?);
+    }
+    let bar = progress("1/3 true costs: flights of model and surrogates", n_flights);
+    let flown = fly(&setup, |n| bar.inc(n as u64))?;
+    bar.finish();
+
+    let cases = setup.cases();
+    let bar = progress("2/3 campaigns: iterations", cases.len() * setup.file.iterations.iterations);
+    let study = Campaigns { setup: &setup, flown: &flown, designs: &designs };
+    let ended = study.run(&cases, |n| bar.inc(n as u64))?;
+    bar.finish();
+
+    let bar = progress("3/3 designs of the figures, pictures", 2);
+    let mut findings = Findings { setup, extent, flown, ended, footprints: Vec::new(), seconds: 0.0 };
+    findings.footprints = flights::all(&findings.setup, &findings.all_shown()?)?;
+    bar.inc(1);
+    let pictures = figures::all(&findings)?;
+    bar.inc(1);
+    bar.finish();
+
+    findings.seconds = started.elapsed().as_secs_f64();
+    let claims = claims::claims(&findings);
+    let page = page::page(&findings, &claims, &pictures)?;
+    reproduction::save_page(&out, &pictures, &page, &page::markdown(&findings, &claims)?)?;
+    tables::iterations(&findings).write_csv(&out.join("iterations.csv"))?;
+    tables::campaigns(&findings).write_csv(&out.join("campaigns.csv"))?;
+    let handover = Handover::new(claims, &pictures);
+    handover.save(&out)?;
+    page::print(&findings, &handover.claims, &CHAPTER.out_of(extent))
+}
+
+/// How long the flights will take, by the pace of a few.
+pub(crate) fn estimate(setup: &Setup) -> Result<String> {
+    const TIMED: usize = 64;
+    let (mut missing, mut seconds) = (0, 0.0);
+    for space in &setup.spaces {
+        let points = space.space.points()?;
+        for fidelity in setup.fidelities() {
+            missing += space.bat.n_missing(&points, fidelity);
+        }
+        let cells = (0..TIMED).map(|k| space.space.point(k * (space.space.n_cells() - 1) / TIMED));
+        let started = Instant::now();
+        space.bat.flown_costs(&cells.collect::<Result<Vec<_>>>()?, MODEL, |_| {});
+        seconds = started.elapsed().as_secs_f64() / TIMED as f64;
+    }
+    Ok(format!(
+        "{missing} flights of 300 s are missing, about {:.0} minutes at the present pace of this machine; then the campaigns. What was \
+         flown is remembered, and an interrupted run goes on where it was.",
+        (missing as f64 * seconds / 60.0).ceil()
+    ))
+}

@@ -1,0 +1,144 @@
+//! The order of things in Chapter 7.
+
+use super::campaigns::{Runs, Step};
+use super::file::{Case, Setup};
+use super::findings::{Findings, Found};
+use super::flights::{BeforeAfter, Flown};
+use super::optima::Optimum;
+use super::wrong::Choice;
+use super::{claims, figures, page, tables, wrong};
+use crate::bat::{MODEL, STAND_IN};
+use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space, SurrogateRig};
+use crate::handover::Handover;
+use crate::reproduction::{self, DESIGNS, Extent, FLIGHTS, Reproduction, Run, progress};
+use anyhow::{Context as _, Result};
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use std::path::Path;
+use std::time::Instant;
+
+/// The study, and the committed copy of its results.
+pub(crate) const CHAPTER: Reproduction =
+    Reproduction { command: "reproduce-chapter7", name: "chapter7", run: Run::Always(reproduce) };
+
+pub(crate) fn reproduce(root: &Path) -> Result<()> {
+    let started = Instant::now();
+    let setup = Setup::read(&root.join("fixtures/bat/chapter7.toml"))?;
+    let out = CHAPTER.prepare(root, Extent::Default)?;
+    for case in &setup.cases {
+        case.bat.keep_in(&root.join(FLIGHTS), case.space.region(), &[MODEL, STAND_IN])?;
+    }
+    let designs = Designs::keep_in(&root.join(DESIGNS))?;
+    eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
+
+    let found = setup.cases.iter().map(|case| {
+        let study = CaseStudy { setup: &setup, case, designs: &designs };
+        study.run().with_context(|| case.entry.label.clone())
+    });
+    let found = found.collect::<Result<_>>()?;
+    let mut findings = Findings { setup, found, seconds: 0.0 };
+    let pictures = figures::all(&findings)?;
+
+    findings.seconds = started.elapsed().as_secs_f64();
+    let claims = claims::all(&findings);
+    let page = page::page(&findings, &claims, &pictures);
+    reproduction::save_page(&out, &pictures, &page, &page::markdown(&findings, &claims))?;
+    tables::every_step(&findings).write_csv(&out.join("iterations.csv"))?;
+    tables::every_choice(&findings).write_csv(&out.join("choices.csv"))?;
+    page::print(&findings, &claims, &CHAPTER.out());
+    Handover::new(claims, &pictures).with_excerpts(page::excerpts(&findings)).save(&out)?;
+    Ok(())
+}
+
+/// What one of the two studies is made from.
+pub(crate) struct CaseStudy<'a> {
+    pub(crate) setup: &'a Setup,
+    pub(crate) case: &'a Case,
+    pub(crate) designs: &'a Designs,
+}
+
+impl CaseStudy<'_> {
+    pub(crate) fn run(&self) -> Result<Found> {
+        let bar = self.bar("1/5 flights of model and stand-in", 2 * self.case.flown.n_cells());
+        let fly = |fidelity| FlownGrid::fly(&self.case.bat, &self.case.flown, fidelity, |n| bar.inc(n as u64));
+        let (model, truth) = (fly(MODEL)?, fly(STAND_IN)?);
+        bar.finish();
+
+        let bar = self.bar("2/5 optima of model and stand-in", 1);
+        let (numerical, best) =
+            rayon::join(|| Optimum::of(self.case, &model, MODEL), || Optimum::of(self.case, &truth, STAND_IN));
+        let (numerical, best) = (numerical?, best?);
+        bar.finish();
+
+        let runs = self.runs(&model, &truth)?;
+        let choices = self.choices(&model, &truth)?;
+
+        let bar = self.bar("5/5 designs of the figures", 1);
+        let flights = fly_before_after(self.case, &numerical, &runs[0])?;
+        let numerical_true_cost = self.case.bat.cost(&numerical.point, STAND_IN).unwrap_or(f64::NAN);
+        let best = best_known(best, &runs);
+        bar.finish();
+        Ok(Found { model, truth, numerical, numerical_true_cost, best, runs, choices, flights })
+    }
+
+    pub(crate) fn bar(&self, what: &str, length: usize) -> ProgressBar {
+        progress(&format!("{}: {what}", self.case.entry.label), length)
+    }
+
+    pub(crate) fn rig<'a>(&self, space: &'a Space, [model, truth]: [&'a dyn CellCosts; 2]) -> SurrogateRig<'a> {
+        let noise = &self.setup.file.noise;
+        SurrogateRig { space, model, truth, noise: noise.share, seed: noise.first_seed }
+    }
+
+    /// The campaigns of every variant: on the grid that is flown, or with flights on demand where it has too many cells.
+    pub(crate) fn runs(&self, model: &FlownGrid, truth: &FlownGrid) -> Result<Vec<Runs>> {
+        let Self { setup, case, designs } = self;
+        let variants = &setup.file.variant;
+        let n_campaigns: usize = variants.iter().map(|variant| 1 + variant.seeds as usize).sum();
+        let bar = self.bar("3/5 campaigns: iterations", case.entry.iterations * n_campaigns);
+        let demand =
+            |fidelity, grid: &FlownGrid| OnDemand { bat: &case.bat, space: &case.space, fidelity, range: grid.range() };
+        let (model_on_demand, truth_on_demand) = (demand(MODEL, model), demand(STAND_IN, truth));
+        let costs: [&dyn CellCosts; 2] =
+            if case.is_flown_whole() { [model, truth] } else { [&model_on_demand, &truth_on_demand] };
+        let rig = self.rig(&case.space, costs);
+        let runs = variants.iter().map(|variant| {
+            let seeds = setup.file.noise.numbers(variant.seeds);
+            let settings = setup.settings(case, variant)?;
+            Runs::of(&variant.label, &rig, &settings, &seeds, designs, |n| bar.inc(n as u64))
+                .with_context(|| variant.label.clone())
+        });
+        let runs = runs.collect();
+        bar.finish();
+        runs
+    }
+
+    pub(crate) fn choices(&self, model: &FlownGrid, truth: &FlownGrid) -> Result<Vec<Choice>> {
+        let seeds = self.setup.file.noise.numbers(self.setup.file.noise.seeds);
+        let bar = self.bar("4/5 wrong choices: campaigns", wrong::N_CHOICES * seeds.len());
+        let rig = self.rig(&self.case.flown, [model, truth]);
+        let base = self.setup.settings(self.case, &self.setup.file.variant[0])?;
+        let choices = wrong::choices(&rig, [model, truth], &base, &seeds, self.designs, || bar.inc(1));
+        bar.finish();
+        choices
+    }
+}
+
+/// The best design of the stand-in: that of the search, unless a campaign came upon a better one.
+pub(crate) fn best_known(searched: Optimum, runs: &[Runs]) -> Optimum {
+    let steps = runs.iter().flat_map(|runs| std::iter::once(&runs.quiet).chain(&runs.noisy)).flat_map(|steps| &steps.0);
+    let met = steps.min_by(|a, b| a.cost.total_cmp(&b.cost));
+    match met {
+        Some(Step { point, cost, .. }) if *cost < searched.cost => Optimum { point: point.clone(), cost: *cost },
+        _ => searched,
+    }
+}
+
+pub(crate) fn fly_before_after(case: &Case, numerical: &Optimum, runs: &Runs) -> Result<BeforeAfter> {
+    let after_seeds = runs.noisy.par_iter().map(|steps| Ok(Flown::fly(case, &steps.last()?.point)?.means()));
+    Ok(BeforeAfter {
+        before: Flown::fly(case, &numerical.point).context("the numerical optimum")?,
+        after: Flown::fly(case, &runs.quiet.last()?.point).context("the infused optimum")?,
+        after_seeds: after_seeds.collect::<Result<_>>()?,
+    })
+}

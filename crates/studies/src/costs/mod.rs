@@ -1,0 +1,10 @@
+//! What designs cost: one store of flown costs, in memory and on disk, named after what they follow from.
+
+mod cost;
+mod journal;
+#[cfg(feature = "global")]
+pub(crate) mod key;
+mod store;
+
+pub(crate) use cost::Cost;
+pub(crate) use store::Store;

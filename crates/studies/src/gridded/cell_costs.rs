@@ -1,0 +1,112 @@
+//! Where a campaign finds the cost of a cell: a grid that is flown in whole, or flights when a cell is asked for.
+
+use std::fmt::Debug;
+
+use bat_dynamics::Fidelity;
+
+use super::grid::FlownGrid;
+use super::space::Space;
+use crate::bat::Bat;
+use crate::costs::Cost;
+
+/// The costs of one physics over the cells of a space.
+pub(crate) trait CellCosts: Debug + Sync {
+    fn cost(&self, cell: usize) -> Cost;
+
+    /// The costs of several cells, in their order.
+    fn costs(&self, cells: &[usize]) -> Vec<Cost> {
+        cells.iter().map(|cell| self.cost(*cell)).collect()
+    }
+
+    /// What the noise of an experiment is a part of.
+    fn range(&self) -> f64;
+}
+
+impl CellCosts for FlownGrid {
+    fn cost(&self, cell: usize) -> Cost {
+        Self::cost(self, cell).clone()
+    }
+
+    fn range(&self) -> f64 {
+        Self::range(self)
+    }
+}
+
+/// Cells of a space that is too large to be flown, each flown when it is first asked for.
+#[derive(Debug)]
+pub(crate) struct OnDemand<'a> {
+    pub(crate) bat: &'a Bat,
+    pub(crate) space: &'a Space,
+    pub(crate) fidelity: Fidelity,
+    /// What the noise of an experiment is a part of, of another grid.
+    pub(crate) range: f64,
+}
+
+impl OnDemand<'_> {
+    fn point(&self, cell: usize) -> Result<Vec<f64>, String> {
+        self.space.point(cell).map_err(|error| format!("{error:#}"))
+    }
+}
+
+impl CellCosts for OnDemand<'_> {
+    fn cost(&self, cell: usize) -> Cost {
+        self.bat.cost(&self.point(cell)?, self.fidelity)
+    }
+
+    /// Those that are not known fly side by side.
+    fn costs(&self, cells: &[usize]) -> Vec<Cost> {
+        match cells.iter().map(|cell| self.point(*cell)).collect::<Result<Vec<_>, _>>() {
+            Ok(points) => self.bat.costs(&points, self.fidelity, |_| {}),
+            Err(_) => cells.iter().map(|cell| self.cost(*cell)).collect(),
+        }
+    }
+
+    fn range(&self) -> f64 {
+        self.range
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::bat::MODEL;
+    use crate::study_file::ParameterEntry;
+
+    #[test]
+    fn a_cell_on_demand_costs_what_it_does_in_a_flown_grid_and_is_remembered() {
+        let entry = |name: &str, unit: &str, lower, upper| ParameterEntry {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            lower,
+            upper,
+        };
+        let entries = [entry("center_of_mass", "% chord", 46.0, 50.0), entry("pitch_set_point", "deg", 5.0, 10.0)];
+        let names = entries.each_ref().map(|entry| entry.name.clone());
+        let space = Space::of(&entries, &names, 2).expect("a space");
+        let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/bat");
+        let files = ["rig.toml", "test-profile.toml", "cost-chapter7.toml"];
+        let folder = tempfile::tempdir().expect("a writable directory");
+        let bat = || {
+            let bat = Bat::read(&fixtures, files, space.variables.clone(), [1, 1]).expect("the case study");
+            bat.keep_in(folder.path(), space.region(), &[MODEL]).expect("a writable store");
+            bat
+        };
+        let first = bat();
+        let demand = OnDemand { bat: &first, space: &space, fidelity: MODEL, range: 1.0 };
+        assert_eq!(demand.costs(&[3, 1, 3]), [3, 1, 3].map(|cell| demand.cost(cell)));
+
+        let second = bat();
+        assert_eq!(second.n_known(MODEL), 2, "two by demand, in the file");
+        let grid = FlownGrid::fly(&second, &space, MODEL, |_| {}).expect("a grid");
+        let third = bat();
+        assert_eq!(third.n_known(MODEL), 4, "two by demand, two by the grid, in one file");
+        let again = OnDemand { bat: &third, space: &space, fidelity: MODEL, range: 1.0 };
+        for cell in 0..4 {
+            assert_eq!(again.cost(cell), *grid.cost(cell), "cell {cell}");
+        }
+        let fresh = third.flown_costs(&[space.point(3).expect("a cell")], MODEL, |_| {});
+        assert_eq!(again.cost(3), fresh[0], "what was written is what flies");
+    }
+}
