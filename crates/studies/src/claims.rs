@@ -130,10 +130,9 @@ fn by_verdict(claims: &[&Claim]) -> Vec<(Verdict, Vec<String>)> {
 
 /// The first screen of a page: what was found, in words, and one picture.
 pub(crate) fn begin(page: &mut Page, claims: &[Claim], picture: Option<&Picture>) {
-    let findings = by_verdict(&claims.iter().collect::<Vec<_>>()).into_iter().map(|(verdict, says)| {
-        let finding = Finding::new(format!("{}:", capitalized(&verdict.to_string())));
-        says.into_iter().fold(finding, |finding, says| finding.detail(Finding::new(says)))
-    });
+    let findings = by_verdict(&claims.iter().collect::<Vec<_>>())
+        .into_iter()
+        .map(|(verdict, says)| Finding::new(format!("{}: {}.", capitalized(&verdict.to_string()), says.join("; "))));
     page.key_findings(&findings.collect::<Vec<_>>());
     if let Some(picture) = picture {
         picture.show_in(page);
