@@ -64,7 +64,8 @@ fn complaints(root: &Path) -> Result<Vec<String>> {
             if read("README.md").is_none_or(|text| text.trim().is_empty()) {
                 complaints.push(format!("{name}: no README.md"));
             }
-            if !has_example(&package) {
+            let is_program = manifest.get("package").is_some_and(|package| package.get("publish").is_some());
+            if !is_program && !has_example(&package) {
                 complaints.push(format!("{name}: no example"));
             }
         }

@@ -198,14 +198,9 @@ fn model(entry: Option<&ModelEntry>, region: &Region) -> Result<Model> {
     let k = region.n_parameters();
     Ok(match entry {
         None => Model::quadratic(k)?,
-        Some(ModelEntry::Named(name)) => match name.as_str() {
-            "linear" => Model::linear(k)?,
-            "additive quadratic" => Model::additive_quadratic(k)?,
-            "quadratic" => Model::quadratic(k)?,
-            _ => bail!(
-                "`model` is {name:?}, expected \"linear\", \"additive quadratic\", \"quadratic\" or a list of terms"
-            ),
-        },
+        Some(ModelEntry::Named(name)) => {
+            Model::named(name, k).map_err(|error| anyhow!("`model` is {name:?}: {error}, or a list of terms"))?
+        }
         Some(ModelEntry::Listed(terms)) => {
             let mut exponents = Vec::new();
             for (number, term) in terms.iter().enumerate() {

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use anyhow::Result;
 
+use super::columns::point_columns;
 use super::read::setting_fault;
-use super::{Column, Fault, Table, none_of, point_columns};
+use super::table::{Column, Fault, Table, none_of};
 use crate::number::parse;
 use crate::problem::Problem;
 

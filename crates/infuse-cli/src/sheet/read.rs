@@ -7,8 +7,9 @@ use anyhow::Result;
 use design_space::Parameter;
 use infuse::global;
 
+use super::columns::Columns;
 use super::table::Row;
-use super::{Columns, Fault, Table, none_of};
+use super::table::{Fault, Table, none_of};
 use crate::journal::Measured;
 use crate::number::{parse, plain, with_unit};
 use crate::problem::Problem;

@@ -6,7 +6,8 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 use infuse::global;
 
-use super::Columns;
+use super::columns::Columns;
+use super::table::Column;
 use crate::number::plain;
 use crate::problem::Problem;
 
@@ -15,7 +16,7 @@ pub(crate) fn write(path: &Path, problem: &Problem, trials: &[(global::Trial, Op
     let name = || path.display().to_string();
     let columns = Columns::of(problem);
     let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(columns.all.iter().map(super::Column::heading)).with_context(name)?;
+    table.write_record(columns.all.iter().map(Column::heading)).with_context(name)?;
     for (index, (trial, repeats)) in trials.iter().enumerate() {
         let mut cells = vec![String::new(); columns.all.len()];
         cells[Columns::RUN] = (index + 1).to_string();

@@ -136,7 +136,11 @@ mod tests {
     }
 
     fn found(campaign: &global::Loop) -> Vec<(u64, u64)> {
-        campaign.reports().iter().map(|report| (report.screening.optimum_cell.index(), report.screening.n_after)).collect()
+        campaign
+            .reports()
+            .iter()
+            .map(|report| (report.screening.optimum_cell.index(), report.screening.n_after))
+            .collect()
     }
 
     #[test]

@@ -152,8 +152,7 @@ fn largest_on_lattice(kept: &Kept) -> Result<f64> {
 }
 
 fn grid_row(model: &'static str, runs: usize) -> Result<GridRow> {
-    let terms =
-        if model == "quadratic" { Model::quadratic(GRID.len())? } else { Model::additive_quadratic(GRID.len())? };
+    let terms = Model::named(model, GRID.len())?;
     let problem = Problem::new(terms, Space::grid(&GRID)?, runs, Criterion::G)?;
     let mut settings = Settings::default();
     settings.starts = GRID_STARTS;

@@ -127,7 +127,7 @@ pub(crate) fn fractions(findings: &Findings) -> Result<Picture> {
 pub(crate) fn grid_fractions(findings: &Findings) -> Result<Picture> {
     let mut series = Vec::new();
     for row in &findings.grid {
-        let model = if row.model == "quadratic" { Model::quadratic(4)? } else { Model::additive_quadratic(4)? };
+        let model = Model::named(row.model, GRID.len())?;
         series.push(fractions_of(
             &format!("{}, N = {}", row.model, row.runs),
             &model,
