@@ -126,7 +126,9 @@ fn module(file: &str, text: &str) -> Module {
             }
             (Word::Name(word), Some(Word::Sign(':'))) if ["crate", "super", "self"].contains(&word.as_str()) => {
                 let (path, end) = written_path(&words, at);
-                if path.len() > 1 {
+                // `pub(in crate::a)` says who may look, not who is needed.
+                let is_visibility = at > 0 && words[at - 1].is_name("in");
+                if path.len() > 1 && !is_visibility {
                     module.named.push(path);
                 }
                 at = end;

@@ -1,7 +1,7 @@
 //! What is said of the designs: where they begin and end, and how much better they are.
 
 use super::votes::{Votes, count};
-use super::{FITTED, median_words, table_place};
+use super::words::{FITTED, median_words, table_place};
 use crate::bat::Variable;
 use crate::chapter7::campaigns::Steps;
 use crate::chapter7::file::{Case, Row, Standing};
@@ -54,7 +54,8 @@ pub(super) fn aft(case: &Case, found: &Found) -> Option<Claim> {
     let k = case.space.variables.iter().position(|variable| *variable == Variable::CenterOfMass)?;
     let start = found.numerical.point[k];
     let place = |steps: &Steps| end(steps).get(k).copied().unwrap_or(f64::NAN);
-    let votes = |runs: &super::Runs| Votes::of(&runs.quiet, &runs.noisy, |steps| place(steps) > start);
+    let votes =
+        |runs: &crate::chapter7::campaigns::Runs| Votes::of(&runs.quiet, &runs.noisy, |steps| place(steps) > start);
     let runs = found.main();
     let published = |row: Option<&Row>| row.map_or(f64::NAN, |row| row.point[k]);
     let others = found.runs.iter().skip(1).map(|runs| format!(" With the {}: {}.", runs.label, votes(runs).words()));
@@ -100,7 +101,7 @@ pub(super) fn numerical_row(case: &Case, found: &Found) -> Claim {
 }
 
 /// How the campaigns end beside the last printed row.
-fn last_row_votes(row: &Row, case: &Case, runs: &super::Runs) -> Votes {
+fn last_row_votes(row: &Row, case: &Case, runs: &crate::chapter7::campaigns::Runs) -> Votes {
     Votes::of(&runs.quiet, &runs.noisy, |steps| is_near(&departures(case, &row.point, end(steps))))
 }
 
@@ -158,7 +159,7 @@ pub(super) fn system(case: &Case, found: &Found) -> Claim {
     let before = found.numerical_true_cost;
     let cost = |steps: &Steps| steps.0.last().map_or(f64::NAN, |step| step.cost);
     let votes = Votes::of(&runs.quiet, &runs.noisy, |steps| cost(steps) < before);
-    let median = super::median(runs.noisy.iter().map(cost));
+    let median = super::words::median(runs.noisy.iter().map(cost));
     let fall = |after: f64| 100.0 * (1.0 - after / before);
     Claim {
         place: Place::Contribution(6),

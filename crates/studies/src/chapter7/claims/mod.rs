@@ -4,21 +4,13 @@ mod designs;
 mod flown;
 mod shrinking;
 mod votes;
+mod words;
 
 pub(super) use designs::last_row_words;
 
-use super::campaigns::Runs;
 use super::file::Case;
 use super::findings::{Findings, Found};
 use crate::claims::{Claim, Place, Verdict};
-use page::Summary;
-
-/// An improvement is called great, significant or much when what is left is at most this part.
-const GREATLY: f64 = 0.5;
-
-/// What a claim says first when there was nothing to find at either end.
-const FITTED: &str = "Numerical optimum and best design of the stand-in were both calibrated; that the loop goes from the one towards \
-    the other is what came out.";
 
 /// What the dissertation says of its results, and what of it came out.
 pub(crate) fn all(findings: &Findings) -> Vec<Claim> {
@@ -83,17 +75,4 @@ fn keeps_best(findings: &Findings) -> Option<Claim> {
         Some((case.entry.label.as_str(), own.regrets.len(), own.lost?))
     });
     Some(shrinking::keeps_best(&lost.collect::<Option<Vec<_>>>()?))
-}
-
-fn table_place(case: &Case) -> Place {
-    Place::Table(u8::try_from(case.entry.table).unwrap_or_default())
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    Summary::of(&values.collect::<Vec<_>>()).map_or(f64::NAN, |summary| summary.median)
-}
-
-fn median_words(values: impl Iterator<Item = f64>, decimals: usize) -> String {
-    Summary::of(&values.collect::<Vec<_>>())
-        .map_or("–".to_owned(), |summary| format!("{:.decimals$}", summary.median))
 }

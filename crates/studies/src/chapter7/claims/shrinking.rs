@@ -4,7 +4,7 @@ use design_space::Cell;
 use infuse::global;
 
 use super::votes::{Votes, by_seeds, count};
-use super::{GREATLY, median_words, table_place};
+use super::words::{GREATLY, median_words, table_place};
 use crate::chapter7::campaigns::{Runs, Steps};
 use crate::chapter7::file::Case;
 use crate::chapter7::findings::Found;
