@@ -58,7 +58,11 @@ fn complaints(root: &Path) -> Result<Vec<String>> {
         let manifest = read("Cargo.toml").with_context(|| format!("{name}: no Cargo.toml"))?;
         let manifest: Table = manifest.parse().with_context(|| format!("{name}/Cargo.toml"))?;
         complaints.extend(layers::complaints(&name, &manifest));
-        complaints.extend(circles::complaints(&name, &sources(&package)?));
+        for program in ["src", "src/checks"].map(|folder| package.join(folder)) {
+            if program.is_dir() {
+                complaints.extend(circles::complaints(&name, &sources(&program)?));
+            }
+        }
         if name != "xtask" {
             complaints.extend(crate_complaints(&name, &manifest, read("CHANGELOG.md").as_deref()));
             if read("README.md").is_none_or(|text| text.trim().is_empty()) {
@@ -130,12 +134,11 @@ fn package_directories(root: &Path) -> Result<Vec<PathBuf>> {
     Ok(packages)
 }
 
-/// The names below `src` and the texts of a crate's sources.
-fn sources(package: &Path) -> Result<Vec<(String, String)>> {
-    let folder = package.join("src");
+/// The names below the folder of a crate's root module and the texts of its sources.
+fn sources(folder: &Path) -> Result<Vec<(String, String)>> {
     let mut sources = Vec::new();
-    for path in files_below(&folder)?.into_iter().filter(|path| path.extension().is_some_and(|end| end == "rs")) {
-        let name = path.strip_prefix(&folder).unwrap_or(&path).to_string_lossy().replace('\\', "/");
+    for path in files_below(folder)?.into_iter().filter(|path| path.extension().is_some_and(|end| end == "rs")) {
+        let name = path.strip_prefix(folder).unwrap_or(&path).to_string_lossy().replace('\\', "/");
         sources.push((name, fs::read_to_string(&path).with_context(|| path.display().to_string())?));
     }
     Ok(sources)
