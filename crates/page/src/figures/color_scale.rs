@@ -74,7 +74,7 @@ impl Bands {
         let narrowest = borders.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let decimals = (-narrowest.log10()).ceil().clamp(0.0, 6.0) as usize;
         let texts = borders.iter().map(|border| number_text(*border, decimals)).collect();
-        let label = format!("{}, as many cells in each color", axis.label());
+        let label = format!("{}, equally many cells in each color", axis.label());
         Self { borders, texts, label, exceeded: false, sign: 1.0 }
     }
 

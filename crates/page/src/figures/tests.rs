@@ -144,7 +144,7 @@ fn scale_of_colors_says_what_it_does() {
     let mirrored = landscape_figure(&with(ColorScale::NearHighest));
     check(&mirrored, &["highest"]);
     assert!(mirrored.contains(">cost (s) below the highest, "), "the bar says so");
-    check(&landscape_figure(&with(ColorScale::EqualShares)), &["cost (s), as many cells in each color"]);
+    check(&landscape_figure(&with(ColorScale::EqualShares)), &["cost (s), equally many cells in each color"]);
     let z_axis = Axis::new("cost", "s").with_colors(ColorScale::NearLowest);
     let z = with(ColorScale::NearLowest).z;
     let (x, y) = (with(ColorScale::NearLowest).x, with(ColorScale::NearLowest).y);
