@@ -63,7 +63,7 @@ pub struct Accelerations {
     /// Generalized forces that the lines supply on L_t (N), theta' and phi' (N·m).
     pub supplied: [f64; 3],
     /// Tensions of the lines. They mean something where lines can give the induced angles, within a quarter turn
-    /// (a [`FlightState`], which holds the lines themselves, is always there); the rest holds at any angle.
+    /// (a [`FlightState`](crate::FlightState), which holds the lines themselves, is always there); the rest holds at any angle.
     pub tensions: Tensions,
 }
 

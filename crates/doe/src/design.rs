@@ -55,7 +55,7 @@ impl Design {
     ///
     /// # Errors
     ///
-    /// [`Error::WrongDimension`].
+    /// [`DesignSpaceError::WrongDimension`](crate::DesignSpaceError::WrongDimension).
     pub fn natural(&self, region: &Region) -> Result<Vec<Vec<f64>>, Error> {
         let snapped = |run: &[f64]| {
             let natural = region.natural(run)?;

@@ -113,7 +113,7 @@ impl Design {
     ///
     /// # Errors
     ///
-    /// [`Error::WrongDimension`]; [`Error::File`] if it cannot be written, or a parameter bears the name of one of the
+    /// [`DesignSpaceError::WrongDimension`](crate::DesignSpaceError::WrongDimension); [`Error::File`] if it cannot be written, or a parameter bears the name of one of the
     /// other columns.
     pub fn write_csv(&self, region: &Region, order: RunOrder, writer: impl Write) -> Result<(), Error> {
         self.write(region, order, None, writer)
@@ -188,7 +188,7 @@ impl Design {
     ///
     /// # Errors
     ///
-    /// [`Error::WrongDimension`].
+    /// [`DesignSpaceError::WrongDimension`](crate::DesignSpaceError::WrongDimension).
     pub fn rounded(&self, region: &Region, space: &Space, n_fixed: usize) -> Result<Self, Error> {
         let mut runs = Vec::with_capacity(self.coordinates().len());
         for (index, (run, settings)) in self.runs().zip(self.natural(region)?).enumerate() {
