@@ -75,7 +75,8 @@ impl<'a> Peaks<'a> {
             }
             _ => self.lattice.values(&self.variance),
         };
-        let starts = self.lattice.local_maxima(&values, NEAR_ACTIVE, MOST_MAXIMA);
+        let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let starts = self.lattice.local_maxima(&values, NEAR_ACTIVE * highest, MOST_MAXIMA);
         let starts = starts.into_iter().map(|index| self.lattice.point(index));
         let mut peaks: Vec<(Vec<f64>, f64)> = Vec::new();
         for start in starts.chain(std::mem::take(&mut self.known)) {

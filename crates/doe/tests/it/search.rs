@@ -440,3 +440,15 @@ fn runs_that_must_differ_do_so_on_any_box_and_by_any_criterion() {
         }
     }
 }
+
+#[test]
+fn a_variance_far_below_one_is_polished_like_any_other() {
+    // With 3 terms and 30 runs the largest prediction variance is about 0.1.
+    for (n, least_percent) in [(7, 91.16), (9, 99.99), (30, 99.99)] {
+        let problem = Problem::new(Model::quadratic(1).unwrap(), Space::cube(1).unwrap(), n, Criterion::G).unwrap();
+        let mut settings = Settings::default();
+        settings.starts = 400;
+        let found = search(&problem, &settings).unwrap();
+        assert!(found.efficiency.percent > least_percent, "N = {n}: {}", found.efficiency);
+    }
+}
