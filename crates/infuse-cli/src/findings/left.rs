@@ -43,7 +43,7 @@ pub(crate) fn dropped_because(campaign: &Campaign, report: &Report) -> String {
         Some(s) => {
             let worse = screening.threshold * s * std::f64::consts::SQRT_2;
             let limit = value(campaign, screening.optimum_value + worse);
-            let word = if campaign.problem.response.better() == "lower" { "above" } else { "below" };
+            let word = campaign.problem.response.worse_side();
             format!("predicted {word} {limit}, that is worse than the best by {} S √2", short(screening.threshold))
         }
         None => "nothing could be dropped, as the validation experiments gave no spread S".to_owned(),

@@ -74,6 +74,14 @@ impl Response {
             Goal::Maximize => "higher",
         }
     }
+
+    /// "above" or "below", where what is worse lies.
+    pub(crate) fn worse_side(&self) -> &'static str {
+        match self.goal {
+            Goal::Minimize => "above",
+            Goal::Maximize => "below",
+        }
+    }
 }
 
 /// `name [unit]`, or the name alone.

@@ -187,10 +187,8 @@ impl Findings<'_> {
                 flight.samples,
                 flight.duration_s[0],
                 flight.duration_s[1],
-                match magnitude(flight.largest_difference).as_str() {
-                    "0" => "nothing".to_owned(),
-                    below => below.replace("below", "less than"),
-                }
+                power_above(flight.largest_difference)
+                    .map_or_else(|| "nothing".to_owned(), |power| format!("less than {power}"))
             ));
         }
         sentences
@@ -228,7 +226,12 @@ pub(crate) fn power_of_length(rule: &scaling::Rule) -> BigRational {
 
 /// A rounding error to its power of ten: its digits are nobody's business and differ between builds.
 pub(crate) fn magnitude(value: f64) -> String {
-    if value > 0.0 { format!("below 1e{:.0}", value.log10().ceil()) } else { "0".to_owned() }
+    power_above(value).map_or_else(|| "0".to_owned(), |power| format!("below {power}"))
+}
+
+/// The power of ten that a positive value is not above.
+fn power_above(value: f64) -> Option<String> {
+    (value > 0.0).then(|| format!("1e{:.0}", value.log10().ceil()))
 }
 
 /// A number with some significant digits.
