@@ -1,6 +1,6 @@
 //! Points of a box on a lattice, by index.
 
-use design_space::Combinations;
+use design_space::{Combinations, coded_level};
 use rayon::prelude::*;
 
 use crate::shape::{Axis, BoxShape, spread};
@@ -53,8 +53,7 @@ impl Lattice {
         let axis_levels = |(factor, axis): (usize, &Axis)| match axis {
             Axis::Levels(levels) => spread(count.min(levels.len()), levels.len()).map(|index| levels[index]).collect(),
             Axis::Continuous => {
-                let last = (count - 1) as f64;
-                let mut levels: Vec<f64> = (0..count).map(|i| (2.0 * i as f64 - last) / last).collect();
+                let mut levels: Vec<f64> = (0..count as u64).map(|level| coded_level(level, count as u64)).collect();
                 levels.extend(shape.forbidden.iter().flat_map(|box_| box_.range(factor)).filter(|end| end.abs() < 1.0));
                 levels.sort_by(f64::total_cmp);
                 levels.dedup();

@@ -1,5 +1,7 @@
 //! What a design space is made of: a box with continuous and gridded axes, or a list of candidates.
 
+use design_space::coded_level;
+
 use crate::{Error, Forbidden};
 
 /// The values one coded coordinate can take.
@@ -27,8 +29,8 @@ impl Axis {
         if count < 2 {
             return Err(Error::TooFewAxisLevels { count: count as usize });
         }
-        let last = f64::from(count - 1);
-        Ok(Self::Levels((0..count).map(|i| (2.0 * f64::from(i) - last) / last).collect()))
+        let count = u64::from(count);
+        Ok(Self::Levels((0..count).map(|level| coded_level(level, count)).collect()))
     }
 }
 

@@ -1,5 +1,6 @@
 //! The prediction variance on a plane through the cube, for pictures.
 
+use design_space::coded_level;
 use serde::Serialize;
 
 use crate::{Error, PredictionVariance};
@@ -47,8 +48,7 @@ impl VarianceSlice {
         if !(2..=Self::MOST_LEVELS).contains(&n_levels) {
             return Err(Error::Count { name: "levels of a slice", found: n_levels, least: 2, most: Self::MOST_LEVELS });
         }
-        let last = (n_levels - 1) as f64;
-        let levels: Vec<f64> = (0..n_levels).map(|i| (2.0 * i as f64 - last) / last).collect();
+        let levels: Vec<f64> = (0..n_levels as u64).map(|level| coded_level(level, n_levels as u64)).collect();
         let mut point = through.to_vec();
         let mut variances = Vec::with_capacity(n_levels * n_levels);
         for &second in &levels {
