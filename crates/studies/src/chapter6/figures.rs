@@ -60,8 +60,7 @@ fn designs(findings: &Findings, ended: &Ended) -> Result<Picture> {
         let (report, surfaces) = (&reports[index], &ended.campaign.surfaces()[index]);
         let retained = ended.campaign.retained_at(report.iteration).context("a closed iteration")?;
         let truth = &findings.flown[ended.case.space].truths[ended.case.truth];
-        let coded = |cell: usize| -> Result<Vec<f64>> { Ok(region.coded(&space.point(cell)?)?) };
-        let combined = |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&coded(cell)?)) };
+        let combined = |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&space.coded(cell)?)) };
         let share = 100.0 * retained.share();
         panels.push(CellPanel {
             title: format!("iteration {}: true cost where {share:.1} % is left, and designs", report.iteration),

@@ -65,15 +65,13 @@ pub(crate) fn all(findings: &Findings) -> Result<Vec<Picture>> {
 /// Figure 23: the runs of every iteration and the combined response surface.
 fn designs(case: &Case, found: &Found) -> Result<Picture> {
     let space = &case.space;
-    let region = space.region();
     let campaign = &found.main().quiet_campaign;
     let mut panels = Vec::new();
     for (report, surfaces) in campaign.reports().iter().zip(campaign.surfaces()) {
         let retained = campaign.retained_at(report.iteration).context("a closed iteration")?;
         let share = shares(campaign, report.iteration).unwrap_or(f64::NAN);
         let truth = |cell| Ok(found.truth.cost(cell).clone().unwrap_or(f64::NAN));
-        let combined =
-            |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&region.coded(&space.point(cell)?)?)) };
+        let combined = |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&space.coded(cell)?)) };
         let (x, y) = (report.screening.optimum[0], report.screening.optimum[1]);
         panels.push(CellPanel {
             title: format!("iteration {}: runs, true cost, {share:.1} % left", report.iteration),

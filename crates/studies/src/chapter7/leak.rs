@@ -105,7 +105,7 @@ mod tests {
     }
 
     impl CellCosts for Bowl {
-        fn cost(&self, cell: usize) -> Cost {
+        fn cost(&self, cell: Cell) -> Cost {
             let point = self.space.point(cell).map_err(|error| error.to_string())?;
             let (x, y) = (point[0] - self.lowest[0], point[1] - self.lowest[1]);
             Ok(1.0 + x * x + 0.1 * y * y + 0.3 * (3.0 * x).sin() * y.cos())

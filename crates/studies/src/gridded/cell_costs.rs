@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use bat_dynamics::Fidelity;
+use design_space::Cell;
 
 use super::grid::FlownGrid;
 use super::space::Space;
@@ -11,10 +12,10 @@ use crate::costs::Cost;
 
 /// The costs of one physics over the cells of a space.
 pub(crate) trait CellCosts: Debug + Sync {
-    fn cost(&self, cell: usize) -> Cost;
+    fn cost(&self, cell: Cell) -> Cost;
 
     /// The costs of several cells, in their order.
-    fn costs(&self, cells: &[usize]) -> Vec<Cost> {
+    fn costs(&self, cells: &[Cell]) -> Vec<Cost> {
         cells.iter().map(|cell| self.cost(*cell)).collect()
     }
 
@@ -23,7 +24,7 @@ pub(crate) trait CellCosts: Debug + Sync {
 }
 
 impl CellCosts for FlownGrid {
-    fn cost(&self, cell: usize) -> Cost {
+    fn cost(&self, cell: Cell) -> Cost {
         Self::cost(self, cell).clone()
     }
 
@@ -43,18 +44,18 @@ pub(crate) struct OnDemand<'a> {
 }
 
 impl OnDemand<'_> {
-    fn point(&self, cell: usize) -> Result<Vec<f64>, String> {
+    fn point(&self, cell: Cell) -> Result<Vec<f64>, String> {
         self.space.point(cell).map_err(|error| format!("{error:#}"))
     }
 }
 
 impl CellCosts for OnDemand<'_> {
-    fn cost(&self, cell: usize) -> Cost {
+    fn cost(&self, cell: Cell) -> Cost {
         self.bat.cost(&self.point(cell)?, self.fidelity)
     }
 
     /// Those that are not known fly side by side.
-    fn costs(&self, cells: &[usize]) -> Vec<Cost> {
+    fn costs(&self, cells: &[Cell]) -> Vec<Cost> {
         match cells.iter().map(|cell| self.point(*cell)).collect::<Result<Vec<_>, _>>() {
             Ok(points) => self.bat.costs(&points, self.fidelity, |_| {}),
             Err(_) => cells.iter().map(|cell| self.cost(*cell)).collect(),
@@ -95,7 +96,8 @@ mod tests {
         };
         let first = bat();
         let demand = OnDemand { bat: &first, space: &space, fidelity: MODEL, range: 1.0 };
-        assert_eq!(demand.costs(&[3, 1, 3]), [3, 1, 3].map(|cell| demand.cost(cell)));
+        let some = [3, 1, 3].map(Cell::new);
+        assert_eq!(demand.costs(&some), some.map(|cell| demand.cost(cell)));
 
         let second = bat();
         assert_eq!(second.n_known(MODEL), 2, "two by demand, in the file");
@@ -103,10 +105,11 @@ mod tests {
         let third = bat();
         assert_eq!(third.n_known(MODEL), 4, "two by demand, two by the grid, in one file");
         let again = OnDemand { bat: &third, space: &space, fidelity: MODEL, range: 1.0 };
-        for cell in 0..4 {
+        for cell in space.cells() {
             assert_eq!(again.cost(cell), *grid.cost(cell), "cell {cell}");
         }
-        let fresh = third.flown_costs(&[space.point(3).expect("a cell")], MODEL, |_| {});
-        assert_eq!(again.cost(3), fresh[0], "what was written is what flies");
+        let [last, ..] = some;
+        let fresh = third.flown_costs(&[space.point(last).expect("a cell")], MODEL, |_| {});
+        assert_eq!(again.cost(last), fresh[0], "what was written is what flies");
     }
 }

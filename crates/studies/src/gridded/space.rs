@@ -45,25 +45,30 @@ impl Space {
         self.n_cells
     }
 
-    /// The natural coordinates of a cell, counted as the loop counts them.
-    pub(crate) fn point(&self, cell: usize) -> Result<Vec<f64>> {
-        Ok(self.grid.point(Cell::new(cell as u64))?)
+    /// The cells, counted as the loop counts them.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = Cell> + use<> {
+        self.grid.cells()
+    }
+
+    /// The natural coordinates of a cell.
+    pub(crate) fn point(&self, cell: Cell) -> Result<Vec<f64>> {
+        Ok(self.grid.point(cell)?)
+    }
+
+    /// Its coded ones.
+    pub(crate) fn coded(&self, cell: Cell) -> Result<Vec<f64>> {
+        Ok(self.grid.coded(cell)?)
     }
 
     /// Those of all cells, in their order.
     pub(crate) fn points(&self) -> Result<Vec<Vec<f64>>> {
-        Ok(self.grid.cells().map(|cell| self.grid.point(cell)).collect::<Result<_, _>>()?)
-    }
-
-    /// The cell of a point that lies on the levels.
-    pub(crate) fn cell(&self, point: &[f64]) -> Result<usize> {
-        Ok(usize::try_from(self.grid.nearest(point)?.index())?)
+        self.cells().map(|cell| self.point(cell)).collect()
     }
 
     /// The cell of these levels, one for each parameter, from 0.
-    pub(crate) fn cell_of(&self, levels: &[usize]) -> Result<usize> {
+    pub(crate) fn of_levels(&self, levels: &[usize]) -> Result<Cell> {
         let digits: Vec<u64> = levels.iter().map(|level| *level as u64).collect();
-        Ok(usize::try_from(self.grid.of_digits(&digits)?.index())?)
+        Ok(self.grid.of_digits(&digits)?)
     }
 
     /// The levels of a parameter, rising.
@@ -93,12 +98,14 @@ mod tests {
         let names = ["center_of_mass".to_owned(), "pitch_set_point".to_owned()];
         let space = Space::of(&entries(), &names, 7).expect("a space");
         assert_eq!(space.n_cells(), 49, "seven levels of two parameters");
-        for cell in 0..space.n_cells() {
+        for cell in space.cells() {
             let point = space.point(cell).expect("a cell");
-            assert_eq!(space.cell(&point).expect("a point of the grid"), cell, "cell {cell} at {point:?}");
+            assert_eq!(space.grid.nearest(&point).expect("a point of the grid"), cell, "cell {cell} at {point:?}");
         }
         // The last parameter runs fastest.
-        assert_eq!(space.point(1).expect("the second cell"), [45.65, 2.5]);
+        let second = space.of_levels(&[0, 1]).expect("levels of the space");
+        assert_eq!(second, Cell::new(1));
+        assert_eq!(space.point(second).expect("the second cell"), [45.65, 2.5]);
     }
 
     #[test]

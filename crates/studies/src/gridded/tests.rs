@@ -28,7 +28,7 @@ fn space() -> Space {
 
 /// A bowl that (61) can follow, with this much on top, at the cells of the space.
 fn bowl(space: &Space, on_top: impl Fn(f64, f64) -> f64) -> FlownGrid {
-    let costs = (0..space.n_cells()).map(|cell| {
+    let costs = space.cells().map(|cell| {
         let point = space.point(cell).expect("a cell");
         let (x, y) = (point[0] - 48.5, (point[1] - 6.0) / 4.0);
         Ok(2.0 + x * x + 0.5 * y * y + on_top(x, y))
