@@ -4,6 +4,7 @@ use std::io::Write;
 
 use bat_dynamics::STATE_NAMES;
 
+use crate::footprint::footprint_m2;
 use crate::integrate::Sample;
 use crate::rig::Rig;
 
@@ -41,6 +42,18 @@ pub struct LogRow {
 }
 
 impl LogRow {
+    /// Zenith angle of the tether.
+    #[must_use]
+    pub fn zenith_rad(&self) -> f64 {
+        self.state[0]
+    }
+
+    /// Area of land that the tether sweeps, in m², its length the mean of its lines.
+    #[must_use]
+    pub fn footprint_m2(&self) -> f64 {
+        footprint_m2((self.state[6] + self.state[7] + self.state[8]) / 3.0, self.zenith_rad())
+    }
+
     pub(crate) fn of(sample: &Sample<'_, f64, 1>, rig: &Rig) -> Self {
         let (sight, tensions) = (&sample.evaluation.sight, &sample.evaluation.tensions);
         Self {

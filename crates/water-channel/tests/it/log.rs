@@ -126,8 +126,8 @@ fn extremes_are_those_of_the_log() {
     let extremes = outcome.unwrap().extremes;
     let over = |f: &dyn Fn(&LogRow) -> f64| log.rows.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
     assert_close(extremes.peak_heading_rad, over(&|row| row.heading_rad.abs()), 0.0, "peak heading");
-    assert_close(extremes.largest_zenith_rad, over(&|row| row.state[0]), 0.0, "largest zenith angle");
-    assert_close(extremes.smallest_zenith_rad, -over(&|row| -row.state[0]), 0.0, "smallest zenith angle");
+    assert_close(extremes.largest_zenith_rad, over(&LogRow::zenith_rad), 0.0, "largest zenith angle");
+    assert_close(extremes.smallest_zenith_rad, -over(&|row| -row.zenith_rad()), 0.0, "smallest zenith angle");
     let smallest = -over(&|row| -row.tensions_n.iter().copied().fold(f64::INFINITY, f64::min));
     assert_close(extremes.smallest_tension_n, smallest, 0.0, "smallest tension");
 }
@@ -139,4 +139,6 @@ fn footprint_is_the_circle_under_the_tether() {
     let trim = crate::rigs::flown(&first_row(), &short_test(0.5), 1);
     let (length, zenith) = (trim.trim.coordinates[3], trim.trim.coordinates[0]);
     assert_close(trim.trim_footprint_m2(), footprint_m2(length, zenith), 0.0, "footprint at trim");
+    let at_trim = logged(&first_row(), &short_test(0.5)).rows[0].footprint_m2();
+    assert_close(at_trim, footprint_m2(length, zenith), 1e-3 * at_trim, "of the three lines, the first row of the log");
 }
