@@ -88,10 +88,11 @@ pub(crate) fn box_table(setup: &Setup, done: impl Fn(usize) + Sync) -> Table {
 
 /// Where the optimum lies with each piece of physics, and what the model's own optimum costs there.
 pub(crate) fn physics_table(setup: &Setup, start: &[f64]) -> Result<Table> {
+    let best = |k| Column::new(&format!("Best {}", setup.variable(k).label()), setup.variable(k).unit());
     let mut table = Table::new(vec![
         Column::new("Physics", ""),
-        Column::new("Best center of mass", "% chord"),
-        Column::new("Best pitch set point", "deg"),
+        best(0),
+        best(1),
         Column::new("Its cost", "s"),
         Column::new("Cost of the model's optimum", "s"),
     ]);
@@ -119,8 +120,9 @@ pub(crate) fn step_table(setup: &Setup, point: &[f64]) -> Result<Table> {
     for (name, fidelity) in FIDELITIES {
         let cost = |steps| -> Result<f64> {
             let settings = FlightSettings::with_steps(steps);
-            let flight = fly(&setup.bat.request(point, fidelity), setup.bat.profile(), &settings)?;
-            Ok(setup.bat.breakdown(point, &flight).total)
+            let request = setup.bat.request(point, fidelity);
+            let flight = fly(&request, setup.bat.profile(), &settings)?;
+            Ok(setup.bat.breakdown(&request.rig, &flight).total)
         };
         let exact = cost(EXACT_STEPS)?;
         let mut row = vec![name.to_owned()];

@@ -103,19 +103,10 @@ mod tests {
 
     use super::*;
     use crate::gridded::Space;
-    use crate::study_file::ParameterEntry;
 
     #[test]
     fn the_median_is_one_campaign() {
-        let entry = |name: &str, unit: &str| ParameterEntry {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            lower: 46.0,
-            upper: 52.0,
-        };
-        let entries = [entry("center_of_mass", "% chord"), entry("pitch_set_point", "deg")];
-        let names = entries.each_ref().map(|entry| entry.name.clone());
-        let space = Space::of(&entries, &names, 7).expect("a space");
+        let space = Space::of_two([46.0, 52.0], [46.0, 52.0], 7);
         let settings = global::Settings::new(Model::additive_quadratic(2).expect("a model"), 12, 24);
         let quiet_campaign = global::Loop::new(space.region(), settings).expect("a campaign");
         let steps = |cost: f64| Steps(vec![Step { point: Vec::new(), cost, share: 50.0 }]);

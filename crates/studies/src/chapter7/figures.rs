@@ -6,7 +6,6 @@ use super::campaigns::Step;
 use super::file::Case;
 use super::findings::{Findings, Found, shares};
 use super::flights::{ALTITUDE, Flown, HEADING, PITCH, Quantity, ROLL, ZENITH};
-use super::tables::{point_words, variable_words};
 use crate::gridded::{cell_panel, design_points};
 use crate::reproduction::Picture;
 use page::Column;
@@ -84,11 +83,11 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
             ..cell_panel(space, &retained, combined)?
         });
     }
-    let [x, y] = [0, 1].map(|k| variable_words(space.variables[k]));
+    let [x, y] = [0, 1].map(|k| space.variables[k]);
     let figure = CellFigure {
         title: format!("{}, {}: runs and combined response", case.entry.label, found.main().label),
-        x_axis: Axis::new(&x.0.to_lowercase(), x.1),
-        y_axis: Axis::new(&y.0.to_lowercase(), y.1),
+        x_axis: x.axis(),
+        y_axis: y.axis(),
         z_axis: Axis::new("cost J", "s").with_colors(ColorScale::EqualShares),
         panels,
         missing_label: "dropped by a z-test".to_owned(),
@@ -107,7 +106,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
 /// How the numerical and the infused optimum fly in the stand-in.
 fn flights(case: &Case, found: &Found, figure: &FlightFigure) -> Picture {
     let both = [("numerical optimum", &found.flights.before), ("infused optimum", &found.flights.after)];
-    let label = |name: &str, point: &[f64]| format!("{name}: {}", point_words(case, point));
+    let label = |name: &str, point: &[f64]| format!("{name}: {}", case.space.words(point));
     let panel = |axis: Axis, map: &dyn Fn(&Flown) -> Vec<f64>| Panel {
         x_axis: None,
         y_axis: axis,
@@ -157,8 +156,7 @@ fn spreads(findings: &Findings, case: &Case, found: &Found) -> Vec<Picture> {
     type Reading<'a> = Box<dyn Fn(&Step) -> f64 + 'a>;
     let mut quantities: Vec<(Column, Reading<'_>)> = Vec::new();
     for (k, variable) in case.space.variables.iter().enumerate() {
-        let (name, unit) = variable_words(*variable);
-        quantities.push((Column::new(name, unit), Box::new(move |step| step.point[k])));
+        quantities.push((variable.column(), Box::new(move |step| step.point[k])));
     }
     let n_variables = quantities.len();
     quantities.push((Column::new("Space left", "%"), Box::new(|step| step.share)));

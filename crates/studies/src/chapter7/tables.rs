@@ -7,7 +7,8 @@ use super::file::{Case, Standing};
 use super::findings::{Findings, Found};
 use super::flights::READINGS;
 use super::wrong::Choice;
-use crate::bat::{STAND_IN, Variable};
+use crate::bat::STAND_IN;
+use crate::variable::Variable;
 use page::Summary;
 use page::{Column, Table};
 
@@ -18,31 +19,24 @@ struct Quantity<'a> {
     of: Box<dyn Fn(&Step) -> f64 + 'a>,
 }
 
-/// A name for a table's or an axis' column of a variable.
-pub(crate) fn variable_words(variable: Variable) -> (&'static str, &'static str) {
-    match variable {
-        Variable::CenterOfMass => ("Center of mass", "% chord"),
-        Variable::PitchSetPoint => ("Pitch set point", "deg"),
-        Variable::HorizontalArea => ("A^H", "1"),
-        Variable::VerticalArea => ("A^V", "1"),
-    }
-}
-
 fn quantities<'a>(case: &'a Case, found: &'a Found) -> Vec<Quantity<'a>> {
     let mut all = Vec::new();
-    let mut push = |name: &str, unit: &str, decimals, of: Box<dyn Fn(&Step) -> f64 + 'a>| {
-        all.push(Quantity { column: Column::new(name, unit), decimals, of });
+    let mut push = |column: Column, decimals, of: Box<dyn Fn(&Step) -> f64 + 'a>| {
+        all.push(Quantity { column, decimals, of });
     };
     for (k, variable) in case.space.variables.iter().enumerate() {
-        let (name, unit) = variable_words(*variable);
-        push(name, unit, 2, Box::new(move |step| step.point[k]));
+        push(variable.column(), 2, Box::new(move |step| step.point[k]));
         if *variable == Variable::CenterOfMass {
-            push("CM_CB", "% chord", 2, Box::new(move |step| case.center_of_buoyancy - step.point[k]));
+            push(
+                Column::new("CM_CB", variable.unit()),
+                2,
+                Box::new(move |step| case.center_of_buoyancy - step.point[k]),
+            );
         }
     }
-    push("Space left", "%", 2, Box::new(|step| step.share));
-    push("True cost", "s", 3, Box::new(|step| step.cost));
-    push("Regret", "s", 3, Box::new(|step| step.cost - found.best.cost));
+    push(Column::new("Space left", "%"), 2, Box::new(|step| step.share));
+    push(Column::new("True cost", "s"), 3, Box::new(|step| step.cost));
+    push(Column::new("Regret", "s"), 3, Box::new(|step| step.cost - found.best.cost));
     all
 }
 
@@ -181,17 +175,6 @@ pub(crate) fn flights(findings: &Findings) -> Table {
     table
 }
 
-/// A point with its units.
-pub(crate) fn point_words(case: &Case, point: &[f64]) -> String {
-    let words = case.space.variables.iter().zip(point).map(|(variable, x)| match variable {
-        Variable::CenterOfMass => format!("{x:.2} % chord"),
-        Variable::PitchSetPoint => format!("{x:.2} deg"),
-        Variable::HorizontalArea => format!("A^H {x:.2}"),
-        Variable::VerticalArea => format!("A^V {x:.2}"),
-    });
-    words.collect::<Vec<_>>().join(", ")
-}
-
 /// The weights of the cost, which are all that differs from Chapter 4.
 pub(crate) fn weights(findings: &Findings) -> Table {
     let mut table = Table::new(vec![
@@ -232,7 +215,7 @@ pub(crate) fn fields(findings: &Findings) -> Table {
                 grid.n_failed().to_string(),
                 grid.lowest().map_or("–".to_owned(), |(_, cost)| format!("{cost:.3}")),
                 format!("{:.3}", grid.range()),
-                point_words(case, &best.point),
+                case.space.words(&best.point),
                 format!("{:.3}", best.cost),
             ]);
         }
@@ -248,11 +231,7 @@ pub(crate) fn every_step(findings: &Findings) -> Table {
         Column::new("seed", "1"),
         Column::new("iteration", "1"),
     ];
-    for variable in [Variable::CenterOfMass, Variable::PitchSetPoint, Variable::HorizontalArea, Variable::VerticalArea]
-    {
-        let (name, unit) = variable_words(variable);
-        columns.push(Column::new(&name.to_lowercase(), unit));
-    }
+    columns.extend(Variable::ALL.map(|variable| Column::new(&variable.label().to_lowercase(), variable.unit())));
     columns.extend([Column::new("space left", "%"), Column::new("true cost", "s"), Column::new("regret", "s")]);
     let mut table = Table::new(columns);
     for (case, found) in findings.cases() {

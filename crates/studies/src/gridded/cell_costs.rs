@@ -73,24 +73,17 @@ mod tests {
 
     use super::*;
     use crate::bat::MODEL;
-    use crate::study_file::ParameterEntry;
+    use crate::study_file::{FilesEntry, NumericsEntry};
 
     #[test]
     fn a_cell_on_demand_costs_what_it_does_in_a_flown_grid_and_is_remembered() {
-        let entry = |name: &str, unit: &str, lower, upper| ParameterEntry {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            lower,
-            upper,
-        };
-        let entries = [entry("center_of_mass", "% chord", 46.0, 50.0), entry("pitch_set_point", "deg", 5.0, 10.0)];
-        let names = entries.each_ref().map(|entry| entry.name.clone());
-        let space = Space::of(&entries, &names, 2).expect("a space");
+        let space = Space::of_two([46.0, 50.0], [5.0, 10.0], 2);
         let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/bat");
-        let files = ["rig.toml", "test-profile.toml", "cost-chapter7.toml"];
+        let files = FilesEntry::of_chapter7();
         let folder = tempfile::tempdir().expect("a writable directory");
         let bat = || {
-            let bat = Bat::read(&fixtures, files, space.variables.clone(), [1, 1]).expect("the case study");
+            let bat =
+                Bat::read(&fixtures, &files, space.variables.clone(), &NumericsEntry::COARSE).expect("the case study");
             bat.keep_in(folder.path(), space.region(), &[MODEL]).expect("a writable store");
             bat
         };

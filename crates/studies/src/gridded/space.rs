@@ -1,10 +1,10 @@
 //! A design space of levels, as a study file has it.
 
 use anyhow::{Context as _, Result, ensure};
-use design_space::{Cell, Grid, Parameter, Region};
+use design_space::{Cell, Grid, Region};
 
-use crate::bat::Variable;
 use crate::study_file::ParameterEntry;
+use crate::variable::{Variable, point_words};
 
 /// Cells of one space: more flights would take days.
 const MOST_CELLS: u64 = 1_000_000;
@@ -24,8 +24,8 @@ impl Space {
         for name in names {
             let entry = entries.iter().find(|entry| entry.name == *name);
             let entry = entry.with_context(|| format!("parameters: `{name}` is no [[parameter]] of this file"))?;
-            variables.push(Variable::named(&entry.name, &entry.unit)?);
-            let parameter = Parameter::continuous(&entry.name, &entry.unit, entry.lower, entry.upper)?;
+            let (variable, parameter) = Variable::within(&entry.name, &entry.unit, entry.lower, entry.upper)?;
+            variables.push(variable);
             parameters.push(parameter.with_levels(levels).with_context(|| format!("levels = {levels}"))?);
         }
         let grid = Grid::of(&Region::new(parameters)?)?;
@@ -71,6 +71,11 @@ impl Space {
         Ok(self.grid.of_digits(&digits)?)
     }
 
+    /// A point with its units.
+    pub(crate) fn words(&self, point: &[f64]) -> String {
+        point_words(&self.variables, point).join(", ")
+    }
+
     /// The levels of a parameter, rising.
     pub(crate) fn levels(&self, parameter: usize) -> Result<Vec<f64>> {
         let parameter = &self.region().parameters()[parameter];
@@ -80,23 +85,21 @@ impl Space {
 }
 
 #[cfg(test)]
+impl Space {
+    /// Center of mass and pitch set point within these bounds.
+    pub(crate) fn of_two(center_of_mass: [f64; 2], pitch_set_point: [f64; 2], levels: u32) -> Self {
+        let entries = ParameterEntry::two(center_of_mass, pitch_set_point);
+        Self::of(&entries, &entries.each_ref().map(|entry| entry.name.clone()), levels).expect("a space")
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
-    fn entries() -> Vec<ParameterEntry> {
-        let entry = |name: &str, unit: &str, lower, upper| ParameterEntry {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            lower,
-            upper,
-        };
-        vec![entry("center_of_mass", "% chord", 45.65, 51.25), entry("pitch_set_point", "deg", 0.0, 15.0)]
-    }
-
     #[test]
     fn cells_and_points_belong_to_each_other() {
-        let names = ["center_of_mass".to_owned(), "pitch_set_point".to_owned()];
-        let space = Space::of(&entries(), &names, 7).expect("a space");
+        let space = Space::of_two([45.65, 51.25], [0.0, 15.0], 7);
         assert_eq!(space.n_cells(), 49, "seven levels of two parameters");
         for cell in space.cells() {
             let point = space.point(cell).expect("a cell");
@@ -110,7 +113,8 @@ mod tests {
 
     #[test]
     fn an_unknown_parameter_is_named() {
-        let error = Space::of(&entries(), &["vertical_area".to_owned()], 7).expect_err("not in the list");
+        let entries = ParameterEntry::two([45.65, 51.25], [0.0, 15.0]);
+        let error = Space::of(&entries, &["vertical_area".to_owned()], 7).expect_err("not in the list");
         assert!(error.to_string().contains("`vertical_area` is no [[parameter]]"), "{error:#}");
     }
 }

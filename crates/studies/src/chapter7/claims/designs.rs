@@ -2,12 +2,11 @@
 
 use super::votes::{Votes, count};
 use super::words::{FITTED, median_words, table_place};
-use crate::bat::Variable;
 use crate::chapter7::campaigns::Steps;
 use crate::chapter7::file::{Case, Row, Standing};
 use crate::chapter7::findings::Found;
-use crate::chapter7::tables::point_words;
 use crate::claims::{Claim, Place, Verdict};
+use crate::variable::Variable;
 
 /// Within this part of each parameter's width a design counts as the published one.
 const NEAR: f64 = 0.1;
@@ -92,7 +91,7 @@ pub(super) fn numerical_row(case: &Case, found: &Found) -> Claim {
         },
         found: format!(
             "{} here ({standing}); departures {} % of the parameters' widths. Up to {:.0} % counts as near: {near} of {} are.",
-            point_words(case, &found.numerical.point),
+            case.space.words(&found.numerical.point),
             percents(&departures),
             100.0 * NEAR,
             departures.len()
@@ -143,8 +142,8 @@ pub(in crate::chapter7) fn last_row_words(case: &Case, found: &Found) -> Option<
     Some(format!(
         "The last row is {}, ours without noise {}: departures {} % of the parameters' widths. If up to {:.0} % in each counts as reached, \
          {}. {} of {} seeds end on an edge of the box.{}{fitted}",
-        point_words(case, &row.point),
-        point_words(case, end(&runs.quiet)),
+        case.space.words(&row.point),
+        case.space.words(end(&runs.quiet)),
         percents(&away),
         100.0 * NEAR,
         votes.words(),
