@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use bat_dynamics::STATE_NAMES;
+use bat_dynamics::{STATE_NAMES, STATE_UNITS};
 
 use crate::footprint::footprint_m2;
 use crate::integrate::Sample;
@@ -54,6 +54,24 @@ impl LogRow {
         footprint_m2((self.state[6] + self.state[7] + self.state[8]) / 3.0, self.zenith_rad())
     }
 
+    /// Every number, in the order of [`FlightLog::columns`].
+    pub fn values(&self) -> impl Iterator<Item = f64> {
+        let measured = [
+            self.time_s,
+            self.flow_speed_m_s,
+            self.flow_direction_rad,
+            self.altitude_m,
+            self.lateral_m,
+            self.roll_rad,
+            self.pitch_rad,
+            self.heading_rad,
+            self.pitch_error_rad,
+            self.roll_error_rad,
+            self.altitude_error_m,
+        ];
+        measured.into_iter().chain(self.state).chain(self.commands_m_s).chain(self.tensions_n)
+    }
+
     pub(crate) fn of(sample: &Sample<'_, f64, 1>, rig: &Rig) -> Self {
         let (sight, tensions) = (&sample.evaluation.sight, &sample.evaluation.tensions);
         Self {
@@ -94,31 +112,48 @@ pub struct FlightLog {
     pub rows: Vec<LogRow>,
 }
 
-/// Header of the measured columns; the state's columns follow with their own names and units.
-const COLUMNS: [&str; 11] = [
-    "time [s]",
-    "flow_speed [m/s]",
-    "flow_direction [rad]",
-    "altitude [m]",
-    "lateral [m]",
-    "roll [rad]",
-    "pitch [rad]",
-    "heading_from_flow [rad]",
-    "pitch_error [rad]",
-    "roll_error [rad]",
-    "altitude_error [m]",
+/// A column of a log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogColumn {
+    /// What its numbers are.
+    pub name: String,
+    /// The unit that they are in.
+    pub unit: &'static str,
+}
+
+/// The measured columns; the state's columns follow with their own names and units.
+const MEASURED: [(&str, &str); 11] = [
+    ("time", "s"),
+    ("flow_speed", "m/s"),
+    ("flow_direction", "rad"),
+    ("altitude", "m"),
+    ("lateral", "m"),
+    ("roll", "rad"),
+    ("pitch", "rad"),
+    ("heading_from_flow", "rad"),
+    ("pitch_error", "rad"),
+    ("roll_error", "rad"),
+    ("altitude_error", "m"),
 ];
 const LINES: [&str; 3] = ["center", "starboard", "port"];
 
 impl FlightLog {
+    /// The columns, in the order of [`LogRow::values`].
+    #[must_use]
+    pub fn columns() -> Vec<LogColumn> {
+        let column = |(name, unit): (&str, &'static str)| LogColumn { name: name.to_owned(), unit };
+        let of_lines = |what: &str, unit| LINES.map(|line| LogColumn { name: format!("{what}_{line}"), unit });
+        let state = STATE_NAMES.into_iter().zip(STATE_UNITS);
+        let mut columns: Vec<LogColumn> = MEASURED.into_iter().chain(state).map(column).collect();
+        columns.extend(of_lines("command", "m/s"));
+        columns.extend(of_lines("tension", "N"));
+        columns
+    }
+
     /// The names of the columns with their units, in the order in which they are written.
     #[must_use]
     pub fn header() -> Vec<String> {
-        let mut header: Vec<String> = COLUMNS.iter().map(|name| (*name).to_owned()).collect();
-        header.extend(STATE_NAMES.iter().zip(bat_dynamics::STATE_UNITS).map(|(name, unit)| format!("{name} [{unit}]")));
-        header.extend(LINES.iter().map(|line| format!("command_{line} [m/s]")));
-        header.extend(LINES.iter().map(|line| format!("tension_{line} [N]")));
-        header
+        Self::columns().iter().map(|LogColumn { name, unit }| format!("{name} [{unit}]")).collect()
     }
 
     /// Writes the log as CSV. Numbers are written so that they read back bit for bit.
@@ -129,21 +164,7 @@ impl FlightLog {
         let mut writer = csv::Writer::from_writer(out);
         writer.write_record(Self::header())?;
         for row in &self.rows {
-            let measured = [
-                row.time_s,
-                row.flow_speed_m_s,
-                row.flow_direction_rad,
-                row.altitude_m,
-                row.lateral_m,
-                row.roll_rad,
-                row.pitch_rad,
-                row.heading_rad,
-                row.pitch_error_rad,
-                row.roll_error_rad,
-                row.altitude_error_m,
-            ];
-            let numbers = measured.iter().chain(&row.state).chain(&row.commands_m_s).chain(&row.tensions_n);
-            writer.write_record(numbers.map(f64::to_string))?;
+            writer.write_record(row.values().map(|value| value.to_string()))?;
         }
         writer.flush()?;
         Ok(())
