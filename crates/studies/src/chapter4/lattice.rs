@@ -141,3 +141,28 @@ impl Lattice {
         nearest.map_or_else(|| "no cost".to_owned(), |failure| format!("a flight nearby failed, {}", failure.words))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bat::MODEL;
+
+    #[test]
+    fn near_a_flight_that_failed_the_interpolant_says_where_and_why() {
+        let change = |text: String| {
+            let text = text.replace("upper = 51.25", "upper = 90.0").replace("table_step = 0.1", "table_step = 15.0");
+            text.replace("table_step = 0.5", "table_step = 11.0").replace("tolerance = 0.01", "tolerance = 0.1")
+        };
+        let setup = crate::study_file::read_changed("chapter4.toml", Setup::of, change).expect("a study");
+        let lattice = Lattice::fly(&setup, MODEL, |_| {});
+        assert_eq!(lattice.n_flights(), Lattice::size(&setup));
+        let interpolant = lattice.interpolant().expect("large enough");
+        assert!(!lattice.failures.is_empty(), "with a center of mass at 90 % of the chord every design flies");
+        for Failure { point, words } in &lattice.failures {
+            let reason = interpolant(point).expect_err("there was no cost");
+            assert_eq!(reason, format!("a flight nearby failed, {words}"));
+            assert!(words.starts_with(&format!("at {:.2} % chord and {:.2} deg: ", point[0], point[1])), "{words}");
+            assert!(["slack", "trim", "left"].iter().any(|why| words.contains(why)), "{words}");
+        }
+    }
+}

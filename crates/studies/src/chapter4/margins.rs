@@ -3,7 +3,7 @@
 use anyhow::Result;
 use bat_dynamics::Fidelity;
 use rayon::prelude::*;
-use water_channel::{FlightRequest, FlightSettings, fly, fly_all};
+use water_channel::{Flight, FlightError, FlightRequest, FlightSettings, fly, fly_all};
 
 use super::file::Setup;
 use super::loops::optimum;
@@ -69,7 +69,7 @@ pub(crate) fn box_table(setup: &Setup, done: impl Fn(usize) + Sync) -> Table {
         table.push(vec![
             name.to_owned(),
             flown.len().to_string(),
-            (flown.len() - extremes.len()).to_string(),
+            failures(&flown),
             format!("{:.3}", fold(|e| e.smallest_tension_n, f64::min)),
             format!(
                 "{:.1} – {:.1}",
@@ -84,6 +84,13 @@ pub(crate) fn box_table(setup: &Setup, done: impl Fn(usize) + Sync) -> Table {
         ]);
     }
     table
+}
+
+/// How many flights failed, and why the first of them did.
+fn failures(flown: &[std::result::Result<Flight, FlightError>]) -> String {
+    let mut reasons = flown.iter().filter_map(|flight| flight.as_ref().err());
+    let Some(first) = reasons.next() else { return "0".to_owned() };
+    format!("{}, the first: {first}", 1 + reasons.count())
 }
 
 /// Where the optimum lies with each piece of physics, and what the model's own optimum costs there.
