@@ -2,15 +2,14 @@
 
 use anyhow::{Context as _, Result};
 use design_space::Cell;
-use doe::{Criterion, Effort, Model, Problem};
+use doe::Model;
 use infuse::{
-    Outcome, TrialId,
     correction::{Law, Rule},
-    global::{self, Observations, SurfaceKind, SurfaceKinds, TracedSurface, TrialUse},
+    global::{self, SurfaceKind, SurfaceKinds},
 };
 use rayon::prelude::*;
-use surface::{Confounded, GridPoints, Kind};
 
+use super::alone::Alone;
 use super::leak::{self, Timing};
 use crate::gridded::{Designs, FlownGrid, Regressor, SurrogateRig};
 use page::Summary;
@@ -118,8 +117,8 @@ impl<'a> Ways<'a> {
             self.as_it_is(),
             self.with_products(products),
             self.without_infusion(),
-            alone.way(),
-            self.without_simulations(),
+            self.without_a_model(alone),
+            self.in_the_loop(),
             self.as_printed(),
             self.leaking(),
             inverse_distance,
@@ -162,7 +161,17 @@ impl<'a> Ways<'a> {
         ("no infusion", how.to_owned(), Box::new(move |_| Ok(End { cell: self.numerical, keeps_best: None })))
     }
 
-    fn without_simulations(self) -> Way<'a> {
+    fn without_a_model(self, alone: &'a Alone) -> Way<'a> {
+        let how = format!(
+            "No model: as many experiments as the loop makes in all, {}, in one G-optimal batch over the whole space, one \
+             regression on them, its lowest cell.",
+            alone.n_experiments()
+        );
+        let run = |rig: &SurrogateRig<'_>| Ok(End { cell: alone.lowest(rig)?, keeps_best: None });
+        ("experiments only, one batch", how, Box::new(run))
+    }
+
+    fn in_the_loop(self) -> Way<'a> {
         let how = "The loop with all but no weight on the simulations: each combined surface rests on the training half of one \
                    batch.";
         let run = self.looped(|settings| settings.simulation_weight = NO_WEIGHT * settings.experiment_weight);
@@ -199,58 +208,6 @@ impl<'a> Ways<'a> {
                 run(SurfaceKind::SquaredExponential { scale: None }),
             ),
         ]
-    }
-}
-
-/// Experiments without a model: one batch and one surface.
-#[derive(Debug)]
-struct Alone {
-    kind: Kind,
-    trials: Vec<global::Trial>,
-}
-
-impl Alone {
-    fn design(rig: &SurrogateRig<'_>, settings: &global::Settings) -> Result<Self> {
-        let region = rig.space.region();
-        let space = doe::Space::of_region(region)?;
-        let n_runs = settings.max_iterations * settings.n_experiments;
-        let problem = Problem::new(settings.model.clone(), space, n_runs, Criterion::G)?;
-        let mut search = doe::Settings::default();
-        search.seed = settings.seed;
-        search.starts = settings.design_starts;
-        search.effort = Effort::Quick;
-        let found = doe::search(&problem, &search)?;
-        let trials = found.cells.into_iter().zip(1_u64..).map(|(cell, number)| {
-            let (id, used_for) = (TrialId::new(number), TrialUse::Training);
-            Ok(global::Trial { id, iteration: 1, used_for, cell, point: rig.space.point(cell)? })
-        });
-        let kind = Kind::Regression { model: settings.model.clone(), confounded: Confounded::Refuse };
-        Ok(Self { kind, trials: trials.collect::<Result<_>>()? })
-    }
-
-    fn way(&self) -> Way<'_> {
-        let how = format!(
-            "No model: as many experiments as the loop makes in all, {}, in one G-optimal batch over the whole space, one \
-             regression on them, its lowest cell.",
-            self.trials.len()
-        );
-        let run = |rig: &SurrogateRig<'_>| Ok(End { cell: self.lowest(rig)?, keeps_best: None });
-        ("experiments only, one batch", how, Box::new(run))
-    }
-
-    /// The cell where the regression on these experiments is lowest.
-    fn lowest(&self, rig: &SurrogateRig<'_>) -> Result<Cell> {
-        let region = rig.space.region();
-        let mut measured = Observations::none(region.n_parameters());
-        for (trial, outcome) in self.trials.iter().zip(rig.measure(&self.trials)?) {
-            if let Outcome::Value(cost) = outcome {
-                measured.add_experiment(trial.id, &rig.space.coded(trial.cell)?, cost)?;
-            }
-        }
-        let surface = TracedSurface::fit(&self.kind, &measured)?;
-        let points = GridPoints::of_space(&doe::Space::of_region(region)?)?;
-        let lowest = surface.surface().minimum_over(&points)?.context("the regression is nowhere a number")?;
-        Ok(Cell::new(lowest.index))
     }
 }
 
