@@ -8,6 +8,7 @@ use super::findings::{Findings, Found, shares};
 use super::flights::{ALTITUDE, Flown, HEADING, PITCH, Quantity, ROLL, ZENITH};
 use crate::gridded::{cell_panel, design_points};
 use crate::reproduction::Picture;
+use crate::words::number;
 use page::Column;
 use page::{
     Axis, CellFigure, CellPanel, ColorScale, Group, LineFigure, Panel, Reference, Series, SpreadFigure, cell_figure,
@@ -123,12 +124,12 @@ fn flights(case: &Case, found: &Found, figure: &FlightFigure) -> Picture {
         if *is_error {
             let axis = Axis::new(&format!("{name}²"), &format!("{unit}²"));
             panels.push(panel(axis, &|flown| flown.values(quantity).iter().map(|value| value * value).collect()));
-            let [a, b] = both.map(|(_, flown)| flown.mean_square(quantity));
-            means.push(format!("mean square of the {name} {a:.3} {unit}² before, {b:.3} {unit}² after"));
+            let [a, b] = both.map(|(_, flown)| number(flown.mean_square(quantity), 3));
+            means.push(format!("mean square of the {name} {a} {unit}² before, {b} {unit}² after"));
         }
         if *has_mean {
-            let [a, b] = both.map(|(_, flown)| flown.mean(quantity));
-            means.push(format!("mean {name} {a:.2} {unit} before, {b:.2} {unit} after"));
+            let [a, b] = both.map(|(_, flown)| number(flown.mean(quantity), 2));
+            means.push(format!("mean {name} {a} {unit} before, {b} {unit} after"));
         }
     }
     let names: Vec<&str> = figure.quantities.iter().map(|quantity| quantity.name).collect();
@@ -146,7 +147,7 @@ fn flights(case: &Case, found: &Found, figure: &FlightFigure) -> Picture {
              infused optimum is the last one of the loop without noise.",
             figure.number,
             figure.says,
-            means.join("; ").replace('-', "−")
+            means.join("; ")
         ),
     }
 }

@@ -9,6 +9,7 @@ use super::flights::READINGS;
 use super::wrong::Choice;
 use crate::bat::STAND_IN;
 use crate::variable::Variable;
+use crate::words::{number, signed};
 use page::Summary;
 use page::{Column, Table};
 
@@ -57,7 +58,7 @@ pub(crate) fn designs(case: &Case, found: &Found, runs: &Runs, which: Rows) -> T
     let mut columns = vec![Column::new("Iteration", "1"), Column::new("Source", ""), Column::new("Row is", "")];
     columns.extend(quantities.iter().map(|quantity| quantity.column.clone()));
     let mut table = Table::new(columns);
-    let number = |quantity: &Quantity<'_>, value: f64| format!("{value:.0$}", quantity.decimals).replace('-', "−");
+    let number = |quantity: &Quantity<'_>, value: f64| number(value, quantity.decimals);
     let mut push = |iteration: usize, source: &str, standing: &str, cells: &dyn Fn(&Quantity<'_>) -> String| {
         let mut row = vec![iteration.to_string(), source.to_owned(), standing.to_owned()];
         row.extend(quantities.iter().map(cells));
@@ -165,7 +166,7 @@ pub(crate) fn flights(findings: &Findings) -> Table {
                 format!("{name} ({unit})"),
                 format!("{:.3}", reading(&before)),
                 format!("{:.3}", reading(&after)),
-                format!("{:+.1}", 100.0 * (reading(&after) / reading(&before) - 1.0)).replace('-', "−"),
+                signed(100.0 * (reading(&after) / reading(&before) - 1.0), 1),
                 format!("{:.3}", summary.median),
                 format!("{:.3} … {:.3}", summary.minimum, summary.maximum),
                 format!("{better} of {}", seeds.len()),

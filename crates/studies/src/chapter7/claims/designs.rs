@@ -7,6 +7,7 @@ use crate::chapter7::file::{Case, Row, Standing};
 use crate::chapter7::findings::Found;
 use crate::claims::{Claim, Place, Verdict};
 use crate::variable::Variable;
+use crate::words::number;
 
 /// Within this part of each parameter's width a design counts as the published one.
 const NEAR: f64 = 0.1;
@@ -159,24 +160,22 @@ pub(super) fn system(case: &Case, found: &Found) -> Claim {
     let cost = |steps: &Steps| steps.0.last().map_or(f64::NAN, |step| step.cost);
     let votes = Votes::of(&runs.quiet, &runs.noisy, |steps| cost(steps) < before);
     let median = super::words::median(runs.noisy.iter().map(cost));
-    let fall = |after: f64| 100.0 * (1.0 - after / before);
+    let fall = |after: f64| number(100.0 * (1.0 - after / before), 1);
     Claim {
         place: Place::Contribution(6),
         pictures: Vec::new(),
         says: "infusion gives a better system than the numerical model alone".to_owned(),
         verdict: verdict(case, &votes),
         found: format!(
-            "{}{}: true cost {before:.3} s at the numerical optimum, {:.3} s at the infused one without noise (a fall of {:.1} %), \
-             {median:.3} s in the median ({:.1} %); the best known design would be a fall of {:.1} %.",
+            "{}{}: true cost {before:.3} s at the numerical optimum, {:.3} s at the infused one without noise (a fall of {} %), \
+             {median:.3} s in the median ({} %); the best known design would be a fall of {} %.",
             fitted_words(case),
             votes.sentence(),
             cost(&runs.quiet),
             fall(cost(&runs.quiet)),
             fall(median),
             fall(found.best.cost)
-        )
-        .replace("of -", "of −")
-        .replace("(-", "(−"),
+        ),
     }
 }
 
