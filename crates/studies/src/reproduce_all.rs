@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 use crate::claims::{self, Claim, Verdict};
 use crate::exemptions;
 use crate::handover::Handover;
-use crate::reproduction::{self, Extent, Picture, Reproduction, Subject, markdown_list};
+use crate::reproduction::{self, Extent, Picture, Reproduction, markdown_list};
 use page::Table;
 use page::{Link, Page};
 
@@ -65,7 +65,7 @@ pub(crate) fn run(root: &Path, studies: &[Reproduction], check: bool) -> Result<
 
 /// Whether a study has claims of the dissertation.
 fn is_chapter(study: &Reproduction) -> bool {
-    matches!(study.subject, Subject::Chapter(_))
+    study.name.starts_with("chapter")
 }
 
 fn table(listed: &[Listed<'_>]) -> Table {
@@ -102,7 +102,8 @@ fn link(root: &Path, study: &Reproduction) -> Link {
         (true, false) => format!(": {by}, which is not run again for this page"),
         (false, _) => format!(": {by}, which was not yet run here"),
     };
-    Link { to: is_there.then_some(page), text: study.subject.to_string(), about }
+    let text = study.name.replace("chapter", "Chapter ").replace("doe-records", "Optimal designs beside the record");
+    Link { to: is_there.then_some(page), text, about }
 }
 
 /// All claims, then each with its pictures, from top to bottom.
@@ -204,12 +205,8 @@ mod tests {
 
     #[test]
     fn picture_of_two_claims_is_shown_once() {
-        const STUDY: Reproduction = Reproduction {
-            command: "none",
-            name: "chapter0",
-            subject: Subject::Chapter(0),
-            run: reproduction::Run::Always(|_| Ok(())),
-        };
+        const STUDY: Reproduction =
+            Reproduction { command: "none", name: "chapter0", run: reproduction::Run::Always(|_| Ok(())) };
         let claims = claims(&[Verdict::InKind, Verdict::InPart]).into_iter().map(|claim| claim.shown_in(&["a", "b"]));
         let chapter = Chapter { study: &STUDY, handover: Handover::new(claims.collect(), &[]) };
         let listed: Vec<Listed<'_>> =

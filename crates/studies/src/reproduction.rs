@@ -1,6 +1,5 @@
 //! What all studies share: where they write, how they show progress, and the committed copy of their results.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail, ensure};
@@ -31,27 +30,8 @@ pub(crate) struct Reproduction {
     pub(crate) command: &'static str,
     /// What its folder and its page of results are called.
     pub(crate) name: &'static str,
-    pub(crate) subject: Subject,
     /// Runs the study and writes everything, `results.md` included.
     pub(crate) run: Run,
-}
-
-/// What a study is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Subject {
-    /// A chapter of the dissertation, with claims.
-    Chapter(u8),
-    /// Something else, under this title.
-    Other(&'static str),
-}
-
-impl fmt::Display for Subject {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Chapter(number) => write!(f, "Chapter {number}"),
-            Self::Other(title) => f.write_str(title),
-        }
-    }
 }
 
 /// A study as a function of the root of the workspace.

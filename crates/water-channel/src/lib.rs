@@ -26,7 +26,7 @@ pub use experiment::BoundedNoise;
 pub use fleet::fly_all;
 pub use flight::{Flight, FlightRequest, fly, fly_logged};
 pub use footprint::footprint_m2;
-pub use log::{FlightLog, LogColumn, LogRow};
+pub use log::{FlightLog, LogRow};
 pub use open_loop::{OpenLoop, open_loop_modes};
 pub use profile::{Control, Departure, ProfileFile, TestProfile, Window};
 pub use quantity::{Provenance, Record};

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use bat_dynamics::{STATE_NAMES, STATE_UNITS};
+use bat_dynamics::STATE_NAMES;
 
 use crate::footprint::footprint_m2;
 use crate::integrate::Sample;
@@ -54,8 +54,8 @@ impl LogRow {
         footprint_m2((self.state[6] + self.state[7] + self.state[8]) / 3.0, self.zenith_rad())
     }
 
-    /// Every number, in the order of [`FlightLog::columns`].
-    pub fn values(&self) -> impl Iterator<Item = f64> {
+    /// All numbers, in the order of [`FlightLog::columns`].
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
         let measured = [
             self.time_s,
             self.flow_speed_m_s,
@@ -112,17 +112,8 @@ pub struct FlightLog {
     pub rows: Vec<LogRow>,
 }
 
-/// A column of a log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LogColumn {
-    /// What its numbers are.
-    pub name: String,
-    /// The unit that they are in.
-    pub unit: &'static str,
-}
-
-/// The measured columns; the state's columns follow with their own names and units.
-const MEASURED: [(&str, &str); 11] = [
+/// Header of the measured columns; the state's columns follow with their own names and units.
+const COLUMNS: [(&str, &str); 11] = [
     ("time", "s"),
     ("flow_speed", "m/s"),
     ("flow_direction", "rad"),
@@ -138,22 +129,20 @@ const MEASURED: [(&str, &str); 11] = [
 const LINES: [&str; 3] = ["center", "starboard", "port"];
 
 impl FlightLog {
-    /// The columns, in the order of [`LogRow::values`].
+    /// Name and unit of every column, in the order in which they are written.
     #[must_use]
-    pub fn columns() -> Vec<LogColumn> {
-        let column = |(name, unit): (&str, &'static str)| LogColumn { name: name.to_owned(), unit };
-        let of_lines = |what: &str, unit| LINES.map(|line| LogColumn { name: format!("{what}_{line}"), unit });
-        let state = STATE_NAMES.into_iter().zip(STATE_UNITS);
-        let mut columns: Vec<LogColumn> = MEASURED.into_iter().chain(state).map(column).collect();
-        columns.extend(of_lines("command", "m/s"));
-        columns.extend(of_lines("tension", "N"));
-        columns
+    pub fn columns() -> Vec<(String, &'static str)> {
+        let measured = COLUMNS.iter().map(|(name, unit)| ((*name).to_owned(), *unit));
+        let states = STATE_NAMES.iter().zip(bat_dynamics::STATE_UNITS).map(|(name, unit)| ((*name).to_owned(), unit));
+        let commands = LINES.iter().map(|line| (format!("command_{line}"), "m/s"));
+        let tensions = LINES.iter().map(|line| (format!("tension_{line}"), "N"));
+        measured.chain(states).chain(commands).chain(tensions).collect()
     }
 
-    /// The names of the columns with their units, in the order in which they are written.
+    /// The same as a file has them: "time [s]".
     #[must_use]
     pub fn header() -> Vec<String> {
-        Self::columns().iter().map(|LogColumn { name, unit }| format!("{name} [{unit}]")).collect()
+        Self::columns().into_iter().map(|(name, unit)| format!("{name} [{unit}]")).collect()
     }
 
     /// Writes the log as CSV. Numbers are written so that they read back bit for bit.
@@ -164,7 +153,7 @@ impl FlightLog {
         let mut writer = csv::Writer::from_writer(out);
         writer.write_record(Self::header())?;
         for row in &self.rows {
-            writer.write_record(row.values().map(|value| value.to_string()))?;
+            writer.write_record(row.numbers().map(|number| number.to_string()))?;
         }
         writer.flush()?;
         Ok(())

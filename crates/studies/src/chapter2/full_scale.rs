@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result, ensure};
 use bat_dynamics::Fidelity;
 use scaling::{Conversion, Converted, DocumentOptions, ScalingLaw, Units};
-use water_channel::{CostFile, FlightLog, FlightRequest, FlightSettings, LogColumn, ProfileFile, RigFile, fly_logged};
+use water_channel::{CostFile, FlightLog, FlightRequest, FlightSettings, ProfileFile, RigFile, fly_logged};
 
 use super::file::Setup;
 use crate::bat::{MODEL, STAND_IN};
@@ -125,25 +125,25 @@ fn derived(number: &Converted) -> Vec<(String, String)> {
 /// The largest difference between two logs, each column in its own unit brought from one scale to the other.
 fn largest_difference(units: &Units, law: &ScalingLaw, lab: &FlightLog, full: &FlightLog) -> Result<(f64, String)> {
     let mut largest = (0.0, String::new());
-    let (lab, full) = (by_column(lab), by_column(full));
-    for (LogColumn { name, unit }, (lab, full)) in FlightLog::columns().into_iter().zip(lab.iter().zip(&full)) {
+    let (lab, full) = (columns(lab), columns(full));
+    for ((heading, unit), (lab, full)) in FlightLog::columns().iter().zip(lab.iter().zip(&full)) {
         let factor = law.factor(&units.parse(unit)?.dimension)?.to_f64();
         let peak = full.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
         let difference = lab.iter().zip(full).fold(0.0_f64, |most, (lab, full)| most.max((lab * factor - full).abs()));
         let share = if peak > 0.0 { difference / peak } else { difference };
         if share > largest.0 {
-            largest = (share, name);
+            largest = (share, heading.clone());
         }
     }
     Ok(largest)
 }
 
 /// The log column by column.
-fn by_column(log: &FlightLog) -> Vec<Vec<f64>> {
+fn columns(log: &FlightLog) -> Vec<Vec<f64>> {
     let mut columns = vec![Vec::with_capacity(log.rows.len()); FlightLog::columns().len()];
     for row in &log.rows {
-        for (column, value) in columns.iter_mut().zip(row.values()) {
-            column.push(value);
+        for (column, number) in columns.iter_mut().zip(row.numbers()) {
+            column.push(number);
         }
     }
     columns

@@ -6,7 +6,7 @@ use super::full_scale::FullScale;
 use super::models::{self, Case, Releases};
 use super::{claims, figures, page, tables};
 use crate::handover::Handover;
-use crate::reproduction::{self, Extent, Picture, Reproduction, Run, Subject, progress};
+use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use ::page::{Column, write_columns_csv};
 use anyhow::Result;
 use rayon::prelude::*;
@@ -15,12 +15,8 @@ use std::path::Path;
 use std::time::Instant;
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Reproduction = Reproduction {
-    command: "reproduce-chapter2",
-    name: "chapter2",
-    subject: Subject::Chapter(2),
-    run: Run::Always(reproduce),
-};
+pub(crate) const CHAPTER: Reproduction =
+    Reproduction { command: "reproduce-chapter2", name: "chapter2", run: Run::Always(reproduce) };
 
 pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();

@@ -7,7 +7,7 @@ use super::{claims, figures, page};
 use crate::bat::{MODEL, STAND_IN};
 use crate::handover::Handover;
 use crate::logged::LOG_EVERY;
-use crate::reproduction::{self, Extent, Picture, Reproduction, Run, Subject, progress};
+use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use ::page::{Column, Table, write_columns_csv};
 use anyhow::{Context as _, Result};
 use bat_dynamics::Fidelity;
@@ -17,12 +17,8 @@ use std::time::Instant;
 use water_channel::{FlightLog, fly_logged};
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Reproduction = Reproduction {
-    command: "reproduce-chapter3",
-    name: "chapter3",
-    subject: Subject::Chapter(3),
-    run: Run::Always(reproduce),
-};
+pub(crate) const CHAPTER: Reproduction =
+    Reproduction { command: "reproduce-chapter3", name: "chapter3", run: Run::Always(reproduce) };
 
 pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();

@@ -10,7 +10,7 @@ use super::tables::Digits;
 use super::{claims, figures, loops, margins, page, tables};
 use crate::bat::{MODEL, STAND_IN};
 use crate::handover::Handover;
-use crate::reproduction::{self, Extent, Picture, Reproduction, Run, Subject, progress};
+use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use ::page::{Column, write_columns_csv};
 use anyhow::{Context as _, Result};
 use rayon::prelude::*;
@@ -18,12 +18,8 @@ use std::path::Path;
 use std::time::Instant;
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Reproduction = Reproduction {
-    command: "reproduce-chapter4",
-    name: "chapter4",
-    subject: Subject::Chapter(4),
-    run: Run::Always(reproduce),
-};
+pub(crate) const CHAPTER: Reproduction =
+    Reproduction { command: "reproduce-chapter4", name: "chapter4", run: Run::Always(reproduce) };
 
 /// Runs the study of Chapter 4 and writes the page, the figures and the data.
 pub(crate) fn reproduce(root: &Path) -> Result<()> {

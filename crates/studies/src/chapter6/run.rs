@@ -7,18 +7,14 @@ use super::{claims, figures, flights, page, tables};
 use crate::bat::MODEL;
 use crate::gridded::Designs;
 use crate::handover::Handover;
-use crate::reproduction::{self, DESIGNS, Extent, FLIGHTS, Reproduction, Run, Subject, progress};
+use crate::reproduction::{self, DESIGNS, Extent, FLIGHTS, Reproduction, Run, progress};
 use anyhow::Result;
 use std::path::Path;
 use std::time::Instant;
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Reproduction = Reproduction {
-    command: "reproduce-chapter6",
-    name: "chapter6",
-    subject: Subject::Chapter(6),
-    run: Run::OrFull(reproduce),
-};
+pub(crate) const CHAPTER: Reproduction =
+    Reproduction { command: "reproduce-chapter6", name: "chapter6", run: Run::OrFull(reproduce) };
 
 pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let started = Instant::now();

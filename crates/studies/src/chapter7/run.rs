@@ -10,7 +10,7 @@ use super::{claims, figures, page, tables, wrong};
 use crate::bat::{MODEL, STAND_IN};
 use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space, SurrogateRig};
 use crate::handover::Handover;
-use crate::reproduction::{self, DESIGNS, Extent, FLIGHTS, Reproduction, Run, Subject, progress};
+use crate::reproduction::{self, DESIGNS, Extent, FLIGHTS, Reproduction, Run, progress};
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -18,12 +18,8 @@ use std::path::Path;
 use std::time::Instant;
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Reproduction = Reproduction {
-    command: "reproduce-chapter7",
-    name: "chapter7",
-    subject: Subject::Chapter(7),
-    run: Run::Always(reproduce),
-};
+pub(crate) const CHAPTER: Reproduction =
+    Reproduction { command: "reproduce-chapter7", name: "chapter7", run: Run::Always(reproduce) };
 
 pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();

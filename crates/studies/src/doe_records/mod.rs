@@ -14,15 +14,11 @@ use rayon::prelude::*;
 
 use file::{Kept, Record, Size};
 
-use crate::reproduction::{self, Extent, Picture, Reproduction, Run, Subject, progress};
+use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 
 /// The study, and the committed copy of its results.
-pub(crate) const RECORDS: Reproduction = Reproduction {
-    command: "doe-records",
-    name: "doe-records",
-    subject: Subject::Other("Optimal designs beside the record"),
-    run: Run::Always(reproduce),
-};
+pub(crate) const RECORDS: Reproduction =
+    Reproduction { command: "doe-records", name: "doe-records", run: Run::Always(reproduce) };
 
 /// Share of the best known efficiency at which a search of this run stops.
 const GOAL: f64 = 0.99;

@@ -2,7 +2,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use water_channel::{FlightLog, FlightSettings, LogColumn, LogRow, fly, fly_logged, footprint_m2};
+use water_channel::{FlightLog, FlightSettings, LogRow, fly, fly_logged, footprint_m2};
 
 use crate::rigs::{assert_close, first_row, logged, short_test};
 
@@ -36,7 +36,7 @@ fn numbers(row: &LogRow) -> Vec<f64> {
 fn header_names_every_column_with_its_unit() {
     let header = FlightLog::header();
     assert_eq!(header.len(), 29, "columns");
-    assert_eq!(FlightLog::columns()[28], LogColumn { name: "tension_port".to_owned(), unit: "N" });
+    assert_eq!(FlightLog::columns()[28], ("tension_port".to_owned(), "N"));
     assert_eq!(header[0], "time [s]");
     assert_eq!(header[7], "heading_from_flow [rad]");
     assert_eq!(header[11], "zenith [rad]");
@@ -64,7 +64,7 @@ fn csv_reads_back_bit_for_bit() {
     for (record, row) in reader.records().zip(&log.rows) {
         let read: Vec<u64> = record.unwrap().iter().map(|field| field.parse::<f64>().unwrap().to_bits()).collect();
         let written: Vec<u64> = numbers(row).iter().map(|number| number.to_bits()).collect();
-        assert_eq!(row.values().map(f64::to_bits).collect::<Vec<_>>(), written, "t = {}", row.time_s);
+        assert_eq!(row.numbers().map(f64::to_bits).collect::<Vec<_>>(), written, "t = {}", row.time_s);
         assert_eq!(read, written, "t = {}", row.time_s);
         n_rows += 1;
     }
