@@ -10,11 +10,34 @@ use crate::claims::{Claim, Place, Verdict};
 /// What the dissertation claims in this chapter, and what of it came out.
 pub(crate) fn claims(findings: &Findings<'_>) -> Result<Vec<Claim>> {
     let setup = findings.setup;
+    let same = |analysis: &Analysis| analysis.groups.span_same_space(&analysis.listed);
     let reproduced = |holds: bool| if holds { Verdict::Reproduced } else { Verdict::NotReproduced };
+    let apart = |case: Case| {
+        let departures = findings.releases(case).map(Releases::apart_when_normalized);
+        departures.map_or([f64::INFINITY; 2], |apart| [apart.heading, apart.lateral])
+    };
+    let (similar, printed) = (apart(Case::Similar), apart(Case::PrintedMasses));
+    let curve = |k: usize| {
+        format!(
+            "Against normalized time the curves of models 1 and 3 are within {} of that of model 2, as a share of its peak, if the \
+             models are similar; with the printed masses within {:.0} %.",
+            percent(similar[k]),
+            100.0 * printed[k]
+        )
+    };
+    let flights = findings.full_scale.flights.iter().map(|flight| flight.largest_difference).fold(0.0, f64::max);
     let mismatches = findings.similarity.mismatches().count();
-    let [heading, lateral] = collapses(findings);
     Ok(vec![
-        equivalence(findings),
+        Claim::new(
+            Place::Contribution(4),
+            "Dynamic equivalence between the full-scale and the lab-scale system",
+            Verdict::in_kind_if(same(&setup.plant) && flights < COLLAPSED),
+            format!(
+                "The closed-loop test flown with the laboratory's files and with the converted ones differs in dimensionless form by \
+                 {} of the peak. Reynolds number and turbulence are outside of this similarity, in the dissertation and here.",
+                percent(flights)
+            ),
+        ),
         Claim::new(
             Place::Table(1),
             "The variables of Table 1 give the 11 groups (15)",
@@ -39,46 +62,6 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Result<Vec<Claim>> {
             reproduced(mismatches == 0),
             findings.mismatch_sentence(),
         ),
-        heading,
-        lateral,
-    ])
-}
-
-/// Whether the computed groups say what the listed ones do.
-fn same(analysis: &Analysis) -> bool {
-    analysis.groups.span_same_space(&analysis.listed)
-}
-
-fn equivalence(findings: &Findings<'_>) -> Claim {
-    let flights = findings.full_scale.flights.iter().map(|flight| flight.largest_difference).fold(0.0, f64::max);
-    Claim::new(
-        Place::Contribution(4),
-        "Dynamic equivalence between the full-scale and the lab-scale system",
-        Verdict::in_kind_if(same(&findings.setup.plant) && flights < COLLAPSED),
-        format!(
-            "The closed-loop test flown with the laboratory's files and with the converted ones differs in dimensionless form by \
-             {} of the peak. Reynolds number and turbulence are outside of this similarity, in the dissertation and here.",
-            percent(flights)
-        ),
-    )
-}
-
-/// Of heading and lateral position.
-fn collapses(findings: &Findings<'_>) -> [Claim; 2] {
-    let apart = |case: Case| {
-        let departures = findings.releases(case).map(Releases::apart_when_normalized);
-        departures.map_or([f64::INFINITY; 2], |apart| [apart.heading, apart.lateral])
-    };
-    let (similar, printed) = (apart(Case::Similar), apart(Case::PrintedMasses));
-    let curve = |k: usize| {
-        format!(
-            "Against normalized time the curves of models 1 and 3 are within {} of that of model 2, as a share of its peak, if the \
-             models are similar; with the printed masses within {:.0} %.",
-            percent(similar[k]),
-            100.0 * printed[k]
-        )
-    };
-    [
         Claim::new(
             Place::Figure(11),
             "The heading of three scale models collapses against normalized time",
@@ -93,7 +76,7 @@ fn collapses(findings: &Findings<'_>) -> [Claim; 2] {
             curve(1),
         )
         .shown_in(&["figure-12-similar"]),
-    ]
+    ])
 }
 
 /// Curves closer than this, as a share of the peak, lie on one another.

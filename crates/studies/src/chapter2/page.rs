@@ -39,6 +39,7 @@ pub(crate) const LAW_CAPTION: &str = "How everything scales, derived from the di
 
 /// The page of the study.
 pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim], pictures: &[Picture]) -> Result<Page> {
+    let setup = findings.setup;
     let mut page = Page::new("Chapter 2: when is a small model a model?");
     claims::begin(&mut page, claims, pictures.first());
     page.note(SURROGATE);
@@ -46,20 +47,6 @@ pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim], pictures: &[Pictur
         "A turbine of 7.5 m chord is tested as a model of 7.5 cm in water. Which speeds, masses and controller gains make the model \
          move like the machine, only faster? Dimensional analysis answers: those that leave every dimensionless group as it is.",
     );
-    groups(&mut page, findings);
-    models(&mut page, findings, pictures)?;
-    full_scale(&mut page, findings)?;
-    page.heading("Every number");
-    page.table(
-        &provenance_table(&findings.setup.rig.records),
-        "The rig of the laboratory: value, unit and where each comes from.",
-    );
-    page.paragraph(&format!("Made by `cargo xtask reproduce-chapter2` in {:.0} s.", findings.seconds));
-    Ok(page)
-}
-
-fn groups(page: &mut Page, findings: &Findings<'_>) {
-    let setup = findings.setup;
     page.heading("Dimensionless groups");
     page.table(
         &tables::groups(&setup.plant, LISTED_15),
@@ -68,10 +55,6 @@ fn groups(page: &mut Page, findings: &Findings<'_>) {
     page.paragraph(&findings.groups_sentence(&setup.plant, "(15)"));
     page.table(&tables::groups(&setup.controller, LISTED_19), "Controller: the groups of Section 2.4.2's variables.");
     page.paragraph(&findings.groups_sentence(&setup.controller, REPAIRED_19));
-}
-
-/// The three models, in numbers and in flight.
-fn models(page: &mut Page, findings: &Findings<'_>, pictures: &[Picture]) -> Result<()> {
     page.heading("The dissertation's Table 2, checked");
     page.table(
         &tables::table_2(findings)?,
@@ -88,17 +71,12 @@ fn models(page: &mut Page, findings: &Findings<'_>, pictures: &[Picture]) -> Res
     page.paragraph(&findings.release_sentence());
     page.table(&tables::collapse(findings), COLLAPSE_CAPTION);
     for picture in pictures.iter().skip(1) {
-        picture.show_in(page);
+        picture.show_in(&mut page);
     }
     page.paragraph(&findings.honest_paragraph());
     page.heading("What this does not show");
     page.paragraph(BY_CONSTRUCTION);
     page.table(&tables::reynolds(findings)?, REYNOLDS_CAPTION);
-    Ok(())
-}
-
-/// The laws, and the rig that they make.
-fn full_scale(page: &mut Page, findings: &Findings<'_>) -> Result<()> {
     page.heading("Scaling laws");
     page.table(&tables::laws(findings)?, LAW_CAPTION);
     page.paragraph(&findings.law_sentence()?);
@@ -113,7 +91,13 @@ fn full_scale(page: &mut Page, findings: &Findings<'_>) -> Result<()> {
         &tables::full_scale(findings),
         "Every number of the rig at both scales; the files are in the folder full-scale.",
     );
-    Ok(())
+    page.heading("Every number");
+    page.table(
+        &provenance_table(&setup.rig.records),
+        "The rig of the laboratory: value, unit and where each comes from.",
+    );
+    page.paragraph(&format!("Made by `cargo xtask reproduce-chapter2` in {:.0} s.", findings.seconds));
+    Ok(page)
 }
 
 /// The results as a page of `docs/`.

@@ -11,9 +11,29 @@ const FITTED: &str = "Both ends of the path and their costs were calibrated; tha
 
 /// What the dissertation claims in this chapter, and what of it came out.
 pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
-    let fall = fall_words(findings);
+    let rows = findings.printed();
+    let (first, last) = (rows.first(), rows.last());
+    let (theirs, published) = (findings.published_fall_pct(), findings.published());
+    let falls = rows.fall_pct() > 0.0;
+    let moves = |k: usize| {
+        let theirs = published[published.len() - 1].point()[k] - published[0].point()[k];
+        theirs * (last.point[k] - first.point[k]) > 0.0
+    };
+    let seeds: Vec<String> = findings
+        .material
+        .seeded
+        .first()
+        .and_then(|seeded| Some((seeded, Summary::of(&falls_pct(findings.material.setup, seeded))?)))
+        .map(|(_, s)| format!(" Over {} noise seeds: median {:.1} %, worst {:.1} %.", s.count, s.median, s.minimum))
+        .into_iter()
+        .collect();
+    let fall = format!(
+        "The experimental cost falls by {:.1} %, in the dissertation by {theirs:.1} %, with {} experiments each.{}",
+        rows.fall_pct(),
+        rows.n_experiments(),
+        seeds.concat()
+    );
     let between = |holds: bool| Verdict::in_kind_if(holds).between_fitted_ends();
-    let falls = findings.printed().fall_pct() > 0.0;
     let mut claims = vec![
         Claim::new(
             Place::Contribution(1),
@@ -27,7 +47,18 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
             between(falls),
             format!("Against a stand-in, not in water. {FITTED} {fall}"),
         ),
-        iterations(findings, &fall),
+        Claim::new(
+            Place::Table(3),
+            "In three iterations the optimum moves aft and to a higher pitch, and the experimental cost falls",
+            between(falls && moves(0) && moves(1)),
+            format!(
+                "{FITTED} Last row: {}, in the dissertation {} and {}. {fall}",
+                findings.material.setup.sentence(&last.point),
+                published[published.len() - 1].center_of_mass,
+                published[published.len() - 1].pitch_set_point
+            ),
+        )
+        .shown_in(&["landscape-stand-in"]),
         Claim::new(
             Place::Figure(15),
             "The test: three speeds, three pulls at the port line",
@@ -36,52 +67,7 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
         )
         .shown_in(&["figure-15-test-profile"]),
     ];
-    claims.extend(errors(findings));
-    claims
-}
-
-/// How far the experimental cost falls, without noise and with it.
-fn fall_words(findings: &Findings<'_>) -> String {
-    let rows = findings.printed();
-    let first = findings.material.seeded.first();
-    let over_seeds = first.and_then(|seeded| Summary::of(&falls_pct(findings.material.setup, seeded)));
-    let over_seeds = over_seeds.map_or_else(String::new, |s| {
-        format!(" Over {} noise seeds: median {:.1} %, worst {:.1} %.", s.count, s.median, s.minimum)
-    });
-    format!(
-        "The experimental cost falls by {:.1} %, in the dissertation by {:.1} %, with {} experiments each.{over_seeds}",
-        rows.fall_pct(),
-        findings.published_fall_pct(),
-        rows.n_experiments()
-    )
-}
-
-/// The way of the optimum.
-fn iterations(findings: &Findings<'_>, fall: &str) -> Claim {
-    let (rows, published) = (findings.printed(), findings.published());
-    let (first, last, theirs) = (rows.first(), rows.last(), &published[published.len() - 1]);
-    let moves = |k: usize| {
-        let published = theirs.point()[k] - published[0].point()[k];
-        published * (last.point[k] - first.point[k]) > 0.0
-    };
-    Claim::new(
-        Place::Table(3),
-        "In three iterations the optimum moves aft and to a higher pitch, and the experimental cost falls",
-        Verdict::in_kind_if(rows.fall_pct() > 0.0 && moves(0) && moves(1)).between_fitted_ends(),
-        format!(
-            "{FITTED} Last row: {}, in the dissertation {} and {}. {fall}",
-            findings.material.setup.sentence(&last.point),
-            theirs.center_of_mass,
-            theirs.pitch_set_point
-        ),
-    )
-    .shown_in(&["landscape-stand-in"])
-}
-
-/// Figures 16 to 18.
-fn errors(findings: &Findings<'_>) -> [Claim; 3] {
-    let (first, last) = (findings.printed().first(), findings.printed().last());
-    ERRORS.map(|(what, number, error)| {
+    claims.extend(ERRORS.map(|(what, number, error)| {
         let (before, after) = (first.mean_squared_deg2(error), last.mean_squared_deg2(error));
         Claim::new(
             Place::Figure(number as u8),
@@ -90,5 +76,6 @@ fn errors(findings: &Findings<'_>) -> [Claim; 3] {
             format!("Its mean is {before:.2} deg² before and {after:.2} deg² after."),
         )
         .shown_in(&[&format!("figure-{number}-{what}")])
-    })
+    }));
+    claims
 }

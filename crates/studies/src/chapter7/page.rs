@@ -185,8 +185,30 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.prose_table(&claims::table(claims), CLAIM_CAPTION, &claims::WIDTHS_PCT);
     page.paragraph(claims::FOUND);
     page.list(&claims::found(claims));
+    let show = |page: &mut Page, name: &str| {
+        for picture in pictures.iter().skip(1).filter(|picture| picture.name.starts_with(name)) {
+            picture.show_in(page);
+        }
+    };
     for (case, found) in findings.cases() {
-        case_study(&mut page, case, found, pictures);
+        page.heading(&format!("{}: Table {}", case.entry.label, case.entry.table));
+        for (number, runs) in found.runs.iter().enumerate() {
+            let which = if number == 0 { Rows::All } else { Rows::Ours };
+            let caption = if number == 0 {
+                designs_caption(case)
+            } else {
+                format!("Ours with the {}, {} seeds.", runs.label, runs.noisy.len())
+            };
+            page.table(&tables::designs(case, found, runs, which), &caption);
+            if number == 0 {
+                design_words(case, found).iter().for_each(|words| page.paragraph(words));
+                page.paragraph(&spread_words(found));
+            }
+        }
+        show(&mut page, &format!("seeds-table-{}", case.entry.table));
+        if case.space.variables.len() == 2 {
+            show(&mut page, "figure-23");
+        }
     }
     page.heading("What the wrong choices cost");
     for (case, found) in findings.cases() {
@@ -196,7 +218,7 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.heading("Before and after");
     page.table(&tables::flights(findings), FLIGHT_CAPTION);
     for name in ["figure-24", "figure-26", "figure-27", "figure-28"] {
-        show(&mut page, pictures, name);
+        show(&mut page, name);
     }
     page.heading("The costs");
     page.table(&tables::weights(findings), WEIGHT_CAPTION);
@@ -210,35 +232,6 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     }
     page.paragraph(&format!("Made by `cargo xtask reproduce-chapter7` in {:.0} s.", findings.seconds));
     page
-}
-
-/// Pictures by the beginning of their names; the first one stands at the top of the page.
-fn show(page: &mut Page, pictures: &[Picture], name: &str) {
-    for picture in pictures.iter().skip(1).filter(|picture| picture.name.starts_with(name)) {
-        picture.show_in(page);
-    }
-}
-
-/// The designs of one of the two studies.
-fn case_study(page: &mut Page, case: &Case, found: &Found, pictures: &[Picture]) {
-    page.heading(&format!("{}: Table {}", case.entry.label, case.entry.table));
-    for (number, runs) in found.runs.iter().enumerate() {
-        let which = if number == 0 { Rows::All } else { Rows::Ours };
-        let caption = if number == 0 {
-            designs_caption(case)
-        } else {
-            format!("Ours with the {}, {} seeds.", runs.label, runs.noisy.len())
-        };
-        page.table(&tables::designs(case, found, runs, which), &caption);
-        if number == 0 {
-            design_words(case, found).iter().for_each(|words| page.paragraph(words));
-            page.paragraph(&spread_words(found));
-        }
-    }
-    show(page, pictures, &format!("seeds-table-{}", case.entry.table));
-    if case.space.variables.len() == 2 {
-        show(page, pictures, "figure-23");
-    }
 }
 
 /// The results as a page of `docs/`, without anything that differs from run to run.
