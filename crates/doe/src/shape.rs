@@ -1,8 +1,8 @@
 //! What a design space is made of: a box with continuous and gridded axes, or a list of candidates.
 
-use design_space::coded_level;
+use design_space::{Combinations, coded_level};
 
-use crate::{Error, Forbidden};
+use crate::{Cell, Error, Forbidden};
 
 /// The values one coded coordinate can take.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +31,14 @@ impl Axis {
         }
         let count = u64::from(count);
         Ok(Self::Levels((0..count).map(|level| coded_level(level, count)).collect()))
+    }
+
+    /// Its levels; none where it is continuous.
+    fn levels(&self) -> Option<&[f64]> {
+        match self {
+            Self::Levels(levels) => Some(levels),
+            Self::Continuous => None,
+        }
     }
 }
 
@@ -77,6 +85,23 @@ impl BoxShape {
 
     pub(crate) fn is_continuous(&self) -> bool {
         self.axes.iter().all(|axis| *axis == Axis::Continuous)
+    }
+
+    /// The combinations of levels that points of the box are, counted as the cells of a grid and forbidden ones included;
+    /// none if an axis is continuous, a point is off its levels, or there are more combinations than have a number.
+    pub(crate) fn cells<'a>(&self, points: impl Iterator<Item = &'a [f64]>) -> Option<Vec<Cell>> {
+        let axes = self.axes.iter().map(Axis::levels).collect::<Option<Vec<_>>>()?;
+        let counts: Vec<u64> = axes.iter().map(|levels| levels.len() as u64).collect();
+        let combinations = Combinations::new(counts).ok()?;
+        let digit = |levels: &[f64], x: f64| {
+            let digit = levels.partition_point(|level| *level < x - SAME);
+            levels.get(digit).filter(|level| (**level - x).abs() <= SAME).map(|_| digit as u64)
+        };
+        let cell = |point: &[f64]| {
+            let digits = axes.iter().zip(point).map(|(levels, &x)| digit(levels, x)).collect::<Option<Vec<_>>>()?;
+            Some(Cell::new(combinations.index(&digits)))
+        };
+        points.map(cell).collect()
     }
 
     pub(crate) fn contains(&self, point: &[f64]) -> bool {

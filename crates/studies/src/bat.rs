@@ -2,75 +2,28 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result};
 use bat_dynamics::Fidelity;
 #[cfg(feature = "global")]
 use bat_dynamics::{FluidInertia, Lift};
 #[cfg(feature = "global")]
 use design_space::Region;
 use water_channel::{
-    CostBreakdown, CostFile, CostWeights, Flight, FlightLog, FlightRequest, FlightSettings, ProfileFile, Record, Rig,
+    CostBreakdown, CostFile, CostWeights, Flight, FlightError, FlightRequest, FlightSettings, ProfileFile, Record, Rig,
     RigFile, TestProfile, fly, fly_all, fly_logged,
 };
 
 #[cfg(feature = "global")]
 use crate::costs::key::Key;
 use crate::costs::{Cost, Store};
+use crate::logged::{LOG_EVERY, Logged};
+use crate::study_file::{FilesEntry, NumericsEntry};
+use crate::variable::Variable;
 
 /// The numerical model that the loop optimizes.
 pub(crate) const MODEL: Fidelity = Fidelity::NUMERICAL;
 /// What stands in for the water channel.
 pub(crate) const STAND_IN: Fidelity = Fidelity::STALLED_WITH_ADDED_MASS;
-
-/// A design variable of the case study, by the name that a study file uses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Variable {
-    /// Longitudinal position of the center of mass, in per cent of chord.
-    CenterOfMass,
-    /// Pitch set point, in degrees.
-    PitchSetPoint,
-    /// `A^H`, the factor on the area of the horizontal stabilizer.
-    HorizontalArea,
-    /// `A^V`, the factor on the area of the vertical stabilizer.
-    VerticalArea,
-}
-
-impl Variable {
-    pub(crate) fn named(name: &str, unit: &str) -> Result<Self> {
-        let (variable, expected) = match name {
-            "center_of_mass" => (Self::CenterOfMass, "% chord"),
-            "pitch_set_point" => (Self::PitchSetPoint, "deg"),
-            "horizontal_area" => (Self::HorizontalArea, "1"),
-            "vertical_area" => (Self::VerticalArea, "1"),
-            other => bail!(
-                "parameter.name = `{other}`: it must be center_of_mass, pitch_set_point, horizontal_area or vertical_area"
-            ),
-        };
-        if unit != expected {
-            bail!("parameter `{name}` has the unit `{unit}`: it must be `{expected}`");
-        }
-        Ok(variable)
-    }
-
-    #[cfg(feature = "global")]
-    fn name(self) -> &'static str {
-        match self {
-            Self::CenterOfMass => "center_of_mass",
-            Self::PitchSetPoint => "pitch_set_point",
-            Self::HorizontalArea => "horizontal_area",
-            Self::VerticalArea => "vertical_area",
-        }
-    }
-
-    fn set(self, rig: &mut Rig, value: f64) {
-        match self {
-            Self::CenterOfMass => rig.plant.body.center_of_mass_x = value / 100.0,
-            Self::PitchSetPoint => rig.set_points.pitch_rad = value.to_radians(),
-            Self::HorizontalArea => rig.plant.horizontal_stabilizer.area_factor = value,
-            Self::VerticalArea => rig.plant.vertical_stabilizer.area_factor = value,
-        }
-    }
-}
 
 /// The closed loop as a function of the design variables.
 #[derive(Debug)]
@@ -94,18 +47,16 @@ pub(crate) struct Bat {
 impl Bat {
     pub(crate) fn read(
         directory: &Path,
-        [rig, profile, cost]: [&str; 3],
+        files: &FilesEntry,
         variables: Vec<Variable>,
-        [steps_per_sample, report_steps_per_sample]: [usize; 2],
+        numerics: &NumericsEntry,
     ) -> Result<Self> {
-        let read = |name: &str| {
-            let path = directory.join(name);
-            std::fs::read_to_string(&path).with_context(|| path.display().to_string())
-        };
-        let texts = [read(rig)?, read(profile)?, read(cost)?];
-        let rig = RigFile::parse(&texts[0]).with_context(|| rig.to_owned())?;
-        let profile = ProfileFile::parse(&texts[1]).with_context(|| profile.to_owned())?;
-        let cost = CostFile::parse(&texts[2]).with_context(|| cost.to_owned())?;
+        let texts = files.read(directory)?;
+        let [rig, profile, cost] = &texts;
+        let rig = RigFile::parse(&rig.text).with_context(|| rig.name.clone())?;
+        let profile = ProfileFile::parse(&profile.text).with_context(|| profile.name.clone())?;
+        let cost = CostFile::parse(&cost.text).with_context(|| cost.name.clone())?;
+        let [steps_per_sample, report_steps_per_sample] = numerics.steps();
         let settings = FlightSettings::with_steps(steps_per_sample);
         settings.validate().context("numerics.steps_per_sample")?;
         let report_settings = FlightSettings::with_steps(report_steps_per_sample);
@@ -118,7 +69,7 @@ impl Bat {
             report_settings,
             variables,
             costs: Store::default(),
-            texts,
+            texts: texts.map(|file| file.text),
             records: [rig.records, profile.records, cost.records].concat(),
         })
     }
@@ -127,28 +78,32 @@ impl Bat {
         &self.profile
     }
 
-    /// The rig at a point of the design space.
-    fn rig(&self, point: &[f64]) -> Rig {
+    /// The design variables, one for each coordinate of a point.
+    pub(crate) fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// In per cent of chord.
+    pub(crate) fn center_of_buoyancy(&self) -> f64 {
+        100.0 * self.rig.plant.body.center_of_buoyancy_x
+    }
+
+    /// The rig at a point of the design space, to be flown in a fidelity.
+    pub(crate) fn request(&self, point: &[f64], fidelity: Fidelity) -> FlightRequest {
         let mut rig = self.rig.clone();
         for (variable, value) in self.variables.iter().zip(point) {
             variable.set(&mut rig, *value);
         }
-        rig
+        FlightRequest { rig, fidelity }
     }
 
-    /// The same, to be flown in a fidelity.
-    pub(crate) fn request(&self, point: &[f64], fidelity: Fidelity) -> FlightRequest {
-        FlightRequest { rig: self.rig(point), fidelity }
+    /// The cost (21) of a flight of a rig, term by term.
+    pub(crate) fn breakdown(&self, rig: &Rig, flight: &Flight) -> CostBreakdown {
+        self.weights.cost(&flight.integrals, rig.ballast_pct_chord())
     }
 
-    /// The cost (21) of a flight at `point`, term by term.
-    pub(crate) fn breakdown(&self, point: &[f64], flight: &Flight) -> CostBreakdown {
-        let body = self.rig(point).plant.body;
-        self.weights.cost(&flight.integrals, 100.0 * (body.center_of_mass_x - body.center_of_buoyancy_x))
-    }
-
-    fn value(&self, point: &[f64], flown: std::result::Result<Flight, water_channel::FlightError>) -> Cost {
-        flown.map(|flight| self.breakdown(point, &flight).total).map_err(|error| error.to_string())
+    fn value(&self, rig: &Rig, flown: std::result::Result<Flight, FlightError>) -> Cost {
+        flown.map(|flight| self.breakdown(rig, &flight).total).map_err(|error| error.to_string())
     }
 
     /// The cost at `point`, flown unless it is remembered.
@@ -156,7 +111,8 @@ impl Bat {
         if let Some(cost) = self.costs.get(point, fidelity) {
             return cost;
         }
-        let cost = self.value(point, fly(&self.request(point, fidelity), &self.profile, &self.settings));
+        let request = self.request(point, fidelity);
+        let cost = self.value(&request.rig, fly(&request, &self.profile, &self.settings));
         self.costs.add(fidelity, [(point, &cost)]);
         cost
     }
@@ -185,13 +141,15 @@ impl Bat {
     ) -> Vec<Cost> {
         let requests: Vec<FlightRequest> = points.iter().map(|point| self.request(point, fidelity)).collect();
         let flown = fly_all(&requests, &self.profile, &self.settings, done);
-        points.iter().zip(flown).map(|(point, flight)| self.value(point, flight)).collect()
+        requests.iter().zip(flown).map(|(request, flight)| self.value(&request.rig, flight)).collect()
     }
 
-    /// A flight of a reported design with its log, every `every`-th sample.
-    pub(crate) fn logged(&self, point: &[f64], fidelity: Fidelity, every: usize) -> Result<(Flight, FlightLog)> {
-        let (flight, log) = fly_logged(&self.request(point, fidelity), &self.profile, &self.report_settings, every)?;
-        Ok((flight?, log))
+    /// A flight of a reported design.
+    pub(crate) fn logged(&self, point: &[f64], fidelity: Fidelity) -> Result<Logged> {
+        let request = self.request(point, fidelity);
+        let (flight, log) = fly_logged(&request, &self.profile, &self.report_settings, LOG_EVERY)?;
+        let flight = flight?;
+        Ok(Logged { cost: self.breakdown(&request.rig, &flight), flight, log })
     }
 
     /// How many different points are known in a fidelity.

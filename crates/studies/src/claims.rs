@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use page::{Column, Finding, Page, Table};
 
 use crate::reproduction::Picture;
+use crate::words::capitalized;
 
 /// Where the dissertation says it; in the order in which the claims are listed.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -145,11 +146,6 @@ pub(crate) fn beginning(claims: &[Claim]) -> String {
     let items =
         found.map(|(verdict, says)| format!("- **{}**: {}.\n", capitalized(&verdict.to_string()), says.join("; ")));
     format!("## What was found\n\n{}", items.collect::<String>())
-}
-
-fn capitalized(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Claims with what became of them, for the page of their study.

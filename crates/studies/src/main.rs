@@ -24,11 +24,14 @@ mod exemptions;
 #[cfg(feature = "global")]
 mod gridded;
 mod handover;
+mod logged;
 mod provenance;
 #[cfg(feature = "global")]
 mod reproduce_all;
 mod reproduction;
 mod study_file;
+mod variable;
+mod words;
 
 use std::path::Path;
 use std::process::ExitCode;

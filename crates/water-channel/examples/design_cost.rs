@@ -124,8 +124,7 @@ impl Channel {
         if let Some(factor) = design.vertical_area {
             rig.plant.vertical_stabilizer.area_factor = factor;
         }
-        let body = rig.plant.body;
-        let ballast_pct_chord = 100.0 * (body.center_of_mass_x - body.center_of_buoyancy_x);
+        let ballast_pct_chord = rig.ballast_pct_chord();
         let fidelity = if design.stand_in { Fidelity::STALLED_WITH_ADDED_MASS } else { Fidelity::NUMERICAL };
         // One step per sample: the numerics of the study of Chapter 7.
         let flight = fly(&FlightRequest { rig, fidelity }, &self.profile, &FlightSettings::with_steps(1))?;

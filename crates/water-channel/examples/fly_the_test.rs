@@ -15,8 +15,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = RigFile::read(fixtures.join("rig.toml"))?;
     let profile = ProfileFile::read(fixtures.join("test-profile.toml"))?.profile;
     let weights = CostFile::read(fixtures.join("cost-chapter4.toml"))?.weights;
-    let body = file.rig.plant.body;
-    let ballast_pct_chord = 100.0 * (body.center_of_mass_x - body.center_of_buoyancy_x);
 
     println!("{}", file.title);
     for (name, fidelity) in
@@ -25,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let request = FlightRequest { rig: file.rig.clone(), fidelity };
         let (outcome, log) = fly_logged(&request, &profile, &FlightSettings::default(), 1)?;
         let flight = outcome?;
-        let cost = weights.cost(&flight.integrals, ballast_pct_chord);
+        let cost = weights.cost(&flight.integrals, file.rig.ballast_pct_chord());
         println!("\n{name}: J = {:.4} s", cost.total);
         for (term, share) in TERM_NAMES.iter().zip(cost.terms) {
             println!("  {term:<10} {share:9.5} s  {:5.1} %", 100.0 * share / cost.total);

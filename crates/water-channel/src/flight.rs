@@ -5,6 +5,7 @@ use tether_control::{Controller, SetPoints};
 
 use crate::cost::Integrals;
 use crate::error::{Error, FlightError};
+use crate::footprint::footprint_m2;
 use crate::integrate::{Ending, Sample, Setup, integrate};
 use crate::log::{FlightLog, LogRow};
 use crate::profile::TestProfile;
@@ -42,14 +43,6 @@ impl Flight {
     pub fn trim_footprint_m2(&self) -> f64 {
         footprint_m2(self.trim.coordinates[3], self.trim.coordinates[0])
     }
-}
-
-/// Area of land that a tether of length `length_m` at zenith angle `zenith_rad` sweeps through all azimuths,
-/// `A = pi L_t² sin² Phi`, in m². Source: Section 3.1.
-#[must_use]
-pub fn footprint_m2(length_m: f64, zenith_rad: f64) -> f64 {
-    let radius = length_m * zenith_rad.sin();
-    core::f64::consts::PI * radius * radius
 }
 
 /// The equilibrium that the controller's set points ask for.

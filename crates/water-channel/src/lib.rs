@@ -7,6 +7,7 @@ mod experiment;
 mod file;
 mod fleet;
 mod flight;
+mod footprint;
 mod integrate;
 mod log;
 mod open_loop;
@@ -23,7 +24,8 @@ pub use cost::{CostBreakdown, CostFile, CostWeights, Integrals, N_TERMS, TERM_NA
 pub use error::{Error, FileError, FlightError};
 pub use experiment::BoundedNoise;
 pub use fleet::fly_all;
-pub use flight::{Flight, FlightRequest, fly, fly_logged, footprint_m2};
+pub use flight::{Flight, FlightRequest, fly, fly_logged};
+pub use footprint::footprint_m2;
 pub use log::{FlightLog, LogRow};
 pub use open_loop::{OpenLoop, open_loop_modes};
 pub use profile::{Control, Departure, ProfileFile, TestProfile, Window};

@@ -67,6 +67,13 @@ impl Rig {
         Ok(Plant::new(&self.plant, fidelity)?)
     }
 
+    /// x_cm − x_cb in per cent of chord: how far the center of mass lies aft of the center of buoyancy, which (21) weighs.
+    #[must_use]
+    pub fn ballast_pct_chord(&self) -> f64 {
+        let body = &self.plant.body;
+        100.0 * (body.center_of_mass_x - body.center_of_buoyancy_x)
+    }
+
     /// The controller, checked.
     ///
     /// # Errors

@@ -168,10 +168,11 @@ fn found(
         (None, Some(reference)) => (reference.design, reference.candidates, 0),
         (None, None) => return Err(Error::NoDesign { starts }),
     };
+    let cells = problem.cells(&design);
     let efficiency = problem.criterion().efficiency(problem.model(), problem.space(), &design)?;
     let elapsed = began.elapsed();
     let report = Report { stop, starts, best_start, times_found, abandoned, failed, unfinished, elapsed };
-    Ok(Found { design, candidates, efficiency, report })
+    Ok(Found { design, candidates, cells, efficiency, report })
 }
 
 /// A good D design, of whose determinant a search for T keeps a share; of a time limit it takes half.

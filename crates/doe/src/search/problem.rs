@@ -2,7 +2,7 @@
 
 use crate::shape::Shape;
 use crate::support::check_support;
-use crate::{Criterion, Design, Error, Model, Space};
+use crate::{Cell, Criterion, Design, Error, Model, Space};
 
 /// A model, a space, a number of runs and a criterion; and what is settled beforehand.
 #[derive(Debug, Clone)]
@@ -192,6 +192,14 @@ impl Problem {
         match self.space.shape() {
             Shape::Box(_) => Vec::new(),
             Shape::List(list) => self.arranged(self.fixed_runs().map(|run| list.nearest(run).0), free),
+        }
+    }
+
+    /// The cell of each run of the whole design; nothing where the space is no grid.
+    pub(crate) fn cells(&self, design: &Design) -> Vec<Cell> {
+        match self.space.shape() {
+            Shape::Box(shape) => shape.cells(design.runs()).unwrap_or_default(),
+            Shape::List(_) => Vec::new(),
         }
     }
 

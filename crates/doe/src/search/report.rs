@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::{Design, Efficiency};
+use crate::{Cell, Design, Efficiency};
 
 /// The best design of a search, its efficiency, and how the search went.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +12,11 @@ pub struct Found {
     /// Where the space is a list, the index of the candidate that each run is, in the order of the runs: a planned
     /// replicate has that of the run it repeats, a fixed run that of the candidate nearest to it. Empty for boxes.
     pub candidates: Vec<usize>,
+    /// Where the space is a grid, the cell that each run is, in the order of the runs: those of the
+    /// [`Grid`](crate::Grid) of the region that the space is [of](crate::Space::of_region), where it is of one; levels
+    /// of one's own are counted alike, and forbidden cells count. Empty for lists, with a continuous axis, and beyond
+    /// 2⁶⁴ − 1 cells.
+    pub cells: Vec<Cell>,
     /// Efficiency by the criterion searched for, and over which set; computed anew from the design.
     pub efficiency: Efficiency,
     /// How the search went.

@@ -4,8 +4,8 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use doe::{
-    Axis, Criterion, Design, Effort, Error, Forbidden, Found, Model, Problem, Replicates, Settings, Space, StopReason,
-    Term, Watch, search, search_watched,
+    Axis, Cell, Criterion, Design, Effort, Error, Forbidden, Found, Grid, Model, Parameter, Problem, Region,
+    Replicates, Settings, Space, StopReason, Term, Watch, search, search_watched,
 };
 use proptest::prelude::*;
 
@@ -216,6 +216,37 @@ fn a_level_that_few_candidates_have_is_found_by_every_start() {
             let rare = report.design.runs().filter(|run| (run[1] - level(4, 10)).abs() < 1e-9).count();
             assert!((1..=2).contains(&rare), "{criterion:?}, seed {seed}: {rare} runs at the rare level");
         }
+    }
+}
+
+#[test]
+fn runs_on_a_grid_are_named_by_its_cells_and_no_others() {
+    let parameter =
+        |name, levels| Parameter::continuous(name, "1", 3.0, 5.0).and_then(|p| p.with_levels(levels)).unwrap();
+    let region = Region::new(vec![parameter("a", 7), parameter("b", 5)]).unwrap();
+    let grid = Grid::of(&region).unwrap();
+    let corner = Forbidden::new(vec![Some([0.4, 1.0]), Some([-0.2, 1.0])]).unwrap();
+    let space = Space::of_region(&region).unwrap();
+    let fixed = Design::from_runs(&[[1.0 / 3.0, -0.5]]).unwrap();
+    let found = |space: Space| {
+        let problem = Problem::new(Model::quadratic(2).unwrap(), space, 9, Criterion::G).unwrap();
+        let problem = problem.with_fixed_runs(fixed.clone()).and_then(|p| p.with_replicates(Replicates::Planned(1)));
+        search(&problem.unwrap(), &settings(8)).unwrap()
+    };
+    for space in [space.clone(), space.forbid(vec![corner]).unwrap()] {
+        let Found { design, cells, candidates, .. } = found(space);
+        assert!(candidates.is_empty() && cells.len() == 9, "{cells:?} {candidates:?}");
+        for (run, cell) in design.runs().zip(&cells) {
+            let level = grid.coded(*cell).unwrap();
+            assert!(run.iter().zip(&level).all(|(x, level)| (x - level).abs() <= 1e-9), "{cell}: {run:?} {level:?}");
+        }
+        assert_eq!(cells[0], Cell::new(21), "the fixed run is the first");
+        assert_eq!(cells[8], cells[1], "the replicate is the last");
+    }
+    let list = Space::list(2, (0..35).flat_map(|k| grid.coded(Cell::new(k)).unwrap()).collect()).unwrap();
+    let mixed = Space::of_axes(vec![Axis::Continuous, Axis::equally_spaced(5).unwrap()]).unwrap();
+    for space in [Space::cube(2).unwrap(), mixed, list] {
+        assert_eq!(found(space.clone()).cells, [], "no grid: {}", space.over());
     }
 }
 

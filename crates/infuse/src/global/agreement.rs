@@ -6,7 +6,8 @@ use crate::Error;
 use crate::global::batch::{Batch, DroppedTerm};
 use crate::global::changes::SurfaceChanges;
 use crate::global::report::Report;
-use crate::global::screening::{Screening, Spread};
+use crate::global::screening::Screening;
+use crate::global::spread::Spread;
 use crate::global::trial::Trial;
 
 /// Numbers computed from the outcomes agree to this, relative: factorizations round differently on machines with

@@ -97,6 +97,7 @@ mod report;
 mod retained;
 mod screening;
 mod settings;
+mod spread;
 mod state;
 mod surfaces;
 mod trial;
@@ -114,8 +115,9 @@ pub use promises::ObservedErrors;
 pub use pure_error::PureError;
 pub use report::{Report, SimulationRecord, StopReason};
 pub use retained::RetainedSet;
-pub use screening::{Dropped, Screening, Spread, SpreadFault, quality_of_fit};
+pub use screening::{Dropped, Screening};
 pub use settings::{Settings, SpreadFallback, SurfaceKind, SurfaceKinds};
+pub use spread::{Spread, SpreadFault, quality_of_fit};
 pub use surfaces::IterationSurfaces;
 pub use trial::{Trial, TrialRecord, TrialUse};
 

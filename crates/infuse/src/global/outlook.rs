@@ -10,7 +10,7 @@ use crate::global::campaign::Loop;
 use crate::global::candidates::Candidates;
 use crate::global::pure_error::PureError;
 use crate::global::report::Report;
-use crate::global::screening::Spread;
+use crate::global::spread::Spread;
 use crate::global::surfaces::IterationSurfaces;
 use crate::global::trial::TrialUse;
 

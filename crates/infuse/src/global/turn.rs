@@ -14,7 +14,8 @@ use crate::global::open_batch::{OpenBatch, simulated, trials};
 use crate::global::plan::Plan;
 use crate::global::report::Report;
 use crate::global::retained::RetainedSet;
-use crate::global::screening::{Screening, Spread, threshold};
+use crate::global::screening::{Screening, threshold};
+use crate::global::spread::Spread;
 use crate::global::surfaces::IterationSurfaces;
 use crate::traced::{Observations, TracedSurface};
 

@@ -7,15 +7,13 @@ use scaling::{BigRational, Groups, SetUp, System, Units};
 use serde::Deserialize;
 use water_channel::RigFile;
 
-use crate::study_file;
+use crate::study_file::{self, FilesEntry, NamedText, check_positive};
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StudyFile {
     pub(crate) title: String,
-    rig: String,
-    profile: String,
-    cost: String,
+    files: FilesEntry,
     plant: SystemEntry,
     controller: SystemEntry,
     also: Also,
@@ -119,11 +117,7 @@ impl Model {
     /// A printed number.
     pub(crate) fn number(&self, key: &str, text: &str) -> Result<f64> {
         let value: f64 = text.parse().with_context(|| format!("model `{}`: {key} = `{text}`", self.name))?;
-        ensure!(
-            value.is_finite() && value > 0.0,
-            "model `{}`: {key} = `{text}`: it must be finite and more than zero",
-            self.name
-        );
+        check_positive(&format!("model `{}`: {key}", self.name), value)?;
         Ok(value)
     }
 
@@ -176,15 +170,8 @@ pub(crate) struct Setup {
     reynolds: Groups,
     /// The rig file, read.
     pub(crate) rig: RigFile,
-    pub(crate) texts: Texts,
-}
-
-/// The files of the rig, as written.
-#[derive(Debug)]
-pub(crate) struct Texts {
-    pub(crate) rig: (String, String),
-    pub(crate) profile: (String, String),
-    pub(crate) cost: (String, String),
+    /// Rig, profile and cost.
+    pub(crate) texts: [NamedText; 3],
 }
 
 /// Units that our parameter files use beyond the SI.
@@ -234,12 +221,8 @@ impl Setup {
             both.variable(&stated.variable).context("stated.variable")?;
             stated.power()?;
         }
-        let read = |name: &str| -> Result<(String, String)> {
-            let path = directory.join(name);
-            Ok((name.to_owned(), std::fs::read_to_string(&path).with_context(|| path.display().to_string())?))
-        };
-        let texts = Texts { rig: read(&file.rig)?, profile: read(&file.profile)?, cost: read(&file.cost)? };
-        let rig = RigFile::parse(&texts.rig.1).with_context(|| file.rig.clone())?;
+        let texts = file.files.read(directory)?;
+        let rig = RigFile::parse(&texts[0].text).with_context(|| texts[0].name.clone())?;
         let fluid = rig.rig.plant.fluid;
         let water = [fluid.density_kg_m3, fluid.gravity_m_s2];
         ensure!(file.model.len() >= 2, "model: {} entries, at least two are needed", file.model.len());

@@ -153,7 +153,7 @@ impl Findings<'_> {
         let mut sentences = Vec::new();
         for printed in &self.setup.file.printed_full_scale {
             let units = &self.setup.units;
-            let converted = self.full_scale.rig.converted.iter().find(|number| number.path == printed.key);
+            let converted = self.full_scale.rig().converted.iter().find(|number| number.path == printed.key);
             let converted =
                 converted.with_context(|| format!("printed_full_scale.key = `{}`: no such number", printed.key))?;
             let read = |value: f64, unit: &str| -> Result<f64> { Ok(units.parse(unit)?.factor.apply(value)) };

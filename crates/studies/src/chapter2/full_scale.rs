@@ -10,13 +10,13 @@ use water_channel::{CostFile, FlightLog, FlightRequest, FlightSettings, ProfileF
 use super::file::Setup;
 use crate::bat::{MODEL, STAND_IN};
 use crate::reproduction;
+use crate::study_file::NamedText;
 
 /// The files of the rig at full scale.
 #[derive(Debug)]
 pub(crate) struct FullScale {
-    pub(crate) rig: Conversion,
-    profile: Conversion,
-    cost: Conversion,
+    /// Rig, profile and cost.
+    files: [Conversion; 3],
     /// How many numbers came back with other bits after the way there and back.
     pub(crate) changed_on_return: usize,
     pub(crate) n_numbers: usize,
@@ -41,21 +41,21 @@ pub(crate) struct BothScales {
 impl FullScale {
     pub(crate) fn of(setup: &Setup) -> Result<Self> {
         let law = setup.full_scale_law()?;
-        let convert = |(name, text): &(String, String)| {
+        let convert = |file: &NamedText| {
             let options = DocumentOptions { rewrite: Some(Box::new(derived)), ..DocumentOptions::default() };
-            law.convert_document(&setup.units, text, &options).with_context(|| name.clone())
+            law.convert_document(&setup.units, &file.text, &options).with_context(|| file.name.clone())
         };
-        let (rig, profile, cost) =
-            (convert(&setup.texts.rig)?, convert(&setup.texts.profile)?, convert(&setup.texts.cost)?);
+        let [rig, profile, cost] = setup.texts.each_ref().map(convert);
+        let files = [rig?, profile?, cost?];
         let (mut changed_on_return, mut n_numbers) = (0, 0);
-        for converted in [&rig, &profile, &cost] {
+        for converted in &files {
             let back = law.inverse().convert_document(&setup.units, &converted.text, &DocumentOptions::default())?;
             ensure!(back.converted.len() == converted.converted.len(), "a number was lost on the way to full scale");
             n_numbers += converted.converted.len();
             let pairs = converted.converted.iter().zip(&back.converted);
             changed_on_return += pairs.filter(|(there, back)| there.old.to_bits() != back.new.to_bits()).count();
         }
-        let mut full = Self { rig, profile, cost, changed_on_return, n_numbers, flights: Vec::new() };
+        let mut full = Self { files, changed_on_return, n_numbers, flights: Vec::new() };
         for (physics, fidelity) in [("numerical model", MODEL), ("stand-in", STAND_IN)] {
             full.flights.push(full.fly(setup, &law, physics, fidelity)?);
         }
@@ -64,18 +64,16 @@ impl FullScale {
 
     fn fly(&self, setup: &Setup, law: &ScalingLaw, physics: &'static str, fidelity: Fidelity) -> Result<BothScales> {
         let settings = FlightSettings::with_steps(setup.file.release.steps_per_sample);
-        let fly = |rig: &str, profile: &str, cost: &str| -> Result<(FlightLog, f64, f64)> {
+        let fly = |[rig, profile, cost]: [&str; 3]| -> Result<(FlightLog, f64, f64)> {
             let (rig, profile) = (RigFile::parse(rig)?.rig, ProfileFile::parse(profile)?.profile);
             let weights = CostFile::parse(cost)?.weights;
-            let body = rig.plant.body;
+            let ballast = rig.ballast_pct_chord();
             let (flight, log) = fly_logged(&FlightRequest { rig, fidelity }, &profile, &settings, 1)?;
-            let ballast = 100.0 * (body.center_of_mass_x - body.center_of_buoyancy_x);
             Ok((log, weights.cost(&flight?.integrals, ballast).total, profile.duration_s()))
         };
-        let texts = &setup.texts;
-        let (lab, lab_cost, lab_duration) = fly(&texts.rig.1, &texts.profile.1, &texts.cost.1)?;
+        let (lab, lab_cost, lab_duration) = fly(setup.texts.each_ref().map(|file| file.text.as_str()))?;
         let (full, full_cost, full_duration) =
-            fly(&self.rig.text, &self.profile.text, &self.cost.text).context("the flight at full scale")?;
+            fly(self.files.each_ref().map(|file| file.text.as_str())).context("the flight at full scale")?;
         ensure!(
             lab.rows.len() == full.rows.len(),
             "the flights have {} and {} samples",
@@ -95,14 +93,13 @@ impl FullScale {
         })
     }
 
+    pub(crate) fn rig(&self) -> &Conversion {
+        &self.files[0]
+    }
+
     /// Writes the converted files; each reads as a rig, a profile or weights like any other.
     pub(crate) fn save(&self, setup: &Setup, out: &Path) -> Result<()> {
-        let files = [
-            (&setup.texts.rig.0, &self.rig),
-            (&setup.texts.profile.0, &self.profile),
-            (&setup.texts.cost.0, &self.cost),
-        ];
-        for (name, converted) in files {
+        for (NamedText { name, .. }, converted) in setup.texts.iter().zip(&self.files) {
             let head = "# At full scale in air: converted by `cargo xtask reproduce-chapter2` from the file of the same name;\n\
                         # titles and comments are those of the laboratory.\n\n";
             reproduction::save(out, &format!("full-scale/{name}"), &format!("{head}{}", converted.text))?;
@@ -128,8 +125,8 @@ fn derived(number: &Converted) -> Vec<(String, String)> {
 /// The largest difference between two logs, each column in its own unit brought from one scale to the other.
 fn largest_difference(units: &Units, law: &ScalingLaw, lab: &FlightLog, full: &FlightLog) -> Result<(f64, String)> {
     let mut largest = (0.0, String::new());
-    let (lab, full) = (columns(lab)?, columns(full)?);
-    for ((heading, unit), (lab, full)) in headings().iter().zip(lab.iter().zip(&full)) {
+    let (lab, full) = (columns(lab), columns(full));
+    for ((heading, unit), (lab, full)) in FlightLog::columns().iter().zip(lab.iter().zip(&full)) {
         let factor = law.factor(&units.parse(unit)?.dimension)?.to_f64();
         let peak = full.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
         let difference = lab.iter().zip(full).fold(0.0_f64, |most, (lab, full)| most.max((lab * factor - full).abs()));
@@ -141,26 +138,13 @@ fn largest_difference(units: &Units, law: &ScalingLaw, lab: &FlightLog, full: &F
     Ok(largest)
 }
 
-/// Name and unit of each column of a log.
-fn headings() -> Vec<(String, String)> {
-    FlightLog::header()
-        .iter()
-        .map(|heading| {
-            let (name, unit) = heading.split_once(" [").unwrap_or((heading, "1]"));
-            (name.to_owned(), unit.trim_end_matches(']').to_owned())
-        })
-        .collect()
-}
-
-/// The log column by column, through the same text that a person gets.
-fn columns(log: &FlightLog) -> Result<Vec<Vec<f64>>> {
-    let mut text = Vec::new();
-    log.write_csv(&mut text)?;
-    let mut columns = vec![Vec::with_capacity(log.rows.len()); FlightLog::header().len()];
-    for record in csv::Reader::from_reader(text.as_slice()).records() {
-        for (column, cell) in columns.iter_mut().zip(&record?) {
-            column.push(cell.parse()?);
+/// The log column by column.
+fn columns(log: &FlightLog) -> Vec<Vec<f64>> {
+    let mut columns = vec![Vec::with_capacity(log.rows.len()); FlightLog::columns().len()];
+    for row in &log.rows {
+        for (column, number) in columns.iter_mut().zip(row.numbers()) {
+            column.push(number);
         }
     }
-    Ok(columns)
+    columns
 }

@@ -136,7 +136,7 @@ fn between(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
 /// The rig of a model.
 fn rig(setup: &Setup, model: &Model, case: Case) -> Result<Rig> {
     let law = setup.law_to(model)?;
-    let converted = law.convert_document(&setup.units, &setup.texts.rig.1, &DocumentOptions::default())?;
+    let converted = law.convert_document(&setup.units, &setup.texts[0].text, &DocumentOptions::default())?;
     let mut rig = RigFile::parse(&converted.text)?.rig;
     if case == Case::Similar {
         return Ok(rig);

@@ -174,7 +174,7 @@ pub(crate) fn full_scale(findings: &Findings<'_>) -> Table {
         Column::new("full scale", "1"),
         Column::new("ratio", ""),
     ]);
-    for number in &findings.full_scale.rig.converted {
+    for number in &findings.full_scale.rig().converted {
         table.push(vec![
             number.path.clone(),
             number.unit.clone(),

@@ -5,6 +5,7 @@ use water_channel::LogRow;
 use super::findings::{Findings, in_table4};
 use super::panels::{Design, PanelFlights};
 use crate::reproduction::Picture;
+use crate::variable::Variable;
 use page::{Axis, Landscape, LineFigure, Panel, Points, Series, landscape_panels_figure, line_figure};
 
 /// Four landscapes with one scale of colors.
@@ -16,7 +17,7 @@ pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], nam
         .zip('a'..)
         .map(|(panel, letter)| Landscape {
             title: format!("({letter}) {}", panel.configuration.label),
-            x_axis: Axis::new("center of mass", "% chord"),
+            x_axis: Variable::CenterOfMass.axis(),
             y_axis: Axis::new("trim pitch", "deg"),
             z_axis: z_axis.clone(),
             x: setup.center_of_mass.places(),

@@ -7,7 +7,8 @@ use bat_dynamics::{Fidelity, TetherLayout};
 use serde::Deserialize;
 use water_channel::{FlightRequest, FlightSettings, ProfileFile, Record, Rig, RigFile, TestProfile};
 
-use crate::study_file;
+use crate::study_file::{self, check_positive};
+use crate::variable::Variable;
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -60,7 +61,7 @@ impl Range {
         number("lower", self.lower)?;
         number("upper", self.upper)?;
         ensure!(self.lower < self.upper, "{name}.upper = {}: it must be above lower = {}", self.upper, self.lower);
-        ensure!(self.step.is_finite() && self.step > 0.0, "{name}.step = {}: it must be more than zero", self.step);
+        check_positive(&format!("{name}.step"), self.step)?;
         let count = (self.upper - self.lower) / self.step;
         ensure!(
             count <= MOST_PLACES && (count - count.round()).abs() < 1e-6,
@@ -117,8 +118,8 @@ impl Setup {
         for (key, pitch) in [("lower", file.trim_pitch.lower), ("upper", file.trim_pitch.upper)] {
             ensure!(pitch.abs() < 90.0, "trim_pitch.{key} = {pitch}: it must be within 90 to either side");
         }
-        file.center_of_mass.check("center_of_mass", "% chord")?;
-        file.trim_pitch.check("trim_pitch", "deg")?;
+        file.center_of_mass.check("center_of_mass", Variable::CenterOfMass.unit())?;
+        file.trim_pitch.check("trim_pitch", Variable::PitchSetPoint.unit())?;
         for (key, weight) in [("heading", file.cost.heading), ("lateral", file.cost.lateral)] {
             ensure!(weight.is_finite() && weight >= 0.0, "cost.{key} = {weight}: it must be finite and zero or more");
         }
@@ -152,8 +153,8 @@ impl Setup {
     /// A design to be flown: center of mass in per cent of chord, trim pitch in degrees.
     pub(crate) fn request(&self, configuration: &Configuration, design: [f64; 2], fidelity: Fidelity) -> FlightRequest {
         let mut rig = self.rig.clone();
-        rig.plant.body.center_of_mass_x = design[0] / 100.0;
-        rig.set_points.pitch_rad = design[1].to_radians();
+        Variable::CenterOfMass.set(&mut rig, design[0]);
+        Variable::PitchSetPoint.set(&mut rig, design[1]);
         rig.plant.horizontal_stabilizer.incidence_rad = configuration.incidence_deg.to_radians();
         rig.plant.layout = configuration.layout;
         FlightRequest { rig, fidelity }

@@ -6,6 +6,7 @@ use super::panels::{self, PanelFlights};
 use super::{claims, figures, page};
 use crate::bat::{MODEL, STAND_IN};
 use crate::handover::Handover;
+use crate::logged::LOG_EVERY;
 use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use ::page::{Column, Table, write_columns_csv};
 use anyhow::{Context as _, Result};
@@ -59,7 +60,7 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
 pub(crate) fn shown_flight(setup: &Setup, panel: &PanelFlights<'_>) -> Result<FlightLog> {
     let (best, _) = panel.best(|design| in_table4(setup, design)).context("no design of the first panel flies")?;
     let request = setup.request(panel.configuration, best.at, STAND_IN);
-    let (flight, log) = fly_logged(&request, &setup.profile, &setup.settings, 4)?;
+    let (flight, log) = fly_logged(&request, &setup.profile, &setup.settings, LOG_EVERY)?;
     flight?;
     Ok(log)
 }

@@ -1,7 +1,8 @@
 //! What Chapter 4 of the dissertation says, and whether it holds here.
 
 use super::findings::Findings;
-use super::rows::{ERRORS, falls_pct};
+use super::rows::ERRORS;
+use super::seeds::falls_pct;
 use crate::claims::{Claim, Place, Verdict};
 use page::Summary;
 
@@ -51,9 +52,8 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
             "In three iterations the optimum moves aft and to a higher pitch, and the experimental cost falls",
             between(falls && moves(0) && moves(1)),
             format!(
-                "{FITTED} Last row: {:.2} % chord and {:.2} deg, in the dissertation {} and {}. {fall}",
-                last.point[0],
-                last.point[1],
+                "{FITTED} Last row: {}, in the dissertation {} and {}. {fall}",
+                findings.material.setup.sentence(&last.point),
                 published[published.len() - 1].center_of_mass,
                 published[published.len() - 1].pitch_set_point
             ),

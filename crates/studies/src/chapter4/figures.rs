@@ -5,8 +5,11 @@ use water_channel::LogRow;
 use super::file::Setup;
 use super::lattice::Lattice;
 use super::loops::Seeded;
-use super::rows::{Angle, ERRORS, READINGS, Row, Rows, over_seeds};
+use super::rows::{ERRORS, Row, Rows};
+use super::seeds::{Followed, followed, over_seeds};
+use crate::logged::Reading;
 use crate::reproduction::Picture;
+use crate::words::capitalized;
 use page::{
     Axis, Group, Landscape, LineFigure, Panel, Path, Reference, Series, Shaded, SpreadFigure, landscape_figure,
     line_figure, spread_figure,
@@ -22,7 +25,7 @@ pub(crate) struct Material<'a> {
 }
 
 fn column(row: &Row, f: impl Fn(&LogRow) -> f64) -> Vec<f64> {
-    row.log.rows.iter().map(f).collect()
+    row.logged.values(f)
 }
 
 fn time(row: &Row) -> Vec<f64> {
@@ -80,17 +83,17 @@ pub(crate) fn test_profile(m: &Material<'_>) -> Picture {
     }
 }
 
-fn squared(m: &Material<'_>, what: &str, number: u32, error: Angle) -> Picture {
+fn squared(m: &Material<'_>, what: &str, number: u32, error: Reading) -> Picture {
     let (before, after) = (m.rows[0].first(), m.rows[0].last());
     let figure = LineFigure {
-        title: format!("{} error squared, before and after infusion", capital(what)),
+        title: format!("{} error squared, before and after infusion", capitalized(what)),
         x_axis: time_axis(m.setup),
         panels: vec![Panel {
             x_axis: None,
             y_axis: Axis::new(&format!("{what} error squared"), "deg²"),
             series: vec![
-                Series::line(&label("before", before), &time(before), &before.squared_deg2(error)),
-                Series::line(&label("after", after), &time(after), &after.squared_deg2(error)),
+                Series::line(&label(m.setup, "before", before), &time(before), &before.squared_deg2(error)),
+                Series::line(&label(m.setup, "after", after), &time(after), &after.squared_deg2(error)),
             ],
         }],
         shaded: None,
@@ -101,20 +104,15 @@ fn squared(m: &Material<'_>, what: &str, number: u32, error: Angle) -> Picture {
         caption: format!(
             "{} error squared over the test in the stand-in (Figure {number} of the dissertation, where the flights \
              are experiments): mean {:.2} deg² before, {:.2} deg² after.",
-            capital(what),
+            capitalized(what),
             before.mean_squared_deg2(error),
             after.mean_squared_deg2(error)
         ),
     }
 }
 
-fn capital(word: &str) -> String {
-    let mut letters = word.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
-fn label(when: &str, row: &Row) -> String {
-    format!("{when}: iteration {}, {:.2} % chord, {:.2} deg", row.iteration, row.point[0], row.point[1])
+fn label(setup: &Setup, when: &str, row: &Row) -> String {
+    format!("{when}: iteration {}, {}", row.iteration, setup.words(&row.point))
 }
 
 /// Figures 16 to 18.
@@ -128,8 +126,8 @@ fn landscape(m: &Material<'_>, lattice: &Lattice, name: &'static str, title: &st
     let (lowest, cost) = lattice.lowest();
     let figure = Landscape {
         title: title.to_owned(),
-        x_axis: Axis::new("center of mass", "% chord"),
-        y_axis: Axis::new("pitch set point", "deg"),
+        x_axis: m.setup.variable(0).axis(),
+        y_axis: m.setup.variable(1).axis(),
         z_axis: Axis::new("cost J", "s"),
         x,
         y,
@@ -178,41 +176,30 @@ pub(crate) fn landscapes(m: &Material<'_>) -> [Picture; 2] {
 
 /// What noise does to the path.
 pub(crate) fn spreads(m: &Material<'_>) -> Vec<Picture> {
-    const NAMES: [&str; 4] = ["seeds-center-of-mass", "seeds-pitch", "seeds-corrected-cost", "seeds-experiment-cost"];
-    READINGS
-        .iter()
-        .zip(NAMES)
-        .enumerate()
-        .map(|(k, ((what, unit, reading), name))| {
-            let published = |row: &super::file::Table3Row| match k {
-                0 => row.center_of_mass,
-                1 => row.pitch_set_point,
-                2 => row.corrected_cost,
-                _ => row.experiment_cost,
-            };
-            let figure = SpreadFigure {
-                title: format!("{what} over {} noise seeds", m.setup.file.noise.seeds),
-                y_axis: Axis::new(&what.to_lowercase(), unit),
-                groups: m
-                    .seeded
-                    .iter()
-                    .map(|s| Group { label: s.label.clone(), values: over_seeds(m.setup, s, *reading) })
-                    .collect(),
-                reference: Some(Reference {
-                    label: "dissertation, Table 3".to_owned(),
-                    values: m.setup.file.published.iter().map(published).collect(),
-                }),
-            };
-            Picture {
-                name: name.to_owned(),
-                svg: spread_figure(&figure),
-                caption: format!(
-                    "{what} per iteration over {} noise seeds: median, quartiles and extremes; noise within \
-                     ±{} % of J. Rows of iteration 1 were calibrated, the others are predicted.",
-                    m.setup.file.noise.seeds,
-                    100.0 * m.setup.file.noise.share
-                ),
-            }
-        })
-        .collect()
+    let noise = &m.setup.file.noise;
+    let picture = |followed: Followed| {
+        let what = &followed.column.name;
+        let groups =
+            m.seeded.iter().map(|s| Group { label: s.label.clone(), values: over_seeds(m.setup, s, &followed) });
+        let figure = SpreadFigure {
+            title: format!("{what} over {} noise seeds", noise.seeds),
+            y_axis: Axis::new(&what.to_lowercase(), &followed.column.unit),
+            groups: groups.collect(),
+            reference: Some(Reference {
+                label: "dissertation, Table 3".to_owned(),
+                values: m.setup.file.published.iter().map(followed.published).collect(),
+            }),
+        };
+        Picture {
+            name: followed.picture.to_owned(),
+            svg: spread_figure(&figure),
+            caption: format!(
+                "{what} per iteration over {} noise seeds: median, quartiles and extremes; noise within \
+                 ±{} % of J. Rows of iteration 1 were calibrated, the others are predicted.",
+                noise.seeds,
+                100.0 * noise.share
+            ),
+        }
+    };
+    followed(m.setup).map(picture).into()
 }

@@ -3,21 +3,20 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
-use design_space::{Parameter, Region};
+use design_space::Region;
 use infuse::{CodesignProblem, Role, correction::Form, gradient};
 use serde::Deserialize;
 
-use crate::bat::{Bat, Variable};
-use crate::study_file::{self, NoiseEntry, NumericsEntry};
+use crate::bat::Bat;
+use crate::study_file::{self, FilesEntry, NoiseEntry, NumericsEntry, check_positive};
+use crate::variable::{Variable, point_words};
 
 /// The file as written.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StudyFile {
     pub(crate) title: String,
-    rig: String,
-    profile: String,
-    cost: String,
+    files: FilesEntry,
     parameter: Vec<LoopParameter>,
     #[serde(rename = "loop")]
     iterations: LoopEntry,
@@ -104,28 +103,18 @@ impl Setup {
         ensure!(file.published.len() >= 2, "published: {} rows, at least two are needed", file.published.len());
         file.noise.check()?;
         for entry in &file.parameter {
-            ensure!(
-                entry.table_step.is_finite() && entry.table_step > 0.0,
-                "parameter `{}`: table_step = {}: it must be finite and more than zero",
-                entry.name,
-                entry.table_step
-            );
+            check_positive(&format!("parameter `{}`: table_step", entry.name), entry.table_step)?;
         }
-        let variables = file.parameter.iter().map(|p| Variable::named(&p.name, &p.unit)).collect::<Result<Vec<_>>>()?;
-        let parameters = file
-            .parameter
-            .iter()
-            .map(|p| Parameter::continuous(&p.name, &p.unit, p.lower, p.upper))
-            .collect::<std::result::Result<Vec<_>, _>>()?;
+        let pairs = file.parameter.iter().map(|p| Variable::within(&p.name, &p.unit, p.lower, p.upper));
+        let (variables, parameters) = pairs.collect::<Result<(Vec<_>, Vec<_>)>>()?;
         let roles = file.parameter.iter().map(|p| p.role).collect();
         let points = file.parameter.iter().map(|p| (p.upper - p.lower) / p.table_step + 3.0).product::<f64>();
         ensure!(
             points <= MOST_LATTICE_POINTS,
             "table_step: the landscapes would take {points:.0} flights each: at most {MOST_LATTICE_POINTS:.0} are allowed"
         );
-        let steps = file.numerics.steps();
         let problem = CodesignProblem::new(Region::new(parameters)?, roles)?;
-        let bat = Bat::read(directory, [&file.rig, &file.profile, &file.cost], variables, steps)?;
+        let bat = Bat::read(directory, &file.files, variables, &file.numerics)?;
         let setup = Self { file, bat, problem };
         for variant in &setup.file.variant {
             setup
@@ -163,6 +152,21 @@ impl Setup {
     pub(crate) fn experiment_steps(&self) -> String {
         let step = |p: &LoopParameter| format!("{} {} in {}", p.experiment_step, p.unit, p.name.replace('_', " "));
         self.file.parameter.iter().map(step).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Parameter `k`.
+    pub(crate) fn variable(&self, k: usize) -> Variable {
+        self.bat.variables()[k]
+    }
+
+    /// A design with its units, in a list.
+    pub(crate) fn words(&self, point: &[f64]) -> String {
+        point_words(self.bat.variables(), point).join(", ")
+    }
+
+    /// The same in a sentence.
+    pub(crate) fn sentence(&self, point: &[f64]) -> String {
+        point_words(self.bat.variables(), point).join(" and ")
     }
 
     /// Bounds of parameter `k`.

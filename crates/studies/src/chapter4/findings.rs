@@ -1,11 +1,12 @@
 //! What a run of Chapter 4 found, in numbers and in sentences made of them.
 
-use infuse::{CodesignReport, gradient};
+use infuse::{CodesignReport, Outcome, gradient};
 use water_channel::Provenance;
 
 use super::figures::Material;
 use super::file::Table3Row;
-use super::rows::{ERRORS, Rows, fall_pct, falls_pct};
+use super::rows::{ERRORS, Rows, fall_pct};
+use super::seeds::falls_pct;
 use crate::bat::{MODEL, STAND_IN};
 use crate::reproduction::Picture;
 use page::Summary;
@@ -57,41 +58,33 @@ impl Findings<'_> {
             Column::new("Published", "1"),
             Column::new("This run", "1"),
         ]);
+        let setup = &self.material.setup;
+        let named =
+            |what: &str, k: usize| format!("{what}: {}, {}", setup.variable(k).label(), setup.variable(k).unit());
+        let at = |point: &[f64], k: usize| format!("{:.2}", point[k]);
         let rows = [
+            (named("optimum of the numerical model", 0), first.center_of_mass, at(&start.point, 0)),
+            (named("optimum of the numerical model", 1), first.pitch_set_point, at(&start.point, 1)),
             (
-                "optimum of the numerical model: center of mass, % chord",
-                first.center_of_mass,
-                format!("{:.2}", start.point[0]),
-            ),
-            (
-                "optimum of the numerical model: pitch set point, deg",
-                first.pitch_set_point,
-                format!("{:.2}", start.point[1]),
-            ),
-            (
-                "cost of the numerical model at the published optimum, s",
+                "cost of the numerical model at the published optimum, s".to_owned(),
                 first.corrected_cost,
                 cost(first.point(), MODEL),
             ),
-            ("cost in the stand-in at the same point, s", first.experiment_cost, cost(first.point(), STAND_IN)),
             (
-                "best design of the stand-in: center of mass, % chord",
-                last.center_of_mass,
-                format!("{:.2}", self.best.point[0]),
+                "cost in the stand-in at the same point, s".to_owned(),
+                first.experiment_cost,
+                cost(first.point(), STAND_IN),
             ),
+            (named("best design of the stand-in", 0), last.center_of_mass, at(&self.best.point, 0)),
+            (named("best design of the stand-in", 1), last.pitch_set_point, at(&self.best.point, 1)),
             (
-                "best design of the stand-in: pitch set point, deg",
-                last.pitch_set_point,
-                format!("{:.2}", self.best.point[1]),
-            ),
-            (
-                "cost in the stand-in at the published best design, s",
+                "cost in the stand-in at the published best design, s".to_owned(),
                 last.experiment_cost,
                 cost(last.point(), STAND_IN),
             ),
         ];
         for (what, published, ours) in rows {
-            table.push(vec![what.to_owned(), published.to_string(), ours]);
+            table.push(vec![what, published.to_string(), ours]);
         }
         table
     }
@@ -113,12 +106,12 @@ impl Findings<'_> {
         push(
             "last design",
             format!("{} % chord, {} deg", theirs.center_of_mass, theirs.pitch_set_point),
-            format!("{:.2} % chord, {:.2} deg", ours.point[0], ours.point[1]),
+            self.material.setup.words(&ours.point),
         );
         push(
             "corrected cost beside experimental cost, last iteration",
             format!("{} and {}", theirs.corrected_cost, theirs.experiment_cost),
-            format!("{:.3} and {:.3}", ours.corrected_cost, ours.experiment.total),
+            format!("{:.3} and {:.3}", ours.corrected_cost, ours.cost()),
         );
         for seeded in self.material.seeded {
             if let Some(s) = Summary::of(&falls_pct(self.material.setup, seeded)) {
@@ -134,26 +127,43 @@ impl Findings<'_> {
 
     /// Cost of the last design above that of the stand-in's best, in per cent: the regret of the loop.
     pub(crate) fn regret_pct(&self) -> f64 {
-        100.0 * (self.printed().last().experiment.total / self.best.value - 1.0)
+        100.0 * (self.printed().last().cost() / self.best.value - 1.0)
     }
 
     /// The largest fall that the stand-in allows from the first row, in per cent.
     pub(crate) fn room_pct(&self) -> f64 {
-        fall_pct(self.printed().first().experiment.total, self.best.value)
+        fall_pct(self.printed().first().cost(), self.best.value)
     }
 
     pub(crate) fn failures(&self) -> String {
         let m = &self.material;
-        let count = |lattice: &super::lattice::Lattice| lattice.failures.len();
-        let (model, stand_in) = (count(m.model), count(m.stand_in));
         let first = m.model.failures.iter().chain(&m.stand_in.failures).next();
-        let example = first.map_or(String::new(), |(point, reason)| {
-            format!(" The first: at {:.2} % chord and {:.2} deg: {reason}.", point[0], point[1])
-        });
+        let example = first.map_or(String::new(), |failure| format!(" The first: {}.", failure.words));
         format!(
-            "Of the flights of the landscapes, {model} of the model and {stand_in} of the stand-in failed (no trim, a \
-             slack line, or a state outside the model).{example}"
+            "Of the flights of the landscapes, {} of the model and {} of the stand-in failed (no trim, a \
+             slack line, or a state outside the model).{example}{}",
+            m.model.failures.len(),
+            m.stand_in.failures.len(),
+            self.failures_of_the_loops()
         )
+    }
+
+    /// What failed in the campaigns, with and without noise; nothing if nothing did.
+    fn failures_of_the_loops(&self) -> String {
+        let printed = self.material.rows.iter().map(|rows| &rows.campaign);
+        let seeded = self.material.seeded.iter().flat_map(|seeded| &seeded.campaigns).map(|(_, campaign)| campaign);
+        let reports: Vec<&gradient::Report> = printed.chain(seeded).flat_map(|campaign| &campaign.reports).collect();
+        let simulations = reports.iter().flat_map(|report| &report.numerical.failures).map(|failed| &failed.reason);
+        let experiments = reports.iter().flat_map(|report| &report.trials).filter_map(|trial| match &trial.outcome {
+            Some(Outcome::Failed { reason }) => Some(reason),
+            _ => None,
+        });
+        let (n_simulations, n_experiments) = (simulations.clone().count(), experiments.clone().count());
+        simulations.chain(experiments).next().map_or_else(String::new, |first| {
+            format!(
+                " In the loops {n_simulations} simulations and {n_experiments} experiments failed. The first: {first}."
+            )
+        })
     }
 
     pub(crate) fn stops(&self) -> Vec<String> {
@@ -167,8 +177,8 @@ impl Findings<'_> {
             format!(
                 "{}: stopped because {why}; experimental cost {:.3} s, then {:.3} s, {}.",
                 rows.label,
-                rows.first().experiment.total,
-                rows.last().experiment.total,
+                rows.first().cost(),
+                rows.last().cost(),
                 change_words(rows.fall_pct())
             )
         };
@@ -189,7 +199,12 @@ impl Findings<'_> {
         }
         note("ground footprint, mean", before.mean_footprint_m2() * 1e4, after.mean_footprint_m2() * 1e4, "cm²");
         for (k, name) in water_channel::TERM_NAMES.iter().enumerate() {
-            note(&format!("share of the cost from {name}"), before.experiment.terms[k], after.experiment.terms[k], "s");
+            note(
+                &format!("share of the cost from {name}"),
+                before.logged.cost.terms[k],
+                after.logged.cost.terms[k],
+                "s",
+            );
         }
         items
     }
@@ -199,7 +214,7 @@ impl Findings<'_> {
         let wells = self.material.stand_in.wells();
         let list: Vec<String> = wells
             .iter()
-            .map(|(point, cost)| format!("{:.2} % chord and {:.2} deg at {cost:.3} s", point[0], point[1]))
+            .map(|(point, cost)| format!("{} at {cost:.3} s", self.material.setup.sentence(point)))
             .collect();
         format!(
             "On its lattice the cost in the stand-in has {} inside the box: {}. A loop that follows slopes finds one well \

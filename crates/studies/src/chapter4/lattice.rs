@@ -2,19 +2,30 @@
 
 use anyhow::{Result, anyhow};
 use bat_dynamics::Fidelity;
+use design_space::Combinations;
 use interpn::MulticubicRegular;
 
 use super::file::Setup;
+use crate::costs::Cost;
+
+/// A flight without a cost.
+#[derive(Clone, Debug)]
+pub(crate) struct Failure {
+    point: [f64; 2],
+    /// Where and why, in words.
+    pub(crate) words: String,
+}
 
 /// Costs on a lattice that reaches one step beyond the box, so that no interpolation inside the box is one-sided.
 #[derive(Clone, Debug)]
 pub(crate) struct Lattice {
     /// Positions along each parameter.
     pub(crate) axes: [Vec<f64>; 2],
-    /// Costs, the second parameter running fastest; NaN where the flight failed.
+    /// Positions by number; the second parameter runs fastest.
+    positions: Combinations,
+    /// Costs by number; NaN where the flight failed.
     costs: Vec<f64>,
-    /// Why flights failed, with their points.
-    pub(crate) failures: Vec<(Vec<f64>, String)>,
+    pub(crate) failures: Vec<Failure>,
 }
 
 impl Lattice {
@@ -35,22 +46,36 @@ impl Lattice {
 
     pub(crate) fn fly(setup: &Setup, fidelity: Fidelity, done: impl Fn(usize) + Sync) -> Self {
         let axes = Self::axes(setup);
-        let points: Vec<Vec<f64>> = axes[0].iter().flat_map(|x| axes[1].iter().map(move |y| vec![*x, *y])).collect();
+        let positions = Combinations::saturating(axes.each_ref().map(|axis| axis.len() as u64));
+        let point = |number: u64| -> Vec<f64> {
+            axes.iter().zip(positions.digits(number)).map(|(axis, position)| axis[position as usize]).collect()
+        };
+        let points: Vec<Vec<f64>> = (0..positions.len()).map(point).collect();
         let flown = setup.bat.costs(&points, fidelity, done);
-        let failures =
-            points.iter().zip(&flown).filter_map(|(p, cost)| Some((p.clone(), cost.as_ref().err()?.clone()))).collect();
+        let failure = |(point, cost): (&Vec<f64>, &Cost)| {
+            let words = format!("at {}: {}", setup.sentence(point), cost.as_ref().err()?);
+            Some(Failure { point: [point[0], point[1]], words })
+        };
+        let failures = points.iter().zip(&flown).filter_map(failure).collect();
         let costs = flown.into_iter().map(|cost| cost.unwrap_or(f64::NAN)).collect();
-        Self { axes, costs, failures }
+        Self { axes, positions, costs, failures }
+    }
+
+    /// How many flights it took.
+    pub(crate) fn n_flights(&self) -> usize {
+        self.costs.len()
+    }
+
+    fn cost(&self, position: [usize; 2]) -> f64 {
+        self.costs[self.positions.index(&position.map(|place| place as u64)) as usize]
     }
 
     /// Rows of costs for a figure: `rows[j][i]` belongs to the second parameter's j and the first one's i; the box only.
     pub(crate) fn box_rows(&self) -> ([Vec<f64>; 2], Vec<Vec<f64>>) {
-        let inner: [Vec<f64>; 2] = core::array::from_fn(|k| self.axes[k][1..self.axes[k].len() - 1].to_vec());
-        let stride = self.axes[1].len();
-        let rows = (1..stride - 1)
-            .map(|j| (1..self.axes[0].len() - 1).map(|i| self.costs[i * stride + j]).collect())
-            .collect();
-        (inner, rows)
+        let inside = |k: usize| 1..self.axes[k].len() - 1;
+        let axes = core::array::from_fn(|k| self.axes[k][inside(k)].to_vec());
+        let row = |j: usize| inside(0).map(|i| self.cost([i, j])).collect();
+        (axes, inside(1).map(row).collect())
     }
 
     /// The lattice point with the lowest cost inside the box, and that cost.
@@ -94,7 +119,7 @@ impl Lattice {
     pub(crate) fn interpolant(&self) -> Result<impl Fn(&[f64]) -> Result<f64, String> + '_> {
         let dims = [self.axes[0].len(), self.axes[1].len()];
         let starts = [self.axes[0][0], self.axes[1][0]];
-        let steps = core::array::from_fn(|k| {
+        let steps: [f64; 2] = core::array::from_fn(|k| {
             let axis = &self.axes[k];
             (axis[axis.len() - 1] - axis[0]) / (axis.len() - 1) as f64
         });
@@ -102,7 +127,42 @@ impl Lattice {
             .map_err(|reason| anyhow!("the lattice of remembered flights: {reason}"))?;
         Ok(move |point: &[f64]| {
             let cost = cubic.interp_one([point[0], point[1]]).map_err(str::to_owned)?;
-            if cost.is_finite() { Ok(cost) } else { Err("a flight near this point failed".to_owned()) }
+            if cost.is_finite() { Ok(cost) } else { Err(self.failed_near(point, steps)) }
         })
+    }
+
+    /// Why there is no cost at a point: the failed flight nearest to it.
+    fn failed_near(&self, point: &[f64], steps: [f64; 2]) -> String {
+        let distance = |failure: &Failure| -> f64 {
+            let apart = failure.point.iter().zip(point).zip(steps);
+            apart.map(|((a, b), step)| ((a - b) / step).powi(2)).sum()
+        };
+        let nearest = self.failures.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.map_or_else(|| "no cost".to_owned(), |failure| format!("a flight nearby failed, {}", failure.words))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bat::MODEL;
+
+    #[test]
+    fn near_a_flight_that_failed_the_interpolant_says_where_and_why() {
+        let change = |text: String| {
+            let text = text.replace("upper = 51.25", "upper = 90.0").replace("table_step = 0.1", "table_step = 15.0");
+            text.replace("table_step = 0.5", "table_step = 11.0").replace("tolerance = 0.01", "tolerance = 0.1")
+        };
+        let setup = crate::study_file::read_changed("chapter4.toml", Setup::of, change).expect("a study");
+        let lattice = Lattice::fly(&setup, MODEL, |_| {});
+        assert_eq!(lattice.n_flights(), Lattice::size(&setup));
+        let interpolant = lattice.interpolant().expect("large enough");
+        assert!(!lattice.failures.is_empty(), "with a center of mass at 90 % of the chord every design flies");
+        for Failure { point, words } in &lattice.failures {
+            let reason = interpolant(point).expect_err("there was no cost");
+            assert_eq!(reason, format!("a flight nearby failed, {words}"));
+            assert!(words.starts_with(&format!("at {:.2} % chord and {:.2} deg: ", point[0], point[1])), "{words}");
+            assert!(["slack", "trim", "left"].iter().any(|why| words.contains(why)), "{words}");
+        }
     }
 }

@@ -62,7 +62,7 @@ pub(crate) struct Seeded {
 /// Every variant with every noise seed.
 pub(crate) fn seeded(setup: &Setup, model: &Lattice, finished: impl Fn() + Sync) -> Result<Vec<Seeded>> {
     let noise = &setup.file.noise;
-    let seeds: Vec<u64> = (noise.first_seed..noise.first_seed + noise.seeds).collect();
+    let seeds = noise.numbers(noise.seeds);
     let simulate = model.interpolant()?;
     setup
         .file

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use bat_dynamics::Fidelity;
 use rayon::prelude::*;
-use water_channel::{FlightRequest, FlightSettings, fly, fly_all};
+use water_channel::{Flight, FlightError, FlightRequest, FlightSettings, fly, fly_all};
 
 use super::file::Setup;
 use super::loops::optimum;
@@ -69,7 +69,7 @@ pub(crate) fn box_table(setup: &Setup, done: impl Fn(usize) + Sync) -> Table {
         table.push(vec![
             name.to_owned(),
             flown.len().to_string(),
-            (flown.len() - extremes.len()).to_string(),
+            failures(&flown),
             format!("{:.3}", fold(|e| e.smallest_tension_n, f64::min)),
             format!(
                 "{:.1} – {:.1}",
@@ -86,12 +86,20 @@ pub(crate) fn box_table(setup: &Setup, done: impl Fn(usize) + Sync) -> Table {
     table
 }
 
+/// How many flights failed, and why the first of them did.
+fn failures(flown: &[std::result::Result<Flight, FlightError>]) -> String {
+    let mut reasons = flown.iter().filter_map(|flight| flight.as_ref().err());
+    let Some(first) = reasons.next() else { return "0".to_owned() };
+    format!("{}, the first: {first}", 1 + reasons.count())
+}
+
 /// Where the optimum lies with each piece of physics, and what the model's own optimum costs there.
 pub(crate) fn physics_table(setup: &Setup, start: &[f64]) -> Result<Table> {
+    let best = |k| Column::new(&format!("Best {}", setup.variable(k).label()), setup.variable(k).unit());
     let mut table = Table::new(vec![
         Column::new("Physics", ""),
-        Column::new("Best center of mass", "% chord"),
-        Column::new("Best pitch set point", "deg"),
+        best(0),
+        best(1),
         Column::new("Its cost", "s"),
         Column::new("Cost of the model's optimum", "s"),
     ]);
@@ -119,8 +127,9 @@ pub(crate) fn step_table(setup: &Setup, point: &[f64]) -> Result<Table> {
     for (name, fidelity) in FIDELITIES {
         let cost = |steps| -> Result<f64> {
             let settings = FlightSettings::with_steps(steps);
-            let flight = fly(&setup.bat.request(point, fidelity), setup.bat.profile(), &settings)?;
-            Ok(setup.bat.breakdown(point, &flight).total)
+            let request = setup.bat.request(point, fidelity);
+            let flight = fly(&request, setup.bat.profile(), &settings)?;
+            Ok(setup.bat.breakdown(&request.rig, &flight).total)
         };
         let exact = cost(EXACT_STEPS)?;
         let mut row = vec![name.to_owned()];

@@ -10,6 +10,7 @@ mod margins;
 mod page;
 mod rows;
 mod run;
+mod seeds;
 mod tables;
 
 pub(crate) use run::CHAPTER;

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use super::findings::{Findings, change_words};
-use super::rows::falls_pct;
+use super::seeds::falls_pct;
 use super::tables::{Digits, cost_table, flight_table, seed_table, side_by_side, variant_table};
 use crate::bat::{MODEL, STAND_IN};
 use crate::claims::{self, Claim};
 use crate::provenance::provenance_table;
+use crate::reproduction::markdown_list;
 use page::Page;
 use page::Summary;
 
@@ -36,8 +37,6 @@ fn step_caption(findings: &Findings<'_>) -> String {
 
 /// The page of the study.
 pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim]) -> Page {
-    let m = &findings.material;
-    let setup = m.setup;
     let mut page = Page::new("Chapter 4: experimentally infused optimization of a tethered turbine, two parameters");
     claims::begin(&mut page, claims, findings.pictures.iter().find(|picture| picture.name == FIRST));
     page.note(
@@ -51,6 +50,28 @@ pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim]) -> Page {
          five experiments are made at and around its optimum, and the model is corrected by the difference between the \
          measured slope of the cost and its own, with a trust R.",
     );
+    iterations(&mut page, findings);
+    calibrated(&mut page, findings);
+    path(&mut page, findings);
+    before_and_after(&mut page, findings);
+    with_noise(&mut page, findings);
+    page.heading("Margins and step size");
+    page.table(&findings.box_table, BOX_CAPTION);
+    page.table(&findings.step_table, &step_caption(findings));
+    every_number(&mut page, findings);
+    page
+}
+
+/// Pictures by the beginnings of their names.
+fn show(page: &mut Page, findings: &Findings<'_>, names: &str) {
+    let others = findings.pictures.iter().filter(|picture| picture.name != FIRST);
+    for picture in others.filter(|picture| picture.name.starts_with(names)) {
+        picture.show_in(page);
+    }
+}
+
+fn iterations(page: &mut Page, findings: &Findings<'_>) {
+    let setup = findings.material.setup;
     page.heading("The iterations");
     page.table(
         &side_by_side(setup, findings.printed()),
@@ -64,36 +85,38 @@ pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim]) -> Page {
          Table 3 is a prediction of the path, not of where the valley lies.",
     );
     page.paragraph(&format!(
-        "The best design of the stand-in, found by optimizing the stand-in itself, is {:.2} % chord and {:.2} deg at a \
+        "The best design of the stand-in, found by optimizing the stand-in itself, is {} at a \
          cost of {:.3} s; the loop ends {:.1} % above it. Both ends of the valley were calibrated, which leaves room for \
          a fall of at most {:.1} %: that a loop with {} experiments finds its way down there is the prediction.",
-        findings.best.point[0],
-        findings.best.point[1],
+        setup.sentence(&findings.best.point),
         findings.best.value,
         findings.regret_pct(),
         findings.room_pct(),
         findings.printed().n_experiments()
     ));
+}
+
+fn calibrated(page: &mut Page, findings: &Findings<'_>) {
     page.heading("What was calibrated");
     page.table(&findings.calibration_table(), "Numbers that were fitted, with how well the fit is met in this run.");
     page.table(&findings.physics_table, PHYSICS_CAPTION);
     page.paragraph(&findings.identifiability());
+}
 
-    let show = |page: &mut Page, names: &[&str]| {
-        let others = findings.pictures.iter().filter(|picture| picture.name != FIRST);
-        for picture in others.filter(|picture| names.iter().any(|n| picture.name.starts_with(n))) {
-            page.figure(&picture.svg, &picture.caption);
-        }
-    };
+fn path(page: &mut Page, findings: &Findings<'_>) {
+    let m = &findings.material;
     page.heading("Where the loop went");
-    show(&mut page, &["landscape"]);
+    show(page, findings, "landscape");
     page.paragraph(&findings.wells());
     page.paragraph(&findings.failures());
-    page.table(&variant_table(m.rows, Digits::Few), VARIANT_CAPTION);
+    page.table(&variant_table(m.setup, m.rows, Digits::Few), VARIANT_CAPTION);
     page.list(&findings.stops());
+}
+
+fn before_and_after(page: &mut Page, findings: &Findings<'_>) {
     page.heading("Before and after");
     page.list(&findings.what_changed());
-    show(&mut page, &["figure"]);
+    show(page, findings, "figure");
     page.table(
         &cost_table(findings.printed(), Digits::Few),
         "What each design of the printed loop costs in the stand-in. Terms inside the square of (21) share their products, \
@@ -105,8 +128,12 @@ pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim]) -> Page {
          longer. The yaw mode is the least damped oscillation in which azimuth and twist lead, of the sampled closed loop \
          at trim at the first flow speed.",
     );
+}
+
+fn with_noise(page: &mut Page, findings: &Findings<'_>) {
+    let (m, setup) = (&findings.material, findings.material.setup);
     page.heading("With noise");
-    show(&mut page, &["seeds"]);
+    show(page, findings, "seeds");
     page.table(&seed_table(setup, m.seeded), "Median (smallest … largest) over the noise seeds.");
     page.paragraph(&format!(
         "Noise: within ±{} % of J, uniform, one draw per experiment, seeds {} to {}; the bound and the steps of the \
@@ -117,13 +144,14 @@ pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim]) -> Page {
         setup.file.noise.first_seed,
         setup.file.noise.first_seed + setup.file.noise.seeds - 1,
         setup.experiment_steps(),
-        m.model.axes[0].len() * m.model.axes[1].len(),
+        m.model.n_flights(),
         super::findings::CHECKED_POINTS,
         findings.interpolation_error
     ));
-    page.heading("Margins and step size");
-    page.table(&findings.box_table, BOX_CAPTION);
-    page.table(&findings.step_table, &step_caption(findings));
+}
+
+fn every_number(page: &mut Page, findings: &Findings<'_>) {
+    let setup = findings.material.setup;
     page.heading("Every number");
     page.table(
         &provenance_table(&setup.bat.records),
@@ -136,7 +164,6 @@ pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim]) -> Page {
         setup.bat.n_known(MODEL),
         setup.bat.n_known(STAND_IN)
     ));
-    page
 }
 
 /// The results as a page of `docs/`, without anything that differs from run to run.
@@ -160,7 +187,7 @@ pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> String {
          Rows marked calibrated were fitted and reproduce nothing; see [departures](departures.md) for what is ours.\n\n{}\n\
          ## Table 3: dissertation / this run\n\n{}\n\
          The calibrated costs leave room for a fall of at most {:.1} % (from the first row to the stand-in's best design, \
-         {:.2} % chord and {:.2} deg at {:.3} s); the loop takes {:.1} %, the dissertation's {:.1} %.\n\n\
+         {} at {:.3} s); the loop takes {:.1} %, the dissertation's {:.1} %.\n\n\
          ## What was calibrated\n\n{}\n## What moves the optimum\n\n{PHYSICS_CAPTION}\n\n{}\n## What is predicted\n\n{}\n## Where the wells of the stand-in are\n\n{}\n\n## Every loop, without noise\n\n{VARIANT_CAPTION}\n\n{}\n\
          ## What got better and what did not\n\nBefore (iteration 1) and after (last iteration), in the stand-in.\n\n{}\n## Costs of the printed loop's designs in the stand-in\n\n{}\n## How they fly\n\n{}\n\
          ## Over noise seeds\n\nFall of the experimental cost, noise taken off:\n\n{}\n{}\n\
@@ -168,8 +195,7 @@ pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> String {
         claims::beginning(claims),
         side_by_side(m.setup, findings.printed()).markdown(),
         findings.room_pct(),
-        findings.best.point[0],
-        findings.best.point[1],
+        m.setup.sentence(&findings.best.point),
         findings.best.value,
         findings.printed().fall_pct(),
         findings.published_fall_pct(),
@@ -177,8 +203,8 @@ pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> String {
         findings.physics_table.markdown(),
         findings.prediction_table().markdown(),
         findings.wells(),
-        variant_table(m.rows, Digits::Few).markdown(),
-        findings.what_changed().iter().map(|item| format!("- {item}\n")).collect::<String>(),
+        variant_table(m.setup, m.rows, Digits::Few).markdown(),
+        markdown_list(&findings.what_changed()),
         cost_table(findings.printed(), Digits::Few).markdown(),
         flight_table(findings.printed(), Digits::Few).markdown(),
         falls,
@@ -194,32 +220,32 @@ pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> String {
 pub(crate) fn print(findings: &Findings<'_>, out: &Path) {
     let rows = findings.printed();
     let (first, last) = (rows.first(), rows.last());
+    let setup = findings.material.setup;
     println!("\nChapter 4: a wrong model, {} experiments, and what they taught it", rows.n_experiments());
     println!("(dissertation / this run; the water channel is replaced by a surrogate model; lower costs are better)\n");
-    println!("{}\n", side_by_side(findings.material.setup, rows).text());
+    println!("{}\n", side_by_side(setup, rows).text());
     println!(
-        "The numerical model alone would build {:.2} % chord and {:.2} deg and promise a cost of {:.2} s.",
-        first.point[0], first.point[1], first.corrected_cost
+        "The numerical model alone would build {} and promise a cost of {:.2} s.",
+        setup.sentence(&first.point),
+        first.corrected_cost
     );
-    println!("In the stand-in for the water channel that design costs {:.2} s.", first.experiment.total);
+    println!("In the stand-in for the water channel that design costs {:.2} s.", first.cost());
     println!(
-        "After {} iterations the loop builds {:.2} % chord and {:.2} deg, which costs {:.2} s: {:.1} % less \
+        "After {} iterations the loop builds {}, which costs {:.2} s: {:.1} % less \
          (dissertation: {:.1} % less).",
         rows.rows.len(),
-        last.point[0],
-        last.point[1],
-        last.experiment.total,
+        setup.sentence(&last.point),
+        last.cost(),
         rows.fall_pct(),
         findings.published_fall_pct()
     );
     println!(
-        "The best design of the stand-in is {:.2} % chord and {:.2} deg at {:.2} s; the loop ends {:.1} % above it.",
-        findings.best.point[0],
-        findings.best.point[1],
+        "The best design of the stand-in is {} at {:.2} s; the loop ends {:.1} % above it.",
+        setup.sentence(&findings.best.point),
         findings.best.value,
         findings.regret_pct()
     );
-    let pitch_bound = findings.material.setup.bounds(1).1;
+    let pitch_bound = setup.bounds(1).1;
     if (last.point[1] - pitch_bound).abs() < 1e-6 {
         let published = findings.published().last().map_or(f64::NAN, |row| row.pitch_set_point);
         println!(
@@ -229,11 +255,11 @@ pub(crate) fn print(findings: &Findings<'_>, out: &Path) {
     println!(
         "\nWith noise of up to ±{} % on every measured cost, drawn {} times anew; R is how much of the measured slope the \
          loop takes over:",
-        100.0 * findings.material.setup.file.noise.share,
-        findings.material.setup.file.noise.seeds
+        100.0 * setup.file.noise.share,
+        setup.file.noise.seeds
     );
     for seeded in findings.material.seeded {
-        if let Some(s) = Summary::of(&falls_pct(findings.material.setup, seeded)) {
+        if let Some(s) = Summary::of(&falls_pct(setup, seeded)) {
             println!(
                 "  {:22} {} (median); best {}, worst {}",
                 seeded.label,

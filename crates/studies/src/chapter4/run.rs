@@ -4,7 +4,8 @@ use super::figures::Material;
 use super::file::Setup;
 use super::findings::{CHECKED_POINTS, Findings};
 use super::lattice::Lattice;
-use super::rows::{READINGS, Rows};
+use super::rows::Rows;
+use super::seeds::followed;
 use super::tables::Digits;
 use super::{claims, figures, loops, margins, page, tables};
 use crate::bat::{MODEL, STAND_IN};
@@ -112,23 +113,24 @@ pub(crate) fn write(out: &Path, findings: &Findings<'_>) -> Result<()> {
     Handover::new(claims, findings.pictures).save(out)?;
     let m = &findings.material;
     tables::iteration_table(m.setup, &m.rows[0], Digits::All).write_csv(&out.join("table-3.csv"))?;
-    tables::variant_table(m.rows, Digits::All).write_csv(&out.join("loops.csv"))?;
+    tables::variant_table(m.setup, m.rows, Digits::All).write_csv(&out.join("loops.csv"))?;
     tables::cost_table(&m.rows[0], Digits::All).write_csv(&out.join("costs.csv"))?;
     tables::flight_table(&m.rows[0], Digits::All).write_csv(&out.join("flights.csv"))?;
     tables::seed_data(m.setup, m.seeded).write_csv(&out.join("seeds-summary.csv"))?;
     seeds_csv(findings, &out.join("seeds.csv"))?;
     for (lattice, name) in [(m.model, "landscape-model.csv"), (m.stand_in, "landscape-stand-in.csv")] {
-        landscape_csv(lattice, &out.join(name))?;
+        landscape_csv(m.setup, lattice, &out.join(name))?;
     }
     for (row, name) in [(m.rows[0].first(), "flight-before.csv"), (m.rows[0].last(), "flight-after.csv")] {
         let path = out.join(name);
         let file = std::fs::File::create(&path).with_context(|| path.display().to_string())?;
-        row.log.write_csv(std::io::BufWriter::new(file))?;
+        row.logged.log.write_csv(std::io::BufWriter::new(file))?;
     }
     Ok(())
 }
 
-pub(crate) fn landscape_csv(lattice: &Lattice, path: &Path) -> Result<()> {
+pub(crate) fn landscape_csv(setup: &Setup, lattice: &Lattice, path: &Path) -> Result<()> {
+    let column = |k| Column::new(setup.variable(k).label(), setup.variable(k).unit());
     let (axes, rows) = lattice.box_rows();
     let (mut x, mut y, mut z) = (Vec::new(), Vec::new(), Vec::new());
     for (pitch, row) in axes[1].iter().zip(rows) {
@@ -136,28 +138,22 @@ pub(crate) fn landscape_csv(lattice: &Lattice, path: &Path) -> Result<()> {
         y.extend(std::iter::repeat_n(*pitch, row.len()));
         z.extend(row);
     }
-    Ok(write_columns_csv(
-        path,
-        &[
-            (Column::new("center of mass", "% chord"), &x),
-            (Column::new("pitch set point", "deg"), &y),
-            (Column::new("cost", "s"), &z),
-        ],
-    )?)
+    Ok(write_columns_csv(path, &[(column(0), &x), (column(1), &y), (Column::new("cost", "s"), &z)])?)
 }
 
 /// Every iteration of every seed of every loop.
 pub(crate) fn seeds_csv(findings: &Findings<'_>, path: &Path) -> Result<()> {
     let m = &findings.material;
     let mut columns = vec![Column::new("loop", ""), Column::new("seed", "1"), Column::new("iteration", "1")];
-    columns.extend(READINGS.iter().map(|(name, unit, _)| Column::new(name, unit)));
+    let followed = followed(m.setup);
+    columns.extend(followed.iter().map(|followed| followed.column.clone()));
     columns.push(Column::new("Experimental cost as measured", "s"));
     let mut table = ::page::Table::new(columns);
     for seeded in m.seeded {
         for (seed, campaign) in &seeded.campaigns {
             for report in &campaign.reports {
                 let mut row = vec![seeded.label.clone(), seed.to_string(), report.iteration.to_string()];
-                row.extend(READINGS.iter().map(|(_, _, reading)| reading(m.setup, report).to_string()));
+                row.extend(followed.iter().map(|followed| (followed.of)(m.setup, report).to_string()));
                 row.push(report.experiment_cost.map_or(String::new(), |cost| cost.to_string()));
                 table.push(row);
             }

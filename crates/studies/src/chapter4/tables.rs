@@ -2,7 +2,8 @@
 
 use super::file::Setup;
 use super::loops::Seeded;
-use super::rows::{READINGS, Row, Rows, fall_pct, over_seeds};
+use super::rows::{Row, Rows, fall_pct};
+use super::seeds::{followed, over_seeds};
 use page::Summary;
 use page::{Column, Table};
 use water_channel::TERM_NAMES;
@@ -42,8 +43,8 @@ pub(crate) fn side_by_side(setup: &Setup, rows: &Rows) -> Table {
     let mut table = Table::new(vec![
         Column::new("Iteration", "1"),
         Column::new("Row is", ""),
-        Column::new("Center of mass", "% chord"),
-        Column::new("Pitch set point", "deg"),
+        setup.variable(0).column(),
+        setup.variable(1).column(),
         Column::new("Corrected numerical cost", "s"),
         Column::new("Experimental cost", "s"),
         Column::new("Change", "%"),
@@ -57,13 +58,14 @@ pub(crate) fn side_by_side(setup: &Setup, rows: &Rows) -> Table {
 
 /// Ours beside Table 3, a column each.
 pub(crate) fn iteration_table(setup: &Setup, rows: &Rows, digits: Digits) -> Table {
+    let [x, y] = [0, 1].map(|k| setup.variable(k));
     let mut table = Table::new(vec![
         Column::new("Iteration", "1"),
         Column::new("Row is", ""),
-        Column::new("Center of mass, published", "% chord"),
-        Column::new("ours", "% chord"),
-        Column::new("Pitch set point, published", "deg"),
-        Column::new("ours", "deg"),
+        Column::new(&format!("{}, published", x.title()), x.unit()),
+        Column::new("ours", x.unit()),
+        Column::new(&format!("{}, published", y.title()), y.unit()),
+        Column::new("ours", y.unit()),
         Column::new("Corrected numerical cost, published", "1"),
         Column::new("ours", "s"),
         Column::new("Experimental cost, published", "1"),
@@ -86,22 +88,22 @@ pub(crate) fn iteration_table(setup: &Setup, rows: &Rows, digits: Digits) -> Tab
             their(&|row| row.corrected_cost, 2),
             our(&|row| row.corrected_cost, 3),
             their(&|row| row.experiment_cost, 2),
-            our(&|row| row.experiment.total, 3),
+            our(&|row| row.cost(), 3),
             their(&|row| -fall_pct(published[0].experiment_cost, row.experiment_cost), 1),
-            our(&|row| -fall_pct(rows.first().experiment.total, row.experiment.total), 1),
+            our(&|row| -fall_pct(rows.first().cost(), row.cost()), 1),
         ]);
     }
     table
 }
 
 /// Every variant, row by row.
-pub(crate) fn variant_table(all: &[Rows], digits: Digits) -> Table {
+pub(crate) fn variant_table(setup: &Setup, all: &[Rows], digits: Digits) -> Table {
     let mut table = Table::new(vec![
         Column::new("Loop", ""),
         Column::new("Iteration", "1"),
         Column::new("Row is", ""),
-        Column::new("Center of mass", "% chord"),
-        Column::new("Pitch set point", "deg"),
+        setup.variable(0).column(),
+        setup.variable(1).column(),
         Column::new("Model alone", "s"),
         Column::new("Model corrected", "s"),
         Column::new("Experiment", "s"),
@@ -119,8 +121,8 @@ pub(crate) fn variant_table(all: &[Rows], digits: Digits) -> Table {
                 digits.show(row.point[1], 2),
                 digits.show(row.model_cost, 3),
                 digits.show(row.corrected_cost, 3),
-                digits.show(row.experiment.total, 3),
-                digits.show(-fall_pct(rows.first().experiment.total, row.experiment.total), 1),
+                digits.show(row.cost(), 3),
+                digits.show(-fall_pct(rows.first().cost(), row.cost()), 1),
                 row.n_experiments.to_string(),
                 row.n_simulations.to_string(),
             ]);
@@ -137,7 +139,7 @@ pub(crate) fn cost_table(rows: &Rows, digits: Digits) -> Table {
     let mut table = Table::new(columns);
     for row in &rows.rows {
         let mut cells = vec![row.iteration.to_string()];
-        cells.extend(row.experiment.terms.iter().chain([&row.experiment.total]).map(|term| digits.show(*term, 3)));
+        cells.extend(row.logged.cost.terms.iter().chain([&row.cost()]).map(|term| digits.show(*term, 3)));
         table.push(cells);
     }
     table
@@ -158,12 +160,12 @@ pub(crate) fn flight_table(rows: &Rows, digits: Digits) -> Table {
         Column::new("frequency", "rad/s"),
     ]);
     for row in &rows.rows {
-        let extremes = &row.flight.extremes;
+        let extremes = &row.logged.flight.extremes;
         let mean = row.mean_footprint_m2();
         table.push(vec![
             row.iteration.to_string(),
             digits.show(mean * 1e4, 1),
-            digits.show(row.flight.trim_footprint_m2() * 1e4, 1),
+            digits.show(row.logged.flight.trim_footprint_m2() * 1e4, 1),
             // Areas grow with the square of the scale, 1/100.
             digits.show(mean * 1e4, 1),
             digits.show(extremes.peak_heading_rad.to_degrees(), 1),
@@ -180,7 +182,7 @@ pub(crate) fn flight_table(rows: &Rows, digits: Digits) -> Table {
 /// Median and spread over the seeds, in one cell each.
 pub(crate) fn seed_table(setup: &Setup, all: &[Seeded]) -> Table {
     let mut columns = vec![Column::new("Loop", ""), Column::new("Iteration", "1"), Column::new("Row is", "")];
-    columns.extend(READINGS.iter().map(|(name, unit, _)| Column::new(name, unit)));
+    columns.extend(followed(setup).map(|followed| followed.column));
     let mut table = Table::new(columns);
     for (start, summaries) in seed_summaries(setup, all) {
         let cells = summaries.iter().map(|s| {
@@ -195,9 +197,9 @@ pub(crate) fn seed_table(setup: &Setup, all: &[Seeded]) -> Table {
 /// The same as data: a column for each statistic.
 pub(crate) fn seed_data(setup: &Setup, all: &[Seeded]) -> Table {
     let mut columns = vec![Column::new("Loop", ""), Column::new("Iteration", "1"), Column::new("Row is", "")];
-    for (name, unit, _) in READINGS {
+    for Column { name, unit, .. } in followed(setup).map(|followed| followed.column) {
         let statistics = ["minimum", "lower quartile", "median", "upper quartile", "maximum"];
-        columns.extend(statistics.map(|what| Column::new(&format!("{name}, {what}"), unit)));
+        columns.extend(statistics.map(|what| Column::new(&format!("{name}, {what}"), &unit)));
     }
     let mut table = Table::new(columns);
     for (start, summaries) in seed_summaries(setup, all) {
@@ -211,9 +213,9 @@ pub(crate) fn seed_data(setup: &Setup, all: &[Seeded]) -> Table {
 
 /// Loop, iteration and standing, and the summary of each reading over the seeds.
 pub(crate) fn seed_summaries(setup: &Setup, all: &[Seeded]) -> Vec<([String; 3], Vec<Summary>)> {
-    let mut rows = Vec::new();
+    let (followed, mut rows) = (followed(setup), Vec::new());
     for seeded in all {
-        let readings = READINGS.map(|(_, _, reading)| over_seeds(setup, seeded, reading));
+        let readings = followed.each_ref().map(|followed| over_seeds(setup, seeded, followed));
         for k in 0..readings[0].len() {
             let start = [seeded.label.clone(), (k + 1).to_string(), standing(k + 1).to_owned()];
             rows.push((start, readings.iter().filter_map(|reading| Summary::of(&reading[k])).collect()));

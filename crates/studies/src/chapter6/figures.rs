@@ -9,9 +9,6 @@ use crate::gridded::{IterationAccuracy, NORMS, NormAccuracy, Q2, cell_panel, des
 use crate::reproduction::Picture;
 use page::{Axis, CellFigure, CellPanel, ColorScale, LineFigure, Panel, Series, cell_figure, line_figure};
 
-/// Samples per row of a flight log: 0.1 s.
-const LOG_EVERY: usize = 4;
-
 /// Everything there is to look at.
 pub(crate) fn all(findings: &Findings) -> Result<Vec<Picture>> {
     let mut pictures = Vec::new();
@@ -45,23 +42,17 @@ fn file_name(words: &str) -> String {
         .join("-")
 }
 
-fn axis(name: &str, unit: &str) -> Axis {
-    Axis::new(&name.replace('_', " "), unit)
-}
-
 /// Figure 20: the designs and the combined response at the first, a middle and the last iteration.
 fn designs(findings: &Findings, ended: &Ended) -> Result<Picture> {
     let setup = &findings.setup;
     let space = &setup.spaces[ended.case.space].space;
-    let region = space.region();
     let reports = ended.campaign.reports();
     let mut panels = Vec::new();
     for index in chosen(reports.len()) {
         let (report, surfaces) = (&reports[index], &ended.campaign.surfaces()[index]);
         let retained = ended.campaign.retained_at(report.iteration).context("a closed iteration")?;
         let truth = &findings.flown[ended.case.space].truths[ended.case.truth];
-        let coded = |cell: usize| -> Result<Vec<f64>> { Ok(region.coded(&space.point(cell)?)?) };
-        let combined = |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&coded(cell)?)) };
+        let combined = |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&space.coded(cell)?)) };
         let share = 100.0 * retained.share();
         panels.push(CellPanel {
             title: format!("iteration {}: true cost where {share:.1} % is left, and designs", report.iteration),
@@ -76,12 +67,12 @@ fn designs(findings: &Findings, ended: &Ended) -> Result<Picture> {
             ..cell_panel(space, &retained, combined)?
         });
     }
-    let [x, y] = [0, 1].map(|k| &region.parameters()[k]);
+    let [x, y] = [0, 1].map(|k| space.variables[k]);
     let truth = &setup.truth(ended.case.truth).label;
     let figure = CellFigure {
         title: format!("{}, {truth}: designs and combined response", setup.variant(ended.case).label),
-        x_axis: axis(x.name(), x.unit()),
-        y_axis: axis(y.name(), y.unit()),
+        x_axis: x.axis(),
+        y_axis: y.axis(),
         z_axis: Axis::new("cost J", "s").with_colors(ColorScale::EqualShares),
         panels,
         missing_label: "dropped by a z-test".to_owned(),
@@ -229,11 +220,11 @@ fn flights(findings: &Findings, ended: &Ended) -> Result<Picture> {
     let (first, last) = (reports.first().context("an iteration")?, reports.last().context("an iteration")?);
     let mut panels = [("heading", Vec::new()), ("zenith angle", Vec::new())];
     for (when, report) in [("first", first), ("last", last)] {
-        let (_, log) = space.bat.logged(&report.screening.optimum, truth.fidelity(), LOG_EVERY)?;
-        let t: Vec<f64> = log.rows.iter().map(|row| row.time_s).collect();
+        let logged = space.bat.logged(&report.screening.optimum, truth.fidelity())?;
+        let t = logged.times();
         let label = format!("{when} optimum: {}", findings.point_words(ended.case.space, &report.screening.optimum));
-        let heading: Vec<f64> = log.rows.iter().map(|row| row.heading_rad.to_degrees()).collect();
-        let zenith: Vec<f64> = log.rows.iter().map(|row| row.state[0].to_degrees()).collect();
+        let heading = logged.values(|row| row.heading_rad.to_degrees());
+        let zenith = logged.values(|row| row.zenith_rad().to_degrees());
         panels[0].1.push(Series::line(&label, &t, &heading));
         panels[1].1.push(Series::line(&label, &t, &zenith));
     }

@@ -13,22 +13,20 @@ use serde::Deserialize;
 use crate::bat::{Bat, MODEL};
 use crate::gridded::{Regressor, Space};
 use crate::reproduction::Extent;
-use crate::study_file::{self, NumericsEntry, ParameterEntry, check_labels, check_share};
+use crate::study_file::{self, BatchEntry, FilesEntry, NumericsEntry, ParameterEntry, check_labels, check_share};
 
 /// The file as written.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StudyFile {
     pub(crate) title: String,
-    rig: String,
-    profile: String,
-    cost: String,
+    files: FilesEntry,
     parameter: Vec<ParameterEntry>,
     space: Vec<SpaceEntry>,
     truth: Vec<TruthEntry>,
     #[serde(rename = "loop")]
     pub(crate) iterations: LoopEntry,
-    pub(crate) noise: NoiseEntry,
+    pub(crate) noise: NoiseLevels,
     variant: Vec<Variant>,
     numerics: NumericsEntry,
 }
@@ -41,10 +39,7 @@ pub(crate) struct SpaceEntry {
     parameters: Vec<String>,
     levels: u32,
     full_levels: u32,
-    pub(crate) experiments: usize,
-    pub(crate) simulations: usize,
-    pub(crate) experiment_weight: f64,
-    pub(crate) simulation_weight: f64,
+    pub(crate) batch: BatchEntry,
 }
 
 /// What takes the place of experiments.
@@ -84,9 +79,10 @@ pub(crate) struct LoopEntry {
     pub(crate) seed: u64,
 }
 
+/// The noise of experiments: its largest shares of the range, each drawn with one seed.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct NoiseEntry {
+pub(crate) struct NoiseLevels {
     pub(crate) shares: Vec<f64>,
     pub(crate) seed: u64,
 }
@@ -166,7 +162,6 @@ impl Setup {
             let known = file.noise.shares.iter().any(|share| share.to_bits() == only.noise.to_bits());
             ensure!(known, "variant.only.noise = {}: it must be one of noise.shares", only.noise);
         }
-        let steps = file.numerics.steps();
         let spaces = file
             .space
             .iter()
@@ -178,8 +173,7 @@ impl Setup {
                 // Both, so that a slip is not found out after a day.
                 let (default, full) = (of(entry.levels)?, of(entry.full_levels).context("full_levels")?);
                 let space = if extent == Extent::Full { full } else { default };
-                let files = [file.rig.as_str(), &file.profile, &file.cost];
-                let bat = Bat::read(directory, files, space.variables.clone(), steps)?;
+                let bat = Bat::read(directory, &file.files, space.variables.clone(), &file.numerics)?;
                 Ok(SpaceSetup { entry: entry.clone(), space, bat })
             })
             .collect::<Result<Vec<_>>>()?;
@@ -243,9 +237,7 @@ impl Setup {
         let SpaceSetup { entry, space, .. } = &self.spaces[case.space];
         let regressor = variant.model.unwrap_or(file.iterations.model);
         let model = regressor.model(space.region().n_parameters())?;
-        let mut settings = global::Settings::new(model, entry.experiments, entry.simulations);
-        settings.experiment_weight = entry.experiment_weight;
-        settings.simulation_weight = entry.simulation_weight;
+        let mut settings = entry.batch.settings(model);
         settings.confidence = file.iterations.confidence;
         settings.correction = Rule::new(variant.law, variant.gain);
         settings.max_iterations = file.iterations.iterations;

@@ -52,13 +52,6 @@ impl Findings {
 
     /// A point with its units.
     pub(crate) fn point_words(&self, space: usize, point: &[f64]) -> String {
-        let parameters = self.setup.spaces[space].space.region().parameters();
-        let words = parameters.iter().zip(point).map(|(parameter, x)| match parameter.name() {
-            "center_of_mass" => format!("{x:.2} % chord"),
-            "pitch_set_point" => format!("{x:.2} deg"),
-            "horizontal_area" => format!("A^H {x:.2}"),
-            _ => format!("A^V {x:.2}"),
-        });
-        words.collect::<Vec<_>>().join(", ")
+        self.setup.spaces[space].space.words(point)
     }
 }

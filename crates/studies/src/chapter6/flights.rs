@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use infuse::global;
-use water_channel::{LogRow, footprint_m2};
+use water_channel::LogRow;
 
 use super::campaigns::Ended;
 use super::file::{Case, Setup};
@@ -35,14 +35,12 @@ fn before_after(setup: &Setup, ended: &Ended) -> Result<BeforeAfter> {
     let fly = |report: Option<&global::Report>| -> Result<Flown> {
         let point = report.context("no iteration was made")?.screening.optimum.clone();
         let bat = &setup.spaces[space].bat;
-        let (flight, log) = bat.logged(&point, setup.truth(truth).fidelity(), 4)?;
-        let n = log.rows.len() as f64;
-        let mean = |f: &dyn Fn(&LogRow) -> f64| log.rows.iter().map(f).sum::<f64>() / n;
+        let logged = bat.logged(&point, setup.truth(truth).fidelity())?;
         Ok(Flown {
-            cost: bat.breakdown(&point, &flight).total,
-            heading_deg2: mean(&|row| row.heading_rad.to_degrees().powi(2)),
-            zenith_deg: mean(&|row| row.state[0].to_degrees()),
-            footprint_m2: mean(&|row| footprint_m2((row.state[6] + row.state[7] + row.state[8]) / 3.0, row.state[0])),
+            cost: logged.cost.total,
+            heading_deg2: logged.mean(|row| row.heading_rad.to_degrees().powi(2)),
+            zenith_deg: logged.mean(|row| row.zenith_rad().to_degrees()),
+            footprint_m2: logged.mean(LogRow::footprint_m2),
             point,
         })
     };

@@ -89,10 +89,10 @@ fn loop_words(findings: &Findings) -> String {
         .spaces
         .iter()
         .map(|space| {
-            let entry = &space.entry;
+            let (entry, batch) = (&space.entry, &space.entry.batch);
             format!(
                 "{}: {} experiments and {} simulations an iteration with weights {} and {}",
-                entry.label, entry.experiments, entry.simulations, entry.experiment_weight, entry.simulation_weight
+                entry.label, batch.experiments, batch.simulations, batch.experiment_weight, batch.simulation_weight
             )
         })
         .collect();

@@ -1,6 +1,7 @@
 //! The loop with one regressor: once without noise, and once for each seed of it.
 
 use anyhow::{Context as _, Result};
+use design_space::Cell;
 use infuse::global;
 use rayon::prelude::*;
 
@@ -21,10 +22,10 @@ pub(crate) struct Step {
 pub(crate) struct Steps(pub(crate) Vec<Step>);
 
 impl Steps {
-    fn of(campaign: &global::Loop, rig: &SurrogateRig<'_>) -> Result<Self> {
+    fn of(campaign: &global::Loop, rig: &SurrogateRig<'_>) -> Self {
         let reports = campaign.reports();
-        let cells = reports.iter().map(|report| Ok(usize::try_from(report.screening.optimum_cell.index())?));
-        let costs = rig.truth.costs(&cells.collect::<Result<Vec<_>>>()?);
+        let optima: Vec<Cell> = reports.iter().map(|report| report.screening.optimum_cell).collect();
+        let costs = rig.truth.costs(&optima);
         let steps = reports.iter().zip(costs).map(|(report, cost)| {
             let screening = &report.screening;
             Step {
@@ -33,7 +34,7 @@ impl Steps {
                 share: 100.0 * screening.n_after as f64 / rig.space.n_cells() as f64,
             }
         });
-        Ok(Self(steps.collect()))
+        Self(steps.collect())
     }
 
     /// Of the last iteration that was made.
@@ -68,7 +69,7 @@ impl Runs {
         rig.prepare(settings, designs)?;
         let run = |rig: SurrogateRig<'_>| -> Result<(Steps, global::Loop)> {
             let campaign = rig.run(settings, designs, &iterated)?;
-            Ok((Steps::of(&campaign, &rig)?, campaign))
+            Ok((Steps::of(&campaign, &rig), campaign))
         };
         let noisy = || -> Result<Vec<Steps>> {
             seeds.par_iter().map(|seed| Ok(run(SurrogateRig { seed: *seed, ..*rig })?.0)).collect()
@@ -102,19 +103,10 @@ mod tests {
 
     use super::*;
     use crate::gridded::Space;
-    use crate::study_file::ParameterEntry;
 
     #[test]
     fn the_median_is_one_campaign() {
-        let entry = |name: &str, unit: &str| ParameterEntry {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            lower: 46.0,
-            upper: 52.0,
-        };
-        let entries = [entry("center_of_mass", "% chord"), entry("pitch_set_point", "deg")];
-        let names = entries.each_ref().map(|entry| entry.name.clone());
-        let space = Space::of(&entries, &names, 7).expect("a space");
+        let space = Space::of_two([46.0, 52.0], [46.0, 52.0], 7);
         let settings = global::Settings::new(Model::additive_quadratic(2).expect("a model"), 12, 24);
         let quiet_campaign = global::Loop::new(space.region(), settings).expect("a campaign");
         let steps = |cost: f64| Steps(vec![Step { point: Vec::new(), cost, share: 50.0 }]);

@@ -6,9 +6,9 @@ use super::campaigns::Step;
 use super::file::Case;
 use super::findings::{Findings, Found, shares};
 use super::flights::{ALTITUDE, Flown, HEADING, PITCH, Quantity, ROLL, ZENITH};
-use super::tables::{point_words, variable_words};
 use crate::gridded::{cell_panel, design_points};
 use crate::reproduction::Picture;
+use crate::words::number;
 use page::Column;
 use page::{
     Axis, CellFigure, CellPanel, ColorScale, Group, LineFigure, Panel, Reference, Series, SpreadFigure, cell_figure,
@@ -65,15 +65,13 @@ pub(crate) fn all(findings: &Findings) -> Result<Vec<Picture>> {
 /// Figure 23: the runs of every iteration and the combined response surface.
 fn designs(case: &Case, found: &Found) -> Result<Picture> {
     let space = &case.space;
-    let region = space.region();
     let campaign = &found.main().quiet_campaign;
     let mut panels = Vec::new();
     for (report, surfaces) in campaign.reports().iter().zip(campaign.surfaces()) {
         let retained = campaign.retained_at(report.iteration).context("a closed iteration")?;
         let share = shares(campaign, report.iteration).unwrap_or(f64::NAN);
         let truth = |cell| Ok(found.truth.cost(cell).clone().unwrap_or(f64::NAN));
-        let combined =
-            |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&region.coded(&space.point(cell)?)?)) };
+        let combined = |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&space.coded(cell)?)) };
         let (x, y) = (report.screening.optimum[0], report.screening.optimum[1]);
         panels.push(CellPanel {
             title: format!("iteration {}: runs, true cost, {share:.1} % left", report.iteration),
@@ -86,11 +84,11 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
             ..cell_panel(space, &retained, combined)?
         });
     }
-    let [x, y] = [0, 1].map(|k| variable_words(space.variables[k]));
+    let [x, y] = [0, 1].map(|k| space.variables[k]);
     let figure = CellFigure {
         title: format!("{}, {}: runs and combined response", case.entry.label, found.main().label),
-        x_axis: Axis::new(&x.0.to_lowercase(), x.1),
-        y_axis: Axis::new(&y.0.to_lowercase(), y.1),
+        x_axis: x.axis(),
+        y_axis: y.axis(),
         z_axis: Axis::new("cost J", "s").with_colors(ColorScale::EqualShares),
         panels,
         missing_label: "dropped by a z-test".to_owned(),
@@ -109,7 +107,7 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
 /// How the numerical and the infused optimum fly in the stand-in.
 fn flights(case: &Case, found: &Found, figure: &FlightFigure) -> Picture {
     let both = [("numerical optimum", &found.flights.before), ("infused optimum", &found.flights.after)];
-    let label = |name: &str, point: &[f64]| format!("{name}: {}", point_words(case, point));
+    let label = |name: &str, point: &[f64]| format!("{name}: {}", case.space.words(point));
     let panel = |axis: Axis, map: &dyn Fn(&Flown) -> Vec<f64>| Panel {
         x_axis: None,
         y_axis: axis,
@@ -126,12 +124,12 @@ fn flights(case: &Case, found: &Found, figure: &FlightFigure) -> Picture {
         if *is_error {
             let axis = Axis::new(&format!("{name}²"), &format!("{unit}²"));
             panels.push(panel(axis, &|flown| flown.values(quantity).iter().map(|value| value * value).collect()));
-            let [a, b] = both.map(|(_, flown)| flown.mean_square(quantity));
-            means.push(format!("mean square of the {name} {a:.3} {unit}² before, {b:.3} {unit}² after"));
+            let [a, b] = both.map(|(_, flown)| number(flown.mean_square(quantity), 3));
+            means.push(format!("mean square of the {name} {a} {unit}² before, {b} {unit}² after"));
         }
         if *has_mean {
-            let [a, b] = both.map(|(_, flown)| flown.mean(quantity));
-            means.push(format!("mean {name} {a:.2} {unit} before, {b:.2} {unit} after"));
+            let [a, b] = both.map(|(_, flown)| number(flown.mean(quantity), 2));
+            means.push(format!("mean {name} {a} {unit} before, {b} {unit} after"));
         }
     }
     let names: Vec<&str> = figure.quantities.iter().map(|quantity| quantity.name).collect();
@@ -149,7 +147,7 @@ fn flights(case: &Case, found: &Found, figure: &FlightFigure) -> Picture {
              infused optimum is the last one of the loop without noise.",
             figure.number,
             figure.says,
-            means.join("; ").replace('-', "−")
+            means.join("; ")
         ),
     }
 }
@@ -159,8 +157,7 @@ fn spreads(findings: &Findings, case: &Case, found: &Found) -> Vec<Picture> {
     type Reading<'a> = Box<dyn Fn(&Step) -> f64 + 'a>;
     let mut quantities: Vec<(Column, Reading<'_>)> = Vec::new();
     for (k, variable) in case.space.variables.iter().enumerate() {
-        let (name, unit) = variable_words(*variable);
-        quantities.push((Column::new(name, unit), Box::new(move |step| step.point[k])));
+        quantities.push((variable.column(), Box::new(move |step| step.point[k])));
     }
     let n_variables = quantities.len();
     quantities.push((Column::new("Space left", "%"), Box::new(|step| step.share)));

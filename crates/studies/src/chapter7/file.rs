@@ -10,18 +10,17 @@ use infuse::{
 use serde::Deserialize;
 use water_channel::{CostFile, Record};
 
-use crate::bat::{Bat, MODEL, Variable};
+use crate::bat::Bat;
 use crate::gridded::{Regressor, Space};
-use crate::study_file::{self, NoiseEntry, NumericsEntry, ParameterEntry, check_seeds};
+use crate::study_file::{self, BatchEntry, FilesEntry, NoiseEntry, NumericsEntry, ParameterEntry, check_seeds};
+use crate::variable::Variable;
 
 /// The file as written.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StudyFile {
     pub(crate) title: String,
-    rig: String,
-    profile: String,
-    cost: String,
+    files: FilesEntry,
     /// The other weights, to be shown beside these.
     cost_of_chapter4: String,
     parameter: Vec<ParameterEntry>,
@@ -45,10 +44,7 @@ pub(crate) struct CaseEntry {
     pub(crate) levels: u32,
     /// Levels of the grid that is flown in whole.
     pub(crate) flown_levels: u32,
-    pub(crate) experiments: usize,
-    pub(crate) simulations: usize,
-    pub(crate) experiment_weight: f64,
-    pub(crate) simulation_weight: f64,
+    pub(crate) batch: BatchEntry,
     pub(crate) iterations: usize,
 }
 
@@ -182,7 +178,7 @@ impl Setup {
             .map(|entry| Case::of(&file, entry, directory).with_context(|| format!("case `{}`", entry.label)));
         let cases = cases.collect::<Result<Vec<_>>>()?;
         let weights = |name: &str| -> Result<_> { Ok(CostFile::read(directory.join(name))?.records) };
-        let weights = [weights(&file.cost)?, weights(&file.cost_of_chapter4)?];
+        let weights = [weights(&file.files.cost)?, weights(&file.cost_of_chapter4)?];
         let setup = Self { file, cases, weights };
         for case in &setup.cases {
             for variant in &setup.file.variant {
@@ -197,9 +193,7 @@ impl Setup {
     pub(crate) fn settings(&self, case: &Case, variant: &Variant) -> Result<global::Settings> {
         let entry = &case.entry;
         let model = variant.model.model(case.space.region().n_parameters())?;
-        let mut settings = global::Settings::new(model, entry.experiments, entry.simulations);
-        settings.experiment_weight = entry.experiment_weight;
-        settings.simulation_weight = entry.simulation_weight;
+        let mut settings = entry.batch.settings(model);
         settings.confidence = self.file.rule.confidence;
         settings.correction = Rule::new(self.file.rule.law, self.file.rule.gain);
         settings.max_iterations = entry.iterations;
@@ -213,11 +207,8 @@ impl Case {
         let space = Space::of(&file.parameter, &entry.parameters, entry.levels)?;
         let flown = Space::of(&file.parameter, &entry.parameters, entry.flown_levels).context("flown_levels")?;
         ensure!(entry.parameters.len() >= 2, "parameters: at least two are needed");
-        let steps = file.numerics.steps();
-        let files = [file.rig.as_str(), &file.profile, &file.cost];
-        let bat = Bat::read(directory, files, space.variables.clone(), steps)?;
-        let center = space.region().center();
-        let center_of_buoyancy = 100.0 * bat.request(&center, MODEL).rig.plant.body.center_of_buoyancy_x;
+        let bat = Bat::read(directory, &file.files, space.variables.clone(), &file.numerics)?;
+        let center_of_buoyancy = bat.center_of_buoyancy();
 
         let rows = file.published.iter().filter(|row| row.table == entry.table).enumerate();
         let rows = rows.map(|(number, row)| {

@@ -1,13 +1,10 @@
 //! How a design flies in the stand-in.
 
 use anyhow::Result;
-use water_channel::{FlightLog, LogRow};
 
 use super::file::Case;
 use crate::bat::STAND_IN;
-
-/// Samples per row of a flight log: 0.1 s.
-const LOG_EVERY: usize = 4;
+use crate::logged::{Logged, Reading};
 
 /// What Figures 24 and 26 to 28 show, with a name and a unit.
 pub(crate) struct Quantity {
@@ -17,7 +14,7 @@ pub(crate) struct Quantity {
     pub(crate) is_error: bool,
     /// Whether its mean says something: the error of what is controlled to zero has none worth a word.
     pub(crate) has_mean: bool,
-    pub(crate) of: fn(&LogRow) -> f64,
+    pub(crate) of: Reading,
 }
 
 pub(crate) const HEADING: Quantity =
@@ -41,7 +38,7 @@ pub(crate) const ZENITH: Quantity = Quantity {
     unit: "deg",
     is_error: false,
     has_mean: true,
-    of: |row| row.state[0].to_degrees(),
+    of: |row| row.zenith_rad().to_degrees(),
 };
 pub(crate) const ALTITUDE: Quantity = Quantity {
     name: "altitude error",
@@ -56,33 +53,29 @@ pub(crate) const ALTITUDE: Quantity = Quantity {
 pub(crate) struct Flown {
     pub(crate) point: Vec<f64>,
     pub(crate) cost: f64,
-    log: FlightLog,
+    logged: Logged,
 }
 
 impl Flown {
     pub(crate) fn fly(case: &Case, point: &[f64]) -> Result<Self> {
-        let (flight, log) = case.bat.logged(point, STAND_IN, LOG_EVERY)?;
-        Ok(Self { point: point.to_vec(), cost: case.bat.breakdown(point, &flight).total, log })
+        let logged = case.bat.logged(point, STAND_IN)?;
+        Ok(Self { point: point.to_vec(), cost: logged.cost.total, logged })
     }
 
     pub(crate) fn times(&self) -> Vec<f64> {
-        self.log.rows.iter().map(|row| row.time_s).collect()
+        self.logged.times()
     }
 
     pub(crate) fn values(&self, quantity: &Quantity) -> Vec<f64> {
-        self.log.rows.iter().map(quantity.of).collect()
-    }
-
-    fn mean_of(&self, f: impl Fn(&LogRow) -> f64) -> f64 {
-        self.log.rows.iter().map(f).sum::<f64>() / self.log.rows.len() as f64
+        self.logged.values(quantity.of)
     }
 
     pub(crate) fn mean(&self, quantity: &Quantity) -> f64 {
-        self.mean_of(quantity.of)
+        self.logged.mean(quantity.of)
     }
 
     pub(crate) fn mean_square(&self, quantity: &Quantity) -> f64 {
-        self.mean_of(|row| (quantity.of)(row).powi(2))
+        self.logged.mean(|row| (quantity.of)(row).powi(2))
     }
 
     pub(crate) fn means(&self) -> Means {
@@ -111,9 +104,9 @@ pub(crate) struct Means {
 }
 
 /// A mean by name, unit and value.
-pub(crate) type Reading = (&'static str, &'static str, fn(&Means) -> f64);
+pub(crate) type NamedMean = (&'static str, &'static str, fn(&Means) -> f64);
 
-pub(crate) const READINGS: [Reading; 7] = [
+pub(crate) const READINGS: [NamedMean; 7] = [
     ("cost", "s", |m| m.cost),
     ("mean square of the heading", "deg²", |m| m.heading2),
     ("mean square of the pitch error", "deg²", |m| m.pitch2),

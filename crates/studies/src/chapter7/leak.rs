@@ -95,7 +95,6 @@ mod tests {
     use super::*;
     use crate::costs::Cost;
     use crate::gridded::{CellCosts, Space};
-    use crate::study_file::ParameterEntry;
 
     /// A bowl over seven levels of two parameters, with a ripple that no quadratic follows.
     #[derive(Debug)]
@@ -105,7 +104,7 @@ mod tests {
     }
 
     impl CellCosts for Bowl {
-        fn cost(&self, cell: usize) -> Cost {
+        fn cost(&self, cell: Cell) -> Cost {
             let point = self.space.point(cell).map_err(|error| error.to_string())?;
             let (x, y) = (point[0] - self.lowest[0], point[1] - self.lowest[1]);
             Ok(1.0 + x * x + 0.1 * y * y + 0.3 * (3.0 * x).sin() * y.cos())
@@ -117,16 +116,7 @@ mod tests {
     }
 
     fn bowls() -> [Bowl; 2] {
-        let entry = |name: &str, unit: &str, lower, upper| ParameterEntry {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            lower,
-            upper,
-        };
-        let entries = [entry("center_of_mass", "% chord", 46.0, 52.0), entry("pitch_set_point", "deg", 0.0, 12.0)];
-        let names = entries.each_ref().map(|entry| entry.name.clone());
-        [[47.0, 3.0], [50.0, 8.0]]
-            .map(|lowest| Bowl { space: Space::of(&entries, &names, 13).expect("a space"), lowest })
+        [[47.0, 3.0], [50.0, 8.0]].map(|lowest| Bowl { space: Space::of_two([46.0, 52.0], [0.0, 12.0], 13), lowest })
     }
 
     fn settings() -> global::Settings {

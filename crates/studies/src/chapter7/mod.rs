@@ -1,6 +1,7 @@
 //! `cargo xtask reproduce-chapter7`: Tables 5 and 6 and Figures 23, 24, 26 to 28, the loop of Chapter 5 over two and over
 //! four parameters; and what the wrong choices cost.
 
+mod alone;
 mod campaigns;
 mod claims;
 mod figures;

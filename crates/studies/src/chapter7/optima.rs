@@ -5,8 +5,8 @@ use bat_dynamics::Fidelity;
 use infuse::{CodesignProblem, OptimizerSettings, Role, Strategy, codesign};
 
 use super::file::Case;
-use crate::bat::Variable;
 use crate::gridded::FlownGrid;
+use crate::variable::Variable;
 
 /// The best design of a physics.
 #[derive(Clone, Debug)]

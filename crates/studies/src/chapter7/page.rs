@@ -6,7 +6,7 @@ use super::campaigns::Runs;
 use super::claims::last_row_words;
 use super::file::Case;
 use super::findings::{Findings, Found};
-use super::tables::{self, Rows, point_words};
+use super::tables::{self, Rows};
 use super::wrong::Choice;
 use crate::claims::{self, Claim, FOUND};
 use crate::handover::Excerpt;
@@ -56,10 +56,10 @@ fn loop_words(findings: &Findings, case: &Case, found: &Found) -> String {
         entry.label,
         entry.levels,
         case.space.n_cells(),
-        entry.experiments,
-        entry.simulations,
-        entry.experiment_weight,
-        entry.simulation_weight,
+        entry.batch.experiments,
+        entry.batch.simulations,
+        entry.batch.experiment_weight,
+        entry.batch.simulation_weight,
         entry.iterations,
         100.0 * file.rule.confidence,
         100.0 * file.noise.share,
@@ -77,7 +77,7 @@ fn best_words(case: &Case, found: &Found) -> String {
     format!(
         "The best design of the stand-in ({how}) is {} at {:.3} s; the numerical optimum costs {:.3} s there, and the loop without noise \
          ends {regret:.3} s above the best.",
-        point_words(case, &found.best.point),
+        case.space.words(&found.best.point),
         found.best.cost,
         found.numerical_true_cost
     )

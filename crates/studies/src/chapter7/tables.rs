@@ -7,7 +7,9 @@ use super::file::{Case, Standing};
 use super::findings::{Findings, Found};
 use super::flights::READINGS;
 use super::wrong::Choice;
-use crate::bat::{STAND_IN, Variable};
+use crate::bat::STAND_IN;
+use crate::variable::Variable;
+use crate::words::{number, signed};
 use page::Summary;
 use page::{Column, Table};
 
@@ -18,31 +20,24 @@ struct Quantity<'a> {
     of: Box<dyn Fn(&Step) -> f64 + 'a>,
 }
 
-/// A name for a table's or an axis' column of a variable.
-pub(crate) fn variable_words(variable: Variable) -> (&'static str, &'static str) {
-    match variable {
-        Variable::CenterOfMass => ("Center of mass", "% chord"),
-        Variable::PitchSetPoint => ("Pitch set point", "deg"),
-        Variable::HorizontalArea => ("A^H", "1"),
-        Variable::VerticalArea => ("A^V", "1"),
-    }
-}
-
 fn quantities<'a>(case: &'a Case, found: &'a Found) -> Vec<Quantity<'a>> {
     let mut all = Vec::new();
-    let mut push = |name: &str, unit: &str, decimals, of: Box<dyn Fn(&Step) -> f64 + 'a>| {
-        all.push(Quantity { column: Column::new(name, unit), decimals, of });
+    let mut push = |column: Column, decimals, of: Box<dyn Fn(&Step) -> f64 + 'a>| {
+        all.push(Quantity { column, decimals, of });
     };
     for (k, variable) in case.space.variables.iter().enumerate() {
-        let (name, unit) = variable_words(*variable);
-        push(name, unit, 2, Box::new(move |step| step.point[k]));
+        push(variable.column(), 2, Box::new(move |step| step.point[k]));
         if *variable == Variable::CenterOfMass {
-            push("CM_CB", "% chord", 2, Box::new(move |step| case.center_of_buoyancy - step.point[k]));
+            push(
+                Column::new("CM_CB", variable.unit()),
+                2,
+                Box::new(move |step| case.center_of_buoyancy - step.point[k]),
+            );
         }
     }
-    push("Space left", "%", 2, Box::new(|step| step.share));
-    push("True cost", "s", 3, Box::new(|step| step.cost));
-    push("Regret", "s", 3, Box::new(|step| step.cost - found.best.cost));
+    push(Column::new("Space left", "%"), 2, Box::new(|step| step.share));
+    push(Column::new("True cost", "s"), 3, Box::new(|step| step.cost));
+    push(Column::new("Regret", "s"), 3, Box::new(|step| step.cost - found.best.cost));
     all
 }
 
@@ -63,7 +58,7 @@ pub(crate) fn designs(case: &Case, found: &Found, runs: &Runs, which: Rows) -> T
     let mut columns = vec![Column::new("Iteration", "1"), Column::new("Source", ""), Column::new("Row is", "")];
     columns.extend(quantities.iter().map(|quantity| quantity.column.clone()));
     let mut table = Table::new(columns);
-    let number = |quantity: &Quantity<'_>, value: f64| format!("{value:.0$}", quantity.decimals).replace('-', "−");
+    let number = |quantity: &Quantity<'_>, value: f64| number(value, quantity.decimals);
     let mut push = |iteration: usize, source: &str, standing: &str, cells: &dyn Fn(&Quantity<'_>) -> String| {
         let mut row = vec![iteration.to_string(), source.to_owned(), standing.to_owned()];
         row.extend(quantities.iter().map(cells));
@@ -171,7 +166,7 @@ pub(crate) fn flights(findings: &Findings) -> Table {
                 format!("{name} ({unit})"),
                 format!("{:.3}", reading(&before)),
                 format!("{:.3}", reading(&after)),
-                format!("{:+.1}", 100.0 * (reading(&after) / reading(&before) - 1.0)).replace('-', "−"),
+                signed(100.0 * (reading(&after) / reading(&before) - 1.0), 1),
                 format!("{:.3}", summary.median),
                 format!("{:.3} … {:.3}", summary.minimum, summary.maximum),
                 format!("{better} of {}", seeds.len()),
@@ -179,17 +174,6 @@ pub(crate) fn flights(findings: &Findings) -> Table {
         }
     }
     table
-}
-
-/// A point with its units.
-pub(crate) fn point_words(case: &Case, point: &[f64]) -> String {
-    let words = case.space.variables.iter().zip(point).map(|(variable, x)| match variable {
-        Variable::CenterOfMass => format!("{x:.2} % chord"),
-        Variable::PitchSetPoint => format!("{x:.2} deg"),
-        Variable::HorizontalArea => format!("A^H {x:.2}"),
-        Variable::VerticalArea => format!("A^V {x:.2}"),
-    });
-    words.collect::<Vec<_>>().join(", ")
 }
 
 /// The weights of the cost, which are all that differs from Chapter 4.
@@ -232,7 +216,7 @@ pub(crate) fn fields(findings: &Findings) -> Table {
                 grid.n_failed().to_string(),
                 grid.lowest().map_or("–".to_owned(), |(_, cost)| format!("{cost:.3}")),
                 format!("{:.3}", grid.range()),
-                point_words(case, &best.point),
+                case.space.words(&best.point),
                 format!("{:.3}", best.cost),
             ]);
         }
@@ -248,11 +232,7 @@ pub(crate) fn every_step(findings: &Findings) -> Table {
         Column::new("seed", "1"),
         Column::new("iteration", "1"),
     ];
-    for variable in [Variable::CenterOfMass, Variable::PitchSetPoint, Variable::HorizontalArea, Variable::VerticalArea]
-    {
-        let (name, unit) = variable_words(variable);
-        columns.push(Column::new(&name.to_lowercase(), unit));
-    }
+    columns.extend(Variable::ALL.map(|variable| Column::new(&variable.label().to_lowercase(), variable.unit())));
     columns.extend([Column::new("space left", "%"), Column::new("true cost", "s"), Column::new("regret", "s")]);
     let mut table = Table::new(columns);
     for (case, found) in findings.cases() {

@@ -2,15 +2,14 @@
 
 use anyhow::{Context as _, Result};
 use design_space::Cell;
-use doe::{Criterion, Effort, Problem};
+use doe::Model;
 use infuse::{
-    Outcome, TrialId,
     correction::{Law, Rule},
-    global::{self, Observations, SurfaceKind, SurfaceKinds, TracedSurface, TrialUse},
+    global::{self, SurfaceKind, SurfaceKinds},
 };
 use rayon::prelude::*;
-use surface::{Confounded, GridPoints, Kind};
 
+use super::alone::Alone;
 use super::leak::{self, Timing};
 use crate::gridded::{Designs, FlownGrid, Regressor, SurrogateRig};
 use page::Summary;
@@ -47,7 +46,7 @@ impl Choice {
 
 /// What a choice ends with.
 struct End {
-    cell: usize,
+    cell: Cell,
     keeps_best: Option<bool>,
 }
 
@@ -57,7 +56,10 @@ type RunSeed<'a> = Box<dyn Fn(&SurrogateRig<'_>) -> Result<End> + Sync + 'a>;
 /// A choice by name, what is done in a sentence, and how.
 type Way<'a> = (&'static str, String, RunSeed<'a>);
 
-/// All ways of choosing; `base` are the settings of the loop as it is.
+/// How many choices there are, for whoever waits.
+pub(crate) const N_CHOICES: usize = 9;
+
+/// All ways of choosing, with every seed; `base` are the settings of the loop as it is.
 pub(crate) fn choices(
     rig: &SurrogateRig<'_>,
     [model, truth]: [&FlownGrid; 2],
@@ -66,88 +68,14 @@ pub(crate) fn choices(
     designs: &Designs,
     finished: impl Fn() + Sync,
 ) -> Result<Vec<Choice>> {
-    let (best_cell, best_cost) = truth.lowest()?;
-    let end = |campaign: &global::Loop| -> Result<End> {
-        let last = campaign.reports().last().context("a campaign without an iteration")?;
-        let cell = usize::try_from(last.screening.optimum_cell.index())?;
-        Ok(End { cell, keeps_best: Some(campaign.retained().contains(Cell::new(best_cell as u64))) })
-    };
-    let with = |change: &dyn Fn(&mut global::Settings)| {
-        let mut settings = base.clone();
-        change(&mut settings);
-        settings
-    };
-    let looped =
-        |settings: global::Settings| -> RunSeed<'_> { Box::new(move |rig| end(&rig.run(&settings, designs, |_| {})?)) };
-    let surfaces = |kind: SurfaceKind| {
-        looped(with(&|settings| {
-            settings.surfaces = SurfaceKinds { experiment: kind, simulation: kind, combined: kind };
-        }))
-    };
+    let best = truth.lowest()?;
+    let ways = Ways { base, designs, numerical: model.lowest()?.0, best: best.0 };
     let alone = Alone::design(rig, base)?;
     let products = Regressor::Quadratic.model(rig.space.region().n_parameters())?;
-    let all: Vec<Way<'_>> = vec![
-        (
-            "the loop as it is",
-            "Regressor, weights, law and test of this study.".to_owned(),
-            looped(base.clone()),
-        ),
-        (
-            "products in the regressor",
-            "The same with the full quadratic, which can say that the optimum of one parameter depends on another."
-                .to_owned(),
-            looped(with(&|settings| settings.model = products.clone())),
-        ),
-        (
-            "no infusion",
-            "The optimum of the numerical model is built; no experiment is made.".to_owned(),
-            Box::new(|_| Ok(End { cell: model.lowest()?.0, keeps_best: None })),
-        ),
-        (
-            "experiments only, one batch",
-            format!(
-                "No model: as many experiments as the loop makes in all, {}, in one G-optimal batch over the whole space, one \
-                 regression on them, its lowest cell.",
-                alone.trials.len()
-            ),
-            Box::new(|rig| Ok(End { cell: alone.lowest(rig)?, keeps_best: None })),
-        ),
-        (
-            "experiments only, in the loop",
-            "The loop with all but no weight on the simulations: each combined surface rests on the training half of one \
-             batch."
-                .to_owned(),
-            looped(with(&|settings| settings.simulation_weight = NO_WEIGHT * settings.experiment_weight)),
-        ),
-        (
-            "(36) as printed",
-            "Corrections are summed that are sums already, against a simulation that is not corrected.".to_owned(),
-            looped(with(&|settings| {
-                settings.correction = Rule::new(Law::AsPrinted36, settings.correction.gain);
-            })),
-        ),
-        (
-            "correction leak",
-            "The correction acts in its own iteration (5.4 read literally): S is estimated from experiments that are in \
-             the surface. The library refuses it; here it is smuggled in through the simulation."
-                .to_owned(),
-            Box::new(|rig| end(&leak::run(rig, base, designs, Timing::SameIteration)?)),
-        ),
-        (
-            "inverse-distance surfaces",
-            "All three surfaces are (32), (33).".to_owned(),
-            surfaces(SurfaceKind::InverseDistance { power: 2.0 }),
-        ),
-        (
-            "squared-exponential surfaces",
-            "All three surfaces are (34) with its sign repaired, the scale chosen by leaving out one place at a time."
-                .to_owned(),
-            surfaces(SurfaceKind::SquaredExponential { scale: None }),
-        ),
-    ];
     for model in [&base.model, &products] {
-        rig.prepare(&with(&|settings| settings.model = model.clone()), designs)?;
+        rig.prepare(&ways.with(|settings| settings.model = model.clone()), designs)?;
     }
+    let all = ways.all(&alone, &products);
     let run = |number: usize| {
         let ((label, _, run), seed) = (&all[number / seeds.len()], seeds[number % seeds.len()]);
         let end = run(&SurrogateRig { seed, ..*rig }).with_context(|| format!("{label}, seed {seed}"));
@@ -156,63 +84,130 @@ pub(crate) fn choices(
     };
     // All side by side: a choice whose last seeds take long does not keep the others waiting.
     let ends = (0..all.len() * seeds.len()).into_par_iter().map(run).collect::<Result<Vec<End>>>()?;
-    let regret = |end: &End| truth.cost(end.cell).as_ref().map_or(f64::INFINITY, |cost| cost - best_cost);
-    let choice = |((label, how, _), ends): (Way<'_>, &[End])| {
-        let kept: Option<Vec<bool>> = ends.iter().map(|end| end.keeps_best).collect();
-        let lost = kept.map(|kept| kept.iter().filter(|kept| !**kept).count());
-        Choice { label, how, regrets: ends.iter().map(regret).collect(), lost }
-    };
+    let choice = |(way, ends): (Way<'_>, &[End])| Choice::of(way, ends, truth, best.1);
     Ok(all.into_iter().zip(ends.chunks(seeds.len())).map(choice).collect())
 }
 
-/// How many choices there are, for whoever waits.
-pub(crate) const N_CHOICES: usize = 9;
-
-/// Experiments without a model: one batch and one surface.
-#[derive(Debug)]
-struct Alone {
-    kind: Kind,
-    trials: Vec<global::Trial>,
+impl Choice {
+    /// Where all seeds of a way ended, beside the lowest true cost.
+    fn of((label, how, _): Way<'_>, ends: &[End], truth: &FlownGrid, best_cost: f64) -> Self {
+        let regret = |end: &End| truth.cost(end.cell).as_ref().map_or(f64::INFINITY, |cost| cost - best_cost);
+        let kept: Option<Vec<bool>> = ends.iter().map(|end| end.keeps_best).collect();
+        let lost = kept.map(|kept| kept.iter().filter(|kept| !**kept).count());
+        Self { label, how, regrets: ends.iter().map(regret).collect(), lost }
+    }
 }
 
-impl Alone {
-    fn design(rig: &SurrogateRig<'_>, settings: &global::Settings) -> Result<Self> {
-        let region = rig.space.region();
-        let space = doe::Space::of_region(region)?;
-        let n_runs = settings.max_iterations * settings.n_experiments;
-        let problem = Problem::new(settings.model.clone(), space, n_runs, Criterion::G)?;
-        let mut search = doe::Settings::default();
-        search.seed = settings.seed;
-        search.starts = settings.design_starts;
-        search.effort = Effort::Quick;
-        let found = doe::search(&problem, &search)?;
-        let trials = found.design.runs().zip(1_u64..).map(|(run, number)| {
-            let point = region.natural(run)?;
-            Ok(global::Trial {
-                id: TrialId::new(number),
-                iteration: 1,
-                used_for: TrialUse::Training,
-                cell: Cell::new(rig.space.cell(&point)? as u64),
-                point,
-            })
-        });
-        let kind = Kind::Regression { model: settings.model.clone(), confounded: Confounded::Refuse };
-        Ok(Self { kind, trials: trials.collect::<Result<_>>()? })
+/// What the ways of choosing are made from.
+#[derive(Clone, Copy)]
+struct Ways<'a> {
+    /// The settings of the loop as it is.
+    base: &'a global::Settings,
+    designs: &'a Designs,
+    /// The lowest cell of the numerical model.
+    numerical: Cell,
+    /// The truly best cell.
+    best: Cell,
+}
+
+impl<'a> Ways<'a> {
+    fn all(self, alone: &'a Alone, products: &Model) -> [Way<'a>; N_CHOICES] {
+        let [inverse_distance, squared_exponential] = self.other_surfaces();
+        [
+            self.as_it_is(),
+            self.with_products(products),
+            self.without_infusion(),
+            self.without_a_model(alone),
+            self.in_the_loop(),
+            self.as_printed(),
+            self.leaking(),
+            inverse_distance,
+            squared_exponential,
+        ]
     }
 
-    /// The cell where the regression on these experiments is lowest.
-    fn lowest(&self, rig: &SurrogateRig<'_>) -> Result<usize> {
-        let region = rig.space.region();
-        let mut measured = Observations::none(region.n_parameters());
-        for (trial, outcome) in self.trials.iter().zip(rig.measure(&self.trials)?) {
-            if let Outcome::Value(cost) = outcome {
-                measured.add_experiment(trial.id, &region.coded(&trial.point)?, cost)?;
-            }
-        }
-        let surface = TracedSurface::fit(&self.kind, &measured)?;
-        let points = GridPoints::of_space(&doe::Space::of_region(region)?)?;
-        let lowest = surface.surface().minimum_over(&points)?.context("the regression is nowhere a number")?;
-        Ok(usize::try_from(lowest.index)?)
+    /// The settings of the loop with a change.
+    fn with(self, change: impl FnOnce(&mut global::Settings)) -> global::Settings {
+        let mut settings = self.base.clone();
+        change(&mut settings);
+        settings
+    }
+
+    /// The loop with a change of its settings.
+    fn looped(self, change: impl FnOnce(&mut global::Settings)) -> RunSeed<'a> {
+        let settings = self.with(change);
+        Box::new(move |rig| self.end(&rig.run(&settings, self.designs, |_| {})?))
+    }
+
+    fn end(self, campaign: &global::Loop) -> Result<End> {
+        let last = campaign.reports().last().context("a campaign without an iteration")?;
+        let keeps_best = Some(campaign.retained().contains(self.best));
+        Ok(End { cell: last.screening.optimum_cell, keeps_best })
+    }
+
+    fn as_it_is(self) -> Way<'a> {
+        let how = "Regressor, weights, law and test of this study.";
+        ("the loop as it is", how.to_owned(), self.looped(|_| ()))
+    }
+
+    fn with_products(self, products: &Model) -> Way<'a> {
+        let how =
+            "The same with the full quadratic, which can say that the optimum of one parameter depends on another.";
+        ("products in the regressor", how.to_owned(), self.looped(|settings| settings.model = products.clone()))
+    }
+
+    fn without_infusion(self) -> Way<'a> {
+        let how = "The optimum of the numerical model is built; no experiment is made.";
+        ("no infusion", how.to_owned(), Box::new(move |_| Ok(End { cell: self.numerical, keeps_best: None })))
+    }
+
+    fn without_a_model(self, alone: &'a Alone) -> Way<'a> {
+        let how = format!(
+            "No model: as many experiments as the loop makes in all, {}, in one G-optimal batch over the whole space, one \
+             regression on them, its lowest cell.",
+            alone.n_experiments()
+        );
+        let run = |rig: &SurrogateRig<'_>| Ok(End { cell: alone.lowest(rig)?, keeps_best: None });
+        ("experiments only, one batch", how, Box::new(run))
+    }
+
+    fn in_the_loop(self) -> Way<'a> {
+        let how = "The loop with all but no weight on the simulations: each combined surface rests on the training half of one \
+                   batch.";
+        let run = self.looped(|settings| settings.simulation_weight = NO_WEIGHT * settings.experiment_weight);
+        ("experiments only, in the loop", how.to_owned(), run)
+    }
+
+    fn as_printed(self) -> Way<'a> {
+        let how = "Corrections are summed that are sums already, against a simulation that is not corrected.";
+        let run = self.looped(|settings| settings.correction = Rule::new(Law::AsPrinted36, settings.correction.gain));
+        ("(36) as printed", how.to_owned(), run)
+    }
+
+    fn leaking(self) -> Way<'a> {
+        let how = "The correction acts in its own iteration (5.4 read literally): S is estimated from experiments that are in \
+                   the surface. The library refuses it; here it is smuggled in through the simulation.";
+        let run =
+            move |rig: &SurrogateRig<'_>| self.end(&leak::run(rig, self.base, self.designs, Timing::SameIteration)?);
+        ("correction leak", how.to_owned(), Box::new(run))
+    }
+
+    fn other_surfaces(self) -> [Way<'a>; 2] {
+        let run = |kind: SurfaceKind| {
+            let kinds = SurfaceKinds { experiment: kind, simulation: kind, combined: kind };
+            self.looped(|settings| settings.surfaces = kinds)
+        };
+        let distance = "All three surfaces are (32), (33).";
+        let exponential =
+            "All three surfaces are (34) with its sign repaired, the scale chosen by leaving out one place at a time.";
+        [
+            ("inverse-distance surfaces", distance.to_owned(), run(SurfaceKind::InverseDistance { power: 2.0 })),
+            (
+                "squared-exponential surfaces",
+                exponential.to_owned(),
+                run(SurfaceKind::SquaredExponential { scale: None }),
+            ),
+        ]
     }
 }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
-use design_space::Combinations;
+use design_space::{Combinations, coded_level};
 use doe::{Criterion, Effort, Found, Model, PredictionVariance, Problem, Settings, Space, search};
 use rayon::prelude::*;
 
@@ -144,8 +144,7 @@ fn largest_on_lattice(kept: &Kept) -> Result<f64> {
     let mut largest = 0.0_f64;
     let lattice = Combinations::new(vec![levels; factors])?;
     for index in 0..lattice.len() {
-        let coded = |level: u64| 2.0 * level as f64 / (levels - 1) as f64 - 1.0;
-        let point: Vec<f64> = lattice.digits(index).into_iter().map(coded).collect();
+        let point: Vec<f64> = lattice.digits(index).into_iter().map(|level| coded_level(level, levels)).collect();
         largest = largest.max(variance.at(&point)?);
     }
     Ok(largest)
@@ -161,8 +160,9 @@ fn grid_row(model: &'static str, runs: usize) -> Result<GridRow> {
 
 /// A search over a list of the points of a grid in four factors, as candidates and not as a grid.
 fn over_list(levels: u32) -> Result<(usize, Found)> {
-    let level = |index: u64| 2.0 * index as f64 / f64::from(levels - 1) - 1.0;
-    let grid = Combinations::new(vec![u64::from(levels); 4])?;
+    let levels = u64::from(levels);
+    let level = |index: u64| coded_level(index, levels);
+    let grid = Combinations::new(vec![levels; 4])?;
     // The first factor varies fastest.
     let candidates: Vec<f64> =
         (0..grid.len()).flat_map(|index| grid.digits(index).into_iter().rev().map(level)).collect();

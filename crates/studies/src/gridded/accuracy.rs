@@ -5,11 +5,12 @@ use design_space::Cell;
 use infuse::{
     convergence::{AssumptionReport, Bound, Norm, NormOrder, NormScaling, RegretCertificate, coded_cell_measure},
     correction::ModelStage,
-    global::{self, RetainedSet, TracedSurface},
+    global::{self, IterationSurfaces, RetainedSet, TracedSurface},
 };
-use surface::GridPoints;
+use surface::{GridPoints, PointSource as _};
 
 use super::grid::FlownGrid;
+use super::per_cell::PerCell;
 use super::space::Space;
 
 /// A norm by name: those of (42) for q = 1 and 2 as printed, and the largest magnitude.
@@ -84,89 +85,11 @@ impl Accuracy {
     /// # Errors
     /// When an iteration could not fit its experiments: then there is no e2 to speak of.
     pub(crate) fn of(campaign: &global::Loop, space: &Space, model: &FlownGrid, truth: &FlownGrid) -> Result<Self> {
-        let points = GridPoints::of_space(&doe::Space::of_region(space.region())?)?;
-        let (simulated, true_cost) = (model.values(), truth.values());
-        let (best_cell, best_cost) = truth.lowest()?;
-        let measure = coded_cell_measure(space.region().n_parameters(), space.n_cells())?;
-        let norms = norms()?;
-        let rule = campaign.settings().correction;
-        let bound = Bound::new(rule, ModelStage::Corrected);
-
-        let less = |surface: &TracedSurface, minus: &[f64]| -> Result<Vec<f64>> {
-            let mut values = vec![0.0; minus.len()];
-            surface.surface().predict_range(&points, 0, &mut values)?;
-            values.iter_mut().zip(minus).for_each(|(value, minus)| *value -= minus);
-            Ok(values)
-        };
-        let gap: Vec<f64> = true_cost.iter().zip(&simulated).map(|(a, b)| a - b).collect();
-        let (mut e1, mut e2): (Vec<Vec<f64>>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
-        let mut correction = vec![0.0; space.n_cells()];
-        let zero = correction.clone();
-        let mut iterations = Vec::new();
-        for (report, surfaces) in campaign.reports().iter().zip(campaign.surfaces()) {
-            let experiment = surfaces.experiment.as_ref();
-            let experiment =
-                experiment.with_context(|| format!("iteration {}: no surface of experiments", report.iteration))?;
-            e1.push(less(&surfaces.simulation, &simulated)?);
-            e2.push(less(experiment, &true_cost)?);
-            let error = less(&surfaces.numerical, &true_cost)?;
-            let mut onset = less(&surfaces.simulation, &true_cost)?;
-            onset.iter_mut().zip(&correction).for_each(|(value, correction)| *value += correction);
-            correction = less(&surfaces.correction, &zero)?;
-
-            let before = campaign.retained_at(report.iteration).context("a closed iteration")?;
-            let after = campaign.retained_at(report.iteration + 1).context("the iteration after a closed one")?;
-            let cells = flying_cells(&before, &simulated, &true_cost);
-            let over = |values: &[f64]| -> Vec<f64> { cells.iter().map(|cell| values[*cell]).collect() };
-            let measures = vec![measure; cells.len()];
-            let each = norms.map(|norm| -> Result<NormAccuracy> {
-                let of = |values: &[f64]| -> Result<f64> { Ok(norm.over(&over(values), &measures)?) };
-                let each = |fields: &[Vec<f64>]| fields.iter().map(|field| of(field)).collect::<Result<Vec<f64>>>();
-                let (e1, e2, gap) = (each(&e1)?, each(&e2)?, of(&gap)?);
-                let (simulation, experiment) = (e1[e1.len() - 1], e2[e2.len() - 1]);
-                Ok(NormAccuracy {
-                    error: of(&error)?,
-                    onset_error: of(&onset)?,
-                    gap,
-                    simulation,
-                    experiment,
-                    finite_bound: bound.finite(gap, &e1, &e2)?,
-                    proposition: 2.0 * simulation + experiment,
-                })
-            });
-            let [a, b, c] = each;
-            let norms = [a?, b?, c?];
-
-            let optimum_cell = usize::try_from(report.screening.optimum_cell.index())?;
-            let optimum_cost = true_cost[optimum_cell];
-            let corrected: Vec<f64> = over(&error).iter().zip(over(&true_cost)).map(|(e, truth)| e + truth).collect();
-            let place = cells.iter().position(|cell| *cell == optimum_cell);
-            let certified_regret = match place {
-                Some(place) => RegretCertificate::of_cell(place, &corrected, norms[SUP].finite_bound)?.regret,
-                None => f64::NAN,
-            };
-            let least = over(&true_cost).into_iter().fold(f64::INFINITY, f64::min);
-            iterations.push(IterationAccuracy {
-                iteration: report.iteration,
-                share_before: before.share(),
-                share_after: after.share(),
-                norms,
-                optimum: report.screening.optimum.clone(),
-                optimum_cost,
-                regret: optimum_cost - best_cost,
-                retained_regret: optimum_cost - least,
-                certified_regret,
-                keeps_best: after.contains(Cell::new(best_cell as u64)),
-                spread: report.screening.spread.s(),
-            });
-        }
-        let assumption = (0..NORMS.len())
-            .map(|q| {
-                let of =
-                    |f: fn(&NormAccuracy) -> f64| -> Vec<f64> { iterations.iter().map(|i| f(&i.norms[q])).collect() };
-                AssumptionReport::new(&of(|n| n.simulation), &of(|n| n.experiment), GROWTH_TOLERANCE)
-            })
-            .collect::<std::result::Result<_, _>>()?;
+        let mut beside = Beside::new(campaign, space, model, truth)?;
+        let batches = campaign.reports().iter().zip(campaign.surfaces());
+        let iterations = batches.map(|(report, surfaces)| beside.iteration(report, surfaces));
+        let iterations = iterations.collect::<Result<Vec<_>>>()?;
+        let assumption = (0..NORMS.len()).map(|norm| assumption(&iterations, norm)).collect::<Result<_>>()?;
         Ok(Self { iterations, assumption })
     }
 
@@ -198,7 +121,134 @@ impl Accuracy {
     }
 }
 
-fn flying_cells(retained: &RetainedSet, simulated: &[f64], true_cost: &[f64]) -> Vec<usize> {
-    let cells = retained.cells().filter_map(|cell| usize::try_from(cell.index()).ok());
-    cells.filter(|cell| simulated[*cell].is_finite() && true_cost[*cell].is_finite()).collect()
+/// Whether the errors of the surfaces grew, in one norm.
+fn assumption(iterations: &[IterationAccuracy], norm: usize) -> Result<AssumptionReport> {
+    let of = |f: fn(&NormAccuracy) -> f64| -> Vec<f64> { iterations.iter().map(|i| f(&i.norms[norm])).collect() };
+    Ok(AssumptionReport::new(&of(|n| n.simulation), &of(|n| n.experiment), GROWTH_TOLERANCE)?)
+}
+
+/// A campaign beside the truth, iteration by iteration.
+struct Beside<'a> {
+    campaign: &'a global::Loop,
+    points: GridPoints,
+    simulated: PerCell<f64>,
+    true_cost: PerCell<f64>,
+    /// The truly best cell and its cost.
+    best: (Cell, f64),
+    /// Of a cell.
+    measure: f64,
+    norms: [Norm; 3],
+    bound: Bound,
+    /// J_true − J_sim.
+    gap: PerCell<f64>,
+    /// e1 and e2 of (41) of the iterations so far.
+    e1: Vec<PerCell<f64>>,
+    e2: Vec<PerCell<f64>>,
+    /// Ĵcor of the iteration before.
+    correction: PerCell<f64>,
+}
+
+impl<'a> Beside<'a> {
+    fn new(campaign: &'a global::Loop, space: &Space, model: &FlownGrid, truth: &FlownGrid) -> Result<Self> {
+        let (simulated, true_cost) = (model.values(), truth.values());
+        Ok(Self {
+            campaign,
+            points: GridPoints::of_space(&doe::Space::of_region(space.region())?)?,
+            best: truth.lowest()?,
+            measure: coded_cell_measure(space.region().n_parameters(), space.n_cells())?,
+            norms: norms()?,
+            bound: Bound::new(campaign.settings().correction, ModelStage::Corrected),
+            gap: true_cost.with(&simulated, |truth, simulated| truth - simulated),
+            e1: Vec::new(),
+            e2: Vec::new(),
+            correction: simulated.map(|_| 0.0),
+            simulated,
+            true_cost,
+        })
+    }
+
+    /// The next iteration: they must come in their order.
+    fn iteration(&mut self, report: &global::Report, surfaces: &IterationSurfaces) -> Result<IterationAccuracy> {
+        let number = report.iteration;
+        let [error, onset_error] = self.errors(number, surfaces)?;
+        let before = self.campaign.retained_at(number).context("a closed iteration")?;
+        let after = self.campaign.retained_at(number + 1).context("the iteration after a closed one")?;
+        let cells = self.flying(&before);
+        let [a, b, c] = self.norms.map(|norm| self.norm(norm, &cells, &error, &onset_error));
+        let norms = [a?, b?, c?];
+
+        let optimum_cell = report.screening.optimum_cell;
+        let optimum_cost = self.true_cost[optimum_cell];
+        let true_cost = self.true_cost.over(&cells);
+        let corrected: Vec<f64> = error.over(&cells).iter().zip(&true_cost).map(|(e, truth)| e + truth).collect();
+        let certified_regret = match cells.iter().position(|cell| *cell == optimum_cell) {
+            Some(place) => RegretCertificate::of_cell(place, &corrected, norms[SUP].finite_bound)?.regret,
+            None => f64::NAN,
+        };
+        let (best_cell, best_cost) = self.best;
+        Ok(IterationAccuracy {
+            iteration: number,
+            share_before: before.share(),
+            share_after: after.share(),
+            norms,
+            optimum: report.screening.optimum.clone(),
+            optimum_cost,
+            regret: optimum_cost - best_cost,
+            retained_regret: optimum_cost - true_cost.into_iter().fold(f64::INFINITY, f64::min),
+            certified_regret,
+            keeps_best: after.contains(best_cell),
+            spread: report.screening.spread.s(),
+        })
+    }
+
+    /// The errors of the model at the end of an iteration and at its onset; those of its surfaces are kept.
+    fn errors(&mut self, number: usize, surfaces: &IterationSurfaces) -> Result<[PerCell<f64>; 2]> {
+        let experiment = surfaces.experiment.as_ref();
+        let experiment = experiment.with_context(|| format!("iteration {number}: no surface of experiments"))?;
+        let less = |values: &PerCell<f64>, minus: &PerCell<f64>| values.with(minus, |value, minus| value - minus);
+        let simulation = self.predicted(&surfaces.simulation)?;
+        self.e1.push(less(&simulation, &self.simulated));
+        self.e2.push(less(&self.predicted(experiment)?, &self.true_cost));
+        let error = less(&self.predicted(&surfaces.numerical)?, &self.true_cost);
+        let onset = less(&simulation, &self.true_cost).with(&self.correction, |error, correction| error + correction);
+        self.correction = self.predicted(&surfaces.correction)?;
+        Ok([error, onset])
+    }
+
+    /// A surface at every cell.
+    fn predicted(&self, surface: &TracedSurface) -> Result<PerCell<f64>> {
+        let mut values = vec![0.0; self.points.n_points() as usize];
+        surface.surface().predict_range(&self.points, 0, &mut values)?;
+        Ok(values.into_iter().collect())
+    }
+
+    /// The cells of a set that fly in the model and in truth.
+    fn flying(&self, retained: &RetainedSet) -> Vec<Cell> {
+        let flies = |cell: &Cell| self.simulated[*cell].is_finite() && self.true_cost[*cell].is_finite();
+        retained.cells().filter(flies).collect()
+    }
+
+    /// What a norm over these cells says of the latest iteration.
+    fn norm(
+        &self,
+        norm: Norm,
+        cells: &[Cell],
+        error: &PerCell<f64>,
+        onset_error: &PerCell<f64>,
+    ) -> Result<NormAccuracy> {
+        let measures = vec![self.measure; cells.len()];
+        let of = |values: &PerCell<f64>| -> Result<f64> { Ok(norm.over(&values.over(cells), &measures)?) };
+        let each = |fields: &[PerCell<f64>]| fields.iter().map(of).collect::<Result<Vec<f64>>>();
+        let (e1, e2, gap) = (each(&self.e1)?, each(&self.e2)?, of(&self.gap)?);
+        let (simulation, experiment) = (e1[e1.len() - 1], e2[e2.len() - 1]);
+        Ok(NormAccuracy {
+            error: of(error)?,
+            onset_error: of(onset_error)?,
+            gap,
+            simulation,
+            experiment,
+            finite_bound: self.bound.finite(gap, &e1, &e2)?,
+            proposition: 2.0 * simulation + experiment,
+        })
+    }
 }

@@ -26,7 +26,7 @@ pub(crate) struct SurrogateRig<'a> {
 
 impl SurrogateRig<'_> {
     pub(crate) fn simulate(&self, cell: Cell) -> Cost {
-        self.model.cost(index(cell).map_err(|error| error.to_string())?)
+        self.model.cost(cell)
     }
 
     /// What these experiments read: the truth and an error, uniform and bounded, that depends on nothing but the number
@@ -34,7 +34,7 @@ impl SurrogateRig<'_> {
     pub(crate) fn measure(&self, trials: &[global::Trial]) -> Result<Vec<Outcome>> {
         let noise = BoundedNoise::new(self.noise, self.seed)?;
         let range = self.truth.range();
-        let cells = trials.iter().map(|trial| index(trial.cell)).collect::<Result<Vec<_>>>()?;
+        let cells: Vec<Cell> = trials.iter().map(|trial| trial.cell).collect();
         let costs = self.truth.costs(&cells);
         let read = |(trial, cost): (&global::Trial, Cost)| {
             cost.map(|cost| cost + range * noise.relative_error(trial.id.number())).into()
@@ -50,8 +50,8 @@ impl SurrogateRig<'_> {
     pub(crate) fn prepare(&self, settings: &global::Settings, designs: &Designs) -> Result<()> {
         let campaign = global::Loop::new(self.space.region(), settings.clone())?;
         if let Some(Plan { experiments, simulations }) = designs.next(&campaign)? {
-            self.model.costs(&indices(&simulations)?);
-            self.truth.costs(&indices(&experiments)?);
+            self.model.costs(&simulations);
+            self.truth.costs(&experiments);
         }
         Ok(())
     }
@@ -66,7 +66,7 @@ impl SurrogateRig<'_> {
         let mut campaign = global::Loop::new(self.space.region(), settings.clone())?;
         while let Some(plan) = designs.next(&campaign)? {
             // All at once, so that those that nobody knows fly side by side.
-            self.model.costs(&indices(&plan.simulations)?);
+            self.model.costs(&plan.simulations);
             let trials = campaign.open(&plan, &mut |cell, _| self.simulate(cell))?;
             for (trial, outcome) in trials.iter().zip(self.measure(&trials)?) {
                 campaign.tell(trial.id, outcome)?;
@@ -75,12 +75,4 @@ impl SurrogateRig<'_> {
         }
         Ok(campaign)
     }
-}
-
-fn index(cell: Cell) -> Result<usize> {
-    Ok(usize::try_from(cell.index())?)
-}
-
-fn indices(cells: &[Cell]) -> Result<Vec<usize>> {
-    cells.iter().copied().map(index).collect()
 }

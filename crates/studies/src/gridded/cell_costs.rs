@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use bat_dynamics::Fidelity;
+use design_space::Cell;
 
 use super::grid::FlownGrid;
 use super::space::Space;
@@ -11,10 +12,10 @@ use crate::costs::Cost;
 
 /// The costs of one physics over the cells of a space.
 pub(crate) trait CellCosts: Debug + Sync {
-    fn cost(&self, cell: usize) -> Cost;
+    fn cost(&self, cell: Cell) -> Cost;
 
     /// The costs of several cells, in their order.
-    fn costs(&self, cells: &[usize]) -> Vec<Cost> {
+    fn costs(&self, cells: &[Cell]) -> Vec<Cost> {
         cells.iter().map(|cell| self.cost(*cell)).collect()
     }
 
@@ -23,7 +24,7 @@ pub(crate) trait CellCosts: Debug + Sync {
 }
 
 impl CellCosts for FlownGrid {
-    fn cost(&self, cell: usize) -> Cost {
+    fn cost(&self, cell: Cell) -> Cost {
         Self::cost(self, cell).clone()
     }
 
@@ -43,18 +44,18 @@ pub(crate) struct OnDemand<'a> {
 }
 
 impl OnDemand<'_> {
-    fn point(&self, cell: usize) -> Result<Vec<f64>, String> {
+    fn point(&self, cell: Cell) -> Result<Vec<f64>, String> {
         self.space.point(cell).map_err(|error| format!("{error:#}"))
     }
 }
 
 impl CellCosts for OnDemand<'_> {
-    fn cost(&self, cell: usize) -> Cost {
+    fn cost(&self, cell: Cell) -> Cost {
         self.bat.cost(&self.point(cell)?, self.fidelity)
     }
 
     /// Those that are not known fly side by side.
-    fn costs(&self, cells: &[usize]) -> Vec<Cost> {
+    fn costs(&self, cells: &[Cell]) -> Vec<Cost> {
         match cells.iter().map(|cell| self.point(*cell)).collect::<Result<Vec<_>, _>>() {
             Ok(points) => self.bat.costs(&points, self.fidelity, |_| {}),
             Err(_) => cells.iter().map(|cell| self.cost(*cell)).collect(),
@@ -72,30 +73,24 @@ mod tests {
 
     use super::*;
     use crate::bat::MODEL;
-    use crate::study_file::ParameterEntry;
+    use crate::study_file::{FilesEntry, NumericsEntry};
 
     #[test]
     fn a_cell_on_demand_costs_what_it_does_in_a_flown_grid_and_is_remembered() {
-        let entry = |name: &str, unit: &str, lower, upper| ParameterEntry {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            lower,
-            upper,
-        };
-        let entries = [entry("center_of_mass", "% chord", 46.0, 50.0), entry("pitch_set_point", "deg", 5.0, 10.0)];
-        let names = entries.each_ref().map(|entry| entry.name.clone());
-        let space = Space::of(&entries, &names, 2).expect("a space");
+        let space = Space::of_two([46.0, 50.0], [5.0, 10.0], 2);
         let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/bat");
-        let files = ["rig.toml", "test-profile.toml", "cost-chapter7.toml"];
+        let files = FilesEntry::of_chapter7();
         let folder = tempfile::tempdir().expect("a writable directory");
         let bat = || {
-            let bat = Bat::read(&fixtures, files, space.variables.clone(), [1, 1]).expect("the case study");
+            let bat =
+                Bat::read(&fixtures, &files, space.variables.clone(), &NumericsEntry::COARSE).expect("the case study");
             bat.keep_in(folder.path(), space.region(), &[MODEL]).expect("a writable store");
             bat
         };
         let first = bat();
         let demand = OnDemand { bat: &first, space: &space, fidelity: MODEL, range: 1.0 };
-        assert_eq!(demand.costs(&[3, 1, 3]), [3, 1, 3].map(|cell| demand.cost(cell)));
+        let some = [3, 1, 3].map(Cell::new);
+        assert_eq!(demand.costs(&some), some.map(|cell| demand.cost(cell)));
 
         let second = bat();
         assert_eq!(second.n_known(MODEL), 2, "two by demand, in the file");
@@ -103,10 +98,11 @@ mod tests {
         let third = bat();
         assert_eq!(third.n_known(MODEL), 4, "two by demand, two by the grid, in one file");
         let again = OnDemand { bat: &third, space: &space, fidelity: MODEL, range: 1.0 };
-        for cell in 0..4 {
+        for cell in space.cells() {
             assert_eq!(again.cost(cell), *grid.cost(cell), "cell {cell}");
         }
-        let fresh = third.flown_costs(&[space.point(3).expect("a cell")], MODEL, |_| {});
-        assert_eq!(again.cost(3), fresh[0], "what was written is what flies");
+        let [last, ..] = some;
+        let fresh = third.flown_costs(&[space.point(last).expect("a cell")], MODEL, |_| {});
+        assert_eq!(again.cost(last), fresh[0], "what was written is what flies");
     }
 }

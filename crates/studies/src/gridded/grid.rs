@@ -2,7 +2,9 @@
 
 use anyhow::{Context as _, Result};
 use bat_dynamics::Fidelity;
+use design_space::Cell;
 
+use super::per_cell::PerCell;
 use super::space::Space;
 use crate::bat::Bat;
 use crate::costs::Cost;
@@ -13,7 +15,7 @@ const PIECE: usize = 1024;
 /// The cost at every cell of a space.
 #[derive(Clone, Debug)]
 pub(crate) struct FlownGrid {
-    costs: Vec<Cost>,
+    costs: PerCell<Cost>,
 }
 
 impl FlownGrid {
@@ -27,28 +29,28 @@ impl FlownGrid {
     /// Costs that were not flown.
     #[cfg(test)]
     pub(super) fn of_costs(costs: Vec<Cost>) -> Self {
-        Self { costs }
+        Self { costs: costs.into_iter().collect() }
     }
 
-    pub(crate) fn cost(&self, cell: usize) -> &Cost {
+    pub(crate) fn cost(&self, cell: Cell) -> &Cost {
         &self.costs[cell]
     }
 
     /// The costs, NaN where there is none.
-    pub(crate) fn values(&self) -> Vec<f64> {
-        self.costs.iter().map(|cost| cost.as_ref().copied().unwrap_or(f64::NAN)).collect()
+    pub(crate) fn values(&self) -> PerCell<f64> {
+        self.costs.map(|cost| cost.as_ref().copied().unwrap_or(f64::NAN))
     }
 
     pub(crate) fn n_failed(&self) -> usize {
-        self.costs.iter().filter(|cost| cost.is_err()).count()
+        self.costs.iter().filter(|(_, cost)| cost.is_err()).count()
     }
 
-    fn flown(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.costs.iter().enumerate().filter_map(|(cell, cost)| Some((cell, *cost.as_ref().ok()?)))
+    fn flown(&self) -> impl Iterator<Item = (Cell, f64)> {
+        self.costs.iter().filter_map(|(cell, cost)| Some((cell, *cost.as_ref().ok()?)))
     }
 
     /// The cell of the lowest cost, of equals the first.
-    pub(crate) fn lowest(&self) -> Result<(usize, f64)> {
+    pub(crate) fn lowest(&self) -> Result<(Cell, f64)> {
         self.flown().min_by(|a, b| a.1.total_cmp(&b.1)).context("no design of the space flies")
     }
 

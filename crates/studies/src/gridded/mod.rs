@@ -7,6 +7,7 @@ mod cell_costs;
 mod designs;
 mod grid;
 mod panels;
+mod per_cell;
 mod regressor;
 mod space;
 #[cfg(test)]

@@ -11,12 +11,12 @@ use page::{CellPanel, Points};
 pub(crate) fn cell_panel(
     space: &Space,
     retained: &RetainedSet,
-    value: impl Fn(usize) -> Result<f64>,
+    value: impl Fn(Cell) -> Result<f64>,
 ) -> Result<CellPanel> {
     let (x, y) = (space.levels(0)?, space.levels(1)?);
     let at = |i: usize, j: usize| -> Result<f64> {
-        let cell = space.cell_of(&[i, j])?;
-        if retained.contains(Cell::new(cell as u64)) { value(cell) } else { Ok(f64::NAN) }
+        let cell = space.of_levels(&[i, j])?;
+        if retained.contains(cell) { value(cell) } else { Ok(f64::NAN) }
     };
     let row = |j: usize| (0..x.len()).map(|i| at(i, j)).collect::<Result<Vec<_>>>();
     let z = (0..y.len()).map(row).collect::<Result<_>>()?;

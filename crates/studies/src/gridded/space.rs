@@ -1,10 +1,10 @@
 //! A design space of levels, as a study file has it.
 
 use anyhow::{Context as _, Result, ensure};
-use design_space::{Cell, Grid, Parameter, Region};
+use design_space::{Cell, Grid, Region};
 
-use crate::bat::Variable;
 use crate::study_file::ParameterEntry;
+use crate::variable::{Variable, point_words};
 
 /// Cells of one space: more flights would take days.
 const MOST_CELLS: u64 = 1_000_000;
@@ -24,8 +24,8 @@ impl Space {
         for name in names {
             let entry = entries.iter().find(|entry| entry.name == *name);
             let entry = entry.with_context(|| format!("parameters: `{name}` is no [[parameter]] of this file"))?;
-            variables.push(Variable::named(&entry.name, &entry.unit)?);
-            let parameter = Parameter::continuous(&entry.name, &entry.unit, entry.lower, entry.upper)?;
+            let (variable, parameter) = Variable::within(&entry.name, &entry.unit, entry.lower, entry.upper)?;
+            variables.push(variable);
             parameters.push(parameter.with_levels(levels).with_context(|| format!("levels = {levels}"))?);
         }
         let grid = Grid::of(&Region::new(parameters)?)?;
@@ -45,25 +45,35 @@ impl Space {
         self.n_cells
     }
 
-    /// The natural coordinates of a cell, counted as the loop counts them.
-    pub(crate) fn point(&self, cell: usize) -> Result<Vec<f64>> {
-        Ok(self.grid.point(Cell::new(cell as u64))?)
+    /// The cells, counted as the loop counts them.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = Cell> + use<> {
+        self.grid.cells()
+    }
+
+    /// The natural coordinates of a cell.
+    pub(crate) fn point(&self, cell: Cell) -> Result<Vec<f64>> {
+        Ok(self.grid.point(cell)?)
+    }
+
+    /// Its coded ones.
+    pub(crate) fn coded(&self, cell: Cell) -> Result<Vec<f64>> {
+        Ok(self.grid.coded(cell)?)
     }
 
     /// Those of all cells, in their order.
     pub(crate) fn points(&self) -> Result<Vec<Vec<f64>>> {
-        Ok(self.grid.cells().map(|cell| self.grid.point(cell)).collect::<Result<_, _>>()?)
-    }
-
-    /// The cell of a point that lies on the levels.
-    pub(crate) fn cell(&self, point: &[f64]) -> Result<usize> {
-        Ok(usize::try_from(self.grid.nearest(point)?.index())?)
+        self.cells().map(|cell| self.point(cell)).collect()
     }
 
     /// The cell of these levels, one for each parameter, from 0.
-    pub(crate) fn cell_of(&self, levels: &[usize]) -> Result<usize> {
+    pub(crate) fn of_levels(&self, levels: &[usize]) -> Result<Cell> {
         let digits: Vec<u64> = levels.iter().map(|level| *level as u64).collect();
-        Ok(usize::try_from(self.grid.of_digits(&digits)?.index())?)
+        Ok(self.grid.of_digits(&digits)?)
+    }
+
+    /// A point with its units.
+    pub(crate) fn words(&self, point: &[f64]) -> String {
+        point_words(&self.variables, point).join(", ")
     }
 
     /// The levels of a parameter, rising.
@@ -75,35 +85,36 @@ impl Space {
 }
 
 #[cfg(test)]
+impl Space {
+    /// Center of mass and pitch set point within these bounds.
+    pub(crate) fn of_two(center_of_mass: [f64; 2], pitch_set_point: [f64; 2], levels: u32) -> Self {
+        let entries = ParameterEntry::two(center_of_mass, pitch_set_point);
+        Self::of(&entries, &entries.each_ref().map(|entry| entry.name.clone()), levels).expect("a space")
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
-    fn entries() -> Vec<ParameterEntry> {
-        let entry = |name: &str, unit: &str, lower, upper| ParameterEntry {
-            name: name.to_owned(),
-            unit: unit.to_owned(),
-            lower,
-            upper,
-        };
-        vec![entry("center_of_mass", "% chord", 45.65, 51.25), entry("pitch_set_point", "deg", 0.0, 15.0)]
-    }
-
     #[test]
     fn cells_and_points_belong_to_each_other() {
-        let names = ["center_of_mass".to_owned(), "pitch_set_point".to_owned()];
-        let space = Space::of(&entries(), &names, 7).expect("a space");
+        let space = Space::of_two([45.65, 51.25], [0.0, 15.0], 7);
         assert_eq!(space.n_cells(), 49, "seven levels of two parameters");
-        for cell in 0..space.n_cells() {
+        for cell in space.cells() {
             let point = space.point(cell).expect("a cell");
-            assert_eq!(space.cell(&point).expect("a point of the grid"), cell, "cell {cell} at {point:?}");
+            assert_eq!(space.grid.nearest(&point).expect("a point of the grid"), cell, "cell {cell} at {point:?}");
         }
         // The last parameter runs fastest.
-        assert_eq!(space.point(1).expect("the second cell"), [45.65, 2.5]);
+        let second = space.of_levels(&[0, 1]).expect("levels of the space");
+        assert_eq!(second, Cell::new(1));
+        assert_eq!(space.point(second).expect("the second cell"), [45.65, 2.5]);
     }
 
     #[test]
     fn an_unknown_parameter_is_named() {
-        let error = Space::of(&entries(), &["vertical_area".to_owned()], 7).expect_err("not in the list");
+        let entries = ParameterEntry::two([45.65, 51.25], [0.0, 15.0]);
+        let error = Space::of(&entries, &["vertical_area".to_owned()], 7).expect_err("not in the list");
         assert!(error.to_string().contains("`vertical_area` is no [[parameter]]"), "{error:#}");
     }
 }

@@ -9,26 +9,18 @@ use infuse::{
 };
 
 use super::*;
-use crate::study_file::ParameterEntry;
 
 const LEVELS: u32 = 9;
 /// The model lacks this much everywhere.
 const GAP: f64 = 0.75;
 
 fn space() -> Space {
-    let entry = |name: &str, unit: &str, lower, upper| ParameterEntry {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        lower,
-        upper,
-    };
-    let entries = [entry("center_of_mass", "% chord", 46.0, 50.0), entry("pitch_set_point", "deg", 0.0, 16.0)];
-    Space::of(&entries, &entries.each_ref().map(|entry| entry.name.clone()), LEVELS).expect("a space")
+    Space::of_two([46.0, 50.0], [0.0, 16.0], LEVELS)
 }
 
 /// A bowl that (61) can follow, with this much on top, at the cells of the space.
 fn bowl(space: &Space, on_top: impl Fn(f64, f64) -> f64) -> FlownGrid {
-    let costs = (0..space.n_cells()).map(|cell| {
+    let costs = space.cells().map(|cell| {
         let point = space.point(cell).expect("a cell");
         let (x, y) = (point[0] - 48.5, (point[1] - 6.0) / 4.0);
         Ok(2.0 + x * x + 0.5 * y * y + on_top(x, y))

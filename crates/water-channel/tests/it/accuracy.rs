@@ -55,8 +55,7 @@ fn flights(plants: &[FlightRequest], steps_per_sample: usize) -> Vec<Option<Flig
 
 /// J of one flight.
 fn cost(plant: &FlightRequest, flight: &Flight, weights: &CostWeights) -> f64 {
-    let body = &plant.rig.plant.body;
-    weights.cost(&flight.integrals, 100.0 * (body.center_of_mass_x - body.center_of_buoyancy_x)).total
+    weights.cost(&flight.integrals, plant.rig.ballast_pct_chord()).total
 }
 
 #[test]

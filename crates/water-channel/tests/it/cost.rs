@@ -29,6 +29,13 @@ fn integrals() -> impl Strategy<Value = Integrals> {
     })
 }
 
+#[test]
+fn ballast_is_how_far_aft_of_the_center_of_buoyancy_the_center_of_mass_lies() {
+    let rig = request(Fidelity::NUMERICAL, 48.0, 12.0).rig;
+    // The center of buoyancy is at 45.4 % of the chord.
+    assert_close(rig.ballast_pct_chord(), 2.6, 1e-12, "ballast in per cent of chord");
+}
+
 /// Check of the quadrature: the trapezoidal rule over the samples of the log. The line speeds bend at every sample and
 /// within (the winch lag is 2.7 samples), so the rule is good to about one part in a hundred of that term.
 #[test]

@@ -36,6 +36,7 @@ fn numbers(row: &LogRow) -> Vec<f64> {
 fn header_names_every_column_with_its_unit() {
     let header = FlightLog::header();
     assert_eq!(header.len(), 29, "columns");
+    assert_eq!(FlightLog::columns()[28], ("tension_port".to_owned(), "N"));
     assert_eq!(header[0], "time [s]");
     assert_eq!(header[7], "heading_from_flow [rad]");
     assert_eq!(header[11], "zenith [rad]");
@@ -63,6 +64,7 @@ fn csv_reads_back_bit_for_bit() {
     for (record, row) in reader.records().zip(&log.rows) {
         let read: Vec<u64> = record.unwrap().iter().map(|field| field.parse::<f64>().unwrap().to_bits()).collect();
         let written: Vec<u64> = numbers(row).iter().map(|number| number.to_bits()).collect();
+        assert_eq!(row.numbers().map(f64::to_bits).collect::<Vec<_>>(), written, "t = {}", row.time_s);
         assert_eq!(read, written, "t = {}", row.time_s);
         n_rows += 1;
     }
@@ -126,8 +128,8 @@ fn extremes_are_those_of_the_log() {
     let extremes = outcome.unwrap().extremes;
     let over = |f: &dyn Fn(&LogRow) -> f64| log.rows.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
     assert_close(extremes.peak_heading_rad, over(&|row| row.heading_rad.abs()), 0.0, "peak heading");
-    assert_close(extremes.largest_zenith_rad, over(&|row| row.state[0]), 0.0, "largest zenith angle");
-    assert_close(extremes.smallest_zenith_rad, -over(&|row| -row.state[0]), 0.0, "smallest zenith angle");
+    assert_close(extremes.largest_zenith_rad, over(&LogRow::zenith_rad), 0.0, "largest zenith angle");
+    assert_close(extremes.smallest_zenith_rad, -over(&|row| -row.zenith_rad()), 0.0, "smallest zenith angle");
     let smallest = -over(&|row| -row.tensions_n.iter().copied().fold(f64::INFINITY, f64::min));
     assert_close(extremes.smallest_tension_n, smallest, 0.0, "smallest tension");
 }
@@ -139,4 +141,6 @@ fn footprint_is_the_circle_under_the_tether() {
     let trim = crate::rigs::flown(&first_row(), &short_test(0.5), 1);
     let (length, zenith) = (trim.trim.coordinates[3], trim.trim.coordinates[0]);
     assert_close(trim.trim_footprint_m2(), footprint_m2(length, zenith), 0.0, "footprint at trim");
+    let at_trim = logged(&first_row(), &short_test(0.5)).rows[0].footprint_m2();
+    assert_close(at_trim, footprint_m2(length, zenith), 1e-3 * at_trim, "of the three lines, the first row of the log");
 }

@@ -2,12 +2,12 @@
 
 use super::votes::{Votes, count};
 use super::words::{FITTED, median_words, table_place};
-use crate::bat::Variable;
 use crate::chapter7::campaigns::Steps;
 use crate::chapter7::file::{Case, Row, Standing};
 use crate::chapter7::findings::Found;
-use crate::chapter7::tables::point_words;
 use crate::claims::{Claim, Place, Verdict};
+use crate::variable::Variable;
+use crate::words::number;
 
 /// Within this part of each parameter's width a design counts as the published one.
 const NEAR: f64 = 0.1;
@@ -92,7 +92,7 @@ pub(super) fn numerical_row(case: &Case, found: &Found) -> Claim {
         },
         found: format!(
             "{} here ({standing}); departures {} % of the parameters' widths. Up to {:.0} % counts as near: {near} of {} are.",
-            point_words(case, &found.numerical.point),
+            case.space.words(&found.numerical.point),
             percents(&departures),
             100.0 * NEAR,
             departures.len()
@@ -143,8 +143,8 @@ pub(in crate::chapter7) fn last_row_words(case: &Case, found: &Found) -> Option<
     Some(format!(
         "The last row is {}, ours without noise {}: departures {} % of the parameters' widths. If up to {:.0} % in each counts as reached, \
          {}. {} of {} seeds end on an edge of the box.{}{fitted}",
-        point_words(case, &row.point),
-        point_words(case, end(&runs.quiet)),
+        case.space.words(&row.point),
+        case.space.words(end(&runs.quiet)),
         percents(&away),
         100.0 * NEAR,
         votes.words(),
@@ -160,24 +160,22 @@ pub(super) fn system(case: &Case, found: &Found) -> Claim {
     let cost = |steps: &Steps| steps.0.last().map_or(f64::NAN, |step| step.cost);
     let votes = Votes::of(&runs.quiet, &runs.noisy, |steps| cost(steps) < before);
     let median = super::words::median(runs.noisy.iter().map(cost));
-    let fall = |after: f64| 100.0 * (1.0 - after / before);
+    let fall = |after: f64| number(100.0 * (1.0 - after / before), 1);
     Claim {
         place: Place::Contribution(6),
         pictures: Vec::new(),
         says: "infusion gives a better system than the numerical model alone".to_owned(),
         verdict: verdict(case, &votes),
         found: format!(
-            "{}{}: true cost {before:.3} s at the numerical optimum, {:.3} s at the infused one without noise (a fall of {:.1} %), \
-             {median:.3} s in the median ({:.1} %); the best known design would be a fall of {:.1} %.",
+            "{}{}: true cost {before:.3} s at the numerical optimum, {:.3} s at the infused one without noise (a fall of {} %), \
+             {median:.3} s in the median ({} %); the best known design would be a fall of {} %.",
             fitted_words(case),
             votes.sentence(),
             cost(&runs.quiet),
             fall(cost(&runs.quiet)),
             fall(median),
             fall(found.best.cost)
-        )
-        .replace("of -", "of −")
-        .replace("(-", "(−"),
+        ),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Whether something holds without noise, and for how many of its seeds.
 
 use crate::claims::Verdict;
+use crate::words::capitalized;
 
 /// A yes or no without noise, and how often with it.
 pub(super) struct Votes {
@@ -24,7 +25,7 @@ impl Votes {
 
     /// The same as the beginning of a sentence.
     pub(super) fn sentence(&self) -> String {
-        self.words().replacen("it ", "It ", 1)
+        capitalized(&self.words())
     }
 
     pub(super) fn words(&self) -> String {
