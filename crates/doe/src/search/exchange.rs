@@ -10,6 +10,7 @@
 //! ```
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use multiversion::multiversion;
 use rand::RngExt;
@@ -226,6 +227,31 @@ impl Discrete<'_> {
     }
 }
 
+/// Points with their regressors, point by point.
+#[derive(Debug, Default)]
+struct Offers {
+    points: Vec<f64>,
+    rows: Vec<f64>,
+}
+
+impl Offers {
+    fn of<'a>(frame: &Frame, points: impl Iterator<Item = &'a [f64]>) -> Self {
+        let p = frame.n_terms();
+        let mut offers = Self::default();
+        for point in points {
+            offers.points.extend_from_slice(point);
+            let at = offers.rows.len();
+            offers.rows.resize(at + p, 0.0);
+            frame.regressors.fill(point, &mut offers.rows[at..]);
+        }
+        offers
+    }
+
+    fn iter(&self, frame: &Frame) -> impl Iterator<Item = (&[f64], &[f64])> {
+        self.points.chunks_exact(frame.n_factors()).zip(self.rows.chunks_exact(frame.n_terms()))
+    }
+}
+
 /// A design in exchange.
 struct Runs<'a> {
     search: &'a Discrete<'a>,
@@ -235,32 +261,53 @@ struct Runs<'a> {
     variance: PredictionVariance,
     smooth: Smooth<'a>,
     /// Candidates with high v.
-    high: Vec<Vec<f64>>,
+    high: Rc<Offers>,
     /// Regressors of the watched points, block by block, term by term, the highest peaks first; zeros fill the last.
     watched: Vec<f64>,
+    /// v at the watched points, where it has been computed since runs or watched points last changed.
     values: Vec<f64>,
     /// v at all candidates.
     everywhere: Vec<f64>,
     /// Candidates near points asked for before: most runs stay where they are.
-    near: HashMap<Vec<u64>, Vec<Vec<f64>>>,
+    near: HashMap<Vec<u64>, Rc<Offers>>,
+    /// Counts the changes of runs, watched points and candidates with high v.
+    version: u64,
+    /// The version in which a run was last left where it is, and the stage of that.
+    left: Vec<Option<(u64, Option<u32>)>>,
+    scratch: Scratch,
+}
+
+/// What an exchange reuses.
+#[derive(Debug, Default)]
+struct Scratch {
+    own: Vec<f64>,
+    key: Vec<u64>,
+    d_f: Vec<f64>,
+    d_g: Vec<f64>,
+    b_d_f: Vec<f64>,
+    b_d_g: Vec<f64>,
+    along_g: Vec<f64>,
 }
 
 impl<'a> Runs<'a> {
     fn new(search: &'a Discrete<'a>, x: Vec<f64>) -> Self {
-        let p = search.frame.n_terms();
+        let (n, p) = (search.frame.multiplicities.len(), search.frame.n_terms());
         let matrices = Matrices::new(p);
         Self {
-            rows: vec![0.0; search.frame.multiplicities.len() * p],
+            rows: vec![0.0; n * p],
             variance: PredictionVariance::with_products(search.frame.products.clone(), &matrices.inverse),
             smooth: Smooth::new(search.frame, 12),
             matrices,
             search,
             x,
-            high: Vec::new(),
+            high: Rc::default(),
             watched: Vec::new(),
             values: Vec::new(),
             everywhere: Vec::new(),
             near: HashMap::new(),
+            version: 0,
+            left: vec![None; n],
+            scratch: Scratch::default(),
         }
     }
 
@@ -275,7 +322,8 @@ impl<'a> Runs<'a> {
         // The local maxima if they are known, else spread over the near-active points, not only the very highest.
         let n_near = near.points.len() / k;
         let stride = if near.n_peaks > 0 { 1 } else { (n_near / HIGH).max(1) };
-        self.high = near.points.chunks_exact(k).step_by(stride).take(HIGH).map(<[f64]>::to_vec).collect();
+        self.high = Rc::new(Offers::of(frame, near.points.chunks_exact(k).step_by(stride).take(HIGH)));
+        self.touch();
         self.watched.clear();
         self.watched.resize(n_near.div_ceil(BLOCK) * p * BLOCK, 0.0);
         let mut row = vec![0.0; p];
@@ -310,49 +358,88 @@ impl<'a> Runs<'a> {
         changed
     }
 
+    /// Notes that what an exchange follows from has changed.
+    fn touch(&mut self) {
+        self.version += 1;
+        self.values.clear();
+    }
+
+    /// Offers a run its best exchange; whether it was made.
     fn exchange(&mut self, run: usize, stage: Option<u32>) -> bool {
-        let frame = self.search.frame;
-        let (k, p) = (frame.n_factors(), frame.n_terms());
-        let own: Vec<f64> = self.x[run * k..run * k + k].to_vec();
-        let key = own.iter().map(|x| x.to_bits()).collect();
-        let mut offers = self.near.entry(key).or_insert_with(|| self.search.candidates.near(&own, NEAR)).clone();
-        offers.extend(self.high.iter().cloned());
-        offers.retain(|point| *point != own && !self.search.is_taken(point, &self.x, run));
-        if offers.is_empty() {
+        // Nothing has changed since: it would be left where it is again.
+        if self.left[run] == Some((self.version, stage)) {
             return false;
         }
+        let made = self.make_exchange(run, stage);
+        self.left[run] = (!made).then_some((self.version, stage));
+        made
+    }
+
+    fn make_exchange(&mut self, run: usize, stage: Option<u32>) -> bool {
+        let frame = self.search.frame;
+        let k = frame.n_factors();
+        let at = run * k..run * k + k;
+        self.scratch.own.clear();
+        self.scratch.own.extend_from_slice(&self.x[at.clone()]);
+        let offers = [self.near(run), self.high.clone()];
+        let offers = offers.iter().flat_map(|offers| offers.iter(frame));
         let best = match frame.criterion {
-            Criterion::E | Criterion::T => self.best_exactly(run, &offers),
-            _ if frame.multiplicities[run] > 1.0 => self.best_exactly(run, &offers),
-            _ => {
-                let row = self.rows[run * p..run * p + p].to_vec();
-                self.best_by_formula(&row, &offers, stage)
-            }
+            Criterion::E | Criterion::T => self.best_exactly(run, offers),
+            _ if frame.multiplicities[run] > 1.0 => self.best_exactly(run, offers),
+            _ => self.best_by_formula(run, offers, stage),
         };
-        let Some(index) = best else {
+        let Some(point) = best else {
             return false;
         };
-        self.x[run * k..run * k + k].copy_from_slice(&offers[index]);
+        self.x[at.clone()].copy_from_slice(point);
         if frame.invert(&self.x, &mut self.rows, &mut self.matrices).is_some() {
+            self.touch();
             return true;
         }
-        self.x[run * k..run * k + k].copy_from_slice(&own);
+        self.x[at].copy_from_slice(&self.scratch.own);
         frame.invert(&self.x, &mut self.rows, &mut self.matrices);
         false
     }
 
+    /// The candidates near a run.
+    fn near(&mut self, run: usize) -> Rc<Offers> {
+        let (search, k) = (self.search, self.search.frame.n_factors());
+        let own = &self.x[run * k..run * k + k];
+        self.scratch.key.clear();
+        self.scratch.key.extend(own.iter().map(|x| x.to_bits()));
+        if let Some(near) = self.near.get(&self.scratch.key) {
+            return near.clone();
+        }
+        let near = search.candidates.near(own, NEAR);
+        let near = Rc::new(Offers::of(search.frame, near.iter().map(Vec::as_slice)));
+        self.near.insert(self.scratch.key.clone(), near.clone());
+        near
+    }
+
+    /// Whether a run may move to a point: it is not there, nor another that must differ from it.
+    fn may_move(&self, run: usize, point: &[f64]) -> bool {
+        let k = point.len();
+        *point != self.x[run * k..run * k + k] && !self.search.is_taken(point, &self.x, run)
+    }
+
     /// The offer with the best criterion, computed from scratch.
-    fn best_exactly(&mut self, run: usize, offers: &[Vec<f64>]) -> Option<usize> {
-        let frame = self.search.frame;
-        let k = frame.n_factors();
+    fn best_exactly<'o>(
+        &mut self,
+        run: usize,
+        offers: impl Iterator<Item = (&'o [f64], &'o [f64])>,
+    ) -> Option<&'o [f64]> {
+        let k = self.search.frame.n_factors();
         let mut x = self.x.clone();
         let mut gradient = vec![0.0; x.len()];
         let mut best = (self.value_of(&x, &mut gradient), None);
-        for (index, offer) in offers.iter().enumerate() {
+        for (offer, _) in offers {
+            if !self.may_move(run, offer) {
+                continue;
+            }
             x[run * k..run * k + k].copy_from_slice(offer);
             let value = self.value_of(&x, &mut gradient);
             if value < best.0 - LEAST {
-                best = (value, Some(index));
+                best = (value, Some(offer));
             }
         }
         best.1
@@ -376,61 +463,79 @@ impl<'a> Runs<'a> {
     }
 
     /// The offer with the best criterion by the formulas above.
-    fn best_by_formula(&mut self, g: &[f64], offers: &[Vec<f64>], stage: Option<u32>) -> Option<usize> {
-        let frame = self.search.frame;
+    ///
+    /// Whether a run may move to an offer is asked only of those that would be better: they are few.
+    fn best_by_formula<'o>(
+        &mut self,
+        run: usize,
+        offers: impl Iterator<Item = (&'o [f64], &'o [f64])>,
+        stage: Option<u32>,
+    ) -> Option<&'o [f64]> {
+        let (frame, criterion) = (self.search.frame, self.search.frame.criterion);
         let p = frame.n_terms();
         let inverse = &self.matrices.inverse;
-        let mut d_g = vec![0.0; p];
-        multiply(inverse, p, g, &mut d_g);
-        let d_gg = dot(g, &d_g);
-        let (mut f, mut d_f) = (vec![0.0; p], vec![0.0; p]);
-        let mut best: (f64, Option<usize>) = (0.0, None);
-        let mut along_g = Vec::new();
-        let trace = matches!(frame.criterion, Criterion::A | Criterion::I);
-        let (mut b_d_g, mut b_d_f) = (vec![0.0; p], vec![0.0; p]);
-        match frame.criterion {
+        let g = &self.rows[run * p..run * p + p];
+        let mut scratch = std::mem::take(&mut self.scratch);
+        let Scratch { d_f, d_g, b_d_f, b_d_g, along_g, .. } = &mut scratch;
+        for vector in [&mut *d_f, &mut *d_g, &mut *b_d_f, &mut *b_d_g] {
+            vector.resize(p, 0.0);
+        }
+        let d_gg = project(inverse, g, d_g);
+        let mut best: (f64, Option<&[f64]>) = (0.0, None);
+        match criterion {
             Criterion::G => {
                 // x'D g and v at the watched points.
-                combine(&self.watched, &d_g, &mut along_g);
-                watched_variances(&self.watched, inverse, p, &mut self.values);
+                combine(&self.watched, d_g, along_g);
+                if self.values.is_empty() {
+                    watched_variances(&self.watched, inverse, p, &mut self.values);
+                }
                 best.0 = size(&self.values, stage);
             }
-            Criterion::D => best.0 = 0.0,
-            Criterion::I => multiply(&frame.moments, p, &d_g, &mut b_d_g),
-            _ => b_d_g.copy_from_slice(&d_g),
+            Criterion::I => multiply(&frame.moments, p, d_g, b_d_g),
+            _ => b_d_g.copy_from_slice(d_g),
         }
-        for (index, offer) in offers.iter().enumerate() {
-            frame.regressors.fill(offer, &mut f);
-            multiply(inverse, p, &f, &mut d_f);
-            let (d_ff, d_fg) = (dot(&f, &d_f), dot(g, &d_f));
+        let b_gg = dot(d_g, b_d_g);
+        for (offer, f) in offers {
+            let d_ff = project(inverse, f, d_f);
+            let d_fg = dot(g, d_f);
             let delta = (1.0 + d_ff) * (1.0 - d_gg) + d_fg * d_fg;
             // An exchange that leaves almost nothing of the determinant leads nowhere.
             if delta.is_nan() || delta < 1e-6 {
                 continue;
             }
-            let value = if frame.criterion == Criterion::D {
-                -delta.ln()
-            } else if trace {
-                match frame.criterion {
-                    Criterion::I => multiply(&frame.moments, p, &d_f, &mut b_d_f),
-                    _ => b_d_f.copy_from_slice(&d_f),
+            let value = match criterion {
+                Criterion::D => -delta.ln(),
+                Criterion::A | Criterion::I => {
+                    match criterion {
+                        Criterion::I => multiply(&frame.moments, p, d_f, b_d_f),
+                        _ => b_d_f.copy_from_slice(d_f),
+                    }
+                    let (b_ff, b_fg) = (dot(d_f, b_d_f), dot(d_g, b_d_f));
+                    -((1.0 - d_gg) * b_ff + 2.0 * d_fg * b_fg - (1.0 + d_ff) * b_gg) / delta
                 }
-                let (b_ff, b_fg, b_gg) = (dot(&d_f, &b_d_f), dot(&d_g, &b_d_f), dot(&d_g, &b_d_g));
-                -((1.0 - d_gg) * b_ff + 2.0 * d_fg * b_fg - (1.0 + d_ff) * b_gg) / delta
-            } else {
-                let weights = [(1.0 - d_gg) / delta, 2.0 * d_fg / delta, (1.0 + d_ff) / delta];
-                let exchange = Exchange { d_f: &d_f, weights, values: &self.values, along_g: &along_g };
-                match size_exchanged(&self.watched, exchange, stage, best.0) {
-                    Some(size) => size,
-                    None => continue,
+                _ => {
+                    let weights = [(1.0 - d_gg) / delta, 2.0 * d_fg / delta, (1.0 + d_ff) / delta];
+                    let exchange = Exchange { d_f, weights, values: &self.values, along_g };
+                    match size_exchanged(&self.watched, exchange, stage, best.0) {
+                        Some(size) => size,
+                        None => continue,
+                    }
                 }
             };
-            if value < best.0 - LEAST * best.0.abs().max(1.0) {
-                best = (value, Some(index));
+            if value < best.0 - LEAST * best.0.abs().max(1.0) && self.may_move(run, offer) {
+                best = (value, Some(offer));
             }
         }
+        self.scratch = scratch;
         best.1
     }
+}
+
+/// D f into `d_f`; f'D f.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+fn project(inverse: &[f64], f: &[f64], d_f: &mut [f64]) -> f64 {
+    multiply(inverse, f.len(), f, d_f);
+    dot(f, d_f)
 }
 
 /// (Σ v^q)^(1/q), or the largest v.
@@ -585,15 +690,15 @@ mod tests {
                     continue;
                 }
                 let offers: Vec<Vec<f64>> = (0..12).map(|_| candidates.sample(&mut generator)).collect();
+                let offers = Offers::of(&frame, offers.iter().map(Vec::as_slice));
                 for run in 0..9 {
-                    let row = runs.rows[run * 6..run * 6 + 6].to_vec();
-                    let by_formula = runs.best_by_formula(&row, &offers, None);
-                    let exactly = runs.best_exactly(run, &offers);
+                    let by_formula = runs.best_by_formula(run, offers.iter(&frame), None);
+                    let exactly = runs.best_exactly(run, offers.iter(&frame));
                     // Mirror images and the same candidate twice may tie: then the values count.
-                    let mut value = |choice: Option<usize>| {
+                    let mut value = |choice: Option<&[f64]>| {
                         let mut x = runs.x.clone();
-                        if let Some(index) = choice {
-                            x[run * 2..run * 2 + 2].copy_from_slice(&offers[index]);
+                        if let Some(point) = choice {
+                            x[run * 2..run * 2 + 2].copy_from_slice(point);
                         }
                         let mut gradient = vec![0.0; x.len()];
                         runs.value_of(&x, &mut gradient)

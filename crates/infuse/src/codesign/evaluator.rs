@@ -25,12 +25,14 @@ pub(crate) struct Best {
     pub(crate) corrected_cost: f64,
 }
 
+/// A simulation by reference: loops and searches are compiled once, not for each simulation.
+pub(crate) type Simulation<'a> = dyn FnMut(&[f64]) -> Result<f64, String> + 'a;
+
 /// Evaluates J + J_cor and remembers the best point, the failures and the count.
-#[derive(Debug)]
-pub(crate) struct Evaluator<'a, S> {
+pub(crate) struct Evaluator<'a> {
     region: &'a Region,
     correction: &'a Local,
-    simulation: &'a mut S,
+    simulation: &'a mut Simulation<'a>,
     max_simulations: usize,
     pub(crate) n_simulations: usize,
     pub(crate) failures: Vec<FailedSimulation>,
@@ -38,11 +40,11 @@ pub(crate) struct Evaluator<'a, S> {
     pub(crate) limit_was_reached: bool,
 }
 
-impl<'a, S: FnMut(&[f64]) -> Result<f64, String>> Evaluator<'a, S> {
+impl<'a> Evaluator<'a> {
     pub(crate) fn new(
         region: &'a Region,
         correction: &'a Local,
-        simulation: &'a mut S,
+        simulation: &'a mut Simulation<'a>,
         max_simulations: usize,
     ) -> Self {
         Self {

@@ -85,11 +85,11 @@ pub fn codesign(
 }
 
 /// Runs the strategy; the evaluator holds what it found.
-pub(crate) fn optimize<S: FnMut(&[f64]) -> Result<f64, String>>(
+pub(crate) fn optimize(
     problem: &CodesignProblem,
     settings: &OptimizerSettings,
     start: &[f64],
-    evaluator: &mut Evaluator<'_, S>,
+    evaluator: &mut Evaluator<'_>,
 ) -> Result<CodesignStop, Error> {
     problem.check_strategy(settings.strategy)?;
     problem.region().check(start)?;
@@ -110,15 +110,15 @@ pub(crate) fn optimize<S: FnMut(&[f64]) -> Result<f64, String>>(
 }
 
 /// The two blocks of coordinates and the coded point they are cut from.
-struct Blocks<'a, 'b, S> {
+struct Blocks<'a, 'b> {
     plant: Vec<usize>,
     controller: Vec<usize>,
     settings: &'a OptimizerSettings,
     current: Vec<f64>,
-    evaluator: &'a mut Evaluator<'b, S>,
+    evaluator: &'a mut Evaluator<'b>,
 }
 
-impl<S: FnMut(&[f64]) -> Result<f64, String>> Blocks<'_, '_, S> {
+impl Blocks<'_, '_> {
     /// Searches the plant; each cost it sees is that of a complete controller search.
     fn nested(&mut self) -> Result<CodesignStop, Error> {
         let inner_settings = SearchSettings {
@@ -128,9 +128,9 @@ impl<S: FnMut(&[f64]) -> Result<f64, String>> Blocks<'_, '_, S> {
         let mut inner_stop = CodesignStop::Converged;
         let mut controller = pick(&self.current, &self.controller);
         let outer =
-            search(&pick(&self.current, &self.plant), &self.search_settings(self.settings.n_starts), |plant| {
+            search(&pick(&self.current, &self.plant), &self.search_settings(self.settings.n_starts), &mut |plant| {
                 put(&mut self.current, &self.plant, plant);
-                let inner = search(&controller, &inner_settings, |candidate| {
+                let inner = search(&controller, &inner_settings, &mut |candidate| {
                     put(&mut self.current, &self.controller, candidate);
                     self.evaluator.evaluate(&self.current)
                 })?;
@@ -171,7 +171,7 @@ impl<S: FnMut(&[f64]) -> Result<f64, String>> Blocks<'_, '_, S> {
     /// Optimizes the coordinates of one block, the others staying where they are.
     fn block(&mut self, indices: &[usize], n_starts: usize) -> Result<CodesignStop, Error> {
         let mut candidate = self.current.clone();
-        let found = search(&pick(&self.current, indices), &self.search_settings(n_starts), |block| {
+        let found = search(&pick(&self.current, indices), &self.search_settings(n_starts), &mut |block| {
             put(&mut candidate, indices, block);
             self.evaluator.evaluate(&candidate)
         })?;

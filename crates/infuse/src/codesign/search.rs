@@ -21,16 +21,15 @@ pub(crate) struct Found {
     pub(crate) stop: CodesignStop,
 }
 
+/// What a search makes small, by reference: the search is compiled once, not for each cost.
+type Cost<'a> = dyn FnMut(&[f64]) -> Result<Option<f64>, Error> + 'a;
+
 /// Minimizes `cost` over the box from −1 to 1 in `warm_start.len()` coordinates, by BOBYQA (Powell
 /// 2009) from every start worth a descent.
 ///
 /// `cost` gives nothing where the simulation failed. The descent then sees a barrier, strictly above
 /// everything finite this search has seen; the barrier is never a result.
-pub(crate) fn search(
-    warm_start: &[f64],
-    settings: &SearchSettings,
-    cost: impl FnMut(&[f64]) -> Result<Option<f64>, Error>,
-) -> Result<Found, Error> {
+pub(crate) fn search(warm_start: &[f64], settings: &SearchSettings, cost: &mut Cost<'_>) -> Result<Found, Error> {
     let n_axes = warm_start.len();
     let mut history = History::new(cost);
     let mut candidates = vec![warm_start.to_vec()];

@@ -78,12 +78,11 @@ impl OpenBatch {
     }
 }
 
+/// A simulation by reference: the loop is compiled once, not for each simulation.
+pub(crate) type Simulation<'a> = dyn FnMut(Cell, &[f64]) -> Result<f64, String> + 'a;
+
 /// Runs the simulation at a cell; a failure is written down.
-pub(crate) fn simulated(
-    cell: Cell,
-    cells: &Cells,
-    simulation: &mut impl FnMut(Cell, &[f64]) -> Result<f64, String>,
-) -> Result<SimulationRecord, Error> {
+pub(crate) fn simulated(cell: Cell, cells: &Cells, simulation: &mut Simulation<'_>) -> Result<SimulationRecord, Error> {
     let point = cells.natural(cell)?;
     let outcome = match simulation(cell, &point) {
         Ok(cost) if !cost.is_finite() => Outcome::Failed { reason: format!("the simulation returned {cost}") },

@@ -2,15 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use design_space::Cell;
-
 use crate::Error;
 use crate::correction::{corrected_model, correction};
 use crate::global::batch::{DesignSpace, Purpose};
 use crate::global::campaign::Loop;
 use crate::global::changes::SurfaceChanges;
 use crate::global::fits::{BatchData, unless_data_are_few};
-use crate::global::open_batch::{OpenBatch, simulated, trials};
+use crate::global::open_batch::{OpenBatch, Simulation, simulated, trials};
 use crate::global::plan::Plan;
 use crate::global::report::Report;
 use crate::global::retained::RetainedSet;
@@ -30,10 +28,7 @@ pub(crate) struct Closed {
 /// The turn.
 impl Loop {
     /// The upper half of the figure, up to the experiments: they wait for whoever has the rig.
-    pub(super) fn begin(
-        &self,
-        simulation: &mut impl FnMut(Cell, &[f64]) -> Result<f64, String>,
-    ) -> Result<OpenBatch, Error> {
+    pub(super) fn begin(&self, simulation: &mut Simulation<'_>) -> Result<OpenBatch, Error> {
         // 5.1: G-optimal experiments and simulations (29) over the cells that are left.
         let space = self.design_space()?;
         let plan = self.plan_in(&space)?;
@@ -92,7 +87,7 @@ impl Loop {
         &self,
         space: &DesignSpace,
         plan: &Plan,
-        simulation: &mut impl FnMut(Cell, &[f64]) -> Result<f64, String>,
+        simulation: &mut Simulation<'_>,
     ) -> Result<OpenBatch, Error> {
         let Plan { experiments, simulations } = plan;
         let uses = space.uses(experiments)?;

@@ -3,7 +3,7 @@
 use design_space::{Parameter, Region};
 use serde::{Deserialize, Serialize};
 
-use crate::codesign::evaluator::Evaluator;
+use crate::codesign::evaluator::{Evaluator, Simulation};
 use crate::codesign::run::optimize;
 use crate::correction::Local;
 use crate::gradient::settings::{BoundPolicy, Settings};
@@ -37,12 +37,12 @@ pub struct NumericalOptimum {
 /// Optimizes J + J_cor, starting from the last optimum if there is one, and takes its gradient there:
 /// central differences, or second-order one-sided ones where a side is out of bounds or fails, so that
 /// a bound nearby does not bias what an interior optimum should find to be zero.
-pub(crate) fn numerical_optimum<S: FnMut(&[f64]) -> Result<f64, String>>(
+pub(crate) fn numerical_optimum(
     problem: &CodesignProblem,
     settings: &Settings,
     last_optimum: Option<&[f64]>,
     correction: &Local,
-    simulation: &mut S,
+    simulation: &mut Simulation<'_>,
 ) -> Result<NumericalOptimum, Error> {
     let region = problem.region();
     let (start, in_reach) = match (last_optimum, &settings.start) {

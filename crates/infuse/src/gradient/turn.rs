@@ -1,6 +1,7 @@
 //! One turn of Figure 3.
 
 use crate::Error;
+use crate::codesign::evaluator::Simulation;
 use crate::correction::Slopes;
 use crate::gradient::campaign::{Loop, OpenIteration};
 use crate::gradient::numerical::numerical_optimum;
@@ -9,10 +10,7 @@ use crate::gradient::trial::{Measured, Trials, experiments_around};
 
 impl Loop {
     /// The upper half of the figure, up to the experiments: they wait for whoever has the rig.
-    pub(super) fn begin(
-        &self,
-        simulation: &mut impl FnMut(&[f64]) -> Result<f64, String>,
-    ) -> Result<OpenIteration, Error> {
+    pub(super) fn begin(&self, simulation: &mut Simulation<'_>) -> Result<OpenIteration, Error> {
         // Optimize the corrected model J + J_cor,
         let last = self.reports().last().map(|report| report.numerical.point.as_slice());
         let numerical = numerical_optimum(self.problem(), self.settings(), last, &self.correction(), simulation)?;
