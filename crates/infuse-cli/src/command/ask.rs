@@ -64,11 +64,9 @@ pub(crate) fn hand_out(folder: &Path, campaign: &mut Campaign, writer: &mut Writ
         }
         let searching = ProgressBar::new_spinner().with_message(format!("designing batch {}", campaign.batch()));
         searching.enable_steady_tick(std::time::Duration::from_millis(200));
-        let begin: Vec<Event> = campaign.learning().into_iter().chain(campaign.planning()?).collect();
+        let planning = campaign.planning()?;
         searching.finish_and_clear();
-        if !begin.is_empty() {
-            campaign.record(writer, begin)?;
-        }
+        campaign.record(writer, planning.into_iter().collect())?;
         let n_failed = simulate_missing(folder, campaign, writer, &by, &mut done)?;
         if n_failed > 0 {
             done.notices.push(format!("{} failed; the journal says why", count(n_failed, "simulation")));

@@ -36,9 +36,7 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
         Event::Told { row: index + 1, rows, id, result, actual, repeat, corrects, note, from, at }
     };
     let events: Vec<Event> = fresh.into_iter().enumerate().map(event).collect();
-    if rows > 0 {
-        campaign.record(&mut writer, events)?;
-    }
+    campaign.record(&mut writer, events)?;
     let mut text = String::new();
     let known = if n_known > 0 { format!(", {n_known} known before") } else { String::new() };
     let _ = writeln!(text, "Taken: {}{known}.", count(rows, "result"));
