@@ -31,7 +31,7 @@ impl Loop {
         }))
     }
 
-    /// Whether this cell is still in the running.
+    /// Whether this cell is among those left.
     #[must_use]
     pub fn is_retained(&self, cell: Cell) -> bool {
         self.retained.contains(cell)
