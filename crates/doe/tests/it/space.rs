@@ -103,7 +103,7 @@ fn refuses_spaces_that_are_none() {
         "coordinate 0 of candidate 1 is 1.5, expected coded coordinates from -1 to 1",
     );
     check(Space::list(2, vec![f64::NAN, 0.0]), "coordinate 0 of point 0 is NaN, expected a finite number");
-    check(Space::list(2, vec![]), "0 candidates, expected at least 1");
+    check(Space::list(2, vec![]), "candidates: 0, expected at least 1");
     let all = Forbidden::new(vec![Some([-1.0, 1.0]), None]).unwrap();
     check(
         Space::cube(2).unwrap().forbid(vec![all.clone()]),
