@@ -41,6 +41,24 @@ pub struct LogRow {
 }
 
 impl LogRow {
+    /// All numbers, in the order of [`FlightLog::columns`].
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+        let measured = [
+            self.time_s,
+            self.flow_speed_m_s,
+            self.flow_direction_rad,
+            self.altitude_m,
+            self.lateral_m,
+            self.roll_rad,
+            self.pitch_rad,
+            self.heading_rad,
+            self.pitch_error_rad,
+            self.roll_error_rad,
+            self.altitude_error_m,
+        ];
+        measured.into_iter().chain(self.state).chain(self.commands_m_s).chain(self.tensions_n)
+    }
+
     pub(crate) fn of(sample: &Sample<'_, f64, 1>, rig: &Rig) -> Self {
         let (sight, tensions) = (&sample.evaluation.sight, &sample.evaluation.tensions);
         Self {
@@ -82,30 +100,36 @@ pub struct FlightLog {
 }
 
 /// Header of the measured columns; the state's columns follow with their own names and units.
-const COLUMNS: [&str; 11] = [
-    "time [s]",
-    "flow_speed [m/s]",
-    "flow_direction [rad]",
-    "altitude [m]",
-    "lateral [m]",
-    "roll [rad]",
-    "pitch [rad]",
-    "heading_from_flow [rad]",
-    "pitch_error [rad]",
-    "roll_error [rad]",
-    "altitude_error [m]",
+const COLUMNS: [(&str, &str); 11] = [
+    ("time", "s"),
+    ("flow_speed", "m/s"),
+    ("flow_direction", "rad"),
+    ("altitude", "m"),
+    ("lateral", "m"),
+    ("roll", "rad"),
+    ("pitch", "rad"),
+    ("heading_from_flow", "rad"),
+    ("pitch_error", "rad"),
+    ("roll_error", "rad"),
+    ("altitude_error", "m"),
 ];
 const LINES: [&str; 3] = ["center", "starboard", "port"];
 
 impl FlightLog {
-    /// The names of the columns with their units, in the order in which they are written.
+    /// Name and unit of every column, in the order in which they are written.
+    #[must_use]
+    pub fn columns() -> Vec<(String, &'static str)> {
+        let measured = COLUMNS.iter().map(|(name, unit)| ((*name).to_owned(), *unit));
+        let states = STATE_NAMES.iter().zip(bat_dynamics::STATE_UNITS).map(|(name, unit)| ((*name).to_owned(), unit));
+        let commands = LINES.iter().map(|line| (format!("command_{line}"), "m/s"));
+        let tensions = LINES.iter().map(|line| (format!("tension_{line}"), "N"));
+        measured.chain(states).chain(commands).chain(tensions).collect()
+    }
+
+    /// The same as a file has them: "time [s]".
     #[must_use]
     pub fn header() -> Vec<String> {
-        let mut header: Vec<String> = COLUMNS.iter().map(|name| (*name).to_owned()).collect();
-        header.extend(STATE_NAMES.iter().zip(bat_dynamics::STATE_UNITS).map(|(name, unit)| format!("{name} [{unit}]")));
-        header.extend(LINES.iter().map(|line| format!("command_{line} [m/s]")));
-        header.extend(LINES.iter().map(|line| format!("tension_{line} [N]")));
-        header
+        Self::columns().into_iter().map(|(name, unit)| format!("{name} [{unit}]")).collect()
     }
 
     /// Writes the log as CSV. Numbers are written so that they read back bit for bit.
@@ -116,21 +140,7 @@ impl FlightLog {
         let mut writer = csv::Writer::from_writer(out);
         writer.write_record(Self::header())?;
         for row in &self.rows {
-            let measured = [
-                row.time_s,
-                row.flow_speed_m_s,
-                row.flow_direction_rad,
-                row.altitude_m,
-                row.lateral_m,
-                row.roll_rad,
-                row.pitch_rad,
-                row.heading_rad,
-                row.pitch_error_rad,
-                row.roll_error_rad,
-                row.altitude_error_m,
-            ];
-            let numbers = measured.iter().chain(&row.state).chain(&row.commands_m_s).chain(&row.tensions_n);
-            writer.write_record(numbers.map(f64::to_string))?;
+            writer.write_record(row.numbers().map(|number| number.to_string()))?;
         }
         writer.flush()?;
         Ok(())

@@ -128,8 +128,8 @@ fn derived(number: &Converted) -> Vec<(String, String)> {
 /// The largest difference between two logs, each column in its own unit brought from one scale to the other.
 fn largest_difference(units: &Units, law: &ScalingLaw, lab: &FlightLog, full: &FlightLog) -> Result<(f64, String)> {
     let mut largest = (0.0, String::new());
-    let (lab, full) = (columns(lab)?, columns(full)?);
-    for ((heading, unit), (lab, full)) in headings().iter().zip(lab.iter().zip(&full)) {
+    let (lab, full) = (columns(lab), columns(full));
+    for ((heading, unit), (lab, full)) in FlightLog::columns().iter().zip(lab.iter().zip(&full)) {
         let factor = law.factor(&units.parse(unit)?.dimension)?.to_f64();
         let peak = full.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
         let difference = lab.iter().zip(full).fold(0.0_f64, |most, (lab, full)| most.max((lab * factor - full).abs()));
@@ -141,26 +141,13 @@ fn largest_difference(units: &Units, law: &ScalingLaw, lab: &FlightLog, full: &F
     Ok(largest)
 }
 
-/// Name and unit of each column of a log.
-fn headings() -> Vec<(String, String)> {
-    FlightLog::header()
-        .iter()
-        .map(|heading| {
-            let (name, unit) = heading.split_once(" [").unwrap_or((heading, "1]"));
-            (name.to_owned(), unit.trim_end_matches(']').to_owned())
-        })
-        .collect()
-}
-
-/// The log column by column, through the same text that a person gets.
-fn columns(log: &FlightLog) -> Result<Vec<Vec<f64>>> {
-    let mut text = Vec::new();
-    log.write_csv(&mut text)?;
-    let mut columns = vec![Vec::with_capacity(log.rows.len()); FlightLog::header().len()];
-    for record in csv::Reader::from_reader(text.as_slice()).records() {
-        for (column, cell) in columns.iter_mut().zip(&record?) {
-            column.push(cell.parse()?);
+/// The log column by column.
+fn columns(log: &FlightLog) -> Vec<Vec<f64>> {
+    let mut columns = vec![Vec::with_capacity(log.rows.len()); FlightLog::columns().len()];
+    for row in &log.rows {
+        for (column, number) in columns.iter_mut().zip(row.numbers()) {
+            column.push(number);
         }
     }
-    Ok(columns)
+    columns
 }
