@@ -56,12 +56,13 @@ pub(crate) fn withdraw(folder: &Path, wait: Duration, source: &str) -> Result<Ou
         .earlier()
         .iter()
         .filter(|earlier| earlier.until.is_none())
-        .map(|earlier| format!("`{}`", earlier.source))
+        .map(|earlier| earlier.source.clone())
         .collect();
+    let names = || sources.iter().map(|source| format!("`{source}`")).collect::<Vec<_>>().join(", ");
     ensure!(
-        sources.contains(&format!("`{source}`")),
+        sources.contains(source),
         "nothing that is in use was imported from `{source}`, expected one of {}",
-        if sources.is_empty() { "none".to_owned() } else { sources.into_iter().collect::<Vec<_>>().join(", ") }
+        if sources.is_empty() { "none".to_owned() } else { names() }
     );
     let before = in_use(&campaign);
     campaign.record(&mut writer, vec![Event::Withdrawn { source: source.to_owned(), at: now() }])?;
