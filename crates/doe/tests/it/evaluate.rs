@@ -340,7 +340,7 @@ fn refuses_what_does_not_fit() {
     let mut none = settings;
     none.n_samples = 0;
     let error = evaluate(&model, &space, &factorial(2), &none).unwrap_err();
-    assert_eq!(error.to_string(), "0 sample points, expected 1 to 10000000");
+    assert_eq!(error.to_string(), "sample points: 0, expected 1 to 10000000");
 }
 
 proptest! {

@@ -81,7 +81,7 @@ fn a_space_names_the_terms_it_confounds() {
 #[test]
 fn refuses_spaces_that_are_none() {
     let check = |space: Result<Space, Error>, message: &str| assert_eq!(space.unwrap_err().to_string(), message);
-    check(Space::cube(0), "0 factors, expected 1 to 12");
+    check(Space::cube(0), "factors: 0, expected 1 to 12");
     check(
         Space::grid(&[3, 1]),
         "an axis has 1 level, expected at least 2: leave a factor that cannot vary out of the model",
