@@ -36,7 +36,7 @@ pub struct Fidelity {
 impl Fidelity {
     /// The numerical model of the dissertation: no stall, no added mass.
     pub const NUMERICAL: Self = Self { lift: Lift::Attached, fluid_inertia: FluidInertia::Neglected };
-    /// The numerical model with stall, the surrogate of Section 6.2.
+    /// The numerical model with stall, the truth of Section 6.2.
     pub const STALLED: Self = Self { lift: Lift::Stalled, fluid_inertia: FluidInertia::Neglected };
     /// The numerical model with added mass and without stall.
     pub const ADDED_MASS: Self = Self { lift: Lift::Attached, fluid_inertia: FluidInertia::Included };

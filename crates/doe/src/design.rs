@@ -30,12 +30,15 @@ impl Design {
     ///
     /// # Errors
     ///
-    /// As [`new`](Self::new); [`Error::PointLength`] for a run of another length than the first.
+    /// As [`new`](Self::new); [`PointLength`](design_space::Error::PointLength) for a run of another length than the first.
     pub fn from_runs(runs: &[impl AsRef<[f64]>]) -> Result<Self, Error> {
         let n_factors = runs.first().map_or(0, |run| run.as_ref().len());
         for run in runs {
             if run.as_ref().len() != n_factors {
-                return Err(Error::PointLength { expected: n_factors, found: run.as_ref().len() });
+                return Err(Error::DesignSpace(design_space::Error::PointLength {
+                    expected: n_factors,
+                    found: run.as_ref().len(),
+                }));
             }
         }
         Self::new(n_factors, runs.iter().flat_map(|run| run.as_ref().iter().copied()).collect())

@@ -1,6 +1,6 @@
 //! What can be wrong with a parameter, a region, a model, a space, a design or a search.
 
-use crate::wording::{counted, singular};
+use crate::wording::counted;
 use crate::{Confounding, FileFault};
 
 /// Every fault of this crate, each naming the field, the value and what was allowed.
@@ -27,14 +27,6 @@ pub enum Error {
     NoSuchParameter {
         /// The name given.
         name: String,
-    },
-    /// A coded point with another number of coordinates than there are factors.
-    #[error("a point has {found}, expected {expected}{hint}", found = coordinates(*found), hint = comma_hint(*found, *expected))]
-    PointLength {
-        /// Number of factors.
-        expected: usize,
-        /// Number of coordinates given.
-        found: usize,
     },
     /// Flat coordinates that do not fill whole points.
     #[error("{n_coordinates} coordinates do not fill points of {n_factors} coordinates each")]
@@ -251,24 +243,10 @@ pub(crate) fn check_points(name: &'static str, n_factors: usize, coordinates: &[
     }
 }
 
-fn coordinates(count: usize) -> String {
-    counted(count as u64, "coordinate", "coordinates")
-}
-
-/// Two numbers for each that was expected are what decimal commas make of a point.
-fn comma_hint(found: usize, expected: usize) -> &'static str {
-    if expected > 0 && found > expected && found <= 2 * expected {
-        "; a decimal comma separates numbers, write 20.5 and not 20,5"
-    } else {
-        ""
-    }
-}
-
 fn count(name: &str, found: usize, least: usize, most: usize) -> String {
-    let things = if found == 1 { singular(name) } else { name.to_owned() };
     match most {
-        usize::MAX => format!("{found} {things}, expected at least {least}"),
-        _ => format!("{found} {things}, expected {least} to {most}"),
+        usize::MAX => format!("{name}: {found}, expected at least {least}"),
+        _ => format!("{name}: {found}, expected {least} to {most}"),
     }
 }
 

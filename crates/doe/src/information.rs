@@ -113,10 +113,13 @@ impl Information {
     ///
     /// # Errors
     ///
-    /// [`Error::PointLength`] for a regressor of another length than p.
+    /// [`PointLength`](design_space::Error::PointLength) for a regressor of another length than p.
     pub fn variance(&self, regressor: &[f64]) -> Result<f64, Error> {
         if regressor.len() != self.n_terms {
-            return Err(Error::PointLength { expected: self.n_terms, found: regressor.len() });
+            return Err(Error::DesignSpace(design_space::Error::PointLength {
+                expected: self.n_terms,
+                found: regressor.len(),
+            }));
         }
         let mut product = vec![0.0; self.n_terms];
         matrix::multiply(&self.inverse, self.n_terms, regressor, &mut product);
@@ -127,7 +130,7 @@ impl Information {
     ///
     /// # Errors
     ///
-    /// [`Error::FactorMismatch`], [`Error::PointLength`] if the model has another number of terms.
+    /// [`Error::FactorMismatch`], [`PointLength`](design_space::Error::PointLength) if the model has another number of terms.
     pub fn leverages(&self, model: &Model, design: &Design) -> Result<Vec<f64>, Error> {
         design.runs().map(|run| self.variance(&model.regressor(run)?)).collect()
     }

@@ -37,11 +37,11 @@ impl PredictionVariance {
     ///
     /// # Errors
     ///
-    /// [`Error::PointLength`] if model and information differ in the number of terms.
+    /// [`PointLength`](design_space::Error::PointLength) if model and information differ in the number of terms.
     pub fn from_information(model: &Model, information: &Information) -> Result<Self, Error> {
         let (expected, found) = (model.n_terms(), information.n_terms());
         if expected != found {
-            return Err(Error::PointLength { expected, found });
+            return Err(Error::DesignSpace(design_space::Error::PointLength { expected, found }));
         }
         let products = Arc::new(Products::of(model));
         Ok(Self::with_products(products, information.inverse()))
@@ -61,7 +61,7 @@ impl PredictionVariance {
     ///
     /// # Errors
     ///
-    /// [`Error::PointLength`].
+    /// [`PointLength`](design_space::Error::PointLength).
     pub fn at(&self, point: &[f64]) -> Result<f64, Error> {
         self.check(point)?;
         Ok(self.value(point))
@@ -71,7 +71,7 @@ impl PredictionVariance {
     ///
     /// # Errors
     ///
-    /// [`Error::PointLength`].
+    /// [`PointLength`](design_space::Error::PointLength).
     pub fn gradient(&self, point: &[f64]) -> Result<Vec<f64>, Error> {
         self.check(point)?;
         let mut line = vec![0.0; self.products.largest + 1];
@@ -156,6 +156,10 @@ impl PredictionVariance {
 
     fn check(&self, point: &[f64]) -> Result<(), Error> {
         let (expected, found) = (self.products.n_factors, point.len());
-        if expected == found { Ok(()) } else { Err(Error::PointLength { expected, found }) }
+        if expected == found {
+            Ok(())
+        } else {
+            Err(Error::DesignSpace(design_space::Error::PointLength { expected, found }))
+        }
     }
 }

@@ -5,15 +5,6 @@ pub(crate) fn counted(count: u64, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// The singular of a phrase whose first plural is the noun counted: "runs to split" becomes "run to split".
-pub(crate) fn singular(phrase: &str) -> String {
-    let mut words: Vec<&str> = phrase.split(' ').collect();
-    if let Some(noun) = words.iter_mut().find(|word| word.ends_with('s')) {
-        *noun = noun.strip_suffix("xes").map_or_else(|| &noun[..noun.len() - 1], |stem| &noun[..=stem.len()]);
-    }
-    words.join(" ")
-}
-
 /// Σ coefficient · name, with names in backticks; "0" for nothing.
 pub(crate) fn combination<'a>(parts: impl Iterator<Item = (&'a str, f64)>) -> String {
     let mut text = String::new();
@@ -68,11 +59,5 @@ mod tests {
     fn one_of_a_thing_is_singular() {
         assert_eq!(counted(1, "run", "runs"), "1 run");
         assert_eq!(counted(0, "run", "runs"), "0 runs");
-        let phrases = [
-            ("runs to split", "run to split"),
-            ("forbidden boxes", "forbidden box"),
-            ("distinct factors of a slice", "distinct factor of a slice"),
-        ];
-        phrases.iter().for_each(|(many, one)| assert_eq!(singular(many), *one));
     }
 }

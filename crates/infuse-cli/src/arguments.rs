@@ -83,7 +83,7 @@ pub(crate) enum Command {
     },
     /// Say where the campaign stands: the best design, what was learned, what is left, and whether to go on
     Status {
-        /// Also say why a design was dropped, or that it is still in the running: "spring=21000,damper=1500"
+        /// Also say why a design was dropped, or that it is among the designs left: "spring=21000,damper=1500"
         #[arg(long, value_name = "NAME=VALUE,...")]
         why: Option<String>,
     },

@@ -10,6 +10,7 @@ mod problem;
 mod program;
 mod report;
 mod sheet;
+mod shell;
 mod simulator;
 
 use std::io::Write as _;

@@ -1,7 +1,8 @@
 //! The same coupled problem by the four strategies of combined plant and controller optimization.
 
 use doe::{Parameter, Region};
-use infuse::{CodesignProblem, Error, OptimizerSettings, Role, Strategy, codesign};
+use infuse::codesign::{OptimizerSettings, Strategy, codesign};
+use infuse::{CodesignProblem, Error, Role};
 
 /// Two basins along the diagonal: the best is at (0.523, 0.523) with −0.102.
 fn cost(p: &[f64]) -> Result<f64, String> {

@@ -1,6 +1,7 @@
 //! What can be wrong with a problem, a setting, a reply or a saved state.
 
-use crate::{Strategy, TrialId};
+use crate::TrialId;
+use crate::codesign::Strategy;
 
 /// Every fault of this crate. A simulation or an experiment that fails is not among them: that is
 /// data, and is reported.

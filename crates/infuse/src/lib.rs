@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod checks;
-mod codesign;
+pub mod codesign;
 pub mod convergence;
 pub mod correction;
 mod error;
@@ -14,7 +14,6 @@ mod problem;
 mod traced;
 mod trial;
 
-pub use codesign::{CodesignReport, CodesignStop, FailedSimulation, OptimizerSettings, Strategy, codesign};
 pub use error::Error;
 pub use ledger::Record;
 pub use problem::{CodesignProblem, Role};

@@ -3,8 +3,9 @@
 use design_space::Region;
 use serde::{Deserialize, Serialize};
 
+use crate::Error;
 use crate::checks::check_length;
-use crate::{Error, Strategy};
+use crate::codesign::Strategy;
 
 /// What a parameter is part of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -6,8 +6,8 @@ use serde::Serialize;
 
 /// A sentence, the numbers in it by name, and what belongs to it.
 ///
-/// The same finding is printed ([`Display`](fmt::Display)), shown on a page ([`Page::finding`](crate::Page::finding)) and
-/// given to programs (`Serialize`), so that nobody needs to read a number out of a sentence.
+/// The same finding is printed ([`Display`](fmt::Display)), shown on a page ([`Page::finding`](crate::Page::finding)), kept in
+/// a text ([`Finding::markdown`]) and given to programs (`Serialize`), so that nobody needs to read a number out of a sentence.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Finding {
     sentence: String,
@@ -61,6 +61,17 @@ impl Finding {
         &self.details
     }
 
+    /// An item of a list in Markdown, with what belongs to it as a list of its own.
+    pub fn markdown(&self) -> String {
+        fn write(finding: &Finding, indent: usize, text: &mut String) {
+            text.push_str(&format!("{:indent$}- {}\n", "", finding.sentence));
+            finding.details.iter().for_each(|detail| write(detail, indent + 2, text));
+        }
+        let mut text = String::new();
+        write(self, 0, &mut text);
+        text
+    }
+
     fn write(&self, formatter: &mut fmt::Formatter<'_>, indent: usize) -> fmt::Result {
         writeln!(formatter, "{:indent$}{}", "", self.sentence)?;
         self.details.iter().try_for_each(|detail| detail.write(formatter, indent + 2))
@@ -84,6 +95,7 @@ mod tests {
             .with("gap", 3.0, "mm")
             .detail(Finding::new("4.2 N there.").with("force", 4.201, "N").detail(Finding::new("Measured twice.")));
         assert_eq!(finding.to_string(), "Best: gap 3 mm.\n  4.2 N there.\n    Measured twice.\n");
+        assert_eq!(finding.markdown(), "- Best: gap 3 mm.\n  - 4.2 N there.\n    - Measured twice.\n");
         assert_eq!(finding.numbers()[0].name, "gap");
         assert_eq!(finding.details()[0].sentence(), "4.2 N there.");
     }

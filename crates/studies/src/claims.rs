@@ -4,10 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use page::{Column, Finding, Page, Table};
-
-use crate::reproduction::Picture;
 use crate::words::capitalized;
+use page::{Column, Finding, Table};
 
 /// Where the dissertation says it; in the order in which the claims are listed.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -35,7 +33,7 @@ impl fmt::Display for Place {
 pub(crate) enum Verdict {
     /// It comes out, and nothing was fitted to it.
     Reproduced,
-    /// What it says comes out, on a surrogate instead of an experiment or with other numbers.
+    /// What it says comes out, on a stand-in instead of an experiment or with other numbers.
     InKind,
     /// It comes out in some cases and not in others.
     InPart,
@@ -50,7 +48,7 @@ pub(crate) enum Verdict {
 }
 
 impl Verdict {
-    /// Of a claim about experiments: a surrogate cannot do more than show it in kind.
+    /// Of a claim about experiments: a stand-in cannot do more than show it in kind.
     pub(crate) fn in_kind_if(holds: bool) -> Self {
         if holds { Self::InKind } else { Self::NotReproduced }
     }
@@ -93,6 +91,8 @@ pub(crate) struct Claim {
     pub(crate) place: Place,
     pub(crate) says: String,
     pub(crate) verdict: Verdict,
+    /// The numbers that decide it, in a few words; empty where there are none.
+    pub(crate) in_short: String,
     pub(crate) found: String,
     /// Names of the pictures of the study that show it.
     pub(crate) pictures: Vec<String>,
@@ -100,7 +100,17 @@ pub(crate) struct Claim {
 
 impl Claim {
     pub(crate) fn new(place: Place, says: &str, verdict: Verdict, found: String) -> Self {
-        Self { place, says: says.to_owned(), verdict, found, pictures: Vec::new() }
+        Self { place, says: says.to_owned(), verdict, in_short: String::new(), found, pictures: Vec::new() }
+    }
+
+    /// The same with the numbers that decide it.
+    pub(crate) fn in_short(self, numbers: impl Into<String>) -> Self {
+        Self { in_short: numbers.into(), ..self }
+    }
+
+    /// What it says, with the numbers that decide it.
+    pub(crate) fn in_numbers(&self) -> String {
+        if self.in_short.is_empty() { self.says.clone() } else { format!("{}: {}", self.says, self.in_short) }
     }
 
     /// The same, shown by these pictures.
@@ -110,7 +120,7 @@ impl Claim {
 }
 
 /// Verdicts in the order in which a page begins with them.
-const ORDER: [Verdict; 7] = [
+pub(crate) const ORDER: [Verdict; 7] = [
     Verdict::Reproduced,
     Verdict::InKind,
     Verdict::InPart,
@@ -120,32 +130,30 @@ const ORDER: [Verdict; 7] = [
     Verdict::TakenOver,
 ];
 
-/// What was found in words: the claims by what became of them.
-fn by_verdict(claims: &[&Claim]) -> Vec<(Verdict, Vec<String>)> {
-    let of = |verdict: Verdict| -> Vec<String> {
-        let claims = claims.iter().filter(|claim| claim.verdict == verdict);
-        claims.map(|claim| claim.says.trim_end_matches('.').to_owned()).collect()
+/// What was found in words: the claims by what became of them, with the numbers that decide them.
+pub(crate) fn by_verdict(claims: &[Claim]) -> Vec<Finding> {
+    let of = |verdict: Verdict| claims.iter().filter(move |claim| claim.verdict == verdict);
+    let finding = |verdict: Verdict| {
+        let n = of(verdict).count();
+        let head = Finding::new(format!("{}, {n} of {}:", capitalized(&verdict.to_string()), claims.len()));
+        let head = head.with("claims", n as f64, "1");
+        of(verdict).fold(head, |head, claim| head.detail(Finding::new(format!("{}.", claim.in_numbers()))))
     };
-    ORDER.into_iter().map(|verdict| (verdict, of(verdict))).filter(|(_, says)| !says.is_empty()).collect()
+    ORDER.into_iter().filter(|verdict| of(*verdict).next().is_some()).map(finding).collect()
 }
 
-/// The first screen of a page: what was found, in words, and one picture.
-pub(crate) fn begin(page: &mut Page, claims: &[Claim], picture: Option<&Picture>) {
-    let findings = by_verdict(&claims.iter().collect::<Vec<_>>())
-        .into_iter()
-        .map(|(verdict, says)| Finding::new(format!("{}: {}.", capitalized(&verdict.to_string()), says.join("; "))));
-    page.key_findings(&findings.collect::<Vec<_>>());
-    if let Some(picture) = picture {
-        picture.show_in(page);
-    }
+/// One claim with its place, its numbers and its verdict.
+pub(crate) fn finding(claim: &Claim) -> Finding {
+    Finding::new(format!("{}: {} ({}).", claim.place, claim.in_numbers(), claim.verdict))
 }
+
+/// Heading of [`by_verdict`] on every page.
+pub(crate) const BY_VERDICT: &str = "What became of the claims";
 
 /// The same for a page of `docs/`.
-pub(crate) fn beginning(claims: &[Claim]) -> String {
-    let found = by_verdict(&claims.iter().collect::<Vec<_>>()).into_iter();
-    let items =
-        found.map(|(verdict, says)| format!("- **{}**: {}.\n", capitalized(&verdict.to_string()), says.join("; ")));
-    format!("## What was found\n\n{}", items.collect::<String>())
+pub(crate) fn by_verdict_markdown(claims: &[Claim]) -> String {
+    let list: String = by_verdict(claims).iter().map(Finding::markdown).collect();
+    format!("## {BY_VERDICT}\n\n{list}")
 }
 
 /// Claims with what became of them, for the page of their study.
@@ -196,16 +204,17 @@ mod tests {
     }
 
     #[test]
-    fn a_page_begins_with_the_claims_by_verdict() {
+    fn claims_are_listed_by_verdict_with_their_numbers() {
         let claim = |says, verdict| Claim::new(Place::Table(1), says, verdict, String::new());
         let claims = [
-            claim("It flies.", Verdict::NotReproduced),
+            claim("It flies", Verdict::NotReproduced).in_short("0 of 20"),
             claim("It costs", Verdict::Reproduced),
             claim("It turns", Verdict::NotReproduced),
         ];
         assert_eq!(
-            beginning(&claims),
-            "## What was found\n\n- **Reproduced**: It costs.\n- **Not reproduced**: It flies; It turns.\n"
+            by_verdict_markdown(&claims),
+            "## What became of the claims\n\n- Reproduced, 1 of 3:\n  - It costs.\n- Not reproduced, 2 of 3:\n  - It flies: 0 of \
+             20.\n  - It turns.\n"
         );
     }
 

@@ -21,6 +21,7 @@ mod design_page;
 mod doe_records;
 #[cfg(feature = "global")]
 mod exemptions;
+mod first_screen;
 #[cfg(feature = "global")]
 mod gridded;
 mod handover;

@@ -4,22 +4,23 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
-use crate::claims::{self, Claim, Verdict};
+use crate::claims::{self, Claim, ORDER, Place, Verdict};
 use crate::exemptions;
+use crate::first_screen::FirstScreen;
 use crate::handover::Handover;
 use crate::reproduction::{self, Extent, Picture, Reproduction, markdown_list};
-use page::Table;
-use page::{Link, Page};
+use page::{Axis, CountFigure, Finding, Link, Page, Table, count_figure, palette};
 
 const DIRECTORY: &str = "target/reproduction";
 const NAME: &str = "reproduction.md";
+const PICTURE: &str = "reproduction.svg";
 
-const NOTE: &str = "No experiment was made: the water channel is replaced by a surrogate, the numerical model plus stall plus added mass. \
+const NOTE: &str = "No experiment was made: the water channel is replaced by a stand-in, the numerical model plus stall plus added mass. \
     A claim about experiments can therefore be reproduced in kind at most, and what was fitted counts for nothing: the plant to rows 1 \
     of Table 3 and 0 of Table 5, the stand-in to the best designs of Tables 3 and 5, the weights of the costs to both tables, in Table 3 \
     with the costs at both ends. What leads from one fitted end to the other is called partly calibrated and does not count as reproduced.";
 
-const WORDS: &str = "Reproduced: it comes out, and nothing was fitted to it. In kind: what it says comes out, on a surrogate or with \
+const WORDS: &str = "Reproduced: it comes out, and nothing was fitted to it. In kind: what it says comes out, on a stand-in or with \
     other numbers. In part: in some cases and not in others. Not reproduced: it does not come out. Partly calibrated: both ends were \
     fitted; that the loop goes from the one towards the other is all that came out. Calibrated: it was fitted. Taken over: it says what is \
     put in. Flights between fitted ends (Figures 16 to 18 and 24) were not fitted one by one, but the cost that they add up to was.";
@@ -57,15 +58,67 @@ pub(crate) fn run(root: &Path, studies: &[Reproduction], check: bool) -> Result<
     listed.sort_by(|a, b| a.claim.place.cmp(&b.claim.place));
     exemptions::check(listed.iter().map(|one| one.claim))?;
     let out = root.join(DIRECTORY);
-    reproduction::save(&out, "index.html", &page(root, studies, &chapters, &listed)?.html())?;
-    reproduction::save(&out, NAME, &markdown(&listed))?;
+    let picture = verdicts(&chapters);
+    let first = first_screen(&listed, &picture);
+    reproduction::save(&out, "index.html", &page(root, studies, &chapters, &listed, &first)?.html())?;
+    reproduction::save(&out, NAME, &markdown(&listed, &first.markdown(PICTURE)))?;
+    reproduction::save_kept_picture(&out, PICTURE, &picture)?;
     print(&listed);
-    if check { reproduction::compare(root, &Path::new(DIRECTORY).join(NAME), &format!("docs/{NAME}")) } else { Ok(()) }
+    if check {
+        for name in [NAME, PICTURE] {
+            reproduction::compare(root, &Path::new(DIRECTORY).join(name), &format!("docs/{name}"))?;
+        }
+    }
+    Ok(())
+}
+
+/// What became of the claims, study by study.
+fn verdicts(chapters: &[Chapter<'_>]) -> Picture {
+    let kinds = ORDER.map(|verdict| {
+        let color = match verdict {
+            Verdict::Reproduced => palette::GREEN,
+            Verdict::InKind => "#7fc8ae",
+            Verdict::InPart => palette::ORANGE,
+            Verdict::NotReproduced => palette::VERMILION,
+            Verdict::PartlyCalibrated => "#999999",
+            Verdict::Calibrated => "#bbbbbb",
+            Verdict::TakenOver => "#dddddd",
+        };
+        (verdict.to_string(), color)
+    });
+    let count = |chapter: &Chapter<'_>, verdict: Verdict| {
+        chapter.handover.claims.iter().filter(|claim| claim.verdict == verdict).count()
+    };
+    let bars = chapters.iter().map(|chapter| {
+        let counts = ORDER.iter().map(|verdict| count(chapter, *verdict)).collect();
+        (chapter.study.title.to_owned(), counts)
+    });
+    let figure = CountFigure {
+        title: "What became of the claims of the dissertation".to_owned(),
+        x_axis: Axis::new("claims", "1"),
+        kinds: kinds.into(),
+        bars: bars.collect(),
+    };
+    Picture {
+        name: "verdicts".to_owned(),
+        svg: count_figure(&figure),
+        caption: "A box for each claim, by the study that looked at it and by what became of it; gray ones were fitted or put in, and \
+                  count for nothing."
+            .to_owned(),
+    }
+}
+
+/// What the pages begin with: how many claims came out, the contributions with their numbers, and all verdicts at once.
+fn first_screen<'a>(listed: &[Listed<'_>], picture: &'a Picture) -> FirstScreen<'a> {
+    let contributions = listed.iter().filter(|one| matches!(one.claim.place, Place::Contribution(_)));
+    let contributions = contributions.map(|one| claims::finding(one.claim));
+    let head = Finding::new("The contributions that the dissertation names:");
+    FirstScreen { findings: vec![counts(listed), contributions.fold(head, Finding::detail)], picture }
 }
 
 /// Whether a study has claims of the dissertation.
 fn is_chapter(study: &Reproduction) -> bool {
-    study.name.starts_with("chapter")
+    study.has_claims
 }
 
 fn table(listed: &[Listed<'_>]) -> Table {
@@ -88,8 +141,12 @@ fn count_words<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
     )
 }
 
-fn counts(listed: &[Listed<'_>]) -> String {
-    count_words(listed.iter().map(|one| one.claim))
+fn counts(listed: &[Listed<'_>]) -> Finding {
+    let finding = Finding::new(count_words(listed.iter().map(|one| one.claim)));
+    ORDER.into_iter().fold(finding, |finding, verdict| {
+        let n = listed.iter().filter(|one| one.claim.verdict == verdict).count();
+        finding.with(&verdict.to_string(), n as f64, "1")
+    })
 }
 
 /// The way to the page of a study; without a link while there is no page.
@@ -102,12 +159,17 @@ fn link(root: &Path, study: &Reproduction) -> Link {
         (true, false) => format!(": {by}, which is not run again for this page"),
         (false, _) => format!(": {by}, which was not yet run here"),
     };
-    let text = study.name.replace("chapter", "Chapter ").replace("doe-records", "Optimal designs beside the record");
-    Link { to: is_there.then_some(page), text, about }
+    Link { to: is_there.then_some(page), text: study.title.to_owned(), about }
 }
 
 /// All claims, then each with its pictures, from top to bottom.
-fn page(root: &Path, studies: &[Reproduction], chapters: &[Chapter<'_>], listed: &[Listed<'_>]) -> Result<Page> {
+fn page(
+    root: &Path,
+    studies: &[Reproduction],
+    chapters: &[Chapter<'_>],
+    listed: &[Listed<'_>],
+    first: &FirstScreen<'_>,
+) -> Result<Page> {
     let mut page = Page::new("What of the dissertation comes out");
     let shown = pictures(listed);
     let picture = |(chapter, name): &(&Chapter<'_>, &String)| -> Result<Picture> {
@@ -117,10 +179,7 @@ fn page(root: &Path, studies: &[Reproduction], chapters: &[Chapter<'_>], listed:
         }
         Ok(picture)
     };
-    page.note(&counts(listed));
-    if let Some(first) = shown.first() {
-        picture(first)?.show_in(&mut page);
-    }
+    first.show_in(&mut page);
     page.paragraph(NOTE);
     page.paragraph(WORDS);
     page.heading("The pages");
@@ -134,7 +193,7 @@ fn page(root: &Path, studies: &[Reproduction], chapters: &[Chapter<'_>], listed:
         excerpt.show_in(&mut page);
     }
     page.heading("The figures");
-    for one in shown.iter().skip(1) {
+    for one in &shown {
         picture(one)?.show_in(&mut page);
     }
     Ok(page)
@@ -155,12 +214,11 @@ fn pictures<'a>(listed: &[Listed<'a>]) -> Vec<(&'a Chapter<'a>, &'a String)> {
     pictures
 }
 
-fn markdown(listed: &[Listed<'_>]) -> String {
+fn markdown(listed: &[Listed<'_>], first: &str) -> String {
     format!(
-        "# What of the dissertation comes out\n\n\
+        "# What of the dissertation comes out\n\n{first}\n\
          Written by `cargo xtask reproduce-all`; `cargo xtask ci` fails when this page is not what the command finds.\n\n\
-         {}\n\n{NOTE}\n\n{WORDS}\n\n{CLAIM_CAPTION}\n\n{}\n{}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
-        counts(listed),
+         {NOTE}\n\n{WORDS}\n\n{CLAIM_CAPTION}\n\n{}\n{}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
         table(listed).markdown(),
         claims::FOUND,
         markdown_list(&claims::found(listed.iter().map(|one| one.claim))),
@@ -174,13 +232,12 @@ fn print(listed: &[Listed<'_>]) {
     for Listed { claim, .. } in listed {
         println!("{:22} {:19} {}", claim.place.to_string(), claim.verdict.to_string(), claim.says);
     }
-    println!("\n{}\nOne page over all: {DIRECTORY}/index.html", counts(listed));
+    println!("\n{}\nOne page over all: {DIRECTORY}/index.html", counts(listed).sentence());
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::claims::Place;
 
     fn claims(verdicts: &[Verdict]) -> Vec<Claim> {
         verdicts.iter().map(|verdict| Claim::new(Place::Table(1), "it", *verdict, String::new())).collect()
@@ -205,8 +262,13 @@ mod tests {
 
     #[test]
     fn picture_of_two_claims_is_shown_once() {
-        const STUDY: Reproduction =
-            Reproduction { command: "none", name: "chapter0", run: reproduction::Run::Always(|_| Ok(())) };
+        const STUDY: Reproduction = Reproduction {
+            command: "none",
+            name: "chapter0",
+            title: "Chapter 0",
+            has_claims: true,
+            run: reproduction::Run::Always(|_| Ok(())),
+        };
         let claims = claims(&[Verdict::InKind, Verdict::InPart]).into_iter().map(|claim| claim.shown_in(&["a", "b"]));
         let chapter = Chapter { study: &STUDY, handover: Handover::new(claims.collect(), &[]) };
         let listed: Vec<Listed<'_>> =

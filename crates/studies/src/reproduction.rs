@@ -30,6 +30,10 @@ pub(crate) struct Reproduction {
     pub(crate) command: &'static str,
     /// What its folder and its page of results are called.
     pub(crate) name: &'static str,
+    /// What a person calls it.
+    pub(crate) title: &'static str,
+    /// Whether it looks at claims of the dissertation.
+    pub(crate) has_claims: bool,
     /// Runs the study and writes everything, `results.md` included.
     pub(crate) run: Run,
 }
@@ -74,9 +78,22 @@ impl Reproduction {
     /// Runs the study and fails when it finds something else than the committed page of results says.
     pub(crate) fn check(&self, root: &Path) -> Result<()> {
         self.run(root, Extent::Default)?;
-        compare(root, &self.out().join("results.md"), &format!("docs/results-{}.md", self.name))
+        compare(root, &self.out().join(RESULTS), &format!("docs/results-{}.md", self.name))?;
+        compare(root, &self.out().join(KEPT_PICTURE), &format!("docs/{}", self.kept_picture()))
+    }
+
+    /// What the picture on its page in `docs/` is called there.
+    pub(crate) fn kept_picture(&self) -> String {
+        format!("results-{}.svg", self.name)
     }
 }
+
+/// The results in short, and the picture that they begin with, among the output of a study.
+const RESULTS: &str = "results.md";
+const KEPT_PICTURE: &str = "results.svg";
+
+/// A picture is one line.
+const LONGEST_LINE: usize = 2000;
 
 /// That a committed page says what a run found.
 pub(crate) fn compare(root: &Path, fresh_at: &Path, committed_at: &str) -> Result<()> {
@@ -84,6 +101,8 @@ pub(crate) fn compare(root: &Path, fresh_at: &Path, committed_at: &str) -> Resul
     let committed = std::fs::read_to_string(root.join(committed_at)).with_context(|| committed_at.to_owned())?;
     let differing = fresh.lines().zip(committed.lines()).find(|(a, b)| a != b);
     if let Some((found, said)) = differing {
+        let short = |line: &str| line.chars().take(LONGEST_LINE).collect::<String>();
+        let (found, said) = (short(found), short(said));
         bail!("{committed_at} is out of date; copy {} over it\n  page: {said}\n  run:  {found}", fresh_at.display());
     }
     ensure!(fresh == committed, "{committed_at} is out of date: it is longer or shorter than what the run finds");
@@ -104,13 +123,30 @@ impl Picture {
     }
 }
 
-/// Writes what every study has: its pictures, the page that shows them, and its results in short.
-pub(crate) fn save_page(out: &Path, pictures: &[Picture], page: &Page, results: &str) -> Result<()> {
+/// The largest picture that is kept in `docs/`, in bytes.
+const LARGEST_KEPT: usize = 60_000;
+
+/// Writes what every study has: its pictures, the page that shows them, and its results in short with the picture that they
+/// begin with.
+pub(crate) fn save_page(out: &Path, pictures: &[Picture], page: &Page, results: &str, first: &Picture) -> Result<()> {
     for picture in pictures {
         save(out, &format!("{}.svg", picture.name), &picture.svg)?;
     }
     save(out, "index.html", &page.html())?;
-    save(out, "results.md", results)
+    save(out, RESULTS, results)?;
+    save_kept_picture(out, KEPT_PICTURE, first)
+}
+
+/// Writes a picture that is kept in `docs/`, too.
+pub(crate) fn save_kept_picture(out: &Path, name: &str, picture: &Picture) -> Result<()> {
+    let size = picture.svg.len();
+    ensure!(size <= LARGEST_KEPT, "{} has {size} bytes, expected at most {LARGEST_KEPT}", picture.name);
+    save(out, name, &format!("{}\n", picture.svg))
+}
+
+/// The picture of this name.
+pub(crate) fn picture<'a>(pictures: &'a [Picture], name: &str) -> Result<&'a Picture> {
+    pictures.iter().find(|picture| picture.name == name).with_context(|| format!("no picture is called {name}"))
 }
 
 /// Writes a file of a study's output.

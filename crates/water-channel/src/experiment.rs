@@ -1,4 +1,4 @@
-//! Surrogate experiments: a flight of the stand-in, read with noise of bounded size.
+//! Experiments without a water channel: a flight of the stand-in, read with noise of bounded size.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

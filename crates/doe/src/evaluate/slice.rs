@@ -27,7 +27,7 @@ impl VarianceSlice {
     ///
     /// # Errors
     ///
-    /// [`Error::PointLength`]; [`Error::NoSuchFactor`]; [`Error::Count`] for fewer than two levels or more than
+    /// [`PointLength`](design_space::Error::PointLength); [`Error::NoSuchFactor`]; [`Error::Count`] for fewer than two levels or more than
     /// [`MOST_LEVELS`](Self::MOST_LEVELS), or the same factor twice.
     pub fn of(
         variance: &PredictionVariance,
@@ -37,7 +37,10 @@ impl VarianceSlice {
     ) -> Result<Self, Error> {
         let n_factors = variance.n_factors();
         if through.len() != n_factors {
-            return Err(Error::PointLength { expected: n_factors, found: through.len() });
+            return Err(Error::DesignSpace(design_space::Error::PointLength {
+                expected: n_factors,
+                found: through.len(),
+            }));
         }
         if let Some(&index) = factors.iter().find(|&&index| index >= n_factors) {
             return Err(Error::NoSuchFactor { index, n_factors });

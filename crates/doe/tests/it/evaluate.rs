@@ -310,7 +310,10 @@ fn slices_are_the_variance_itself() {
     check("slice", slice.variances[2 * 5 + 1], variance.at(&[0.0, 0.3, -0.5]).unwrap(), 1e-12);
     let refused = |factors, through: &[f64], n| VarianceSlice::of(&variance, factors, through, n).unwrap_err();
     assert_eq!(refused([0, 3], &[0.0; 3], 5), Error::NoSuchFactor { index: 3, n_factors: 3 });
-    assert_eq!(refused([0, 1], &[0.0; 2], 5), Error::PointLength { expected: 3, found: 2 });
+    assert_eq!(
+        refused([0, 1], &[0.0; 2], 5),
+        Error::DesignSpace(doe::DesignSpaceError::PointLength { expected: 3, found: 2 })
+    );
     assert!(matches!(refused([1, 1], &[0.0; 3], 5), Error::Count { found: 1, .. }));
     assert!(matches!(refused([0, 1], &[0.0; 3], 1), Error::Count { found: 1, least: 2, .. }));
 }
@@ -337,7 +340,7 @@ fn refuses_what_does_not_fit() {
     let mut none = settings;
     none.n_samples = 0;
     let error = evaluate(&model, &space, &factorial(2), &none).unwrap_err();
-    assert_eq!(error.to_string(), "0 sample points, expected 1 to 10000000");
+    assert_eq!(error.to_string(), "sample points: 0, expected 1 to 10000000");
 }
 
 proptest! {

@@ -400,7 +400,7 @@ fn refuses_problems_without_a_solution() {
     check(new(cube.clone(), 8).unwrap().with_fixed_runs(fixed), "run 0 lies outside the space: [0.0, 2.0]");
     check(
         new(cube.clone(), 8).unwrap().with_replicates(Replicates::Planned(5)),
-        "5 planned replicates, expected 0 to 4",
+        "planned replicates: 5, expected 0 to 4",
     );
     check(
         new(cube.clone(), 8).unwrap().with_replicates(Replicates::Planned(3)),
@@ -438,7 +438,7 @@ fn fixed_runs_and_replicates_may_be_said_in_any_order() {
     let planned = linear.with_replicates(Replicates::Planned(5)).unwrap();
     planned.validate().unwrap();
     let error = planned.with_fixed_runs(fixed).unwrap().validate().unwrap_err();
-    assert_eq!(error.to_string(), "5 planned replicates, expected 0 to 3");
+    assert_eq!(error.to_string(), "planned replicates: 5, expected 0 to 3");
 }
 
 /// Solvable problems are solved, and what must differ does so by more than a rig could miss.

@@ -81,7 +81,7 @@ fn a_space_names_the_terms_it_confounds() {
 #[test]
 fn refuses_spaces_that_are_none() {
     let check = |space: Result<Space, Error>, message: &str| assert_eq!(space.unwrap_err().to_string(), message);
-    check(Space::cube(0), "0 factors, expected 1 to 12");
+    check(Space::cube(0), "factors: 0, expected 1 to 12");
     check(
         Space::grid(&[3, 1]),
         "an axis has 1 level, expected at least 2: leave a factor that cannot vary out of the model",
@@ -103,7 +103,7 @@ fn refuses_spaces_that_are_none() {
         "coordinate 0 of candidate 1 is 1.5, expected coded coordinates from -1 to 1",
     );
     check(Space::list(2, vec![f64::NAN, 0.0]), "coordinate 0 of point 0 is NaN, expected a finite number");
-    check(Space::list(2, vec![]), "0 candidates, expected at least 1");
+    check(Space::list(2, vec![]), "candidates: 0, expected at least 1");
     let all = Forbidden::new(vec![Some([-1.0, 1.0]), None]).unwrap();
     check(
         Space::cube(2).unwrap().forbid(vec![all.clone()]),

@@ -101,7 +101,7 @@ fn refuses_what_cannot_be_split() {
     let error = refused(&space, &Design::new(1, vec![0.0; 5]).unwrap(), alternating, None);
     assert_eq!(error, Error::FactorMismatch { what: "the design", expected: 2, found: 1 });
     let error = refused(&space, &Design::new(2, vec![0.0; 2]).unwrap(), alternating, None);
-    assert_eq!(error.to_string(), "1 run to split, expected at least 2");
+    assert_eq!(error.to_string(), "runs to split: 1, expected at least 2");
     for n in [0, 25, 99] {
         let error = refused(&space, &lattice(), alternating, Some(n));
         assert_eq!(error, Error::Count { name: "training runs", found: n, least: 1, most: 24 });

@@ -8,7 +8,7 @@ use design_space::Cell;
 use infuse::{Error, TrialId, global};
 
 use super::changes::changes;
-use super::{Campaign, Planned, Remembered};
+use super::{Campaign, EarlierChange, Planned, Remembered};
 use crate::journal::{Event, FORMAT, JOURNAL, Learned, Measured};
 use crate::number::plain;
 use crate::problem::PROBLEM;
@@ -54,11 +54,11 @@ impl Campaign {
                 self.tell(id, result, actual, repeat, corrects, note)?;
             }
             Event::Imported { point, value, source, .. } => {
-                self.settled.add_earlier(&point, self.problem.response.cost(value), source)?;
+                let cost = self.problem.response.cost(value);
+                self.change_earlier(EarlierChange::Added { point, cost, source })?;
             }
             Event::Withdrawn { source, .. } => {
-                let n = self.settled.withdraw_earlier(&source);
-                ensure!(n > 0, "nothing that is in use was imported from `{source}`");
+                self.change_earlier(EarlierChange::Withdrawn { source })?;
             }
             Event::Learned(learned) => self.check_learned(&learned)?,
         }
@@ -69,6 +69,7 @@ impl Campaign {
         let Some(planned) = self.plan.as_mut().filter(|planned| planned.batch == batch && !planned.is_open) else {
             bail!("batch {batch} is opened, expected a batch that was planned just before");
         };
+        self.is_stale = true;
         let (memory, problem) = (&self.memory, &self.problem);
         let mut look_up = |cell: Cell, _: &[f64]| match memory.get(&cell).map(|known| &known.result) {
             Some(Measured::Value(value)) => Ok(problem.response.cost(*value)),
@@ -109,6 +110,9 @@ impl Campaign {
         if let Some(name) = actual.keys().find(|name| self.problem.region.index_of(name).is_none()) {
             bail!("experiment {id}: `actual` has `{name}`, expected names of parameters");
         }
+        self.is_stale = true;
+        // What it taught is to be said anew.
+        self.n_learned = self.n_learned.min(trial.iteration - 1);
         let reading = self.readings.entry(id).or_default();
         if repeat > 0 {
             ensure!(
@@ -132,7 +136,9 @@ impl Campaign {
         }
         let untold = self.settled.outstanding().iter().filter(|trial| !self.is_told(trial.id)).count();
         ensure!(untold == 0, "{untold} experiments of the batch before have no result");
-        self.settled = self.with_what_was_told()?;
+        self.refresh()?;
+        self.settled = self.now.clone();
+        self.since_complete.clear();
         self.plan = None;
         Ok(())
     }
@@ -143,8 +149,26 @@ impl Campaign {
 
     /// The campaign with all that has been told up to now.
     pub(super) fn refresh(&mut self) -> Result<()> {
-        self.now = self.with_what_was_told()?;
-        self.outlook = OnceCell::new();
+        if self.is_stale {
+            self.now = self.with_what_was_told()?;
+            self.outlook = OnceCell::new();
+            self.is_stale = false;
+        }
+        Ok(())
+    }
+
+    /// Earlier experiments come or go, from the batch that is not complete yet on.
+    fn change_earlier(&mut self, change: EarlierChange) -> Result<()> {
+        let is_learned = self.plan.as_ref().is_some_and(|plan| plan.is_open && plan.batch == self.n_learned);
+        if is_learned {
+            self.refresh()?;
+            change.apply(&mut self.now)?;
+            self.outlook = OnceCell::new();
+            self.since_complete.push(change);
+        } else {
+            change.apply(&mut self.settled)?;
+            self.is_stale = true;
+        }
         Ok(())
     }
 
@@ -156,13 +180,14 @@ impl Campaign {
                 now.tell_at(trial.id, &self.settings_of(trial.id.number()), outcome)?;
             }
         }
+        self.since_complete.iter().try_for_each(|change| change.apply(&mut now))?;
         Ok(now)
     }
 
     /// What was learned follows from the lines before; if it does not, one of them was changed.
     fn check_learned(&mut self, said: &Learned) -> Result<()> {
-        self.settle()?;
-        let report = self.settled.reports().last().filter(|report| report.iteration == said.batch);
+        self.refresh()?;
+        let report = self.now.reports().last().filter(|report| report.iteration == said.batch);
         let Some(found) = report.map(|report| self.learned(report)) else {
             bail!("batch {} is not complete", said.batch);
         };
@@ -189,6 +214,19 @@ impl Campaign {
             show(&found)
         );
         self.n_learned = said.batch;
+        Ok(())
+    }
+}
+
+impl EarlierChange {
+    fn apply(&self, to: &mut global::Loop) -> Result<()> {
+        match self {
+            Self::Added { point, cost, source } => to.add_earlier(point, *cost, source.clone())?,
+            Self::Withdrawn { source } => {
+                let n = to.withdraw_earlier(source);
+                ensure!(n > 0, "nothing that is in use was imported from `{source}`");
+            }
+        }
         Ok(())
     }
 }

@@ -39,8 +39,13 @@ pub(crate) struct Campaign {
     /// What was told about them.
     pub(crate) readings: BTreeMap<u64, Reading>,
     memory: HashMap<Cell, Remembered>,
+    /// The last batch whose lesson the journal has, as it stands.
     n_learned: usize,
     has_begun: bool,
+    /// Whether something was applied that `now` does not know.
+    is_stale: bool,
+    /// Changes of the earlier experiments since the batch that is open was complete; they count from the next one on.
+    since_complete: Vec<EarlierChange>,
     /// Of `now`, once it was asked for.
     outlook: OnceCell<Option<Outlook>>,
     /// Why the last batch that was planned could not be opened.
@@ -53,6 +58,13 @@ struct Planned {
     batch: usize,
     plan: global::Plan,
     is_open: bool,
+}
+
+/// What changed among the earlier experiments.
+#[derive(Debug, Clone)]
+enum EarlierChange {
+    Added { point: Vec<f64>, cost: f64, source: String },
+    Withdrawn { source: String },
 }
 
 #[derive(Debug, Clone)]
@@ -105,6 +117,8 @@ impl Campaign {
             memory: HashMap::new(),
             n_learned: 0,
             has_begun: false,
+            is_stale: false,
+            since_complete: Vec::new(),
             outlook: OnceCell::new(),
             failed_opening: None,
         };
@@ -115,15 +129,24 @@ impl Campaign {
         Ok(campaign)
     }
 
-    /// Writes these events down, all or none, and lets them happen.
+    /// Writes these events down, all or none, and lets them happen. What a batch taught is written down with its last result.
     pub(crate) fn record(&mut self, writer: &mut Writer, events: Vec<Event>) -> Result<()> {
         // Only what can happen is written down.
         let mut next = self.clone();
-        for event in &events {
+        // A journal may lack it: an earlier version wrote it down with the next batch, and a call can be interrupted.
+        let missing = next.learning();
+        let mut written: Vec<Event> = missing.into_iter().chain(events).collect();
+        for event in &written {
             next.apply(event.clone())?;
         }
         next.refresh()?;
-        writer.add(&events)?;
+        if let Some(learned) = next.learning() {
+            next.apply(learned.clone())?;
+            written.push(learned);
+        }
+        if !written.is_empty() {
+            writer.add(&written)?;
+        }
         *self = next;
         Ok(())
     }
@@ -226,7 +249,7 @@ impl Campaign {
     }
 
     /// The event that says what the last closed batch taught; none if the journal has it.
-    pub(crate) fn learning(&self) -> Option<Event> {
+    fn learning(&self) -> Option<Event> {
         let report = self.now.reports().last().filter(|report| report.iteration > self.n_learned)?;
         Some(Event::Learned(self.learned(report)))
     }

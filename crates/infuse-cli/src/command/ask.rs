@@ -1,20 +1,20 @@
 //! `infuse ask`: the next experiments.
 
-use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use infuse::{Error, global};
+use page::Finding;
 use serde_json::{Map, Value, json};
 
 use super::Output;
-use super::shell::{sheet_path, tell_with};
 use crate::campaign::{Campaign, Stage};
-use crate::findings::reason_to_stop;
+use crate::findings::{best_design, ended, handed_out, reason_to_stop};
 use crate::journal::{Event, Measured, Writer, now};
 use crate::number::{count, rounded};
+use crate::shell::{infuse, sheet_path};
 use crate::simulator::{identity, simulate};
 use crate::{program, sheet};
 
@@ -41,7 +41,7 @@ pub(crate) fn ask(
     notices.extend(ran.notices);
     match campaign.stage()? {
         Stage::Pending => pending(folder, &campaign, sheet, ran.n_simulated, notices),
-        stage => Ok(ended(&campaign, &stage, notices)),
+        stage => Ok(nothing_to_run(&campaign, &stage, folder, notices)),
     }
 }
 
@@ -64,11 +64,9 @@ pub(crate) fn hand_out(folder: &Path, campaign: &mut Campaign, writer: &mut Writ
         }
         let searching = ProgressBar::new_spinner().with_message(format!("designing batch {}", campaign.batch()));
         searching.enable_steady_tick(std::time::Duration::from_millis(200));
-        let begin: Vec<Event> = campaign.learning().into_iter().chain(campaign.planning()?).collect();
+        let planning = campaign.planning()?;
         searching.finish_and_clear();
-        if !begin.is_empty() {
-            campaign.record(writer, begin)?;
-        }
+        campaign.record(writer, planning.into_iter().collect())?;
         let n_failed = simulate_missing(folder, campaign, writer, &by, &mut done)?;
         if n_failed > 0 {
             done.notices.push(format!("{} failed; the journal says why", count(n_failed, "simulation")));
@@ -143,37 +141,7 @@ fn pending(
     if is_new {
         sheet::write(&path, &campaign.problem, &trials)?;
     }
-    let n_told = trials.iter().filter(|(trial, _)| campaign.is_told(trial.id)).count();
-    let n_repeats = trials.iter().filter(|(_, repeats)| repeats.is_some()).count();
-    let response = &campaign.problem.response;
-    let mut text = String::new();
-    let repeats =
-        if n_repeats > 0 { format!(", {n_repeats} of them repeats that measure the noise") } else { String::new() };
-    let _ = writeln!(text, "Batch {batch}: {}{repeats}.", count(trials.len(), "experiment"));
-    if n_simulated > 0 {
-        let _ = writeln!(text, "{} made for it.", plural_was(n_simulated, "simulation"));
-    }
-    let purpose = if batch == 1 {
-        "It is the first: spread over all that can be set, it shows where the simulation is wrong."
-    } else {
-        "It is spread over the designs that are left, so that the surface is known best where the optimum may be."
-    };
-    let _ = writeln!(text, "{purpose}");
-    if n_told > 0 {
-        let _ = writeln!(text, "Results so far: {n_told}; {} to go.", trials.len() - n_told);
-    }
-    let place = path.display();
-    let _ = if is_new {
-        writeln!(text, "Written to {place}, in the order in which to run them.")
-    } else {
-        writeln!(text, "They are in {place}, which was there already and is left as it is.")
-    };
-    let _ = writeln!(
-        text,
-        "Run them, fill in `{}` (or, for a run without a result, the reason under `failed`), then: {}",
-        response.heading(),
-        tell_with(folder, &path),
-    );
+    let findings = handed_out(campaign, folder, &path, is_new, n_simulated);
     let rows = trials.iter().enumerate().map(|(index, (trial, repeats))| {
         json!({
             "run": index + 1, "id": trial.id, "repeats": repeats, "told": campaign.is_told(trial.id),
@@ -182,13 +150,9 @@ fn pending(
     });
     let json = json!({
         "batch": batch, "sheet": path, "sheet_is_new": is_new, "simulations_made": n_simulated,
-        "experiments": rows.collect::<Vec<_>>(), "notices": notices,
+        "experiments": rows.collect::<Vec<_>>(),
     });
-    Ok(Output { text, json, notices })
-}
-
-fn plural_was(n: usize, noun: &str) -> String {
-    format!("{} {}", count(n, noun), if n == 1 { "was" } else { "were" })
+    Ok(Output::new(&findings, json, notices))
 }
 
 /// By name, as numbers people would write.
@@ -198,21 +162,15 @@ pub(crate) fn settings(campaign: &Campaign, trial: &global::Trial) -> Value {
 }
 
 /// Why there is nothing to run.
-fn ended(campaign: &Campaign, stage: &Stage, notices: Vec<String>) -> Output {
-    let reason = reason_to_stop(campaign, stage).unwrap_or_default();
-    let best = campaign.now.reports().last().map(|report| report.screening.optimum.clone());
-    let mut text = format!("No more experiments: {reason}.\n");
+fn nothing_to_run(campaign: &Campaign, stage: &Stage, folder: &Path, notices: Vec<String>) -> Output {
+    let infuse = infuse(folder);
     let has_learned = *stage != Stage::Ended(infuse::global::StopReason::NoInformation);
-    if let Some(best) = best.as_ref().filter(|_| has_learned) {
-        let _ = writeln!(text, "The best design is {}.", campaign.problem.describe(best));
-    }
+    let mut findings: Vec<Finding> = ended(campaign, stage).into_iter().collect();
+    findings.extend(best_design(campaign).filter(|_| has_learned));
     if let Stage::NotWorth { .. } = stage {
-        let _ = writeln!(text, "To go on all the same: infuse ask --anyway");
+        findings.push(Finding::new(format!("To go on all the same: {infuse} ask --anyway")));
     }
-    let _ = writeln!(text, "All about it: infuse status, infuse report");
-    Output {
-        text,
-        json: json!({ "stopped": reason, "best": best.map(|best| campaign.problem.named(&best)), "notices": notices }),
-        notices,
-    }
+    findings.push(Finding::new(format!("All about it: {infuse} status, {infuse} report")));
+    let best = campaign.now.reports().last().map(|report| campaign.problem.named(&report.screening.optimum));
+    Output::new(&findings, json!({ "stopped": reason_to_stop(campaign, stage), "best": best }), notices)
 }

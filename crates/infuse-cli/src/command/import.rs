@@ -8,8 +8,9 @@ use serde_json::json;
 
 use super::Output;
 use crate::campaign::Campaign;
+use crate::findings::{imported, withdrawn};
 use crate::journal::{Event, now};
-use crate::number::{count, plain};
+use crate::number::plain;
 use crate::sheet;
 
 pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -> Result<Output> {
@@ -42,11 +43,7 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     let events: Vec<Event> = events.collect();
     campaign.record(&mut writer, events)?;
     let batch = campaign.batch();
-    let text = format!(
-        "Imported: {}. From batch {batch} on they train the surfaces, as long as their settings are in the running; they never validate.\n",
-        count(rows, "experiment")
-    );
-    Ok(Output { text, json: json!({ "imported": rows, "from_batch": batch, "notices": notices }), notices })
+    Ok(Output::new(&[imported(rows, batch)], json!({ "imported": rows, "from_batch": batch }), notices))
 }
 
 /// Stops using what was imported from a source.
@@ -59,18 +56,18 @@ pub(crate) fn withdraw(folder: &Path, wait: Duration, source: &str) -> Result<Ou
         .earlier()
         .iter()
         .filter(|earlier| earlier.until.is_none())
-        .map(|earlier| format!("`{}`", earlier.source))
+        .map(|earlier| earlier.source.clone())
         .collect();
+    let names = || sources.iter().map(|source| format!("`{source}`")).collect::<Vec<_>>().join(", ");
     ensure!(
-        sources.contains(&format!("`{source}`")),
+        sources.contains(source),
         "nothing that is in use was imported from `{source}`, expected one of {}",
-        if sources.is_empty() { "none".to_owned() } else { sources.into_iter().collect::<Vec<_>>().join(", ") }
+        if sources.is_empty() { "none".to_owned() } else { names() }
     );
     let before = in_use(&campaign);
     campaign.record(&mut writer, vec![Event::Withdrawn { source: source.to_owned(), at: now() }])?;
     let n = before - in_use(&campaign);
-    let text = format!("Withdrawn: {}. Batches that rest on them stand.\n", count(n, "experiment"));
-    Ok(Output { text, json: json!({ "withdrawn": n, "notices": notices }), notices })
+    Ok(Output::new(&[withdrawn(n)], json!({ "withdrawn": n }), notices))
 }
 
 fn source_of(one: &sheet::Imported, source: &str) -> String {

@@ -6,14 +6,14 @@ mod new;
 mod report;
 mod run;
 mod settings;
-mod shell;
-pub(crate) mod status;
+mod status;
 mod tell;
 
 use std::time::Duration;
 
 use anyhow::{Context as _, Result};
-use serde_json::Value;
+use page::Finding;
+use serde_json::{Value, json};
 
 use crate::arguments::{Arguments, Command};
 
@@ -24,6 +24,15 @@ pub(crate) struct Output {
     pub(crate) json: Value,
     /// For standard error.
     pub(crate) notices: Vec<String>,
+}
+
+impl Output {
+    /// Sentences, as text and for machines, beside what else a machine is told.
+    fn new(findings: &[Finding], mut json: Value, notices: Vec<String>) -> Self {
+        json["findings"] = json!(findings);
+        json["notices"] = json!(notices);
+        Self { text: findings.iter().map(Finding::to_string).collect(), json, notices }
+    }
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Output> {

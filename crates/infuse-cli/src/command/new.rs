@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
+use page::Finding;
 use serde_json::json;
 
 use super::Output;
@@ -27,11 +28,15 @@ pub(crate) fn new(folder: &Path) -> Result<Output> {
     replace(&folder.join(TABLE), SIMULATION.as_bytes())?;
     replace(&folder.join(PROBLEM), TEMPLATE.as_bytes())?;
     let place = folder.join(PROBLEM);
-    let text = format!(
-        "Made {}: a campaign that works as it is, with a table in place of a simulator.\n\
-         Edit it until it describes your rig; each line says what it is for. Then, in {}: infuse ask\n",
-        place.display(),
-        folder.display()
-    );
-    Ok(Output { text, json: json!({ "campaign": place }), notices: Vec::new() })
+    let findings = [
+        Finding::new(format!(
+            "Made {}: a campaign that works as it is, with a table in place of a simulator.",
+            place.display()
+        )),
+        Finding::new(format!(
+            "Edit it until it describes your rig; each line says what it is for. Then, in {}: infuse ask",
+            folder.display()
+        )),
+    ];
+    Ok(Output::new(&findings, json!({ "campaign": place }), Vec::new()))
 }

@@ -4,6 +4,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
+use page::Finding;
 use serde_json::json;
 
 use super::Output;
@@ -27,10 +28,8 @@ pub(crate) fn report(folder: &Path, output: Option<&Path>) -> Result<Output> {
     let journal = Journal::read(folder)?;
     let page = report::page(&campaign, &campaign.stage()?, &journal)?;
     sheet::replace(&path, page.as_bytes())?;
-    let text = format!("Written to {}: open it in a browser, or send it.\n", path.display());
+    let written = Finding::new(format!("Written to {}: open it in a browser, or send it.", path.display()));
     let notices = campaign.notices;
-    let json = json!({
-        "report": path, "bytes": page.len(), "batches": campaign.now.reports().len(), "notices": notices,
-    });
-    Ok(Output { text, json, notices })
+    let json = json!({ "report": path, "bytes": page.len(), "batches": campaign.now.reports().len() });
+    Ok(Output::new(&[written], json, notices))
 }

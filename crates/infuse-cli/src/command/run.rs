@@ -1,21 +1,21 @@
 //! `infuse run`: the loop, closed by itself.
 
-use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
+use page::Finding;
 use serde_json::json;
 
 use super::Output;
 use super::ask::hand_out;
-use super::shell::sheet_path;
 use crate::campaign::{Campaign, Stage};
-use crate::findings::reason_to_stop;
+use crate::findings::{closed, ended, reason_to_stop};
 use crate::journal::{Event, Measured, Writer, now};
-use crate::number::{count, percent, short, with_unit};
+use crate::number::count;
 use crate::problem::PROBLEM;
 use crate::program::Ran;
+use crate::shell::{infuse, sheet_path};
 
 pub(crate) fn run(folder: &Path, wait: Duration, most: Option<usize>, anyway: bool) -> Result<Output> {
     let (mut campaign, mut writer) = Campaign::open(folder, wait)?;
@@ -25,7 +25,7 @@ pub(crate) fn run(folder: &Path, wait: Duration, most: Option<usize>, anyway: bo
             "{PROBLEM} has no [experiment] with a `command`: `infuse ask` and `infuse tell` are for experiments that people make"
         );
     }
-    let (mut text, mut n_experiments) = (String::new(), 0);
+    let (mut findings, mut n_experiments) = (Vec::new(), 0);
     let n_before = campaign.now.reports().len();
     let stage = loop {
         let n_closed = campaign.now.reports().len();
@@ -37,25 +37,21 @@ pub(crate) fn run(folder: &Path, wait: Duration, most: Option<usize>, anyway: bo
             Stage::Pending => n_experiments += experiment(folder, &mut campaign, &mut writer)?,
             stage => break stage,
         }
-        if let Some(report) = campaign.now.reports().get(n_closed) {
-            let screening = &report.screening;
-            let (response, share) = (&campaign.problem.response, campaign.now.retained().share());
-            let predicted = with_unit(&short(response.cost(screening.optimum_value)), &response.unit);
-            let best = campaign.problem.describe(&screening.optimum);
-            let _ =
-                writeln!(text, "batch {}: {best}; {predicted} predicted, {} left", report.iteration, percent(share));
-        }
+        findings.extend(campaign.now.reports().get(n_closed).map(|report| closed(&campaign, report)));
     };
-    let reason = reason_to_stop(&campaign, &stage);
-    let _ = match &reason {
-        Some(reason) => writeln!(text, "Ended: {reason}."),
-        None => writeln!(text, "{} made; infuse run goes on.", count(campaign.now.reports().len() - n_before, "batch")),
-    };
+    findings.push(ended(&campaign, &stage).unwrap_or_else(|| {
+        let n_closed = campaign.now.reports().len() - n_before;
+        Finding::new(format!("{} made; {} run goes on.", count(n_closed, "batch"), infuse(folder))).with(
+            "batches made",
+            n_closed as f64,
+            "1",
+        )
+    }));
     let json = json!({
-        "experiments_made": n_experiments, "batches_closed": campaign.now.reports().len(), "stopped": reason,
-        "notices": notices,
+        "experiments_made": n_experiments, "batches_closed": campaign.now.reports().len(),
+        "stopped": reason_to_stop(&campaign, &stage),
     });
-    Ok(Output { text, json, notices })
+    Ok(Output::new(&findings, json, notices))
 }
 
 /// Makes the experiments that are waited for, one after the other, and writes each down at once.

@@ -6,11 +6,9 @@ use anyhow::Result;
 use page::Finding;
 use serde_json::{Value, json};
 
-use super::shell::{infuse, sheet_path, tell_with};
 use super::{Output, settings};
 use crate::campaign::{Campaign, Stage};
-use crate::findings::{best, best_measured, left, lesson, prospects, reason_to_stop, standing, value};
-use crate::number::{plain, short};
+use crate::findings::{best, best_measured, left, lesson, next, prospects, reason_to_stop, standing, why_dropped};
 
 pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     let campaign = Campaign::read(folder)?;
@@ -25,8 +23,9 @@ pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     let mut json = as_json(&campaign, &stage)?;
     json["findings"] = json!(blocks.concat());
     if let Some(why) = why {
-        text = why_dropped(&campaign, why)?;
-        json["why"] = json!(text);
+        let why = why_dropped(&campaign, &settings::all(why, &campaign.problem.region)?)?;
+        text = why.to_string();
+        json["why"] = json!(why);
     }
     json["notices"] = json!(notices);
     Ok(Output { text, json, notices })
@@ -43,44 +42,6 @@ fn blocks(campaign: &Campaign, stage: &Stage, folder: &Path) -> Result<Vec<Vec<F
     }
     blocks.push(vec![next(campaign, stage, folder)]);
     Ok(blocks)
-}
-
-/// What to do next, or why there is nothing to do.
-pub(crate) fn next(campaign: &Campaign, stage: &Stage, folder: &Path) -> Finding {
-    Finding::new(match stage {
-        Stage::Ready => format!("Next: {} ask", infuse(folder)),
-        Stage::Pending => {
-            let sheet = sheet_path(folder, campaign.batch(), None);
-            if sheet.exists() {
-                let tell = tell_with(folder, &sheet);
-                format!("Next: run what is left in {}, then: {tell}", sheet.display())
-            } else {
-                format!("Next: run what is left of the sheet, then: {} tell SHEET", infuse(folder))
-            }
-        }
-        stage => format!("Ended: {}.", reason_to_stop(campaign, stage).unwrap_or_default()),
-    })
-}
-
-fn why_dropped(campaign: &Campaign, why: &str) -> Result<String> {
-    let region = &campaign.problem.region;
-    let asked = settings::all(why, region)?;
-    let cell = campaign.now.cell(&asked)?;
-    let point = campaign.now.point(cell)?;
-    let is_off = point.iter().zip(&asked).any(|(level, asked)| plain(*level) != plain(*asked));
-    let nearest = if is_off { "The nearest design that can be set, " } else { "" };
-    let place = format!("{nearest}{}", campaign.problem.describe(&point));
-    Ok(match campaign.now.why_dropped(cell) {
-        Some(dropped) => format!(
-            "{place} was dropped by batch {}: {} was predicted there against {} at the best, which is {} S √2 more, and {} are enough.",
-            dropped.iteration,
-            value(campaign, dropped.value),
-            value(campaign, dropped.optimum_value),
-            short(dropped.z),
-            short(dropped.z0),
-        ),
-        None => format!("{place} is still in the running."),
-    })
 }
 
 fn as_json(campaign: &Campaign, stage: &Stage) -> Result<Value> {

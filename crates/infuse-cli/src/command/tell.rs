@@ -1,20 +1,21 @@
 //! `infuse tell`: results come back.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use page::Finding;
 use serde_json::json;
 
 use super::{Output, settings};
 use crate::arguments::Tell;
 use crate::campaign::{Campaign, Reading};
-use crate::findings::lesson;
+use crate::findings::{lesson, outstanding, taken};
 use crate::journal::{Event, Measured, now};
-use crate::number::{count, number_fault, plain};
+use crate::number::{number_fault, plain};
 use crate::sheet::{Answer, Fault, answers, none_of};
+use crate::shell::infuse;
 
 pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output> {
     let (mut campaign, mut writer) = Campaign::open(folder, wait)?;
@@ -36,28 +37,22 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
         Event::Told { row: index + 1, rows, id, result, actual, repeat, corrects, note, from, at }
     };
     let events: Vec<Event> = fresh.into_iter().enumerate().map(event).collect();
-    if rows > 0 {
-        campaign.record(&mut writer, events)?;
-    }
-    let mut text = String::new();
-    let known = if n_known > 0 { format!(", {n_known} known before") } else { String::new() };
-    let _ = writeln!(text, "Taken: {}{known}.", count(rows, "result"));
-    if n_empty > 0 {
-        let _ = writeln!(text, "{} not filled in yet.", count(n_empty, "row"));
-    }
-    let outstanding = campaign.now.outstanding().len();
+    campaign.record(&mut writer, events)?;
+    let mut findings = taken(rows, n_known, n_empty);
+    let n_outstanding = campaign.now.outstanding().len();
     let is_closed = campaign.batch() > batch;
     if is_closed {
-        text.extend(lesson(&campaign).map(|lesson| lesson.to_string()));
-        let _ = writeln!(text, "Next: infuse status, then infuse ask");
-    } else if outstanding > 0 {
-        let _ = writeln!(text, "Batch {batch} waits for {}.", count(outstanding, "more experiment"));
+        let infuse = infuse(folder);
+        findings.extend(lesson(&campaign));
+        findings.push(Finding::new(format!("Next: {infuse} status, then {infuse} ask")));
+    } else if n_outstanding > 0 {
+        findings.push(outstanding(batch, n_outstanding));
     }
     let json = json!({
-        "taken": rows, "known": n_known, "empty": n_empty, "batch": batch, "outstanding": outstanding,
-        "batch_is_complete": is_closed, "notices": notices,
+        "taken": rows, "known": n_known, "empty": n_empty, "batch": batch, "outstanding": n_outstanding,
+        "batch_is_complete": is_closed,
     });
-    Ok(Output { text, json, notices })
+    Ok(Output::new(&findings, json, notices))
 }
 
 /// An experiment told by its id.

@@ -12,11 +12,7 @@ use crate::number::{short, with_unit};
 pub(crate) fn best(campaign: &Campaign) -> Option<Finding> {
     let (problem, reports) = (&campaign.problem, campaign.now.reports());
     let (first, last) = reports.first().zip(reports.last())?;
-    let mut best = Finding::new(format!("Best design: {}.", problem.describe(&last.screening.optimum)));
-    for (parameter, &setting) in problem.region.parameters().iter().zip(&last.screening.optimum) {
-        best = best.with(parameter.name(), setting, parameter.unit());
-    }
-    best = best.detail(predicted(campaign, last));
+    let mut best = best_design(campaign)?.detail(predicted(campaign, last));
     if let Some((id, measured)) = best_measured(campaign) {
         let place = problem.describe(&campaign.settings_of(id));
         let shown = with_unit(&short(measured), &problem.response.unit);
@@ -25,6 +21,14 @@ pub(crate) fn best(campaign: &Campaign) -> Option<Finding> {
     }
     let alone = problem.describe(&first.screening.simulation_optimum);
     Some(best.detail(Finding::new(format!("The simulation alone would have chosen {alone}."))))
+}
+
+/// The same in one sentence, with its settings.
+pub(crate) fn best_design(campaign: &Campaign) -> Option<Finding> {
+    let (problem, last) = (&campaign.problem, campaign.now.reports().last()?);
+    let best = Finding::new(format!("Best design: {}.", problem.describe(&last.screening.optimum)));
+    let settings = problem.region.parameters().iter().zip(&last.screening.optimum);
+    Some(settings.fold(best, |best, (parameter, &setting)| best.with(parameter.name(), setting, parameter.unit())))
 }
 
 fn predicted(campaign: &Campaign, last: &Report) -> Finding {

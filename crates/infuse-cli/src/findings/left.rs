@@ -11,13 +11,9 @@ use crate::number::{grouped, percent, plain, short, with_unit};
 
 /// How many designs are left, between which settings, and what each batch dropped.
 pub(crate) fn left(campaign: &Campaign) -> Result<Finding> {
-    let retained = campaign.now.retained();
-    let (n, of) = (retained.n_retained(), retained.n_cells());
-    let mut left =
-        Finding::new(format!("Left: {} of {} designs, {}.", grouped(n), grouped(of), percent(retained.share())))
-            .with("designs left", n as f64, "1")
-            .with("designs", of as f64, "1");
-    for (parameter, (least, most)) in campaign.problem.region.parameters().iter().zip(ranges(campaign, retained)?) {
+    let mut left = how_many(campaign);
+    let ranges = ranges(campaign, campaign.now.retained())?;
+    for (parameter, (least, most)) in campaign.problem.region.parameters().iter().zip(ranges) {
         let whole = least <= parameter.lower() && most >= parameter.upper();
         let range = with_unit(&format!("{} to {}", plain(least), plain(most)), parameter.unit());
         let sentence = format!("{}: {range}{}", parameter.name(), if whole { ", all of it" } else { "" });
@@ -26,6 +22,15 @@ pub(crate) fn left(campaign: &Campaign) -> Result<Finding> {
     }
     let dropped = campaign.now.reports().iter().map(|report| dropped_by(campaign, report));
     Ok(dropped.fold(left, Finding::detail))
+}
+
+/// The number alone.
+pub(crate) fn how_many(campaign: &Campaign) -> Finding {
+    let retained = campaign.now.retained();
+    let (n, of) = (retained.n_retained(), retained.n_cells());
+    Finding::new(format!("Left: {} of {} designs, {}.", grouped(n), grouped(of), percent(retained.share())))
+        .with("designs left", n as f64, "1")
+        .with("designs", of as f64, "1")
 }
 
 /// Why a batch dropped what it dropped.
@@ -48,6 +53,31 @@ pub(crate) fn dropped_because(campaign: &Campaign, report: &Report) -> String {
         }
         None => "nothing could be dropped, as the validation experiments gave no spread S".to_owned(),
     }
+}
+
+/// Why a design was dropped, or that it was not; the settings that were asked about may lie between those that can be set.
+pub(crate) fn why_dropped(campaign: &Campaign, asked: &[f64]) -> Result<Finding> {
+    let cell = campaign.now.cell(asked)?;
+    let point = campaign.now.point(cell)?;
+    let is_off = point.iter().zip(asked).any(|(level, asked)| plain(*level) != plain(*asked));
+    let nearest = if is_off { "The nearest design that can be set, " } else { "" };
+    let place = format!("{nearest}{}", campaign.problem.describe(&point));
+    let Some(dropped) = campaign.now.why_dropped(cell) else {
+        return Ok(Finding::new(format!("{place} is still among the designs left.")));
+    };
+    let (response, n) = (&campaign.problem.response, dropped.iteration);
+    let (there, at_best) = (value(campaign, dropped.value), value(campaign, dropped.optimum_value));
+    let (z, z0) = (short(dropped.z), short(dropped.z0));
+    let sentence = format!(
+        "{place} was dropped by batch {n}: {there} was predicted there against {at_best} at the best, which is {z} S √2 more, \
+         and {z0} are enough."
+    );
+    Ok(Finding::new(sentence)
+        .with("batch", n as f64, "1")
+        .with("predicted there", response.cost(dropped.value), &response.unit)
+        .with("predicted at the best", response.cost(dropped.optimum_value), &response.unit)
+        .with("difference in S √2", dropped.z, "1")
+        .with("difference that is enough", dropped.z0, "1"))
 }
 
 /// The least and the largest setting of each parameter among the designs that are left.

@@ -3,8 +3,8 @@
 use anyhow::Result;
 
 use crate::campaign::Campaign;
-use crate::findings::{dropped_by, ranges};
-use crate::number::{grouped, percent, setting};
+use crate::findings::{dropped_by, how_many, ranges};
+use crate::number::setting;
 use crate::problem::{heading, step};
 use page::{Column, Finding, Page, Table};
 
@@ -12,7 +12,7 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
     page.section("left", "What is left");
     let retained = campaign.now.retained();
     let (n, of) = (retained.n_retained(), retained.n_cells());
-    page.paragraph(&format!("{} of {} designs are left, {}.", grouped(n), grouped(of), percent(retained.share())));
+    page.finding(&how_many(campaign));
     let best = campaign.now.reports().last().map(|report| &report.screening.optimum);
     let parameters = campaign.problem.region.parameters().iter();
     let rows = parameters.zip(ranges(campaign, retained)?).enumerate().map(|(index, (parameter, (least, most)))| {

@@ -151,7 +151,7 @@ fn write_imported(page: &mut Page, campaign: &Campaign) -> Result<()> {
     });
     page.subheading("Imported");
     let caption = "Experiments from before the campaign. From the batch named they train the surfaces, as long as their \
-                   settings are in the running.";
+                   settings are among the designs left.";
     page.table(&Table { columns, rows: rows.collect() }, caption);
     Ok(())
 }

@@ -6,8 +6,7 @@ use anyhow::Result;
 use page::{Finding, Page};
 
 use crate::campaign::{Campaign, Stage};
-use crate::command::status::next;
-use crate::findings::{best, lesson, prospects, standing};
+use crate::findings::{best, lesson, next, prospects, standing};
 
 pub(super) fn write(page: &mut Page, campaign: &Campaign, stage: &Stage) -> Result<()> {
     page.section("stands", "Where the campaign stands");

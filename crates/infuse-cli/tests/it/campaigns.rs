@@ -271,7 +271,7 @@ fn why_a_design_was_dropped_can_be_asked() {
     let text = rig
         .infuse(&["status", "--why", &format!("spring={},damper gain={}", best["spring"], best["damper gain"])])
         .ok();
-    assert!(text.contains("is still in the running"), "{text}");
+    assert!(text.contains("is still among the designs left"), "{text}");
     for (why, words) in [
         ("spring=34", "no value of `damper gain`"),
         ("springs=34", "no parameter is called `springs`, expected one of `spring`, `damper gain`"),

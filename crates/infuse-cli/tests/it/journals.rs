@@ -56,6 +56,71 @@ fn what_an_interrupted_call_has_left_is_set_aside_and_said() {
     assert!(rig.infuse(&["ask"]).stderr.is_empty(), "said once");
 }
 
+/// Nothing rests on the last batch yet, so only what it taught can tell that one of its results was changed.
+#[test]
+fn a_digit_changed_in_the_last_batch_is_refused() {
+    let rig = two_batches();
+    let whole = rig.read("journal.jsonl");
+    let lines: Vec<&str> = whole.lines().collect();
+    assert!(lines.last().unwrap().contains("\"event\":\"learned\",\"batch\":2"), "{}", lines.last().unwrap());
+    let told = lines.iter().enumerate().rfind(|(_, line)| line.contains("\"event\":\"told\"")).unwrap().0;
+    let event: serde_json::Value = serde_json::from_str(lines[told]).unwrap();
+    let value = event["value"].as_f64().unwrap();
+    let changed = lines[told].replace(&format!("\"value\":{value:?}"), &format!("\"value\":{:?}", value + 0.1));
+    assert_ne!(changed, lines[told]);
+    rig.write("journal.jsonl", &whole.replace(lines[told], &changed));
+    for command in [["status"], ["ask"], ["report"]] {
+        let error = rig.infuse(&command).error();
+        let place = format!("journal.jsonl, line {}", lines.len());
+        assert!(error.contains(&place) && error.contains("says that batch 2 found"), "{error}");
+        assert!(error.contains("one of them was changed"), "{error}");
+    }
+}
+
+/// Earlier versions wrote down what a batch taught when the next one was planned.
+#[test]
+fn a_journal_that_does_not_say_what_its_last_batch_taught_is_read_and_completed() {
+    let rig = two_batches();
+    let expected = rig.status();
+    let whole = rig.read("journal.jsonl");
+    let (before, last) = whole.trim_end().rsplit_once('\n').unwrap();
+    rig.write("journal.jsonl", &format!("{before}\n"));
+    assert_eq!(rig.status(), expected);
+    assert_eq!(rig.read("journal.jsonl"), format!("{before}\n"), "reading changes nothing");
+    rig.infuse(&["tell", "sheet-2.csv"]).ok();
+    assert_eq!(rig.read("journal.jsonl"), format!("{before}\n{last}\n"));
+    assert_eq!(rig.status(), expected);
+}
+
+#[test]
+fn what_was_learned_is_said_anew_when_a_result_is_put_right() {
+    let rig = two_batches();
+    let learned = || rig.journal().iter().filter(|line| line["event"] == "learned" && line["batch"] == 2).count();
+    let before = rig.status();
+    rig.infuse(&["tell", "--id", "12", "--value", "11", "--correct"]).ok();
+    assert_eq!(learned(), 2);
+    assert_ne!(rig.status()["predicted"], before["predicted"]);
+    rig.infuse(&["ask", "--anyway"]).ok();
+    assert_eq!(learned(), 2);
+}
+
+#[test]
+fn what_is_imported_after_a_batch_counts_from_the_next_one_on() {
+    let rig = two_batches();
+    let before = rig.status();
+    rig.write("old.csv", "spring [N/mm],damper gain [N s/mm],vibration [mm/s]\n21,1.8,5.5\n");
+    assert!(rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok().contains("From batch 3 on"));
+    let after = rig.status();
+    assert_eq!((&after["predicted"], &after["imported"]), (&before["predicted"], &serde_json::json!(1)));
+    rig.infuse(&["tell", "--id", "12", "--value", "11", "--correct"]).ok();
+    assert_eq!(rig.status()["imported"], 1);
+    rig.infuse(&["ask", "--anyway"]).ok();
+    rig.fill("sheet-3.csv", |_| true);
+    rig.infuse(&["tell", "sheet-3.csv"]).ok();
+    rig.infuse(&["import", "--withdraw", "notebook"]).ok();
+    rig.infuse(&["status"]).ok();
+}
+
 /// Another machine rounds differently: what follows from the lines before may differ by that, and by no more.
 #[test]
 fn what_was_learned_may_differ_by_rounding_and_not_by_more() {

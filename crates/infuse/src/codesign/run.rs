@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::codesign::evaluator::Evaluator;
+use crate::codesign::evaluator::{Evaluator, FailedSimulation};
+use crate::codesign::optimizer::{CodesignStop, OptimizerSettings};
 use crate::codesign::search::{SearchSettings, search};
+use crate::codesign::strategy::Strategy;
 use crate::correction::Local;
-use crate::{CodesignProblem, CodesignStop, Error, FailedSimulation, OptimizerSettings, Role, Strategy};
+use crate::{CodesignProblem, Error, Role};
 
 /// What a numerical optimization found and what it took.
 #[non_exhaustive]

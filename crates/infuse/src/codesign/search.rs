@@ -2,8 +2,9 @@
 
 use bobyqa::{Bobyqa, Config, Status};
 
+use crate::Error;
+use crate::codesign::optimizer::CodesignStop;
 use crate::codesign::starts::{Evaluated, lattice, worth_a_descent};
-use crate::{CodesignStop, Error};
 
 /// What a search is allowed and how fine it goes.
 #[derive(Debug, Clone, Copy)]

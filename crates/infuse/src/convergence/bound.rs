@@ -26,7 +26,7 @@ use crate::correction::{Law, ModelStage, Rule};
 /// monotonic errors; with E1,j → E1 and E2,j → E2 it tends to the limit of constant ones. For a gain k
 /// with ρ = |1 − k|, constant errors and n ≥ 2 the sums are geometric series:
 ///
-/// | law, stage | gain | limit | plus, after n rounds |
+/// | law, stage | gain | limit | plus, after n batches |
 /// |---|---|---|---|
 /// | proof, both; current, onset | k ≤ 1 | 2 E1 + E2 | ρⁿ (d_0 − E1 − E2) |
 /// | current, corrected | k ≤ 1 | 2 (1 − k) E1 + E2 | ρⁿ (d_0 − E1 − E2) |
@@ -39,8 +39,8 @@ use crate::correction::{Law, ModelStage, Rule};
 ///
 /// The exact error is (49) for any gain, and the first limit is the proposition of Section 6.1, (55), where (52)–(54) bound
 /// the sum by early errors and need a second limit; everything else goes beyond the text and is derived as above.
-/// With one round both laws give ρ (d_0 + E1) + k E2, with none d_0 + E1. Up to k = 1 the current law is
-/// never bounded worse than the proof's; above, it can be in the first rounds.
+/// With one batch both laws give ρ (d_0 + E1) + k E2, with none d_0 + E1. Up to k = 1 the current law is
+/// never bounded worse than the proof's; above, it can be in the first batches.
 ///
 /// The gap is not known but bounded by what is seen: d_0 ≤ ‖Ĵexp,1 − Ĵsim,1‖ + E1,1 + E2,1.
 ///
@@ -120,10 +120,10 @@ impl Amplification {
     }
 }
 
-/// From this number of rounds on the closed forms hold for every law.
+/// From this number of batches on the closed forms hold for every law.
 const SETTLED: usize = 2;
 
-/// Beyond it a number of rounds is no longer exact as a double.
+/// Beyond it a number of batches is no longer exact as a double.
 const MOST_ROUNDS: usize = 1 << 52;
 
 impl Bound {
@@ -133,7 +133,7 @@ impl Bound {
         Self { rule, stage }
     }
 
-    /// The bound after n rounds of experiments, from bounds on the errors of each iteration.
+    /// The bound after n batches of experiments, from bounds on the errors of each iteration.
     ///
     /// `experiment` holds E2,1..n and so decides n; `simulation` holds E1,j for the n simulation
     /// surfaces of a corrected model, n + 1 for that at the onset of the next iteration (one if n = 0).
@@ -155,7 +155,7 @@ impl Bound {
         Ok(of_gap * gap + sum(&model.simulation, simulation) + sum(&model.experiment, experiment))
     }
 
-    /// The bound after n rounds of experiments when those on the errors stay the same.
+    /// The bound after n batches of experiments when those on the errors stay the same.
     #[must_use]
     pub fn after(&self, n: usize) -> Amplification {
         match (self.limit(), self.transient(n)) {
@@ -189,8 +189,8 @@ impl Bound {
         Some(Amplification { gap: 0.0, simulation, experiment: weights })
     }
 
-    /// The least number of rounds from which on the bound stays within `tolerance`, in the unit of the
-    /// response, of its limit; nothing if it has none, or needs more rounds than a double can count.
+    /// The least number of batches from which on the bound stays within `tolerance`, in the unit of the
+    /// response, of its limit; nothing if it has none, or needs more batches than a double can count.
     ///
     /// # Errors
     ///

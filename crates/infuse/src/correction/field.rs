@@ -4,7 +4,7 @@ use crate::Error;
 use crate::checks::{check_cells, check_count, check_finite};
 use crate::correction::{Law, Rule};
 
-/// Ĵcor,n and Ĵnum,n at the cells of a region, one round of experiments after the other.
+/// Ĵcor,n and Ĵnum,n at the cells of a region, one batch of experiments after the other.
 ///
 /// The same as [`Rule::correction`] to rounding, without keeping past surfaces.
 ///
@@ -25,7 +25,7 @@ pub struct Field {
     rule: Rule,
     n_rounds: usize,
     correction: Vec<f64>,
-    /// Ĵnum,n; empty before the first round.
+    /// Ĵnum,n; empty before the first batch.
     model: Vec<f64>,
     /// Σ_j Ĵcor,j, which only (36) as printed asks for.
     sum_of_corrections: Vec<f64>,
@@ -55,7 +55,7 @@ impl Field {
         &self.correction
     }
 
-    /// Ĵnum,n = Ĵsim,n + Ĵcor,n per cell, (35); nothing before the first round.
+    /// Ĵnum,n = Ĵsim,n + Ĵcor,n per cell, (35); nothing before the first batch.
     #[must_use]
     pub fn model(&self) -> Option<&[f64]> {
         (self.n_rounds > 0).then_some(&self.model)

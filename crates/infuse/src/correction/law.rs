@@ -48,7 +48,7 @@ pub enum Law {
     AsPrinted36,
 }
 
-/// Which simulation surface carries the correction learned from n rounds of experiments.
+/// Which simulation surface carries the correction learned from n batches of experiments.
 ///
 /// The experiments of an iteration must not correct the model with which their own validation
 /// points are compared, so iteration n + 1 works with [`Onset`](Self::Onset); the proposition speaks of
@@ -108,7 +108,7 @@ impl Rule {
         Coefficients { experiment, simulation }
     }
 
-    /// The model after n rounds of experiments as a combination of n experiment surfaces and of n
+    /// The model after n batches of experiments as a combination of n experiment surfaces and of n
     /// simulation surfaces, n + 1 at the onset of the next iteration.
     #[must_use]
     pub fn model(&self, stage: ModelStage, n: usize) -> Coefficients {

@@ -11,7 +11,7 @@ pub(crate) fn corrected_model(simulation: &TracedSurface, correction: &TracedSur
     TracedSurface::combination(simulation.surface().n_factors(), [(1.0, simulation), (1.0, correction)])
 }
 
-/// Ĵcor,n from Ĵexp and Ĵsim of the rounds 1 to n, in their order, by a [`Rule`]; 0 for n = 0.
+/// Ĵcor,n from Ĵexp and Ĵsim of the batches 1 to n, in their order, by a [`Rule`]; 0 for n = 0.
 pub(crate) fn correction<'a>(
     rule: Rule,
     n_factors: usize,

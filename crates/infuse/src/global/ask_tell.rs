@@ -160,7 +160,7 @@ impl Loop {
     }
 
     /// Stops using the [earlier](Self::add_earlier) experiments from this source, from the batch that is open or comes next
-    /// on. Iterations that rest on them stand. How many were in use.
+    /// on. Batches that rest on them stand. How many were in use.
     pub fn withdraw_earlier(&mut self, source: &str) -> usize {
         let iteration = self.iteration();
         let mut n_withdrawn = 0;

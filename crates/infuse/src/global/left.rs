@@ -31,7 +31,7 @@ impl Loop {
         }))
     }
 
-    /// Whether this cell is still in the running.
+    /// Whether this cell is among those left.
     #[must_use]
     pub fn is_retained(&self, cell: Cell) -> bool {
         self.retained.contains(cell)
@@ -48,7 +48,7 @@ impl Loop {
     pub fn norm_over(&self, iteration: usize, surface: &dyn Surface, norm: Norm) -> Result<f64, Error> {
         let k = self.cells.n_factors();
         check_length("surface", k, surface.n_factors())?;
-        let expected = "1 to that of the iteration that is open or comes next";
+        let expected = "1 to that of the batch that is open or comes next";
         let absent = Error::SettingCount { name: "iteration", value: iteration, expected };
         let cell = coded_cell_measure(k, usize::try_from(self.cells.n_cells()).unwrap_or(usize::MAX))?;
         let region = self.retained_at(iteration).ok_or(absent)?;

@@ -48,7 +48,7 @@
 //!   the report says so. Should the search find no design, one is built run by run, each where the determinant or the
 //!   prediction variance is largest.
 //! * **Failures:** with too few experiments for Ĵexp the correction stays as it was and the report says why; the batch is
-//!   then no round of the recursion. With too few simulations [`Loop::ask`] is an error, and the next call simulates other
+//!   then no step of the recursion. With too few simulations [`Loop::ask`] is an error, and the next call simulates other
 //!   cells.
 //! * **Memory** is one bit per cell, 24 MB at 24⁶, and nothing per cell in a file: what is left is found again when the
 //!   campaign is read. While a batch is worked out there is more: a second set of bits, the candidates with their

@@ -26,7 +26,7 @@ const MOST_CELLS: u64 = 20_000;
 /// Ĵnum(p) + Σ_j c_j δ_j(p)        δ_j(p) = r(p)' σ_j (R_j'R_j)^−½ z_j
 /// ```
 ///
-/// with the sampling error δ_j of Ĵexp of round j, and independent standard normal z. The gain of such a draw is what its best cell
+/// with the sampling error δ_j of Ĵexp of batch j, and independent standard normal z. The gain of such a draw is what its best cell
 /// undercuts p̂* by, so the mean is what it would be worth on average to know the surface exactly: no number of
 /// further experiments can bring more on average, if the regressor is right and the errors about it are independent.
 /// What it may be worth that the regressor is not right stands beside it.

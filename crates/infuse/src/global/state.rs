@@ -67,7 +67,7 @@ fn replayed(state: State) -> Result<Loop, Error> {
         replay(&mut campaign, report)?;
     }
     if !state.failed_cells.iter().all(|&cell| state.open.is_none() && campaign.is_retained(cell)) {
-        let expected = "cells that are left, and none in an open iteration";
+        let expected = "cells that are left, and none in an open batch";
         return Err(Error::State { field: "failed_cells", iteration: campaign.iteration(), expected });
     }
     campaign.failed_cells = state.failed_cells;
@@ -91,7 +91,7 @@ fn checked_earlier(
         let wrong = |expected| Error::State { field: "earlier", iteration: experiment.since, expected };
         experiment.check(region).map_err(|_| wrong("finite costs and settings near the region"))?;
         if !(1..=last).contains(&experiment.since) {
-            return Err(wrong("since an iteration of the campaign"));
+            return Err(wrong("since a batch of the campaign"));
         }
     }
     Ok(earlier)
@@ -146,7 +146,7 @@ fn checked_open(campaign: &Loop, mut saved: OpenBatch) -> Result<OpenBatch, Erro
         return Err(wrong("trials", "as many experiments and simulations as the settings say"));
     }
     if !experiments.iter().chain(&runs).all(|&cell| campaign.is_retained(cell)) {
-        return Err(wrong("cell", "a cell that was left at the onset of the iteration"));
+        return Err(wrong("cell", "a cell that was left at the onset of the batch"));
     }
     let space = DesignSpace::of(&campaign.retained, cells, settings, iteration)?;
     let handed_out = trials(&experiments, &space.uses(&experiments)?, cells, iteration, campaign.n_asked())?;

@@ -119,7 +119,7 @@ impl Loop {
     }
 
     /// The correction after one more batch; unchanged without its experiments. A batch whose experiments could not be
-    /// fitted is no round of it.
+    /// fitted is no step of it.
     fn correction_with(
         &self,
         experiment: Option<&TracedSurface>,

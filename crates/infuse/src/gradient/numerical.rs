@@ -5,10 +5,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::codesign::evaluator::{Evaluator, Simulation};
 use crate::codesign::run::optimize;
+use crate::codesign::{CodesignStop, FailedSimulation};
 use crate::correction::Local;
 use crate::gradient::settings::{BoundPolicy, Settings};
 use crate::gradient::slope::{Side, slope, slope_away};
-use crate::{CodesignProblem, CodesignStop, Error, FailedSimulation};
+use crate::{CodesignProblem, Error};
 
 /// The numerical half of an iteration: the optimum p* of J + J_cor with the correction known then.
 #[non_exhaustive]

@@ -4,8 +4,9 @@ use design_space::Parameter;
 use serde::{Deserialize, Serialize};
 
 use crate::checks::check_length;
+use crate::codesign::OptimizerSettings;
 use crate::correction::Form;
-use crate::{CodesignProblem, Error, OptimizerSettings};
+use crate::{CodesignProblem, Error};
 
 /// What happens to a difference step that would leave the region.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 //! The correction on pairs of parabolas, against closed forms.
 
-use infuse::{Strategy, correction::Form, gradient};
+use infuse::{codesign::Strategy, correction::Form, gradient};
 use proptest::prelude::*;
 
 use crate::problems::{Parabola, measured, optimizer, pair, pair_loop, simulated, single, single_settings};

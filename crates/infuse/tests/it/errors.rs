@@ -1,7 +1,8 @@
 //! One test per way of being wrong; the state is never changed by one.
 
 use doe::Region;
-use infuse::{CodesignProblem, Error, OptimizerSettings, Outcome, Role, Strategy, TrialId, codesign, gradient};
+use infuse::codesign::{OptimizerSettings, Strategy, codesign};
+use infuse::{CodesignProblem, Error, Outcome, Role, TrialId, gradient};
 
 use crate::problems::{failed, optimizer, pair, pair_loop, region, simulated, single, trials};
 

@@ -1,6 +1,7 @@
 //! What fails is reported, is never taken for data, and does not end the study.
 
-use infuse::{CodesignStop, Error, Outcome, Strategy, codesign, gradient};
+use infuse::codesign::{CodesignStop, Strategy, codesign};
+use infuse::{Error, Outcome, gradient};
 
 use crate::problems::{failed, measured, optimizer, pair, pair_loop, simulated, single, single_settings, trials};
 

@@ -1,12 +1,15 @@
 //! What holds in every campaign.
 
-use infuse::Strategy::{Nested, Simultaneous};
+use infuse::codesign::{
+    self,
+    Strategy::{Nested, Simultaneous},
+};
 use infuse::{Outcome, TrialId, gradient};
 use proptest::prelude::*;
 
 use crate::problems::{failed, json, measured, optimizer, pair, pair_loop, simulated, trials};
 
-fn campaign(steps: [f64; 2], policy: gradient::BoundPolicy, strategy: infuse::Strategy) -> gradient::Loop {
+fn campaign(steps: [f64; 2], policy: gradient::BoundPolicy, strategy: codesign::Strategy) -> gradient::Loop {
     let mut settings = gradient::Settings::new(vec![0.6, 0.6], steps.to_vec());
     settings.bound_policy = policy;
     settings.optimizer = optimizer(strategy);

@@ -1,7 +1,8 @@
 //! Problems with known answers.
 
 use doe::{Parameter, Region};
-use infuse::{CodesignProblem, OptimizerSettings, Outcome, Role, Strategy, gradient};
+use infuse::codesign::{OptimizerSettings, Strategy};
+use infuse::{CodesignProblem, Outcome, Role, gradient};
 
 /// Parameters named p0, p1, ... with these bounds.
 pub(crate) fn region(bounds: &[(f64, f64)]) -> Region {

@@ -1,7 +1,8 @@
 //! Which of the four strategies find the optimum of a coupled problem, and which miss it.
 
 use doe::Region;
-use infuse::{CodesignProblem, CodesignReport, CodesignStop, Role, Strategy, codesign};
+use infuse::codesign::{CodesignReport, CodesignStop, Strategy, codesign};
+use infuse::{CodesignProblem, Role};
 
 use crate::problems::{optimizer, pair, region};
 

@@ -1,11 +1,31 @@
 //! Axes: a label and a range.
 
+use std::fmt;
+
 use super::scale::{Scale, Spacing, ends, round_step};
+
+/// What stands along an axis.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Label {
+    pub(super) quantity: String,
+    /// None for a pure number.
+    pub(super) unit: Option<String>,
+}
+
+/// "time (s)".
+impl fmt::Display for Label {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.unit {
+            Some(unit) => write!(formatter, "{} ({unit})", self.quantity),
+            None => formatter.write_str(&self.quantity),
+        }
+    }
+}
 
 /// One axis of a figure.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    label: String,
+    label: Label,
     range: Option<(f64, f64)>,
     step: Option<f64>,
     spacing: Spacing,
@@ -32,7 +52,8 @@ pub enum ColorScale {
 impl Axis {
     /// An axis that shows all of the data; `unit` is "1" or empty for a pure number.
     pub fn new(quantity: &str, unit: &str) -> Self {
-        let label = if ["", "1"].contains(&unit) { quantity.to_owned() } else { format!("{quantity} ({unit})") };
+        let unit = (!["", "1"].contains(&unit)).then(|| unit.to_owned());
+        let label = Label { quantity: quantity.to_owned(), unit };
         Self { label, range: None, step: None, spacing: Spacing::Even, colors: ColorScale::Linear }
     }
 
@@ -99,7 +120,7 @@ impl Axis {
         self.range.is_some()
     }
 
-    pub(super) fn label(&self) -> &str {
+    pub(super) fn label(&self) -> &Label {
         &self.label
     }
 
@@ -166,7 +187,7 @@ mod tests {
 
     #[test]
     fn unit_one_is_not_shown() {
-        assert_eq!(Axis::new("iteration", "1").label(), "iteration");
-        assert_eq!(Axis::new("time", "s").label(), "time (s)");
+        assert_eq!(Axis::new("iteration", "1").label().to_string(), "iteration");
+        assert_eq!(Axis::new("time", "s").label().to_string(), "time (s)");
     }
 }

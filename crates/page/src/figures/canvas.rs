@@ -202,7 +202,7 @@ impl Canvas {
     }
 }
 
-/// Points of a line, in pixels.
+/// Points of a line, in pixels, written to a tenth: a line has many.
 struct Places<'a>(&'a [(f64, f64)]);
 
 impl Render for Places<'_> {
@@ -211,9 +211,8 @@ impl Render for Places<'_> {
             if number > 0 {
                 buffer.push(' ');
             }
-            Px(*x).render_to(buffer);
-            buffer.push(',');
-            Px(*y).render_to(buffer);
+            let tenths = |px: f64| (10.0 * px).round() / 10.0 + 0.0;
+            let _ = write!(buffer, "{},{}", tenths(*x), tenths(*y));
         }
     }
 }

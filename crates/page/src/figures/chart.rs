@@ -79,7 +79,7 @@ impl Chart {
         frame.draw_x_ticks(&mut canvas);
         frame.draw_y_ticks(&mut canvas);
         frame.outline(&mut canvas);
-        let [x_label, y_label] = [x, y].map(|axis| axis.label().to_owned());
+        let [x_label, y_label] = [x, y].map(|axis| axis.label().to_string());
         Self { canvas, frame, x_label, y_label, legend: Vec::new() }
     }
 

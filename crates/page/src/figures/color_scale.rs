@@ -50,7 +50,7 @@ impl Bands {
         let scale = axis.scale(shown.into_iter(), BANDS);
         let borders = scale.ticks();
         let texts = borders.iter().map(|border| scale.text(sign * border)).collect();
-        Self { exceeded: exceeds(ranked, &borders), borders, texts, label: axis.label().to_owned(), sign }
+        Self { exceeded: exceeds(ranked, &borders), borders, texts, label: axis.label().to_string(), sign }
     }
 
     fn near_first(axis: &Axis, ranked: &[f64], sign: f64) -> Self {

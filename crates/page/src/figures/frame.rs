@@ -1,5 +1,6 @@
 //! Frames: the rectangle between two axes, with numbers, labels and a grid.
 
+use super::axis::Label;
 use super::canvas::{Anchor, Canvas, LABEL_SIZE, Pen, text_width_px};
 use super::palette::GRID;
 use super::scale::Scale;
@@ -78,19 +79,20 @@ impl Frame {
     }
 
     /// The labels of the axes; a long one along y breaks before its unit.
-    fn draw_axis_labels(&self, canvas: &mut Canvas, text: &FrameText) {
+    pub(super) fn draw_axis_labels(&self, canvas: &mut Canvas, text: &FrameText) {
         if let Some(label) = text.x_label {
             let at = (0.5 * (self.left + self.right), self.bottom + 40.0);
-            canvas.text_as(label, at, LABEL_SIZE, Anchor::Middle);
+            canvas.text_as(&label.to_string(), at, LABEL_SIZE, Anchor::Middle);
         }
+        let Some(label) = text.y_label else { return };
         let middle = 0.5 * (self.top + self.bottom);
-        let long = text_width_px(text.y_label, LABEL_SIZE) > self.bottom - self.top;
-        match text.y_label.rsplit_once(" (") {
-            Some((quantity, unit)) if long => {
-                canvas.vertical_text(quantity, (16.0, middle));
-                canvas.vertical_text(&format!("({unit}"), (32.0, middle));
+        let whole = label.to_string();
+        match &label.unit {
+            Some(unit) if text_width_px(&whole, LABEL_SIZE) > self.bottom - self.top => {
+                canvas.vertical_text(&label.quantity, (16.0, middle));
+                canvas.vertical_text(&format!("({unit})"), (32.0, middle));
             }
-            _ => canvas.vertical_text(text.y_label, (24.0, middle)),
+            _ => canvas.vertical_text(&whole, (24.0, middle)),
         }
     }
 
@@ -108,8 +110,8 @@ impl Frame {
 
 /// What a frame says along its axes; without an x label it shows no numbers there either.
 pub(super) struct FrameText<'a> {
-    pub(super) x_label: Option<&'a str>,
-    pub(super) y_label: &'a str,
+    pub(super) x_label: Option<&'a Label>,
+    pub(super) y_label: Option<&'a Label>,
     pub(super) grid: Grid,
 }
 

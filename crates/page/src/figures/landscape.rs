@@ -74,7 +74,7 @@ pub fn landscape_figure(landscape: &Landscape) -> String {
     };
     let text = FrameText {
         x_label: Some(landscape.x_axis.label()),
-        y_label: landscape.y_axis.label(),
+        y_label: Some(landscape.y_axis.label()),
         grid: super::frame::Grid::Hidden,
     };
     frame.draw(&mut canvas, &text);

@@ -141,7 +141,7 @@ pub fn line_figure(figure: &LineFigure) -> String {
         let below = (number + 1 == count).then_some(&figure.x_axis);
         let text = FrameText {
             x_label: panel.x_axis.as_ref().or(below).map(Axis::label),
-            y_label: panel.y_axis.label(),
+            y_label: Some(panel.y_axis.label()),
             grid: Grid::Shown,
         };
         frame.draw(&mut canvas, &text);

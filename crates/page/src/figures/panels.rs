@@ -48,7 +48,7 @@ impl Sheet {
         let frame = Frame { left, top, right: left + width, bottom: top + SMALL_HEIGHT_PX, x, y };
         let text = FrameText {
             x_label: (row + 1 == self.rows).then_some(x_axis.label()),
-            y_label: if column == 0 { y_axis.label() } else { "" },
+            y_label: (column == 0).then_some(y_axis.label()),
             grid: Grid::Hidden,
         };
         frame.draw(canvas, &text);

@@ -99,7 +99,7 @@ pub fn spread_figure(figure: &SpreadFigure) -> String {
         x: axis.scale(std::iter::empty(), 8),
         y: figure.y_axis.roomy_scale(values.copied(), 6),
     };
-    let text = FrameText { x_label: Some(axis.label()), y_label: figure.y_axis.label(), grid: Grid::Shown };
+    let text = FrameText { x_label: Some(axis.label()), y_label: Some(figure.y_axis.label()), grid: Grid::Shown };
     frame.draw(&mut canvas, &text);
 
     let iteration_px = frame.x_px(2.0) - frame.x_px(1.0);

@@ -1,7 +1,7 @@
 //! Fewer points for the same picture.
 
 /// More points than this do not show at the width of a figure.
-pub(super) const MAX_POINTS: usize = 1500;
+pub(super) const MAX_POINTS: usize = 600;
 
 /// At most about `max` of the points, the first, the last and every local extreme among them.
 ///

@@ -27,6 +27,16 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Result<Vec<Claim>> {
     };
     let flights = findings.full_scale.flights.iter().map(|flight| flight.largest_difference).fold(0.0, f64::max);
     let mismatches = findings.similarity.mismatches().count();
+    let n_checked = setup.plant.groups.len() - findings.similarity.unchecked().len();
+    let n_agreeing = n_laws_that_agree(findings)?;
+    let groups = |analysis: &Analysis| format!("{} computed, {} listed", analysis.groups.len(), analysis.listed.len());
+    let apart_words = |k: usize| {
+        format!(
+            "{} of the peak apart if similar, {:.0} % with the printed masses",
+            percent(similar[k]),
+            100.0 * printed[k]
+        )
+    };
     Ok(vec![
         Claim::new(
             Place::Contribution(4),
@@ -37,37 +47,43 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Result<Vec<Claim>> {
                  {} of the peak. Reynolds number and turbulence are outside of this similarity, in the dissertation and here.",
                 percent(flights)
             ),
-        ),
+        )
+        .in_short(format!("{} of the peak apart in dimensionless form", percent(flights))),
         Claim::new(
             Place::Table(1),
             "The variables of Table 1 give the 11 groups (15)",
             reproduced(same(&setup.plant)),
             findings.groups_sentence(&setup.plant, "(15)"),
-        ),
+        )
+        .in_short(groups(&setup.plant)),
         Claim::new(
             Place::Section("2.4.2".to_owned()),
             "The controller's variables give the 8 groups of (19)",
             Verdict::in_kind_if(same(&setup.controller)),
             findings.groups_sentence(&setup.controller, REPAIRED_19),
-        ),
+        )
+        .in_short(groups(&setup.controller)),
         Claim::new(
             Place::Section("2.4".to_owned()),
             "How speeds, times and gains go with the length",
-            if law_differs(findings)? { Verdict::InKind } else { Verdict::Reproduced },
+            if n_agreeing < setup.file.stated.len() { Verdict::InKind } else { Verdict::Reproduced },
             findings.law_sentence()?,
-        ),
+        )
+        .in_short(format!("{n_agreeing} of {} stated powers of length follow", setup.file.stated.len())),
         Claim::new(
             Place::Table(2),
             "Three scale models match in every group",
             reproduced(mismatches == 0),
             findings.mismatch_sentence(),
-        ),
+        )
+        .in_short(format!("{mismatches} of the {} groups that Table 2 determines does not match", n_checked)),
         Claim::new(
             Place::Figure(11),
             "The heading of three scale models collapses against normalized time",
             Verdict::in_kind_if(similar[0] < COLLAPSED),
             curve(0),
         )
+        .in_short(apart_words(0))
         .shown_in(&["figure-11-similar"]),
         Claim::new(
             Place::Figure(12),
@@ -75,6 +91,7 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Result<Vec<Claim>> {
             Verdict::in_kind_if(similar[1] < COLLAPSED),
             curve(1),
         )
+        .in_short(apart_words(1))
         .shown_in(&["figure-12-similar"]),
     ])
 }
@@ -86,13 +103,12 @@ pub(crate) fn percent(share: f64) -> String {
     if share < 1e-6 { "less than 1e-4 %".to_owned() } else { format!("{:.1} %", 100.0 * share) }
 }
 
-/// Whether a stated power of length is another than the one that follows.
-pub(crate) fn law_differs(findings: &Findings<'_>) -> Result<bool> {
+/// How many of the stated powers of length are those that follow.
+pub(crate) fn n_laws_that_agree(findings: &Findings<'_>) -> Result<usize> {
     let law = findings.setup.full_scale_law()?;
+    let mut n = 0;
     for stated in &findings.setup.file.stated {
-        if stated.power()? != power_of_length(&law.rule(&stated.variable)?) {
-            return Ok(true);
-        }
+        n += usize::from(stated.power()? == power_of_length(&law.rule(&stated.variable)?));
     }
-    Ok(false)
+    Ok(n)
 }

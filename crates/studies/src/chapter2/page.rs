@@ -4,14 +4,17 @@ use std::path::Path;
 
 use anyhow::Result;
 
+use super::claims::percent;
 use super::findings::{Findings, REPAIRED_19};
+use super::models::{Case, Releases};
 use super::tables;
 use crate::claims::{self, Claim};
+use crate::first_screen::FirstScreen;
 use crate::provenance::provenance_table;
-use crate::reproduction::{Picture, markdown_list};
-use page::Page;
+use crate::reproduction::{Picture, markdown_list, picture};
+use page::{Finding, Page};
 
-pub(crate) const SURROGATE: &str = "No experiment was made. The water channel of the dissertation is replaced by a surrogate, the numerical \
+pub(crate) const NO_EXPERIMENT: &str = "No experiment was made. The water channel of the dissertation is replaced by a stand-in, the numerical \
     model plus stall plus added mass. The plant was calibrated to rows 1 of the dissertation's Tables 3 and 5 and to the best design of \
     its Table 3; nothing in this chapter was fitted to its Table 2 or to Figures 11 and 12.";
 
@@ -37,16 +40,65 @@ pub(crate) const LAW_CAPTION: &str = "How everything scales, derived from the di
     follows. The power of length is what is left at one gravity and in one fluid, beside the powers that the dissertation states, with \
     their places.";
 
+/// The picture that the pages begin with.
+const FIRST: &str = "figure-11-similar";
+
+/// What the pages begin with.
+pub(crate) fn first_screen<'a>(findings: &Findings<'_>, pictures: &'a [Picture]) -> Result<FirstScreen<'a>> {
+    let setup = findings.setup;
+    let (plant, controller) = (setup.plant.groups.len(), setup.controller.groups.len());
+    let heading = |case: Case, apart: fn(&Releases) -> f64| findings.releases(case).map_or(f64::NAN, apart);
+    let in_time = heading(Case::Similar, |releases| releases.apart().heading);
+    let normalized = heading(Case::Similar, |releases| releases.apart_when_normalized().heading);
+    let printed = heading(Case::PrintedMasses, |releases| releases.apart_when_normalized().heading);
+    let n_mismatches = findings.similarity.mismatches().count();
+    let n_checked = plant - findings.similarity.unchecked().len();
+    let lie = if n_mismatches == 0 { "they lie" } else { "they do not lie" };
+    Ok(FirstScreen {
+        findings: vec![
+            Finding::new(format!(
+                "A model moves like the machine, only faster, if every dimensionless group stays as it is: {plant} groups of the \
+                 plant, {controller} of the controller."
+            ))
+            .with("groups of the plant", plant as f64, "1")
+            .with("groups of the controller", controller as f64, "1"),
+            Finding::new(format!(
+                "Three models that keep them turn back after a twist with headings that are up to {:.0} % of the peak apart against \
+                 time, and {} against normalized time.",
+                100.0 * in_time,
+                percent(normalized)
+            ))
+            .with("apart against time", in_time, "1")
+            .with("apart against normalized time", normalized, "1"),
+            Finding::new(format!(
+                "With the masses that Table 2 prints {lie} on one curve: {n_mismatches} of the {n_checked} groups that it determines \
+                 is not kept, and {:.0} % of the peak are left between the headings.",
+                100.0 * printed
+            ))
+            .with("groups not kept", n_mismatches as f64, "1")
+            .with("apart with the printed masses", printed, "1"),
+        ],
+        picture: picture(pictures, FIRST)?,
+    })
+}
+
 /// The page of the study.
-pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim], pictures: &[Picture]) -> Result<Page> {
+pub(crate) fn page(
+    findings: &Findings<'_>,
+    claims: &[Claim],
+    pictures: &[Picture],
+    first: &FirstScreen<'_>,
+) -> Result<Page> {
     let setup = findings.setup;
     let mut page = Page::new("Chapter 2: when is a small model a model?");
-    claims::begin(&mut page, claims, pictures.first());
-    page.note(SURROGATE);
+    first.show_in(&mut page);
+    page.note(NO_EXPERIMENT);
     page.paragraph(
         "A turbine of 7.5 m chord is tested as a model of 7.5 cm in water. Which speeds, masses and controller gains make the model \
          move like the machine, only faster? Dimensional analysis answers: those that leave every dimensionless group as it is.",
     );
+    page.heading(claims::BY_VERDICT);
+    claims::by_verdict(claims).iter().for_each(|finding| page.finding(finding));
     page.heading("Dimensionless groups");
     page.table(
         &tables::groups(&setup.plant, LISTED_15),
@@ -70,7 +122,7 @@ pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim], pictures: &[Pictur
     page.heading("Figures 11 and 12");
     page.paragraph(&findings.release_sentence());
     page.table(&tables::collapse(findings), COLLAPSE_CAPTION);
-    for picture in pictures.iter().skip(1) {
+    for picture in pictures.iter().filter(|picture| picture.name != FIRST) {
         picture.show_in(&mut page);
     }
     page.paragraph(&findings.honest_paragraph());
@@ -101,19 +153,19 @@ pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim], pictures: &[Pictur
 }
 
 /// The results as a page of `docs/`.
-pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> Result<String> {
+pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim], first: &str) -> Result<String> {
     let setup = findings.setup;
     Ok(format!(
-        "# Chapter 2: results\n\n\
+        "# Chapter 2: results\n\n{first}\n\
          Written by `cargo xtask reproduce-chapter2`; `cargo xtask ci` fails when this page is not what the command finds.\n\
-         {SURROGATE}\n\n{}\n\
+         {NO_EXPERIMENT}\n\n{}\n\
          ## Dimensionless groups\n\n{}\n\n{}\n{}\n\n{}\n\
          ## The dissertation's Table 2, checked\n\n{}\n{SIMILARITY_CAPTION}\n\n{}\n{}\n\n{}\n{}\n\n\
          ## Figures 11 and 12\n\n{}\n\n{COLLAPSE_CAPTION}\n\n{}\n{}\n\n\
          ## What this does not show\n\n{BY_CONSTRUCTION}\n\n{REYNOLDS_CAPTION}\n\n{}\n\
          ## Scaling laws\n\n{LAW_CAPTION}\n\n{}\n{}\n\n\
          ## The rig at full scale, in air\n\n{}{}\n{}",
-        claims::beginning(claims),
+        claims::by_verdict_markdown(claims),
         findings.groups_sentence(&setup.plant, "(15)"),
         tables::groups(&setup.plant, LISTED_15).markdown(),
         findings.groups_sentence(&setup.controller, REPAIRED_19),

@@ -15,14 +15,19 @@ use std::path::Path;
 use std::time::Instant;
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Reproduction =
-    Reproduction { command: "reproduce-chapter2", name: "chapter2", run: Run::Always(reproduce) };
+pub(crate) const CHAPTER: Reproduction = Reproduction {
+    command: "reproduce-chapter2",
+    name: "chapter2",
+    title: "Chapter 2",
+    has_claims: true,
+    run: Run::Always(reproduce),
+};
 
 pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter2.toml"))?;
     let out = CHAPTER.prepare(root, Extent::Default)?;
-    eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
+    eprintln!("{}: the stand-in for the water channel is a richer model, not an experiment.", setup.file.title);
 
     let bar = progress("groups, releases, full scale, pictures", 4);
     let similarity = Similarity::check(&setup.plant.groups, &setup.set_ups, setup.tolerance)?;
@@ -49,8 +54,10 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
     bar.finish();
 
     let claims = claims::claims(&findings)?;
-    let page = page::page(&findings, &claims, &pictures)?;
-    reproduction::save_page(&out, &pictures, &page, &page::markdown(&findings, &claims)?)?;
+    let first = page::first_screen(&findings, &pictures)?;
+    let page = page::page(&findings, &claims, &pictures, &first)?;
+    let results = page::markdown(&findings, &claims, &first.markdown(&CHAPTER.kept_picture()))?;
+    reproduction::save_page(&out, &pictures, &page, &results, first.picture)?;
     Handover::new(claims, &pictures).save(&out)?;
     findings.full_scale.save(&setup, &out)?;
     tables::full_scale(&findings).write_csv(&out.join("full-scale.csv"))?;

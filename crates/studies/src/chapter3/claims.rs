@@ -1,14 +1,11 @@
 //! What Chapter 3 of the dissertation says, and whether it holds here.
 
-use super::findings::{Findings, in_table4};
-use super::panels::Design;
+use super::findings::{Findings, spans};
 use crate::claims::{Claim, Place, Verdict};
 
 /// What the dissertation claims in this chapter, and what of it came out.
 pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
-    let inside = |design: &Design| in_table4(findings.setup, design);
-    let spans: Vec<f64> =
-        findings.stand_in.iter().filter_map(|panel| Some(panel.worst(inside)?.1 / panel.best(inside)?.1)).collect();
+    let spans = spans(findings);
     let depends = spans.len() == findings.stand_in.len() && spans.iter().all(|span| *span > MATTERS);
     let words: Vec<String> = spans.iter().map(|span| format!("{span:.1}")).collect();
     let claim = Claim::new(
@@ -21,7 +18,8 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
             words.join(", ")
         ),
     );
-    vec![claim.shown_in(&["figure-14"])]
+    let short = format!("the highest cost is {} times the lowest", words.join(", "));
+    vec![claim.in_short(short).shown_in(&["figure-14"])]
 }
 
 /// A cost that varies by less than this factor would depend on nothing.

@@ -6,7 +6,7 @@ use super::findings::{Findings, in_table4};
 use super::panels::{Design, PanelFlights};
 use crate::reproduction::Picture;
 use crate::variable::Variable;
-use page::{Axis, Landscape, LineFigure, Panel, Points, Series, landscape_panels_figure, line_figure};
+use page::{Axis, Landscape, LineFigure, Panel, Points, Series, Shaded, landscape_panels_figure, line_figure};
 
 /// Four landscapes with one scale of colors.
 pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], name: &str, physics: &str) -> Picture {
@@ -50,6 +50,42 @@ pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], nam
             "The counterpart of Figure 14 in {physics}: cost (20) over trim pitch and center of mass, for four settings of fin \
              incidence and lines. Colors go by the logarithm, the same in both physics; above the highest, all values have its color."
         ),
+    }
+}
+
+/// The lowest cost of a stable design at each center of mass, in every configuration.
+pub(crate) fn lowest(findings: &Findings<'_>) -> Picture {
+    let setup = findings.setup;
+    let x = setup.center_of_mass.places();
+    let lowest = |panel: &PanelFlights<'_>, column: usize| {
+        let designs = panel.rows.iter().filter_map(|row| row.get(column)).filter(|design| design.is_stable());
+        designs.filter_map(Design::cost).reduce(f64::min).unwrap_or(f64::NAN)
+    };
+    let series: Vec<(&str, Vec<f64>)> = findings
+        .stand_in
+        .iter()
+        .map(|panel| (&*panel.configuration.label, (0..x.len()).map(|column| lowest(panel, column)).collect()))
+        .collect();
+    let shown = series.iter().flat_map(|(_, costs)| costs).copied().filter(|cost| cost.is_finite());
+    let figure = LineFigure {
+        title: "The lowest open-loop cost at each center of mass, in the stand-in".to_owned(),
+        x_axis: Axis::new("center of mass", "% chord"),
+        panels: vec![Panel {
+            x_axis: None,
+            y_axis: Axis::new("cost (20)", "s").in_decades(shown.collect::<Vec<_>>()),
+            series: series.iter().map(|(label, costs)| Series::line(label, &x, costs)).collect(),
+        }],
+        shaded: setup
+            .center_of_mass
+            .table4
+            .map(|[from, to]| Shaded { label: "range of Table 4".to_owned(), spans: vec![(from, to)] }),
+    };
+    Picture {
+        name: "lowest-costs".to_owned(),
+        svg: line_figure(&figure),
+        caption: "Figure 14 in short: of the stable designs with the same center of mass the one whose trim pitch gives the lowest \
+                  cost (20), in each of the four configurations, flown in the stand-in. Where a curve is missing no design is stable."
+            .to_owned(),
     }
 }
 

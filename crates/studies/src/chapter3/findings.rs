@@ -27,6 +27,12 @@ pub(crate) fn in_table4(setup: &Setup, design: &Design) -> bool {
     is_allowed(setup, design.at[0])
 }
 
+/// The highest cost of the stable designs within Table 4 over the lowest, panel by panel.
+pub(crate) fn spans(findings: &Findings<'_>) -> Vec<f64> {
+    let inside = |design: &Design| in_table4(findings.setup, design);
+    findings.stand_in.iter().filter_map(|panel| Some(panel.worst(inside)?.1 / panel.best(inside)?.1)).collect()
+}
+
 /// The middle of the values, and what four fifths of them stay below and above.
 pub(crate) fn spread(mut values: Vec<f64>) -> Option<[f64; 3]> {
     values.sort_by(f64::total_cmp);

@@ -17,14 +17,19 @@ use std::time::Instant;
 use water_channel::{FlightLog, fly_logged};
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Reproduction =
-    Reproduction { command: "reproduce-chapter3", name: "chapter3", run: Run::Always(reproduce) };
+pub(crate) const CHAPTER: Reproduction = Reproduction {
+    command: "reproduce-chapter3",
+    name: "chapter3",
+    title: "Chapter 3",
+    has_claims: true,
+    run: Run::Always(reproduce),
+};
 
 pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter3.toml"))?;
     let out = CHAPTER.prepare(root, Extent::Default)?;
-    eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.title);
+    eprintln!("{}: the stand-in for the water channel is a richer model, not an experiment.", setup.title);
 
     let designs = setup.center_of_mass.places().len() * setup.trim_pitch.places().len();
     let bar = progress("1/2 open-loop flights of stand-in and model", 2 * setup.configurations.len() * designs);
@@ -38,7 +43,8 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let bar = progress("2/2 pictures", 1);
     let shown = shown_flight(&setup, &stand_in[0])?;
     let findings = Findings { setup: &setup, stand_in, model, shown, seconds: started.elapsed().as_secs_f64() };
-    let draw: [fn(&Findings<'_>) -> Picture; 3] = [
+    let draw: [fn(&Findings<'_>) -> Picture; 4] = [
+        figures::lowest,
         |f| figures::figure14(f, &f.stand_in, "figure-14", "the stand-in for the water channel"),
         |f| figures::figure14(f, &f.model, "figure-14-model", "the numerical model"),
         figures::one_flight,
@@ -48,8 +54,10 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
     bar.finish();
 
     let claims = claims::claims(&findings);
-    let page = page::page(&findings, &claims, &pictures);
-    reproduction::save_page(&out, &pictures, &page, &page::markdown(&findings, &claims))?;
+    let first = page::first_screen(&findings, &pictures)?;
+    let page = page::page(&findings, &claims, &pictures, &first)?;
+    let results = page::markdown(&findings, &claims, &first.markdown(&CHAPTER.kept_picture()));
+    reproduction::save_page(&out, &pictures, &page, &results, first.picture)?;
     Handover::new(claims, &pictures).save(&out)?;
     designs_csv(&findings, &out.join("designs.csv"))?;
     page::print(&findings, &CHAPTER.out());

@@ -33,6 +33,8 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
         rows.n_experiments(),
         seeds.concat()
     );
+    let short =
+        format!("the experimental cost falls by {:.1} %, in the dissertation by {theirs:.1} %", rows.fall_pct());
     let between = |holds: bool| Verdict::in_kind_if(holds).between_fitted_ends();
     let mut claims = vec![
         Claim::new(
@@ -40,13 +42,15 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
             "An iterative co-design framework that fuses experiments and simulations by gradients",
             between(falls),
             format!("`infuse::gradient::Loop` with the sign of (27) repaired. {FITTED} {fall}"),
-        ),
+        )
+        .in_short(&*short),
         Claim::new(
             Place::Contribution(5),
             "It is validated on two parameters in the water channel",
             between(falls),
             format!("Against a stand-in, not in water. {FITTED} {fall}"),
-        ),
+        )
+        .in_short(&*short),
         Claim::new(
             Place::Table(3),
             "In three iterations the optimum moves aft and to a higher pitch, and the experimental cost falls",
@@ -58,6 +62,14 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
                 published[published.len() - 1].pitch_set_point
             ),
         )
+        .in_short(format!(
+            "to {:.2} % chord and {:.2} deg, {:.1} % less; in the dissertation {} and {}, {theirs:.1} % less",
+            last.point[0],
+            last.point[1],
+            rows.fall_pct(),
+            published[published.len() - 1].center_of_mass,
+            published[published.len() - 1].pitch_set_point
+        ))
         .shown_in(&["landscape-stand-in"]),
         Claim::new(
             Place::Figure(15),
@@ -75,6 +87,7 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
             Verdict::in_kind_if(after < before),
             format!("Its mean is {before:.2} deg² before and {after:.2} deg² after."),
         )
+        .in_short(format!("mean {before:.2} → {after:.2} deg²"))
         .shown_in(&[&format!("figure-{number}-{what}")])
     }));
     claims

@@ -2,7 +2,7 @@
 
 use water_channel::LogRow;
 
-use super::file::Setup;
+use super::file::{Setup, Table3Row};
 use super::lattice::Lattice;
 use super::loops::Seeded;
 use super::rows::{ERRORS, Row, Rows};
@@ -30,6 +30,42 @@ fn column(row: &Row, f: impl Fn(&LogRow) -> f64) -> Vec<f64> {
 
 fn time(row: &Row) -> Vec<f64> {
     column(row, |r| r.time_s)
+}
+
+/// Table 3 as a picture: both costs of every iteration, ours and theirs.
+pub(crate) fn costs(m: &Material<'_>) -> Picture {
+    let (ours, theirs) = (&m.rows[0].rows, &m.setup.file.published);
+    let iterations = |n: usize| -> Vec<f64> { (1..=n).map(|iteration| iteration as f64).collect() };
+    let our = |label: &str, cost: fn(&Row) -> f64| {
+        Series::line(&format!("{label}, this run"), &iterations(ours.len()), &ours.iter().map(cost).collect::<Vec<_>>())
+    };
+    let their = |label: &str, cost: fn(&Table3Row) -> f64| {
+        let costs: Vec<f64> = theirs.iter().map(cost).collect();
+        Series::line(&format!("{label}, dissertation"), &iterations(theirs.len()), &costs).dashed()
+    };
+    let figure = LineFigure {
+        title: "What each iteration's design costs, and what the corrected model says of it".to_owned(),
+        x_axis: Axis::new("iteration", "1").counting_to(ours.len().max(theirs.len())),
+        panels: vec![Panel {
+            x_axis: None,
+            y_axis: Axis::new("cost J", "s"),
+            series: vec![
+                our("experimental cost", |row| row.cost()),
+                their("experimental cost", |row| row.experiment_cost),
+                our("corrected numerical cost", |row| row.corrected_cost),
+                their("corrected numerical cost", |row| row.corrected_cost),
+            ],
+        }],
+        shaded: None,
+    };
+    Picture {
+        name: "table-3".to_owned(),
+        svg: line_figure(&figure),
+        caption: "Table 3 as a picture, R = 0.1 as printed, no noise: the cost of each iteration's design in the stand-in (in the \
+                  dissertation, in the water channel), and what the corrected numerical model says of it. Both ends were calibrated; \
+                  the way between them is predicted."
+            .to_owned(),
+    }
 }
 
 /// The windows of the profile, merged where they touch.

@@ -1,6 +1,7 @@
 //! What a run of Chapter 4 found, in numbers and in sentences made of them.
 
-use infuse::{CodesignReport, Outcome, gradient};
+use infuse::codesign::CodesignReport;
+use infuse::{Outcome, gradient};
 use water_channel::Provenance;
 
 use super::figures::Material;

@@ -90,11 +90,11 @@ pub(crate) fn seeded(setup: &Setup, model: &Lattice, finished: impl Fn() + Sync)
 pub(crate) fn optimum(
     setup: &Setup,
     cost: impl FnMut(&[f64]) -> Result<f64, String>,
-) -> Result<infuse::CodesignReport> {
+) -> Result<infuse::codesign::CodesignReport> {
     let mut cost = cost;
     let settings = setup.loop_settings(&setup.file.variant[0]);
     let start = setup.problem.region().center();
-    Ok(infuse::codesign(&setup.problem, &settings.optimizer, &start, &mut cost)?)
+    Ok(infuse::codesign::codesign(&setup.problem, &settings.optimizer, &start, &mut cost)?)
 }
 
 #[cfg(test)]

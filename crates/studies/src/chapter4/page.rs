@@ -2,18 +2,21 @@
 
 use std::path::Path;
 
+use anyhow::Result;
+
 use super::findings::{Findings, change_words};
+use super::rows::ERRORS;
 use super::seeds::falls_pct;
 use super::tables::{Digits, cost_table, flight_table, seed_table, side_by_side, variant_table};
 use crate::bat::{MODEL, STAND_IN};
 use crate::claims::{self, Claim};
+use crate::first_screen::FirstScreen;
 use crate::provenance::provenance_table;
-use crate::reproduction::markdown_list;
-use page::Page;
-use page::Summary;
+use crate::reproduction::{markdown_list, picture};
+use page::{Finding, Page, Summary};
 
-/// The picture that the page begins with.
-const FIRST: &str = "landscape-stand-in";
+/// The picture that the pages begin with.
+const FIRST: &str = "table-3";
 
 const BOX_CAPTION: &str = "Flights over the box of the four parameters of Table 4 (pitch to 22 deg): center of mass and \
     pitch set point at five values each, both stabilizers at their smallest, nominal and largest area; one step per sample. \
@@ -35,12 +38,64 @@ fn step_caption(findings: &Findings<'_>) -> String {
     )
 }
 
+/// What the model alone would build, and what the loop builds.
+fn headline(findings: &Findings<'_>) -> Finding {
+    let rows = findings.printed();
+    let (first, last) = (rows.first(), rows.last());
+    let (before, after, fall) = (first.cost(), last.cost(), rows.fall_pct());
+    Finding::new(format!(
+        "The numerical model alone would build {:.2} % chord and {:.2} deg, which costs {before:.2} s in the stand-in. After {} \
+         iterations and {} experiments the loop builds {:.2} % chord and {:.2} deg, which costs {after:.2} s: {fall:.1} % less \
+         (dissertation: {:.1} % less).",
+        first.point[0],
+        first.point[1],
+        rows.rows.len(),
+        rows.n_experiments(),
+        last.point[0],
+        last.point[1],
+        findings.published_fall_pct()
+    ))
+    .with("cost before", before, "s")
+    .with("cost after", after, "s")
+    .with("fall of the cost", fall, "%")
+}
+
+/// What the pages begin with.
+pub(crate) fn first_screen<'a>(findings: &Findings<'a>) -> Result<FirstScreen<'a>> {
+    let (room, regret) = (findings.room_pct(), findings.regret_pct());
+    let mut found = vec![
+        headline(findings),
+        Finding::new(format!(
+            "Both ends were calibrated, so a fall of at most {room:.1} % was possible, and what counts is the way: the loop ends \
+             {regret:.1} % above the best design of the stand-in."
+        ))
+        .with("largest possible fall", room, "%")
+        .with("above the best design", regret, "%"),
+    ];
+    let first_seeded = findings.material.seeded.first();
+    if let Some(s) = first_seeded.and_then(|seeded| Summary::of(&falls_pct(findings.material.setup, seeded))) {
+        let sentence = format!(
+            "Over {} seeds of noise it falls by {:.1} % in the median, by {:.1} % at worst.",
+            s.count, s.median, s.minimum
+        );
+        found.push(Finding::new(sentence).with("median fall", s.median, "%").with("least fall", s.minimum, "%"));
+    }
+    let (before, after) = (findings.printed().first(), findings.printed().last());
+    let errors = ERRORS.map(|(what, _, error)| (what, before.mean_squared_deg2(error), after.mean_squared_deg2(error)));
+    let words: Vec<String> = errors.iter().map(|(what, a, b)| format!("{what} {a:.2} → {b:.2} deg²")).collect();
+    let sentence = format!("Mean errors squared before and after: {}.", words.join(", "));
+    found.push(errors.iter().fold(Finding::new(sentence), |finding, (what, a, b)| {
+        finding.with(&format!("{what} before"), *a, "deg²").with(&format!("{what} after"), *b, "deg²")
+    }));
+    Ok(FirstScreen { findings: found, picture: picture(findings.pictures, FIRST)? })
+}
+
 /// The page of the study.
-pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim]) -> Page {
+pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim], first: &FirstScreen<'_>) -> Page {
     let mut page = Page::new("Chapter 4: experimentally infused optimization of a tethered turbine, two parameters");
-    claims::begin(&mut page, claims, findings.pictures.iter().find(|picture| picture.name == FIRST));
+    first.show_in(&mut page);
     page.note(
-        "No experiment was made. The water channel of the dissertation is replaced by a surrogate: the numerical model \
+        "No experiment was made. The water channel of the dissertation is replaced by a stand-in: the numerical model \
          plus stall plus added mass. Published figures stand beside ours. What was fitted is called calibrated and is \
          no reproduction; what the loop does with it is called predicted.",
     );
@@ -50,6 +105,8 @@ pub(crate) fn page(findings: &Findings<'_>, claims: &[Claim]) -> Page {
          five experiments are made at and around its optimum, and the model is corrected by the difference between the \
          measured slope of the cost and its own, with a trust R.",
     );
+    page.heading(claims::BY_VERDICT);
+    claims::by_verdict(claims).iter().for_each(|finding| page.finding(finding));
     iterations(&mut page, findings);
     calibrated(&mut page, findings);
     path(&mut page, findings);
@@ -167,7 +224,7 @@ fn every_number(page: &mut Page, findings: &Findings<'_>) {
 }
 
 /// The results as a page of `docs/`, without anything that differs from run to run.
-pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> String {
+pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim], first: &str) -> String {
     let m = &findings.material;
     let falls: String = m
         .seeded
@@ -181,9 +238,9 @@ pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> String {
         })
         .collect();
     format!(
-        "# Chapter 4: results\n\n\
+        "# Chapter 4: results\n\n{first}\n\
          Written by `cargo xtask reproduce-chapter4`; `cargo xtask ci` fails when this page is not what the command finds.\n\
-         The water channel is replaced by a surrogate: the numerical model plus stall plus added mass.\n\
+         The water channel is replaced by a stand-in: the numerical model plus stall plus added mass.\n\
          Rows marked calibrated were fitted and reproduce nothing; see [departures](departures.md) for what is ours.\n\n{}\n\
          ## Table 3: dissertation / this run\n\n{}\n\
          The calibrated costs leave room for a fall of at most {:.1} % (from the first row to the stand-in's best design, \
@@ -192,7 +249,7 @@ pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> String {
          ## What got better and what did not\n\nBefore (iteration 1) and after (last iteration), in the stand-in.\n\n{}\n## Costs of the printed loop's designs in the stand-in\n\n{}\n## How they fly\n\n{}\n\
          ## Over noise seeds\n\nFall of the experimental cost, noise taken off:\n\n{}\n{}\n\
          ## Margins over the box of Table 4\n\n{BOX_CAPTION}\n\n{}\n## Step size\n\n{}\n\n{}",
-        claims::beginning(claims),
+        claims::by_verdict_markdown(claims),
         side_by_side(m.setup, findings.printed()).markdown(),
         findings.room_pct(),
         m.setup.sentence(&findings.best.point),
@@ -219,26 +276,11 @@ pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim]) -> String {
 #[expect(clippy::print_stdout, reason = "the result of the command")]
 pub(crate) fn print(findings: &Findings<'_>, out: &Path) {
     let rows = findings.printed();
-    let (first, last) = (rows.first(), rows.last());
-    let setup = findings.material.setup;
+    let (last, setup) = (rows.last(), findings.material.setup);
     println!("\nChapter 4: a wrong model, {} experiments, and what they taught it", rows.n_experiments());
-    println!("(dissertation / this run; the water channel is replaced by a surrogate model; lower costs are better)\n");
+    println!("(dissertation / this run; the water channel is replaced by a stand-in; lower costs are better)\n");
     println!("{}\n", side_by_side(setup, rows).text());
-    println!(
-        "The numerical model alone would build {} and promise a cost of {:.2} s.",
-        setup.sentence(&first.point),
-        first.corrected_cost
-    );
-    println!("In the stand-in for the water channel that design costs {:.2} s.", first.cost());
-    println!(
-        "After {} iterations the loop builds {}, which costs {:.2} s: {:.1} % less \
-         (dissertation: {:.1} % less).",
-        rows.rows.len(),
-        setup.sentence(&last.point),
-        last.cost(),
-        rows.fall_pct(),
-        findings.published_fall_pct()
-    );
+    println!("{}", headline(findings).sentence());
     println!(
         "The best design of the stand-in is {} at {:.2} s; the loop ends {:.1} % above it.",
         setup.sentence(&findings.best.point),

@@ -18,15 +18,20 @@ use std::path::Path;
 use std::time::Instant;
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Reproduction =
-    Reproduction { command: "reproduce-chapter4", name: "chapter4", run: Run::Always(reproduce) };
+pub(crate) const CHAPTER: Reproduction = Reproduction {
+    command: "reproduce-chapter4",
+    name: "chapter4",
+    title: "Chapter 4",
+    has_claims: true,
+    run: Run::Always(reproduce),
+};
 
 /// Runs the study of Chapter 4 and writes the page, the figures and the data.
 pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter4.toml"))?;
     let out = CHAPTER.prepare(root, Extent::Default)?;
-    eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
+    eprintln!("{}: the stand-in for the water channel is a richer model, not an experiment.", setup.file.title);
 
     let bar = progress("1/4 cost landscapes: flights of model and stand-in", 2 * Lattice::size(&setup));
     let done = |n: usize| bar.inc(n as u64);
@@ -75,7 +80,7 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
 /// All figures, drawn side by side.
 fn pictures(material: &Material<'_>) -> Vec<Picture> {
     let draw: [fn(&Material<'_>) -> Vec<Picture>; 4] = [
-        |m| vec![figures::test_profile(m)],
+        |m| vec![figures::costs(m), figures::test_profile(m)],
         |m| figures::errors(m).to_vec(),
         |m| figures::landscapes(m).to_vec(),
         figures::spreads,
@@ -108,8 +113,10 @@ pub(crate) fn interpolation_error(setup: &Setup, model: &Lattice) -> Result<f64>
 /// The page, the figures and the data.
 pub(crate) fn write(out: &Path, findings: &Findings<'_>) -> Result<()> {
     let claims = claims::claims(findings);
-    let page = page::page(findings, &claims);
-    reproduction::save_page(out, findings.pictures, &page, &page::markdown(findings, &claims))?;
+    let first = page::first_screen(findings)?;
+    let page = page::page(findings, &claims, &first);
+    let results = page::markdown(findings, &claims, &first.markdown(&CHAPTER.kept_picture()));
+    reproduction::save_page(out, findings.pictures, &page, &results, first.picture)?;
     Handover::new(claims, findings.pictures).save(out)?;
     let m = &findings.material;
     tables::iteration_table(m.setup, &m.rows[0], Digits::All).write_csv(&out.join("table-3.csv"))?;

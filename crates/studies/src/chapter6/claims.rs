@@ -57,6 +57,7 @@ fn proposition(lawful: &[&Ended]) -> Claim {
             lawful.len()
         ),
     )
+    .in_short(format!("{at_end} of {} campaigns do", lawful.len()))
 }
 
 /// Not a test of the dissertation but of our derivation and of the program.
@@ -81,6 +82,7 @@ fn recursion(lawful: &[&Ended]) -> Claim {
             gaps.count()
         ),
     )
+    .in_short(format!("the bound is exceeded in {outside} of {} cases", shares.len()))
 }
 
 fn monotonic_errors(lawful: &[&Ended]) -> Claim {
@@ -98,6 +100,7 @@ fn monotonic_errors(lawful: &[&Ended]) -> Claim {
             holds(SUP)
         ),
     )
+    .in_short(format!("for q = 2 and q = ∞ in {both} of {} campaigns", lawful.len()))
 }
 
 fn shrinking(main: &[&Ended]) -> Claim {
@@ -117,6 +120,7 @@ fn shrinking(main: &[&Ended]) -> Claim {
             shares.join(", ")
         ),
     )
+    .in_short(format!("less than half is left in {much} of {} campaigns", main.len()))
     .shown_in(&["figure-20-stand-in-for-the-water-channel"])
 }
 
@@ -153,6 +157,7 @@ fn best_design(findings: &Findings, lawful: &[&Ended]) -> Claim {
             digits(regrets(false))
         ),
     )
+    .in_short(format!("the best cell is dropped in {dropped} of {} campaigns", lawful.len()))
 }
 
 /// Errors beside those without correction, because what is left differs from campaign to campaign.
@@ -181,6 +186,10 @@ fn noise(findings: &Findings, main: &[&Ended]) -> Claim {
             main.len()
         ),
     )
+    .in_short(format!(
+        "closer than without correction in {better} of {} campaigns; the error rises with the noise in {rising} of {all} steps",
+        main.len()
+    ))
     .shown_in(&[
         "figure-21-2-parameters-stand-in-for-the-water-channel",
         "figure-21-4-parameters-stand-in-for-the-water-channel",
@@ -206,6 +215,7 @@ fn heading(findings: &Findings) -> Claim {
         Verdict::in_kind_of(better, all),
         format!("Better by a tenth in {better} of {all}. Mean heading error squared, first → last optimum, in deg²: {words}."),
     )
+    .in_short(format!("{better} of {all}"))
     .shown_in(&["figure-22-2-parameters", "figure-22-4-parameters"])
 }
 
@@ -218,4 +228,5 @@ fn footprint(findings: &Findings) -> Claim {
         Verdict::in_kind_of(smaller, all),
         format!("Smaller in {smaller} of {all}. Mean footprint, first → last optimum, in m²: {words}."),
     )
+    .in_short(format!("{smaller} of {all}"))
 }

@@ -102,9 +102,14 @@ fn chosen(n: usize) -> Vec<usize> {
 /// Below it an error is rounding.
 const LEAST_SHOWN: f64 = 1e-8;
 
-/// A number on a logarithmic axis; a gap where it is rounding.
-fn log10(value: f64) -> f64 {
-    if value > LEAST_SHOWN { value.log10() } else { f64::NAN }
+/// A gap where an error is rounding.
+fn shown(error: f64) -> f64 {
+    if error > LEAST_SHOWN { error } else { f64::NAN }
+}
+
+/// An axis of errors: powers of ten.
+fn error_axis(what: &str, errors: impl IntoIterator<Item = f64>) -> Axis {
+    Axis::new(what, "s").in_decades(errors.into_iter().filter(|error| error.is_finite()))
 }
 
 /// Figure 21: the error of the corrected model with its bounds, noise by noise, and the shrinking of the space.
@@ -120,15 +125,18 @@ fn bounds(findings: &Findings, space: usize, truth: usize) -> Picture {
         .iter()
         .map(|ended| {
             let x = numbers(ended);
-            let of = |f: fn(&NormAccuracy) -> f64| series(ended, &|i| log10(f(&i.norms[Q2])));
+            let of = |f: fn(&NormAccuracy) -> f64| series(ended, &|i| shown(f(&i.norms[Q2])));
+            let [error, bound, proposition, gap] =
+                [of(|n| n.error), of(|n| n.finite_bound), of(|n| n.proposition), of(|n| n.gap)];
+            let all = [&error, &bound, &proposition, &gap].into_iter().flatten().copied();
             Panel {
                 x_axis: None,
-                y_axis: Axis::new(&format!("log10 ‖·‖, noise {} %", 100.0 * ended.case.noise), "s"),
+                y_axis: error_axis(&format!("error, noise {} %", 100.0 * ended.case.noise), all),
                 series: vec![
-                    Series::line("error of the corrected model", &x, &of(|n| n.error)),
-                    Series::line("what it cannot exceed", &x, &of(|n| n.finite_bound)).dashed(),
-                    Series::line("right-hand side of (55)", &x, &of(|n| n.proposition)).dashed(),
-                    Series::line("error without correction", &x, &of(|n| n.gap)),
+                    Series::line("error of the corrected model", &x, &error),
+                    Series::line("what it cannot exceed", &x, &bound).dashed(),
+                    Series::line("right-hand side of (55)", &x, &proposition).dashed(),
+                    Series::line("error without correction", &x, &gap),
                 ],
             }
         })
@@ -181,16 +189,20 @@ fn gains(findings: &Findings, space: usize) -> Result<Picture> {
                 .iter()
                 .filter(|ended| wanted(&ended.case))
                 .filter(|ended| setup.variant(ended.case).is_general());
-            let series = of.map(|ended| {
+            let curves = of.map(|ended| {
                 let iterations = &ended.accuracy.iterations;
                 let x: Vec<f64> = iterations.iter().map(|i| i.iteration as f64).collect();
-                let y: Vec<f64> = iterations.iter().map(|i| log10(i.norms[Q2].error)).collect();
-                Series::line(&setup.variant(ended.case).label, &x, &y)
+                let y: Vec<f64> = iterations.iter().map(|i| shown(i.norms[Q2].error)).collect();
+                (&*setup.variant(ended.case).label, x, y)
             });
+            let curves: Vec<(&str, Vec<f64>, Vec<f64>)> = curves.collect();
             Panel {
                 x_axis: None,
-                y_axis: Axis::new(&format!("log10 ‖error‖, {}", setup.truth(truth).short()), "s"),
-                series: series.collect(),
+                y_axis: error_axis(
+                    &format!("error, {}", setup.truth(truth).short),
+                    curves.iter().flat_map(|(_, _, y)| y).copied(),
+                ),
+                series: curves.iter().map(|(label, x, y)| Series::line(label, x, y)).collect(),
             }
         })
         .collect();

@@ -47,6 +47,8 @@ pub(crate) struct SpaceEntry {
 #[serde(deny_unknown_fields)]
 pub(crate) struct TruthEntry {
     pub(crate) label: String,
+    /// For axes and tables.
+    pub(crate) short: String,
     stall: bool,
     added_mass: bool,
 }
@@ -55,11 +57,6 @@ impl TruthEntry {
     /// Its name within a sentence.
     pub(crate) fn with_article(&self) -> String {
         if self.added_mass { format!("the {}", self.label) } else { self.label.clone() }
-    }
-
-    /// The first word of its name, for axes and tables.
-    pub(crate) fn short(&self) -> &str {
-        self.label.split(' ').next().unwrap_or_default()
     }
 
     pub(crate) fn fidelity(&self) -> Fidelity {

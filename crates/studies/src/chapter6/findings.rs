@@ -47,7 +47,7 @@ impl Findings {
 
     /// A space and a truth in words.
     pub(crate) fn field_words(&self, space: usize, truth: usize) -> String {
-        format!("{}, {}", self.setup.spaces[space].entry.label, self.setup.truth(truth).short())
+        format!("{}, {}", self.setup.spaces[space].entry.label, self.setup.truth(truth).short)
     }
 
     /// A point with its units.

@@ -1,4 +1,4 @@
-//! `cargo xtask reproduce-chapter6`: the surrogate study of Section 6.2, Figures 20 to 22.
+//! `cargo xtask reproduce-chapter6`: the study of Section 6.2 on a truth that is known, Figures 20 to 22.
 
 mod campaigns;
 mod claims;

@@ -2,25 +2,26 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 
 use super::campaigns::Ended;
 use super::findings::Findings;
 use super::tables;
-use crate::claims::{self, Claim, FOUND};
+use crate::claims::{self, Claim, FOUND, Place};
+use crate::first_screen::FirstScreen;
+use crate::gridded::SUP;
 use crate::provenance::provenance_table;
 use crate::reproduction::{Extent, Picture, markdown_list};
-use page::Page;
-use page::Table;
+use page::{Finding, Page, Table};
 
-const SURROGATE: &str = "No experiment was made. As in Section 6.2 a richer model takes the place of experiments and its costs are \
+const NO_EXPERIMENT: &str = "No experiment was made. As in Section 6.2 a richer model takes the place of experiments and its costs are \
     read with noise of bounded size: stall alone, as printed, and beside it our stand-in for the water channel, stall and added mass. \
     The plant and the weights of the cost (60) were calibrated to Tables 3 and 5 before this loop was run; nothing was fitted to this \
     chapter.";
 
 const OURS: &str = "The dissertation gives neither gain, noise, grid, runs for two parameters nor seed of this study: those are ours, \
     chosen beforehand. Norms are those of (42) over the cells left at the onset of an iteration, in coordinates coded to −1..1 over the \
-    original box; the true costs of model and surrogates are flown at every cell, so that every error is measured and not estimated.";
+    original box; the true costs of model and richer models are flown at every cell, so that every error is measured and not estimated.";
 
 const CLAIM_CAPTION: &str = "Claim by claim, without (36) to the letter, which is there to fail. Nothing of this chapter prints a number \
     to compare with, so what is shown by its figures is reproduced in kind at most.";
@@ -105,12 +106,60 @@ fn loop_words(findings: &Findings) -> String {
     )
 }
 
+/// How close the campaign that is followed comes to the truth.
+fn example(findings: &Findings) -> Result<Finding> {
+    let ended = followed(findings)?;
+    let last = ended.accuracy.last().context("an iteration")?;
+    let [error, bound, gap] = {
+        let norm = &last.norms[SUP];
+        [norm.error, norm.finite_bound, norm.gap]
+    };
+    Ok(Finding::new(format!(
+        "For example ({}): after {} iterations {:.1} % of the space is left; the corrected model is within {} s of the truth there, its \
+         bound is {} s, without correction it would be {} s.",
+        findings.setup.words(ended.case),
+        last.iteration,
+        100.0 * last.share_after,
+        tables::digits(error),
+        tables::digits(bound),
+        tables::digits(gap)
+    ))
+    .with("share left", last.share_after, "1")
+    .with("error", error, "s")
+    .with("bound", bound, "s")
+    .with("error without correction", gap, "s"))
+}
+
+/// What the pages begin with.
+pub(crate) fn first_screen<'a>(
+    findings: &Findings,
+    claims: &[Claim],
+    pictures: &'a [Picture],
+) -> Result<FirstScreen<'a>> {
+    const FIRST_CLAIMS: [Place; 3] = [Place::Contribution(3), Place::Figure(21), Place::Figure(20)];
+    let mut found = vec![
+        Finding::new(format!(
+            "{} campaigns of the global loop were run on experiments with a richer model, whose truth is known.",
+            findings.ended.len()
+        ))
+        .with("campaigns", findings.ended.len() as f64, "1"),
+    ];
+    found.extend(claims.iter().filter(|claim| FIRST_CLAIMS.contains(&claim.place)).map(claims::finding));
+    found.push(example(findings)?);
+    let picture = pictures.iter().find(|picture| picture.name.starts_with(FIRST));
+    Ok(FirstScreen { findings: found, picture: picture.with_context(|| format!("no picture is called {FIRST}"))? })
+}
+
 /// The page of the study.
-pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) -> Result<Page> {
+pub(crate) fn page(
+    findings: &Findings,
+    claims: &[Claim],
+    pictures: &[Picture],
+    first: &FirstScreen<'_>,
+) -> Result<Page> {
     let mut page = Page::new("Chapter 6: how close the corrected model comes to the truth");
-    let first = pictures.iter().find(|picture| picture.name.starts_with(FIRST));
-    claims::begin(&mut page, claims, first);
-    page.note(SURROGATE);
+    first.show_in(&mut page);
+    page.note(NO_EXPERIMENT);
     page.paragraph(
         "A cheap model is wrong and an experiment is dear. In every iteration a few experiments and more simulations are made where they \
          say most, surfaces are fitted to both, the model is corrected by their difference, and designs that are worse than the best \
@@ -120,10 +169,8 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.paragraph(OURS);
     page.paragraph(&extent_words(findings));
     page.paragraph(&loop_words(findings));
-    page.heading("What the dissertation says, and what holds here");
-    page.prose_table(&claims::table(claims), CLAIM_CAPTION, &claims::WIDTHS_PCT);
-    page.paragraph(claims::FOUND);
-    page.list(&claims::found(claims));
+    page.heading(claims::BY_VERDICT);
+    claims::by_verdict(claims).iter().for_each(|finding| page.finding(finding));
     let show = |page: &mut Page, names: &str| {
         let others = pictures.iter().filter(|picture| !picture.name.starts_with(FIRST));
         for picture in others.filter(|picture| picture.name.starts_with(names)) {
@@ -145,6 +192,10 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.table(&tables::flights(findings), FLIGHT_CAPTION);
     page.heading("The fields");
     page.table(&tables::fields(findings)?, FIELD_CAPTION);
+    page.heading("What the dissertation says, and what holds here");
+    page.prose_table(&claims::table(claims), CLAIM_CAPTION, &claims::WIDTHS_PCT);
+    page.paragraph(FOUND);
+    page.list(&claims::found(claims));
     page.heading("Every number");
     page.table(
         &provenance_table(&findings.setup.spaces[0].bat.records),
@@ -155,20 +206,18 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
 }
 
 /// The results as a page of `docs/`, without anything that differs from run to run.
-pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> Result<String> {
+pub(crate) fn markdown(findings: &Findings, claims: &[Claim], first: &str) -> Result<String> {
     Ok(format!(
-        "# Chapter 6: results\n\n\
+        "# Chapter 6: results\n\n{first}\n\
          Written by `cargo xtask reproduce-chapter6`; `cargo xtask ci` fails when this page is not what the command finds.\n\
-         See [departures](departures.md) for what is built instead of what is printed.\n\n{}\n{SURROGATE}\n\n{OURS}\n\n{}\n\n{}\n\n\
-         ## What the dissertation says, and what holds here\n\n{CLAIM_CAPTION}\n\n{}\n{FOUND}\n\n{}\n\
+         See [departures](departures.md) for what is built instead of what is printed.\n\n{}\n{NO_EXPERIMENT}\n\n{OURS}\n\n{}\n\n{}\n\n\
          ## Campaigns with the first gain\n\n{CAMPAIGN_CAPTION}\n\n{}\n## Other gains, laws and regressors\n\n{VARIANT_CAPTION}\n\n{}\n\
          ## One campaign, iteration by iteration\n\n{}.\n{NORM_CAPTION}\n\n{}\n## How many iterations\n\n{HOW_MANY_CAPTION}\n\n{}\n\
-         ## Before and after\n\n{FLIGHT_CAPTION}\n\n{}\n## The fields\n\n{FIELD_CAPTION}\n\n{}",
-        claims::beginning(claims),
+         ## Before and after\n\n{FLIGHT_CAPTION}\n\n{}\n## The fields\n\n{FIELD_CAPTION}\n\n{}\n\
+         ## What the dissertation says, and what holds here\n\n{CLAIM_CAPTION}\n\n{}\n{FOUND}\n\n{}",
+        claims::by_verdict_markdown(claims),
         extent_words(findings),
         loop_words(findings),
-        claims::table(claims).markdown(),
-        markdown_list(&claims::found(claims)),
         main_table(findings).markdown(),
         other_table(findings).markdown(),
         findings.setup.words(followed(findings)?.case),
@@ -176,6 +225,8 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> Result<String> 
         tables::how_many(findings)?.markdown(),
         tables::flights(findings).markdown(),
         tables::fields(findings)?.markdown(),
+        claims::table(claims).markdown(),
+        markdown_list(&claims::found(claims)),
     ))
 }
 
@@ -183,25 +234,13 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> Result<String> 
 #[expect(clippy::print_stdout, reason = "the result of the command")]
 pub(crate) fn print(findings: &Findings, claims: &[Claim], out: &Path) -> Result<()> {
     println!(
-        "\nChapter 6: {} campaigns of the loop on surrogate experiments whose truth is known\n",
+        "\nChapter 6: {} campaigns of the loop on experiments with a richer model, whose truth is known\n",
         findings.ended.len()
     );
     for claim in claims {
         println!("- {}: {}: {}.\n    {}", claim.place, claim.says, claim.verdict, claim.found);
     }
-    let ended = followed(findings)?;
-    if let Some(last) = ended.accuracy.last() {
-        println!(
-            "\nFor example ({}): after {} iterations {:.1} % of the space is left; the corrected model is within {} s of the truth \
-             there, its bound is {} s, without correction it would be {} s.",
-            findings.setup.words(ended.case),
-            last.iteration,
-            100.0 * last.share_after,
-            tables::digits(last.norms[2].error),
-            tables::digits(last.norms[2].finite_bound),
-            tables::digits(last.norms[2].gap)
-        );
-    }
+    println!("\n{}", example(findings)?.sentence());
     println!("\nPage, figures and data: {} (open index.html), after {:.0} s.", out.display(), findings.seconds);
     Ok(())
 }

@@ -13,8 +13,13 @@ use std::path::Path;
 use std::time::Instant;
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Reproduction =
-    Reproduction { command: "reproduce-chapter6", name: "chapter6", run: Run::OrFull(reproduce) };
+pub(crate) const CHAPTER: Reproduction = Reproduction {
+    command: "reproduce-chapter6",
+    name: "chapter6",
+    title: "Chapter 6",
+    has_claims: true,
+    run: Run::OrFull(reproduce),
+};
 
 pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let started = Instant::now();
@@ -24,13 +29,13 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
         space.bat.keep_in(&root.join(FLIGHTS), space.space.region(), &setup.fidelities())?;
     }
     let designs = Designs::keep_in(&root.join(DESIGNS))?;
-    eprintln!("{}: the experiments are flights of a surrogate model with noise.", setup.file.title);
+    eprintln!("{}: the experiments are flights of a richer model with noise.", setup.file.title);
 
     let n_flights: usize = setup.spaces.iter().map(|space| space.space.n_cells() * (1 + setup.n_truths())).sum();
     if extent == Extent::Full {
         eprintln!("--full: {}", estimate(&setup)?);
     }
-    let bar = progress("1/3 true costs: flights of model and surrogates", n_flights);
+    let bar = progress("1/3 true costs: flights of model and richer models", n_flights);
     let flown = fly(&setup, |n| bar.inc(n as u64))?;
     bar.finish();
 
@@ -50,8 +55,10 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
 
     findings.seconds = started.elapsed().as_secs_f64();
     let claims = claims::claims(&findings);
-    let page = page::page(&findings, &claims, &pictures)?;
-    reproduction::save_page(&out, &pictures, &page, &page::markdown(&findings, &claims)?)?;
+    let first = page::first_screen(&findings, &claims, &pictures)?;
+    let page = page::page(&findings, &claims, &pictures, &first)?;
+    let results = page::markdown(&findings, &claims, &first.markdown(&CHAPTER.kept_picture()))?;
+    reproduction::save_page(&out, &pictures, &page, &results, first.picture)?;
     tables::iterations(&findings).write_csv(&out.join("iterations.csv"))?;
     tables::campaigns(&findings).write_csv(&out.join("campaigns.csv"))?;
     let handover = Handover::new(claims, &pictures);

@@ -61,7 +61,7 @@ pub(crate) fn campaigns_of<'a>(findings: &Findings, ended: impl Iterator<Item = 
         let (Some(first), Some(last)) = (accuracy.iterations.first(), accuracy.last()) else { continue };
         table.push(vec![
             format!("{}-D", setup.spaces[ended.case.space].space.region().n_parameters()),
-            setup.truth(ended.case.truth).short().to_owned(),
+            setup.truth(ended.case.truth).short.clone(),
             setup.variant(ended.case).label.clone(),
             format!("{}", 100.0 * ended.case.noise),
             format!("{}{}", last.iteration, stop_words(ended)),
@@ -178,7 +178,7 @@ pub(crate) fn flights(findings: &Findings) -> Table {
         for (when, design) in ["the first iteration", "the last iteration"].into_iter().zip(&pair.designs) {
             table.push(vec![
                 findings.setup.spaces[pair.space].entry.label.clone(),
-                findings.setup.truth(pair.truth).short().to_owned(),
+                findings.setup.truth(pair.truth).short.clone(),
                 when.to_owned(),
                 findings.point_words(pair.space, &design.point),
                 format!("{:.3}", design.cost),
@@ -221,7 +221,7 @@ pub(crate) fn how_many(findings: &Findings) -> Result<Table> {
                 let needed = if promises { bound.iterations_to(&levels, 0.1 * first.gap)? } else { None };
                 table.push(vec![
                     findings.setup.spaces[space].entry.label.clone(),
-                    findings.setup.truth(truth).short().to_owned(),
+                    findings.setup.truth(truth).short.clone(),
                     findings.setup.variant(ended.case).label.clone(),
                     limit.map_or("–".to_owned(), digits),
                     digits(first.gap),

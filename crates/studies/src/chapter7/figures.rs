@@ -11,8 +11,8 @@ use crate::reproduction::Picture;
 use crate::words::number;
 use page::Column;
 use page::{
-    Axis, CellFigure, CellPanel, ColorScale, Group, LineFigure, Panel, Reference, Series, SpreadFigure, cell_figure,
-    line_figure, spread_figure,
+    Axis, CellFigure, CellPanel, ColorScale, Group, LineFigure, Panel, Reference, Series, SpreadFigure, Summary,
+    cell_figure, line_figure, spread_figure,
 };
 
 /// A figure of flights: its number, how many parameters its study has, what it shows, and what the dissertation says of it.
@@ -47,7 +47,7 @@ const FLIGHT_FIGURES: [FlightFigure; 4] = [
 
 /// Everything there is to look at.
 pub(crate) fn all(findings: &Findings) -> Result<Vec<Picture>> {
-    let mut pictures = Vec::new();
+    let mut pictures = vec![true_costs(findings)];
     for (case, found) in findings.cases().filter(|(case, _)| case.space.variables.len() == 2) {
         pictures.push(designs(case, found)?);
     }
@@ -60,6 +60,52 @@ pub(crate) fn all(findings: &Findings) -> Result<Vec<Picture>> {
         pictures.extend(spreads(findings, case, found));
     }
     Ok(pictures)
+}
+
+/// What the optimum truly costs, iteration by iteration, in both studies.
+fn true_costs(findings: &Findings) -> Picture {
+    let iterations = |n: usize| Axis::new("iteration (0: the numerical model alone)", "1").counting(0, n);
+    let panels = findings.cases().map(|(case, found)| {
+        let runs = found.main();
+        let n = case.entry.iterations;
+        let x: Vec<f64> = (0..=n).map(|iteration| iteration as f64).collect();
+        let of = |label: &str, cost: &dyn Fn(usize) -> f64| {
+            let costs: Vec<f64> = std::iter::once(found.numerical_true_cost).chain((1..=n).map(cost)).collect();
+            Series::line(label, &x, &costs)
+        };
+        let over_seeds = |iteration: usize, reading: fn(&Summary) -> f64| {
+            Summary::of(&runs.over_seeds(iteration, |step| step.cost)).map_or(f64::NAN, |summary| reading(&summary))
+        };
+        let quiet = |iteration: usize| runs.quiet.0.get(iteration - 1).map_or(f64::NAN, |step| step.cost);
+        let best = vec![found.best.cost; x.len()];
+        Panel {
+            x_axis: Some(iterations(n)),
+            y_axis: Axis::new(&format!("true cost, {}", case.entry.label), "s"),
+            series: vec![
+                of("without noise", &quiet),
+                of("median of the seeds of noise", &|iteration| over_seeds(iteration, |summary| summary.median)),
+                of("least and most of the seeds", &|iteration| over_seeds(iteration, |summary| summary.minimum))
+                    .dashed(),
+                of("least and most of the seeds", &|iteration| over_seeds(iteration, |summary| summary.maximum))
+                    .dashed(),
+                Series::line("best design known", &x, &best).dashed(),
+            ],
+        }
+    });
+    let panels: Vec<Panel> = panels.collect();
+    let figure = LineFigure {
+        title: "What the optimum of each iteration truly costs".to_owned(),
+        x_axis: iterations(1),
+        panels,
+        shaded: None,
+    };
+    Picture {
+        name: "true-costs".to_owned(),
+        svg: line_figure(&figure),
+        caption: "The cost in the stand-in, without noise, of the numerical optimum (iteration 0) and of the optimum of the combined \
+                  surface after each iteration, with the regressor (61), beside that of the best design known."
+            .to_owned(),
+    }
 }
 
 /// Figure 23: the runs of every iteration and the combined response surface.

@@ -2,7 +2,8 @@
 
 use anyhow::Result;
 use bat_dynamics::Fidelity;
-use infuse::{CodesignProblem, OptimizerSettings, Role, Strategy, codesign};
+use infuse::codesign::{OptimizerSettings, Strategy, codesign};
+use infuse::{CodesignProblem, Role};
 
 use super::file::Case;
 use crate::gridded::FlownGrid;

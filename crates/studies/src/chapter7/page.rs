@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use anyhow::Result;
+
 use super::campaigns::Runs;
 use super::claims::last_row_words;
 use super::file::Case;
@@ -9,12 +11,16 @@ use super::findings::{Findings, Found};
 use super::tables::{self, Rows};
 use super::wrong::Choice;
 use crate::claims::{self, Claim, FOUND};
+use crate::first_screen::FirstScreen;
 use crate::handover::Excerpt;
 use crate::provenance::provenance_table;
-use crate::reproduction::{Picture, markdown_list};
-use page::Page;
+use crate::reproduction::{Picture, markdown_list, picture};
+use page::{Finding, Page, Summary};
 
-const SURROGATE: &str = "No experiment was made. The water channel of the dissertation is replaced by a stand-in: the numerical model \
+/// The picture that the pages begin with.
+const FIRST: &str = "true-costs";
+
+const NO_EXPERIMENT: &str = "No experiment was made. The water channel of the dissertation is replaced by a stand-in: the numerical model \
     plus stall plus added mass, its costs read with noise of bounded size. One physical parameter set (rig.toml) and one test serve \
     Chapters 4, 6 and 7; between Chapter 4 and this one only the weights of the cost differ (cost-chapter7.toml, those of Chapter 6).";
 
@@ -168,12 +174,55 @@ pub(crate) fn excerpts(findings: &Findings) -> Vec<Excerpt> {
     designs.chain(choices).collect()
 }
 
+/// How far the true cost falls in one study.
+fn fall(case: &Case, found: &Found) -> Finding {
+    let runs = found.main();
+    let before = found.numerical_true_cost;
+    let after = runs.quiet.0.last().map_or(f64::NAN, |step| step.cost);
+    let median = Summary::of(&runs.over_seeds(case.entry.iterations, |step| step.cost)).map_or(f64::NAN, |s| s.median);
+    let (best, n) = (found.best.cost, runs.noisy.len());
+    let share = |cost: f64| 100.0 * (1.0 - cost / before);
+    let fitted = if case.ends_are_fitted() { " Both ends were calibrated, the way between them was not." } else { "" };
+    Finding::new(format!(
+        "{}: the numerical optimum truly costs {before:.3} s, that of the loop {after:.3} s without noise ({:.1} % less) and {median:.3} s \
+         in the median of {n} seeds of noise ({:.1} % less); the best design known costs {best:.3} s.{fitted}",
+        case.entry.label,
+        share(after),
+        share(median)
+    ))
+    .with("true cost of the numerical optimum", before, "s")
+    .with("true cost without noise", after, "s")
+    .with("true cost in the median of the seeds", median, "s")
+    .with("true cost of the best design known", best, "s")
+}
+
+/// Whether it was the loop, in one study.
+fn other_choices(case: &Case, found: &Found) -> Option<Finding> {
+    let (own, others) = found.choices.split_first()?;
+    let lower = others.iter().filter(|choice| choice.median() < own.median()).count();
+    let sentence = format!(
+        "{}, {} levels an axis: of {} other ways to choose a design {lower} end lower in the median than the loop, which ends {:.3} s above \
+         the best cell.",
+        case.entry.label,
+        case.entry.flown_levels,
+        others.len(),
+        own.median()
+    );
+    Some(Finding::new(sentence).with("ways that end lower", lower as f64, "1").with("regret", own.median(), "s"))
+}
+
+/// What the pages begin with.
+pub(crate) fn first_screen<'a>(findings: &Findings, pictures: &'a [Picture]) -> Result<FirstScreen<'a>> {
+    let falls = findings.cases().map(|(case, found)| fall(case, found));
+    let choices = findings.cases().filter_map(|(case, found)| other_choices(case, found));
+    Ok(FirstScreen { findings: falls.chain(choices).collect(), picture: picture(pictures, FIRST)? })
+}
+
 /// The page of the study.
-pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) -> Page {
+pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture], first: &FirstScreen<'_>) -> Page {
     let mut page = Page::new("Chapter 7: experimentally infused optimization over two and over four parameters");
-    let first = pictures.first();
-    claims::begin(&mut page, claims, first);
-    page.note(SURROGATE);
+    first.show_in(&mut page);
+    page.note(NO_EXPERIMENT);
     page.paragraph(
         "In every iteration a few experiments and more simulations are made where they say most, one surface is fitted to training \
          experiments and corrected simulations, its optimum is the design, and what is worse than it beyond doubt is dropped. The \
@@ -181,12 +230,10 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     );
     page.paragraph(CALIBRATED);
     page.list(&findings.cases().map(|(case, found)| loop_words(findings, case, found)).collect::<Vec<_>>());
-    page.heading("What the dissertation says, and what holds here");
-    page.prose_table(&claims::table(claims), CLAIM_CAPTION, &claims::WIDTHS_PCT);
-    page.paragraph(claims::FOUND);
-    page.list(&claims::found(claims));
+    page.heading(claims::BY_VERDICT);
+    claims::by_verdict(claims).iter().for_each(|finding| page.finding(finding));
     let show = |page: &mut Page, name: &str| {
-        for picture in pictures.iter().skip(1).filter(|picture| picture.name.starts_with(name)) {
+        for picture in pictures.iter().filter(|picture| picture.name.starts_with(name)) {
             picture.show_in(page);
         }
     };
@@ -223,6 +270,10 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
     page.heading("The costs");
     page.table(&tables::weights(findings), WEIGHT_CAPTION);
     page.table(&tables::fields(findings), FIELD_CAPTION);
+    page.heading("What the dissertation says, and what holds here");
+    page.prose_table(&claims::table(claims), CLAIM_CAPTION, &claims::WIDTHS_PCT);
+    page.paragraph(FOUND);
+    page.list(&claims::found(claims));
     page.heading("Every number");
     if let Some(case) = findings.setup.cases.first() {
         page.table(
@@ -235,17 +286,14 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture]) 
 }
 
 /// The results as a page of `docs/`, without anything that differs from run to run.
-pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> String {
+pub(crate) fn markdown(findings: &Findings, claims: &[Claim], first: &str) -> String {
     let loops: Vec<String> = findings.cases().map(|(case, found)| loop_words(findings, case, found)).collect();
     let mut text = format!(
-        "# Chapter 7: results\n\n\
+        "# Chapter 7: results\n\n{first}\n\
          Written by `cargo xtask reproduce-chapter7`; `cargo xtask ci` fails when this page is not what the command finds.\n\
-         See [departures](departures.md) for what is built instead of what is printed.\n\n{}\n{SURROGATE}\n\n{CALIBRATED}\n\n{}\n\
-         ## What the dissertation says, and what holds here\n\n{CLAIM_CAPTION}\n\n{}\n{FOUND}\n\n{}",
-        claims::beginning(claims),
-        markdown_list(&loops),
-        claims::table(claims).markdown(),
-        markdown_list(&claims::found(claims))
+         See [departures](departures.md) for what is built instead of what is printed.\n\n{}\n{NO_EXPERIMENT}\n\n{CALIBRATED}\n\n{}",
+        claims::by_verdict_markdown(claims),
+        markdown_list(&loops)
     );
     let mut section = |heading: &str, words: &str, table: &str| {
         text.push_str(&format!("\n## {heading}\n\n{words}\n\n{table}"));
@@ -279,6 +327,11 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim]) -> String {
     section("Before and after", FLIGHT_CAPTION, &tables::flights(findings).markdown());
     section("The weights of the cost", WEIGHT_CAPTION, &tables::weights(findings).markdown());
     section("The costs", FIELD_CAPTION, &tables::fields(findings).markdown());
+    section(
+        "What the dissertation says, and what holds here",
+        CLAIM_CAPTION,
+        &format!("{}\n{FOUND}\n\n{}", claims::table(claims).markdown(), markdown_list(&claims::found(claims))),
+    );
     text
 }
 

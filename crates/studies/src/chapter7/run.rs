@@ -18,8 +18,13 @@ use std::path::Path;
 use std::time::Instant;
 
 /// The study, and the committed copy of its results.
-pub(crate) const CHAPTER: Reproduction =
-    Reproduction { command: "reproduce-chapter7", name: "chapter7", run: Run::Always(reproduce) };
+pub(crate) const CHAPTER: Reproduction = Reproduction {
+    command: "reproduce-chapter7",
+    name: "chapter7",
+    title: "Chapter 7",
+    has_claims: true,
+    run: Run::Always(reproduce),
+};
 
 pub(crate) fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();
@@ -29,7 +34,7 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
         case.bat.keep_in(&root.join(FLIGHTS), case.space.region(), &[MODEL, STAND_IN])?;
     }
     let designs = Designs::keep_in(&root.join(DESIGNS))?;
-    eprintln!("{}: the stand-in for the water channel is a surrogate model, not an experiment.", setup.file.title);
+    eprintln!("{}: the stand-in for the water channel is a richer model, not an experiment.", setup.file.title);
 
     let found = setup.cases.iter().map(|case| {
         let study = CaseStudy { setup: &setup, case, designs: &designs };
@@ -41,8 +46,10 @@ pub(crate) fn reproduce(root: &Path) -> Result<()> {
 
     findings.seconds = started.elapsed().as_secs_f64();
     let claims = claims::all(&findings);
-    let page = page::page(&findings, &claims, &pictures);
-    reproduction::save_page(&out, &pictures, &page, &page::markdown(&findings, &claims))?;
+    let first = page::first_screen(&findings, &pictures)?;
+    let page = page::page(&findings, &claims, &pictures, &first);
+    let results = page::markdown(&findings, &claims, &first.markdown(&CHAPTER.kept_picture()));
+    reproduction::save_page(&out, &pictures, &page, &results, first.picture)?;
     tables::every_step(&findings).write_csv(&out.join("iterations.csv"))?;
     tables::every_choice(&findings).write_csv(&out.join("choices.csv"))?;
     page::print(&findings, &claims, &CHAPTER.out());

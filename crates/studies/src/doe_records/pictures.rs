@@ -25,11 +25,12 @@ pub(crate) fn record(findings: &Findings) -> Result<Picture> {
             .collect();
         let published = findings.record.published.values().filter(|case| case.factors == factors);
         let published: Vec<(f64, f64)> = published.map(|case| (case.runs as f64, case.cube)).collect();
-        for (label, points) in [("kept here", kept), ("best published", published)] {
+        let line = |label: &str, points: Vec<(f64, f64)>| {
             let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
-            let line = Series::line(&format!("K = {factors}, {label}"), &x, &y);
-            series.push(if label == "kept here" { line } else { line.dashed() });
-        }
+            Series::line(&format!("K = {factors}, {label}"), &x, &y)
+        };
+        series.push(line("kept here", kept));
+        series.push(line("best published", published).dashed());
     }
     let figure = LineFigure {
         title: "G-efficiency over the cube, full quadratic model".to_owned(),

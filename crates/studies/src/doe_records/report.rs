@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use super::{Findings, GOAL, GRID, GRID_STARTS, LARGE_STARTS, LIST_RUNS, LIST_STARTS, MOST_STARTS};
-use crate::reproduction::{Picture, markdown_list};
-use page::Page;
-use page::{Column, Table};
+use anyhow::Result;
+
+use crate::first_screen::FirstScreen;
+use crate::reproduction::{Picture, picture};
+use page::{Column, Finding, Page, Table};
 
 const DEFINITION: &str = "G-efficiency is p / (N max v), where p is the number of terms, N the number of runs and v the prediction \
     variance for unit variance of a run; the maximum is over the whole cube. For continuous weights 100 % is always reached; for N \
@@ -105,7 +107,8 @@ pub(crate) fn grid_table(findings: &Findings) -> Table {
     table
 }
 
-fn sentences(findings: &Findings) -> Vec<String> {
+/// The kept designs beside the record.
+fn compared(findings: &Findings) -> Vec<Finding> {
     let compared: Vec<(f64, super::Size)> = findings
         .rows
         .iter()
@@ -123,29 +126,36 @@ fn sentences(findings: &Findings) -> Vec<String> {
     // Published figures have three decimals.
     let (above, level): (Vec<_>, Vec<_>) = compared.iter().partition(|(gain, _)| *gain > 5e-4);
     let below = level.iter().filter(|(gain, _)| *gain < -5e-4).count();
-    let mut sentences = vec![format!(
-        "Of {} published sizes the kept designs are better in {}, level in {} and worse in {}.",
-        compared.len(),
-        above.len(),
-        level.len() - below,
-        below
-    )];
+    let n_level = level.len() - below;
+    let mut found = vec![
+        Finding::new(format!(
+            "Of {} published sizes the kept designs are better in {}, level in {n_level} and worse in {below}.",
+            compared.len(),
+            above.len()
+        ))
+        .with("better", above.len() as f64, "1")
+        .with("level", n_level as f64, "1")
+        .with("worse", below as f64, "1"),
+    ];
     for factors in 2..=5 {
         let gains: Vec<f64> = compared.iter().filter(|(_, size)| size.0 == factors).map(|(gain, _)| *gain).collect();
         if let (Some(least), Some(most)) =
             (gains.iter().copied().reduce(f64::min), gains.iter().copied().reduce(f64::max))
         {
-            sentences.push(format!(
-                "K = {factors}: {} to {} points over the published designs.",
-                gain(least),
-                gain(most)
-            ));
+            let sentence =
+                format!("K = {factors}: {} to {} points over the published designs.", gain(least), gain(most));
+            found.push(Finding::new(sentence).with("least gain", least, "points").with("most gain", most, "points"));
         }
     }
     if !missing.is_empty() {
-        sentences.push(format!("Published, and without a kept design: {}.", missing.join("; ")));
+        found.push(Finding::new(format!("Published, and without a kept design: {}.", missing.join("; "))));
     }
-    sentences
+    found
+}
+
+/// What the pages begin with.
+pub(crate) fn first_screen<'a>(findings: &Findings, pictures: &'a [Picture]) -> Result<FirstScreen<'a>> {
+    Ok(FirstScreen { findings: compared(findings), picture: picture(pictures, "record")? })
 }
 
 /// How the time grows with the length of a list.
@@ -216,18 +226,17 @@ fn about_the_searches(findings: &Findings) -> Vec<String> {
 }
 
 /// The page of the study.
-pub(crate) fn page(findings: &Findings, pictures: &[Picture]) -> Page {
+pub(crate) fn page(findings: &Findings, pictures: &[Picture], first: &FirstScreen<'_>) -> Result<Page> {
     let mut page = Page::new("Optimal designs: the record");
+    first.show_in(&mut page);
     page.paragraph(
         "Which N runs predict best? A G-optimal design makes the worst prediction in the design space as good as N runs allow. For \
          exact designs of a full quadratic model nobody knows the optimum beyond the smallest cases; there is a published record.",
     );
     page.paragraph(DEFINITION);
-    pictures[0].show_in(&mut page);
-    page.list(&sentences(findings));
     page.table(&record_table(findings), RECORD_CAPTION);
     page.heading("Where the designs in two factors predict badly");
-    pictures[1].show_in(&mut page);
+    picture(pictures, "surfaces")?.show_in(&mut page);
     page.heading("How fast");
     page.table(
         &search_table(findings),
@@ -255,21 +264,20 @@ pub(crate) fn page(findings: &Findings, pictures: &[Picture]) -> Page {
         ),
     );
     page.heading("How much of the space is predicted how well");
-    pictures[2].show_in(&mut page);
-    pictures[3].show_in(&mut page);
+    picture(pictures, "fractions")?.show_in(&mut page);
+    picture(pictures, "fractions-grid")?.show_in(&mut page);
     page.paragraph(&format!("Made by `cargo xtask doe-records` in {:.0} s.", findings.seconds));
-    page
+    Ok(page)
 }
 
 /// The results as a page of `docs/`: what was verified, without what a search finds on a machine and in which time.
-pub(crate) fn markdown(findings: &Findings) -> String {
+pub(crate) fn markdown(findings: &Findings, first: &str) -> String {
     format!(
-        "# Optimal designs: the record\n\n\
+        "# Optimal designs: the record\n\n{first}\n\
          Written by `cargo xtask doe-records`; `cargo xtask ci` fails when this page is not what the command finds.\n\
-         {DEFINITION}\n\n{}\n{RECORD_CAPTION}\n\n{}\n\
+         {DEFINITION}\n\n{RECORD_CAPTION}\n\n{}\n\
          The command also searches for designs of the same sizes anew, and for designs on the grid of the case study (24 levels in each of \
          four factors), and shows efficiencies and times on its page.\n",
-        markdown_list(&sentences(findings)),
         record_table(findings).markdown(),
     )
 }
@@ -282,9 +290,9 @@ pub(crate) fn print(findings: &Findings, out: &Path) {
     println!("{}\n", search_table(findings).text());
     println!("{}\n", grid_table(findings).text());
     println!("{}\n", list_table(findings).text());
-    for sentence in
-        sentences(findings).into_iter().chain(about_the_searches(findings)).chain(about_the_growth(findings))
-    {
+    let compared = compared(findings);
+    let compared = compared.iter().map(|finding| finding.sentence().to_owned());
+    for sentence in compared.chain(about_the_searches(findings)).chain(about_the_growth(findings)) {
         println!("- {sentence}");
     }
     println!("\nPage, figures and data: {} (open index.html), after {:.0} s.", out.display(), findings.seconds);

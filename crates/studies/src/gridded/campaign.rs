@@ -13,7 +13,7 @@ use super::designs::Designs;
 use super::space::Space;
 use crate::costs::Cost;
 
-/// A simulation and a surrogate experiment with noise, both on the cells of a space.
+/// A simulation and an experiment of the stand-in with noise, both on the cells of a space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurrogateRig<'a> {
     pub(crate) space: &'a Space,

@@ -115,11 +115,13 @@ fn sources_of_crates(texts: &[(String, String)]) -> Vec<(String, String)> {
 fn files_below(directory: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for path in entries(directory)? {
+        // In a second work tree `.git` is a file.
+        let name = path.file_name().unwrap_or_default();
+        if name == "target" || name == ".git" {
+            continue;
+        }
         if path.is_dir() {
-            let name = path.file_name().unwrap_or_default();
-            if name != "target" && name != ".git" {
-                files.extend(files_below(&path)?);
-            }
+            files.extend(files_below(&path)?);
         } else {
             files.push(path);
         }

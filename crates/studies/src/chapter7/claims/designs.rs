@@ -64,6 +64,11 @@ pub(super) fn aft(case: &Case, found: &Found) -> Option<Claim> {
         pictures: Vec::new(),
         says: "infusion moves the center of mass aft".to_owned(),
         verdict: verdict(case, &votes(runs)),
+        in_short: format!(
+            "{}; from {start:.2} to {:.2} % of chord without noise",
+            votes(runs).words(),
+            place(&runs.quiet)
+        ),
         found: format!(
             "{}{}: from {start:.2} % of chord (numerical optimum) to {:.2} without noise, {} in the median; published {:.2} to {:.2}.{}",
             fitted_words(case),
@@ -90,6 +95,7 @@ pub(super) fn numerical_row(case: &Case, found: &Found) -> Claim {
             Some(row) if row.standing != Standing::Predicted => Verdict::Calibrated,
             _ => Verdict::in_kind_of(near, departures.len()),
         },
+        in_short: format!("{near} of {} parameters within {:.0} % of their widths", departures.len(), 100.0 * NEAR),
         found: format!(
             "{} here ({standing}); departures {} % of the parameters' widths. Up to {:.0} % counts as near: {near} of {} are.",
             case.space.words(&found.numerical.point),
@@ -117,6 +123,7 @@ pub(super) fn last_row(case: &Case, found: &Found) -> Option<Claim> {
         } else {
             votes.verdict().between_fitted_ends()
         },
+        in_short: votes.words(),
         found: last_row_words(case, found)?,
     })
 }
@@ -166,6 +173,11 @@ pub(super) fn system(case: &Case, found: &Found) -> Claim {
         pictures: Vec::new(),
         says: "infusion gives a better system than the numerical model alone".to_owned(),
         verdict: verdict(case, &votes),
+        in_short: format!(
+            "{}; the true cost falls from {before:.3} to {:.3} s without noise",
+            votes.words(),
+            cost(&runs.quiet)
+        ),
         found: format!(
             "{}{}: true cost {before:.3} s at the numerical optimum, {:.3} s at the infused one without noise (a fall of {} %), \
              {median:.3} s in the median ({} %); the best known design would be a fall of {} %.",

@@ -40,6 +40,7 @@ pub(super) fn flights(case: &Case, found: &Found) -> Vec<Claim> {
             pictures: vec![format!("figure-{figure}")],
             says: (*says).to_owned(),
             verdict: votes.verdict(),
+            in_short: format!("{start:.3} → {:.3} {unit} without noise", reading(&after)),
             found: format!(
                 "{threshold}. {start:.3} {unit} at the numerical optimum, {:.3} at the infused one without noise, {} in the median.",
                 reading(&after),

@@ -66,6 +66,7 @@ fn framework(findings: &Findings) -> Claim {
             words(&fitted)
         ),
     )
+    .in_short(format!("truly better in {} campaigns whose ends were not calibrated", words(&free)))
 }
 
 /// The test of Section 5.5, where the wrong choices are compared: the loop as it is comes first.

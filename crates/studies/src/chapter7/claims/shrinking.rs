@@ -67,6 +67,7 @@ pub(super) fn every_iteration(case: &Case, found: &Found) -> Claim {
         pictures: pictures(case),
         says: "the design space shrinks at every iteration".to_owned(),
         verdict: votes.verdict(),
+        in_short: format!("{}; {dropping} of {made} iterations drop a cell", votes.words()),
         found: format!(
             "{}; {dropping} of {made} iterations with noise drop a cell. Left without noise: {}; published: {}{}.",
             votes.sentence(),
@@ -103,6 +104,11 @@ pub(super) fn designs(case: &Case, found: &Found) -> Claim {
         says: "the runs of every iteration are G-optimal in a space that has shrunk since the iteration before"
             .to_owned(),
         verdict: votes.verdict(),
+        in_short: format!(
+            "{}; G-efficiency {}",
+            votes.words(),
+            efficiencies(|report| report.batch.experiment_efficiency)
+        ),
         found: format!(
             "{}. Left at the onset of each iteration without noise: {}; published: {}. {} of {} runs lie in what was left, by \
              construction; G-efficiency over it of the experiments {}, of the simulations {}. The figure prints no number of runs: \
@@ -128,6 +134,7 @@ pub(super) fn first_shrinks_less(case: &Case, found: &Found) -> Claim {
         says: "the first iteration shrinks the space less than the second, because the model is not corrected yet"
             .to_owned(),
         verdict: votes.verdict(),
+        in_short: votes.words(),
         found: format!(
             "{}. Dropped by the first and the second iteration, in % of the original space: median {} and {}; published {} and {}.",
             votes.sentence(),
@@ -159,6 +166,7 @@ pub(super) fn noise_limits(case: &Case, found: &Found, noise_s: f64) -> Claim {
         pictures: Vec::new(),
         says: "from the third iteration on noise limits further reduction".to_owned(),
         verdict: by_seeds(&limited),
+        in_short: format!("{} of {} seeds", count(&limited), limited.len()),
         found: format!(
             "The third iteration drops less than half of what the second does, and less than it drops without noise, for {} of {} seeds: \
              {} % of the original space in the median, {} % without noise; published {}. At the end less is left with noise than \
@@ -194,6 +202,7 @@ pub(super) fn keeps_best(lost: &[(&str, usize, usize)]) -> Claim {
             words.join("; ")
         ),
     )
+    .in_short(format!("seeds that drop the best cell: {}", words.join(", ")))
 }
 
 #[cfg(test)]

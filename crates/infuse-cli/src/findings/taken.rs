@@ -1,0 +1,42 @@
+//! What was taken from a sheet or a table.
+
+use page::Finding;
+
+use crate::number::count;
+
+/// Results taken, and rows that were known before or are still empty.
+pub(crate) fn taken(n: usize, n_known: usize, n_empty: usize) -> Vec<Finding> {
+    let known = if n_known > 0 { format!(", {n_known} known before") } else { String::new() };
+    let taken = Finding::new(format!("Taken: {}{known}.", count(n, "result"))).with("results", n as f64, "1").with(
+        "known before",
+        n_known as f64,
+        "1",
+    );
+    let empty = (n_empty > 0).then(|| {
+        let sentence = format!("{} not filled in yet.", count(n_empty, "row"));
+        Finding::new(sentence).with("rows not filled in", n_empty as f64, "1")
+    });
+    std::iter::once(taken).chain(empty).collect()
+}
+
+/// What a batch still waits for.
+pub(crate) fn outstanding(batch: usize, n: usize) -> Finding {
+    let sentence = format!("Batch {batch} waits for {}.", count(n, "more experiment"));
+    Finding::new(sentence).with("batch", batch as f64, "1").with("experiments waited for", n as f64, "1")
+}
+
+/// Earlier experiments taken, and the first batch they count in.
+pub(crate) fn imported(n: usize, batch: usize) -> Finding {
+    let sentence = format!(
+        "Imported: {}. From batch {batch} on they train the surfaces, as long as their settings are among the designs left; \
+         they never validate.",
+        count(n, "experiment")
+    );
+    Finding::new(sentence).with("experiments imported", n as f64, "1").with("from batch", batch as f64, "1")
+}
+
+/// Earlier experiments that count no longer.
+pub(crate) fn withdrawn(n: usize) -> Finding {
+    let sentence = format!("Withdrawn: {}. Batches that rest on them stand.", count(n, "experiment"));
+    Finding::new(sentence).with("experiments withdrawn", n as f64, "1")
+}
