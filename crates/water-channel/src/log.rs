@@ -139,7 +139,7 @@ impl FlightLog {
         measured.chain(states).chain(commands).chain(tensions).collect()
     }
 
-    /// The same as a file has them: "time [s]".
+    /// The same as a file has them: `time [s]`.
     #[must_use]
     pub fn header() -> Vec<String> {
         Self::columns().into_iter().map(|(name, unit)| format!("{name} [{unit}]")).collect()
