@@ -99,7 +99,7 @@ mod screening;
 mod settings;
 mod state;
 mod surfaces;
-mod trial;
+pub(crate) mod trial;
 mod turn;
 
 pub use agreement::agrees;

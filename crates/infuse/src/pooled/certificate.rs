@@ -1,0 +1,118 @@
+//! How much better than the recommended design another may be.
+
+use design_space::Cell;
+use faer::{Mat, Side};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::pooled::knowledge::Knowledge;
+use crate::pooled::pool::Pool;
+use crate::pooled::streams::{Purpose, stream};
+
+/// Cells on which the response is drawn.
+const CELLS: usize = 256;
+const DRAWS: usize = 512;
+
+/// "With this probability no design is better than the recommended one by more than `bound`."
+///
+/// It rests on the measurements, on the simulation as far as these agree with it, and on the response being a polynomial, a
+/// corrected simulation or as smooth as the priors of the surface say. What no measurement and no simulation shows, as a well
+/// between all of them, it allows for by widening what the surface says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Certificate {
+    /// The probability.
+    pub probability: f64,
+    /// In the unit of the response, at least 0.
+    pub bound: f64,
+    /// The same as the surface has it, without that allowance.
+    pub quantile: f64,
+    /// The width of the band: upper bound of the recommended design less the lowest lower bound of all.
+    pub band: f64,
+}
+
+/// What may be gained over the recommended design, drawn from all that is possible.
+#[derive(Debug, Clone)]
+pub(crate) struct Draws {
+    /// Ascending.
+    gains: Vec<f64>,
+    /// Of the recommended design and then the most promising cells.
+    means: Vec<f64>,
+    deviations: Vec<f64>,
+}
+
+impl Draws {
+    pub(crate) fn of(
+        knowledge: &mut Knowledge<'_, '_>,
+        pool: &Pool,
+        recommended: Cell,
+        seed: u64,
+        batch: usize,
+    ) -> Result<Self, Error> {
+        let mut order = pool.by_lower_bound(2.0);
+        order.retain(|&row| pool.cells[row] != recommended);
+        order.truncate(CELLS - 1);
+        let mut cells = vec![recommended];
+        cells.extend(order.iter().map(|&row| pool.cells[row]));
+        let places = knowledge.places(&cells)?;
+        let of_each = knowledge.joint_of_each(&places);
+        let per_particle = DRAWS.div_ceil(of_each.len());
+        let tasks: Vec<_> = of_each.into_iter().enumerate().collect();
+        let mut gains: Vec<f64> = tasks
+            .into_par_iter()
+            .flat_map_iter(|(particle, (means, covariance))| {
+                let mut rng = stream(seed, Purpose::Certificate, batch);
+                rng.set_word_pos((particle as u128) << 40);
+                gains(&means, covariance, per_particle, &mut rng)
+            })
+            .collect();
+        gains.sort_by(f64::total_cmp);
+        let marginals = knowledge.marginals(&places);
+        let deviations = marginals.variances.iter().map(|variance| variance.sqrt()).collect();
+        Ok(Self { gains, means: marginals.means, deviations })
+    }
+
+    pub(crate) fn certificate(&self, probability: f64) -> Certificate {
+        let quantile = self.quantile(probability);
+        let lower = self.means.iter().zip(&self.deviations).map(|(mean, deviation)| mean - 2.5 * deviation);
+        let band = self.means[0] + 2.5 * self.deviations[0] - lower.fold(f64::INFINITY, f64::min);
+        Certificate { probability, bound: 1.5 * self.quantile(0.99), quantile, band }
+    }
+
+    fn quantile(&self, level: f64) -> f64 {
+        let count = self.gains.len();
+        self.gains[((count as f64 * level).ceil() as usize).clamp(1, count) - 1]
+    }
+}
+
+/// Draws of what may be gained by the best of the cells over the first.
+fn gains(means: &[f64], covariance: Mat<f64>, count: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let n = means.len();
+    let factor = lower_factor(covariance);
+    let normals = Mat::<f64>::from_fn(n, count, |_, _| StandardNormal.sample(rng));
+    let drawn: Mat<f64> = &factor * &normals;
+    (0..count)
+        .map(|draw| {
+            let value = |row: usize| means[row] + drawn[(row, draw)];
+            let lowest = (0..n).map(value).fold(f64::INFINITY, f64::min);
+            value(0) - lowest
+        })
+        .collect()
+}
+
+/// A lower factor of a covariance that rounding may have left slightly indefinite: as little as needed is added to its diagonal.
+fn lower_factor(mut covariance: Mat<f64>) -> Mat<f64> {
+    let n = covariance.nrows();
+    let largest = (0..n).map(|row| covariance[(row, row)]).fold(0.0, f64::max);
+    let mut jitter = 1e-9 * largest + f64::MIN_POSITIVE;
+    loop {
+        (0..n).for_each(|row| covariance[(row, row)] += jitter);
+        match covariance.llt(Side::Lower) {
+            Ok(llt) => return llt.L().to_owned(),
+            Err(_) if jitter < largest => jitter *= 10.0,
+            Err(_) => return Mat::zeros(n, n),
+        }
+    }
+}
