@@ -135,6 +135,12 @@ impl GaussianProcess {
         Ok(Self { sites, structure, hyper, factor, solved, whitened })
     }
 
+    /// The measurements.
+    #[must_use]
+    pub fn sites(&self) -> &Sites {
+        &self.sites
+    }
+
     /// Which parts it has.
     #[must_use]
     pub fn structure(&self) -> Structure {

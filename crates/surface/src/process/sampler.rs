@@ -132,14 +132,29 @@ impl Decoder {
     }
 
     fn hyperparameters(self, normals: &[f64]) -> Hyperparameters {
-        let (lengths, others) = normals.split_at(self.n_factors);
-        let noise = self.noise.map(|noise| (noise / self.scale).powi(2));
-        Hyperparameters {
+        let prior = Hyperparameters::of_prior(normals);
+        let noise = self.noise.map_or(prior.noise, |noise| (noise / self.scale).powi(2));
+        Hyperparameters { noise, ..prior }
+    }
+}
+
+impl Hyperparameters {
+    /// The prior, as a function of independent standard normals: one for each length, then for the variances of trend,
+    /// simulation, residual and noise. Each is the exponential of a normal; with center and standard deviation of the logarithm
+    /// 0.9 and 0.8 (lengths, coded), 0.5 and 1.5 (trend), 0.25 and 1.5 (simulation), 0.1 and 2 (residual), 0.01 and 1.5 (noise).
+    ///
+    /// # Panics
+    ///
+    /// For fewer than five normals.
+    #[must_use]
+    pub fn of_prior(normals: &[f64]) -> Self {
+        let (lengths, others) = normals.split_at(normals.len() - 4);
+        Self {
             trend: TREND.at(others[0]),
             simulation: SIMULATION.at(others[1]),
             residual: RESIDUAL.at(others[2]),
             lengths: lengths.iter().map(|&normal| LENGTH.at(normal)).collect(),
-            noise: noise.unwrap_or_else(|| NOISE.at(others[3])),
+            noise: NOISE.at(others[3]),
         }
     }
 }

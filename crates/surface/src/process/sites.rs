@@ -76,7 +76,27 @@ impl Sites {
         })
     }
 
-    /// The places, in the order of their coordinates.
+    /// The same in given units: priors are then about `center`, in multiples of `scale`, instead of about the mean and in
+    /// standard deviations of the values.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] unless the center is finite and the scale positive.
+    pub fn in_units(mut self, center: f64, scale: f64) -> Result<Self, Error> {
+        if !center.is_finite() {
+            return Err(Error::Parameter { name: "center", value: center, allowed: "a finite number" });
+        }
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(Error::Parameter { name: "scale", value: scale, allowed: "a positive number" });
+        }
+        let before = self.units;
+        self.means.iter_mut().for_each(|mean| *mean = (before.center + before.scale * *mean - center) / scale);
+        self.scatter *= (before.scale / scale).powi(2);
+        self.units = Units { center, scale, ..before };
+        Ok(self)
+    }
+
+    /// The places, each in the position of its first measurement among those of the others.
     #[must_use]
     pub fn places(&self) -> &Places {
         &self.places
