@@ -9,7 +9,7 @@ use crate::Error;
 use crate::pooled::certificate::{Certificate, Draws};
 use crate::pooled::knowledge::{Knowledge, Reading};
 use crate::pooled::knowledge_gradient::{Picks, pick};
-use crate::pooled::pool::Pool;
+use crate::pooled::pool::{FEASIBLE, Pool};
 use crate::pooled::recommendation::lowest_mean;
 use crate::pooled::settings::Settings;
 use crate::pooled::streams::{Purpose, stream};
@@ -34,7 +34,7 @@ pub struct Standing {
     /// Probability that it is better than the recommended design; 0 for that one.
     pub probability_better: f64,
     /// Whether it may still be the best: it is better than the recommended one with a probability of at least 1 − the
-    /// certificate's, and feasible more likely than not.
+    /// certificate's, and an experiment there gives a response with a probability of at least 0.75.
     pub may_be_best: bool,
 }
 
@@ -156,7 +156,7 @@ pub(crate) fn standing(
     let probability_better = if cell == recommended { 0.0 } else { better(knowledge, &places)[1] };
     let here: Vec<f64> = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response).collect();
     let n_readings = here.len();
-    let may_be_best = cell == recommended || (feasible >= 0.5 && probability_better >= 1.0 - confidence);
+    let may_be_best = cell == recommended || (feasible >= FEASIBLE && probability_better >= 1.0 - confidence);
     Ok(Standing {
         cell,
         point: knowledge.designs.grid().point(cell)?,
@@ -193,7 +193,7 @@ fn share_left(knowledge: &mut Knowledge<'_, '_>, pool: &Pool, recommended: Cell,
     let feasible = knowledge.feasible(&with_recommended, &places);
     let better = better(knowledge, &places);
     let left = |row: &usize| {
-        with_recommended[*row] == recommended || (better[*row] >= 1.0 - confidence && feasible[*row] >= 0.5)
+        with_recommended[*row] == recommended || (better[*row] >= 1.0 - confidence && feasible[*row] >= FEASIBLE)
     };
     let counted = (1..=n).filter(left).count();
     Ok((counted as f64 / n as f64).max(1.0 / knowledge.designs.n_cells() as f64))

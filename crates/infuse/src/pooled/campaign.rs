@@ -195,7 +195,7 @@ impl Loop {
         let mut source = source(settings, designs, &self.simulated, simulate)?;
         let (cells, due) = if readings.is_empty() {
             let simulated = &mut self.simulated;
-            let cells = first_batch(designs, settings.n_experiments, settings.seed, batch, simulated, &mut source)?;
+            let cells = first_batch(designs, settings, &failed_cells(&self.records), simulated, &mut source)?;
             let due = cells.iter().copied().filter(|&cell| settings.simulations.is_some() && !simulated.contains(cell));
             let due: Vec<Cell> = due.collect();
             (cells, due)

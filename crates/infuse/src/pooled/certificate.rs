@@ -1,9 +1,6 @@
 //! How much better than the recommended design another may be.
 
 use design_space::Cell;
-use faer::{Mat, Side};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -62,10 +59,10 @@ impl Draws {
         let tasks: Vec<_> = of_each.into_iter().enumerate().collect();
         let mut gains: Vec<f64> = tasks
             .into_par_iter()
-            .flat_map_iter(|(particle, (means, covariance))| {
+            .flat_map_iter(|(particle, joint)| {
                 let mut rng = stream(seed, Purpose::Certificate, batch);
                 rng.set_word_pos((particle as u128) << 40);
-                gains(&means, covariance, per_particle, &mut rng)
+                joint.draws(per_particle, &mut rng).into_iter().map(|draw| gain(&draw))
             })
             .collect();
         gains.sort_by(f64::total_cmp);
@@ -87,32 +84,7 @@ impl Draws {
     }
 }
 
-/// Draws of what may be gained by the best of the cells over the first.
-fn gains(means: &[f64], covariance: Mat<f64>, count: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let n = means.len();
-    let factor = lower_factor(covariance);
-    let normals = Mat::<f64>::from_fn(n, count, |_, _| StandardNormal.sample(rng));
-    let drawn: Mat<f64> = &factor * &normals;
-    (0..count)
-        .map(|draw| {
-            let value = |row: usize| means[row] + drawn[(row, draw)];
-            let lowest = (0..n).map(value).fold(f64::INFINITY, f64::min);
-            value(0) - lowest
-        })
-        .collect()
-}
-
-/// A lower factor of a covariance that rounding may have left slightly indefinite: as little as needed is added to its diagonal.
-fn lower_factor(mut covariance: Mat<f64>) -> Mat<f64> {
-    let n = covariance.nrows();
-    let largest = (0..n).map(|row| covariance[(row, row)]).fold(0.0, f64::max);
-    let mut jitter = 1e-9 * largest + f64::MIN_POSITIVE;
-    loop {
-        (0..n).for_each(|row| covariance[(row, row)] += jitter);
-        match covariance.llt(Side::Lower) {
-            Ok(llt) => return llt.L().to_owned(),
-            Err(_) if jitter < largest => jitter *= 10.0,
-            Err(_) => return Mat::zeros(n, n),
-        }
-    }
+/// What the best of the cells is better by than the first.
+fn gain(draw: &[f64]) -> f64 {
+    draw[0] - draw.iter().copied().fold(f64::INFINITY, f64::min)
 }

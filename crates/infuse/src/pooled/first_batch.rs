@@ -1,10 +1,13 @@
 //! The first batch: half of it spread over the box, half over what the simulation recommends.
 
+use std::collections::BTreeSet;
+
 use design_space::Cell;
 use rand::RngExt;
 
 use crate::Error;
 use crate::pooled::designs::Designs;
+use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Simulated, Source};
 use crate::pooled::streams::{Purpose, stream};
 
@@ -13,19 +16,24 @@ const PROMISING: f64 = 0.08;
 /// Cells whose simulated responses are looked at, at most.
 const SCREENED: usize = 4096;
 
-/// `attempt` counts first batches that gave no response at all: each spreads its runs anew.
+/// `failed` are cells where experiments failed: before any response these are asked for again only where there are no others.
 pub(crate) fn first_batch(
     designs: &Designs,
-    n_experiments: usize,
-    seed: u64,
-    attempt: usize,
+    settings: &Settings,
+    failed: &BTreeSet<Cell>,
     simulated: &mut Simulated,
     source: &mut Source<'_, '_>,
 ) -> Result<Vec<Cell>, Error> {
-    let mut rng = stream(seed, Purpose::FirstBatch, attempt);
+    let n_experiments = settings.n_experiments;
+    let mut rng = stream(settings.seed, Purpose::FirstBatch, 0);
     let (scramble, other) = (rng.random(), rng.random());
+    let evenly = |count: usize| {
+        let all = spread(designs, count + failed.len(), scramble);
+        let (new, old): (Vec<Cell>, Vec<Cell>) = all.into_iter().partition(|cell| !failed.contains(cell));
+        new.into_iter().chain(old).take(count).collect::<Vec<Cell>>()
+    };
     if matches!(source, Source::Nothing) {
-        return Ok(spread(designs, n_experiments, scramble));
+        return Ok(evenly(n_experiments));
     }
     let screened: Vec<Cell> = if designs.n_cells() <= SCREENED as u64 {
         designs.grid().cells().collect()
@@ -34,13 +42,15 @@ pub(crate) fn first_batch(
     };
     let places = source.places(designs, &screened, simulated)?;
     let Some(responses) = places.simulated() else {
-        return Ok(spread(designs, n_experiments, scramble));
+        return Ok(evenly(n_experiments));
     };
     let mut order: Vec<usize> = (0..screened.len()).collect();
     order.sort_by(|&a, &b| responses[a].total_cmp(&responses[b]).then(a.cmp(&b)));
     order.truncate(((screened.len() as f64 * PROMISING) as usize).max(n_experiments));
-    let promising: Vec<Cell> = order.into_iter().map(|row| screened[row]).collect();
-    let mut cells = spread(designs, n_experiments.div_ceil(2), scramble);
+    let promising = order.into_iter().map(|row| screened[row]).filter(|cell| !failed.contains(cell));
+    let promising: Vec<Cell> = promising.collect();
+    let n_promising = if promising.is_empty() { 0 } else { n_experiments / 2 };
+    let mut cells = evenly(n_experiments - n_promising);
     cells.extend(far_apart(designs, &promising, n_experiments - cells.len())?);
     Ok(cells)
 }

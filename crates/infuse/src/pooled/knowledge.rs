@@ -3,13 +3,11 @@
 use std::collections::BTreeSet;
 
 use design_space::Cell;
-use faer::Mat;
 use surface::Data;
-use surface::process::{AveragedProcess, Contrast, Marginals, Places, SamplerSettings, Sites};
+use surface::process::{AveragedProcess, Contrast, Feasibility, Joint, Marginals, Places, SamplerSettings, Sites};
 
 use crate::Error;
 use crate::pooled::designs::Designs;
-use crate::pooled::feasibility::Feasibility;
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Simulated, Source};
 
@@ -59,9 +57,10 @@ impl<'a, 'b> Knowledge<'a, 'b> {
         let process = AveragedProcess::new(sites, &sampler)?;
         let measured: BTreeSet<Cell> = cells.into_iter().collect();
         let failed: Vec<Cell> = failed.difference(&measured).copied().collect();
-        let outcomes = measured.iter().map(|&cell| (cell, true)).chain(failed.iter().map(|&cell| (cell, false)));
-        let feasibility = Feasibility::of(&outcomes.collect::<Vec<_>>(), designs)?;
-        let measured = measured.into_iter().collect();
+        let measured: Vec<Cell> = measured.into_iter().collect();
+        let tested: Vec<Cell> = measured.iter().chain(&failed).copied().collect();
+        let succeeded: Vec<bool> = (0..tested.len()).map(|index| index < measured.len()).collect();
+        let feasibility = Feasibility::of(designs.places(&tested)?, &succeeded)?;
         Ok(Self { designs, process, simulated, feasibility, measured, failed, source })
     }
 
@@ -80,13 +79,12 @@ impl<'a, 'b> Knowledge<'a, 'b> {
         marginals
     }
 
-    /// Means and covariances of each particle, those of an uncertain simulation included.
-    pub(crate) fn joint_of_each(&self, places: &Places) -> Vec<(Vec<f64>, Mat<f64>)> {
+    /// What each particle says of places together, an uncertain simulation included.
+    pub(crate) fn joint_of_each(&self, places: &Places) -> Vec<Joint> {
         let mut of_each = self.process.joint_of_each(places);
-        if let Some(simulated) = self.source.covariance(places) {
-            for ((_, covariance), particle) in of_each.iter_mut().zip(self.process.particles()) {
-                let factor = particle.squared_simulation_factor();
-                *covariance += faer::Scale(factor) * &simulated;
+        if let Some(simulated) = self.source.joint(places) {
+            for (joint, particle) in of_each.iter_mut().zip(self.process.particles()) {
+                joint.add_covariance(&simulated, particle.squared_simulation_factor());
             }
         }
         of_each

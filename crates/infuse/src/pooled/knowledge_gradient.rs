@@ -1,10 +1,9 @@
 //! Which experiments teach most about the lowest response: a joint knowledge gradient, one pick after the other.
 
 use design_space::Cell;
-use faer::Mat;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
-use surface::process::pooled_moments;
+use surface::process::Joint;
 
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::pool::Pool;
@@ -24,11 +23,11 @@ pub(crate) struct Picks {
 /// single pick can, those before it and the pending experiments counted in. A cell where experiments may fail counts as much
 /// less as they are likely to (Frazier et al. 2009; Wu and Frazier 2016 for batches).
 pub(crate) fn pick(knowledge: &Knowledge<'_, '_>, pool: &Pool, pending: &[Cell], count: usize, scramble: u32) -> Picks {
-    let (means, mut covariance) = pooled_moments(&knowledge.joint_of_each(&pool.places));
-    let n = means.len();
+    let mut joint = Joint::of_mixture(&knowledge.joint_of_each(&pool.places));
+    let n = joint.n_places();
     let noise = knowledge.process.noise().powi(2);
     // A cell that cannot be recommended never is the lowest.
-    let mut futures: Vec<Vec<f64>> = vec![means; OUTCOMES as usize];
+    let mut futures: Vec<Vec<f64>> = vec![joint.means().to_vec(); OUTCOMES as usize];
     if (0..n).any(|row| pool.may_be_best(row)) {
         for row in (0..n).filter(|&row| !pool.may_be_best(row)) {
             futures.iter_mut().for_each(|future| future[row] = f64::INFINITY);
@@ -36,59 +35,49 @@ pub(crate) fn pick(knowledge: &Knowledge<'_, '_>, pool: &Pool, pending: &[Cell],
     }
     let pending: Vec<usize> =
         pending.iter().filter_map(|cell| pool.cells.iter().position(|candidate| candidate == cell)).collect();
-    let before = spread(&covariance);
+    let before = spread(&joint);
     let mut cells = Vec::with_capacity(count);
     for step in 0..pending.len() + count {
         let normals = outcomes(step as u32, scramble);
         let row = match pending.get(step) {
             Some(&row) => row,
-            None => most_telling(pool, &futures, &covariance, noise, &normals),
+            None => most_telling(pool, &futures, &joint, noise, &normals),
         };
         if step >= pending.len() {
             cells.push(pool.cells[row]);
         }
-        let effect = effect(&covariance, row, noise);
+        let effect = joint.effect(row, noise);
         for (future, z) in futures.iter_mut().zip(&normals) {
             future.iter_mut().zip(&effect).for_each(|(value, effect)| *value += z * effect);
         }
-        for (column, factor) in effect.iter().enumerate() {
-            for (row, other) in effect.iter().enumerate() {
-                covariance[(row, column)] -= factor * other;
-            }
-        }
+        joint.measure(&effect);
     }
-    let remaining = if before > 0.0 { spread(&covariance) / before } else { 0.0 };
+    let remaining = if before > 0.0 { spread(&joint) / before } else { 0.0 };
     Picks { cells, remaining }
 }
 
 /// The row that lowers the expected minimum most; of equals the one that is least certain, so that nothing to gain still teaches.
-fn most_telling(pool: &Pool, futures: &[Vec<f64>], covariance: &Mat<f64>, noise: f64, normals: &[f64]) -> usize {
+fn most_telling(pool: &Pool, futures: &[Vec<f64>], joint: &Joint, noise: f64, normals: &[f64]) -> usize {
     let n = pool.cells.len();
     let least = |future: &Vec<f64>| future.iter().copied().fold(f64::INFINITY, f64::min);
     let now: f64 = futures.iter().map(least).sum();
     let gain = |row: usize| {
-        let effect = effect(covariance, row, noise);
+        let effect = joint.effect(row, noise);
         let then: f64 = futures.iter().zip(normals).map(|(future, z)| lowest(future, &effect, *z)).sum();
         pool.feasible[row] * (now - then).max(0.0)
     };
     let gains: Vec<f64> = (0..n).into_par_iter().map(gain).collect();
-    let uncertain = |row: usize| pool.feasible[row] * covariance[(row, row)];
+    let uncertain = |row: usize| pool.feasible[row] * joint.variance(row);
     let order = |&a: &usize, &b: &usize| {
         gains[a].total_cmp(&gains[b]).then(uncertain(a).total_cmp(&uncertain(b))).then(b.cmp(&a))
     };
     (0..n).max_by(order).unwrap_or(0)
 }
 
-/// How the mean moves for a reading one standard deviation above what is expected at this row.
-fn effect(covariance: &Mat<f64>, row: usize, noise: f64) -> Vec<f64> {
-    let deviation = (covariance[(row, row)].max(0.0) + noise).sqrt();
-    let scale = if deviation > 0.0 { 1.0 / deviation } else { 0.0 };
-    covariance.col(row).iter().map(|value| value * scale).collect()
-}
-
-fn spread(covariance: &Mat<f64>) -> f64 {
-    let n = covariance.nrows();
-    ((0..n).map(|row| covariance[(row, row)].max(0.0)).sum::<f64>() / n as f64).sqrt()
+/// Root of the mean variance.
+fn spread(joint: &Joint) -> f64 {
+    let n = joint.n_places();
+    ((0..n).map(|row| joint.variance(row).max(0.0)).sum::<f64>() / n as f64).sqrt()
 }
 
 /// min_j (m_j + z b_j)

@@ -4,7 +4,6 @@ mod assessment;
 mod campaign;
 mod certificate;
 mod designs;
-mod feasibility;
 mod first_batch;
 mod knowledge;
 mod knowledge_gradient;

@@ -19,6 +19,9 @@ const AROUND: usize = 40;
 const PROMISING: usize = 375;
 const OTHERS: usize = 125;
 
+/// A design may be recommended if an experiment there gives a response with this probability.
+pub(crate) const FEASIBLE: f64 = 0.75;
+
 /// Cells with their places, and what the surface says of each.
 #[derive(Debug, Clone)]
 pub(crate) struct Pool {
@@ -50,9 +53,9 @@ impl Pool {
         }
     }
 
-    /// Whether a row may be recommended: an experiment there gives a response more likely than not.
+    /// Whether a row may be recommended.
     pub(crate) fn may_be_best(&self, row: usize) -> bool {
-        self.feasible[row] >= 0.5
+        self.feasible[row] >= FEASIBLE
     }
 
     /// Rows that may be recommended, by growing mean − z standard deviations; all rows if none may.

@@ -6,7 +6,7 @@ use design_space::Cell;
 
 use crate::Error;
 use crate::pooled::knowledge::Knowledge;
-use crate::pooled::pool::Pool;
+use crate::pooled::pool::{FEASIBLE, Pool};
 
 /// Grids of up to this many cells are searched in full.
 const FULL: u64 = 5_000;
@@ -20,7 +20,7 @@ pub(crate) fn lowest_mean(knowledge: &mut Knowledge<'_, '_>, pool: &Pool) -> Res
         let places = knowledge.places(&cells)?;
         let means = knowledge.process.means(&places);
         let feasible = knowledge.feasible(&cells, &places);
-        let value = |row: usize| if feasible[row] >= 0.5 { means[row] } else { f64::INFINITY };
+        let value = |row: usize| if feasible[row] >= FEASIBLE { means[row] } else { f64::INFINITY };
         let best = (0..cells.len()).min_by(|&a, &b| value(a).total_cmp(&value(b)).then(a.cmp(&b)));
         return Ok(cells[best.unwrap_or(0)]);
     }
@@ -40,7 +40,7 @@ pub(crate) fn lowest_mean(knowledge: &mut Knowledge<'_, '_>, pool: &Pool) -> Res
             let places = knowledge.places(&new)?;
             let feasible = knowledge.feasible(&new, &places);
             let means = knowledge.process.means(&places).into_iter().zip(feasible);
-            let values = means.map(|(mean, feasible)| if feasible >= 0.5 { mean } else { f64::INFINITY });
+            let values = means.map(|(mean, feasible)| if feasible >= FEASIBLE { mean } else { f64::INFINITY });
             known.extend(new.iter().copied().zip(values));
             let mut moved = false;
             for (front, star) in fronts.iter_mut().zip(&stars) {

@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 
 use design_space::Cell;
-use faer::Mat;
 use surface::Data;
-use surface::process::{AveragedProcess, Places, Residual, SamplerSettings, SimulationUse, Sites, Structure};
+use surface::process::{AveragedProcess, Joint, Places, Residual, SamplerSettings, SimulationUse, Sites, Structure};
 
 use crate::pooled::designs::Designs;
 use crate::{Error, Outcome};
@@ -114,10 +113,10 @@ impl Source<'_, '_> {
         }
     }
 
-    /// How uncertain the simulated responses are, and go together; nothing where they are known.
-    pub(crate) fn covariance(&self, places: &Places) -> Option<Mat<f64>> {
+    /// The simulated responses at places together; nothing where they are known.
+    pub(crate) fn joint(&self, places: &Places) -> Option<Joint> {
         match self {
-            Self::Emulated(emulator) => Some(emulator.process.joint(places).1),
+            Self::Emulated(emulator) => Some(emulator.process.joint(places)),
             _ => None,
         }
     }
@@ -179,22 +178,17 @@ impl Emulator {
     /// Which of the cells to simulate next, most uncertain first, each pick counted in: at most `count`.
     pub(crate) fn most_uncertain(&self, designs: &Designs, cells: &[Cell], count: usize) -> Result<Vec<Cell>, Error> {
         let places = designs.places(cells)?;
-        let (_, mut covariance) = self.process.joint(&places);
+        let mut joint = self.process.joint(&places);
         let mut chosen = Vec::new();
         for _ in 0..count.min(cells.len()) {
-            let variance = |row: usize| covariance[(row, row)];
-            let row = (0..cells.len()).max_by(|&a, &b| variance(a).total_cmp(&variance(b)).then(b.cmp(&a))).unwrap_or(0);
-            if variance(row) <= 0.0 {
+            let order = |&a: &usize, &b: &usize| joint.variance(a).total_cmp(&joint.variance(b)).then(b.cmp(&a));
+            let row = (0..cells.len()).max_by(order).unwrap_or(0);
+            if joint.variance(row) <= 0.0 {
                 break;
             }
             chosen.push(cells[row]);
-            let scale = 1.0 / variance(row).sqrt();
-            let effect: Vec<f64> = (0..cells.len()).map(|other| scale * covariance[(other, row)]).collect();
-            for column in 0..cells.len() {
-                for other in 0..cells.len() {
-                    covariance[(other, column)] -= effect[column] * effect[other];
-                }
-            }
+            let effect = joint.effect(row, 0.0);
+            joint.measure(&effect);
         }
         Ok(chosen)
     }

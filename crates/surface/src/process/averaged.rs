@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use faer::Mat;
 use rayon::prelude::*;
 
 use crate::Error;
 use crate::process::covariance::{SimulationUse, Structure};
 use crate::process::gaussian_process::{Contrast, GaussianProcess, Marginals};
+use crate::process::joint::Joint;
 use crate::process::places::Places;
 use crate::process::sampler::{SamplerSettings, sample};
 use crate::process::sites::Sites;
@@ -80,14 +80,14 @@ impl AveragedProcess {
 
     /// Means and covariances of each particle.
     #[must_use]
-    pub fn joint_of_each(&self, places: &Places) -> Vec<(Vec<f64>, Mat<f64>)> {
+    pub fn joint_of_each(&self, places: &Places) -> Vec<Joint> {
         self.particles.par_iter().map(|particle| particle.joint(places)).collect()
     }
 
     /// Means, and covariances of all pairs of places, without noise; they count how far the particles differ.
     #[must_use]
-    pub fn joint(&self, places: &Places) -> (Vec<f64>, Mat<f64>) {
-        pooled_moments(&self.joint_of_each(places))
+    pub fn joint(&self, places: &Places) -> Joint {
+        Joint::of_mixture(&self.joint_of_each(places))
     }
 
     /// How each particle sees the differences of places to the first of them.
@@ -126,25 +126,4 @@ impl AveragedProcess {
         let having = self.particles.iter().filter(|particle| particle.structure() == structure).count();
         having as f64 / self.particles.len() as f64
     }
-}
-
-/// Mean and covariance of a mixture of equal shares.
-///
-/// # Panics
-///
-/// Never for what [`AveragedProcess::joint_of_each`] returns; otherwise if the parts differ in size.
-#[must_use]
-pub fn pooled_moments(of_each: &[(Vec<f64>, Mat<f64>)]) -> (Vec<f64>, Mat<f64>) {
-    let (n, count) = (of_each.first().map_or(0, |(means, _)| means.len()), of_each.len() as f64);
-    let means: Vec<f64> = (0..n).map(|row| of_each.iter().map(|(means, _)| means[row] / count).sum()).collect();
-    let mut covariance = Mat::<f64>::zeros(n, n);
-    for (own, matrix) in of_each {
-        let about: Vec<f64> = own.iter().zip(&means).map(|(own, mean)| own - mean).collect();
-        for (column, factor) in about.iter().enumerate() {
-            for (row, other) in about.iter().enumerate() {
-                covariance[(row, column)] += (matrix[(row, column)] + factor * other) / count;
-            }
-        }
-    }
-    (means, covariance)
 }

@@ -9,6 +9,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::Error;
 use crate::process::covariance::{Hyperparameters, Parts, Structure, prior_variances};
+use crate::process::joint::Joint;
 use crate::process::places::Places;
 use crate::process::sites::Sites;
 
@@ -218,13 +219,13 @@ impl GaussianProcess {
 
     /// Means, and covariances of all pairs of places, in the unit of the response and its square.
     #[must_use]
-    pub fn joint(&self, places: &Places) -> (Vec<f64>, Mat<f64>) {
+    pub fn joint(&self, places: &Places) -> Joint {
         let (means, whitened) = self.conditioned(places);
         let mut covariance = self.parts(places, places).covariance(self.structure, &self.hyper);
         matmul(covariance.as_mut(), Accum::Add, whitened.transpose(), &whitened, -1.0, Par::Seq);
         let units = self.sites.units();
-        covariance.col_iter_mut().for_each(|column| column.iter_mut().for_each(|value| *value *= units.scale.powi(2)));
-        (means.iter().map(|mean| units.center + units.scale * mean).collect(), covariance)
+        let means = means.iter().map(|mean| units.center + units.scale * mean).collect();
+        Joint::new(means, &covariance, units.scale * units.scale)
     }
 
     /// How it sees the differences of places to the first of them.

@@ -1,18 +1,17 @@
 //! Where experiments fail.
 
-use design_space::Cell;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Mat, Par, Side};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
-use surface::process::{Covariance, Hyperparameters, Places, Residual, SimulationUse, Structure};
 
 use crate::Error;
-use crate::pooled::designs::Designs;
+use crate::process::covariance::{Covariance, Hyperparameters, Residual, SimulationUse, Structure};
+use crate::process::places::Places;
 
 /// The probability that an experiment gives a response: a probit of a Gaussian process, by Laplace's approximation
 /// (Rasmussen and Williams 2006, Algorithms 3.1 and 3.2).
-#[derive(Debug)]
-pub(crate) struct Feasibility {
+#[derive(Debug, Clone)]
+pub struct Feasibility {
     places: Places,
     hyper: Hyperparameters,
     /// ∇ log p(labels | f) at the mode.
@@ -25,27 +24,35 @@ pub(crate) struct Feasibility {
     offset: f64,
 }
 
+/// Over which outcomes go together, in coded units.
+const LENGTH: f64 = 0.6;
 const STRUCTURE: Structure = Structure { simulation: SimulationUse::Ignored, residual: Residual::Smooth };
 /// Standard deviations of the latent process by which a design is feasible before anything failed.
 const OFFSET: f64 = 1.0;
 
 impl Feasibility {
-    /// From tested cells, each with whether it gave a response. Nothing if none failed: then every design may do.
-    pub(crate) fn of(tested: &[(Cell, bool)], designs: &Designs) -> Result<Option<Self>, Error> {
-        if tested.iter().all(|(_, succeeded)| *succeeded) {
+    /// From places where experiments were made, each with whether it gave a response. Nothing if none failed: then every design
+    /// may do.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Length`] unless there is one outcome per place.
+    pub fn of(places: Places, succeeded: &[bool]) -> Result<Option<Self>, Error> {
+        if succeeded.len() != places.n_places() {
+            return Err(Error::Length { name: "outcomes", expected: places.n_places(), found: succeeded.len() });
+        }
+        if succeeded.iter().all(|&succeeded| succeeded) {
             return Ok(None);
         }
-        let cells: Vec<Cell> = tested.iter().map(|(cell, _)| *cell).collect();
-        let places = designs.places(&cells)?;
         let hyper = Hyperparameters {
             trend: 0.25,
             simulation: 0.0,
             residual: 4.0,
-            lengths: vec![0.6; designs.n_factors()],
+            lengths: vec![LENGTH; places.n_factors()],
             noise: 0.0,
         };
         let covariance = Covariance::of(STRUCTURE, &hyper).without_constant().between(&places, &places);
-        let labels: Vec<f64> = tested.iter().map(|(_, succeeded)| if *succeeded { 1.0 } else { -1.0 }).collect();
+        let labels: Vec<f64> = succeeded.iter().map(|succeeded| if *succeeded { 1.0 } else { -1.0 }).collect();
         let n = labels.len();
         let normal = Normal::standard();
         let mut latent = Mat::<f64>::zeros(n, 1);
@@ -82,7 +89,8 @@ impl Feasibility {
     }
 
     /// Probability of a response at each place.
-    pub(crate) fn probabilities(&self, places: &Places) -> Vec<f64> {
+    #[must_use]
+    pub fn probabilities(&self, places: &Places) -> Vec<f64> {
         let covariance = Covariance::of(STRUCTURE, &self.hyper).without_constant();
         let cross = covariance.between(places, &self.places);
         let means = &cross * &self.gradient;
