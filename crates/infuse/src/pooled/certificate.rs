@@ -3,6 +3,7 @@
 use design_space::Cell;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use surface::process::Joint;
 
 use crate::Error;
 use crate::pooled::knowledge::Knowledge;
@@ -11,7 +12,9 @@ use crate::pooled::streams::{Purpose, stream};
 
 /// Cells on which the response is drawn.
 const CELLS: usize = 256;
-const DRAWS: usize = 512;
+const DRAWS: usize = 640;
+/// Draws that do not believe the simulation.
+const DOUBTED: usize = 80;
 
 /// "With this probability no design is better than the recommended one by more than `bound`."
 ///
@@ -49,17 +52,30 @@ impl Draws {
         batch: usize,
     ) -> Result<Self, Error> {
         let mut order = pool.by_lower_bound(2.0);
-        order.retain(|&row| pool.cells[row] != recommended);
-        order.truncate(CELLS - 1);
-        let mut cells = vec![recommended];
-        cells.extend(order.iter().map(|&row| pool.cells[row]));
+        order.truncate(CELLS);
+        let mut doubted = match &knowledge.sceptic {
+            Some(sceptic) => pool.by_lower_bound_of(&sceptic.marginals(&pool.places), 2.0),
+            None => Vec::new(),
+        };
+        doubted.truncate(CELLS / 2);
+        order.truncate(CELLS - doubted.len());
+        let mut cells: Vec<Cell> = order.iter().chain(&doubted).map(|&row| pool.cells[row]).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        cells.retain(|&cell| cell != recommended);
+        cells.insert(0, recommended);
         let places = knowledge.places(&cells)?;
         let of_each = knowledge.joint_of_each(&places);
-        let per_particle = DRAWS.div_ceil(of_each.len());
-        let tasks: Vec<_> = of_each.into_iter().enumerate().collect();
+        let doubts = knowledge.sceptic.as_ref().map(|sceptic| sceptic.joint_of_each(&places)).unwrap_or_default();
+        let n_doubted = if doubts.is_empty() { 0 } else { DOUBTED };
+        let shares = |joints: Vec<Joint>, draws: usize| {
+            let per_particle = if joints.is_empty() { 0 } else { draws.div_ceil(joints.len()) };
+            joints.into_iter().map(move |joint| (joint, per_particle))
+        };
+        let tasks: Vec<_> = shares(of_each, DRAWS - n_doubted).chain(shares(doubts, n_doubted)).enumerate().collect();
         let mut gains: Vec<f64> = tasks
             .into_par_iter()
-            .flat_map_iter(|(particle, joint)| {
+            .flat_map_iter(|(particle, (joint, per_particle))| {
                 let mut rng = stream(seed, Purpose::Certificate, batch);
                 rng.set_word_pos((particle as u128) << 40);
                 joint.draws(per_particle, &mut rng).into_iter().map(|draw| gain(&draw))

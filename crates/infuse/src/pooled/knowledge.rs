@@ -4,7 +4,10 @@ use std::collections::BTreeSet;
 
 use design_space::Cell;
 use surface::Data;
-use surface::process::{AveragedProcess, Contrast, Feasibility, Joint, Marginals, Places, SamplerSettings, Sites};
+use surface::process::{
+    AveragedProcess, Contrast, Feasibility, Joint, Marginals, Places, Residual, SamplerSettings, SimulationUse,
+    Sites, Structure,
+};
 
 use crate::Error;
 use crate::pooled::designs::Designs;
@@ -19,10 +22,28 @@ pub(crate) struct Reading {
     pub(crate) response: f64,
 }
 
+/// Particles of the sceptic.
+const SCEPTICAL: usize = 6;
+
+trait Sceptical {
+    fn sceptical(self) -> Self;
+}
+
+impl Sceptical for SamplerSettings {
+    /// The same without the simulation, and with a residual that can be anything.
+    fn sceptical(self) -> Self {
+        let structures = [Residual::Smooth, Residual::Rough];
+        let structures = structures.map(|residual| Structure { simulation: SimulationUse::Ignored, residual }).to_vec();
+        Self { structures, particles: SCEPTICAL, ..self }
+    }
+}
+
 /// The surface, and what it takes to evaluate it elsewhere.
 pub(crate) struct Knowledge<'a, 'b> {
     pub(crate) designs: &'a Designs,
     pub(crate) process: AveragedProcess,
+    /// The same measurements by one who does not believe the simulation; none where nobody does, or there is none.
+    pub(crate) sceptic: Option<AveragedProcess>,
     pub(crate) simulated: &'a mut Simulated,
     pub(crate) feasibility: Option<Feasibility>,
     /// Cells with a response, ascending.
@@ -54,6 +75,10 @@ impl<'a, 'b> Knowledge<'a, 'b> {
             seed: settings.seed,
             ..SamplerSettings::default()
         };
+        let sceptic = match sites.places().simulated() {
+            Some(_) => Some(AveragedProcess::new(sites.clone(), &sampler.clone().sceptical())?),
+            None => None,
+        };
         let process = AveragedProcess::new(sites, &sampler)?;
         let measured: BTreeSet<Cell> = cells.into_iter().collect();
         let failed: Vec<Cell> = failed.difference(&measured).copied().collect();
@@ -61,7 +86,7 @@ impl<'a, 'b> Knowledge<'a, 'b> {
         let tested: Vec<Cell> = measured.iter().chain(&failed).copied().collect();
         let succeeded: Vec<bool> = (0..tested.len()).map(|index| index < measured.len()).collect();
         let feasibility = Feasibility::of(designs.places(&tested)?, &succeeded)?;
-        Ok(Self { designs, process, simulated, feasibility, measured, failed, source })
+        Ok(Self { designs, process, sceptic, simulated, feasibility, measured, failed, source })
     }
 
     /// Cells as places of the surface.

@@ -60,7 +60,12 @@ impl Pool {
 
     /// Rows that may be recommended, by growing mean − z standard deviations; all rows if none may.
     pub(crate) fn by_lower_bound(&self, z: f64) -> Vec<usize> {
-        let bound = |row: usize| self.marginals.means[row] - z * self.marginals.variances[row].sqrt();
+        self.by_lower_bound_of(&self.marginals, z)
+    }
+
+    /// The same for what another surface says of the cells.
+    pub(crate) fn by_lower_bound_of(&self, marginals: &Marginals, z: f64) -> Vec<usize> {
+        let bound = |row: usize| marginals.means[row] - z * marginals.variances[row].sqrt();
         let mut rows: Vec<usize> = (0..self.cells.len()).filter(|&row| self.may_be_best(row)).collect();
         if rows.is_empty() {
             rows = (0..self.cells.len()).collect();
