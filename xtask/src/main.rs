@@ -33,6 +33,7 @@ const COMMANDS: &[(&str, Program)] = &[
     ("reproduce-all", studies("similarity,global")),
     ("doe-records", studies("similarity,global")),
     ("design-page", studies("similarity,global")),
+    ("benchmark", studies("similarity,benchmark")),
     ("ci", CHECKS),
     ("tidy", CHECKS),
     ("equations", CHECKS),

@@ -8,6 +8,8 @@ mod error;
 #[cfg(feature = "global")]
 pub mod global;
 pub mod gradient;
+#[cfg(feature = "global")]
+pub mod pooled;
 mod ledger;
 mod problem;
 #[cfg(feature = "global")]

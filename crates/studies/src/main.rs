@@ -5,6 +5,8 @@
 )]
 
 mod bat;
+#[cfg(feature = "benchmark")]
+mod benchmark;
 #[cfg(feature = "similarity")]
 mod chapter2;
 mod chapter3;
@@ -84,6 +86,12 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         (None, ["reproduce-all"]) => Box::new(|| reproduce_all::run(root, STUDIES, false)),
         #[cfg(feature = "global")]
         (None, ["reproduce-all", "--check"]) => Box::new(|| reproduce_all::run(root, STUDIES, true)),
+        #[cfg(feature = "benchmark")]
+        (None, ["benchmark"]) => Box::new(|| benchmark::run(root)),
+        #[cfg(feature = "benchmark")]
+        (None, ["benchmark", "--check"]) => Box::new(|| benchmark::check(root)),
+        #[cfg(feature = "benchmark")]
+        (None, ["benchmark", "--serve", family, seed]) => Box::new(move || benchmark::serve(family, seed)),
         #[cfg(feature = "global")]
         (None, ["design-page", evaluation, page]) => {
             let (evaluation, page) = (Path::new(*evaluation), Path::new(*page));

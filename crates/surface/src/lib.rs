@@ -11,6 +11,7 @@ mod lanes;
 mod leave_one_out;
 mod points;
 mod polynomial;
+pub mod process;
 mod regression;
 mod relative_average;
 mod scale_choice;

@@ -100,7 +100,7 @@ mod settings;
 mod spread;
 mod state;
 mod surfaces;
-mod trial;
+pub(crate) mod trial;
 mod turn;
 
 pub use agreement::agrees;

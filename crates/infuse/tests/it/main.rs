@@ -16,6 +16,7 @@ mod global_screening;
 mod global_settings;
 mod global_small;
 mod invariants;
+mod pooled;
 mod problems;
 mod saved_state;
 mod strategies;

@@ -10,6 +10,7 @@ mod lack_of_fit;
 mod limits;
 mod nist;
 mod polynomial;
+mod process;
 mod regression;
 mod scale;
 mod serde;

@@ -1,0 +1,285 @@
+//! What the experiments so far come to: the recommended design, how far it may be from the best, and what speaks against it.
+
+use design_space::Cell;
+use rand::RngExt;
+use serde::{Deserialize, Serialize};
+use surface::process::{SimulationUse, Structure};
+
+use crate::Error;
+use crate::pooled::certificate::{Certificate, Draws};
+use crate::pooled::knowledge::{Knowledge, Reading};
+use crate::pooled::knowledge_gradient::{Picks, pick};
+use crate::pooled::pool::{FEASIBLE, Pool};
+use crate::pooled::recommendation::lowest_mean;
+use crate::pooled::settings::Settings;
+use crate::pooled::streams::{Purpose, stream};
+
+/// What is known of one design.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Standing {
+    /// Its cell.
+    pub cell: Cell,
+    /// Settings, natural.
+    pub point: Vec<f64>,
+    /// The response that is expected there.
+    pub mean: f64,
+    /// Standard deviation of that expectation, without the noise of a reading.
+    pub deviation: f64,
+    /// Number of readings there.
+    pub n_readings: usize,
+    /// Mean of those readings.
+    pub measured: Option<f64>,
+    /// Probability that an experiment there gives a response.
+    pub feasible: f64,
+    /// Probability that it is better than the recommended design; 0 for that one.
+    pub probability_better: f64,
+    /// Whether it may still be the best: it is better than the recommended one with a probability of at least 1 − the
+    /// certificate's, and an experiment there gives a response with a probability of at least 0.75.
+    pub may_be_best: bool,
+}
+
+/// The lowest mean of readings at one design, where it contradicts the recommendation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Contradiction {
+    /// The design that measured so low, or the recommended one itself.
+    pub standing: Standing,
+    /// Its readings lie as many of their standard errors away from what the surface says: below it, or above it for the
+    /// recommended design.
+    pub deviations: f64,
+}
+
+/// A reading that the others do not expect.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Outlier {
+    /// Position among the readings.
+    pub reading: usize,
+    /// Distance from what the other readings say, in standard deviations; positive if it is above.
+    pub deviations: f64,
+}
+
+/// What the simulation is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SimulationWorth {
+    /// Squared correlation of simulation and readings: the share of their variance that the simulation explains.
+    pub explained: f64,
+    /// Probability that the response is better learnt without it.
+    pub ignored: f64,
+    /// Mean of its factor ρ, where it is used.
+    pub factor: f64,
+}
+
+/// The state of knowledge after some experiments.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Assessment {
+    /// The feasible design with the lowest mean.
+    pub recommended: Standing,
+    /// How much better another may be.
+    pub certificate: Certificate,
+    /// Standard deviation of one reading, as given or as learnt.
+    pub noise: f64,
+    /// Degrees of freedom of the repeats, which alone measure the noise: readings beyond one per setting.
+    pub n_repeats: usize,
+    /// Share of all designs that may still be the best.
+    pub left: f64,
+    /// What the simulation is worth; none without one, or before three readings.
+    pub simulation: Option<SimulationWorth>,
+    /// Readings that contradict the recommendation.
+    pub contradiction: Option<Contradiction>,
+    /// Readings more than four standard deviations off.
+    pub outliers: Vec<Outlier>,
+    /// Further batches until the certificate is expected to be as small as the campaign's `worth`: 0 if it is.
+    pub further_batches: Option<u64>,
+}
+
+/// A look at what is known.
+pub(crate) struct Look {
+    pub(crate) assessment: Assessment,
+    pub(crate) picks: Picks,
+}
+
+/// Beyond so many standard deviations a reading is an outlier, or contradicts.
+const STRIKING: f64 = 4.0;
+const CONTRADICTING: f64 = 3.0;
+
+impl Look {
+    pub(crate) fn at(
+        knowledge: &mut Knowledge<'_, '_>,
+        readings: &[Reading],
+        settings: &Settings,
+        pending: &[Cell],
+        batch: usize,
+    ) -> Result<Self, Error> {
+        let pool = Pool::gather(knowledge, settings.seed, batch)?;
+        let cell = lowest_mean(knowledge, &pool)?;
+        let draws = Draws::of(knowledge, &pool, cell, settings.seed, batch)?;
+        let certificate = draws.certificate(settings.confidence);
+        let reduced = pool.reduced(settings.seed, batch);
+        let scramble = stream(settings.seed, Purpose::KnowledgeGradient, batch).random();
+        let picks = pick(knowledge, &reduced, pending, settings.n_experiments, scramble);
+        let recommended = standing(knowledge, readings, cell, cell, settings.confidence)?;
+        let further_batches = settings.worth.map(|worth| further(certificate.bound, worth, picks.remaining));
+        let assessment = Assessment {
+            noise: knowledge.process.noise(),
+            n_repeats: knowledge.process.sites().n_repeats(),
+            left: share_left(knowledge, &pool, cell, settings.confidence)?,
+            simulation: simulation_worth(knowledge, readings)?,
+            contradiction: contradiction(knowledge, readings, &recommended, settings.confidence)?,
+            outliers: outliers(knowledge, readings),
+            recommended,
+            certificate,
+            further_batches,
+        };
+        Ok(Self { assessment, picks })
+    }
+}
+
+/// Batches that each leave the same share of the uncertainty, until `bound` is at most `worth`.
+fn further(bound: f64, worth: f64, remaining: f64) -> u64 {
+    if bound <= worth {
+        return 0;
+    }
+    let batches = (worth / bound).ln() / remaining.clamp(0.05, 0.97).ln();
+    if batches.is_finite() { batches.ceil() as u64 } else { u64::MAX }
+}
+
+/// What is known of a design, beside the recommended one.
+pub(crate) fn standing(
+    knowledge: &mut Knowledge<'_, '_>,
+    readings: &[Reading],
+    cell: Cell,
+    recommended: Cell,
+    confidence: f64,
+) -> Result<Standing, Error> {
+    let places = knowledge.places(&[recommended, cell])?;
+    let marginals = knowledge.marginals(&places);
+    let feasible = knowledge.feasible(&[recommended, cell], &places)[1];
+    let probability_better = if cell == recommended { 0.0 } else { better(knowledge, &places)[1] };
+    let here: Vec<f64> = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response).collect();
+    let n_readings = here.len();
+    let may_be_best = cell == recommended || (feasible >= FEASIBLE && probability_better >= 1.0 - confidence);
+    Ok(Standing {
+        cell,
+        point: knowledge.designs.grid().point(cell)?,
+        mean: marginals.means[1],
+        deviation: marginals.variances[1].sqrt(),
+        n_readings,
+        measured: (n_readings > 0).then(|| here.iter().map(|response| response / n_readings as f64).sum()),
+        feasible,
+        probability_better,
+        may_be_best,
+    })
+}
+
+/// Probability of each place to be better than the first, over all particles.
+fn better(knowledge: &Knowledge<'_, '_>, places: &surface::process::Places) -> Vec<f64> {
+    let of_each = knowledge.contrasts(places);
+    let n = of_each.len() as f64;
+    (0..places.n_places()).map(|place| of_each.iter().map(|each| each.probability_below(place) / n).sum()).collect()
+}
+
+/// Cells of which the share of designs left is counted, at most.
+const COUNTED: u64 = 4000;
+
+/// The share of all designs that may still be the best: counted in small grids, estimated from random designs otherwise.
+fn share_left(knowledge: &mut Knowledge<'_, '_>, pool: &Pool, recommended: Cell, confidence: f64) -> Result<f64, Error> {
+    let cells: Vec<Cell> = if knowledge.designs.n_cells() <= COUNTED {
+        knowledge.designs.grid().cells().collect()
+    } else {
+        pool.random.clone()
+    };
+    let n = cells.len();
+    let with_recommended: Vec<Cell> = std::iter::once(recommended).chain(cells).collect();
+    let places = knowledge.places(&with_recommended)?;
+    let feasible = knowledge.feasible(&with_recommended, &places);
+    let better = better(knowledge, &places);
+    let left = |row: &usize| {
+        with_recommended[*row] == recommended || (better[*row] >= 1.0 - confidence && feasible[*row] >= FEASIBLE)
+    };
+    let counted = (1..=n).filter(left).count();
+    Ok((counted as f64 / n as f64).max(1.0 / knowledge.designs.n_cells() as f64))
+}
+
+fn simulation_worth(knowledge: &mut Knowledge<'_, '_>, readings: &[Reading]) -> Result<Option<SimulationWorth>, Error> {
+    let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
+    let places = knowledge.places(&cells)?;
+    let Some(simulated) = places.simulated().filter(|simulated| simulated.len() >= 3) else {
+        return Ok(None);
+    };
+    let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
+    let probability = |simulation: SimulationUse| {
+        let of = |structure: &&Structure| structure.simulation == simulation;
+        Structure::ALL.iter().filter(of).map(|&structure| knowledge.process.probability(structure)).sum::<f64>()
+    };
+    let factors: Vec<f64> = knowledge
+        .process
+        .particles()
+        .iter()
+        .filter(|particle| particle.structure().simulation != SimulationUse::Ignored)
+        .map(|particle| particle.simulation_factor().map_or(1.0, |[mean, _]| mean))
+        .collect();
+    let factor = if factors.is_empty() { 0.0 } else { factors.iter().sum::<f64>() / factors.len() as f64 };
+    let explained = squared_correlation(simulated, &responses);
+    Ok(Some(SimulationWorth { explained, ignored: probability(SimulationUse::Ignored), factor }))
+}
+
+/// 0 where either is constant.
+fn squared_correlation(a: &[f64], b: &[f64]) -> f64 {
+    let mean = |values: &[f64]| values.iter().map(|value| value / values.len() as f64).sum::<f64>();
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let [mut aa, mut ab, mut bb] = [0.0; 3];
+    for (x, y) in a.iter().zip(b) {
+        let (x, y) = (x - mean_a, y - mean_b);
+        aa += x * x;
+        ab += x * y;
+        bb += y * y;
+    }
+    let product = aa * bb;
+    if product > 0.0 { (ab * ab / product).min(1.0) } else { 0.0 }
+}
+
+/// The design whose readings lie farthest below what is recommended, or the recommended one if its own lie above.
+fn contradiction(
+    knowledge: &mut Knowledge<'_, '_>,
+    readings: &[Reading],
+    recommended: &Standing,
+    confidence: f64,
+) -> Result<Option<Contradiction>, Error> {
+    let noise = knowledge.process.noise();
+    if let Some(measured) = recommended.measured {
+        let error = (noise * noise / recommended.n_readings as f64 + recommended.deviation.powi(2)).sqrt();
+        let deviations = (measured - recommended.mean) / error;
+        if deviations > CONTRADICTING {
+            return Ok(Some(Contradiction { standing: recommended.clone(), deviations }));
+        }
+    }
+    let mut most: Option<(f64, Cell)> = None;
+    for &cell in &knowledge.measured {
+        let here = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response);
+        let n = here.clone().count() as f64;
+        let error = (noise * noise / n + recommended.deviation.powi(2)).sqrt();
+        let deviations = (recommended.mean - here.sum::<f64>() / n) / error;
+        if cell != recommended.cell && deviations > most.map_or(CONTRADICTING, |(most, _)| most) {
+            most = Some((deviations, cell));
+        }
+    }
+    let Some((deviations, cell)) = most else {
+        return Ok(None);
+    };
+    let standing = standing(knowledge, readings, cell, recommended.cell, confidence)?;
+    Ok(Some(Contradiction { standing, deviations }))
+}
+
+/// Readings that the others do not expect; where all readings of a setting are unexpected, each of them.
+fn outliers(knowledge: &Knowledge<'_, '_>, readings: &[Reading]) -> Vec<Outlier> {
+    let places = knowledge.process.sites().places();
+    let deviations = knowledge.process.standardized_leave_one_out();
+    let mut outliers = Vec::new();
+    for (site, &deviations) in deviations.iter().enumerate() {
+        if deviations.abs() > STRIKING {
+            let point = places.point(site);
+            let here = readings.iter().enumerate().filter(|(_, reading)| reading.coded == point);
+            outliers.extend(here.map(|(reading, _)| Outlier { reading, deviations }));
+        }
+    }
+    outliers
+}

@@ -1,0 +1,83 @@
+//! The first batch: half of it spread over the box, half over what the simulation recommends.
+
+use std::collections::BTreeSet;
+
+use design_space::Cell;
+use rand::RngExt;
+
+use crate::Error;
+use crate::pooled::designs::Designs;
+use crate::pooled::settings::Settings;
+use crate::pooled::simulated::{Simulated, Source};
+use crate::pooled::streams::{Purpose, stream};
+
+/// Share of the screened cells among which the second half is spread.
+const PROMISING: f64 = 0.08;
+/// Cells whose simulated responses are looked at, at most.
+const SCREENED: usize = 4096;
+
+/// `failed` are cells where experiments failed: before any response these are asked for again only where there are no others.
+pub(crate) fn first_batch(
+    designs: &Designs,
+    settings: &Settings,
+    failed: &BTreeSet<Cell>,
+    simulated: &mut Simulated,
+    source: &mut Source<'_, '_>,
+) -> Result<Vec<Cell>, Error> {
+    let n_experiments = settings.n_experiments;
+    let mut rng = stream(settings.seed, Purpose::FirstBatch, 0);
+    let (scramble, other) = (rng.random(), rng.random());
+    let evenly = |count: usize| {
+        let all = spread(designs, count + failed.len(), scramble);
+        let (new, old): (Vec<Cell>, Vec<Cell>) = all.into_iter().partition(|cell| !failed.contains(cell));
+        new.into_iter().chain(old).take(count).collect::<Vec<Cell>>()
+    };
+    if matches!(source, Source::Nothing) {
+        return Ok(evenly(n_experiments));
+    }
+    let screened: Vec<Cell> = if designs.n_cells() <= SCREENED as u64 {
+        designs.grid().cells().collect()
+    } else {
+        spread(designs, SCREENED, other)
+    };
+    let places = source.places(designs, &screened, simulated)?;
+    let Some(responses) = places.simulated() else {
+        return Ok(evenly(n_experiments));
+    };
+    let mut order: Vec<usize> = (0..screened.len()).collect();
+    order.sort_by(|&a, &b| responses[a].total_cmp(&responses[b]).then(a.cmp(&b)));
+    order.truncate(((screened.len() as f64 * PROMISING) as usize).max(n_experiments));
+    let promising = order.into_iter().map(|row| screened[row]).filter(|cell| !failed.contains(cell));
+    let promising: Vec<Cell> = promising.collect();
+    let n_promising = if promising.is_empty() { 0 } else { n_experiments / 2 };
+    let mut cells = evenly(n_experiments - n_promising);
+    cells.extend(far_apart(designs, &promising, n_experiments - cells.len())?);
+    Ok(cells)
+}
+
+/// Cells spread evenly over the box: a scrambled Sobol sequence.
+pub(crate) fn spread(designs: &Designs, count: usize, scramble: u32) -> Vec<Cell> {
+    let coordinate = |index: u32, axis: u32| {
+        let round = scramble.wrapping_add(axis / sobol_burley::NUM_DIMENSIONS);
+        f64::from(sobol_burley::sample(index, axis % sobol_burley::NUM_DIMENSIONS, round))
+    };
+    let n_factors = designs.n_factors() as u32;
+    (0..count as u32).map(|index| designs.cell_of_unit((0..n_factors).map(|axis| coordinate(index, axis)))).collect()
+}
+
+/// The first of the cells, and then always the one that is farthest from all chosen so far.
+fn far_apart(designs: &Designs, cells: &[Cell], count: usize) -> Result<Vec<Cell>, Error> {
+    let coded: Vec<Vec<f64>> = cells.iter().map(|&cell| designs.grid().coded(cell)).collect::<Result<_, _>>()?;
+    let mut distances = vec![f64::INFINITY; cells.len()];
+    let (mut chosen, mut next) = (Vec::with_capacity(count), 0);
+    while chosen.len() < count && !cells.is_empty() {
+        chosen.push(cells[next]);
+        for (distance, there) in distances.iter_mut().zip(&coded) {
+            let square: f64 = coded[next].iter().zip(there).map(|(a, b)| (a - b) * (a - b)).sum();
+            *distance = distance.min(square);
+        }
+        let farthest = (0..cells.len()).max_by(|&a, &b| distances[a].total_cmp(&distances[b]).then(b.cmp(&a)));
+        next = farthest.unwrap_or(0);
+    }
+    Ok(chosen)
+}

@@ -1,0 +1,145 @@
+//! What is known after some experiments: one surface through all of them, and where experiments fail.
+
+use std::collections::BTreeSet;
+
+use design_space::Cell;
+use surface::Data;
+use surface::process::{
+    AveragedProcess, Contrast, Feasibility, Joint, Marginals, Places, Residual, SamplerSettings, SimulationUse,
+    Sites, Structure,
+};
+
+use crate::Error;
+use crate::pooled::designs::Designs;
+use crate::pooled::settings::Settings;
+use crate::pooled::simulated::{Simulated, Source};
+
+/// One experiment that gave a response.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Reading {
+    pub(crate) coded: Vec<f64>,
+    pub(crate) cell: Cell,
+    pub(crate) response: f64,
+}
+
+/// Particles of the sceptic.
+const SCEPTICAL: usize = 6;
+
+trait Sceptical {
+    fn sceptical(self) -> Self;
+}
+
+impl Sceptical for SamplerSettings {
+    /// The same without the simulation, and with a residual that can be anything.
+    fn sceptical(self) -> Self {
+        let structures = [Residual::Smooth, Residual::Rough];
+        let structures = structures.map(|residual| Structure { simulation: SimulationUse::Ignored, residual }).to_vec();
+        Self { structures, particles: SCEPTICAL, ..self }
+    }
+}
+
+/// The surface, and what it takes to evaluate it elsewhere.
+pub(crate) struct Knowledge<'a, 'b> {
+    pub(crate) designs: &'a Designs,
+    pub(crate) process: AveragedProcess,
+    /// The same measurements by one who does not believe the simulation; none where nobody does, or there is none.
+    pub(crate) sceptic: Option<AveragedProcess>,
+    pub(crate) simulated: &'a mut Simulated,
+    pub(crate) feasibility: Option<Feasibility>,
+    /// Cells with a response, ascending.
+    pub(crate) measured: Vec<Cell>,
+    /// Cells where every experiment failed, ascending: neither asked for again nor recommended.
+    pub(crate) failed: Vec<Cell>,
+    source: Source<'a, 'b>,
+}
+
+impl<'a, 'b> Knowledge<'a, 'b> {
+    pub(crate) fn of(
+        readings: &[Reading],
+        failed: &BTreeSet<Cell>,
+        designs: &'a Designs,
+        settings: &Settings,
+        simulated: &'a mut Simulated,
+        mut source: Source<'a, 'b>,
+    ) -> Result<Self, Error> {
+        let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
+        let coordinates = readings.iter().flat_map(|reading| &reading.coded).copied().collect();
+        let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
+        let data = Data::new(designs.n_factors(), coordinates, responses)?;
+        let places = source.places(designs, &cells, simulated)?;
+        let sites = Sites::new(&data, places.simulated())?;
+        let sampler = SamplerSettings {
+            structures: settings.structures.clone(),
+            noise: settings.noise,
+            particles: settings.particles,
+            seed: settings.seed,
+            ..SamplerSettings::default()
+        };
+        let sceptic = match sites.places().simulated() {
+            Some(_) => Some(AveragedProcess::new(sites.clone(), &sampler.clone().sceptical())?),
+            None => None,
+        };
+        let process = AveragedProcess::new(sites, &sampler)?;
+        let measured: BTreeSet<Cell> = cells.into_iter().collect();
+        let failed: Vec<Cell> = failed.difference(&measured).copied().collect();
+        let measured: Vec<Cell> = measured.into_iter().collect();
+        let tested: Vec<Cell> = measured.iter().chain(&failed).copied().collect();
+        let succeeded: Vec<bool> = (0..tested.len()).map(|index| index < measured.len()).collect();
+        let feasibility = Feasibility::of(designs.places(&tested)?, &succeeded)?;
+        Ok(Self { designs, process, sceptic, simulated, feasibility, measured, failed, source })
+    }
+
+    /// Cells as places of the surface.
+    pub(crate) fn places(&mut self, cells: &[Cell]) -> Result<Places, Error> {
+        self.source.places(self.designs, cells, self.simulated)
+    }
+
+    /// Mean and variance of the response, that of an uncertain simulation included.
+    pub(crate) fn marginals(&self, places: &Places) -> Marginals {
+        let mut marginals = self.process.marginals(places);
+        if let Some(simulated) = self.source.variances(places) {
+            let factor = self.process.squared_simulation_factor();
+            marginals.variances.iter_mut().zip(simulated).for_each(|(variance, own)| *variance += factor * own);
+        }
+        marginals
+    }
+
+    /// What each particle says of places together, an uncertain simulation included.
+    pub(crate) fn joint_of_each(&self, places: &Places) -> Vec<Joint> {
+        let mut of_each = self.process.joint_of_each(places);
+        if let Some(simulated) = self.source.joint(places) {
+            for (joint, particle) in of_each.iter_mut().zip(self.process.particles()) {
+                joint.add_covariance(&simulated, particle.squared_simulation_factor());
+            }
+        }
+        of_each
+    }
+
+    /// How each particle sees the differences of places to the first of them.
+    pub(crate) fn contrasts(&self, places: &Places) -> Vec<Contrast> {
+        let mut of_each = self.process.contrasts(places);
+        if let Some(simulated) = self.source.variances_from_first(places) {
+            for (contrast, particle) in of_each.iter_mut().zip(self.process.particles()) {
+                let factor = particle.squared_simulation_factor();
+                contrast.variances.iter_mut().zip(&simulated).for_each(|(variance, own)| *variance += factor * own);
+            }
+        }
+        of_each
+    }
+
+    /// Probability that an experiment gives a response; 0 where it was seen to fail.
+    pub(crate) fn feasible(&self, cells: &[Cell], places: &Places) -> Vec<f64> {
+        let mut probabilities = match &self.feasibility {
+            Some(feasibility) => feasibility.probabilities(places),
+            None => vec![1.0; cells.len()],
+        };
+        for (probability, cell) in probabilities.iter_mut().zip(cells) {
+            if self.failed.binary_search(cell).is_ok() {
+                *probability = 0.0;
+            } else if self.measured.binary_search(cell).is_ok() {
+                *probability = 1.0;
+            }
+        }
+        probabilities
+    }
+}

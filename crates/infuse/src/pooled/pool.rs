@@ -1,0 +1,138 @@
+//! The cells among which the next experiments, and the best design, are looked for.
+
+use std::collections::BTreeSet;
+
+use design_space::Cell;
+use rand::RngExt;
+use surface::process::{Marginals, Places};
+
+use crate::Error;
+use crate::pooled::knowledge::Knowledge;
+use crate::pooled::streams::{Purpose, stream};
+
+/// Grids of up to this many cells are their own pool.
+const SMALL: u64 = 600;
+const RANDOM: usize = 2500;
+const LOWEST_SIMULATED: usize = 400;
+const STARTS: usize = 6;
+const AROUND: usize = 40;
+const PROMISING: usize = 375;
+const OTHERS: usize = 125;
+
+/// A design may be recommended if an experiment there gives a response with this probability.
+pub(crate) const FEASIBLE: f64 = 0.75;
+
+/// Cells with their places, and what the surface says of each.
+#[derive(Debug, Clone)]
+pub(crate) struct Pool {
+    pub(crate) cells: Vec<Cell>,
+    pub(crate) places: Places,
+    pub(crate) marginals: Marginals,
+    /// Probability of a response.
+    pub(crate) feasible: Vec<f64>,
+    /// Those of a large grid that were drawn evenly.
+    pub(crate) random: Vec<Cell>,
+}
+
+impl Pool {
+    fn of(knowledge: &mut Knowledge<'_, '_>, cells: Vec<Cell>) -> Result<Self, Error> {
+        let places = knowledge.places(&cells)?;
+        let marginals = knowledge.marginals(&places);
+        let feasible = knowledge.feasible(&cells, &places);
+        Ok(Self { cells, places, marginals, feasible, random: Vec::new() })
+    }
+
+    fn select(&self, rows: &[usize]) -> Self {
+        let pick = |values: &[f64]| rows.iter().map(|&row| values[row]).collect();
+        Self {
+            cells: rows.iter().map(|&row| self.cells[row]).collect(),
+            places: self.places.select(rows),
+            marginals: Marginals { means: pick(&self.marginals.means), variances: pick(&self.marginals.variances) },
+            feasible: pick(&self.feasible),
+            random: Vec::new(),
+        }
+    }
+
+    /// Whether a row may be recommended.
+    pub(crate) fn may_be_best(&self, row: usize) -> bool {
+        self.feasible[row] >= FEASIBLE
+    }
+
+    /// Rows that may be recommended, by growing mean − z standard deviations; all rows if none may.
+    pub(crate) fn by_lower_bound(&self, z: f64) -> Vec<usize> {
+        self.by_lower_bound_of(&self.marginals, z)
+    }
+
+    /// The same for what another surface says of the cells.
+    pub(crate) fn by_lower_bound_of(&self, marginals: &Marginals, z: f64) -> Vec<usize> {
+        let bound = |row: usize| marginals.means[row] - z * marginals.variances[row].sqrt();
+        let mut rows: Vec<usize> = (0..self.cells.len()).filter(|&row| self.may_be_best(row)).collect();
+        if rows.is_empty() {
+            rows = (0..self.cells.len()).collect();
+        }
+        rows.sort_by(|&a, &b| bound(a).total_cmp(&bound(b)).then(a.cmp(&b)));
+        rows
+    }
+
+    /// The first rows of this order.
+    pub(crate) fn first(&self, order: &[usize], count: usize) -> Self {
+        self.select(&order[..count.min(order.len())])
+    }
+
+    /// The cells that may matter: all of a small grid, otherwise random ones, tested ones, those that the simulation likes, and
+    /// those around the lowest found by descent.
+    pub(crate) fn gather(knowledge: &mut Knowledge<'_, '_>, seed: u64, batch: usize) -> Result<Self, Error> {
+        if knowledge.designs.n_cells() <= SMALL {
+            let cells = knowledge.designs.grid().cells().collect();
+            return Self::of(knowledge, cells);
+        }
+        let mut rng = stream(seed, Purpose::Pool, batch);
+        let designs = knowledge.designs;
+        let random: Vec<Cell> = (0..RANDOM).map(|_| designs.random(&mut rng)).collect();
+        let mut cells: BTreeSet<Cell> = random.iter().copied().collect();
+        cells.extend(knowledge.simulated.lowest(LOWEST_SIMULATED));
+        cells.extend(&knowledge.measured);
+        let coarse = Self::of(knowledge, cells.iter().copied().collect())?;
+        let mut starts: Vec<Cell> = coarse.first(&coarse.by_lower_bound(0.0), STARTS).cells;
+        starts.extend(coarse.first(&coarse.by_lower_bound(2.0), STARTS).cells);
+        let mut around = BTreeSet::new();
+        for start in starts {
+            for _ in 0..AROUND {
+                let share = 0.3 * rng.random::<f64>().powi(2);
+                around.insert(designs.near(start, share, &mut rng));
+            }
+        }
+        let around: Vec<Cell> = around.into_iter().filter(|cell| !cells.contains(cell)).collect();
+        let fine = Self::of(knowledge, around)?;
+        Ok(Self { random, ..coarse.followed_by(fine) })
+    }
+
+    fn followed_by(self, other: Self) -> Self {
+        let cells: Vec<Cell> = self.cells.iter().chain(&other.cells).copied().collect();
+        let chain = |a: &[f64], b: &[f64]| a.iter().chain(b).copied().collect::<Vec<f64>>();
+        let marginals = Marginals {
+            means: chain(&self.marginals.means, &other.marginals.means),
+            variances: chain(&self.marginals.variances, &other.marginals.variances),
+        };
+        let feasible = chain(&self.feasible, &other.feasible);
+        Self { cells, places: self.places.followed_by(&other.places), marginals, feasible, random: Vec::new() }
+    }
+
+    /// The part of it on which joint distributions are affordable: the promising cells, and others at random.
+    pub(crate) fn reduced(&self, seed: u64, batch: usize) -> Self {
+        let order = self.by_lower_bound(2.0);
+        if order.len() <= SMALL as usize {
+            return self.clone();
+        }
+        let (promising, others) = order.split_at(PROMISING);
+        let mut rows = promising.to_vec();
+        let mut rng = stream(seed, Purpose::Pool, batch);
+        rng.set_word_pos(1 << 32);
+        let mut left = others.to_vec();
+        for _ in 0..OTHERS.min(left.len()) {
+            let index = rng.random_range(0..left.len());
+            rows.push(left.swap_remove(index));
+        }
+        self.select(&rows)
+    }
+}

@@ -1,0 +1,113 @@
+//! The numbers and choices of the pooled loop.
+
+use serde::{Deserialize, Serialize};
+use surface::process::Structure;
+
+use crate::Error;
+
+/// The settings of a pooled loop.
+#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Experiments per batch, at least 1.
+    pub n_experiments: usize,
+    /// Simulations per batch, where they are dear: the loop then says which to run, and a surface through them stands for the
+    /// others. The experiments' own settings are simulated first, and may alone be more. Default: the simulation is cheap, and
+    /// run wherever it is needed.
+    #[serde(default)]
+    pub simulations: Option<usize>,
+    /// Limit on the batches. Default 10.
+    #[serde(default = "default_max_batches")]
+    pub max_batches: usize,
+    /// Standard deviation of one reading, in the unit of the response, where it is known; otherwise it is learnt.
+    #[serde(default)]
+    pub noise: Option<f64>,
+    /// The campaign stops once no design is better than the recommended one by more than this, as far as the certificate
+    /// goes; in the unit of the response. Default: it does not stop by itself.
+    #[serde(default)]
+    pub worth: Option<f64>,
+    /// Probability of the certificate, 0.5 to 0.99. Default 0.9.
+    #[serde(default = "default_confidence")]
+    pub confidence: f64,
+    /// Number of structures and hyperparameters that are averaged. Default 16.
+    #[serde(default = "default_particles")]
+    pub particles: usize,
+    /// The structures that are averaged. Default: all.
+    #[serde(default = "default_structures")]
+    pub structures: Vec<Structure>,
+    /// Everything random follows from this. Default 1.
+    #[serde(default = "default_seed")]
+    pub seed: u64,
+}
+
+fn default_max_batches() -> usize {
+    10
+}
+
+fn default_confidence() -> f64 {
+    0.9
+}
+
+fn default_particles() -> usize {
+    18
+}
+
+fn default_structures() -> Vec<Structure> {
+    Structure::ALL.to_vec()
+}
+
+fn default_seed() -> u64 {
+    1
+}
+
+impl Settings {
+    /// Settings with this number of experiments per batch, the rest as documented per field.
+    #[must_use]
+    pub fn new(n_experiments: usize) -> Self {
+        Self {
+            n_experiments,
+            simulations: None,
+            max_batches: default_max_batches(),
+            noise: None,
+            worth: None,
+            confidence: default_confidence(),
+            particles: default_particles(),
+            structures: default_structures(),
+            seed: default_seed(),
+        }
+    }
+
+    /// Whether every setting is usable.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Setting`], [`Error::SettingCount`].
+    pub fn validate(&self) -> Result<(), Error> {
+        count("n_experiments", self.n_experiments, 1..=1000, "1 to 1000")?;
+        if let Some(simulations) = self.simulations {
+            count("simulations", simulations, 2..=10_000, "2 to 10000")?;
+        }
+        count("max_batches", self.max_batches, 1..=100_000, "1 to 100000")?;
+        count("particles", self.particles, 2..=1024, "2 to 1024")?;
+        count("structures", self.structures.len(), 1..=1000, "at least one structure")?;
+        for (name, value) in [("noise", self.noise), ("worth", self.worth)] {
+            if let Some(value) = value.filter(|value| !(0.0..=1e100).contains(value)) {
+                return Err(Error::Setting { name, value, expected: "a number from 0 to 1e100" });
+            }
+        }
+        if (0.5..=0.99).contains(&self.confidence) {
+            return Ok(());
+        }
+        Err(Error::Setting { name: "confidence", value: self.confidence, expected: "0.5 to 0.99" })
+    }
+}
+
+fn count(
+    name: &'static str,
+    value: usize,
+    allowed: std::ops::RangeInclusive<usize>,
+    expected: &'static str,
+) -> Result<(), Error> {
+    if allowed.contains(&value) { Ok(()) } else { Err(Error::SettingCount { name, value, expected }) }
+}

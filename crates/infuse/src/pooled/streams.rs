@@ -1,0 +1,21 @@
+//! Random numbers for each purpose, all from the seed of the campaign.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// What random numbers are drawn for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    FirstBatch = 1,
+    Pool = 3,
+    KnowledgeGradient = 4,
+    Certificate = 5,
+    Simulations = 6,
+}
+
+/// An independent stream of the generator for a purpose in a batch.
+pub(crate) fn stream(seed: u64, purpose: Purpose, batch: usize) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(((batch as u64) << 8) | purpose as u64);
+    rng
+}

@@ -1,0 +1,378 @@
+//! The pooled loop: what it finds, what it promises, and what it makes of bad luck.
+
+use std::collections::BTreeSet;
+
+use design_space::{Cell, Grid, Parameter, Region};
+use infuse::pooled::{Ask, Assessment, Loop, Settings, StopReason, Trial};
+use infuse::{Error, Outcome, TrialId};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+fn region(n_factors: usize, levels: Option<u32>) -> Region {
+    let parameter = |index: usize| {
+        let parameter = Parameter::continuous(format!("p{index}"), "mm", -1.0, 1.0)?;
+        levels.map_or(Ok(parameter.clone()), |levels| parameter.with_levels(levels))
+    };
+    Region::new((0..n_factors).map(|index| parameter(index).expect("a valid parameter")).collect()).expect("distinct names")
+}
+
+fn campaign(n_factors: usize, levels: u32, settings: Settings) -> Loop {
+    Loop::new(&region(n_factors, Some(levels)), settings).expect("valid settings")
+}
+
+/// A skewed bowl with its lowest point, 0, at (0.4, 0.4, ...).
+fn truth(point: &[f64]) -> f64 {
+    point.iter().map(|x| (x - 0.4).powi(2) * (1.2 + 0.3 * x)).sum()
+}
+
+/// Its lowest point is elsewhere.
+fn simulation(_: Cell, point: &[f64]) -> Result<f64, String> {
+    Ok(point.iter().map(|x| 0.8 * (x + 0.2).powi(2)).sum::<f64>() + 0.3)
+}
+
+fn noisy(seed: u64, noise: f64, f: impl Fn(&[f64]) -> f64) -> impl FnMut(&Trial) -> Result<f64, String> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    move |trial| Ok(f(&trial.point) + noise * Distribution::<f64>::sample(&StandardNormal, &mut rng))
+}
+
+fn batches(n_experiments: usize, max_batches: usize, seed: u64) -> Settings {
+    let mut settings = Settings::new(n_experiments);
+    (settings.max_batches, settings.seed) = (max_batches, seed);
+    settings
+}
+
+fn assessed(campaign: &mut Loop) -> Assessment {
+    campaign.assess(Some(&mut simulation)).expect("responses that can be fitted").expect("there are responses")
+}
+
+/// A design on a grid of 21 × 21 that a random one betters in one of 441 cases, and the simulation's optimum is 0.86 off.
+#[test]
+fn three_batches_find_the_best_design_of_a_smooth_problem() {
+    for seed in 1..=5 {
+        let mut campaign = campaign(2, 21, batches(10, 3, seed));
+        let stop = campaign.run(&mut simulation, &mut noisy(seed, 0.02, truth)).expect("a campaign that ends");
+        assert_eq!(stop, StopReason::MaxBatches);
+        let found = assessed(&mut campaign);
+        let regret = truth(&found.recommended.point);
+        assert!(regret < 0.015, "seed {seed}: {regret} above the best at {:?}", found.recommended.point);
+        assert!(regret <= found.certificate.bound, "seed {seed}: {regret} beyond {:?}", found.certificate);
+        assert!(found.recommended.may_be_best && found.left < 0.2, "seed {seed}: {}", found.left);
+    }
+}
+
+/// Nothing is random but by the seed, and outcomes come as they like.
+#[test]
+fn same_seed_gives_the_same_bits_in_any_order_and_on_any_number_of_threads() {
+    let run = |threads: usize, reversed: bool| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let mut campaign = campaign(3, 24, batches(8, 3, 5));
+            for _ in 0..2 {
+                let Ask::Run { mut trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else {
+                    panic!("the campaign goes on");
+                };
+                if reversed {
+                    trials.reverse();
+                }
+                for trial in trials {
+                    campaign.tell(trial.id, Outcome::Value(truth(&trial.point))).expect("an outstanding trial");
+                }
+            }
+            let assessment = assessed(&mut campaign);
+            (campaign.ask(Some(&mut simulation)).expect("a batch"), assessment)
+        })
+    };
+    let first = run(1, false);
+    assert_eq!(first, run(2, false), "threads");
+    assert_eq!(first, run(3, true), "order");
+}
+
+#[test]
+fn without_a_simulation_it_works_and_with_an_unrelated_one_it_says_so() {
+    let mut alone = campaign(2, 21, batches(10, 3, 2));
+    for _ in 0..3 {
+        let Ask::Run { trials, .. } = alone.ask(None).expect("a batch") else { panic!("the campaign goes on") };
+        for trial in trials {
+            alone.tell(trial.id, Outcome::Value(truth(&trial.point))).expect("an outstanding trial");
+        }
+    }
+    let found = alone.assess(None).expect("a fit").expect("responses");
+    assert!(truth(&found.recommended.point) < 0.02 && found.simulation.is_none());
+
+    let mut unrelated = |cell: Cell, _: &[f64]| Ok(f64::from((cell.index().wrapping_mul(2_654_435_761) % 1000) as u32));
+    let mut campaign = campaign(2, 21, batches(10, 3, 2));
+    campaign.run(&mut unrelated, &mut noisy(1, 0.02, truth)).expect("a campaign that ends");
+    let found = campaign.assess(Some(&mut unrelated)).expect("a fit").expect("responses");
+    let worth = found.simulation.expect("there is a simulation");
+    assert!(worth.explained < 0.2, "{worth:?}");
+    assert!(truth(&found.recommended.point) < 0.05, "{:?}", found.recommended);
+}
+
+/// Of 21 × 21 designs those with a sum above 0.5 fail, and the best of all is among them.
+#[test]
+fn failed_designs_are_neither_asked_for_again_nor_recommended() {
+    let fails = |point: &[f64]| point[0] + point[1] > 0.5;
+    for seed in 1..=3 {
+        let mut campaign = campaign(2, 21, batches(10, 4, seed));
+        let mut failed = BTreeSet::new();
+        let mut failures = Vec::new();
+        for _ in 0..4 {
+            let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else { break };
+            let before = failed.clone();
+            failures.push(trials.iter().filter(|trial| fails(&trial.point)).count());
+            for trial in trials {
+                assert!(!before.contains(&trial.cell), "seed {seed}: cell {:?} again", trial.cell);
+                let outcome = if fails(&trial.point) {
+                    failed.insert(trial.cell);
+                    Outcome::Failed { reason: "stalled".to_owned() }
+                } else {
+                    Outcome::Value(truth(&trial.point))
+                };
+                campaign.tell(trial.id, outcome).expect("an outstanding trial");
+            }
+        }
+        let found = assessed(&mut campaign).recommended;
+        assert!(!fails(&found.point), "seed {seed}: {found:?}");
+        // The best feasible one lies on the line, at 0.3 and 0.2 or the other way round.
+        assert!(truth(&found.point) < 0.09, "seed {seed}: {found:?}");
+        assert!(failures[3] <= 5, "seed {seed}: failures in each batch {failures:?}");
+    }
+}
+
+#[test]
+fn a_campaign_in_which_everything_fails_goes_on_and_says_nothing() {
+    let mut campaign = campaign(2, 4, batches(5, 4, 1));
+    let mut asked = BTreeSet::new();
+    while let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") {
+        for trial in trials {
+            asked.insert(trial.cell);
+            campaign.tell(trial.id, Outcome::Failed { reason: "no water".to_owned() }).expect("an outstanding trial");
+        }
+    }
+    assert!(asked.len() >= 12, "{asked:?} of 16 designs in 20 experiments");
+    assert_eq!(campaign.assess(Some(&mut simulation)).expect("nothing to fit"), None);
+}
+
+#[test]
+fn dear_simulations_keep_to_their_budget_and_are_emulated() {
+    for seed in 1..=3 {
+        let mut settings = batches(10, 3, seed);
+        settings.simulations = Some(15);
+        let mut campaign = campaign(2, 21, settings);
+        let mut per_ask = Vec::new();
+        while let Ask::Run { trials, simulations } = campaign.ask(None).expect("something to run") {
+            per_ask.push(simulations.len());
+            for cell in simulations {
+                let point = campaign.grid().point(cell).expect("a cell of the grid");
+                campaign.tell_simulation(cell, &simulation(cell, &point).into()).expect("a cell of the grid");
+            }
+            for trial in trials {
+                campaign.tell(trial.id, Outcome::Value(truth(&trial.point))).expect("an outstanding trial");
+            }
+        }
+        assert_eq!(per_ask.len(), 4, "first simulations, then three batches");
+        assert!(per_ask.iter().all(|&count| count <= 15), "{per_ask:?}");
+        let found = campaign.assess(None).expect("a fit").expect("responses");
+        assert!(truth(&found.recommended.point) < 0.02, "seed {seed}: {:?}", found.recommended);
+        assert!(found.simulation.is_some(), "the emulated simulation is judged as any other");
+    }
+}
+
+#[test]
+fn simulation_that_fails_or_is_constant_or_nonsense_is_survived() {
+    type Broken = fn(Cell, &[f64]) -> Result<f64, String>;
+    let all: [Broken; 4] = [
+        |_, _| Err("licence".to_owned()),
+        |_, _| Ok(7.0),
+        |_, _| Ok(f64::NAN),
+        |cell, point| if cell.index() % 3 == 0 { Err("crash".to_owned()) } else { simulation(cell, point) },
+    ];
+    for (number, mut broken) in all.into_iter().enumerate() {
+        let mut campaign = campaign(2, 21, batches(10, 3, 1));
+        campaign.run(&mut broken, &mut noisy(1, 0.02, truth)).expect("a campaign that ends");
+        let found = campaign.assess(Some(&mut broken)).expect("a fit").expect("responses");
+        assert!(truth(&found.recommended.point) < 0.05, "simulation {number}: {:?}", found.recommended);
+    }
+}
+
+#[test]
+fn responses_of_any_size_and_without_any_spread_are_taken() {
+    for unit in [1e-12, 1.0, 1e12] {
+        let mut campaign = campaign(2, 21, batches(10, 2, 1));
+        campaign.run(&mut |_, _| Err("none".to_owned()), &mut noisy(1, 0.02 * unit, |point| unit * truth(point))).expect("it ends");
+        let found = campaign.assess(None).expect("a fit").expect("responses");
+        assert!(truth(&found.recommended.point) < 0.1, "unit {unit:e}: {:?}", found.recommended);
+        assert!(found.certificate.bound < 3.0 * unit, "unit {unit:e}: {:?}", found.certificate);
+    }
+    let mut flat = campaign(2, 5, batches(6, 3, 1));
+    flat.run(&mut |_, _| Err("none".to_owned()), &mut |_| Ok(5.0)).expect("it ends");
+    let found = flat.assess(None).expect("a fit").expect("responses");
+    assert!((found.recommended.mean - 5.0).abs() < 1e-3 && found.certificate.bound < 1e-2, "{found:?}");
+}
+
+#[test]
+fn one_parameter_two_designs_and_one_experiment_a_batch_are_enough() {
+    let mut two = campaign(1, 2, batches(1, 6, 1));
+    two.run(&mut simulation, &mut noisy(1, 0.05, truth)).expect("it ends");
+    assert_eq!(assessed(&mut two).recommended.point, [1.0]);
+    let mut line = campaign(1, 101, batches(4, 4, 1));
+    line.run(&mut simulation, &mut noisy(1, 0.01, truth)).expect("it ends");
+    let found = assessed(&mut line).recommended.point[0];
+    assert!((found - 0.4).abs() < 0.1, "{found}");
+}
+
+#[test]
+fn continuous_parameters_need_no_levels() {
+    let mut campaign = Loop::new(&region(3, None), batches(12, 3, 1)).expect("valid settings");
+    campaign.run(&mut simulation, &mut noisy(1, 0.01, truth)).expect("it ends");
+    let found = assessed(&mut campaign).recommended;
+    assert!(truth(&found.point) < 0.02, "{found:?}");
+}
+
+#[test]
+fn outlier_of_a_hundred_deviations_is_named() {
+    let mut campaign = campaign(2, 21, batches(12, 3, 1));
+    let mut experiment = noisy(1, 0.02, truth);
+    campaign.run(&mut simulation, &mut |trial| {
+        Ok(experiment(trial)? + if trial.id == TrialId::new(20) { 2.0 } else { 0.0 })
+    }).expect("it ends");
+    let found = assessed(&mut campaign);
+    assert!(found.outliers.iter().any(|outlier| outlier.reading == 19 && outlier.deviations > 4.0), "{:?}", found.outliers);
+    // Put right, it is gone.
+    let point = campaign.records()[19].trial.point.clone();
+    campaign.correct(TrialId::new(20), None, Outcome::Value(truth(&point))).expect("a trial with an outcome");
+    assert_eq!(assessed(&mut campaign).outliers, []);
+}
+
+/// Readings at the recommended design, far above what is promised there, and far below it elsewhere, are not passed over.
+#[test]
+fn readings_against_the_recommendation_are_named() {
+    let mut settings = batches(10, 3, 1);
+    settings.noise = Some(0.02);
+    let mut campaign = campaign(2, 21, settings);
+    campaign.run(&mut simulation, &mut noisy(1, 0.02, truth)).expect("it ends");
+    assert_eq!(assessed(&mut campaign).contradiction, None);
+    let corner = campaign.grid().nearest(&[-1.0, -1.0]).expect("a corner");
+    let trial = campaign.hand_out(&[corner]).expect("a cell of the grid")[0].clone();
+    campaign.tell(trial.id, Outcome::Value(-0.3)).expect("an outstanding trial");
+    let found = assessed(&mut campaign);
+    let contradiction = found.contradiction.as_ref().map(|contradiction| contradiction.standing.cell);
+    assert!(contradiction == Some(corner) || found.recommended.cell == corner, "{found:?}");
+}
+
+#[test]
+fn earlier_experiments_count_as_any_other_and_can_be_taken_back() {
+    let mut settings = batches(8, 4, 1);
+    settings.noise = Some(0.02);
+    let mut own = campaign(2, 21, settings.clone());
+    let mut other = campaign(2, 21, settings);
+    let grid = Grid::of(own.region()).expect("a grid");
+    let mut experiment = noisy(1, 0.02, truth);
+    let cells: Vec<Cell> = (0..20).map(|index| Cell::new(index * 22)).collect();
+    for trial in own.hand_out(&cells).expect("cells of the grid") {
+        let response = experiment(&trial).expect("a response");
+        own.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
+        other.add_earlier(&grid.point(trial.cell).expect("a cell"), response, "last year").expect("a valid experiment");
+    }
+    let (own, earlier) = (assessed(&mut own), assessed(&mut other));
+    assert_eq!(own.recommended.mean.to_bits(), earlier.recommended.mean.to_bits());
+    assert_eq!(other.withdraw_earlier("last year"), 20);
+    assert_eq!(other.assess(None).expect("nothing to fit"), None);
+    assert!(matches!(other.add_earlier(&[2.5, 0.0], 1.0, "x"), Err(Error::EarlierSetting { .. })));
+    assert!(matches!(other.add_earlier(&[0.0, 0.0], f64::NAN, "x"), Err(Error::Setting { name: "response", .. })));
+}
+
+/// With a bound on what is worth another batch it stops by itself, and what it promised then holds.
+#[test]
+fn campaign_stops_when_the_certificate_is_small_enough() {
+    let mut stops = 0;
+    for seed in 1..=5 {
+        let mut settings = batches(12, 8, seed);
+        settings.worth = Some(0.05);
+        let mut campaign = campaign(2, 21, settings);
+        let stop = campaign.run(&mut simulation, &mut noisy(seed, 0.02, truth)).expect("it ends");
+        let found = assessed(&mut campaign);
+        if stop == StopReason::NotWorthIt {
+            stops += 1;
+            assert!(found.certificate.bound <= 0.05 && truth(&found.recommended.point) <= 0.05, "seed {seed}: {found:?}");
+            assert_eq!(found.further_batches, Some(0));
+        }
+    }
+    assert!(stops >= 4, "{stops} of 5 campaigns stopped by themselves");
+}
+
+/// Pending trials count as if they had come out as expected: the next ones go elsewhere than they would otherwise.
+#[test]
+fn more_can_be_asked_for_while_some_are_pending() {
+    let mut campaign = campaign(2, 21, batches(6, 5, 1));
+    for _ in 0..2 {
+        let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else { panic!("it goes on") };
+        for trial in trials {
+            campaign.tell(trial.id, Outcome::Value(truth(&trial.point))).expect("an outstanding trial");
+        }
+    }
+    let Ask::Run { trials: first, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else { panic!("it goes on") };
+    let Ask::Run { trials: both, .. } = campaign.ask_more(Some(&mut simulation)).expect("more") else { panic!("it goes on") };
+    assert_eq!(both[..6], first);
+    assert_eq!(both.len(), 12);
+    assert_eq!(campaign.ask(Some(&mut simulation)).expect("the same"), Ask::Run { trials: both, simulations: Vec::new() });
+}
+
+#[test]
+fn why_a_design_is_out_is_said() {
+    let mut campaign = campaign(2, 21, batches(10, 3, 1));
+    campaign.run(&mut simulation, &mut noisy(1, 0.02, truth)).expect("it ends");
+    let recommended = assessed(&mut campaign).recommended;
+    let corner = campaign.grid().nearest(&[-1.0, -1.0]).expect("a corner");
+    let standings = campaign.standings(&[recommended.cell, corner], Some(&mut simulation)).expect("a fit");
+    let standings = standings.expect("responses");
+    assert_eq!(standings[0], recommended);
+    let out = &standings[1];
+    assert!(!out.may_be_best && out.probability_better < 0.01 && out.mean > 1.0, "{out:?}");
+}
+
+#[test]
+fn what_cannot_be_right_is_refused_by_name_and_changes_nothing() {
+    let region = region(2, Some(5));
+    let refused = |settings: Settings| Loop::new(&region, settings).expect_err("it is refused").to_string();
+    assert!(refused(Settings::new(0)).contains("`n_experiments` is 0"));
+    let changed = |change: fn(&mut Settings)| {
+        let mut settings = Settings::new(5);
+        change(&mut settings);
+        settings
+    };
+    assert!(refused(changed(|settings| settings.noise = Some(-1.0))).contains("`noise` is -1.0"));
+    assert!(refused(changed(|settings| settings.worth = Some(f64::NAN))).contains("`worth` is NaN"));
+    assert!(refused(changed(|settings| settings.confidence = 1.0)).contains("`confidence` is 1.0"));
+    assert!(refused(changed(|settings| settings.simulations = Some(0))).contains("`simulations` is 0"));
+
+    let mut campaign = Loop::new(&region, Settings::new(5)).expect("valid settings");
+    campaign.ask(Some(&mut simulation)).expect("a batch");
+    let before = campaign.records().to_vec();
+    let first = TrialId::new(1);
+    assert_eq!(campaign.tell(TrialId::new(9), Outcome::Value(1.0)), Err(Error::UnknownTrial { id: TrialId::new(9) }));
+    assert!(matches!(campaign.tell(first, Outcome::Value(f64::INFINITY)), Err(Error::NonFiniteOutcome { .. })));
+    assert!(matches!(campaign.tell(first, Outcome::Value(1e200)), Err(Error::NonFiniteOutcome { .. })));
+    assert!(matches!(campaign.tell_at(first, &[9.0, 0.0], Outcome::Value(1.0)), Err(Error::ActualSettingOf { .. })));
+    assert!(campaign.correct(first, None, Outcome::Value(1.0)).is_err(), "nothing to correct yet");
+    assert_eq!(campaign.records(), before);
+    campaign.tell(first, Outcome::Value(1.0)).expect("an outstanding trial");
+    assert_eq!(campaign.tell(first, Outcome::Value(1.0)), Err(Error::AlreadyTold { id: first }));
+    assert!(campaign.tell_simulation(Cell::new(25), &Outcome::Value(1.0)).is_err());
+}
+
+/// An arbitrary order of the same readings at the same settings says the same: nothing is forgotten, nothing weighs more.
+#[test]
+fn four_hundred_experiments_are_taken() {
+    let mut campaign = campaign(2, 24, batches(400, 2, 1));
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let cells: Vec<Cell> = (0..400).map(|_| Cell::new(rng.random_range(0..576))).collect();
+    let mut experiment = noisy(2, 0.1, truth);
+    for trial in campaign.hand_out(&cells).expect("cells of the grid") {
+        campaign.tell(trial.id, experiment(&trial).into()).expect("an outstanding trial");
+    }
+    let found = assessed(&mut campaign);
+    assert!(truth(&found.recommended.point) < 0.03, "{:?}", found.recommended);
+    assert!((found.noise - 0.1).abs() < 0.02, "noise {}", found.noise);
+}

@@ -1,0 +1,346 @@
+//! Pairs of a biased simulation and a truth, from the literature and our own, each seed with its own shift and mirror.
+
+use std::f64::consts::{PI, TAU};
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// A function on the unit cube.
+type Function = Box<dyn Fn(&[f64]) -> f64 + Send + Sync>;
+
+/// What an experiment would give without noise, and what the simulation says, over the unit cube; the truth from 0 to 1.
+pub(crate) struct Pair {
+    pub(crate) n_factors: usize,
+    pub(crate) truth: Function,
+    pub(crate) simulation: Function,
+    /// Standard deviation of a reading.
+    pub(crate) noise: f64,
+}
+
+/// A kind of pair.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Family {
+    pub(crate) name: &'static str,
+    pub(crate) n_factors: usize,
+    kind: Kind,
+    noise: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Bowl,
+    Stall,
+    Wells,
+    Branin,
+    Currin,
+    ParkOne,
+    ParkTwo,
+    Hartmann,
+    Cliff,
+    RoughUseless,
+    RoughPerfect,
+    Borehole,
+}
+
+const fn family(name: &'static str, n_factors: usize, kind: Kind, noise: f64) -> Family {
+    Family { name, n_factors, kind, noise }
+}
+
+/// All families.
+pub(crate) const FAMILIES: [Family; 19] = [
+    family("bowl-2", 2, Kind::Bowl, 0.03),
+    family("stall-2", 2, Kind::Stall, 0.03),
+    family("wells-2", 2, Kind::Wells, 0.03),
+    family("branin", 2, Kind::Branin, 0.03),
+    family("currin", 2, Kind::Currin, 0.03),
+    family("cliff-2", 2, Kind::Cliff, 0.03),
+    family("rough-useless", 2, Kind::RoughUseless, 0.03),
+    family("rough-perfect", 2, Kind::RoughPerfect, 0.03),
+    family("bowl-noisy", 2, Kind::Bowl, 0.1),
+    family("wells-3", 3, Kind::Wells, 0.03),
+    family("bowl-4", 4, Kind::Bowl, 0.03),
+    family("stall-4", 4, Kind::Stall, 0.03),
+    family("wells-4", 4, Kind::Wells, 0.03),
+    family("park-1", 4, Kind::ParkOne, 0.03),
+    family("park-2", 4, Kind::ParkTwo, 0.03),
+    family("hartmann-4", 4, Kind::Hartmann, 0.03),
+    family("borehole-4", 4, Kind::Borehole, 0.03),
+    family("hartmann-6", 6, Kind::Hartmann, 0.03),
+    family("bowl-6", 6, Kind::Bowl, 0.03),
+];
+
+impl Family {
+    /// The pair of a seed.
+    pub(crate) fn pair(&self, seed: u64) -> Pair {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let k = self.n_factors;
+        let (truth, simulation) = self.kind.functions(k, &mut rng);
+        // Axes are mirrored and exchanged.
+        let mirrored: Vec<bool> = (0..k).map(|_| rng.random()).collect();
+        let mut order: Vec<usize> = (0..k).collect();
+        for i in (1..k).rev() {
+            order.swap(i, rng.random_range(0..=i));
+        }
+        let turn = move |u: &[f64]| -> Vec<f64> {
+            order.iter().zip(&mirrored).map(|(&axis, &mirrored)| if mirrored { 1.0 - u[axis] } else { u[axis] }).collect()
+        };
+        let mut lowest = f64::INFINITY;
+        let mut highest = f64::NEG_INFINITY;
+        let mut at = vec![0.0; k];
+        for _ in 0..20_000 {
+            at.iter_mut().for_each(|u| *u = rng.random());
+            let value = truth(&at);
+            (lowest, highest) = (lowest.min(value), highest.max(value));
+        }
+        let range = highest - lowest;
+        let other = turn.clone();
+        Pair {
+            n_factors: k,
+            truth: Box::new(move |u| (truth(&turn(u)) - lowest) / range),
+            simulation: Box::new(move |u| (simulation(&other(u)) - lowest) / range),
+            noise: self.noise,
+        }
+    }
+}
+
+impl Kind {
+    fn functions(self, k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
+        match self {
+            Self::Bowl => bowl(k, rng),
+            Self::Stall => stall(k, rng),
+            Self::Wells => wells(k, rng),
+            Self::Branin => branin(rng),
+            Self::Currin => currin(rng),
+            Self::ParkOne => shifted(k, rng, park_one, |x| {
+                (1.0 + x[0].sin() / 10.0) * park_one(x) - 2.0 * x[0] + x[1] * x[1] + x[2] * x[2] + 0.5
+            }),
+            Self::ParkTwo => shifted(k, rng, park_two, |x| 1.2 * park_two(x) - 1.0),
+            Self::Hartmann => hartmann(k, rng),
+            Self::Cliff => cliff(rng),
+            Self::RoughUseless => {
+                let (truth, simulation) = (rough(k, rng), rough(k, rng));
+                (truth, simulation)
+            }
+            Self::RoughPerfect => {
+                let field = std::sync::Arc::new(rough(k, rng));
+                let same = std::sync::Arc::clone(&field);
+                (Box::new(move |u| field(u)), Box::new(move |u| 0.7 * same(u) + 0.2))
+            }
+            Self::Borehole => borehole(rng),
+        }
+    }
+}
+
+fn normals(k: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    (0..k).map(|_| StandardNormal.sample(rng)).collect()
+}
+
+fn direction(k: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let raw = normals(k, rng);
+    let length = raw.iter().map(|x| x * x).sum::<f64>().sqrt();
+    raw.iter().map(|x| x / length).collect()
+}
+
+fn between(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
+    low + (high - low) * rng.random::<f64>()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// An oblique quadratic about `center`, steeper on one side along `along`.
+fn skewed(center: Vec<f64>, scales: Vec<f64>, along: Vec<f64>, skew: f64) -> impl Fn(&[f64]) -> f64 + Send + Sync + Clone {
+    move |u| {
+        let d: Vec<f64> = u.iter().zip(&center).map(|(u, c)| u - c).collect();
+        let across = dot(&d, &along);
+        let square: f64 = d.iter().zip(&scales).map(|(d, scale)| scale * d * d).sum();
+        square + 1.5 * across * across + skew * (square + 1.5 * across * across) * across.tanh()
+    }
+}
+
+fn bowl(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
+    let center: Vec<f64> = (0..k).map(|_| between(rng, 0.25, 0.75)).collect();
+    let scales: Vec<f64> = (0..k).map(|_| between(rng, 0.5, 2.0)).collect();
+    let along = direction(k, rng);
+    let offset = direction(k, rng);
+    let far = between(rng, 0.15, 0.35);
+    let displaced: Vec<f64> = center.iter().zip(&offset).map(|(c, o)| (c + far * o).clamp(0.0, 1.0)).collect();
+    let truth = skewed(center, scales.clone(), along.clone(), 0.5);
+    let simulation = skewed(displaced, scales, along, 0.2);
+    (Box::new(truth), Box::new(move |u| 0.8 * simulation(u) + 0.1))
+}
+
+fn stall(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
+    let center: Vec<f64> = (0..k).map(|_| between(rng, 0.3, 0.7)).collect();
+    let scales: Vec<f64> = (0..k).map(|_| between(rng, 0.5, 2.0)).collect();
+    let along = direction(k, rng);
+    let smooth = skewed(center.clone(), scales, along, 0.3);
+    // The optimum of the simulation lies beyond the line where the flow separates.
+    let normal = direction(k, rng);
+    let line = dot(&center, &normal) - between(rng, 0.05, 0.15);
+    let slope = between(rng, 2.0, 4.0);
+    let simulation = smooth.clone();
+    (Box::new(move |u| smooth(u) + slope * (dot(u, &normal) - line).max(0.0)), Box::new(simulation))
+}
+
+fn wells(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
+    let (first, second) = loop {
+        let first: Vec<f64> = (0..k).map(|_| between(rng, 0.15, 0.85)).collect();
+        let second: Vec<f64> = (0..k).map(|_| between(rng, 0.15, 0.85)).collect();
+        let square: f64 = first.iter().zip(&second).map(|(a, b)| (a - b) * (a - b)).sum();
+        if square > 0.25 {
+            break (first, second);
+        }
+    };
+    let width = if k == 2 { 0.17 } else { 0.28 };
+    let (deep, shallow) = (1.0, between(rng, 0.55, 0.75));
+    let shape = move |u: &[f64], depths: [f64; 2]| {
+        let well = |center: &[f64], depth: f64| {
+            let square: f64 = u.iter().zip(center).map(|(u, c)| (u - c) * (u - c)).sum();
+            depth * (-0.5 * square / (width * width)).exp()
+        };
+        1.0 + 0.2 * dot(u, u) / u.len() as f64 - well(&first, depths[0]) - well(&second, depths[1])
+    };
+    let simulation = shape.clone();
+    (Box::new(move |u| shape(u, [deep, shallow])), Box::new(move |u| simulation(u, [shallow, deep])))
+}
+
+fn branin(rng: &mut ChaCha8Rng) -> (Function, Function) {
+    let shift = [between(rng, -1.0, 1.0), between(rng, -1.0, 1.0)];
+    let tilt = [between(rng, -30.0, 30.0), between(rng, -30.0, 30.0)];
+    let at = move |u: &[f64], shift: [f64; 2]| {
+        let (x, y) = (15.0 * u[0] - 5.0 + shift[0], 15.0 * u[1] + shift[1]);
+        let inner = y - 5.1 / (4.0 * PI * PI) * x * x + 5.0 / PI * x - 6.0;
+        inner * inner + 10.0 * (1.0 - 1.0 / (8.0 * PI)) * x.cos() + 10.0 + 3.0 * x
+    };
+    let wrong = [shift[0] + between(rng, -1.5, 1.5), shift[1] + between(rng, -1.5, 1.5)];
+    (Box::new(move |u| at(u, shift)), Box::new(move |u| at(u, wrong) + tilt[0] * u[0] + tilt[1] * u[1]))
+}
+
+fn currin(rng: &mut ChaCha8Rng) -> (Function, Function) {
+    let shift = [between(rng, -0.05, 0.05), between(rng, -0.05, 0.05)];
+    let high = |x: f64, y: f64| {
+        let factor = if y > 1e-9 { 1.0 - (-0.5 / y).exp() } else { 1.0 };
+        let ratio = (2300.0 * x.powi(3) + 1900.0 * x * x + 2092.0 * x + 60.0)
+            / (100.0 * x.powi(3) + 500.0 * x * x + 4.0 * x + 20.0);
+        -factor * ratio
+    };
+    let at = move |u: &[f64]| [(u[0] + shift[0]).clamp(0.0, 1.0), (u[1] + shift[1]).clamp(0.0, 1.0)];
+    let low = move |u: &[f64]| {
+        let [x, y] = at(u);
+        let down = (y - 0.05).max(0.0);
+        0.25 * (high(x + 0.05, y + 0.05) + high(x + 0.05, down) + high(x - 0.05, y + 0.05) + high(x - 0.05, down))
+    };
+    let truth = move |u: &[f64]| {
+        let [x, y] = at(u);
+        high(x, y)
+    };
+    (Box::new(truth), Box::new(low))
+}
+
+/// Park (1991), Xiong et al. (2013).
+fn park_one(x: &[f64]) -> f64 {
+    let x0 = x[0].max(1e-3);
+    let root = (1.0 + (x[1] + x[2] * x[2]) * x[3] / (x0 * x0)).sqrt() - 1.0;
+    0.5 * x0 * root + (x0 + 3.0 * x[3]) * (1.0 + x[2].sin()).exp()
+}
+
+fn park_two(x: &[f64]) -> f64 {
+    2.0 / 3.0 * (x[0] + x[1]).exp() - x[3] * x[2].sin() + x[2]
+}
+
+/// Both functions over a box that is moved and shrunk a little, with a bowl that puts the optimum inside.
+fn shifted(
+    k: usize,
+    rng: &mut ChaCha8Rng,
+    high: fn(&[f64]) -> f64,
+    low: impl Fn(&[f64]) -> f64 + Send + Sync + 'static,
+) -> (Function, Function) {
+    let center: Vec<f64> = (0..k).map(|_| between(rng, 0.3, 0.7)).collect();
+    let weight = between(rng, 5.0, 15.0);
+    let bowl = move |u: &[f64]| weight * u.iter().zip(&center).map(|(u, c)| (u - c) * (u - c)).sum::<f64>();
+    let other = bowl.clone();
+    (Box::new(move |u| high(u) + bowl(u)), Box::new(move |u| low(u) + 0.7 * other(u)))
+}
+
+fn hartmann(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
+    const A: [[f64; 6]; 4] = [
+        [10.0, 3.0, 17.0, 3.5, 1.7, 8.0],
+        [0.05, 10.0, 17.0, 0.1, 8.0, 14.0],
+        [3.0, 3.5, 1.7, 10.0, 17.0, 8.0],
+        [17.0, 8.0, 0.05, 10.0, 0.1, 14.0],
+    ];
+    const P: [[f64; 6]; 4] = [
+        [0.1312, 0.1696, 0.5569, 0.0124, 0.8283, 0.5886],
+        [0.2329, 0.4135, 0.8307, 0.3736, 0.1004, 0.9991],
+        [0.2348, 0.1451, 0.3522, 0.2883, 0.3047, 0.6650],
+        [0.4047, 0.8828, 0.8732, 0.5743, 0.1091, 0.0381],
+    ];
+    let shift: Vec<f64> = (0..k).map(|_| between(rng, -0.1, 0.1)).collect();
+    let at = move |u: &[f64], weights: [f64; 4]| {
+        let term = |row: usize| {
+            let square: f64 =
+                u.iter().zip(&shift).enumerate().map(|(j, (u, d))| A[row][j] * (u + d - P[row][j]).powi(2)).sum();
+            weights[row] * (-square).exp()
+        };
+        -(0..4).map(term).sum::<f64>()
+    };
+    let weights = [1.0, 1.2, 3.0, 3.2];
+    let mut permuted = weights;
+    for i in (1..4).rev() {
+        permuted.swap(i, rng.random_range(0..=i));
+    }
+    let simulation = at.clone();
+    (Box::new(move |u| at(u, weights)), Box::new(move |u| simulation(u, permuted)))
+}
+
+/// An oblique valley with a cliff of a third of the range that the simulation does not know.
+fn cliff(rng: &mut ChaCha8Rng) -> (Function, Function) {
+    let angle = between(rng, 0.2, PI / 2.0 - 0.2);
+    let (sine, cosine) = angle.sin_cos();
+    let center = [between(rng, 0.35, 0.65), between(rng, 0.35, 0.65)];
+    let valley = move |u: &[f64]| {
+        let (x, y) = (u[0] - center[0], u[1] - center[1]);
+        let (along, across) = (cosine * x + sine * y, cosine * y - sine * x);
+        6.0 * across * across + 0.7 * along * along
+    };
+    let normal = TAU * rng.random::<f64>();
+    let line = center[0] * normal.cos() + center[1] * normal.sin() - between(rng, 0.03, 0.12);
+    let height = 1.2;
+    let truth = move |u: &[f64]| {
+        let beyond = u[0] * normal.cos() + u[1] * normal.sin() > line;
+        valley(u) + if beyond { height } else { 0.0 }
+    };
+    (Box::new(truth), Box::new(valley))
+}
+
+/// A random field of the length 0.2 from random Fourier features.
+fn rough(k: usize, rng: &mut ChaCha8Rng) -> Function {
+    let features: Vec<(Vec<f64>, f64)> = (0..200)
+        .map(|_| (normals(k, rng).iter().map(|w| w / 0.2).collect(), TAU * rng.random::<f64>()))
+        .collect();
+    let amplitudes = normals(200, rng);
+    Box::new(move |u| {
+        features.iter().zip(&amplitudes).map(|((w, phase), a)| a * (dot(w, u) + phase).cos()).sum::<f64>() / 10.0
+    })
+}
+
+/// Flow through a borehole (Morris et al. 1993) and its low fidelity (Xiong et al. 2013), over four of the eight inputs, with
+/// a bowl that puts the optimum inside.
+fn borehole(rng: &mut ChaCha8Rng) -> (Function, Function) {
+    let flow = |u: &[f64], factor: f64, constant: f64| {
+        let radius = 0.05 + 0.1 * u[0];
+        let (upper, lower) = (990.0 + 120.0 * u[1], 700.0 + 120.0 * u[2]);
+        let length = 1120.0 + 560.0 * u[3];
+        let (influence, transmissivity, below, conductivity) = (5000.0_f64, 89_000.0, 89.0, 10_950.0);
+        let log = (influence / radius).ln();
+        let leak = 2.0 * length * transmissivity / (log * radius * radius * conductivity);
+        factor * transmissivity * (upper - lower) / (log * (constant + leak + transmissivity / below))
+    };
+    let center: Vec<f64> = (0..4).map(|_| between(rng, 0.3, 0.7)).collect();
+    let bowl = move |u: &[f64]| 250.0 * u.iter().zip(&center).map(|(u, c)| (u - c) * (u - c)).sum::<f64>();
+    let other = bowl.clone();
+    (Box::new(move |u| flow(u, TAU, 1.0) + bowl(u)), Box::new(move |u| flow(u, 5.0, 1.5) + 0.8 * other(u)))
+}

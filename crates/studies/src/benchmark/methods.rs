@@ -1,0 +1,245 @@
+//! The methods that are compared: each runs a campaign and recommends a cell after every batch.
+
+use std::time::Instant;
+
+use anyhow::{Result, bail};
+use design_space::{Cell, Grid, Model, Parameter, Region};
+use infuse::{Outcome, global, pooled};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use surface::process::{Residual, SimulationUse, Structure};
+use surface::{Data, GridPoints, Regression, Surface};
+
+use super::families::{Family, Pair};
+use super::{BATCHES, LEVELS};
+
+/// A pair to run a campaign on.
+pub(super) struct Task<'a> {
+    pub(super) pair: &'a Pair,
+    pub(super) region: Region,
+    pub(super) grid: Grid,
+    pub(super) n_experiments: usize,
+    seed: u64,
+}
+
+impl<'a> Task<'a> {
+    pub(super) fn new(family: &Family, pair: &'a Pair, seed: u64) -> Result<Self> {
+        let parameter = |index: usize| Parameter::continuous(format!("u{}", index + 1), "1", 0.0, 1.0)?.with_levels(LEVELS);
+        let region = Region::new((0..pair.n_factors).map(parameter).collect::<Result<_, _>>()?)?;
+        let n_experiments = match family.n_factors {
+            2 => 12,
+            3 => 14,
+            4 => 18,
+            _ => 24,
+        };
+        Ok(Self { pair, grid: Grid::of(&region)?, region, n_experiments, seed })
+    }
+
+    /// The readings of the experiments, in the order in which they are made. Each method meets the same noise.
+    fn readings(&self) -> impl FnMut(Cell) -> Result<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(1);
+        move |cell| {
+            let noise: f64 = StandardNormal.sample(&mut rng);
+            Ok((self.pair.truth)(&self.grid.point(cell)?) + self.pair.noise * noise)
+        }
+    }
+
+    /// Cells spread over the grid.
+    fn spread(&self, count: usize) -> Vec<Cell> {
+        let scramble = self.seed as u32;
+        let counts = self.grid.combinations().counts();
+        let cell = |index: u32| {
+            let unit = (0..).map(|axis| f64::from(sobol_burley::sample(index, axis, scramble)));
+            let digits: Vec<u64> = counts.iter().zip(unit).map(|(&count, u)| (u * count as f64) as u64).collect();
+            Cell::new(self.grid.combinations().index(&digits))
+        };
+        (0..count as u32).map(cell).collect()
+    }
+}
+
+/// What a method recommends after a batch.
+pub(super) struct Step {
+    pub(super) recommended: Cell,
+    /// What it promises at most to be missing, with 90 % probability.
+    pub(super) bound: Option<f64>,
+    pub(super) ask_seconds: f64,
+    pub(super) tell_seconds: f64,
+}
+
+impl Step {
+    fn of(recommended: Cell) -> Self {
+        Self { recommended, bound: None, ask_seconds: 0.0, tell_seconds: 0.0 }
+    }
+}
+
+/// A way to choose experiments, and a design.
+pub(super) struct Method {
+    /// In file names.
+    pub(super) name: &'static str,
+    pub(super) words: &'static str,
+    pub(super) run: fn(&Task<'_>) -> Result<Vec<Step>>,
+    /// The largest number of factors for which its batches suffice.
+    most_factors: usize,
+    /// Whether a campaign takes less than a few seconds.
+    pub(super) is_quick: bool,
+}
+
+impl Method {
+    pub(super) fn can(&self, family: &Family) -> bool {
+        family.n_factors <= self.most_factors
+    }
+}
+
+const fn method(name: &'static str, words: &'static str, run: fn(&Task<'_>) -> Result<Vec<Step>>) -> Method {
+    Method { name, words, run, most_factors: usize::MAX, is_quick: true }
+}
+
+/// Ours first, then those who know less.
+pub(super) const METHODS: &[Method] = &[
+    method("pooled", "pooled loop", pooled_loop),
+    Method { most_factors: 4, is_quick: false, ..method("dissertation", "dissertation's loop", dissertation) },
+    method("sobol-process", "Sobol points, Gaussian process", sobol_process),
+    Method { most_factors: 4, ..method("sobol-quadratic", "Sobol points, one quadratic", sobol_quadratic) },
+    method("simulation", "simulation's own best", simulation_alone),
+    method("center", "center of the box", center),
+    method("random", "random design", random),
+];
+
+fn pooled_loop(task: &Task<'_>) -> Result<Vec<Step>> {
+    let mut settings = pooled::Settings::new(task.n_experiments);
+    (settings.max_batches, settings.seed) = (BATCHES, task.seed);
+    let mut campaign = pooled::Loop::new(&task.region, settings)?;
+    let mut reading = task.readings();
+    let mut simulate = |_: Cell, point: &[f64]| Ok((task.pair.simulation)(point));
+    let mut steps = Vec::new();
+    for _ in 0..BATCHES {
+        let start = Instant::now();
+        let pooled::Ask::Run { trials, .. } = campaign.ask(Some(&mut simulate))? else {
+            bail!("the campaign ended before its last batch");
+        };
+        let ask_seconds = start.elapsed().as_secs_f64();
+        for trial in trials {
+            campaign.tell(trial.id, Outcome::Value(reading(trial.cell)?))?;
+        }
+        let start = Instant::now();
+        let Some(assessment) = campaign.assess(Some(&mut simulate))? else {
+            bail!("no response after a batch");
+        };
+        let tell_seconds = start.elapsed().as_secs_f64();
+        let bound = Some(assessment.certificate.bound);
+        steps.push(Step { recommended: assessment.recommended.cell, bound, ask_seconds, tell_seconds });
+    }
+    Ok(steps)
+}
+
+/// With the settings that the shell gives it: a fifth more experiments than terms would be too many for these budgets, so it has
+/// the same number as the others, and twice as many simulations.
+fn dissertation(task: &Task<'_>) -> Result<Vec<Step>> {
+    let model = Model::quadratic(task.pair.n_factors)?;
+    let mut settings = global::Settings::new(model, task.n_experiments, 2 * task.n_experiments);
+    (settings.max_iterations, settings.first_screening, settings.seed) = (BATCHES, 2, task.seed);
+    let mut campaign = global::Loop::new(&task.region, settings)?;
+    let mut reading = task.readings();
+    let mut simulate = |_: Cell, point: &[f64]| Ok((task.pair.simulation)(point));
+    let mut steps: Vec<Step> = Vec::new();
+    for _ in 0..BATCHES {
+        let start = Instant::now();
+        let ask = campaign.ask(&mut simulate)?;
+        let ask_seconds = start.elapsed().as_secs_f64();
+        let global::Ask::Trials(trials) = ask else {
+            // It has ended: its last recommendation stands.
+            let last = steps.last().map(|step| step.recommended);
+            steps.extend(last.map(Step::of));
+            continue;
+        };
+        let start = Instant::now();
+        for trial in trials {
+            campaign.tell(trial.id, Outcome::Value(reading(trial.cell)?))?;
+        }
+        let tell_seconds = start.elapsed().as_secs_f64();
+        let Some(report) = campaign.reports().last() else {
+            bail!("no report after a batch");
+        };
+        let recommended = task.grid.nearest(&report.screening.optimum)?;
+        steps.push(Step { recommended, bound: None, ask_seconds, tell_seconds });
+    }
+    Ok(steps)
+}
+
+/// The surface of the pooled loop without its simulation, and without its choice of experiments.
+fn sobol_process(task: &Task<'_>) -> Result<Vec<Step>> {
+    let mut settings = pooled::Settings::new(task.n_experiments);
+    settings.seed = task.seed;
+    settings.structures = vec![Structure { simulation: SimulationUse::Ignored, residual: Residual::Smooth }];
+    let mut campaign = pooled::Loop::new(&task.region, settings)?;
+    let mut reading = task.readings();
+    let cells = task.spread(BATCHES * task.n_experiments);
+    let mut steps = Vec::new();
+    for cells in cells.chunks(task.n_experiments) {
+        for trial in campaign.hand_out(cells)? {
+            campaign.tell(trial.id, Outcome::Value(reading(trial.cell)?))?;
+        }
+        let Some(assessment) = campaign.assess(None)? else {
+            bail!("no response after a batch");
+        };
+        steps.push(Step::of(assessment.recommended.cell));
+    }
+    Ok(steps)
+}
+
+fn sobol_quadratic(task: &Task<'_>) -> Result<Vec<Step>> {
+    let k = task.pair.n_factors;
+    let model = Model::quadratic(k)?;
+    let cells = task.spread(BATCHES * task.n_experiments);
+    let axis: Vec<f64> = (0..LEVELS).map(|level| design_space::coded_level(level.into(), LEVELS.into())).collect();
+    let all = GridPoints::new(vec![axis; k])?;
+    let mut reading = task.readings();
+    let (mut points, mut values, mut steps) = (Vec::new(), Vec::new(), Vec::new());
+    for cells in cells.chunks(task.n_experiments) {
+        for &cell in cells {
+            points.extend(task.grid.coded(cell)?);
+            values.push(reading(cell)?);
+        }
+        let data = Data::new(k, points.clone(), values.clone())?;
+        // Fewer experiments than terms at first: then what can be told apart.
+        let fit = Regression::fit_with(&model, &data, surface::Confounded::Drop)?;
+        let Some(minimum) = fit.minimum_over(&all)? else {
+            bail!("the quadratic is a number nowhere");
+        };
+        steps.push(Step::of(Cell::new(minimum.index)));
+    }
+    Ok(steps)
+}
+
+/// What is chosen without any experiment.
+fn simulation_alone(task: &Task<'_>) -> Result<Vec<Step>> {
+    let (grid, simulation) = (&task.grid, &task.pair.simulation);
+    let at = |cell: Cell| Ok::<_, anyhow::Error>((simulation(&grid.point(cell)?), cell));
+    let candidates: Vec<Cell> =
+        if grid.n_cells() <= 400_000 { grid.cells().collect() } else { task.spread(50_000) };
+    let values = candidates.into_iter().map(at).collect::<Result<Vec<_>>>()?;
+    let Some(mut best) = values.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else {
+        bail!("a grid without cells");
+    };
+    loop {
+        let around = grid.neighbours(best.1)?.into_iter().map(at).collect::<Result<Vec<_>>>()?;
+        match around.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some(lower) if lower.0 < best.0 => best = lower,
+            _ => break,
+        }
+    }
+    Ok((0..BATCHES).map(|_| Step::of(best.1)).collect())
+}
+
+fn center(task: &Task<'_>) -> Result<Vec<Step>> {
+    let cell = task.grid.nearest(&task.region.center())?;
+    Ok((0..BATCHES).map(|_| Step::of(cell)).collect())
+}
+
+fn random(task: &Task<'_>) -> Result<Vec<Step>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(task.seed);
+    rng.set_stream(2);
+    Ok((0..BATCHES).map(|_| Step::of(Cell::new(rng.random_range(0..task.grid.n_cells())))).collect())
+}

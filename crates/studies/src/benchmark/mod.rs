@@ -1,0 +1,147 @@
+//! `cargo xtask benchmark`: the loops on pairs of a biased simulation and a noisy truth, beside those who know less and peers.
+
+mod families;
+mod methods;
+mod page;
+mod results;
+mod summary;
+
+use std::io::{BufRead, Write};
+use std::path::Path;
+
+use anyhow::{Context as _, Result, bail, ensure};
+use design_space::{Cell, Grid};
+use rayon::prelude::*;
+
+use crate::reproduction::progress;
+use families::{FAMILIES, Family};
+use methods::{METHODS, Method, Task};
+use results::{Results, Row};
+
+/// Campaigns of each family, seeds from 1.
+const SEEDS: u64 = 20;
+const BATCHES: usize = 5;
+/// Levels of each factor.
+const LEVELS: u32 = 24;
+/// Where the rows of our methods, and those of the peers, are kept.
+const OURS: &str = "fixtures/benchmark";
+const PEERS: &str = "fixtures/peers/results";
+
+/// Runs what is missing among the kept campaigns, and writes the page.
+pub(crate) fn run(root: &Path) -> Result<()> {
+    for method in METHODS {
+        let mut results = Results::read(&root.join(OURS), method.name)?;
+        let missing: Vec<(&Family, u64)> = FAMILIES
+            .iter()
+            .filter(|family| method.can(family))
+            .flat_map(|family| (1..=SEEDS).map(move |seed| (family, seed)))
+            .filter(|(family, seed)| !results.has(family.name, *seed))
+            .collect();
+        let bar = progress(&format!("campaigns: {}", method.words), missing.len());
+        // A few campaigns at a time, so that a killed run loses no more than these.
+        for some in missing.chunks(8) {
+            let rows: Vec<Vec<Row>> = some
+                .par_iter()
+                .map(|(family, seed)| {
+                    let rows = campaign(method, family, *seed)?;
+                    bar.inc(1);
+                    Ok(rows)
+                })
+                .collect::<Result<_>>()?;
+            results.append(rows.concat())?;
+        }
+        bar.finish();
+    }
+    page::write(root, &kept(root)?)
+}
+
+/// That the kept rows are what the methods give today, on a few campaigns, and that the page follows from them.
+pub(crate) fn check(root: &Path) -> Result<()> {
+    let kept_results = kept(root)?;
+    for method in METHODS.iter().filter(|method| method.is_quick) {
+        for family in FAMILIES.iter().filter(|family| method.can(family)).step_by(4) {
+            let seed = 1;
+            let again = campaign(method, family, seed)?;
+            let before = Results::read(&root.join(OURS), method.name)?.of(family.name, seed);
+            let same = before.len() == again.len() && before.iter().zip(&again).all(|(a, b)| a.agrees(b));
+            ensure!(same, "{} on {}, seed {seed}: other rows than kept in {OURS}", method.words, family.name);
+        }
+    }
+    page::check(root, &kept_results)
+}
+
+fn kept(root: &Path) -> Result<Vec<Results>> {
+    let mut all: Vec<Results> =
+        METHODS.iter().map(|method| Results::read(&root.join(OURS), method.name)).collect::<Result<_>>()?;
+    for peer in results::PEER_NAMES {
+        all.push(Results::read(&root.join(PEERS), peer)?);
+    }
+    Ok(all)
+}
+
+/// One campaign, a row for each batch.
+fn campaign(method: &Method, family: &Family, seed: u64) -> Result<Vec<Row>> {
+    let pair = family.pair(seed);
+    let task = Task::new(family, &pair, seed)?;
+    let best = lowest(&task.grid, &*pair.truth)?;
+    let steps = (method.run)(&task).with_context(|| format!("{} on {}, seed {seed}", method.words, family.name))?;
+    let row = |(batch, step): (usize, methods::Step)| {
+        let point = task.grid.point(step.recommended)?;
+        let regret = (pair.truth)(&point) - best;
+        let seconds = [step.ask_seconds, step.tell_seconds];
+        Ok(Row { family: family.name.to_owned(), seed, batch: batch + 1, regret, bound: step.bound, seconds })
+    };
+    steps.into_iter().enumerate().map(row).collect()
+}
+
+/// The lowest value on a grid: of all cells, or by descent from the best of many where there are too many.
+fn lowest(grid: &Grid, truth: &dyn Fn(&[f64]) -> f64) -> Result<f64> {
+    const ALL: u64 = 400_000;
+    const SAMPLE: u64 = 40_000;
+    const STARTS: usize = 60;
+    let at = |cell: Cell| Ok::<_, anyhow::Error>((truth(&grid.point(cell)?), cell));
+    if grid.n_cells() <= ALL {
+        let values = grid.cells().map(|cell| Ok(at(cell)?.0)).collect::<Result<Vec<f64>>>()?;
+        return Ok(values.into_iter().fold(f64::INFINITY, f64::min));
+    }
+    // A stride that shares no factor with the number of cells visits different ones.
+    let stride = 1_000_003 + grid.n_cells() / SAMPLE;
+    let mut sample = (0..SAMPLE).map(|i| at(Cell::new(i * stride % grid.n_cells()))).collect::<Result<Vec<_>>>()?;
+    sample.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best = f64::INFINITY;
+    for &(mut value, mut cell) in sample.iter().take(STARTS) {
+        loop {
+            let around = grid.neighbours(cell)?.into_iter().map(at).collect::<Result<Vec<_>>>()?;
+            match around.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
+                Some((lower, next)) if lower < value => (value, cell) = (lower, next),
+                _ => break,
+            }
+        }
+        best = best.min(value);
+    }
+    Ok(best)
+}
+
+/// Answers points of a pair, for programs in other languages: the first line says the number of factors, the levels, the noise,
+/// the experiments of a batch and the lowest truth; then each line of coordinates from 0 to 1 is answered by truth and simulation.
+pub(crate) fn serve(family: &str, seed: &str) -> Result<()> {
+    let names = || FAMILIES.map(|family| family.name).join(", ");
+    let Some(family) = FAMILIES.iter().find(|known| known.name == family) else {
+        bail!("family is {family:?}, expected one of {}", names());
+    };
+    let seed: u64 = seed.parse().with_context(|| format!("seed is {seed:?}, expected a whole number"))?;
+    let pair = family.pair(seed);
+    let task = Task::new(family, &pair, seed)?;
+    let mut out = std::io::stdout().lock();
+    let best = lowest(&task.grid, &*pair.truth)?;
+    writeln!(out, "{} {LEVELS} {} {} {best}", pair.n_factors, pair.noise, task.n_experiments)?;
+    out.flush()?;
+    for line in std::io::stdin().lock().lines() {
+        let line = line?;
+        let point: Vec<f64> = line.split_whitespace().map(str::parse).collect::<Result<_, _>>()?;
+        ensure!(point.len() == pair.n_factors, "{} coordinates, expected {}: {line}", point.len(), pair.n_factors);
+        writeln!(out, "{} {}", (pair.truth)(&point), (pair.simulation)(&point))?;
+        out.flush()?;
+    }
+    Ok(())
+}

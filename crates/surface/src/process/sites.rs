@@ -1,0 +1,147 @@
+//! The measurements of a process, one entry per place.
+
+use crate::process::places::Places;
+use crate::{Data, Error};
+
+/// Measurements grouped by place, centered and scaled.
+///
+/// Several at one place count as their weighted mean, with the sum of their weights, and their scatter about it tells of the
+/// noise alone: nothing is lost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sites {
+    places: Places,
+    /// Mean at each place, centered and scaled.
+    means: Vec<f64>,
+    weights: Vec<f64>,
+    /// Of the scaled values about the means of their places.
+    scatter: f64,
+    n_repeats: usize,
+    units: Units,
+}
+
+/// Where zero and one lie for a process.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Units {
+    /// Mean of the values.
+    pub(crate) center: f64,
+    /// Their standard deviation.
+    pub(crate) scale: f64,
+    /// Mean of the simulated responses at the places.
+    simulated_center: f64,
+}
+
+impl Units {
+    /// A simulated response, centered and scaled as the values are.
+    pub(crate) fn simulated(&self, s: f64) -> f64 {
+        (s - self.simulated_center) / self.scale
+    }
+}
+
+impl Sites {
+    /// These data, with the simulated response at each point if there is a simulation.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Length`] unless there is one simulated response per point, [`Error::Value`].
+    pub fn new(data: &Data, simulated: Option<&[f64]>) -> Result<Self, Error> {
+        if let Some(simulated) = simulated.filter(|simulated| simulated.len() != data.n_points()) {
+            let (expected, found) = (data.n_points(), simulated.len());
+            return Err(Error::Length { name: "simulated responses", expected, found });
+        }
+        let groups = data.sites();
+        let coordinates: Vec<f64> = groups.iter().flat_map(|group| data.point(group[0])).copied().collect();
+        let mut places = Places::new(data.n_factors(), &coordinates)?;
+        if let Some(simulated) = simulated {
+            places = places.with_simulated(groups.iter().map(|group| simulated[group[0]]).collect())?;
+        }
+        let weights: Vec<f64> =
+            groups.iter().map(|group| group.iter().map(|&point| data.weights()[point]).sum()).collect();
+        let means: Vec<f64> = groups
+            .iter()
+            .zip(&weights)
+            .map(|(group, total)| group.iter().map(|&point| data.weights()[point] / total * data.values()[point]).sum())
+            .collect();
+        let units = Units::of(data, &places);
+        let scaled = |value: f64| (value - units.center) / units.scale;
+        let scatter = groups.iter().zip(&means).flat_map(|(group, mean)| {
+            group.iter().map(move |&point| data.weights()[point] * ((data.values()[point] - mean) / units.scale).powi(2))
+        });
+        Ok(Self {
+            scatter: scatter.sum(),
+            n_repeats: data.n_used() - groups.len(),
+            means: means.iter().map(|&mean| scaled(mean)).collect(),
+            places,
+            weights,
+            units,
+        })
+    }
+
+    /// The same in given units: priors are then about `center`, in multiples of `scale`, instead of about the mean and in
+    /// standard deviations of the values.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] unless the center is finite and the scale positive.
+    pub fn in_units(mut self, center: f64, scale: f64) -> Result<Self, Error> {
+        if !center.is_finite() {
+            return Err(Error::Parameter { name: "center", value: center, allowed: "a finite number" });
+        }
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(Error::Parameter { name: "scale", value: scale, allowed: "a positive number" });
+        }
+        let before = self.units;
+        self.means.iter_mut().for_each(|mean| *mean = (before.center + before.scale * *mean - center) / scale);
+        self.scatter *= (before.scale / scale).powi(2);
+        self.units = Units { center, scale, ..before };
+        Ok(self)
+    }
+
+    /// The places, each in the position of its first measurement among those of the others.
+    #[must_use]
+    pub fn places(&self) -> &Places {
+        &self.places
+    }
+
+    /// Number of measurements beyond one per place.
+    #[must_use]
+    pub fn n_repeats(&self) -> usize {
+        self.n_repeats
+    }
+
+    pub(crate) fn means(&self) -> &[f64] {
+        &self.means
+    }
+
+    pub(crate) fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    pub(crate) fn scatter(&self) -> f64 {
+        self.scatter
+    }
+
+    pub(crate) fn units(&self) -> Units {
+        self.units
+    }
+}
+
+impl Units {
+    /// Mean and standard deviation of the values; where all are equal, those of the simulation; where that is constant too, a
+    /// millionth of the value stands for the scale.
+    fn of(data: &Data, places: &Places) -> Self {
+        let used = || data.values().iter().zip(data.weights()).filter(|(_, weight)| **weight > 0.0).map(|(value, _)| *value);
+        let [center, spread] = mean_and_spread(used());
+        let simulated = places.simulated().map_or([0.0; 2], |all| mean_and_spread(all.iter().copied()));
+        let tiny = 1e-9 * center.abs();
+        let scale = [spread, simulated[1], 1e-6 * center.abs(), 1.0];
+        let scale = scale.into_iter().find(|&scale| scale > tiny && scale > 0.0).unwrap_or(1.0);
+        Self { center, scale, simulated_center: simulated[0] }
+    }
+}
+
+fn mean_and_spread(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    let n = values.clone().count() as f64;
+    let mean = values.clone().map(|value| value / n).sum::<f64>();
+    let spread = (values.map(|value| (value - mean).powi(2) / n).sum::<f64>()).sqrt();
+    [mean, spread]
+}
