@@ -8,9 +8,9 @@ mod error;
 #[cfg(feature = "global")]
 pub mod global;
 pub mod gradient;
+mod ledger;
 #[cfg(feature = "global")]
 pub mod pooled;
-mod ledger;
 mod problem;
 #[cfg(feature = "global")]
 mod traced;

@@ -154,7 +154,8 @@ pub(crate) fn standing(
     let marginals = knowledge.marginals(&places);
     let feasible = knowledge.feasible(&[recommended, cell], &places)[1];
     let probability_better = if cell == recommended { 0.0 } else { better(knowledge, &places)[1] };
-    let here: Vec<f64> = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response).collect();
+    let here: Vec<f64> =
+        readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response).collect();
     let n_readings = here.len();
     let may_be_best = cell == recommended || (feasible >= FEASIBLE && probability_better >= 1.0 - confidence);
     Ok(Standing {
@@ -181,7 +182,12 @@ fn better(knowledge: &Knowledge<'_, '_>, places: &surface::process::Places) -> V
 const COUNTED: u64 = 4000;
 
 /// The share of all designs that may still be the best: counted in small grids, estimated from random designs otherwise.
-fn share_left(knowledge: &mut Knowledge<'_, '_>, pool: &Pool, recommended: Cell, confidence: f64) -> Result<f64, Error> {
+fn share_left(
+    knowledge: &mut Knowledge<'_, '_>,
+    pool: &Pool,
+    recommended: Cell,
+    confidence: f64,
+) -> Result<f64, Error> {
     let cells: Vec<Cell> = if knowledge.designs.n_cells() <= COUNTED {
         knowledge.designs.grid().cells().collect()
     } else {

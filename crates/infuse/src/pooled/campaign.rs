@@ -380,7 +380,8 @@ impl Loop {
     }
 
     fn record(&mut self, id: TrialId, actual: Option<Vec<f64>>, outcome: Outcome, again: bool) -> Result<(), Error> {
-        let position = self.records.iter().position(|record| record.trial.id == id).ok_or(Error::UnknownTrial { id })?;
+        let position =
+            self.records.iter().position(|record| record.trial.id == id).ok_or(Error::UnknownTrial { id })?;
         if self.records[position].outcome.is_some() != again {
             return Err(if again { Error::UnknownTrial { id } } else { Error::AlreadyTold { id } });
         }

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use design_space::Cell;
 use surface::Data;
 use surface::process::{
-    AveragedProcess, Contrast, Feasibility, Joint, Marginals, Places, Residual, SamplerSettings, SimulationUse,
-    Sites, Structure,
+    AveragedProcess, Contrast, Feasibility, Joint, Marginals, Places, Residual, SamplerSettings, SimulationUse, Sites,
+    Structure,
 };
 
 use crate::Error;

@@ -14,7 +14,8 @@ fn region(n_factors: usize, levels: Option<u32>) -> Region {
         let parameter = Parameter::continuous(format!("p{index}"), "mm", -1.0, 1.0)?;
         levels.map_or(Ok(parameter.clone()), |levels| parameter.with_levels(levels))
     };
-    Region::new((0..n_factors).map(|index| parameter(index).expect("a valid parameter")).collect()).expect("distinct names")
+    Region::new((0..n_factors).map(|index| parameter(index).expect("a valid parameter")).collect())
+        .expect("distinct names")
 }
 
 fn campaign(n_factors: usize, levels: u32, settings: Settings) -> Loop {
@@ -200,7 +201,9 @@ fn simulation_that_fails_or_is_constant_or_nonsense_is_survived() {
 fn responses_of_any_size_and_without_any_spread_are_taken() {
     for unit in [1e-12, 1.0, 1e12] {
         let mut campaign = campaign(2, 21, batches(10, 2, 1));
-        campaign.run(&mut |_, _| Err("none".to_owned()), &mut noisy(1, 0.02 * unit, |point| unit * truth(point))).expect("it ends");
+        campaign
+            .run(&mut |_, _| Err("none".to_owned()), &mut noisy(1, 0.02 * unit, |point| unit * truth(point)))
+            .expect("it ends");
         let found = campaign.assess(None).expect("a fit").expect("responses");
         assert!(truth(&found.recommended.point) < 0.1, "unit {unit:e}: {:?}", found.recommended);
         assert!(found.certificate.bound < 3.0 * unit, "unit {unit:e}: {:?}", found.certificate);
@@ -234,11 +237,18 @@ fn continuous_parameters_need_no_levels() {
 fn outlier_of_a_hundred_deviations_is_named() {
     let mut campaign = campaign(2, 21, batches(12, 3, 1));
     let mut experiment = noisy(1, 0.02, truth);
-    campaign.run(&mut simulation, &mut |trial| {
-        Ok(experiment(trial)? + if trial.id == TrialId::new(20) { 2.0 } else { 0.0 })
-    }).expect("it ends");
+    campaign
+        .run(
+            &mut simulation,
+            &mut |trial| Ok(experiment(trial)? + if trial.id == TrialId::new(20) { 2.0 } else { 0.0 }),
+        )
+        .expect("it ends");
     let found = assessed(&mut campaign);
-    assert!(found.outliers.iter().any(|outlier| outlier.reading == 19 && outlier.deviations > 4.0), "{:?}", found.outliers);
+    assert!(
+        found.outliers.iter().any(|outlier| outlier.reading == 19 && outlier.deviations > 4.0),
+        "{:?}",
+        found.outliers
+    );
     // Put right, it is gone.
     let point = campaign.records()[19].trial.point.clone();
     campaign.correct(TrialId::new(20), None, Outcome::Value(truth(&point))).expect("a trial with an outcome");
@@ -295,7 +305,10 @@ fn campaign_stops_when_the_certificate_is_small_enough() {
         let found = assessed(&mut campaign);
         if stop == StopReason::NotWorthIt {
             stops += 1;
-            assert!(found.certificate.bound <= 0.05 && truth(&found.recommended.point) <= 0.05, "seed {seed}: {found:?}");
+            assert!(
+                found.certificate.bound <= 0.05 && truth(&found.recommended.point) <= 0.05,
+                "seed {seed}: {found:?}"
+            );
             assert_eq!(found.further_batches, Some(0));
         }
     }
@@ -307,16 +320,25 @@ fn campaign_stops_when_the_certificate_is_small_enough() {
 fn more_can_be_asked_for_while_some_are_pending() {
     let mut campaign = campaign(2, 21, batches(6, 5, 1));
     for _ in 0..2 {
-        let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else { panic!("it goes on") };
+        let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else {
+            panic!("it goes on")
+        };
         for trial in trials {
             campaign.tell(trial.id, Outcome::Value(truth(&trial.point))).expect("an outstanding trial");
         }
     }
-    let Ask::Run { trials: first, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else { panic!("it goes on") };
-    let Ask::Run { trials: both, .. } = campaign.ask_more(Some(&mut simulation)).expect("more") else { panic!("it goes on") };
+    let Ask::Run { trials: first, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else {
+        panic!("it goes on")
+    };
+    let Ask::Run { trials: both, .. } = campaign.ask_more(Some(&mut simulation)).expect("more") else {
+        panic!("it goes on")
+    };
     assert_eq!(both[..6], first);
     assert_eq!(both.len(), 12);
-    assert_eq!(campaign.ask(Some(&mut simulation)).expect("the same"), Ask::Run { trials: both, simulations: Vec::new() });
+    assert_eq!(
+        campaign.ask(Some(&mut simulation)).expect("the same"),
+        Ask::Run { trials: both, simulations: Vec::new() }
+    );
 }
 
 #[test]

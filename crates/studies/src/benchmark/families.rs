@@ -83,7 +83,11 @@ impl Family {
             order.swap(i, rng.random_range(0..=i));
         }
         let turn = move |u: &[f64]| -> Vec<f64> {
-            order.iter().zip(&mirrored).map(|(&axis, &mirrored)| if mirrored { 1.0 - u[axis] } else { u[axis] }).collect()
+            order
+                .iter()
+                .zip(&mirrored)
+                .map(|(&axis, &mirrored)| if mirrored { 1.0 - u[axis] } else { u[axis] })
+                .collect()
         };
         let mut lowest = f64::INFINITY;
         let mut highest = f64::NEG_INFINITY;
@@ -151,7 +155,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// An oblique quadratic about `center`, steeper on one side along `along`.
-fn skewed(center: Vec<f64>, scales: Vec<f64>, along: Vec<f64>, skew: f64) -> impl Fn(&[f64]) -> f64 + Send + Sync + Clone {
+fn skewed(
+    center: Vec<f64>,
+    scales: Vec<f64>,
+    along: Vec<f64>,
+    skew: f64,
+) -> impl Fn(&[f64]) -> f64 + Send + Sync + Clone {
     move |u| {
         let d: Vec<f64> = u.iter().zip(&center).map(|(u, c)| u - c).collect();
         let across = dot(&d, &along);
@@ -318,9 +327,8 @@ fn cliff(rng: &mut ChaCha8Rng) -> (Function, Function) {
 
 /// A random field of the length 0.2 from random Fourier features.
 fn rough(k: usize, rng: &mut ChaCha8Rng) -> Function {
-    let features: Vec<(Vec<f64>, f64)> = (0..200)
-        .map(|_| (normals(k, rng).iter().map(|w| w / 0.2).collect(), TAU * rng.random::<f64>()))
-        .collect();
+    let features: Vec<(Vec<f64>, f64)> =
+        (0..200).map(|_| (normals(k, rng).iter().map(|w| w / 0.2).collect(), TAU * rng.random::<f64>())).collect();
     let amplitudes = normals(200, rng);
     Box::new(move |u| {
         features.iter().zip(&amplitudes).map(|((w, phase), a)| a * (dot(w, u) + phase).cos()).sum::<f64>() / 10.0

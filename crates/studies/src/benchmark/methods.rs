@@ -25,7 +25,8 @@ pub(super) struct Task<'a> {
 
 impl<'a> Task<'a> {
     pub(super) fn new(family: &Family, pair: &'a Pair, seed: u64) -> Result<Self> {
-        let parameter = |index: usize| Parameter::continuous(format!("u{}", index + 1), "1", 0.0, 1.0)?.with_levels(LEVELS);
+        let parameter =
+            |index: usize| Parameter::continuous(format!("u{}", index + 1), "1", 0.0, 1.0)?.with_levels(LEVELS);
         let region = Region::new((0..pair.n_factors).map(parameter).collect::<Result<_, _>>()?)?;
         let n_experiments = match family.n_factors {
             2 => 12,
@@ -217,8 +218,7 @@ fn sobol_quadratic(task: &Task<'_>) -> Result<Vec<Step>> {
 fn simulation_alone(task: &Task<'_>) -> Result<Vec<Step>> {
     let (grid, simulation) = (&task.grid, &task.pair.simulation);
     let at = |cell: Cell| Ok::<_, anyhow::Error>((simulation(&grid.point(cell)?), cell));
-    let candidates: Vec<Cell> =
-        if grid.n_cells() <= 400_000 { grid.cells().collect() } else { task.spread(50_000) };
+    let candidates: Vec<Cell> = if grid.n_cells() <= 400_000 { grid.cells().collect() } else { task.spread(50_000) };
     let values = candidates.into_iter().map(at).collect::<Result<Vec<_>>>()?;
     let Some(mut best) = values.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else {
         bail!("a grid without cells");

@@ -36,21 +36,27 @@ pub(super) fn check(root: &Path, kept: &[Results]) -> Result<()> {
 
 /// The methods that have rows, as they are called.
 fn present(kept: &[Results]) -> Vec<(&Results, String)> {
-    let words = |name: &str| METHODS.iter().find(|method| method.name == name).map_or(name, |method| method.words).to_owned();
+    let words =
+        |name: &str| METHODS.iter().find(|method| method.name == name).map_or(name, |method| method.words).to_owned();
     kept.iter().filter(|results| !results.rows.is_empty()).map(|results| (results, words(&results.method))).collect()
 }
 
 /// Families of few and of many factors.
 fn groups() -> [(&'static str, Vec<&'static Family>); 2] {
     let of = |few: bool| FAMILIES.iter().filter(|family| (family.n_factors <= 3) == few).collect();
-    [("2 and 3 parameters", of(true)), ("4 parameters", FAMILIES.iter().filter(|family| family.n_factors == 4).collect())]
-        .map(|(name, families): (_, Vec<&Family>)| (name, if families.is_empty() { of(true) } else { families }))
+    [
+        ("2 and 3 parameters", of(true)),
+        ("4 parameters", FAMILIES.iter().filter(|family| family.n_factors == 4).collect()),
+    ]
+    .map(|(name, families): (_, Vec<&Family>)| (name, if families.is_empty() { of(true) } else { families }))
 }
 
 fn picture(kept: &[Results]) -> String {
     let batches: Vec<f64> = (1..=BATCHES).map(|batch| batch as f64).collect();
     let panel = |(name, families): (&str, Vec<&Family>)| {
-        let curve = |results: &Results| (1..=BATCHES).map(|batch| typical(results, &families, batch)).collect::<Option<Vec<f64>>>();
+        let curve = |results: &Results| {
+            (1..=BATCHES).map(|batch| typical(results, &families, batch)).collect::<Option<Vec<f64>>>()
+        };
         let curves: Vec<(String, Vec<f64>)> = present(kept)
             .into_iter()
             .filter_map(|(results, words)| curve(results).map(|curve| (words, curve)))
@@ -105,9 +111,12 @@ fn markdown(kept: &[Results]) -> Result<String> {
     text += "\n## The certificate\n\nPromised with 90 % probability: no design is better by more than c. How often one was, and \
              the median of c in % of the range, after each batch.\n\n";
     text += &certificate_table(ours).markdown();
-    text += &format!("\n## Stopping\n\nHad another batch to be worth {} % of the range: campaigns that stopped within {BATCHES} \
+    text += &format!(
+        "\n## Stopping\n\nHad another batch to be worth {} % of the range: campaigns that stopped within {BATCHES} \
              batches, those of them that stopped with more than that missing, those that could have stopped a batch or more \
-             earlier, and the mean number of batches.\n\n", 100.0 * WORTH);
+             earlier, and the mean number of batches.\n\n",
+        100.0 * WORTH
+    );
     text += &stops_table(ours).markdown();
     text += "\n## Seconds\n\nMedian time to choose a batch and to take its results, on the machine where the rows were made.\n\n";
     text += &seconds_table(&methods).markdown();
@@ -170,7 +179,9 @@ fn paired_table(methods: &[(&Results, String)], ours: &Results) -> Table {
     for family in &FAMILIES {
         let mut row = vec![family.name.to_owned()];
         for (results, _) in methods.iter().skip(1) {
-            let one = |batch| paired(ours, results, family, batch, batch).map(|[mean, error]| format!("{mean:.2} ± {error:.2}"));
+            let one = |batch| {
+                paired(ours, results, family, batch, batch).map(|[mean, error]| format!("{mean:.2} ± {error:.2}"))
+            };
             let cells: Option<Vec<String>> = [2, 3, BATCHES].into_iter().map(one).collect();
             row.push(cells.map_or("–".to_owned(), |cells| cells.join(", ")));
         }
@@ -211,7 +222,8 @@ fn seconds_table(methods: &[(&Results, String)]) -> Table {
     let mut table = Table::new(["method", "2 factors", "4 factors", "6 factors"].map(Column::words).to_vec());
     for (results, words) in methods {
         let cell = |n_factors: usize| {
-            let of_size = |name: &str| FAMILIES.iter().any(|family| family.name == name && family.n_factors == n_factors);
+            let of_size =
+                |name: &str| FAMILIES.iter().any(|family| family.name == name && family.n_factors == n_factors);
             let rows: Vec<[f64; 2]> =
                 results.rows.iter().filter(|row| of_size(&row.family)).map(|row| row.seconds).collect();
             let median = |which: usize| quantile(rows.iter().map(|seconds| seconds[which]).collect(), 0.5);

@@ -44,7 +44,11 @@ impl Row {
             (Some(a), Some(b)) => close(a, b),
             (a, b) => a.is_none() == b.is_none(),
         };
-        self.family == other.family && self.seed == other.seed && self.batch == other.batch && bounds && close(self.regret, other.regret)
+        self.family == other.family
+            && self.seed == other.seed
+            && self.batch == other.batch
+            && bounds
+            && close(self.regret, other.regret)
     }
 }
 
@@ -62,7 +66,8 @@ impl Results {
         let path = folder.join(method).with_extension("csv");
         let mut rows = Vec::new();
         if path.exists() {
-            let mut reader = csv::Reader::from_path(&path).with_context(|| format!("cannot read {}", path.display()))?;
+            let mut reader =
+                csv::Reader::from_path(&path).with_context(|| format!("cannot read {}", path.display()))?;
             for line in reader.deserialize() {
                 let line: Line = line.with_context(|| format!("{} is not a table of results", path.display()))?;
                 let Line { family, seed, batch, regret, bound, ask_seconds, tell_seconds } = line;

@@ -95,8 +95,10 @@ pub(super) fn stops(results: &Results, family: &Family, worth: f64) -> Stops {
 
 /// Geometric mean over families of the median regret, each at least the floor.
 pub(super) fn typical(results: &Results, families: &[&Family], batch: usize) -> Option<f64> {
-    let medians: Vec<f64> =
-        families.iter().map(|family| regret(results, family, batch).map(|[median, _]| median)).collect::<Option<_>>()?;
+    let medians: Vec<f64> = families
+        .iter()
+        .map(|family| regret(results, family, batch).map(|[median, _]| median))
+        .collect::<Option<_>>()?;
     let logs: f64 = medians.iter().map(|median| (median.max(0.0) + FLOOR).ln()).sum();
     Some((logs / medians.len().max(1) as f64).exp())
 }

@@ -92,7 +92,8 @@ impl Places {
     /// These points and then others, of as many factors; simulated only where both are.
     #[must_use]
     pub fn followed_by(&self, other: &Self) -> Self {
-        let axes = (0..self.n_factors).flat_map(|axis| self.axis(axis).iter().chain(other.axis(axis))).copied().collect();
+        let axes =
+            (0..self.n_factors).flat_map(|axis| self.axis(axis).iter().chain(other.axis(axis))).copied().collect();
         let both = self.simulated.as_ref().zip(other.simulated.as_ref());
         let simulated = both.map(|(own, others)| own.iter().chain(others).copied().collect());
         Self { n_factors: self.n_factors, n_places: self.n_places + other.n_places, axes, simulated }

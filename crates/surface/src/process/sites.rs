@@ -64,7 +64,9 @@ impl Sites {
         let units = Units::of(data, &places);
         let scaled = |value: f64| (value - units.center) / units.scale;
         let scatter = groups.iter().zip(&means).flat_map(|(group, mean)| {
-            group.iter().map(move |&point| data.weights()[point] * ((data.values()[point] - mean) / units.scale).powi(2))
+            group
+                .iter()
+                .map(move |&point| data.weights()[point] * ((data.values()[point] - mean) / units.scale).powi(2))
         });
         Ok(Self {
             scatter: scatter.sum(),
@@ -129,7 +131,8 @@ impl Units {
     /// Mean and standard deviation of the values; where all are equal, those of the simulation; where that is constant too, a
     /// millionth of the value stands for the scale.
     fn of(data: &Data, places: &Places) -> Self {
-        let used = || data.values().iter().zip(data.weights()).filter(|(_, weight)| **weight > 0.0).map(|(value, _)| *value);
+        let used =
+            || data.values().iter().zip(data.weights()).filter(|(_, weight)| **weight > 0.0).map(|(value, _)| *value);
         let [center, spread] = mean_and_spread(used());
         let simulated = places.simulated().map_or([0.0; 2], |all| mean_and_spread(all.iter().copied()));
         let tiny = 1e-9 * center.abs();

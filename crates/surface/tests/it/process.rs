@@ -165,7 +165,8 @@ fn world(structure: Structure, rng: &mut ChaCha8Rng) -> World {
     let n = N_DATA + N_OTHERS;
     let coordinates: Vec<f64> = (0..n * N_FACTORS).map(|_| 2.0 * rng.random::<f64>() - 1.0).collect();
     let slopes: Vec<f64> = (0..2).map(|_| StandardNormal.sample(rng)).collect();
-    let raw: Vec<f64> = coordinates.chunks(N_FACTORS).map(|x| slopes[0] * (3.0 * x[0]).sin() + slopes[1] * x[1]).collect();
+    let raw: Vec<f64> =
+        coordinates.chunks(N_FACTORS).map(|x| slopes[0] * (3.0 * x[0]).sin() + slopes[1] * x[1]).collect();
     // The simulation of the sites has the mean zero that a process gives it, so that both mean the same by a constant.
     let center = raw[..N_DATA].iter().sum::<f64>() / N_DATA as f64;
     let simulated: Vec<f64> = raw.iter().map(|s| s - center).collect();

@@ -23,9 +23,3 @@ pub(super) fn median_words(values: impl Iterator<Item = f64>, decimals: usize) -
     Summary::of(&values.collect::<Vec<_>>())
         .map_or("–".to_owned(), |summary| format!("{:.decimals$}", summary.median))
 }
-
-/// A number whose sign is not a hyphen.
-pub(super) fn with_minus(value: f64, decimals: usize) -> String {
-    let sign = if value < 0.0 { "−" } else { "" };
-    format!("{sign}{:.decimals$}", value.abs())
-}
