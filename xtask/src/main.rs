@@ -40,7 +40,6 @@ const COMMANDS: &[(&str, Program)] = &[
     ("tutorials", CHECKS),
 ];
 
-/// The exit code for a command that does not exist.
 const USAGE_ERROR: u8 = 2;
 
 fn main() -> ExitCode {

@@ -3,62 +3,15 @@
 use std::time::Instant;
 
 use anyhow::{Result, bail};
-use design_space::{Cell, Grid, Model, Parameter, Region};
+use design_space::{Cell, Model};
 use infuse::{Outcome, global, pooled};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use surface::process::{Residual, SimulationUse, Structure};
 use surface::{Data, GridPoints, Regression, Surface};
 
-use super::families::{Family, Pair};
-use super::{BATCHES, LEVELS};
-
-/// A pair to run a campaign on.
-pub(super) struct Task<'a> {
-    pub(super) pair: &'a Pair,
-    pub(super) region: Region,
-    pub(super) grid: Grid,
-    pub(super) n_experiments: usize,
-    seed: u64,
-}
-
-impl<'a> Task<'a> {
-    pub(super) fn new(family: &Family, pair: &'a Pair, seed: u64) -> Result<Self> {
-        let parameter =
-            |index: usize| Parameter::continuous(format!("u{}", index + 1), "1", 0.0, 1.0)?.with_levels(LEVELS);
-        let region = Region::new((0..pair.n_factors).map(parameter).collect::<Result<_, _>>()?)?;
-        let n_experiments = match family.n_factors {
-            2 => 12,
-            3 => 14,
-            4 => 18,
-            _ => 24,
-        };
-        Ok(Self { pair, grid: Grid::of(&region)?, region, n_experiments, seed })
-    }
-
-    /// The readings of the experiments, in the order in which they are made. Each method meets the same noise.
-    fn readings(&self) -> impl FnMut(Cell) -> Result<f64> {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(1);
-        move |cell| {
-            let noise: f64 = StandardNormal.sample(&mut rng);
-            Ok((self.pair.truth)(&self.grid.point(cell)?) + self.pair.noise * noise)
-        }
-    }
-
-    /// Cells spread over the grid.
-    fn spread(&self, count: usize) -> Vec<Cell> {
-        let scramble = self.seed as u32;
-        let counts = self.grid.combinations().counts();
-        let cell = |index: u32| {
-            let unit = (0..).map(|axis| f64::from(sobol_burley::sample(index, axis, scramble)));
-            let digits: Vec<u64> = counts.iter().zip(unit).map(|(&count, u)| (u * count as f64) as u64).collect();
-            Cell::new(self.grid.combinations().index(&digits))
-        };
-        (0..count as u32).map(cell).collect()
-    }
-}
+use super::families::Family;
+use super::task::{BATCHES, LEVELS, Task};
 
 /// What a method recommends after a batch.
 pub(super) struct Step {

@@ -5,6 +5,7 @@ mod methods;
 mod page;
 mod results;
 mod summary;
+mod task;
 
 use std::io::{BufRead, Write};
 use std::path::Path;
@@ -15,14 +16,10 @@ use rayon::prelude::*;
 
 use crate::reproduction::progress;
 use families::{FAMILIES, Family};
-use methods::{METHODS, Method, Task};
+use methods::{METHODS, Method};
 use results::{Results, Row};
+use task::{LEVELS, SEEDS, Task};
 
-/// Campaigns of each family, seeds from 1.
-const SEEDS: u64 = 20;
-const BATCHES: usize = 5;
-/// Levels of each factor.
-const LEVELS: u32 = 24;
 /// Where the rows of our methods, and those of the peers, are kept.
 const OURS: &str = "fixtures/benchmark";
 const PEERS: &str = "fixtures/peers/results";

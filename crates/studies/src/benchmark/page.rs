@@ -9,7 +9,7 @@ use super::families::{FAMILIES, Family};
 use super::methods::METHODS;
 use super::results::Results;
 use super::summary::{certificate, paired, quantile, regret, stops, typical};
-use super::{BATCHES, SEEDS};
+use super::task::{BATCHES, SEEDS};
 
 const PAGE: &str = "docs/results-benchmark.md";
 const PICTURE: &str = "docs/results-benchmark.svg";

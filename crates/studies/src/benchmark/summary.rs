@@ -2,7 +2,7 @@
 
 use super::families::Family;
 use super::results::{Results, Row};
-use super::{BATCHES, SEEDS};
+use super::task::{BATCHES, SEEDS};
 
 /// Regrets below this share of the range count as equal: a tenth of the smallest noise.
 const FLOOR: f64 = 0.003;
