@@ -11,6 +11,9 @@ use crate::pooled::pool::Pool;
 /// Common random numbers: how the surface may turn out after the batch.
 const OUTCOMES: u32 = 48;
 
+/// Below this probability of a response a cell is not worth learning about.
+const HOPELESS: f64 = 0.25;
+
 /// Cells for the next batch, and how sure it will make us.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Picks {
@@ -26,10 +29,10 @@ pub(crate) fn pick(knowledge: &Knowledge<'_, '_>, pool: &Pool, pending: &[Cell],
     let mut joint = Joint::of_mixture(&knowledge.joint_of_each(&pool.places));
     let n = joint.n_places();
     let noise = knowledge.process.noise().powi(2);
-    // A cell that cannot be recommended never is the lowest.
+    // A cell that will hardly ever be recommended is not the lowest.
     let mut futures: Vec<Vec<f64>> = vec![joint.means().to_vec(); OUTCOMES as usize];
-    if (0..n).any(|row| pool.may_be_best(row)) {
-        for row in (0..n).filter(|&row| !pool.may_be_best(row)) {
+    if (0..n).any(|row| pool.feasible[row] >= HOPELESS) {
+        for row in (0..n).filter(|&row| pool.feasible[row] < HOPELESS) {
             futures.iter_mut().for_each(|future| future[row] = f64::INFINITY);
         }
     }

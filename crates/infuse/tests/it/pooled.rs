@@ -135,8 +135,8 @@ fn failed_designs_are_neither_asked_for_again_nor_recommended() {
         }
         let found = assessed(&mut campaign).recommended;
         assert!(!fails(&found.point), "seed {seed}: {found:?}");
-        // The best feasible one lies on the line, at 0.3 and 0.2 or the other way round.
-        assert!(truth(&found.point) < 0.09, "seed {seed}: {found:?}");
+        // The best feasible one, 0.06, lies on the line, where half of the neighbors fail.
+        assert!(truth(&found.point) < 0.12, "seed {seed}: {found:?}");
         assert!(failures[3] <= 5, "seed {seed}: failures in each batch {failures:?}");
     }
 }
