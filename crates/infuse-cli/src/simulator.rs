@@ -23,8 +23,16 @@ pub(crate) type Job = (Cell, Vec<f64>);
 pub(crate) fn identity(simulator: &Simulator) -> String {
     match simulator {
         Simulator::Table(path) => format!("table {}", path.display()),
-        Simulator::Program { program, .. } => program.command.join(" "),
+        Simulator::Program { program, .. } => {
+            program.command.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+        }
     }
+}
+
+/// A word of a command, in quotes where it could be taken for several: so two commands never read the same.
+fn quoted(word: &str) -> String {
+    let is_plain = !word.is_empty() && !word.contains(|c: char| c.is_whitespace() || c == '"' || c == '\\');
+    if is_plain { word.to_owned() } else { format!("{word:?}") }
 }
 
 /// Simulates every job, in any order, and hands each result over as soon as it is there. Stops at the first error of

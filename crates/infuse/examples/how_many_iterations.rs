@@ -38,11 +38,11 @@ fn main() -> Result<(), Error> {
     let mut field = Field::new(rule, 5)?;
     for _ in 0..4 {
         field.update(&experiment, &simulation)?;
-        let eps = Bound::new(rule, ModelStage::Corrected).after(field.n_rounds()).error(&levels);
+        let eps = Bound::new(rule, ModelStage::Corrected).after(field.n_batches()).error(&levels);
         let certificate = RegretCertificate::of_cell(2, field.model().unwrap_or_default(), eps)?;
         println!(
             "round {}: model within {eps:.3}, design 2 within {:.3} of the best",
-            field.n_rounds(),
+            field.n_batches(),
             certificate.regret
         );
     }

@@ -125,7 +125,7 @@ pub enum Error {
         supported: u32,
     },
     /// A saved state with a number that no campaign can have produced.
-    #[error("the saved state is not usable: `{field}` of iteration {iteration}, expected {expected}")]
+    #[error("the saved state is not usable: `{field}` of turn {iteration}, expected {expected}")]
     State {
         /// The field at fault.
         field: &'static str,
@@ -136,7 +136,7 @@ pub enum Error {
     },
     /// A saved state that its own outcomes contradict.
     #[error(
-        "the saved state does not follow from its outcomes and settings: `{field}` of iteration {iteration} is {saved}, \
+        "the saved state does not follow from its outcomes and settings: `{field}` of turn {iteration} is {saved}, \
          found {found}"
     )]
     StateDiffers {

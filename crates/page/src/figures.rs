@@ -31,6 +31,6 @@ pub use lines::{LineFigure, Panel, Series, Shaded, line_figure};
 pub(crate) use marks::legend_markup;
 pub use marks::{Key, Mark, Stroke};
 pub use points::Points;
-pub use spread::{Group, Reference, SpreadFigure, Summary, spread_figure};
+pub use spread::{Group, Reference, SpreadFigure, Summary, quantile, spread_figure};
 #[cfg(test)]
 mod tests;

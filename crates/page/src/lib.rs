@@ -12,7 +12,7 @@ pub use error::Error;
 pub use figures::{
     Axis, Bands, CellFigure, CellPanel, Chart, ColorScale, CountFigure, Grid, Group, Key, Landscape, LineFigure,
     MapCell, Mark, Panel, Path, Points, Reference, Series, Shaded, SpreadFigure, Stroke, Summary, cell_figure,
-    count_figure, landscape_figure, landscape_panels_figure, line_figure, palette, spread_figure,
+    count_figure, landscape_figure, landscape_panels_figure, line_figure, palette, quantile, spread_figure,
 };
 pub use finding::{Finding, Number};
 pub use table::{Column, Table, write_columns_csv};

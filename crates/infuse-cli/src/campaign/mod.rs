@@ -259,7 +259,7 @@ impl Campaign {
         Learned {
             batch: report.iteration,
             optimum: screening.optimum.clone(),
-            predicted: self.problem.response.cost(screening.optimum_value),
+            predicted: self.problem.response.of_cost(screening.optimum_value),
             spread: screening.spread.s(),
             kept: screening.n_after,
             of: screening.n_before,

@@ -6,7 +6,7 @@ use crate::number::{short, with_unit};
 /// The value of a computed cost.
 pub(crate) fn value(campaign: &Campaign, cost: f64) -> String {
     let response = &campaign.problem.response;
-    with_unit(&short(response.cost(cost)), &response.unit)
+    with_unit(&short(response.of_cost(cost)), &response.unit)
 }
 
 /// A difference of costs.

@@ -65,6 +65,6 @@ pub(crate) fn closed(campaign: &Campaign, report: &Report) -> Finding {
     let (predicted, share) = (value(campaign, screening.optimum_value), campaign.now.retained().share());
     let best = problem.describe(&screening.optimum);
     Finding::new(format!("batch {}: {best}; {predicted} predicted, {} left", report.iteration, percent(share)))
-        .with("predicted", problem.response.cost(screening.optimum_value), &problem.response.unit)
+        .with("predicted", problem.response.of_cost(screening.optimum_value), &problem.response.unit)
         .with("share left", share, "1")
 }

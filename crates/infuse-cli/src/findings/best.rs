@@ -42,7 +42,7 @@ fn predicted(campaign: &Campaign, last: &Report) -> Finding {
     let shown = value(campaign, screening.optimum_value);
     let predicted = Finding::new(format!("{} there: {shown} predicted{sure}.", response.name)).with(
         "predicted",
-        response.cost(screening.optimum_value),
+        response.of_cost(screening.optimum_value),
         &response.unit,
     );
     match screening.spread.s() {
@@ -56,7 +56,7 @@ pub(crate) fn best_measured(campaign: &Campaign) -> Option<(u64, f64)> {
     let response = &campaign.problem.response;
     let means = campaign.readings.iter().filter_map(|(&id, reading)| Some((id, reading.outcome(response)?.cost()?)));
     let (id, cost) = means.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some((id, response.cost(cost)))
+    Some((id, response.of_cost(cost)))
 }
 
 /// The least cost among the experiments of a batch.

@@ -74,8 +74,8 @@ pub(crate) fn why_dropped(campaign: &Campaign, asked: &[f64]) -> Result<Finding>
     );
     Ok(Finding::new(sentence)
         .with("batch", n as f64, "1")
-        .with("predicted there", response.cost(dropped.value), &response.unit)
-        .with("predicted at the best", response.cost(dropped.optimum_value), &response.unit)
+        .with("predicted there", response.of_cost(dropped.value), &response.unit)
+        .with("predicted at the best", response.of_cost(dropped.optimum_value), &response.unit)
         .with("difference in S √2", dropped.z, "1")
         .with("difference that is enough", dropped.z0, "1"))
 }

@@ -46,12 +46,17 @@ pub(crate) struct Response {
 }
 
 impl Response {
-    /// From what is measured to what is minimized; its own inverse.
-    pub(crate) fn cost(&self, value: f64) -> f64 {
+    /// From what is measured to what is minimized.
+    pub(crate) fn cost(&self, response: f64) -> f64 {
         match self.goal {
-            Goal::Minimize => value,
-            Goal::Maximize => -value,
+            Goal::Minimize => response,
+            Goal::Maximize => -response,
         }
+    }
+
+    /// From what is minimized back to what is measured.
+    pub(crate) fn of_cost(&self, cost: f64) -> f64 {
+        self.cost(cost)
     }
 
     /// The heading of its column in a sheet.

@@ -50,7 +50,7 @@ fn figure(last: &Last, parameter: usize, range: (f64, f64)) -> Result<Chart> {
         (curve(last, &surfaces.combined, parameter)?, Stroke::Solid, BLUE),
     ];
     let points = points(last, parameter)?;
-    let best = (last.report.screening.optimum[parameter], last.response().cost(last.report.screening.optimum_value));
+    let best = (last.report.screening.optimum[parameter], last.response().of_cost(last.report.screening.optimum_value));
     let bounds = &last.parameters()[parameter];
     let room = 0.02 * bounds.width();
     let run_at = points.iter().map(|(point, _)| point.0);
@@ -86,7 +86,7 @@ fn points(last: &Last, parameter: usize) -> Result<Vec<((f64, f64), Origin)>> {
     for run in &last.runs {
         let Some(cost) = run.cost else { continue };
         let x = run.settings[parameter];
-        let missed = last.response().cost(cost) - last.value(combined, &run.settings)?;
+        let missed = last.response().of_cost(cost) - last.value(combined, &run.settings)?;
         points.push(((x, last.value(combined, &last.moved(&[(parameter, x)]))? + missed), run.origin));
     }
     Ok(points)

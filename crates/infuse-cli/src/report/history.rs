@@ -39,9 +39,9 @@ fn best(campaign: &Campaign, reports: &[global::Report]) -> Table {
         vec![
             report.iteration.to_string(),
             campaign.problem.describe(&screening.optimum),
-            short(response.cost(screening.optimum_value)),
+            short(response.of_cost(screening.optimum_value)),
             screening.spread.s().map_or_else(nothing, short),
-            best_of_batch(report).map_or_else(nothing, |cost| short(response.cost(cost))),
+            best_of_batch(report).map_or_else(nothing, |cost| short(response.of_cost(cost))),
             campaign.problem.describe(&screening.simulation_optimum),
         ]
     };

@@ -95,6 +95,6 @@ impl<'a> Last<'a> {
 
     /// A surface at a natural point, as it would be measured.
     pub(super) fn value(&self, surface: &TracedSurface, point: &[f64]) -> Result<f64> {
-        Ok(self.response().cost(surface.surface().predict(&self.campaign.problem.region.coded(point)?)))
+        Ok(self.response().of_cost(surface.surface().predict(&self.campaign.problem.region.coded(point)?)))
     }
 }

@@ -97,7 +97,7 @@ fn setting(campaign: &Campaign, trial: &global::Trial, parameter: usize) -> Stri
 
 fn predicted(campaign: &Campaign, trial: &global::Trial, surface: &TracedSurface) -> Result<String> {
     let coded = campaign.problem.region.coded(&campaign.settings_of(trial.id.number()))?;
-    Ok(short(campaign.problem.response.cost(surface.surface().predict(&coded))))
+    Ok(short(campaign.problem.response.of_cost(surface.surface().predict(&coded))))
 }
 
 fn used_for(trial: &global::Trial) -> &'static str {
@@ -146,7 +146,7 @@ fn write_imported(page: &mut Page, campaign: &Campaign) -> Result<()> {
     ]);
     let rows = earlier.iter().map(|earlier| {
         let mut cells: Vec<String> = earlier.point.iter().map(|&setting| plain(setting)).collect();
-        cells.extend([plain(response.cost(earlier.cost)), earlier.since.to_string(), earlier.source.clone()]);
+        cells.extend([plain(response.of_cost(earlier.cost)), earlier.since.to_string(), earlier.source.clone()]);
         cells
     });
     page.subheading("Imported");

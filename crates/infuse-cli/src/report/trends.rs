@@ -34,9 +34,9 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign, observed: &[Option<Obs
 
 fn best(campaign: &Campaign, reports: &[global::Report]) -> Chart {
     let response = &campaign.problem.response;
-    let predicted: Line = reports.iter().map(|r| (batch(r), response.cost(r.screening.optimum_value))).collect();
+    let predicted: Line = reports.iter().map(|r| (batch(r), response.of_cost(r.screening.optimum_value))).collect();
     let whiskers: Vec<f64> = reports.iter().map(|report| report.screening.spread.s().unwrap_or(0.0)).collect();
-    let measured = reports.iter().filter_map(|r| Some((batch(r), response.cost(best_of_batch(r)?))));
+    let measured = reports.iter().filter_map(|r| Some((batch(r), response.of_cost(best_of_batch(r)?))));
     let measured: Line = measured.collect();
     let ends = predicted.iter().zip(&whiskers).flat_map(|(point, s)| [point.1 - s, point.1 + s]);
     let y = Axis::new(&response.name, &response.unit).around(ends.chain(measured.iter().map(|point| point.1)));

@@ -63,7 +63,7 @@ pub struct OptimizerSettings {
     pub max_search_steps: usize,
     /// Limit on the simulations of one optimization. Default 10 000.
     pub max_simulations: usize,
-    /// Limit on the rounds of the iterative strategy. Default 50.
+    /// Limit on the turns of the iterative strategy. Default 50.
     pub max_sweeps: usize,
 }
 

@@ -23,7 +23,7 @@ use crate::correction::{Law, Rule};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
     rule: Rule,
-    n_rounds: usize,
+    n_batches: usize,
     correction: Vec<f64>,
     /// Ĵnum,n; empty before the first batch.
     model: Vec<f64>,
@@ -40,13 +40,13 @@ impl Field {
     pub fn new(rule: Rule, n_cells: usize) -> Result<Self, Error> {
         check_cells(n_cells)?;
         let zeros = vec![0.0; n_cells];
-        Ok(Self { rule, n_rounds: 0, correction: zeros.clone(), model: Vec::new(), sum_of_corrections: zeros })
+        Ok(Self { rule, n_batches: 0, correction: zeros.clone(), model: Vec::new(), sum_of_corrections: zeros })
     }
 
     /// Rounds of experiments digested so far.
     #[must_use]
-    pub fn n_rounds(&self) -> usize {
-        self.n_rounds
+    pub fn n_batches(&self) -> usize {
+        self.n_batches
     }
 
     /// Ĵcor,n per cell.
@@ -58,7 +58,7 @@ impl Field {
     /// Ĵnum,n = Ĵsim,n + Ĵcor,n per cell, (35); nothing before the first batch.
     #[must_use]
     pub fn model(&self) -> Option<&[f64]> {
-        (self.n_rounds > 0).then_some(&self.model)
+        (self.n_batches > 0).then_some(&self.model)
     }
 
     /// Ĵsim,n+1 + Ĵcor,n per cell: the model at the onset of the next iteration, from that
@@ -87,7 +87,7 @@ impl Field {
         check_count("simulation", n_cells, simulation.len(), "cell")?;
         check_finite("experiment", experiment)?;
         check_finite("simulation", simulation)?;
-        let gain = self.rule.gain.at(self.n_rounds + 1);
+        let gain = self.rule.gain.at(self.n_batches + 1);
         // Ĵnum,0 = Ĵsim,1 (45).
         let last_model = self.model().unwrap_or(simulation);
         let correction: Vec<f64> = (0..n_cells)
@@ -110,7 +110,7 @@ impl Field {
             self.sum_of_corrections = sum;
         }
         (self.correction, self.model) = (correction, model);
-        self.n_rounds += 1;
+        self.n_batches += 1;
         Ok(())
     }
 

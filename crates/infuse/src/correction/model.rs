@@ -15,9 +15,9 @@ pub(crate) fn corrected_model(simulation: &TracedSurface, correction: &TracedSur
 pub(crate) fn correction<'a>(
     rule: Rule,
     n_factors: usize,
-    rounds: impl IntoIterator<Item = (&'a TracedSurface, &'a TracedSurface)>,
+    batches: impl IntoIterator<Item = (&'a TracedSurface, &'a TracedSurface)>,
 ) -> Result<TracedSurface, Error> {
-    let (experiments, simulations): (Vec<_>, Vec<_>) = rounds.into_iter().unzip();
+    let (experiments, simulations): (Vec<_>, Vec<_>) = batches.into_iter().unzip();
     let coefficients = rule.correction(experiments.len());
     let factors = coefficients.experiment.into_iter().chain(coefficients.simulation);
     TracedSurface::combination(n_factors, factors.zip(experiments.into_iter().chain(simulations)))

@@ -35,7 +35,7 @@ impl EarlierExperiment {
         if self.cost.abs() <= surface::Data::LARGEST {
             return Ok(());
         }
-        let expected = "a cost of an earlier experiment of at most 1e100 in magnitude";
+        let expected = "a response of an earlier experiment of at most 1e100 in magnitude";
         Err(Error::Setting { name: "cost", value: self.cost, expected })
     }
 }

@@ -1,6 +1,7 @@
 //! The numbers and choices of the global loop.
 
-use doe::{Model, Region, SplitMethod};
+use design_space::{Model, Region};
+use doe::SplitMethod;
 use serde::{Deserialize, Serialize};
 use surface::{Confounded, Data, InverseDistance, Kind};
 

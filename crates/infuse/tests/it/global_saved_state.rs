@@ -104,35 +104,31 @@ fn check_refused(pointer: &str, value: Value, message: &str) {
 fn a_state_that_was_tampered_with_is_refused() {
     check_refused("/format", json!(2), "format 2, expected 1");
     check_refused("/region/parameters/0/lower", json!(25.0), "is above the upper bound");
-    check_refused("/region/parameters/0/lower", json!(9.0), "`trials.trial.point` of iteration 1 is [10.0, ");
+    check_refused("/region/parameters/0/lower", json!(9.0), "`trials.trial.point` of turn 1 is [10.0, ");
     check_refused("/region/parameters/1/levels", json!("continuous"), "`p1`");
-    check_refused("/settings/confidence", json!(0.95), "`screening.threshold` of iteration 1 is 1.28");
+    check_refused("/settings/confidence", json!(0.95), "`screening.threshold` of turn 1 is 1.28");
     check_refused("/settings/experiment_weight", json!(0.6), "`screening.optimum");
     check_refused("/settings/correction/gain", json!({"constant": 0.4}), "`changes.model`");
     check_refused("/settings/split", json!("alternating_from_mean"), "`trials.trial.used_for`");
     check_refused("/settings/n_experiments", json!(9), "as many experiments and simulations");
     check_refused("/settings/n_experiments", json!(3), "`n_experiments` is 3");
-    check_refused("/history/0/iteration", json!(2), "`iteration` of iteration 1 is 2, found 1");
-    check_refused("/history/0/batch/n_candidates", json!(3), "`batch.n_candidates` of iteration 1 is 3, found 90");
+    check_refused("/history/0/iteration", json!(2), "`iteration` of turn 1 is 2, found 1");
+    check_refused("/history/0/batch/n_candidates", json!(3), "`batch.n_candidates` of turn 1 is 3, found 90");
     check_refused("/history/0/batch/constant_instead", json!(true), "`batch.constant_instead`");
-    check_refused(
-        "/history/0/batch/experiment_efficiency",
-        json!(99.0),
-        "`batch.experiment_efficiency` of iteration 1",
-    );
-    check_refused("/history/0/simulations/0/outcome", json!({"value": 1.0}), "of iteration 1 is");
+    check_refused("/history/0/batch/experiment_efficiency", json!(99.0), "`batch.experiment_efficiency` of turn 1");
+    check_refused("/history/0/simulations/0/outcome", json!({"value": 1.0}), "of turn 1 is");
     check_refused("/history/0/simulations/0/point", json!([11.0, 12.0]), "`simulations.point`");
     check_refused("/history/0/simulations/0/cell", json!(90), "a cell that was left");
-    check_refused("/history/0/trials/0/outcome", json!({"value": 9.0}), "of iteration 1 is");
+    check_refused("/history/0/trials/0/outcome", json!({"value": 9.0}), "of turn 1 is");
     check_refused("/history/0/trials/0/outcome", json!(null), "an outcome for each of its trials");
     check_refused("/history/0/trials/0/trial/id", json!(9), "`trials.trial.id`");
     check_refused("/history/0/trials/0/trial/point/0", json!(11.1), "`trials.trial.point`");
     check_refused("/history/0/trials/0/actual", json!([12.0, 17.0]), "`p1` is 17.0");
-    check_refused("/history/0/screening/optimum_cell", json!(5), "`screening.optimum_cell` of iteration 1 is 5");
-    check_refused("/history/0/screening/n_after", json!(5), "`screening.n_after` of iteration 1 is 5");
+    check_refused("/history/0/screening/optimum_cell", json!(5), "`screening.optimum_cell` of turn 1 is 5");
+    check_refused("/history/0/screening/n_after", json!(5), "`screening.n_after` of turn 1 is 5");
     check_refused("/history/0/screening/spread/estimated/n_validation", json!(9), "`screening.spread.n_validation`");
     check_refused("/history/0/screening/spread", json!({"undefined": {"because": "zero"}}), "`screening.spread`");
-    check_refused("/history/0/changes/gap", json!(null), "`changes.gap` of iteration 1 is None");
+    check_refused("/history/0/changes/gap", json!(null), "`changes.gap` of turn 1 is None");
     check_refused("/history/0/not_corrected", json!("no"), "`not_corrected`");
     check_refused("/failed_cells", json!([1]), "`failed_cells`");
     check_refused("/open/trials/7/actual", json!([12.0, 12.0]), "nothing while the trial is outstanding");

@@ -58,21 +58,29 @@ impl Summary {
     pub fn of(values: &[f64]) -> Option<Self> {
         let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
-        let last = sorted.len().checked_sub(1)?;
-        let quantile = |share: f64| {
-            let place = share * last as f64;
-            let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
-            below + (place - place.floor()) * (above - below)
-        };
         Some(Self {
             count: sorted.len(),
-            minimum: sorted[0],
-            lower_quartile: quantile(0.25),
-            median: quantile(0.5),
-            upper_quartile: quantile(0.75),
-            maximum: sorted[last],
+            minimum: quantile_of_sorted(&sorted, 0.0)?,
+            lower_quartile: quantile_of_sorted(&sorted, 0.25)?,
+            median: quantile_of_sorted(&sorted, 0.5)?,
+            upper_quartile: quantile_of_sorted(&sorted, 0.75)?,
+            maximum: quantile_of_sorted(&sorted, 1.0)?,
         })
     }
+}
+
+/// The value that this share of the values, from 0 to 1, stays below, by linear interpolation between neighbors; none without
+/// values.
+pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    quantile_of_sorted(&sorted, share)
+}
+
+fn quantile_of_sorted(sorted: &[f64], share: f64) -> Option<f64> {
+    let place = share.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
+    let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
+    Some(below + (place - place.floor()) * (above - below))
 }
 
 const RIGHT_PX: f64 = WIDTH_PX - 24.0;
@@ -199,5 +207,13 @@ mod tests {
         assert!((Summary::of(&[1.0, 2.0]).expect("two values").median - 1.5).abs() < 1e-15, "between");
         assert_eq!(Summary::of(&[f64::NAN]), None);
         assert_eq!(Summary::of(&[]), None);
+    }
+
+    #[test]
+    fn quantiles_are_those_of_numpy() {
+        // numpy.quantile([3, 1, 2, 10], [0.5, 0.9])
+        assert_eq!(quantile(&[3.0, 1.0, 2.0, 10.0], 0.5), Some(2.5));
+        assert!((quantile(&[3.0, 1.0, 2.0, 10.0], 0.9).unwrap_or(f64::NAN) - 7.9).abs() < 1e-12);
+        assert_eq!(quantile(&[], 0.5), None);
     }
 }

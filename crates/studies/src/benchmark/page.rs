@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
-use page::{Axis, Column, LineFigure, Panel, Series, Table, line_figure};
+use page::{Axis, Column, LineFigure, Panel, Series, Table, line_figure, quantile};
 
 use super::families::{FAMILIES, Family};
 use super::methods::METHODS;
 use super::results::Results;
-use super::summary::{certificate, paired, quantile, regret, stops, typical};
+use super::summary::{certificate, paired, regret, stops, typical};
 use super::task::{BATCHES, SEEDS};
 
 const PAGE: &str = "docs/results-benchmark.md";
@@ -226,7 +226,7 @@ fn seconds_table(methods: &[(&Results, String)]) -> Table {
                 |name: &str| FAMILIES.iter().any(|family| family.name == name && family.n_factors == n_factors);
             let rows: Vec<[f64; 2]> =
                 results.rows.iter().filter(|row| of_size(&row.family)).map(|row| row.seconds).collect();
-            let median = |which: usize| quantile(rows.iter().map(|seconds| seconds[which]).collect(), 0.5);
+            let median = |which: usize| quantile(&rows.iter().map(|seconds| seconds[which]).collect::<Vec<_>>(), 0.5);
             match (median(0), median(1)) {
                 (Some(ask), Some(tell)) if ask + tell > 0.0 => format!("{ask:.2} and {tell:.2}"),
                 _ => "–".to_owned(),

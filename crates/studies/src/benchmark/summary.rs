@@ -1,5 +1,7 @@
 //! What the rows of a method come to.
 
+use page::quantile;
+
 use super::families::Family;
 use super::results::{Results, Row};
 use super::task::{BATCHES, SEEDS};
@@ -16,19 +18,10 @@ pub(super) fn rows_of<'a>(results: &'a Results, family: &Family, batch: usize) -
     rows
 }
 
-/// A quantile, by linear interpolation between the ordered values.
-pub(super) fn quantile(mut values: Vec<f64>, level: f64) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let position = level * (values.len().checked_sub(1)? as f64);
-    let (low, share) = (position.floor() as usize, position.fract());
-    let high = (low + 1).min(values.len() - 1);
-    Some(values[low] + share * (values[high] - values[low]))
-}
-
 /// Median and 90th percentile of the regret.
 pub(super) fn regret(results: &Results, family: &Family, batch: usize) -> Option<[f64; 2]> {
     let regrets: Vec<f64> = rows_of(results, family, batch).iter().map(|row| row.regret).collect();
-    Some([quantile(regrets.clone(), 0.5)?, quantile(regrets, 0.9)?])
+    Some([quantile(&regrets, 0.5)?, quantile(&regrets, 0.9)?])
 }
 
 /// Mean and standard error of log10 of our regret over that of another, both on the same pairs; regrets below the floor count as
@@ -60,7 +53,7 @@ pub(super) fn certificate(results: &Results, family: &Family, batch: usize) -> O
     let rows = rows_of(results, family, batch);
     let promised: Vec<(f64, f64)> = rows.iter().filter_map(|row| row.bound.map(|bound| (row.regret, bound))).collect();
     let breached = promised.iter().filter(|(regret, bound)| regret > &(bound + 1e-12)).count();
-    let width = quantile(promised.iter().map(|(_, bound)| *bound).collect(), 0.5)?;
+    let width = quantile(&promised.iter().map(|(_, bound)| *bound).collect::<Vec<_>>(), 0.5)?;
     Some([breached as f64 / promised.len() as f64, width])
 }
 
@@ -101,17 +94,4 @@ pub(super) fn typical(results: &Results, families: &[&Family], batch: usize) -> 
         .collect::<Option<_>>()?;
     let logs: f64 = medians.iter().map(|median| (median.max(0.0) + FLOOR).ln()).sum();
     Some((logs / medians.len().max(1) as f64).exp())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantiles_are_those_of_numpy() {
-        // numpy.quantile([3, 1, 2, 10], [0.5, 0.9])
-        assert_eq!(quantile(vec![3.0, 1.0, 2.0, 10.0], 0.5), Some(2.5));
-        assert!((quantile(vec![3.0, 1.0, 2.0, 10.0], 0.9).unwrap_or(f64::NAN) - 7.9).abs() < 1e-12);
-        assert_eq!(quantile(Vec::new(), 0.5), None);
-    }
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::file::{Case, Setup};
 use crate::bat::MODEL;
-use crate::gridded::{Accuracy, Designs, FlownGrid, SurrogateRig};
+use crate::gridded::{Accuracy, Designs, FlownGrid, StandInRig};
 
 /// A space with its cost at every cell.
 #[derive(Debug)]
@@ -48,10 +48,10 @@ impl Campaigns<'_> {
         cases.par_iter().map(|case| self.run_one(*case, &iterated).with_context(|| self.setup.words(*case))).collect()
     }
 
-    pub(crate) fn rig(&self, case: Case) -> SurrogateRig<'_> {
+    pub(crate) fn rig(&self, case: Case) -> StandInRig<'_> {
         let (space, flown) = (&self.setup.spaces[case.space].space, &self.flown[case.space]);
         let (model, truth) = (&flown.model, &flown.truths[case.truth]);
-        SurrogateRig { space, model, truth, noise: case.noise, seed: self.setup.file.noise.seed }
+        StandInRig { space, model, truth, noise: case.noise, seed: self.setup.file.noise.seed }
     }
 
     pub(crate) fn run_one(&self, case: Case, iterated: impl Fn(usize)) -> Result<Ended> {

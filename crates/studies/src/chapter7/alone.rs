@@ -9,7 +9,7 @@ use infuse::{
 };
 use surface::{Confounded, GridPoints, Kind};
 
-use crate::gridded::SurrogateRig;
+use crate::gridded::StandInRig;
 
 /// Experiments without a model: one batch and one surface.
 #[derive(Debug)]
@@ -19,7 +19,7 @@ pub(super) struct Alone {
 }
 
 impl Alone {
-    pub(super) fn design(rig: &SurrogateRig<'_>, settings: &global::Settings) -> Result<Self> {
+    pub(super) fn design(rig: &StandInRig<'_>, settings: &global::Settings) -> Result<Self> {
         let region = rig.space.region();
         let space = doe::Space::of_region(region)?;
         let n_runs = settings.max_iterations * settings.n_experiments;
@@ -42,7 +42,7 @@ impl Alone {
     }
 
     /// The cell where the regression on these experiments is lowest.
-    pub(super) fn lowest(&self, rig: &SurrogateRig<'_>) -> Result<Cell> {
+    pub(super) fn lowest(&self, rig: &StandInRig<'_>) -> Result<Cell> {
         let region = rig.space.region();
         let mut measured = Observations::none(region.n_parameters());
         for (trial, outcome) in self.trials.iter().zip(rig.measure(&self.trials)?) {

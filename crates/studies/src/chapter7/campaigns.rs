@@ -5,7 +5,7 @@ use design_space::Cell;
 use infuse::global;
 use rayon::prelude::*;
 
-use crate::gridded::{Designs, SurrogateRig};
+use crate::gridded::{Designs, StandInRig};
 
 /// What an iteration found.
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ pub(crate) struct Step {
 pub(crate) struct Steps(pub(crate) Vec<Step>);
 
 impl Steps {
-    fn of(campaign: &global::Loop, rig: &SurrogateRig<'_>) -> Self {
+    fn of(campaign: &global::Loop, rig: &StandInRig<'_>) -> Self {
         let reports = campaign.reports();
         let optima: Vec<Cell> = reports.iter().map(|report| report.screening.optimum_cell).collect();
         let costs = rig.truth.costs(&optima);
@@ -60,21 +60,21 @@ impl Runs {
     /// Runs them side by side; `rig` has the noise, and `iterated` is called after each iteration.
     pub(crate) fn of(
         label: &str,
-        rig: &SurrogateRig<'_>,
+        rig: &StandInRig<'_>,
         settings: &global::Settings,
         seeds: &[u64],
         designs: &Designs,
         iterated: impl Fn(usize) + Sync,
     ) -> Result<Self> {
         rig.prepare(settings, designs)?;
-        let run = |rig: SurrogateRig<'_>| -> Result<(Steps, global::Loop)> {
+        let run = |rig: StandInRig<'_>| -> Result<(Steps, global::Loop)> {
             let campaign = rig.run(settings, designs, &iterated)?;
             Ok((Steps::of(&campaign, &rig), campaign))
         };
         let noisy = || -> Result<Vec<Steps>> {
-            seeds.par_iter().map(|seed| Ok(run(SurrogateRig { seed: *seed, ..*rig })?.0)).collect()
+            seeds.par_iter().map(|seed| Ok(run(StandInRig { seed: *seed, ..*rig })?.0)).collect()
         };
-        let (quiet, noisy) = rayon::join(|| run(SurrogateRig { noise: 0.0, seed: 0, ..*rig }), noisy);
+        let (quiet, noisy) = rayon::join(|| run(StandInRig { noise: 0.0, seed: 0, ..*rig }), noisy);
         let (quiet, quiet_campaign) = quiet?;
         Ok(Self { label: label.to_owned(), quiet, quiet_campaign, noisy: noisy?, seeds: seeds.to_vec() })
     }

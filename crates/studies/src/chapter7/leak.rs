@@ -13,7 +13,7 @@ use infuse::{
 };
 use surface::{Confounded, Kind};
 
-use crate::gridded::{Designs, SurrogateRig};
+use crate::gridded::{Designs, StandInRig};
 
 /// Which correction the simulations of iteration n carry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ const NO_GAIN: f64 = 1e-13;
 
 /// Runs a campaign whose correction acts when `timing` says.
 pub(crate) fn run(
-    rig: &SurrogateRig<'_>,
+    rig: &StandInRig<'_>,
     settings: &global::Settings,
     designs: &Designs,
     timing: Timing,
@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn a_correction_smuggled_in_one_iteration_later_is_the_loop_itself() {
         let [model, truth] = bowls();
-        let rig = SurrogateRig { space: &model.space, model: &model, truth: &truth, noise: 0.01, seed: 3 };
+        let rig = StandInRig { space: &model.space, model: &model, truth: &truth, noise: 0.01, seed: 3 };
         let folder = tempfile::tempdir().expect("a writable directory");
         let designs = Designs::keep_in(folder.path()).expect("no designs yet");
         let smuggled = run(&rig, &settings(), &designs, Timing::NextIteration).expect("a campaign");

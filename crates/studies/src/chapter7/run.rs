@@ -8,7 +8,7 @@ use super::optima::Optimum;
 use super::wrong::Choice;
 use super::{claims, figures, page, tables, wrong};
 use crate::bat::{MODEL, STAND_IN};
-use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space, SurrogateRig};
+use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space, StandInRig};
 use crate::handover::Handover;
 use crate::reproduction::{self, DESIGNS, Extent, FLIGHTS, Reproduction, Run, progress};
 use anyhow::{Context as _, Result};
@@ -92,9 +92,9 @@ impl CaseStudy<'_> {
         progress(&format!("{}: {what}", self.case.entry.label), length)
     }
 
-    pub(crate) fn rig<'a>(&self, space: &'a Space, [model, truth]: [&'a dyn CellCosts; 2]) -> SurrogateRig<'a> {
+    pub(crate) fn rig<'a>(&self, space: &'a Space, [model, truth]: [&'a dyn CellCosts; 2]) -> StandInRig<'a> {
         let noise = &self.setup.file.noise;
-        SurrogateRig { space, model, truth, noise: noise.share, seed: noise.first_seed }
+        StandInRig { space, model, truth, noise: noise.share, seed: noise.first_seed }
     }
 
     /// The campaigns of every variant: on the grid that is flown, or with flights on demand where it has too many cells.

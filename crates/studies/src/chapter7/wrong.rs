@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::alone::Alone;
 use super::leak::{self, Timing};
-use crate::gridded::{Designs, FlownGrid, Regressor, SurrogateRig};
+use crate::gridded::{Designs, FlownGrid, Regressor, StandInRig};
 use page::Summary;
 
 /// How far below the experiments' weight the simulations' is when experiments are to stand alone.
@@ -51,7 +51,7 @@ struct End {
 }
 
 /// One seed of one choice.
-type RunSeed<'a> = Box<dyn Fn(&SurrogateRig<'_>) -> Result<End> + Sync + 'a>;
+type RunSeed<'a> = Box<dyn Fn(&StandInRig<'_>) -> Result<End> + Sync + 'a>;
 
 /// A choice by name, what is done in a sentence, and how.
 type Way<'a> = (&'static str, String, RunSeed<'a>);
@@ -61,7 +61,7 @@ pub(crate) const N_CHOICES: usize = 9;
 
 /// All ways of choosing, with every seed; `base` are the settings of the loop as it is.
 pub(crate) fn choices(
-    rig: &SurrogateRig<'_>,
+    rig: &StandInRig<'_>,
     [model, truth]: [&FlownGrid; 2],
     base: &global::Settings,
     seeds: &[u64],
@@ -78,7 +78,7 @@ pub(crate) fn choices(
     let all = ways.all(&alone, &products);
     let run = |number: usize| {
         let ((label, _, run), seed) = (&all[number / seeds.len()], seeds[number % seeds.len()]);
-        let end = run(&SurrogateRig { seed, ..*rig }).with_context(|| format!("{label}, seed {seed}"));
+        let end = run(&StandInRig { seed, ..*rig }).with_context(|| format!("{label}, seed {seed}"));
         finished();
         end
     };
@@ -167,7 +167,7 @@ impl<'a> Ways<'a> {
              regression on them, its lowest cell.",
             alone.n_experiments()
         );
-        let run = |rig: &SurrogateRig<'_>| Ok(End { cell: alone.lowest(rig)?, keeps_best: None });
+        let run = |rig: &StandInRig<'_>| Ok(End { cell: alone.lowest(rig)?, keeps_best: None });
         ("experiments only, one batch", how, Box::new(run))
     }
 
@@ -188,7 +188,7 @@ impl<'a> Ways<'a> {
         let how = "The correction acts in its own iteration (5.4 read literally): S is estimated from experiments that are in \
                    the surface. The library refuses it; here it is smuggled in through the simulation.";
         let run =
-            move |rig: &SurrogateRig<'_>| self.end(&leak::run(rig, self.base, self.designs, Timing::SameIteration)?);
+            move |rig: &StandInRig<'_>| self.end(&leak::run(rig, self.base, self.designs, Timing::SameIteration)?);
         ("correction leak", how.to_owned(), Box::new(run))
     }
 

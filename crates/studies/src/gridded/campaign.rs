@@ -15,7 +15,7 @@ use crate::costs::Cost;
 
 /// A simulation and an experiment of the stand-in with noise, both on the cells of a space.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SurrogateRig<'a> {
+pub(crate) struct StandInRig<'a> {
     pub(crate) space: &'a Space,
     pub(crate) model: &'a dyn CellCosts,
     pub(crate) truth: &'a dyn CellCosts,
@@ -24,7 +24,7 @@ pub(crate) struct SurrogateRig<'a> {
     pub(crate) seed: u64,
 }
 
-impl SurrogateRig<'_> {
+impl StandInRig<'_> {
     pub(crate) fn simulate(&self, cell: Cell) -> Cost {
         self.model.cost(cell)
     }
@@ -44,7 +44,7 @@ impl SurrogateRig<'_> {
 }
 
 /// Campaigns.
-impl SurrogateRig<'_> {
+impl StandInRig<'_> {
     /// Designs and flies the first batch, which is the same whatever the noise: campaigns that then run side by side find
     /// it.
     pub(crate) fn prepare(&self, settings: &global::Settings, designs: &Designs) -> Result<()> {

@@ -14,7 +14,7 @@ mod space;
 mod tests;
 
 pub(crate) use accuracy::{Accuracy, IterationAccuracy, NORMS, NormAccuracy, Q2, SUP};
-pub(crate) use campaign::SurrogateRig;
+pub(crate) use campaign::StandInRig;
 pub(crate) use cell_costs::{CellCosts, OnDemand};
 pub(crate) use designs::Designs;
 pub(crate) use grid::FlownGrid;

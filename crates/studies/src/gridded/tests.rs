@@ -48,7 +48,7 @@ fn a_constant_gap_falls_as_a_power_of_one_less_the_gain_and_attains_its_bound() 
     let space = space();
     let (model, truth) = (bowl(&space, |_, _| 0.0), bowl(&space, |_, _| GAP));
     for (law, k) in [(Law::ProofRecursion, 0.5), (Law::CurrentSimulation, 0.3)] {
-        let rig = SurrogateRig { space: &space, model: &model, truth: &truth, noise: 0.0, seed: 1 };
+        let rig = StandInRig { space: &space, model: &model, truth: &truth, noise: 0.0, seed: 1 };
         let (_folder, designs) = designs();
         let campaign = rig.run(&settings(law, k, 6), &designs, |_| {}).expect("a campaign");
         let accuracy = Accuracy::of(&campaign, &space, &model, &truth).expect("as many cells");
@@ -74,7 +74,7 @@ fn a_wrong_model_with_noise_stays_inside_its_bound_and_its_certificate() {
     let truth = bowl(&space, |x, y| 0.4 * x * y + 0.3 * (2.0 * x).sin());
     let (_folder, designs) = designs();
     for seed in 0..10 {
-        let rig = SurrogateRig { space: &space, model: &model, truth: &truth, noise: 0.03, seed };
+        let rig = StandInRig { space: &space, model: &model, truth: &truth, noise: 0.03, seed };
         let settings = settings(Law::ProofRecursion, 0.5, 8);
         let campaign = rig.run(&settings, &designs, |_| {}).expect("a campaign");
         let accuracy = Accuracy::of(&campaign, &space, &model, &truth).expect("as many cells");
@@ -90,7 +90,7 @@ fn a_wrong_model_with_noise_stays_inside_its_bound_and_its_certificate() {
 fn an_interrupted_campaign_goes_on_where_it_was() {
     let space = space();
     let (model, truth) = (bowl(&space, |_, _| 0.0), bowl(&space, |x, y| 0.4 * x * y));
-    let rig = SurrogateRig { space: &space, model: &model, truth: &truth, noise: 0.05, seed: 7 };
+    let rig = StandInRig { space: &space, model: &model, truth: &truth, noise: 0.05, seed: 7 };
     let settings = settings(Law::ProofRecursion, 0.5, 5);
     let (_whole, all) = designs();
     let expected = rig.run(&settings, &all, |_| {}).expect("a campaign");
@@ -121,7 +121,7 @@ fn an_interrupted_campaign_goes_on_where_it_was() {
 fn known_designs_make_the_campaign_that_the_loop_makes_of_its_own() {
     let space = space();
     let (model, truth) = (bowl(&space, |_, _| 0.0), bowl(&space, |x, y| 0.4 * x * y));
-    let rig = SurrogateRig { space: &space, model: &model, truth: &truth, noise: 0.05, seed: 3 };
+    let rig = StandInRig { space: &space, model: &model, truth: &truth, noise: 0.05, seed: 3 };
     let settings = settings(Law::ProofRecursion, 0.5, 4);
     let (_folder, designs) = designs();
     let mut itself = global::Loop::new(space.region(), settings.clone()).expect("a campaign");

@@ -28,21 +28,28 @@ pub(super) fn missing_tests(name: &str, text: &str, sources: &[(String, String)]
     let crates: BTreeSet<&str> =
         sources.iter().filter_map(|(file, _)| file.strip_prefix("crates/")?.split('/').next()).collect();
     let quoted = text.split('`').skip(1).step_by(2);
+    let mut strangers = Vec::new();
     let named = quoted.filter_map(|quoted| {
         // `crate::module::function`, or `crate: module::function`.
         let (package, rest) = quoted.split_once(": ").or_else(|| quoted.split_once("::"))?;
         let package = package.replace('_', "-");
         let (module, function) = rest.rsplit_once("::")?;
-        let is_test =
-            crates.contains(package.as_str()) && function.contains('_') && !module.contains(char::is_uppercase);
-        is_test.then_some((quoted, package, function))
+        let is_test = function.contains('_') && !module.contains(char::is_uppercase);
+        let is_ours = crates.contains(package.as_str());
+        let is_crate = quoted.contains(": ") && package.chars().all(|c| c.is_ascii_lowercase() || c == '-');
+        if is_test && is_crate && !is_ours {
+            strangers.push(format!("{name}: there is no crate of the test `{quoted}`"));
+        }
+        (is_test && is_ours).then_some((quoted, package, function))
     });
     let is_missing = |(_, package, function): &(&str, String, &str)| {
         let head = format!("fn {function}(");
         let folder = format!("crates/{package}/");
         !sources.iter().any(|(file, text)| file.starts_with(&folder) && text.contains(&head))
     };
-    named.filter(is_missing).map(|(quoted, ..)| format!("{name}: there is no test `{quoted}`")).collect()
+    let missing = named.filter(is_missing).map(|(quoted, ..)| format!("{name}: there is no test `{quoted}`"));
+    let missing: Vec<String> = missing.collect();
+    missing.into_iter().chain(strangers).collect()
 }
 
 /// Complaints about files and folders that the map of the code names and that are not there, given all names from the root.

@@ -87,7 +87,7 @@ proptest! {
         }
         let full = by_recursion(rule, ModelStage::Corrected, &experiment, &simulation);
         prop_assert_eq!(field.model().unwrap()[0].to_bits(), full[cell].to_bits());
-        prop_assert_eq!(field.n_rounds(), n);
+        prop_assert_eq!(field.n_batches(), n);
     }
 }
 
@@ -158,7 +158,7 @@ fn nothing_is_corrected_before_the_first_round() {
             assert_eq!(model, Coefficients { experiment: vec![], simulation: vec![1.0] }, "{law:?}");
         }
         let field = Field::new(rule, 2).unwrap();
-        assert_eq!((field.n_rounds(), field.model()), (0, None), "{law:?}");
+        assert_eq!((field.n_batches(), field.model()), (0, None), "{law:?}");
         assert_eq!(field.onset_model(&[3.0, 4.0]).unwrap(), [3.0, 4.0], "{law:?}");
     }
 }
@@ -208,7 +208,7 @@ fn printed_36_is_stopped_when_it_leaves_the_doubles() {
     let mut field = Field::new(rule(Law::AsPrinted36, 0.5), 1).unwrap();
     let fault = (0..2000).find_map(|_| field.update(&[1.0], &[0.0]).err()).unwrap();
     assert!(matches!(fault, Error::Entry { name: "sum of corrections", index: 0, .. }), "{fault}");
-    assert_eq!(field.n_rounds(), 1024, "2^1024 is the first power of two beyond the doubles");
+    assert_eq!(field.n_batches(), 1024, "2^1024 is the first power of two beyond the doubles");
 }
 
 #[test]
