@@ -1,8 +1,8 @@
 //! What more experiments could still bring.
 
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
-use statrs::distribution::{ContinuousCDF, Normal};
 use surface::{Polynomial, Regression, Surface};
 
 use crate::Error;
@@ -161,12 +161,9 @@ fn drawn_error(
     n_factors: usize,
     generator: &mut Pcg64,
 ) -> Result<Option<Polynomial>, Error> {
-    let normal = Normal::standard();
     let mut error = Polynomial::zero(n_factors)?;
     for (regression, &factor) in regressions.iter().zip(factors) {
-        // Never exactly 0, where the quantile is infinite.
-        let mut draw = || normal.inverse_cdf(generator.random::<f64>().max(f64::MIN_POSITIVE));
-        let normals: Vec<f64> = regression.coefficients().iter().map(|_| draw()).collect();
+        let normals: Vec<f64> = regression.coefficients().iter().map(|_| StandardNormal.sample(generator)).collect();
         let Some(drawn) = regression.drawn(&normals)? else {
             return Ok(None);
         };
