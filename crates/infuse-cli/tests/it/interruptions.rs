@@ -98,7 +98,9 @@ fn an_interrupt_from_the_keyboard_stops_simulations_and_remembers_those_that_wer
     let script = "echo $$ >> started; if [ -e quick ] || [ $(wc -l < started) -lt 3 ]; then echo {spring} {damper gain} | cut -d' ' -f1; else sleep 100; fi";
     rig.edit("table = \"simulation.csv\"", &format!("command = [\"sh\", \"-c\", '''{script}''']\njobs = 1"));
     let mut asking = rig.command(&["ask"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    while rig.journal().iter().filter(|line| line["event"] == "simulated").count() < 2 {
+    // Two are remembered and the third, which sleeps, has begun.
+    let begun = || std::fs::read_to_string(rig.path("started")).unwrap_or_default().lines().count();
+    while begun() < 3 || rig.journal().iter().filter(|line| line["event"] == "simulated").count() < 2 {
         std::thread::sleep(Duration::from_millis(5));
     }
     std::process::Command::new("kill").args(["-INT", &asking.id().to_string()]).status().unwrap();

@@ -54,7 +54,8 @@ impl CodesignReport {
 ///
 /// ```
 /// use design_space::{Parameter, Region};
-/// use infuse::{CodesignProblem, OptimizerSettings, Role, codesign};
+/// use infuse::codesign::{OptimizerSettings, codesign};
+/// use infuse::{CodesignProblem, Role};
 ///
 /// let region = Region::new(vec![
 ///     Parameter::continuous("mass", "kg", 0.0, 4.0)?,
