@@ -20,7 +20,7 @@ pub(crate) enum Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Contribution(number) => write!(f, "1.3, contribution {number}"),
+            Self::Contribution(number) => write!(f, "Section 1.3, contribution {number}"),
             Self::Section(number) => write!(f, "Section {number}"),
             Self::Table(number) => write!(f, "Table {number}"),
             Self::Figure(number) => write!(f, "Figure {number}"),
@@ -171,6 +171,11 @@ pub(crate) fn found<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Vec<Stri
     claims.into_iter().map(|claim| format!("{}, {}: {}", claim.place, claim.says, claim.found)).collect()
 }
 
+/// What decides each, by its place and its verdict, for a page that has said before what the dissertation says.
+pub(crate) fn decided(claims: &[Claim]) -> Vec<String> {
+    claims.iter().map(|claim| format!("{}, {}: {}", claim.place, claim.verdict, claim.found)).collect()
+}
+
 /// What stands above them.
 pub(crate) const FOUND: &str = "What the latest run found, claim by claim:";
 
@@ -200,7 +205,7 @@ mod tests {
             [Place::Figure(3), Place::Table(6), Place::Section("2.4".into()), Place::Contribution(2), Place::Table(5)];
         places.sort();
         let words: Vec<String> = places.iter().map(ToString::to_string).collect();
-        assert_eq!(words, ["1.3, contribution 2", "Section 2.4", "Table 5", "Table 6", "Figure 3"]);
+        assert_eq!(words, ["Section 1.3, contribution 2", "Section 2.4", "Table 5", "Table 6", "Figure 3"]);
     }
 
     #[test]

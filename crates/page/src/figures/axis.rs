@@ -90,6 +90,16 @@ impl Axis {
         Self { spacing: Spacing::Decades, ..axis }
     }
 
+    /// The same axis just around these values, the same ratio everywhere as far, if all of them are positive; else as
+    /// [`Axis::around`]. For values that span too little for [`Axis::in_decades`].
+    pub fn in_ratios(self, values: impl IntoIterator<Item = f64>) -> Self {
+        let values: Vec<f64> = values.into_iter().collect();
+        let Some((min, max)) = ends(values.iter().copied()).filter(|(min, _)| *min > 0.0) else {
+            return self.around(values);
+        };
+        Self { spacing: Spacing::Ratios, ..self.with_range(0.95 * min, 1.05 * max) }
+    }
+
     /// The same axis for counting between two numbers: whole numbers, half a step of room on either side.
     pub fn counting(self, first: usize, last: usize) -> Self {
         let step = (last.saturating_sub(first) / 10 + 1) as f64;
@@ -128,6 +138,7 @@ impl Axis {
     pub(super) fn scale(&self, values: impl Iterator<Item = f64>, ticks: usize) -> Scale {
         match (self.range, self.step) {
             (Some((min, max)), _) if self.spacing == Spacing::Decades => Scale::in_decades(min, max, ticks),
+            (Some((min, max)), _) if self.spacing == Spacing::Ratios => Scale::in_ratios(min, max),
             (Some((min, max)), Some(step)) => Scale::even(min, max, step),
             (Some((min, max)), None) => Scale::even(min, max, round_step(max - min, ticks)),
             (None, _) => Scale::around(values, ticks),
@@ -183,6 +194,16 @@ mod tests {
         assert!((linear.place(0.5 * linear.max) - 0.5).abs() < 1e-12, "zero has no power of ten");
         let many = Axis::new("share", "%").in_decades([1e-30, 1e30]).scale(std::iter::empty(), 6);
         assert!(many.ticks().len() <= 8, "{:?}", many.ticks());
+    }
+
+    #[test]
+    fn ratios_have_ticks_within_a_power_of_ten() {
+        let scale = Axis::new("cost", "s").in_ratios([1.74, 11.0]).scale(std::iter::empty(), 4);
+        assert_eq!(scale.ticks(), [2.0, 3.0, 5.0, 10.0]);
+        assert!((scale.place(4.0) - scale.place(2.0) - scale.place(10.0) + scale.place(5.0)).abs() < 1e-12);
+        let small = Axis::new("cost", "s").in_ratios([0.29, 0.8]).scale(std::iter::empty(), 4);
+        let texts: Vec<String> = small.ticks().into_iter().map(|tick| small.text(tick)).collect();
+        assert_eq!(texts, ["0.3", "0.5"]);
     }
 
     #[test]

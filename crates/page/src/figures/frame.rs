@@ -39,6 +39,14 @@ impl Frame {
         (self.x_px(point.0), self.y_px(point.1))
     }
 
+    /// Whether a point lies in the frame or on its border.
+    pub(super) fn holds(&self, point: (f64, f64)) -> bool {
+        [(self.x, point.0), (self.y, point.1)].iter().all(|(scale, value)| {
+            let place = scale.place(*value);
+            (-1e-9..=1.0 + 1e-9).contains(&place)
+        })
+    }
+
     /// Axes around a frame, with their numbers and labels.
     pub(super) fn draw(&self, canvas: &mut Canvas, text: &FrameText) {
         if text.grid == Grid::Shown {

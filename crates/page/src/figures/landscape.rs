@@ -190,6 +190,9 @@ fn draw_iso_lines(
     })
 }
 
+/// Room around the number of an iso-line, so that numbers do not crowd.
+const AROUND_NUMBER_PX: f64 = 14.0;
+
 /// Writes each line's value where there is most room, if there is any.
 fn label_iso_lines(canvas: &mut Canvas, lines: &[(String, Vec<Segment>)], room: &mut Room) {
     for (text, segments) in lines {
@@ -198,7 +201,10 @@ fn label_iso_lines(canvas: &mut Canvas, lines: &[(String, Vec<Segment>)], room: 
         // From the middle of the list outward: the ends of a line are often at the edge.
         let half = segments.len() / 2;
         let order = segments[half..].iter().chain(segments[..half].iter().rev());
-        if let Some(at) = order.map(middle).find(|at| room.take_if_free(Taken::around(*at, width, height))) {
+        if let Some(at) = order
+            .map(middle)
+            .find(|at| room.take_if_free(Taken::around(*at, width + AROUND_NUMBER_PX, height + AROUND_NUMBER_PX)))
+        {
             canvas.rect((at.0 - 0.5 * width, at.1 - 0.5 * height), (width, height), "#f4f4f4", "none");
             canvas.text(text, at);
         }

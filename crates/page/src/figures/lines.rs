@@ -87,8 +87,13 @@ impl Series {
             let points: Vec<(f64, f64)> = points.into_iter().map(|point| frame.px(point)).collect();
             canvas.line(&points, pen);
         }
+    }
+
+    /// The points themselves where there are few, whole also where they lie on the border.
+    fn draw_points(&self, canvas: &mut Canvas, frame: &Frame, color: &str) {
         if self.shape == Shape::Line && self.points.len() <= FEW_POINTS {
-            for point in finite_stretches(&self.points).concat() {
+            let points = finite_stretches(&self.points).concat();
+            for point in points.into_iter().filter(|point| frame.holds(*point)) {
                 canvas.dot(frame.px(point), 3.5, color, "none");
             }
         }
@@ -150,6 +155,9 @@ pub fn line_figure(figure: &LineFigure) -> String {
                 series.draw(canvas, &frame, color_of(&series.label, &labels));
             }
         });
+        for series in &panel.series {
+            series.draw_points(&mut canvas, &frame, color_of(&series.label, &labels));
+        }
         top += panel_px(panel) + gap_px(panel);
     }
     draw_legend(&mut canvas, &legend, LEFT_PX, bottom + BELOW_PX);

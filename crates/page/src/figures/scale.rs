@@ -5,8 +5,10 @@
 pub(super) enum Spacing {
     /// The same difference everywhere.
     Even,
-    /// The same ratio everywhere.
+    /// The same ratio everywhere, ticks at powers of ten.
     Decades,
+    /// The same ratio everywhere, ticks within powers of ten as well.
+    Ratios,
 }
 
 /// An axis with its ticks: the multiples of `step` from `min` to `max`, or one power of ten in `step`.
@@ -35,11 +37,16 @@ impl Scale {
         Self { min, max, step: (decades / ticks.max(1) as f64).ceil().max(1.0), spacing: Spacing::Decades }
     }
 
+    /// 1, 2, 3 and 5 times powers of ten between two positive values.
+    pub(super) fn in_ratios(min: f64, max: f64) -> Self {
+        Self { min, max, step: 1.0, spacing: Spacing::Ratios }
+    }
+
     /// 0 at the beginning of the axis, 1 at its end.
     pub(super) fn place(&self, value: f64) -> f64 {
         match self.spacing {
             Spacing::Even => (value - self.min) / (self.max - self.min),
-            Spacing::Decades => (value / self.min).log10() / (self.max / self.min).log10(),
+            Spacing::Decades | Spacing::Ratios => (value / self.min).log10() / (self.max / self.min).log10(),
         }
     }
 
@@ -65,6 +72,12 @@ impl Scale {
                 let exponents = multiples(self.min.log10().round(), self.max.log10().round(), self.step);
                 exponents.into_iter().map(|exponent| 10_f64.powf(exponent)).collect()
             }
+            Spacing::Ratios => {
+                let exponents = self.min.log10().floor() as i32..=self.max.log10().floor() as i32;
+                let powers = exponents.map(|exponent| 10_f64.powi(exponent));
+                let ticks = powers.flat_map(|power| [1.0, 2.0, 3.0, 5.0].map(|times| times * power));
+                ticks.filter(|tick| (self.min..=self.max).contains(tick)).collect()
+            }
         }
     }
 
@@ -75,7 +88,8 @@ impl Scale {
 
     /// What stands at a tick: as many decimals as all ticks need, and a power of ten where that would be long.
     pub(super) fn text(&self, tick: f64) -> String {
-        if self.spacing == Spacing::Decades {
+        if self.spacing != Spacing::Even {
+            let tick = format!("{tick:.3e}").parse().unwrap_or(tick);
             return if (1e-4..1e6).contains(&tick) {
                 tick.to_string()
             } else {

@@ -6,12 +6,14 @@ use super::findings::{Findings, in_table4};
 use super::panels::{Design, PanelFlights};
 use crate::reproduction::Picture;
 use crate::variable::Variable;
-use page::{Axis, Landscape, LineFigure, Panel, Points, Series, Shaded, landscape_panels_figure, line_figure};
+use page::{
+    Axis, ColorScale, Landscape, LineFigure, Panel, Points, Series, Shaded, landscape_panels_figure, line_figure,
+};
 
 /// Four landscapes with one scale of colors.
 pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], name: &str, physics: &str) -> Picture {
     let setup = findings.setup;
-    let z_axis = cost_axis(findings);
+    let z_axis = Axis::new("cost (20)", "s").with_colors(ColorScale::EqualShares);
     let landscapes: Vec<Landscape> = panels
         .iter()
         .zip('a'..)
@@ -25,7 +27,7 @@ pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], nam
             z: panel
                 .rows
                 .iter()
-                .map(|row| row.iter().map(|design| design.cost().map_or(f64::NAN, f64::log10)).collect())
+                .map(|row| row.iter().map(|design| design.cost().unwrap_or(f64::NAN)).collect())
                 .collect(),
             missing_label: "a line goes slack, or the state leaves the model".to_owned(),
             points: vec![Points::small(
@@ -48,7 +50,7 @@ pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], nam
         svg: landscape_panels_figure(&format!("Open-loop cost in {physics}"), &landscapes),
         caption: format!(
             "The counterpart of Figure 14 in {physics}: cost (20) over trim pitch and center of mass, for four settings of fin \
-             incidence and lines. Colors go by the logarithm, the same in both physics; above the highest, all values have its color."
+             incidence and lines. Each color has equally many designs of the four panels, so the colors of the two physics differ."
         ),
     }
 }
@@ -86,20 +88,6 @@ pub(crate) fn lowest(findings: &Findings<'_>) -> Picture {
         caption: "Figure 14 in short: of the stable designs with the same center of mass the one whose trim pitch gives the lowest \
                   cost (20), in each of the four configurations, flown in the stand-in. Where a curve is missing no design is stable."
             .to_owned(),
-    }
-}
-
-/// One scale of colors for both physics, up to what nine tenths of the designs stay below.
-pub(crate) fn cost_axis(findings: &Findings<'_>) -> Axis {
-    let panels = findings.stand_in.iter().chain(&findings.model);
-    let mut costs: Vec<f64> = panels.flat_map(PanelFlights::designs).filter_map(Design::cost).map(f64::log10).collect();
-    costs.sort_by(f64::total_cmp);
-    let axis = Axis::new("log10 of the cost (20) in s", "1");
-    match (costs.first(), costs.get(costs.len() * 9 / 10)) {
-        (Some(lowest), Some(high)) if lowest < high => {
-            axis.with_range((5.0 * lowest).floor() / 5.0, (5.0 * high).ceil() / 5.0)
-        }
-        _ => axis,
     }
 }
 

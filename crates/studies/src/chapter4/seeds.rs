@@ -40,7 +40,7 @@ pub(crate) fn followed(setup: &Setup) -> [Followed; 4] {
             published: |row| row.corrected_cost,
         },
         Followed {
-            column: Column::new("Experimental cost, noise-free", "s"),
+            column: Column::new("True cost in the stand-in", "s"),
             picture: "seeds-experiment-cost",
             of: experiment_cost,
             published: |row| row.experiment_cost,

@@ -121,17 +121,22 @@ fn bounds(findings: &Findings, space: usize, truth: usize) -> Picture {
     let series = |ended: &Ended, f: &dyn Fn(&IterationAccuracy) -> f64| -> Vec<f64> {
         ended.accuracy.iterations.iter().map(f).collect()
     };
+    // One range for all panels, so that heights compare.
+    let readings: [fn(&NormAccuracy) -> f64; 4] = [|n| n.error, |n| n.finite_bound, |n| n.proposition, |n| n.gap];
+    let all: Vec<f64> = main
+        .iter()
+        .flat_map(|ended| &ended.accuracy.iterations)
+        .flat_map(|i| readings.map(|reading| shown(reading(&i.norms[Q2]))))
+        .collect();
     let mut panels: Vec<Panel> = main
         .iter()
         .map(|ended| {
             let x = numbers(ended);
-            let of = |f: fn(&NormAccuracy) -> f64| series(ended, &|i| shown(f(&i.norms[Q2])));
             let [error, bound, proposition, gap] =
-                [of(|n| n.error), of(|n| n.finite_bound), of(|n| n.proposition), of(|n| n.gap)];
-            let all = [&error, &bound, &proposition, &gap].into_iter().flatten().copied();
+                readings.map(|reading| series(ended, &|i| shown(reading(&i.norms[Q2]))));
             Panel {
                 x_axis: None,
-                y_axis: error_axis(&format!("error, noise {} %", 100.0 * ended.case.noise), all),
+                y_axis: error_axis(&format!("error, noise {} %", 100.0 * ended.case.noise), all.iter().copied()),
                 series: vec![
                     Series::line("error of the corrected model", &x, &error),
                     Series::line("what it cannot exceed", &x, &bound).dashed(),

@@ -71,25 +71,33 @@ fn true_costs(findings: &Findings) -> Picture {
         let x: Vec<f64> = (0..=n).map(|iteration| iteration as f64).collect();
         let of = |label: &str, cost: &dyn Fn(usize) -> f64| {
             let costs: Vec<f64> = std::iter::once(found.numerical_true_cost).chain((1..=n).map(cost)).collect();
-            Series::line(label, &x, &costs)
+            (label.to_owned(), costs)
         };
         let over_seeds = |iteration: usize, reading: fn(&Summary) -> f64| {
             Summary::of(&runs.over_seeds(iteration, |step| step.cost)).map_or(f64::NAN, |summary| reading(&summary))
         };
         let quiet = |iteration: usize| runs.quiet.0.get(iteration - 1).map_or(f64::NAN, |step| step.cost);
-        let best = vec![found.best.cost; x.len()];
+        // Drawn last and dashed, so that it is seen where it runs along the others.
+        let without_noise = of("without noise", &quiet);
+        let seeds = [
+            of("least and most of the seeds", &|iteration| over_seeds(iteration, |summary| summary.minimum)),
+            of("least and most of the seeds", &|iteration| over_seeds(iteration, |summary| summary.maximum)),
+            of("median of the seeds of noise", &|iteration| over_seeds(iteration, |summary| summary.median)),
+        ];
+        let shown: Vec<f64> = seeds
+            .iter()
+            .chain([&without_noise])
+            .flat_map(|(_, costs)| costs)
+            .copied()
+            .chain([found.best.cost])
+            .collect();
+        let best = Series::line("best design known", &x, &vec![found.best.cost; x.len()]).dashed();
+        let seeds = seeds.iter().map(|(label, costs)| Series::line(label, &x, costs));
+        let without_noise = Series::line(&without_noise.0, &x, &without_noise.1).dashed();
         Panel {
             x_axis: Some(iterations(n)),
-            y_axis: Axis::new(&format!("true cost, {}", case.entry.label), "s"),
-            series: vec![
-                of("without noise", &quiet),
-                of("median of the seeds of noise", &|iteration| over_seeds(iteration, |summary| summary.median)),
-                of("least and most of the seeds", &|iteration| over_seeds(iteration, |summary| summary.minimum))
-                    .dashed(),
-                of("least and most of the seeds", &|iteration| over_seeds(iteration, |summary| summary.maximum))
-                    .dashed(),
-                Series::line("best design known", &x, &best).dashed(),
-            ],
+            y_axis: Axis::new(&format!("true cost, {}", case.entry.label), "s").in_ratios(shown),
+            series: std::iter::once(best).chain(seeds).chain([without_noise]).collect(),
         }
     });
     let panels: Vec<Panel> = panels.collect();
@@ -103,7 +111,8 @@ fn true_costs(findings: &Findings) -> Picture {
         name: "true-costs".to_owned(),
         svg: line_figure(&figure),
         caption: "The cost in the stand-in, without noise, of the numerical optimum (iteration 0) and of the optimum of the combined \
-                  surface after each iteration, with the regressor (61), beside that of the best design known."
+                  surface after each iteration, with the regressor (61), beside that of the best design known. The axes are \
+                  logarithmic, each with a range of its own."
             .to_owned(),
     }
 }

@@ -196,6 +196,26 @@ fn fall(case: &Case, found: &Found) -> Finding {
     .with("true cost of the best design known", best, "s")
 }
 
+/// The first iteration of a study where its design is worse than the one that the loop began with.
+fn first_rise(case: &Case, found: &Found) -> Option<Finding> {
+    let runs = found.main();
+    let (before, first) = (found.numerical_true_cost, runs.quiet.0.first()?.cost);
+    let median = Summary::of(&runs.over_seeds(1, |step| step.cost))?.median;
+    let sentence = format!(
+        "{}: on the way there the design of the first iteration truly costs {first:.3} s without noise and {median:.3} s in the median of \
+         the seeds, {:.1} and {:.1} times as much as the numerical optimum.",
+        case.entry.label,
+        first / before,
+        median / before
+    );
+    let finding = Finding::new(sentence).with("true cost after the first iteration without noise", first, "s").with(
+        "true cost after the first iteration in the median of the seeds",
+        median,
+        "s",
+    );
+    (first > before).then_some(finding)
+}
+
 /// Whether it was the loop, in one study.
 fn other_choices(case: &Case, found: &Found) -> Option<Finding> {
     let (own, others) = found.choices.split_first()?;
@@ -213,9 +233,9 @@ fn other_choices(case: &Case, found: &Found) -> Option<Finding> {
 
 /// What the pages begin with.
 pub(crate) fn first_screen<'a>(findings: &Findings, pictures: &'a [Picture]) -> Result<FirstScreen<'a>> {
-    let falls = findings.cases().map(|(case, found)| fall(case, found));
+    let falls = findings.cases().flat_map(|(case, found)| [Some(fall(case, found)), first_rise(case, found)]);
     let choices = findings.cases().filter_map(|(case, found)| other_choices(case, found));
-    Ok(FirstScreen { findings: falls.chain(choices).collect(), picture: picture(pictures, FIRST)? })
+    Ok(FirstScreen { findings: falls.flatten().chain(choices).collect(), picture: picture(pictures, FIRST)? })
 }
 
 /// The page of the study.
