@@ -13,7 +13,7 @@ use page::{
 /// Four landscapes with one scale of colors.
 pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], name: &str, physics: &str) -> Picture {
     let setup = findings.setup;
-    let z_axis = Axis::new("cost (20)", "s").with_colors(ColorScale::EqualShares);
+    let z_axis = Axis::new("cost (20)", "s").with_colors(ColorScale::NearLowest);
     let landscapes: Vec<Landscape> = panels
         .iter()
         .zip('a'..)
@@ -50,7 +50,7 @@ pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], nam
         svg: landscape_panels_figure(&format!("Open-loop cost in {physics}"), &landscapes),
         caption: format!(
             "The counterpart of Figure 14 in {physics}: cost (20) over trim pitch and center of mass, for four settings of fin \
-             incidence and lines. Each color has equally many designs of the four panels, so the colors of the two physics differ."
+             incidence and lines. Colors go by the distance from the lowest cost of the four panels, so those of the two physics differ."
         ),
     }
 }
