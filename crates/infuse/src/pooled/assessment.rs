@@ -3,7 +3,7 @@
 use design_space::Cell;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
-use surface::process::{SimulationUse, Structure};
+use surface::process::SimulationUse;
 
 use crate::Error;
 use crate::pooled::certificate::{Certificate, Draws};
@@ -94,7 +94,8 @@ pub struct Assessment {
 /// A look at what is known.
 pub(crate) struct Look {
     pub(crate) assessment: Assessment,
-    pub(crate) picks: Picks,
+    /// The cells from which the next batch is picked.
+    pub(crate) pool: Pool,
 }
 
 /// Beyond so many standard deviations a reading is an outlier, or contradicts.
@@ -106,18 +107,13 @@ impl Look {
         knowledge: &mut Knowledge<'_, '_>,
         readings: &[Reading],
         settings: &Settings,
-        pending: &[Cell],
         batch: usize,
     ) -> Result<Self, Error> {
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
         let cell = lowest_mean(knowledge, &pool)?;
         let draws = Draws::of(knowledge, &pool, cell, settings.seed, batch)?;
         let certificate = draws.certificate(settings.confidence);
-        let reduced = pool.reduced(settings.seed, batch);
-        let scramble = stream(settings.seed, Purpose::KnowledgeGradient, batch).random();
-        let picks = pick(knowledge, &reduced, pending, settings.n_experiments, scramble);
         let recommended = standing(knowledge, readings, cell, cell, settings.confidence)?;
-        let further_batches = settings.worth.map(|worth| further(certificate.bound, worth, picks.remaining));
         let assessment = Assessment {
             noise: knowledge.process.noise(),
             n_repeats: knowledge.process.sites().n_repeats(),
@@ -127,17 +123,41 @@ impl Look {
             outliers: outliers(knowledge, readings),
             recommended,
             certificate,
-            further_batches,
+            further_batches: None,
         };
-        Ok(Self { assessment, picks })
+        Ok(Self { assessment, pool: pool.reduced(settings.seed, batch) })
+    }
+
+    /// The cells of the next batch.
+    pub(crate) fn picks(
+        &self,
+        knowledge: &Knowledge<'_, '_>,
+        settings: &Settings,
+        pending: &[Cell],
+        batch: usize,
+    ) -> Picks {
+        let scramble = stream(settings.seed, Purpose::KnowledgeGradient, batch).random();
+        pick(knowledge, &self.pool, pending, settings.n_experiments, scramble)
+    }
+
+    /// The assessment with the batches that it still takes, where it is said what one is worth.
+    pub(crate) fn with_prospect(
+        self,
+        knowledge: &Knowledge<'_, '_>,
+        settings: &Settings,
+        pending: &[Cell],
+        batch: usize,
+    ) -> Assessment {
+        let further_batches = settings.worth.map(|worth| match self.assessment.certificate.bound {
+            bound if bound <= worth => 0,
+            bound => further(bound, worth, self.picks(knowledge, settings, pending, batch).remaining),
+        });
+        Assessment { further_batches, ..self.assessment }
     }
 }
 
-/// Batches that each leave the same share of the uncertainty, until `bound` is at most `worth`.
+/// Batches that each leave the same share of the uncertainty, until `bound` is no longer above `worth`.
 fn further(bound: f64, worth: f64, remaining: f64) -> u64 {
-    if bound <= worth {
-        return 0;
-    }
     let batches = (worth / bound).ln() / remaining.clamp(0.05, 0.97).ln();
     if batches.is_finite() { batches.ceil() as u64 } else { u64::MAX }
 }
@@ -212,10 +232,6 @@ fn simulation_worth(knowledge: &mut Knowledge<'_, '_>, readings: &[Reading]) -> 
         return Ok(None);
     };
     let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
-    let probability = |simulation: SimulationUse| {
-        let of = |structure: &&Structure| structure.simulation == simulation;
-        Structure::ALL.iter().filter(of).map(|&structure| knowledge.process.probability(structure)).sum::<f64>()
-    };
     let factors: Vec<f64> = knowledge
         .process
         .particles()
@@ -225,7 +241,8 @@ fn simulation_worth(knowledge: &mut Knowledge<'_, '_>, readings: &[Reading]) -> 
         .collect();
     let factor = if factors.is_empty() { 0.0 } else { factors.iter().sum::<f64>() / factors.len() as f64 };
     let explained = squared_correlation(simulated, &responses);
-    Ok(Some(SimulationWorth { explained, ignored: probability(SimulationUse::Ignored), factor }))
+    let ignored = 1.0 - factors.len() as f64 / knowledge.process.particles().len() as f64;
+    Ok(Some(SimulationWorth { explained, ignored, factor }))
 }
 
 /// 0 where either is constant.

@@ -203,13 +203,13 @@ impl Loop {
             let (failed, pending) = (failed_cells(&self.records), pending_cells(&self.records));
             let simulated = &mut self.simulated;
             let mut knowledge = Knowledge::of(&readings, &failed, designs, settings, simulated, source)?;
-            let look = Look::at(&mut knowledge, &readings, settings, &pending, batch)?;
+            let look = Look::at(&mut knowledge, &readings, settings, batch)?;
             if settings.worth.is_some_and(|worth| look.assessment.certificate.bound <= worth) {
                 return Ok(Ask::Stopped(StopReason::NotWorthIt));
             }
-            let cells = look.picks.cells;
+            let cells = look.picks(&knowledge, settings, &pending, batch).cells;
             let due = match settings.simulations {
-                Some(budget) => simulations_of_a_batch(&mut knowledge, settings, &cells, budget, batch)?,
+                Some(budget) => simulations_of_a_batch(&knowledge, &look.pool, &cells, budget)?,
                 None => Vec::new(),
             };
             (cells, due)
@@ -309,7 +309,7 @@ impl Loop {
     pub fn assess(&mut self, simulate: Option<&mut Simulate<'_>>) -> Result<Option<Assessment>, Error> {
         let pending = pending_cells(&self.records);
         self.with_knowledge(simulate, |knowledge, readings, settings, batch| {
-            Ok(Look::at(knowledge, readings, settings, &pending, batch)?.assessment)
+            Ok(Look::at(knowledge, readings, settings, batch)?.with_prospect(knowledge, settings, &pending, batch))
         })
     }
 
@@ -438,23 +438,17 @@ fn source<'a, 'b>(
 
 /// What a batch simulates: its own cells, and as many promising ones as the budget allows, where the emulator knows least.
 fn simulations_of_a_batch(
-    knowledge: &mut Knowledge<'_, '_>,
-    settings: &Settings,
+    knowledge: &Knowledge<'_, '_>,
+    pool: &Pool,
     cells: &[Cell],
     budget: usize,
-    batch: usize,
 ) -> Result<Vec<Cell>, Error> {
     let mut due: Vec<Cell> = cells.iter().copied().filter(|&cell| !knowledge.simulated.contains(cell)).collect();
     due.sort_unstable();
     due.dedup();
-    let pool = Pool::gather(knowledge, settings.seed, batch)?.reduced(settings.seed, batch);
     let new = pool.cells.iter().copied().filter(|cell| !knowledge.simulated.contains(*cell) && !due.contains(cell));
     let new: Vec<Cell> = new.collect();
-    let picked = match Emulator::of(knowledge.simulated, knowledge.designs, settings.seed)? {
-        Some(emulator) => emulator.most_uncertain(knowledge.designs, &new, budget.saturating_sub(due.len()))?,
-        None => Vec::new(),
-    };
-    due.extend(picked);
+    due.extend(knowledge.least_simulated(&new, budget.saturating_sub(due.len()))?);
     Ok(due)
 }
 

@@ -10,6 +10,9 @@ use crate::pooled::knowledge::Knowledge;
 use crate::pooled::pool::Pool;
 use crate::pooled::streams::{Purpose, stream};
 
+/// The bound is this quantile of what the surface says may be gained, times this allowance.
+const SURE: f64 = 0.99;
+const ALLOWANCE: f64 = 1.5;
 /// Cells on which the response is drawn.
 const CELLS: usize = 256;
 const DRAWS: usize = 640;
@@ -29,8 +32,6 @@ pub struct Certificate {
     pub bound: f64,
     /// The same as the surface has it, without that allowance.
     pub quantile: f64,
-    /// The width of the band: upper bound of the recommended design less the lowest lower bound of all.
-    pub band: f64,
 }
 
 /// What may be gained over the recommended design, drawn from all that is possible.
@@ -38,9 +39,6 @@ pub struct Certificate {
 pub(crate) struct Draws {
     /// Ascending.
     gains: Vec<f64>,
-    /// Of the recommended design and then the most promising cells.
-    means: Vec<f64>,
-    deviations: Vec<f64>,
 }
 
 impl Draws {
@@ -82,16 +80,12 @@ impl Draws {
             })
             .collect();
         gains.sort_by(f64::total_cmp);
-        let marginals = knowledge.marginals(&places);
-        let deviations = marginals.variances.iter().map(|variance| variance.sqrt()).collect();
-        Ok(Self { gains, means: marginals.means, deviations })
+        Ok(Self { gains })
     }
 
     pub(crate) fn certificate(&self, probability: f64) -> Certificate {
         let quantile = self.quantile(probability);
-        let lower = self.means.iter().zip(&self.deviations).map(|(mean, deviation)| mean - 2.5 * deviation);
-        let band = self.means[0] + 2.5 * self.deviations[0] - lower.fold(f64::INFINITY, f64::min);
-        Certificate { probability, bound: 1.5 * self.quantile(0.99), quantile, band }
+        Certificate { probability, bound: ALLOWANCE * self.quantile(SURE), quantile }
     }
 
     fn quantile(&self, level: f64) -> f64 {

@@ -25,17 +25,11 @@ pub(crate) struct Reading {
 /// Particles of the sceptic.
 const SCEPTICAL: usize = 6;
 
-trait Sceptical {
-    fn sceptical(self) -> Self;
-}
-
-impl Sceptical for SamplerSettings {
-    /// The same without the simulation, and with a residual that can be anything.
-    fn sceptical(self) -> Self {
-        let structures = [Residual::Smooth, Residual::Rough];
-        let structures = structures.map(|residual| Structure { simulation: SimulationUse::Ignored, residual }).to_vec();
-        Self { structures, particles: SCEPTICAL, ..self }
-    }
+/// The same sampler without the simulation, and with a residual that can be anything.
+fn sceptical(sampler: &SamplerSettings) -> SamplerSettings {
+    let structures = [Residual::Smooth, Residual::Rough];
+    let structures = structures.map(|residual| Structure { simulation: SimulationUse::Ignored, residual }).to_vec();
+    SamplerSettings { structures, particles: SCEPTICAL, ..sampler.clone() }
 }
 
 /// The surface, and what it takes to evaluate it elsewhere.
@@ -76,7 +70,7 @@ impl<'a, 'b> Knowledge<'a, 'b> {
             ..SamplerSettings::default()
         };
         let sceptic = match sites.places().simulated() {
-            Some(_) => Some(AveragedProcess::new(sites.clone(), &sampler.clone().sceptical())?),
+            Some(_) => Some(AveragedProcess::new(sites.clone(), &sceptical(&sampler))?),
             None => None,
         };
         let process = AveragedProcess::new(sites, &sampler)?;
@@ -92,6 +86,14 @@ impl<'a, 'b> Knowledge<'a, 'b> {
     /// Cells as places of the surface.
     pub(crate) fn places(&mut self, cells: &[Cell]) -> Result<Places, Error> {
         self.source.places(self.designs, cells, self.simulated)
+    }
+
+    /// Which of the cells to simulate next, those first of which the emulator knows least; none where there is no emulator.
+    pub(crate) fn least_simulated(&self, cells: &[Cell], count: usize) -> Result<Vec<Cell>, Error> {
+        match &self.source {
+            Source::Emulated(emulator) => emulator.most_uncertain(self.designs, cells, count),
+            _ => Ok(Vec::new()),
+        }
     }
 
     /// Mean and variance of the response, that of an uncertain simulation included.

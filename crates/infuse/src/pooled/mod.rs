@@ -1,4 +1,40 @@
 //! The pooled loop: every experiment so far and the simulation in one surface, and a certificate of what may still be gained.
+//!
+//! One turn:
+//!
+//! 1. All readings, earlier experiments included, condition a [`surface::process::AveragedProcess`]: polynomial trend, the
+//!    simulation ignored, subtracted or scaled by a factor that is learnt, and a residual that is absent, smooth or rough; nine
+//!    structures and their hyperparameters, averaged. Experiments that failed tell where others may fail.
+//! 2. The design with the lowest mean, of all that are likely to give a response, is recommended.
+//! 3. Draws from that average, and some from one that does not believe the simulation, tell how much better another design may
+//!    be: the [`Certificate`].
+//! 4. The next batch is what lowers the expected minimum most: a knowledge gradient, pick by pick, repeats allowed.
+//!
+//! The first batch is spread half over the box and half over what the simulation likes. Nothing is dropped for good, and all of
+//! it follows from readings, simulations, settings and seed: in any order, on any number of threads, bit for bit.
+//!
+//! The recipe is not from the dissertation. Its sources: Kennedy and O'Hagan (2000) for the factor of the simulation, Murray,
+//! Adams and MacKay (2010) for the sampler of the hyperparameters, Frazier, Powell and Dayanik (2009) for the knowledge gradient.
+//!
+//! ```
+//! use design_space::{Cell, Parameter, Region};
+//! use infuse::pooled::{Loop, Settings};
+//!
+//! let region = Region::new(vec![
+//!     Parameter::continuous("spring", "N/mm", 10.0, 50.0)?.with_levels(21)?,
+//!     Parameter::continuous("damper", "N s/m", 0.0, 400.0)?.with_levels(21)?,
+//! ])?;
+//! let mut settings = Settings::new(8);
+//! settings.max_batches = 3;
+//! let mut campaign = Loop::new(&region, settings)?;
+//! let mut simulation = |_: Cell, p: &[f64]| Ok(((p[0] - 25.0) / 20.0).powi(2) + ((p[1] - 150.0) / 200.0).powi(2));
+//! // On the rig the best is elsewhere.
+//! let rig = |p: &[f64]| ((p[0] - 34.0) / 20.0).powi(2) + ((p[1] - 220.0) / 200.0).powi(2);
+//! campaign.run(&mut simulation, &mut |trial| Ok(rig(&trial.point)))?;
+//! let found = campaign.assess(Some(&mut simulation))?.expect("there are responses");
+//! assert_eq!(found.recommended.point, [34.0, 220.0]);
+//! # Ok::<(), infuse::Error>(())
+//! ```
 
 mod assessment;
 mod campaign;

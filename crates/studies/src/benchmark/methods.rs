@@ -11,7 +11,7 @@ use surface::process::{Residual, SimulationUse, Structure};
 use surface::{Data, GridPoints, Regression, Surface};
 
 use super::families::Family;
-use super::task::{BATCHES, LEVELS, Task};
+use super::task::{BATCHES, LEVELS, Task, descend};
 
 /// What a method recommends after a batch.
 pub(super) struct Step {
@@ -173,17 +173,11 @@ fn simulation_alone(task: &Task<'_>) -> Result<Vec<Step>> {
     let at = |cell: Cell| Ok::<_, anyhow::Error>((simulation(&grid.point(cell)?), cell));
     let candidates: Vec<Cell> = if grid.n_cells() <= 400_000 { grid.cells().collect() } else { task.spread(50_000) };
     let values = candidates.into_iter().map(at).collect::<Result<Vec<_>>>()?;
-    let Some(mut best) = values.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else {
+    let Some(start) = values.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) else {
         bail!("a grid without cells");
     };
-    loop {
-        let around = grid.neighbours(best.1)?.into_iter().map(at).collect::<Result<Vec<_>>>()?;
-        match around.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some(lower) if lower.0 < best.0 => best = lower,
-            _ => break,
-        }
-    }
-    Ok((0..BATCHES).map(|_| Step::of(best.1)).collect())
+    let (_, best) = descend(grid, simulation, start)?;
+    Ok((0..BATCHES).map(|_| Step::of(best)).collect())
 }
 
 fn center(task: &Task<'_>) -> Result<Vec<Step>> {

@@ -18,7 +18,7 @@ use crate::reproduction::progress;
 use families::{FAMILIES, Family};
 use methods::{METHODS, Method};
 use results::{Results, Row};
-use task::{LEVELS, SEEDS, Task};
+use task::{LEVELS, SEEDS, Task, descend};
 
 /// Where the rows of our methods, and those of the peers, are kept.
 const OURS: &str = "fixtures/benchmark";
@@ -85,8 +85,8 @@ fn campaign(method: &Method, family: &Family, seed: u64) -> Result<Vec<Row>> {
     let row = |(batch, step): (usize, methods::Step)| {
         let point = task.grid.point(step.recommended)?;
         let regret = (pair.truth)(&point) - best;
-        let seconds = [step.ask_seconds, step.tell_seconds];
-        Ok(Row { family: family.name.to_owned(), seed, batch: batch + 1, regret, bound: step.bound, seconds })
+        let methods::Step { bound, ask_seconds, tell_seconds, .. } = step;
+        Ok(Row { family: family.name.to_owned(), seed, batch: batch + 1, regret, bound, ask_seconds, tell_seconds })
     };
     steps.into_iter().enumerate().map(row).collect()
 }
@@ -106,15 +106,8 @@ fn lowest(grid: &Grid, truth: &dyn Fn(&[f64]) -> f64) -> Result<f64> {
     let mut sample = (0..SAMPLE).map(|i| at(Cell::new(i * stride % grid.n_cells()))).collect::<Result<Vec<_>>>()?;
     sample.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best = f64::INFINITY;
-    for &(mut value, mut cell) in sample.iter().take(STARTS) {
-        loop {
-            let around = grid.neighbours(cell)?.into_iter().map(at).collect::<Result<Vec<_>>>()?;
-            match around.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
-                Some((lower, next)) if lower < value => (value, cell) = (lower, next),
-                _ => break,
-            }
-        }
-        best = best.min(value);
+    for &start in sample.iter().take(STARTS) {
+        best = best.min(descend(grid, truth, start)?.0);
     }
     Ok(best)
 }

@@ -41,14 +41,10 @@ fn present(kept: &[Results]) -> Vec<(&Results, String)> {
     kept.iter().filter(|results| !results.rows.is_empty()).map(|results| (results, words(&results.method))).collect()
 }
 
-/// Families of few and of many factors.
+/// Families of few and of more factors; those of six are too few for a curve.
 fn groups() -> [(&'static str, Vec<&'static Family>); 2] {
-    let of = |few: bool| FAMILIES.iter().filter(|family| (family.n_factors <= 3) == few).collect();
-    [
-        ("2 and 3 parameters", of(true)),
-        ("4 parameters", FAMILIES.iter().filter(|family| family.n_factors == 4).collect()),
-    ]
-    .map(|(name, families): (_, Vec<&Family>)| (name, if families.is_empty() { of(true) } else { families }))
+    let of = |sizes: &[usize]| FAMILIES.iter().filter(|family| sizes.contains(&family.n_factors)).collect();
+    [("2 and 3 parameters", of(&[2, 3])), ("4 parameters", of(&[4]))]
 }
 
 fn picture(kept: &[Results]) -> String {
@@ -224,8 +220,12 @@ fn seconds_table(methods: &[(&Results, String)]) -> Table {
         let cell = |n_factors: usize| {
             let of_size =
                 |name: &str| FAMILIES.iter().any(|family| family.name == name && family.n_factors == n_factors);
-            let rows: Vec<[f64; 2]> =
-                results.rows.iter().filter(|row| of_size(&row.family)).map(|row| row.seconds).collect();
+            let rows: Vec<[f64; 2]> = results
+                .rows
+                .iter()
+                .filter(|row| of_size(&row.family))
+                .map(|row| [row.ask_seconds, row.tell_seconds])
+                .collect();
             let median = |which: usize| quantile(&rows.iter().map(|seconds| seconds[which]).collect::<Vec<_>>(), 0.5);
             match (median(0), median(1)) {
                 (Some(ask), Some(tell)) if ask + tell > 0.0 => format!("{ask:.2} and {tell:.2}"),

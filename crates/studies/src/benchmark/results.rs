@@ -20,20 +20,10 @@ pub(super) struct Row {
     pub(super) regret: f64,
     /// What the method promised to be missing at most, with 90 % probability.
     pub(super) bound: Option<f64>,
-    /// To choose the batch, and to take its results.
-    pub(super) seconds: [f64; 2],
-}
-
-/// The columns of a file.
-#[derive(Debug, Serialize, Deserialize)]
-struct Line {
-    family: String,
-    seed: u64,
-    batch: usize,
-    regret: f64,
-    bound: Option<f64>,
-    ask_seconds: f64,
-    tell_seconds: f64,
+    /// To choose the batch.
+    pub(super) ask_seconds: f64,
+    /// To take its results.
+    pub(super) tell_seconds: f64,
 }
 
 impl Row {
@@ -69,9 +59,7 @@ impl Results {
             let mut reader =
                 csv::Reader::from_path(&path).with_context(|| format!("cannot read {}", path.display()))?;
             for line in reader.deserialize() {
-                let line: Line = line.with_context(|| format!("{} is not a table of results", path.display()))?;
-                let Line { family, seed, batch, regret, bound, ask_seconds, tell_seconds } = line;
-                rows.push(Row { family, seed, batch, regret, bound, seconds: [ask_seconds, tell_seconds] });
+                rows.push(line.with_context(|| format!("{} is not a table of results", path.display()))?);
             }
         }
         Ok(Self { method: method.to_owned(), path, rows })
@@ -95,15 +83,8 @@ impl Results {
         let mut writer = csv::WriterBuilder::new().has_headers(is_new).from_writer(file);
         for row in &rows {
             let rounded = |seconds: f64| (1e3 * seconds).round() / 1e3;
-            writer.serialize(Line {
-                family: row.family.clone(),
-                seed: row.seed,
-                batch: row.batch,
-                regret: row.regret,
-                bound: row.bound,
-                ask_seconds: rounded(row.seconds[0]),
-                tell_seconds: rounded(row.seconds[1]),
-            })?;
+            let (ask_seconds, tell_seconds) = (rounded(row.ask_seconds), rounded(row.tell_seconds));
+            writer.serialize(Row { ask_seconds, tell_seconds, ..row.clone() })?;
         }
         writer.flush()?;
         self.rows.extend(rows);

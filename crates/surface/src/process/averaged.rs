@@ -119,11 +119,4 @@ impl AveragedProcess {
         let n = self.particles.len() as f64;
         self.particles.iter().map(|particle| particle.noise().powi(2) / n).sum::<f64>().sqrt()
     }
-
-    /// Share of the particles that have this structure.
-    #[must_use]
-    pub fn probability(&self, structure: Structure) -> f64 {
-        let having = self.particles.iter().filter(|particle| particle.structure() == structure).count();
-        having as f64 / self.particles.len() as f64
-    }
 }

@@ -78,10 +78,7 @@ impl<'a> Problem<'a> {
         };
         let mut whitened = self.residuals(structure);
         solve_lower_triangular_in_place(factor.as_ref(), whitened.as_mut(), Par::Seq);
-        let noise = hyper.noise.max(LEAST_NOISE);
-        let logs: f64 = (0..factor.nrows()).map(|site| factor[(site, site)].ln()).sum();
-        let repeats = self.sites.n_repeats() as f64 * noise.ln() + self.sites.scatter() / noise;
-        let value = -0.5 * whitened.squared_norm_l2() - logs - 0.5 * repeats;
+        let value = log_density(self.sites, &factor, &whitened, hyper);
         if value.is_nan() { f64::NEG_INFINITY } else { value }
     }
 }
@@ -171,7 +168,7 @@ impl GaussianProcess {
         Parts::between(rows, columns, &|s| units.simulated(s))
     }
 
-    /// Covariances of places (rows) with the sites (columns), and their prior expectation, scaled.
+    /// What the prior expects at each place, scaled.
     fn prior_means(&self, places: &Places) -> impl Fn(usize) -> f64 {
         let (factor, units) = (self.structure.prior_factor(), self.sites.units());
         let expected: Vec<f64> = match places.simulated() {
@@ -181,13 +178,19 @@ impl GaussianProcess {
         move |place| expected[place]
     }
 
-    /// Means, scaled, and L⁻¹ k of each place in a column.
-    fn conditioned(&self, places: &Places) -> (Vec<f64>, Mat<f64>) {
+    /// Covariances of each place with the sites, a row per place, and the means that follow from them, scaled.
+    fn scaled_means(&self, places: &Places) -> (Mat<f64>, Vec<f64>) {
         let cross = self.parts(places, self.sites.places()).covariance(self.structure, &self.hyper);
         let mut means = Mat::zeros(places.n_places(), 1);
         matmul(means.as_mut(), Accum::Replace, &cross, &self.solved, 1.0, Par::Seq);
         let expected = self.prior_means(places);
         let means = (0..places.n_places()).map(|place| expected(place) + means[(place, 0)]).collect();
+        (cross, means)
+    }
+
+    /// Means, scaled, and L⁻¹ k of each place in a column.
+    fn conditioned(&self, places: &Places) -> (Vec<f64>, Mat<f64>) {
+        let (cross, means) = self.scaled_means(places);
         let mut whitened = cross.transpose().to_owned();
         solve_lower_triangular_in_place(self.factor.as_ref(), whitened.as_mut(), Par::Seq);
         (means, whitened)
@@ -196,11 +199,8 @@ impl GaussianProcess {
     /// Mean at each place, in the unit of the response.
     #[must_use]
     pub fn means(&self, places: &Places) -> Vec<f64> {
-        let cross = self.parts(places, self.sites.places()).covariance(self.structure, &self.hyper);
-        let mut means = Mat::zeros(places.n_places(), 1);
-        matmul(means.as_mut(), Accum::Replace, &cross, &self.solved, 1.0, Par::Seq);
-        let (expected, units) = (self.prior_means(places), self.sites.units());
-        (0..places.n_places()).map(|place| units.center + units.scale * (expected(place) + means[(place, 0)])).collect()
+        let units = self.sites.units();
+        self.scaled_means(places).1.iter().map(|mean| units.center + units.scale * mean).collect()
     }
 
     /// Mean and variance at each place.
@@ -285,9 +285,14 @@ impl GaussianProcess {
     /// The logarithm of the density of the measurements, scaled: what structures and hyperparameters are compared by.
     #[must_use]
     pub fn log_likelihood(&self) -> f64 {
-        let logs: f64 = (0..self.factor.nrows()).map(|site| self.factor[(site, site)].ln()).sum();
-        let noise = self.hyper.noise.max(LEAST_NOISE);
-        let repeats = self.sites.n_repeats() as f64 * noise.ln() + self.sites.scatter() / noise;
-        -0.5 * self.whitened.squared_norm_l2() - logs - 0.5 * repeats
+        log_density(&self.sites, &self.factor, &self.whitened, &self.hyper)
     }
+}
+
+/// The logarithm of the density of the measurements from the lower factor L of their covariance and L⁻¹ r, but for a constant.
+fn log_density(sites: &Sites, factor: &Mat<f64>, whitened: &Mat<f64>, hyper: &Hyperparameters) -> f64 {
+    let logs: f64 = (0..factor.nrows()).map(|site| factor[(site, site)].ln()).sum();
+    let noise = hyper.noise.max(LEAST_NOISE);
+    let repeats = sites.n_repeats() as f64 * noise.ln() + sites.scatter() / noise;
+    -0.5 * whitened.squared_norm_l2() - logs - 0.5 * repeats
 }

@@ -1,4 +1,8 @@
-//! Gaussian processes with a trend, a simulation and a Matérn residual, averaged over their hyperparameters.
+//! Gaussian processes with a trend, a simulation and a Matérn residual, averaged over structures and hyperparameters.
+//!
+//! [`GaussianProcess`] is one of them with given hyperparameters; [`AveragedProcess`] is a sample of those that measurements leave
+//! possible. What is measured are [`Sites`], where something is predicted are [`Places`]; both may carry what a simulation says
+//! there. [`Feasibility`] learns from failures where others will be.
 
 mod averaged;
 mod covariance;
