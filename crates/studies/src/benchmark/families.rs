@@ -47,6 +47,28 @@ const fn family(name: &'static str, n_factors: usize, kind: Kind, noise: f64) ->
     Family { name, n_factors, kind, noise }
 }
 
+impl Kind {
+    /// What is asked of a method.
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Bowl => "skewed oblique bowl; the simulated one is displaced by 0.15 to 0.35",
+            Self::Stall => "bowl with a kink, beyond which the truth rises steeply; the simulation has none",
+            Self::Wells => "two wells; the simulation exchanges their depths",
+            Self::Branin => {
+                "Branin's function, tilted; the simulation is shifted by up to a tenth and tilted otherwise"
+            }
+            Self::Currin => "Currin's exponential function; the simulation is a mean of four points of it",
+            Self::ParkOne => "Park's first function with a bowl; its low fidelity (Xiong et al. 2013)",
+            Self::ParkTwo => "Park's second function with a bowl; its low fidelity (Xiong et al. 2013)",
+            Self::Hartmann => "Hartmann's function, four wells; the simulation exchanges their depths",
+            Self::Cliff => "oblique valley, cut by a cliff that the simulation does not know",
+            Self::RoughUseless => "random field; the simulation is another one",
+            Self::RoughPerfect => "random field; the simulation is right but for a factor and a constant",
+            Self::Borehole => "flow through a borehole with a bowl; its low fidelity (Xiong et al. 2013)",
+        }
+    }
+}
+
 /// All families.
 pub(crate) const FAMILIES: [Family; 19] = [
     family("bowl-2", 2, Kind::Bowl, 0.03),
@@ -71,6 +93,16 @@ pub(crate) const FAMILIES: [Family; 19] = [
 ];
 
 impl Family {
+    /// Truth and simulation in words.
+    pub(crate) const fn words(&self) -> &'static str {
+        self.kind.words()
+    }
+
+    /// Standard deviation of a reading, of the range of the truth.
+    pub(crate) const fn noise(&self) -> f64 {
+        self.noise
+    }
+
     /// The pair of a seed.
     pub(crate) fn pair(&self, seed: u64) -> Pair {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);

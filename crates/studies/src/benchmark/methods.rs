@@ -18,13 +18,15 @@ pub(super) struct Step {
     pub(super) recommended: Cell,
     /// What it promises at most to be missing, with 90 % probability.
     pub(super) bound: Option<f64>,
+    /// The same without allowance.
+    pub(super) quantile: Option<f64>,
     pub(super) ask_seconds: f64,
     pub(super) tell_seconds: f64,
 }
 
 impl Step {
     fn of(recommended: Cell) -> Self {
-        Self { recommended, bound: None, ask_seconds: 0.0, tell_seconds: 0.0 }
+        Self { recommended, bound: None, quantile: None, ask_seconds: 0.0, tell_seconds: 0.0 }
     }
 }
 
@@ -82,8 +84,8 @@ fn pooled_loop(task: &Task<'_>) -> Result<Vec<Step>> {
             bail!("no response after a batch");
         };
         let tell_seconds = start.elapsed().as_secs_f64();
-        let bound = Some(assessment.certificate.bound);
-        steps.push(Step { recommended: assessment.recommended.cell, bound, ask_seconds, tell_seconds });
+        let (bound, quantile) = (Some(assessment.certificate.bound), Some(assessment.certificate.quantile));
+        steps.push(Step { recommended: assessment.recommended.cell, bound, quantile, ask_seconds, tell_seconds });
     }
     Ok(steps)
 }
@@ -117,7 +119,7 @@ fn dissertation(task: &Task<'_>) -> Result<Vec<Step>> {
             bail!("no report after a batch");
         };
         let recommended = task.grid.nearest(&report.screening.optimum)?;
-        steps.push(Step { recommended, bound: None, ask_seconds, tell_seconds });
+        steps.push(Step { ask_seconds, tell_seconds, ..Step::of(recommended) });
     }
     Ok(steps)
 }

@@ -70,8 +70,8 @@ pub(crate) fn check(root: &Path) -> Result<()> {
 fn kept(root: &Path) -> Result<Vec<Results>> {
     let mut all: Vec<Results> =
         METHODS.iter().map(|method| Results::read(&root.join(OURS), method.name)).collect::<Result<_>>()?;
-    for peer in results::PEER_NAMES {
-        all.push(Results::read(&root.join(PEERS), peer)?);
+    for peer in results::PEERS {
+        all.push(Results::read(&root.join(PEERS), peer.name)?);
     }
     Ok(all)
 }
@@ -85,8 +85,9 @@ fn campaign(method: &Method, family: &Family, seed: u64) -> Result<Vec<Row>> {
     let row = |(batch, step): (usize, methods::Step)| {
         let point = task.grid.point(step.recommended)?;
         let regret = (pair.truth)(&point) - best;
-        let methods::Step { bound, ask_seconds, tell_seconds, .. } = step;
-        Ok(Row { family: family.name.to_owned(), seed, batch: batch + 1, regret, bound, ask_seconds, tell_seconds })
+        let methods::Step { bound, quantile, ask_seconds, tell_seconds, .. } = step;
+        let family = family.name.to_owned();
+        Ok(Row { family, seed, batch: batch + 1, regret, bound, quantile, ask_seconds, tell_seconds })
     };
     steps.into_iter().enumerate().map(row).collect()
 }

@@ -7,16 +7,26 @@ use page::{Axis, Column, LineFigure, Panel, Series, Table, line_figure, quantile
 
 use super::families::{FAMILIES, Family};
 use super::methods::METHODS;
-use super::results::Results;
-use super::summary::{certificate, paired, regret, stops, typical};
+use super::results::{PEERS, Results};
+use super::summary::{FLOOR, Paired, Promised, Stops, paired, promised, regret, share_within, shared, stops, typical};
 use super::task::{BATCHES, SEEDS};
 
 const PAGE: &str = "docs/results-benchmark.md";
 const PICTURE: &str = "docs/results-benchmark.svg";
-/// What another batch is worth in the table of stops, of the range of the truth.
+/// A design that is worse than the best by no more than this share of the range is called close.
+const CLOSE: f64 = 0.01;
+/// What another batch is worth where it is asked when a campaign would stop, of the range of the truth.
 const WORTH: f64 = 0.02;
-/// Families on which priors, pool and allowance of the pooled loop were chosen, seeds 1 to 30; the others were not looked at.
+/// Families on which the pooled loop was chosen. The others were not looked at for that.
 const TUNED_ON: [&str; 6] = ["bowl-2", "stall-2", "wells-2", "cliff-2", "bowl-noisy", "rough-useless"];
+const SEEDS_OF_LOOP: &str = "1 to 30";
+const SEEDS_OF_CERTIFICATE: &str = "1 to 10 and 101 to 130";
+/// What would have been said without any experiment, or with none that counts.
+const BLIND: [&str; 3] = ["simulation", "center", "random"];
+/// Left out of the picture, beside those: a method that is there to show when a quadratic suffices.
+const NOT_DRAWN: &str = "sobol-quadratic";
+/// Seeds of the peers.
+const SEEDS_OF_PEERS: u64 = 10;
 
 pub(super) fn write(root: &Path, kept: &[Results]) -> Result<()> {
     for (path, text) in [(PAGE, markdown(kept)?), (PICTURE, picture(kept))] {
@@ -34,38 +44,70 @@ pub(super) fn check(root: &Path, kept: &[Results]) -> Result<()> {
     Ok(())
 }
 
-/// The methods that have rows, as they are called.
-fn present(kept: &[Results]) -> Vec<(&Results, String)> {
-    let words =
-        |name: &str| METHODS.iter().find(|method| method.name == name).map_or(name, |method| method.words).to_owned();
-    kept.iter().filter(|results| !results.rows.is_empty()).map(|results| (results, words(&results.method))).collect()
+/// A method that has rows.
+struct Kept<'a> {
+    results: &'a Results,
+    words: &'static str,
+    is_peer: bool,
+    is_blind: bool,
 }
 
-/// Families of few and of more factors; those of six are too few for a curve.
-fn groups() -> [(&'static str, Vec<&'static Family>); 2] {
-    let of = |sizes: &[usize]| FAMILIES.iter().filter(|family| sizes.contains(&family.n_factors)).collect();
-    [("2 and 3 parameters", of(&[2, 3])), ("4 parameters", of(&[4]))]
+fn present(kept: &[Results]) -> Vec<Kept<'_>> {
+    let of = |results| {
+        let name = |known: &str| known == Results::method(results);
+        let peer = PEERS.iter().find(|peer| name(peer.name)).map(|peer| peer.words);
+        let words = METHODS.iter().find(|method| name(method.name)).map(|method| method.words).or(peer)?;
+        Some(Kept { results, words, is_peer: peer.is_some(), is_blind: BLIND.iter().any(|blind| name(blind)) })
+    };
+    kept.iter().filter(|results| !results.rows.is_empty()).filter_map(of).collect()
 }
+
+/// The families of a number of factors that the first of the peers ran.
+fn pictured(kept: &[Results], n_factors: usize) -> Vec<&'static Family> {
+    let peer = kept.iter().find(|results| results.method() == PEERS[0].name);
+    let ran = |family: &&Family| {
+        let all = |results: &Results| (1..=SEEDS_OF_PEERS).all(|seed| results.has(family.name, seed));
+        family.n_factors == n_factors && peer.is_some_and(all)
+    };
+    FAMILIES.iter().filter(ran).collect()
+}
+
+const PICTURED: [usize; 2] = [2, 4];
 
 fn picture(kept: &[Results]) -> String {
     let batches: Vec<f64> = (1..=BATCHES).map(|batch| batch as f64).collect();
-    let panel = |(name, families): (&str, Vec<&Family>)| {
-        let curve = |results: &Results| {
-            (1..=BATCHES).map(|batch| typical(results, &families, batch)).collect::<Option<Vec<f64>>>()
+    let methods = present(kept);
+    let curves = |n_factors: usize| -> Vec<(&str, Vec<f64>)> {
+        let families = pictured(kept, n_factors);
+        let curve = |method: &Kept<'_>| {
+            let of = |batch| Some(100.0 * typical(method.results, &families, SEEDS_OF_PEERS, batch)?);
+            Some((method.words, (1..=BATCHES).map(of).collect::<Option<Vec<f64>>>()?))
         };
-        let curves: Vec<(String, Vec<f64>)> = present(kept)
-            .into_iter()
-            .filter_map(|(results, words)| curve(results).map(|curve| (words, curve)))
-            .collect();
-        let all = curves.iter().flat_map(|(_, curve)| curve.iter().copied());
-        let y_axis = Axis::new(&format!("regret, {name}"), "of the range").in_decades(all.collect::<Vec<_>>());
-        let series = curves.iter().map(|(words, curve)| Series::line(words, &batches, curve)).collect();
-        Panel { x_axis: Some(Axis::new("batches of experiments", "1").counting_to(BATCHES)), y_axis, series }
+        methods
+            .iter()
+            .filter(|method| !method.is_blind && method.results.method() != NOT_DRAWN)
+            .filter_map(curve)
+            .collect()
+    };
+    let panels: Vec<(usize, Vec<(&str, Vec<f64>)>)> =
+        PICTURED.into_iter().map(|n_factors| (n_factors, curves(n_factors))).collect();
+    let all: Vec<f64> = panels.iter().flat_map(|(_, curves)| curves).flat_map(|(_, curve)| curve.clone()).collect();
+    let panel = |(n_factors, curves): (usize, Vec<(&str, Vec<f64>)>)| {
+        let y_axis = Axis::new(&format!("regret, {n_factors} parameters"), "% of range").in_decades(all.clone());
+        let series = curves.iter().map(|(words, curve)| {
+            let line = Series::line(words, &batches, curve);
+            if *words == METHODS[0].words { line } else { line.dashed() }
+        });
+        Panel {
+            x_axis: Some(Axis::new("batches of experiments", "1").counting_to(BATCHES)),
+            y_axis,
+            series: series.collect(),
+        }
     };
     line_figure(&LineFigure {
-        title: "What the recommended design is worse than the best".to_owned(),
+        title: "How much worse the recommended design is than the best".to_owned(),
         x_axis: Axis::new("batches of experiments", "1").counting_to(BATCHES),
-        panels: groups().into_iter().map(panel).collect(),
+        panels: panels.into_iter().map(panel).collect(),
         shaded: None,
     })
 }
@@ -76,151 +118,330 @@ fn percent(share: f64) -> String {
     if percent >= 9.95 { format!("{percent:.0}") } else { format!("{percent:.1}") }
 }
 
+fn names(families: &[&Family]) -> String {
+    families.iter().map(|family| format!("`{}`", family.name)).collect::<Vec<_>>().join(", ")
+}
+
 fn markdown(kept: &[Results]) -> Result<String> {
     let methods = present(kept);
     let ours = &kept[0];
     ensure!(!ours.rows.is_empty(), "no campaign of the pooled loop is kept: run `cargo xtask benchmark`");
-    let mut text = String::from("# The benchmark: regret, promises and time on pairs of a simulation and a truth\n\n");
-    text += "Written by `cargo xtask benchmark` from the campaigns kept in `fixtures/benchmark` and `fixtures/peers/results`; \
-             delete rows there and they are run anew.\n\n";
+    let mut text = String::from("# The benchmark of the loops\n\n");
     for sentence in findings(&methods, ours) {
         text += &format!("- {sentence}\n");
     }
     text += "\n![Regret after each batch](results-benchmark.svg)\n\n";
     text += &format!(
-        "Each family is a pair of a truth and a simulation that is wrong about it; each of {SEEDS} seeds draws its own shift, \
-         mirror image and displacement. The truth is scaled to the range 0 to 1, every factor has 24 levels, a reading has \
-         noise of 3 % of the range (10 % in `bowl-noisy`), and a batch has 12, 14, 18, 24 experiments for 2, 3, 4, 6 factors. \
-         Regret is the truth at the recommended design less the lowest on the grid. Tuned on: {}. All other families were not \
-         looked at while the loop was made.\n\n",
-        TUNED_ON.join(", ")
+        "Regret after each batch: geometric mean over families of the mean over seeds 1 to {SEEDS_OF_PEERS}, {} % added to each. The \
+         families are those that {} ran: {}; {}. Those who learn nothing, the quadratic, and methods that did not run all of these campaigns are not drawn.\n\n",
+        percent(FLOOR),
+        PEERS[0].words,
+        names(&pictured(kept, PICTURED[0])),
+        names(&pictured(kept, PICTURED[1])),
     );
-    for batch in [3, BATCHES] {
-        text += &format!("## Regret after batch {batch}\n\nMedian and 90th percentile, in % of the range.\n\n");
-        text += &regret_table(&methods, batch).markdown();
-        text.push('\n');
-    }
-    text += "## Paired with the others\n\nMean over the seeds of log10(our regret / theirs) with its standard error, after batch \
-             2, 3, 5: negative where the pooled loop is better; -0.3 is half the regret. 0.3 % of the range is added to both, so \
-             that differences far below the noise do not count.\n\n";
-    text += &paired_table(&methods, ours).markdown();
-    text += "\n## The certificate\n\nPromised with 90 % probability: no design is better by more than c. How often one was, and \
-             the median of c in % of the range, after each batch.\n\n";
-    text += &certificate_table(ours).markdown();
+    text += "Written by `cargo xtask benchmark` from the campaigns kept in `fixtures/benchmark` and `fixtures/peers/results`; delete \
+             rows there and they are run anew. With `--check` it fails if this page is not what they come to.\n\n";
+    text += "## Beside the others\n\n";
     text += &format!(
-        "\n## Stopping\n\nHad another batch to be worth {} % of the range: campaigns that stopped within {BATCHES} \
-             batches, those of them that stopped with more than that missing, those that could have stopped a batch or more \
-             earlier, and the mean number of batches.\n\n",
+        "Campaigns that both ran, and the share of them, theirs and ours, in which the recommended design is worse than the best by at \
+         most {} % of the range, after batches 1 to {BATCHES}. Last, the families in which our regret is lower, and higher, by more \
+         than two standard errors after batch 3 and after batch {BATCHES}.\n\n",
+        100.0 * CLOSE
+    );
+    text += &others_table(&methods, ours).markdown();
+    text += "\n## How it is measured\n\n";
+    text += &format!(
+        "Each family pairs a truth with a simulation that is wrong about it; each of {SEEDS} seeds draws its own optimum, displacement, \
+         mirror image and order of the axes. The truth goes from 0 to 1, every parameter has 24 levels, and a batch has 12, 14, 18, 24 \
+         experiments for 2, 3, 4, 6 parameters. Readings have normal noise. The loops may ask the simulation wherever they like. \
+         Regret is the truth at the recommended design less the lowest on the grid. Peers ran fewer families, and seeds 1 to \
+         {SEEDS_OF_PEERS}, with noise of their own; `fixtures/peers/README.md` says what they are given. The dissertation's loop and the quadratic are not run with \
+         6 parameters: their batches have fewer experiments than the quadratic has terms.\n\n"
+    );
+    text += &families_table().markdown();
+    for batch in 1..=BATCHES {
+        text += &format!("\n## Regret after batch {batch}\n\nMedian and 90th percentile, in % of the range.\n\n");
+        text += &regret_table(&methods, batch, |method| !method.is_blind).markdown();
+    }
+    text += "\n## Regret without learning\n\nThe same, whatever the batch.\n\n";
+    text += &regret_table(&methods, BATCHES, |method| method.is_blind).markdown();
+    for batch in [3, BATCHES] {
+        text += &format!(
+            "\n## Paired with the others after batch {batch}\n\nMean over the seeds of log10(our regret / theirs) with its standard \
+             error: negative where the pooled loop is better, and -0.30 is half the regret. {} % of the range is added to both, so \
+             that differences far below the noise do not count. Bold: the other is better by more than two standard errors.\n\n",
+            percent(FLOOR)
+        );
+        text += &paired_table(&methods, ours, batch).markdown();
+    }
+    text += "\n## The certificate\n\nPromised with 90 % probability: no design is better than the recommended one by more than c. In how \
+             many campaigns one was, and the median of c in % of the range, after each batch.\n\n";
+    text += &certificate_table(ours, |promised| Some((promised.breached, promised.width))).markdown();
+    text += "\nThe same for the 90 % quantile of what the surface says may be gained, neither widened nor doubted. Where it is wide, a \
+             certificate cannot be narrow.\n\n";
+    text += &certificate_table(ours, |promised| promised.believed).markdown();
+    text += &format!(
+        "\n## Stopping\n\nIf another batch has to be worth {} % of the range: campaigns that stop within {BATCHES} batches, those of them \
+         that stop with more than that missing (too early), those that missed no more a batch before already (late), the mean number of \
+         batches until the stop, and the campaigns that go on to the end although no more is missing then.\n\n",
         100.0 * WORTH
     );
     text += &stops_table(ours).markdown();
-    text += "\n## Seconds\n\nMedian time to choose a batch and to take its results, on the machine where the rows were made.\n\n";
+    text += "\n## Seconds\n\nMedian time to choose a batch, and to take its results and recommend, on the machine where the rows were \
+             made, other work beside it.\n\n";
     text += &seconds_table(&methods).markdown();
     Ok(text)
 }
 
 /// What a reader should know first.
-fn findings(methods: &[(&Results, String)], ours: &Results) -> Vec<String> {
-    let mut findings = Vec::new();
-    for (results, words) in methods.iter().skip(1) {
-        let compared: Vec<[f64; 2]> =
-            FAMILIES.iter().filter_map(|family| paired(ours, results, family, BATCHES, BATCHES)).collect();
-        let better = compared.iter().filter(|[mean, error]| *mean < -error).count();
-        let worse = compared.iter().filter(|[mean, error]| *mean > *error).count();
-        let mean = compared.iter().map(|[mean, _]| mean).sum::<f64>() / compared.len().max(1) as f64;
+fn findings(methods: &[Kept<'_>], ours: &Results) -> Vec<String> {
+    let close = |other: &Results, batch: usize| shared(ours, other, batch, CLOSE);
+    let share = |share: f64| format!("{:.0} %", 100.0 * share);
+    let within = |families: &[&Family], batch| share(share_within(ours, families.iter().copied(), batch, CLOSE));
+    let all: Vec<&Family> = FAMILIES.iter().collect();
+    let own = [2, 3, BATCHES].map(|batch| within(&all, batch));
+    let (tuned, others): (Vec<&Family>, Vec<&Family>) =
+        FAMILIES.iter().partition(|family| TUNED_ON.contains(&family.name));
+    let mut findings = vec![format!(
+        "The pooled loop ran {} campaigns: {} families of a truth and a simulation that is wrong about it, {SEEDS} seeds each. The design \
+         that it recommends is close to the best, worse by at most {} % of the range, in {} of them after 2 batches of experiments, {} \
+         after 3 and {} after {BATCHES}; {} after {BATCHES} in the families on which it was not tuned.",
+        close(ours, BATCHES).campaigns,
+        FAMILIES.len(),
+        100.0 * CLOSE,
+        own[0],
+        own[1],
+        own[2],
+        within(&others, BATCHES)
+    )];
+    let clause = |method: &Kept<'_>| {
+        let found = close(method.results, BATCHES);
+        format!("{} in {} of {} ({})", method.words, share(found.within[1]), found.campaigns, share(found.within[0]))
+    };
+    let list = |keep: &dyn Fn(&&Kept<'_>) -> bool| {
+        methods.iter().skip(1).filter(keep).map(clause).collect::<Vec<_>>().join("; ")
+    };
+    findings.push(format!(
+        "As close after {BATCHES} batches, on the campaigns that both ran and with the pooled loop's share in brackets: {}.",
+        list(&|method| !method.is_peer && !method.is_blind)
+    ));
+    if methods.iter().any(|method| method.is_peer) {
         findings.push(format!(
-            "After {BATCHES} batches the pooled loop is better than {words} in {better} of {} families by more than a standard \
-             error, and worse in {worse}; its regret is {:.2} times theirs in the mean.",
-            compared.len(),
-            10.0_f64.powf(mean)
+            "Peers with the same budget, of which those of two fidelities are given simulations too: {}.",
+            list(&|method| method.is_peer)
         ));
     }
-    let all: Vec<(&Family, usize, [f64; 2])> = FAMILIES
-        .iter()
-        .flat_map(|family| (1..=BATCHES).map(move |batch| (family, batch)))
-        .filter_map(|(family, batch)| certificate(ours, family, batch).map(|found| (family, batch, found)))
-        .collect();
-    let mean = all.iter().map(|(_, _, [breached, _])| breached).sum::<f64>() / all.len().max(1) as f64;
-    if let Some((family, batch, [most, _])) = all.iter().max_by(|a, b| a.2[0].total_cmp(&b.2[0])) {
-        findings.push(format!(
-            "The certificate of 90 % was breached in {:.1} % of all batches, most often ({:.0} %) in batch {batch} of {}.",
-            100.0 * mean,
-            100.0 * most,
-            family.name
-        ));
-    }
+    findings.push(where_others_are_better(methods, ours));
+    findings.push(what_was_promised(ours));
+    let all = FAMILIES.iter().map(|family| stops(ours, family, WORTH)).fold(Stops::default(), Stops::and);
+    findings.push(format!(
+        "If another batch has to be worth {} % of the range, {} of {} campaigns stop within {BATCHES} batches, after {:.1} in the \
+         mean: {} of them too early, with more than that missing, and {} at least a batch later than an oracle would. Of the others {} had \
+         come as close without knowing it.",
+        100.0 * WORTH,
+        all.stopped,
+        all.campaigns,
+        all.batches as f64 / all.stopped.max(1) as f64,
+        all.too_early,
+        all.late,
+        all.unaware
+    ));
+    findings.push(format!(
+        "Tuned on: {}, seeds {SEEDS_OF_LOOP} for the loop, {SEEDS_OF_CERTIFICATE} for the certificate. The other {} families were not looked \
+         at for that. No peer was tuned.",
+        names(&tuned),
+        others.len()
+    ));
     findings
 }
 
-fn regret_table(methods: &[(&Results, String)], batch: usize) -> Table {
+fn where_others_are_better(methods: &[Kept<'_>], ours: &Results) -> String {
+    let mut compared = 0;
+    let mut better = Vec::new();
+    for method in methods.iter().skip(1) {
+        for family in &FAMILIES {
+            if let Some(found) = paired(ours, method.results, family, BATCHES) {
+                compared += 1;
+                if found.is_theirs_better() {
+                    better.push(format!("{} in `{}`", method.words, family.name));
+                }
+            }
+        }
+    }
+    if better.is_empty() {
+        return format!(
+            "No other method is better by more than two standard errors after {BATCHES} batches, in {compared} comparisons."
+        );
+    }
+    format!(
+        "Better than the pooled loop by more than two standard errors after {BATCHES} batches, in {} of {compared} comparisons: {}.",
+        better.len(),
+        better.join(", ")
+    )
+}
+
+fn what_was_promised(ours: &Results) -> String {
+    let (mut campaigns, mut breached, mut elsewhere) = (0, 0, [0, 0]);
+    let mut worst = (0.0, String::new());
+    for family in &FAMILIES {
+        for batch in 1..=BATCHES {
+            if let Some(found) = promised(ours, family, batch) {
+                campaigns += found.campaigns;
+                breached += found.breached;
+                if !TUNED_ON.contains(&family.name) {
+                    elsewhere = [elsewhere[0] + found.breached, elsewhere[1] + found.campaigns];
+                }
+                let share = found.breached as f64 / found.campaigns.max(1) as f64;
+                if share > worst.0 {
+                    worst = (share, format!("`{}` after batch {batch}", family.name));
+                }
+            }
+        }
+    }
+    let width = |n_factors: usize| {
+        let widths = FAMILIES.iter().filter(|family| family.n_factors == n_factors);
+        let widths: Vec<f64> = widths.filter_map(|family| Some(promised(ours, family, BATCHES)?.width)).collect();
+        quantile(&widths, 0.5).map_or("–".to_owned(), percent)
+    };
+    format!(
+        "The certificate promises with 90 % probability that no design is better by more than c. It was broken after {breached} of \
+         {campaigns} batches ({} %; {} of {} in the families on which it was not tuned), most often in {} ({:.0} % of the campaigns). After batch {BATCHES} c is {} % of the range with 2 \
+         parameters, {} % with 4 and {} % with 6 (median of the families' medians).",
+        percent(breached as f64 / campaigns.max(1) as f64),
+        elsewhere[0],
+        elsewhere[1],
+        if worst.1.is_empty() { "none" } else { &worst.1 },
+        100.0 * worst.0,
+        width(2),
+        width(4),
+        width(6)
+    )
+}
+
+fn others_table(methods: &[Kept<'_>], ours: &Results) -> Table {
+    let heads = ["other method", "campaigns", "theirs, %", "ours, %", "we are better", "they are better"];
+    let mut table = Table::new(heads.map(Column::words).to_vec());
+    for method in methods.iter().skip(1) {
+        let each: Vec<_> = (1..=BATCHES).map(|batch| shared(ours, method.results, batch, CLOSE)).collect();
+        let shares = |which: usize| {
+            each.iter().map(|shared| format!("{:.0}", 100.0 * shared.within[which])).collect::<Vec<_>>().join(", ")
+        };
+        let counts = |is_better: fn(Paired) -> bool| {
+            let after = |batch| {
+                let all: Vec<_> =
+                    FAMILIES.iter().filter_map(|family| paired(ours, method.results, family, batch)).collect();
+                format!("{} of {}", all.iter().filter(|paired| is_better(**paired)).count(), all.len())
+            };
+            [3, BATCHES].map(after).join(", ")
+        };
+        table.push(vec![
+            method.words.to_owned(),
+            each.last().map_or(0, |shared| shared.campaigns).to_string(),
+            shares(1),
+            shares(0),
+            counts(Paired::is_ours_better),
+            counts(Paired::is_theirs_better),
+        ]);
+    }
+    table
+}
+
+fn families_table() -> Table {
+    let heads = ["family", "parameters", "noise, %", "truth and simulation", "tuned on"];
+    let mut table = Table::new(heads.map(Column::words).to_vec());
+    for family in &FAMILIES {
+        let tuned = if TUNED_ON.contains(&family.name) { "yes" } else { "no" };
+        let (size, noise) = (family.n_factors.to_string(), format!("{:.0}", 100.0 * family.noise()));
+        table.push(vec![family.name.to_owned(), size, noise, family.words().to_owned(), tuned.to_owned()]);
+    }
+    table
+}
+
+fn regret_table(methods: &[Kept<'_>], batch: usize, keep: impl Fn(&Kept<'_>) -> bool) -> Table {
+    let methods: Vec<&Kept<'_>> = methods.iter().filter(|method| keep(method)).collect();
     let mut columns = vec![Column::words("family")];
-    columns.extend(methods.iter().map(|(_, words)| Column::words(words)));
+    columns.extend(methods.iter().map(|method| Column::words(method.words)));
     let mut table = Table::new(columns);
     for family in &FAMILIES {
-        let cell = |results: &Results| match regret(results, family, batch) {
+        let cell = |method: &&Kept<'_>| match regret(method.results, family, batch) {
             Some([median, most]) => format!("{} / {}", percent(median), percent(most)),
             None => "–".to_owned(),
         };
         let mut row = vec![family.name.to_owned()];
-        row.extend(methods.iter().map(|(results, _)| cell(results)));
+        row.extend(methods.iter().map(cell));
         table.push(row);
     }
     table
 }
 
-fn paired_table(methods: &[(&Results, String)], ours: &Results) -> Table {
+fn paired_table(methods: &[Kept<'_>], ours: &Results, batch: usize) -> Table {
+    let methods: Vec<&Kept<'_>> = methods.iter().skip(1).filter(|method| !method.is_blind).collect();
     let mut columns = vec![Column::words("family")];
-    columns.extend(methods.iter().skip(1).map(|(_, words)| Column::words(words)));
+    columns.extend(methods.iter().map(|method| Column::words(method.words)));
     let mut table = Table::new(columns);
     for family in &FAMILIES {
+        let cell = |method: &&Kept<'_>| match paired(ours, method.results, family, batch) {
+            Some(found) => {
+                // No minus before a zero.
+                let mean = (100.0 * found.mean).round() / 100.0 + 0.0;
+                let cell = format!("{mean:.2} ± {:.2}", found.error);
+                if found.is_theirs_better() { format!("**{cell}**") } else { cell }
+            }
+            None => "–".to_owned(),
+        };
         let mut row = vec![family.name.to_owned()];
-        for (results, _) in methods.iter().skip(1) {
-            let one = |batch| {
-                paired(ours, results, family, batch, batch).map(|[mean, error]| format!("{mean:.2} ± {error:.2}"))
-            };
-            let cells: Option<Vec<String>> = [2, 3, BATCHES].into_iter().map(one).collect();
-            row.push(cells.map_or("–".to_owned(), |cells| cells.join(", ")));
-        }
+        row.extend(methods.iter().map(cell));
         table.push(row);
     }
     table
 }
 
-fn certificate_table(ours: &Results) -> Table {
+fn certificate_table(ours: &Results, of: impl Fn(Promised) -> Option<(usize, f64)>) -> Table {
     let mut columns = vec![Column::words("family")];
     columns.extend((1..=BATCHES).map(|batch| Column::words(&format!("batch {batch}"))));
     let mut table = Table::new(columns);
     for family in &FAMILIES {
+        let cell = |batch| {
+            let found = promised(ours, family, batch)?;
+            let (breached, width) = of(found)?;
+            Some(format!("{breached} of {}, c {}", found.campaigns, percent(width)))
+        };
         let mut row = vec![family.name.to_owned()];
-        row.extend((1..=BATCHES).map(|batch| match certificate(ours, family, batch) {
-            Some([breached, width]) => format!("{:.0} %, c {}", 100.0 * breached, percent(width)),
-            None => "–".to_owned(),
-        }));
+        row.extend((1..=BATCHES).map(|batch| cell(batch).unwrap_or("–".to_owned())));
         table.push(row);
     }
     table
 }
 
 fn stops_table(ours: &Results) -> Table {
-    let names = ["family", "stopped", "too early", "late", "batches"];
-    let mut table = Table::new(names.iter().map(|name| Column::words(name)).collect());
+    let heads = ["family", "campaigns", "stopped", "too early", "late", "batches", "close, not stopped"];
+    let mut table = Table::new(heads.map(Column::words).to_vec());
+    let mut push = |name: &str, stops: Stops| {
+        let batches = match stops.stopped {
+            0 => "–".to_owned(),
+            stopped => format!("{:.1}", stops.batches as f64 / stopped as f64),
+        };
+        let counts = [stops.campaigns, stops.stopped, stops.too_early, stops.late].map(|count| count.to_string());
+        table.push([&[name.to_owned()][..], &counts, &[batches, stops.unaware.to_string()]].concat());
+    };
+    let mut all = Stops::default();
     for family in &FAMILIES {
-        let stops = stops(ours, family, WORTH);
-        let batches = if stops.stopped == 0 { "–".to_owned() } else { format!("{:.1}", stops.batches) };
-        let counts = [stops.stopped, stops.too_early, stops.late].map(|count| count.to_string());
-        let [stopped, too_early, late] = counts;
-        table.push(vec![family.name.to_owned(), stopped, too_early, late, batches]);
+        let of_family = stops(ours, family, WORTH);
+        push(family.name, of_family);
+        all = all.and(of_family);
     }
+    push("all", all);
     table
 }
 
-fn seconds_table(methods: &[(&Results, String)]) -> Table {
-    let mut table = Table::new(["method", "2 factors", "4 factors", "6 factors"].map(Column::words).to_vec());
-    for (results, words) in methods {
+fn seconds_table(methods: &[Kept<'_>]) -> Table {
+    let mut table = Table::new(["method", "2 parameters", "4 parameters", "6 parameters"].map(Column::words).to_vec());
+    for method in methods {
         let cell = |n_factors: usize| {
             let of_size =
                 |name: &str| FAMILIES.iter().any(|family| family.name == name && family.n_factors == n_factors);
-            let rows: Vec<[f64; 2]> = results
+            let rows: Vec<[f64; 2]> = method
+                .results
                 .rows
                 .iter()
                 .filter(|row| of_size(&row.family))
@@ -232,7 +453,10 @@ fn seconds_table(methods: &[(&Results, String)]) -> Table {
                 _ => "–".to_owned(),
             }
         };
-        table.push(vec![words.clone(), cell(2), cell(4), cell(6)]);
+        let cells = [2, 4, 6].map(cell);
+        if cells.iter().any(|cell| cell != "–") {
+            table.push([&[method.words.to_owned()][..], &cells].concat());
+        }
     }
     table
 }

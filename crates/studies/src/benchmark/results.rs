@@ -1,13 +1,25 @@
 //! Rows of campaigns, kept in files so that a run goes on where the last one ended.
 
-use std::fs::{self, OpenOptions};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
 
-/// The peers whose rows a person with Python can write anew: `fixtures/peers/README.md`.
-pub(super) const PEER_NAMES: &[&str] = &["botorch", "botorch-multifidelity", "smt", "optuna"];
+/// An optimizer of others, whose rows a person with Python can write anew: `fixtures/peers/README.md`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Peer {
+    /// In file names.
+    pub(super) name: &'static str,
+    pub(super) words: &'static str,
+}
+
+pub(super) const PEERS: &[Peer] = &[
+    Peer { name: "botorch", words: "BoTorch" },
+    Peer { name: "botorch-multifidelity", words: "BoTorch, two fidelities" },
+    Peer { name: "smt", words: "SMT, two fidelities" },
+    Peer { name: "optuna", words: "Optuna TPE" },
+];
 
 /// One batch of one campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,6 +32,9 @@ pub(super) struct Row {
     pub(super) regret: f64,
     /// What the method promised to be missing at most, with 90 % probability.
     pub(super) bound: Option<f64>,
+    /// The same as the surface of the method has it, without any allowance.
+    #[serde(default)]
+    pub(super) quantile: Option<f64>,
     /// To choose the batch.
     pub(super) ask_seconds: f64,
     /// To take its results.
@@ -30,14 +45,15 @@ impl Row {
     /// Whether both say the same, times apart; the last digits differ between machines.
     pub(super) fn agrees(&self, other: &Self) -> bool {
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + a.abs());
-        let bounds = match (self.bound, other.bound) {
+        let both = |pair: (Option<f64>, Option<f64>)| match pair {
             (Some(a), Some(b)) => close(a, b),
             (a, b) => a.is_none() == b.is_none(),
         };
         self.family == other.family
             && self.seed == other.seed
             && self.batch == other.batch
-            && bounds
+            && both((self.bound, other.bound))
+            && both((self.quantile, other.quantile))
             && close(self.regret, other.regret)
     }
 }
@@ -45,7 +61,7 @@ impl Row {
 /// All rows of a method.
 #[derive(Debug, Clone)]
 pub(super) struct Results {
-    pub(super) method: String,
+    method: String,
     path: PathBuf,
     pub(super) rows: Vec<Row>,
 }
@@ -65,6 +81,11 @@ impl Results {
         Ok(Self { method: method.to_owned(), path, rows })
     }
 
+    /// Its name in file names.
+    pub(super) fn method(&self) -> &str {
+        &self.method
+    }
+
     pub(super) fn has(&self, family: &str, seed: u64) -> bool {
         self.rows.iter().any(|row| row.family == family && row.seed == seed)
     }
@@ -73,21 +94,23 @@ impl Results {
         self.rows.iter().filter(|row| row.family == family && row.seed == seed).cloned().collect()
     }
 
-    /// Adds rows, in memory and in the file.
+    /// Adds rows, in memory and in the file, which is written anew beside itself: what was kept stays whole if that fails.
     pub(super) fn append(&mut self, rows: Vec<Row>) -> Result<()> {
         if let Some(folder) = self.path.parent() {
             fs::create_dir_all(folder)?;
         }
-        let is_new = !self.path.exists();
-        let file = OpenOptions::new().create(true).append(true).open(&self.path)?;
-        let mut writer = csv::WriterBuilder::new().has_headers(is_new).from_writer(file);
-        for row in &rows {
-            let rounded = |seconds: f64| (1e3 * seconds).round() / 1e3;
+        let rounded = |seconds: f64| (1e3 * seconds).round() / 1e3;
+        self.rows.extend(rows.into_iter().map(|row| {
             let (ask_seconds, tell_seconds) = (rounded(row.ask_seconds), rounded(row.tell_seconds));
-            writer.serialize(Row { ask_seconds, tell_seconds, ..row.clone() })?;
+            Row { ask_seconds, tell_seconds, ..row }
+        }));
+        let new = self.path.with_extension("new");
+        let mut writer = csv::Writer::from_path(&new)?;
+        for row in &self.rows {
+            writer.serialize(row)?;
         }
         writer.flush()?;
-        self.rows.extend(rows);
-        Ok(())
+        drop(writer);
+        fs::rename(&new, &self.path).with_context(|| format!("cannot write {}", self.path.display()))
     }
 }

@@ -2,12 +2,12 @@
 
 use page::quantile;
 
-use super::families::Family;
+use super::families::{FAMILIES, Family};
 use super::results::{Results, Row};
-use super::task::{BATCHES, SEEDS};
+use super::task::SEEDS;
 
 /// Regrets below this share of the range count as equal: a tenth of the smallest noise.
-const FLOOR: f64 = 0.003;
+pub(super) const FLOOR: f64 = 0.003;
 
 /// The rows of a family after a batch, in the order of the seeds.
 pub(super) fn rows_of<'a>(results: &'a Results, family: &Family, batch: usize) -> Vec<&'a Row> {
@@ -24,74 +24,153 @@ pub(super) fn regret(results: &Results, family: &Family, batch: usize) -> Option
     Some([quantile(&regrets, 0.5)?, quantile(&regrets, 0.9)?])
 }
 
-/// Mean and standard error of log10 of our regret over that of another, both on the same pairs; regrets below the floor count as
-/// the floor.
-pub(super) fn paired(
-    ours: &Results,
-    other: &Results,
-    family: &Family,
+/// The regrets of two methods after a batch of a family, ours first, in the campaigns that both ran.
+fn both(ours: &Results, other: &Results, family: &Family, batch: usize) -> Vec<[f64; 2]> {
+    let theirs = rows_of(other, family, batch);
+    let same = |row: &&Row| theirs.iter().find(|candidate| candidate.seed == row.seed);
+    rows_of(ours, family, batch).iter().filter_map(|row| Some([row.regret, same(row)?.regret])).collect()
+}
+
+/// Share of the campaigns of some families in which no more than a limit is missing after a batch.
+pub(super) fn share_within<'a>(
+    results: &Results,
+    families: impl Iterator<Item = &'a Family>,
     batch: usize,
-    batch_of_other: usize,
-) -> Option<[f64; 2]> {
-    let (a, b) = (rows_of(ours, family, batch), rows_of(other, family, batch_of_other));
-    let ratio = |row: &&Row| {
-        let same = b.iter().find(|candidate| candidate.seed == row.seed)?;
-        Some(((row.regret + FLOOR) / (same.regret + FLOOR)).log10())
-    };
-    let ratios: Vec<f64> = a.iter().filter_map(ratio).collect();
+    limit: f64,
+) -> f64 {
+    let all: Vec<f64> = families.flat_map(|family| rows_of(results, family, batch)).map(|row| row.regret).collect();
+    all.iter().filter(|regret| **regret <= limit).count() as f64 / all.len().max(1) as f64
+}
+
+/// How close two methods came in the campaigns that both ran.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shared {
+    pub(super) campaigns: usize,
+    /// Share of them in which we miss no more than a limit, and in which they do.
+    pub(super) within: [f64; 2],
+}
+
+pub(super) fn shared(ours: &Results, other: &Results, batch: usize, limit: f64) -> Shared {
+    let all: Vec<[f64; 2]> = FAMILIES.iter().flat_map(|family| both(ours, other, family, batch)).collect();
+    let share = |which: usize| all.iter().filter(|pair| pair[which] <= limit).count() as f64 / all.len().max(1) as f64;
+    Shared { campaigns: all.len(), within: [share(0), share(1)] }
+}
+
+/// Our regret beside that of another method on the same pairs of a family: mean of log10 of the ratio, with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Paired {
+    pub(super) mean: f64,
+    pub(super) error: f64,
+}
+
+impl Paired {
+    /// By more than two standard errors.
+    pub(super) fn is_ours_better(self) -> bool {
+        self.mean < -2.0 * self.error
+    }
+
+    pub(super) fn is_theirs_better(self) -> bool {
+        self.mean > 2.0 * self.error
+    }
+}
+
+/// None for fewer than two campaigns. To each regret the floor is added.
+pub(super) fn paired(ours: &Results, other: &Results, family: &Family, batch: usize) -> Option<Paired> {
+    let ratio = |[ours, theirs]: [f64; 2]| ((ours + FLOOR) / (theirs + FLOOR)).log10();
+    let ratios: Vec<f64> = both(ours, other, family, batch).into_iter().map(ratio).collect();
     let n = ratios.len() as f64;
     if n < 2.0 {
         return None;
     }
     let mean = ratios.iter().sum::<f64>() / n;
     let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    Some([mean, (variance / n).sqrt()])
+    Some(Paired { mean, error: (variance / n).sqrt() })
 }
 
-/// Share of the campaigns in which more was missing than promised, and the median of the promise.
-pub(super) fn certificate(results: &Results, family: &Family, batch: usize) -> Option<[f64; 2]> {
+/// What was promised after a batch of a family.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Promised {
+    pub(super) campaigns: usize,
+    /// Campaigns in which more was missing than promised.
+    pub(super) breached: usize,
+    /// Median of the promise.
+    pub(super) width: f64,
+    /// The same two, had the surface been believed as it is.
+    pub(super) believed: Option<(usize, f64)>,
+}
+
+pub(super) fn promised(results: &Results, family: &Family, batch: usize) -> Option<Promised> {
     let rows = rows_of(results, family, batch);
-    let promised: Vec<(f64, f64)> = rows.iter().filter_map(|row| row.bound.map(|bound| (row.regret, bound))).collect();
-    let breached = promised.iter().filter(|(regret, bound)| regret > &(bound + 1e-12)).count();
-    let width = quantile(&promised.iter().map(|(_, bound)| *bound).collect::<Vec<_>>(), 0.5)?;
-    Some([breached as f64 / promised.len() as f64, width])
+    let of = |promise: fn(&Row) -> Option<f64>| {
+        let promised: Vec<(f64, f64)> =
+            rows.iter().filter_map(|row| promise(row).map(|bound| (row.regret, bound))).collect();
+        let breached = promised.iter().filter(|(regret, bound)| regret > &(bound + 1e-12)).count();
+        let width = quantile(&promised.iter().map(|(_, bound)| *bound).collect::<Vec<_>>(), 0.5)?;
+        Some((promised.len(), breached, width))
+    };
+    let (campaigns, breached, width) = of(|row| row.bound)?;
+    let believed = of(|row| row.quantile).map(|(_, breached, width)| (breached, width));
+    Some(Promised { campaigns, breached, width, believed })
 }
 
 /// Campaigns that would have stopped when the promise was at most `worth`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Stops {
+    pub(super) campaigns: usize,
     pub(super) stopped: usize,
     /// Of these, more was missing than `worth`.
     pub(super) too_early: usize,
-    /// Campaigns in which no more was missing than `worth` a batch or more before the stop, or at the end without one.
+    /// Of these, no more was missing than `worth` from a batch before the stop on.
     pub(super) late: usize,
-    /// Batches until the stop, mean over those that stopped.
-    pub(super) batches: f64,
+    /// Campaigns that did not stop, and at the end missed no more than `worth`.
+    pub(super) unaware: usize,
+    /// Batches until the stop, sum over those that stopped.
+    pub(super) batches: usize,
+}
+
+impl Stops {
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            campaigns: self.campaigns + other.campaigns,
+            stopped: self.stopped + other.stopped,
+            too_early: self.too_early + other.too_early,
+            late: self.late + other.late,
+            unaware: self.unaware + other.unaware,
+            batches: self.batches + other.batches,
+        }
+    }
 }
 
 pub(super) fn stops(results: &Results, family: &Family, worth: f64) -> Stops {
-    let mut stops = Stops { stopped: 0, too_early: 0, late: 0, batches: 0.0 };
+    let mut stops = Stops::default();
     for seed in 1..=SEEDS {
         let rows = results.of(family.name, seed);
-        let stop = rows.iter().find(|row| row.bound.is_some_and(|bound| bound <= worth));
-        let good_from = (1..=BATCHES).find(|&batch| rows.iter().all(|row| row.batch < batch || row.regret <= worth));
-        if let Some(stop) = stop {
-            stops.stopped += 1;
-            stops.too_early += usize::from(stop.regret > worth);
-            stops.batches += stop.batch as f64;
+        let Some(last) = rows.last() else { continue };
+        stops.campaigns += 1;
+        match rows.iter().find(|row| row.bound.is_some_and(|bound| bound <= worth)) {
+            Some(stop) => {
+                let before = rows.iter().find(|row| row.batch + 1 == stop.batch);
+                stops.stopped += 1;
+                stops.too_early += usize::from(stop.regret > worth);
+                stops.late += usize::from(before.is_some_and(|row| row.regret.max(stop.regret) <= worth));
+                stops.batches += stop.batch;
+            }
+            None => stops.unaware += usize::from(last.regret <= worth),
         }
-        let end = stop.map_or(BATCHES + 1, |stop| stop.batch);
-        stops.late += usize::from(!rows.is_empty() && good_from.is_some_and(|good| good < end));
     }
-    stops.batches /= stops.stopped.max(1) as f64;
     stops
 }
 
-/// Geometric mean over families of the median regret, each at least the floor.
-pub(super) fn typical(results: &Results, families: &[&Family], batch: usize) -> Option<f64> {
-    let medians: Vec<f64> = families
-        .iter()
-        .map(|family| regret(results, family, batch).map(|[median, _]| median))
-        .collect::<Option<_>>()?;
-    let logs: f64 = medians.iter().map(|median| (median.max(0.0) + FLOOR).ln()).sum();
-    Some((logs / medians.len().max(1) as f64).exp())
+/// Geometric mean over families of the mean regret over the seeds, the floor added to each; none where a campaign is missing.
+pub(super) fn typical(results: &Results, families: &[&Family], seeds: u64, batch: usize) -> Option<f64> {
+    let mut logs = 0.0;
+    for family in families {
+        let regrets: Vec<f64> =
+            rows_of(results, family, batch).iter().filter(|row| row.seed <= seeds).map(|row| row.regret).collect();
+        if regrets.len() as u64 != seeds {
+            return None;
+        }
+        logs += (regrets.iter().sum::<f64>() / seeds as f64 + FLOOR).ln();
+    }
+    (!families.is_empty()).then(|| (logs / families.len() as f64).exp())
 }
