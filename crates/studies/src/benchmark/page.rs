@@ -74,10 +74,13 @@ fn pictured(kept: &[Results], n_factors: usize) -> Vec<&'static Family> {
 
 const PICTURED: [usize; 2] = [2, 4];
 
+/// A method in words, and its regret after each batch.
+type Curve<'a> = (&'a str, Vec<f64>);
+
 fn picture(kept: &[Results]) -> String {
     let batches: Vec<f64> = (1..=BATCHES).map(|batch| batch as f64).collect();
     let methods = present(kept);
-    let curves = |n_factors: usize| -> Vec<(&str, Vec<f64>)> {
+    let curves = |n_factors: usize| -> Vec<Curve<'_>> {
         let families = pictured(kept, n_factors);
         let curve = |method: &Kept<'_>| {
             let of = |batch| Some(100.0 * typical(method.results, &families, SEEDS_OF_PEERS, batch)?);
@@ -89,10 +92,10 @@ fn picture(kept: &[Results]) -> String {
             .filter_map(curve)
             .collect()
     };
-    let panels: Vec<(usize, Vec<(&str, Vec<f64>)>)> =
+    let panels: Vec<(usize, Vec<Curve<'_>>)> =
         PICTURED.into_iter().map(|n_factors| (n_factors, curves(n_factors))).collect();
     let all: Vec<f64> = panels.iter().flat_map(|(_, curves)| curves).flat_map(|(_, curve)| curve.clone()).collect();
-    let panel = |(n_factors, curves): (usize, Vec<(&str, Vec<f64>)>)| {
+    let panel = |(n_factors, curves): (usize, Vec<Curve<'_>>)| {
         let y_axis = Axis::new(&format!("regret, {n_factors} parameters"), "% of range").in_decades(all.clone());
         let series = curves.iter().map(|(words, curve)| {
             let line = Series::line(words, &batches, curve);
