@@ -174,3 +174,68 @@ pub(super) fn typical(results: &Results, families: &[&Family], seeds: u64, batch
     }
     (!families.is_empty()).then(|| (logs / families.len() as f64).exp())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// A method with one campaign for each list of regrets, in the first family.
+    fn method(campaigns: &[&[(f64, f64)]]) -> anyhow::Result<Results> {
+        let mut results = Results::read(Path::new("no such folder"), "none")?;
+        for (seed, steps) in (1..).zip(campaigns) {
+            for (batch, &(regret, bound)) in (1..).zip(*steps) {
+                let family = FAMILIES[0].name.to_owned();
+                let (bound, quantile) = (Some(bound), None);
+                results.rows.push(Row {
+                    family,
+                    seed,
+                    batch,
+                    regret,
+                    bound,
+                    quantile,
+                    ask_seconds: 0.0,
+                    tell_seconds: 0.0,
+                });
+            }
+        }
+        Ok(results)
+    }
+
+    #[test]
+    fn stops_are_in_time_too_early_late_or_missing() -> anyhow::Result<()> {
+        let results = method(&[
+            &[(0.1, 0.3), (0.01, 0.02), (0.0, 0.01)],
+            &[(0.1, 0.3), (0.03, 0.02), (0.0, 0.01)],
+            &[(0.01, 0.3), (0.01, 0.1), (0.0, 0.01)],
+            &[(0.1, 0.3), (0.1, 0.2), (0.0, 0.1)],
+        ])?;
+        let found = stops(&results, &FAMILIES[0], 0.02);
+        let expected = Stops { campaigns: 4, stopped: 3, too_early: 1, late: 1, unaware: 1, batches: 7 };
+        assert_eq!(found, expected);
+        Ok(())
+    }
+
+    #[test]
+    fn promises_are_broken_by_more_than_rounding() -> anyhow::Result<()> {
+        let results = method(&[&[(0.1, 0.1)], &[(0.2, 0.1)], &[(0.0, 0.3)]])?;
+        let found = promised(&results, &FAMILIES[0], 1).map(|found| (found.campaigns, found.breached, found.width));
+        assert_eq!(found, Some((3, 1, 0.1)));
+        assert_eq!(promised(&results, &FAMILIES[0], 2), None);
+        Ok(())
+    }
+
+    #[test]
+    fn pairs_are_of_the_seeds_that_both_ran() -> anyhow::Result<()> {
+        let ours = method(&[&[(0.007, 1.0)], &[(0.097, 1.0)], &[(0.5, 1.0)]])?;
+        let theirs = method(&[&[(0.097, 1.0)], &[(0.997, 1.0)]])?;
+        let found =
+            paired(&ours, &theirs, &FAMILIES[0], 1).map(|found| (found.mean, found.error, found.is_ours_better()));
+        assert!(matches!(found, Some((mean, error, true)) if (mean + 1.0).abs() < 1e-9 && error < 1e-9), "{found:?}");
+        let shared = shared(&ours, &theirs, 1, 0.1);
+        assert_eq!((shared.campaigns, shared.within), (2, [1.0, 0.5]));
+        assert_eq!(paired(&ours, &method(&[])?, &FAMILIES[0], 1), None);
+        Ok(())
+    }
+}
