@@ -89,6 +89,8 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         #[cfg(feature = "benchmark")]
         (None, ["benchmark"]) => Box::new(|| benchmark::run(root)),
         #[cfg(feature = "benchmark")]
+        (None, ["benchmark", "--page"]) => Box::new(|| benchmark::write_page(root)),
+        #[cfg(feature = "benchmark")]
         (None, ["benchmark", "--check"]) => Box::new(|| benchmark::check(root)),
         #[cfg(feature = "benchmark")]
         (None, ["benchmark", "--serve", family, seed]) => Box::new(move || benchmark::serve(family, seed)),

@@ -25,8 +25,8 @@ const SEEDS_OF_CERTIFICATE: &str = "1 to 10 and 101 to 130";
 const BLIND: [&str; 3] = ["simulation", "center", "random"];
 /// Left out of the picture, beside those: a method that is there to show when a quadratic suffices.
 const NOT_DRAWN: &str = "sobol-quadratic";
-/// Seeds of the peers.
-const SEEDS_OF_PEERS: u64 = 10;
+/// Families of which the peers ran fewer seeds are not in the picture.
+const FEWEST_SEEDS: u64 = 5;
 
 pub(super) fn write(root: &Path, kept: &[Results]) -> Result<()> {
     for (path, text) in [(PAGE, markdown(kept)?), (PICTURE, picture(kept))] {
@@ -62,14 +62,27 @@ fn present(kept: &[Results]) -> Vec<Kept<'_>> {
     kept.iter().filter(|results| !results.rows.is_empty()).filter_map(of).collect()
 }
 
-/// The families of a number of factors that the first of the peers ran.
-fn pictured(kept: &[Results], n_factors: usize) -> Vec<&'static Family> {
-    let peer = kept.iter().find(|results| results.method() == PEERS[0].name);
-    let ran = |family: &&Family| {
-        let all = |results: &Results| (1..=SEEDS_OF_PEERS).all(|seed| results.has(family.name, seed));
-        family.n_factors == n_factors && peer.is_some_and(all)
-    };
-    FAMILIES.iter().filter(ran).collect()
+/// Campaigns that the first of the peers ran: families of a number of factors, and the seeds up to which it ran all of them.
+struct Common {
+    families: Vec<&'static Family>,
+    seeds: u64,
+}
+
+impl Common {
+    fn of(kept: &[Results], n_factors: usize) -> Self {
+        let peer = kept.iter().find(|results| results.method() == PEERS[0].name);
+        let seeds = |family: &Family| {
+            let ran = |seed: &u64| peer.is_some_and(|results| results.has(family.name, *seed));
+            (1..=SEEDS).take_while(ran).count() as u64
+        };
+        let enough = |family: &&Family| family.n_factors == n_factors && seeds(family) >= FEWEST_SEEDS;
+        let families: Vec<&Family> = FAMILIES.iter().filter(enough).collect();
+        Self { seeds: families.iter().map(|family| seeds(family)).min().unwrap_or(0), families }
+    }
+
+    fn words(&self) -> String {
+        format!("{}, seeds 1 to {}", names(&self.families), self.seeds)
+    }
 }
 
 const PICTURED: [usize; 2] = [2, 4];
@@ -81,9 +94,9 @@ fn picture(kept: &[Results]) -> String {
     let batches: Vec<f64> = (1..=BATCHES).map(|batch| batch as f64).collect();
     let methods = present(kept);
     let curves = |n_factors: usize| -> Vec<Curve<'_>> {
-        let families = pictured(kept, n_factors);
+        let Common { families, seeds } = Common::of(kept, n_factors);
         let curve = |method: &Kept<'_>| {
-            let of = |batch| Some(100.0 * typical(method.results, &families, SEEDS_OF_PEERS, batch)?);
+            let of = |batch| Some(100.0 * typical(method.results, &families, seeds, batch)?);
             Some((method.words, (1..=BATCHES).map(of).collect::<Option<Vec<f64>>>()?))
         };
         methods
@@ -135,12 +148,12 @@ fn markdown(kept: &[Results]) -> Result<String> {
     }
     text += "\n![Regret after each batch](results-benchmark.svg)\n\n";
     text += &format!(
-        "Regret after each batch: geometric mean over families of the mean over seeds 1 to {SEEDS_OF_PEERS}, {} % added to each. The \
-         families are those that {} ran: {}; {}. Those who learn nothing, the quadratic, and methods that did not run all of these campaigns are not drawn.\n\n",
+        "Regret after each batch: geometric mean over families of the mean over seeds, {} % added to each. The campaigns are \
+         those that {} ran: {}; {}. Those who learn nothing, the quadratic, and methods that did not run all of these campaigns are not drawn.\n\n",
         percent(FLOOR),
         PEERS[0].words,
-        names(&pictured(kept, PICTURED[0])),
-        names(&pictured(kept, PICTURED[1])),
+        Common::of(kept, PICTURED[0]).words(),
+        Common::of(kept, PICTURED[1]).words(),
     );
     text += "Written by `cargo xtask benchmark` from the campaigns kept in `fixtures/benchmark` and `fixtures/peers/results`; delete \
              rows there and they are run anew. With `--check` it fails if this page is not what they come to.\n\n";
@@ -157,8 +170,8 @@ fn markdown(kept: &[Results]) -> Result<String> {
         "Each family pairs a truth with a simulation that is wrong about it; each of {SEEDS} seeds draws its own optimum, displacement, \
          mirror image and order of the axes. The truth goes from 0 to 1, every parameter has 24 levels, and a batch has 12, 14, 18, 24 \
          experiments for 2, 3, 4, 6 parameters. Readings have normal noise. The loops may ask the simulation wherever they like. \
-         Regret is the truth at the recommended design less the lowest on the grid. Peers ran fewer families, and seeds 1 to \
-         {SEEDS_OF_PEERS}, with noise of their own; `fixtures/peers/README.md` says what they are given. The dissertation's loop and the quadratic are not run with \
+         Regret is the truth at the recommended design less the lowest on the grid. Peers ran fewer families and seeds, with noise of \
+         their own; `fixtures/peers/README.md` says what they are given. The dissertation's loop and the quadratic are not run with \
          6 parameters: their batches have fewer experiments than the quadratic has terms.\n\n"
     );
     text += &families_table().markdown();
