@@ -161,9 +161,8 @@ fn markdown(kept: &[Results]) -> Result<String> {
              rows there and they are run anew. With `--check` it fails if this page is not what they come to.\n\n";
     text += "## Beside the others\n\n";
     text += &format!(
-        "Campaigns that both ran, and the share of them, theirs and ours, in which the recommended design is worse than the best by at \
-         most {} % of the range, after batches 1 to {BATCHES}. Last, the families in which our regret is lower, and higher, by more \
-         than two standard errors after batch 3 and after batch {BATCHES}.\n\n",
+        "Campaigns that both ran, and the share of them in which the recommended design is worse than the best by at \
+         most {} % of the range, after batches 1 to {BATCHES}. Last, the families in which one of them has less regret by more than two standard errors, after batch 3 and after batch {BATCHES}.\n\n",
         100.0 * CLOSE
     );
     text += &others_table(&methods, ours).markdown();
@@ -176,16 +175,21 @@ fn markdown(kept: &[Results]) -> Result<String> {
          their own; `fixtures/peers/README.md` says what they are given. The dissertation's loop and the quadratic are not run with \
          6 parameters: their batches have fewer experiments than the quadratic has terms.\n\n"
     );
+    for sentence in cut_short(kept) {
+        text += &format!("{sentence}\n\n");
+    }
     text += &families_table().markdown();
     for batch in 1..=BATCHES {
-        text += &format!("\n## Regret after batch {batch}\n\nMedian and 90th percentile, in % of the range.\n\n");
+        text += &format!(
+            "\n## Regret after batch {batch}\n\nMedian and 90th percentile, in % of the range, of five campaigns or more.\n\n"
+        );
         text += &regret_table(&methods, batch, |method| !method.is_blind).markdown();
     }
-    text += "\n## Regret without learning\n\nThe same, whatever the batch.\n\n";
+    text += "\n## Regret without learning\n\nNo reading changes these.\n\n";
     text += &regret_table(&methods, BATCHES, |method| method.is_blind).markdown();
     for batch in [3, BATCHES] {
         text += &format!(
-            "\n## Paired with the others after batch {batch}\n\nMean over the seeds of log10(our regret / theirs) with its standard \
+            "\n## Paired with the others after batch {batch}\n\nMean over the seeds of log10(regret of the pooled loop / regret of the other) with its standard \
              error: negative where the pooled loop is better, and -0.30 is half the regret. {} % of the range is added to both, so \
              that differences far below the noise do not count. Bold: the other is better by more than two standard errors.\n\n",
             percent(FLOOR)
@@ -233,14 +237,15 @@ fn findings(methods: &[Kept<'_>], ours: &Results) -> Vec<String> {
         within(&others, BATCHES)
     )];
     let clause = |method: &Kept<'_>| {
-        let found = close(method.results, BATCHES);
-        format!("{} in {} of {} ({})", method.words, share(found.within[1]), found.campaigns, share(found.within[0]))
+        let [early, late] = [2, BATCHES].map(|batch| close(method.results, batch));
+        let both = |which: usize| [early, late].map(|found| share(found.within[which])).join(" and ");
+        format!("{} in {} of {} ({})", method.words, both(1), late.campaigns, both(0))
     };
     let list = |keep: &dyn Fn(&&Kept<'_>) -> bool| {
         methods.iter().skip(1).filter(keep).map(clause).collect::<Vec<_>>().join("; ")
     };
     findings.push(format!(
-        "As close after {BATCHES} batches, on the campaigns that both ran and with the pooled loop's share in brackets: {}.",
+        "As close after 2 and after {BATCHES} batches, on the campaigns that both ran, with the pooled loop in brackets: {}.",
         list(&|method| !method.is_peer && !method.is_blind)
     ));
     if methods.iter().any(|method| method.is_peer) {
@@ -299,6 +304,22 @@ fn where_others_are_better(methods: &[Kept<'_>], ours: &Results) -> String {
     )
 }
 
+/// The methods of which campaigns are missing.
+fn cut_short(kept: &[Results]) -> impl Iterator<Item = String> {
+    METHODS.iter().filter_map(|method| {
+        let results = kept.iter().find(|results| results.method() == method.name)?;
+        let families = FAMILIES.iter().filter(|family| method.can(family));
+        let ran = |family: &Family| (1..=SEEDS).filter(|seed| results.has(family.name, *seed)).count();
+        let fewer: Vec<String> = families
+            .map(|family| (family, ran(family)))
+            .filter(|(_, ran)| *ran < SEEDS as usize)
+            .map(|(family, ran)| format!("{ran} in `{}`", family.name))
+            .collect();
+        let words = method.words;
+        (!fewer.is_empty()).then(|| format!("Fewer than {SEEDS} campaigns of {words} were run: {}.", fewer.join(", ")))
+    })
+}
+
 fn where_it_is_worst(ours: &Results) -> Option<String> {
     let found = |family: &'static Family| Some((family, regret(ours, family, BATCHES)?));
     let worst = FAMILIES.iter().filter_map(found).max_by(|a, b| a.1[1].total_cmp(&b.1[1]));
@@ -352,7 +373,7 @@ fn what_was_promised(ours: &Results) -> String {
 }
 
 fn others_table(methods: &[Kept<'_>], ours: &Results) -> Table {
-    let heads = ["other method", "campaigns", "theirs, %", "ours, %", "we are better", "they are better"];
+    let heads = ["other method", "campaigns", "other, %", "pooled loop, %", "pooled loop better", "other better"];
     let mut table = Table::new(heads.map(Column::words).to_vec());
     for method in methods.iter().skip(1) {
         let each: Vec<_> = (1..=BATCHES).map(|batch| shared(ours, method.results, batch, CLOSE)).collect();

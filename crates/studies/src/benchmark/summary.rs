@@ -9,6 +9,9 @@ use super::task::SEEDS;
 /// Regrets below this share of the range count as equal: a tenth of the smallest noise.
 pub(super) const FLOOR: f64 = 0.003;
 
+/// Of fewer campaigns of a family neither percentiles nor errors are told.
+const FEWEST: usize = 5;
+
 /// The rows of a family after a batch, in the order of the seeds.
 pub(super) fn rows_of<'a>(results: &'a Results, family: &Family, batch: usize) -> Vec<&'a Row> {
     let mut rows: Vec<&Row> =
@@ -18,9 +21,12 @@ pub(super) fn rows_of<'a>(results: &'a Results, family: &Family, batch: usize) -
     rows
 }
 
-/// Median and 90th percentile of the regret.
+/// Median and 90th percentile of the regret; none for fewer than five campaigns.
 pub(super) fn regret(results: &Results, family: &Family, batch: usize) -> Option<[f64; 2]> {
     let regrets: Vec<f64> = rows_of(results, family, batch).iter().map(|row| row.regret).collect();
+    if regrets.len() < FEWEST {
+        return None;
+    }
     Some([quantile(&regrets, 0.5)?, quantile(&regrets, 0.9)?])
 }
 
@@ -74,14 +80,14 @@ impl Paired {
     }
 }
 
-/// None for fewer than two campaigns. To each regret the floor is added.
+/// None for fewer than five campaigns. To each regret the floor is added.
 pub(super) fn paired(ours: &Results, other: &Results, family: &Family, batch: usize) -> Option<Paired> {
     let ratio = |[ours, theirs]: [f64; 2]| ((ours + FLOOR) / (theirs + FLOOR)).log10();
     let ratios: Vec<f64> = both(ours, other, family, batch).into_iter().map(ratio).collect();
-    let n = ratios.len() as f64;
-    if n < 2.0 {
+    if ratios.len() < FEWEST {
         return None;
     }
+    let n = ratios.len() as f64;
     let mean = ratios.iter().sum::<f64>() / n;
     let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (n - 1.0);
     Some(Paired { mean, error: (variance / n).sqrt() })
@@ -228,14 +234,15 @@ mod tests {
 
     #[test]
     fn pairs_are_of_the_seeds_that_both_ran() -> anyhow::Result<()> {
-        let ours = method(&[&[(0.007, 1.0)], &[(0.097, 1.0)], &[(0.5, 1.0)]])?;
-        let theirs = method(&[&[(0.097, 1.0)], &[(0.997, 1.0)]])?;
+        let [near, far]: [&[(f64, f64)]; 2] = [&[(0.007, 1.0)], &[(0.097, 1.0)]];
+        let ours = method(&[near, far, near, far, near, &[(0.5, 1.0)]])?;
+        let theirs = method(&[far, &[(0.997, 1.0)], far, &[(0.997, 1.0)], far])?;
         let found =
             paired(&ours, &theirs, &FAMILIES[0], 1).map(|found| (found.mean, found.error, found.is_ours_better()));
         assert!(matches!(found, Some((mean, error, true)) if (mean + 1.0).abs() < 1e-9 && error < 1e-9), "{found:?}");
         let shared = shared(&ours, &theirs, 1, 0.1);
-        assert_eq!((shared.campaigns, shared.within), (2, [1.0, 0.5]));
-        assert_eq!(paired(&ours, &method(&[])?, &FAMILIES[0], 1), None);
+        assert_eq!((shared.campaigns, shared.within), (5, [1.0, 0.6]));
+        assert_eq!(paired(&ours, &method(&[near, far, near, far])?, &FAMILIES[0], 1), None);
         Ok(())
     }
 }
