@@ -43,7 +43,8 @@ impl Trust {
 ///
 /// It rests on the measurements, on the simulation as far as these agree with it, and on the response being a polynomial, a
 /// corrected simulation or as smooth as the priors of the surface say. What no measurement and no simulation shows, as a well
-/// between all of them, it allows for by widening what the surface says of itself.
+/// between all of them, it allows for by doubting the simulation and by widening what the surface says of itself, the less the
+/// more readings there are.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// The probability.

@@ -293,6 +293,23 @@ fn earlier_experiments_count_as_any_other_and_can_be_taken_back() {
     assert!(matches!(other.add_earlier(&[0.0, 0.0], f64::NAN, "x"), Err(Error::Setting { name: "response", .. })));
 }
 
+/// Who asks for more confidence is promised less.
+#[test]
+fn bound_of_the_certificate_follows_the_confidence() {
+    let mut campaign = campaign(2, 21, batches(10, 2, 1));
+    campaign.run(&mut simulation, &mut noisy(1, 0.02, truth)).expect("a campaign that ends");
+    let certificates = [0.5, 0.7, 0.9, 0.99].map(|confidence| {
+        let mut settings = batches(10, 2, 1);
+        settings.confidence = confidence;
+        campaign.set_settings(settings).expect("valid settings");
+        assessed(&mut campaign).certificate
+    });
+    for pair in certificates.windows(2) {
+        assert!(pair[0].bound < pair[1].bound && pair[0].quantile <= pair[1].quantile, "{certificates:?}");
+    }
+    assert!(certificates.iter().all(|certificate| certificate.quantile <= certificate.bound), "{certificates:?}");
+}
+
 /// With a bound on what is worth another batch it stops by itself, and what it promised then holds.
 #[test]
 fn campaign_stops_when_the_certificate_is_small_enough() {
