@@ -228,7 +228,7 @@ const NEAREST_DRAWN_S: f64 = 1e-4;
 /// True cost against experiments, both loops, in both studies.
 pub(crate) fn picture(findings: &Findings) -> Picture {
     let figure = LineFigure {
-        title: "What the recommended design truly costs above the best".to_owned(),
+        title: "Regret of the recommended design: its true cost above that of the best known".to_owned(),
         x_axis: Axis::new("experiments", "1"),
         panels: findings.cases().map(|(case, found)| panel(case, found)).collect(),
         shaded: None,
@@ -236,9 +236,10 @@ pub(crate) fn picture(findings: &Findings) -> Picture {
     Picture {
         name: PICTURE.to_owned(),
         svg: line_figure(&figure),
-        caption: "The cost in the stand-in, without noise, of the design that each loop recommends after so many experiments, less that \
-                  of the best design known: medians over the seeds of noise, and the least and most of the seeds. At 0 experiments: the optimum of the numerical model. Designs within 0.1 ms of the best \
-                  are drawn there. The axes of cost are logarithmic, each with a range of its own."
+        caption: "The cost in the stand-in, without noise, of the design that each loop recommends after so many experiments, less \
+                  that of the best design known: medians over the seeds of noise, and the least and most of the seeds. At 0 \
+                  experiments: the optimum of the numerical model. Designs within 0.1 ms of the best are drawn there. The axes of \
+                  the regret are logarithmic, each with a range of its own."
             .to_owned(),
     }
 }
@@ -272,7 +273,7 @@ fn panel(case: &Case, found: &Found) -> Panel {
     let step = case.entry.batch.experiments as f64;
     Panel {
         x_axis: Some(Axis::new("experiments", "1").with_range(0.0, step * n as f64).with_step(step)),
-        y_axis: Axis::new(&format!("above the best, {}", case.entry.label), "s").in_decades(shown),
+        y_axis: Axis::new(&format!("regret, {}", case.entry.label), "s").in_decades(shown),
         series,
     }
 }
