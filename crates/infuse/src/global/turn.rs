@@ -97,6 +97,9 @@ impl Loop {
             return Ok(experiments);
         }
         let run = self.experience_of(&self.history)?.run();
+        if run.is_empty() {
+            return Ok(experiments);
+        }
         let new = |experiments: &[Cell]| Ok::<_, Error>(n_new(experiments, &self.uses(space, experiments)?, &run));
         let uses = space.uses(&experiments)?;
         let n_validation = uses.iter().filter(|&&used| used == TrialUse::Validation).count();

@@ -18,8 +18,8 @@ pub(crate) const WHAT: &str = "The loop of `infuse::pooled` is not the dissertat
     experiments and simulations in every batch; its own draws follow from the seed of the noise. Nothing in it was tuned to this rig.";
 
 const CAPTION: &str = "True cost: in the stand-in, without noise, of printed rows too. Regret: that less the cost of the best design known. Random \
-    design: all cells of the grid that is flown in whole, each as likely. Certificate: with 90 % probability, says the pooled loop, no \
-    design is better than the recommended one by more; it does not know the truth. Held: campaigns whose regret is within it.";
+    design: all cells of the grid that is flown in whole, each as likely. Certificate: no design is better than the recommended one by \
+    more, says the pooled loop, which does not know the truth. Held: campaigns whose regret is within it.";
 
 pub(crate) const PICTURE: &str = "both-loops";
 
@@ -58,7 +58,7 @@ impl Row<'_> {
 
 /// How many certificates held: the true cost is above that of the best design known by no more.
 fn held(steps: &[&PooledStep], best: f64) -> usize {
-    steps.iter().filter(|step| step.cost - best <= step.bound).count()
+    steps.iter().filter(|step| step.cost - best <= step.certificate.bound).count()
 }
 
 /// Both loops, batch by batch, after those who make no experiment.
@@ -91,7 +91,7 @@ pub(crate) fn table(case: &Case, found: &Found) -> Table {
             push(batch, &dissertations(runs), runs.over_seeds(batch, |step| step.cost), None);
         }
         let steps: Vec<&PooledStep> = found.pooled.after(batch).collect();
-        let bounds: Vec<f64> = steps.iter().map(|step| step.bound).collect();
+        let bounds: Vec<f64> = steps.iter().map(|step| step.certificate.bound).collect();
         let costs = steps.iter().map(|step| step.cost).collect();
         let certified = Summary::of(&bounds).map(|bounds| (bounds.median, held(&steps, found.best.cost)));
         push(batch, "pooled loop", costs, certified);
@@ -109,13 +109,14 @@ pub(crate) fn caption(case: &Case, found: &Found) -> String {
     };
     let batch = &case.entry.batch;
     format!(
-        "{}: {} experiments and {} simulations in a campaign of the dissertation's loop, {} and at most {} in one of the pooled loop. \
-         {CAPTION}",
+        "{}: {} experiments and {} simulations in a campaign of the dissertation's loop, {} and at most {} in one of the pooled loop, \
+         whose certificates are for {:.0} %. {CAPTION}",
         case.entry.label,
         case.entry.iterations * batch.experiments,
         case.entry.iterations * batch.simulations,
         most(|campaign| campaign.n_experiments),
         most(|campaign| campaign.n_simulations),
+        100.0 * found.pooled.after(1).next().map_or(f64::NAN, |step| step.certificate.probability),
     )
 }
 
@@ -208,7 +209,7 @@ pub(crate) fn words(case: &Case, found: &Found) -> Vec<String> {
     let without = without.map(|(what, regret)| format!("{what} {regret:.3} s"));
     words.push(format!("Without any experiment: {}.", without.join(", ")));
     let last: Vec<&PooledStep> = found.pooled.after(case.entry.iterations).collect();
-    let bounds: Vec<f64> = last.iter().map(|step| step.bound).collect();
+    let bounds: Vec<f64> = last.iter().map(|step| step.certificate.bound).collect();
     if let Some(bounds) = Summary::of(&bounds) {
         words.push(format!(
             "The certificate is wide: after the last batch it is {:.3} s in the median, with a range of the true cost of {:.2} s. It held \

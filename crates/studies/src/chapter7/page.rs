@@ -361,9 +361,10 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim], first: &str) -> St
         CLAIM_CAPTION,
         &format!("{}\n{FOUND}\n\n{}", claims::table(claims).markdown(), markdown_list(&claims::found(claims))),
     );
-    for (case, found) in findings.cases() {
-        let words = [both_loops::WHAT.to_owned(), both_loops::caption(case, found)];
-        let words: Vec<String> = words.into_iter().chain(both_loops::words(case, found)).collect();
+    for (number, (case, found)) in findings.cases().enumerate() {
+        let what = (number == 0).then(|| both_loops::WHAT.to_owned());
+        let words = what.into_iter().chain([both_loops::caption(case, found)]);
+        let words: Vec<String> = words.chain(both_loops::words(case, found)).collect();
         let heading = format!("{}: {}", both_loops::HEADING, case.entry.label);
         section(&heading, &words.join("\n\n"), &both_loops::table(case, found).markdown());
     }

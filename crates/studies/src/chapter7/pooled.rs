@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, Result, ensure};
 use infuse::global;
-use infuse::pooled::{Ask, Loop, Settings};
+use infuse::pooled::{Ask, Certificate, Loop, Settings};
 use rayon::prelude::*;
 
 use crate::gridded::StandInRig;
@@ -12,8 +12,8 @@ use crate::gridded::StandInRig;
 pub(crate) struct PooledStep {
     /// What the design truly costs.
     pub(crate) cost: f64,
-    /// No design is better by more than this, says the certificate.
-    pub(crate) bound: f64,
+    /// How much better another design may be.
+    pub(crate) certificate: Certificate,
 }
 
 /// One campaign.
@@ -82,7 +82,7 @@ impl PooledCampaign {
             }
             let assessment = campaign.assess(None)?.context("no experiment gave a response")?;
             let cost = rig.truth.cost(assessment.recommended.cell).unwrap_or(f64::NAN);
-            steps.push(PooledStep { cost, bound: assessment.certificate.bound });
+            steps.push(PooledStep { cost, certificate: assessment.certificate });
             campaign.set_settings(settings.clone())?;
             finished();
         }
@@ -131,7 +131,7 @@ mod tests {
             assert_eq!((campaign.n_experiments, campaign.steps.len()), (24, 3));
             assert!((30..=42).contains(&campaign.n_simulations), "{} simulations", campaign.n_simulations);
             let last = &campaign.steps[2];
-            assert!(last.cost < 1.1 && last.cost - 1.0 <= last.bound, "{last:?}");
+            assert!(last.cost < 1.1 && last.cost - 1.0 <= last.certificate.bound, "{last:?}");
         }
         assert!((pooled.center_cost - 2.4).abs() < 1e-9, "{}", pooled.center_cost);
         assert_eq!(pooled.after(3).count(), 2);
