@@ -225,10 +225,11 @@ fn responses_of_another_size_than_the_simulation_and_all_equal_ones_are_taken() 
         assert!(truth(&found.recommended.point) < 0.05, "{unit:e}, {simulated:e}: {:?}", found.recommended);
         assert!(found.certificate.bound < 3.0 * unit, "{unit:e}, {simulated:e}: {:?}", found.certificate);
     }
+    // Without a spread of their own that of the simulation, which goes from 0.3 to 2.6, is all there is to compare with.
     let mut flat = campaign(2, 21, batches(6, 3, 1));
     flat.run(&mut simulation, &mut |_| Ok(5.0)).expect("it ends");
     let found = assessed(&mut flat);
-    assert!((found.recommended.mean - 5.0).abs() < 1e-3 && found.certificate.bound < 1e-2, "{found:?}");
+    assert!((found.recommended.mean - 5.0).abs() < 1e-3 && found.certificate.bound < 0.3, "{found:?}");
 }
 
 /// A noise of zero is a promise: kept, it is believed; broken by repeats that differ, the campaign goes on.

@@ -23,6 +23,9 @@ const CAPTION: &str = "True cost: in the stand-in, without noise, of printed row
 
 pub(crate) const PICTURE: &str = "both-loops";
 
+/// What a line shows of the seeds, by name.
+type Reading = (&'static str, fn(&Summary) -> f64);
+
 /// Seconds, or a dash where there are none.
 fn seconds(value: f64) -> String {
     if value.is_finite() { crate::words::number(value, 3) } else { "–".to_owned() }
@@ -255,7 +258,7 @@ fn panel(case: &Case, found: &Found) -> Panel {
         std::iter::once(above(found.numerical_true_cost)).chain(later).collect()
     };
     let (mut series, mut shown) = (Vec::new(), Vec::new());
-    let mut draw = |way: &str, costs: &dyn Fn(usize) -> Vec<f64>, readings: &[(&str, fn(&Summary) -> f64)]| {
+    let mut draw = |way: &str, costs: &dyn Fn(usize) -> Vec<f64>, readings: &[Reading]| {
         for (name, reading) in readings {
             let values = drawn(costs, *reading);
             shown.extend(values.iter().copied().filter(|value| value.is_finite()));
@@ -263,7 +266,7 @@ fn panel(case: &Case, found: &Found) -> Panel {
             series.push(if *name == "median" { line } else { line.dashed() });
         }
     };
-    let all: [(&str, fn(&Summary) -> f64); 3] =
+    let all: [Reading; 3] =
         [("median", |s| s.median), ("least and most", |s| s.minimum), ("least and most", |s| s.maximum)];
     for (number, runs) in found.runs.iter().enumerate() {
         // Of the other regressors the median is enough.
