@@ -53,14 +53,15 @@ impl Loop {
     /// [careful](crate::global::Settings::careful) campaign. None if it was not dropped for that.
     #[must_use]
     pub fn failed_in(&self, cell: Cell) -> Option<usize> {
-        let closed = if self.settings().careful { self.history.len() } else { 0 };
-        (1..=closed).find(|&iteration| {
-            let report = &self.history[iteration - 1];
-            self.retained_at(iteration).is_some_and(|left| {
-                let others = self.without_failed(&left, &self.history[..iteration - 1], &report.trials);
-                left.contains(cell) && others.is_ok_and(|others| !others.contains(cell))
-            })
-        })
+        if !self.settings().careful || self.is_retained(cell) {
+            return None;
+        }
+        let failed = |&iteration: &usize| {
+            let (before, report) = (&self.history[..iteration - 1], &self.history[iteration - 1]);
+            self.experience_with(before, &report.trials).is_ok_and(|experience| experience.failed.contains(&cell))
+        };
+        let failed = (1..=self.history.len()).find(failed)?;
+        self.dropped_by_test(cell, failed - 1).is_none().then_some(failed)
     }
 
     /// Whether this cell is among those left.
@@ -91,9 +92,14 @@ impl Loop {
     /// cell that was dropped for its failures, [`failed_in`](Self::failed_in) says when.
     #[must_use]
     pub fn why_dropped(&self, cell: Cell) -> Option<Dropped> {
-        let point = self.cells.coded(cell).ok()?;
         let tested = self.failed_in(cell).map_or(self.history.len(), |failed| failed - 1);
-        self.history.iter().zip(&self.surfaces).take(tested).find_map(|(report, surfaces)| {
+        self.dropped_by_test(cell, tested)
+    }
+
+    /// The first test among those of so many batches that a cell does not pass.
+    fn dropped_by_test(&self, cell: Cell, n_batches: usize) -> Option<Dropped> {
+        let point = self.cells.coded(cell).ok()?;
+        self.history.iter().zip(&self.surfaces).take(n_batches).find_map(|(report, surfaces)| {
             let screening = &report.screening;
             let (spread, value) = (screening.tested_spread()?, surfaces.combined.surface().predict(&point));
             let (optimum_value, iteration) = (screening.optimum_value, report.iteration);
