@@ -160,6 +160,29 @@ fn no_batch_repeats_an_earlier_one_where_other_cells_are_left() {
     }
 }
 
+/// Experiments from outside were made at every cell of the batch: none is unseen, nothing is dropped, and a plan goes elsewhere.
+#[test]
+fn what_was_measured_outside_of_the_campaign_is_not_unseen() {
+    let mut settings = campaign(1, true).settings().clone();
+    settings.first_screening = 1;
+    let mut campaign = global::Loop::new(&grid(&[9, 15]), settings).unwrap();
+    let plan = campaign.plan().unwrap().unwrap();
+    for &cell in &plan.experiments {
+        let point = campaign.point(cell).unwrap();
+        campaign.add_earlier(&point, slope(&coded(&point)), "last year").unwrap();
+    }
+    let elsewhere = campaign.plan().unwrap().unwrap().experiments;
+    assert!(elsewhere.iter().all(|cell| !plan.experiments.contains(cell)), "{elsewhere:?} after {plan:?}");
+    for trial in campaign.open(&plan, &mut without_the_well).unwrap() {
+        // Settings that were made count, here beside those asked for and in the same cell.
+        let actual: Vec<f64> = trial.point.iter().map(|x| x + 0.01).collect();
+        campaign.tell_at(trial.id, &actual, Outcome::Value(slope(&coded(&actual)))).unwrap();
+    }
+    let screening = &campaign.reports()[0].screening;
+    assert_eq!(screening.spread, Spread::Undefined { because: SpreadFault::TooFew });
+    assert_eq!((screening.n_before, screening.n_after), (135, 135));
+}
+
 /// Of the first batch so many experiments fail that six settings are left for six terms, two of them read twice: the residuals
 /// know the noise, and nothing of the shape.
 #[test]

@@ -281,3 +281,19 @@ fn panel(case: &Case, found: &Found) -> Panel {
         series,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_has_median_spread_regret_and_certificates_as_far_as_there_are_any() {
+        let row = |costs: &[f64], certified| {
+            let row = Row { batch: 2, n_experiments: 24, way: "a loop", costs: costs.to_vec(), certified };
+            row.words(1.5).join("|")
+        };
+        assert_eq!(row(&[3.0, 1.0, 2.0], Some((0.75, 2))), "2|24|a loop|3|2.000|1.000 … 3.000|0.500|0.750|2 of 3");
+        assert_eq!(row(&[1.25], None), "2|24|a loop|1|1.250|–|−0.250|–|–");
+        assert_eq!(row(&[f64::NAN], None), "2|24|a loop|0|–|–|–|–|–", "a design that does not fly");
+    }
+}
