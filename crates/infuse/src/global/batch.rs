@@ -140,6 +140,11 @@ impl<'a> DesignSpace<'a> {
         Ok(runs.into_iter().map(|run| cells[run]).collect())
     }
 
+    /// How many candidates there are without these.
+    pub(crate) fn n_candidates_but(&self, avoided: &BTreeSet<Cell>) -> usize {
+        self.candidates.cells.iter().filter(|cell| !avoided.contains(cell)).count()
+    }
+
     /// The candidates without these, or all if the rest does not support the model.
     fn candidates_but(&self, avoided: &BTreeSet<Cell>) -> Result<Cow<'_, Candidates>, Error> {
         let others = self.candidates.cells.iter().copied().filter(|cell| !avoided.contains(cell));

@@ -1,13 +1,15 @@
 //! What a batch has measured and simulated, and the surfaces fitted to it: Section 5.3.
 
+use std::collections::BTreeSet;
+
 use doe::Model;
 
-use crate::Error;
 use crate::global::cells::Cells;
 use crate::global::open_batch::OpenBatch;
 use crate::global::settings::Settings;
 use crate::global::trial::TrialUse;
 use crate::traced::{Observations, TracedSurface};
+use crate::{Error, TrialId};
 
 /// The data of a batch, with the regressor and the settings of its surfaces.
 #[derive(Debug)]
@@ -16,7 +18,9 @@ pub(crate) struct BatchData<'a> {
     model: Model,
     /// Training experiments, then those made before the campaign.
     training: Observations,
-    pub(crate) validation: Observations,
+    validation: Observations,
+    /// What S comes from: the validation experiments, in a careful campaign those at new cells.
+    pub(crate) unseen: Observations,
     simulations: Observations,
     pub(crate) n_earlier: usize,
 }
@@ -25,6 +29,7 @@ impl<'a> BatchData<'a> {
     pub(crate) fn of(
         open: &OpenBatch,
         earlier: &Observations,
+        unseen: &BTreeSet<TrialId>,
         cells: &Cells,
         settings: &'a Settings,
     ) -> Result<Self, Error> {
@@ -33,6 +38,7 @@ impl<'a> BatchData<'a> {
             model: open.batch.model(settings)?,
             training: open.experiments(TrialUse::Training, cells.region())?.followed_by(earlier)?,
             validation: open.experiments(TrialUse::Validation, cells.region())?,
+            unseen: open.those(cells.region(), |trial| unseen.contains(&trial.id))?,
             simulations: open.simulations(cells)?,
             n_earlier: earlier.n_points(),
         })

@@ -7,8 +7,10 @@ use crate::Error;
 use crate::checks::check_length;
 use crate::convergence::{Norm, coded_cell_measure};
 use crate::global::campaign::Loop;
+use crate::global::report::Report;
 use crate::global::retained::RetainedSet;
 use crate::global::screening::{Dropped, z};
+use crate::global::trial::TrialRecord;
 
 impl Loop {
     /// What is left of the grid.
@@ -24,11 +26,42 @@ impl Loop {
         if !(1..=self.iteration()).contains(&iteration) {
             return None;
         }
-        let closed = self.history.iter().zip(&self.surfaces).take(iteration - 1);
+        let mut closed = self.history.iter().zip(&self.surfaces).enumerate().take(iteration - 1);
         let full = RetainedSet::full(self.cells.n_cells());
-        Some(closed.fold(full, |left, (report, surfaces)| {
-            report.screening.reduced(&left, self.cells.points(), &surfaces.combined)
-        }))
+        closed.try_fold(full, |left, (before, (report, surfaces))| {
+            let left = self.without_failed(&left, &self.history[..before], &report.trials).ok()?;
+            Some(report.screening.reduced(&left, self.cells.points(), &surfaces.combined))
+        })
+    }
+
+    /// These cells; in a [careful](crate::global::Settings::careful) campaign without those where experiments of this batch or
+    /// the closed ones before it failed and none gave a response, unless nothing would be left.
+    pub(super) fn without_failed(
+        &self,
+        left: &RetainedSet,
+        closed: &[Report],
+        batch: &[TrialRecord],
+    ) -> Result<RetainedSet, Error> {
+        if !self.settings().careful {
+            return Ok(left.clone());
+        }
+        let others = left.without(&self.experience_with(closed, batch)?.failed);
+        Ok(if others.n_retained() > 0 { others } else { left.clone() })
+    }
+
+    /// The batch after which a cell was dropped because every experiment there had failed: only in a
+    /// [careful](crate::global::Settings::careful) campaign. None if it was not dropped for that.
+    #[must_use]
+    pub fn failed_in(&self, cell: Cell) -> Option<usize> {
+        if !self.settings().careful || self.is_retained(cell) {
+            return None;
+        }
+        let failed = |&iteration: &usize| {
+            let (before, report) = (&self.history[..iteration - 1], &self.history[iteration - 1]);
+            self.experience_with(before, &report.trials).is_ok_and(|experience| experience.failed.contains(&cell))
+        };
+        let failed = (1..=self.history.len()).find(failed)?;
+        self.dropped_by_test(cell, failed - 1).is_none().then_some(failed)
     }
 
     /// Whether this cell is among those left.
@@ -55,11 +88,18 @@ impl Loop {
         region.norm(self.cells.points(), surface, norm, cell)
     }
 
-    /// When and why a cell was dropped, from the surfaces of that batch; none if it was not, or is no cell.
+    /// When and why a cell was dropped by the test, from the surfaces of that batch; none if it was not, or is no cell. Of a
+    /// cell that was dropped for its failures, [`failed_in`](Self::failed_in) says when.
     #[must_use]
     pub fn why_dropped(&self, cell: Cell) -> Option<Dropped> {
+        let tested = self.failed_in(cell).map_or(self.history.len(), |failed| failed - 1);
+        self.dropped_by_test(cell, tested)
+    }
+
+    /// The first test among those of so many batches that a cell does not pass.
+    fn dropped_by_test(&self, cell: Cell, n_batches: usize) -> Option<Dropped> {
         let point = self.cells.coded(cell).ok()?;
-        self.history.iter().zip(&self.surfaces).find_map(|(report, surfaces)| {
+        self.history.iter().zip(&self.surfaces).take(n_batches).find_map(|(report, surfaces)| {
             let screening = &report.screening;
             let (spread, value) = (screening.tested_spread()?, surfaces.combined.surface().predict(&point));
             let (optimum_value, iteration) = (screening.optimum_value, report.iteration);

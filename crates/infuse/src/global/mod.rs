@@ -42,6 +42,9 @@
 //!   a correction. [`quality_of_fit`], the only place where S is computed, refuses validation experiments that the
 //!   surface rests on. Applying the correction in its own batch, the other reading of 5.4, is such a leak: Ĵexp has seen
 //!   the validation experiments.
+//! * **Minding what was run:** with [`Settings::careful`] cells whose experiment failed are dropped, S comes from
+//!   validation experiments at new cells alone, no batch repeats an earlier one, and nothing is concluded from a misfit that
+//!   no degree of freedom shows.
 //! * **S undefined**, by fewer than two validation responses or a fit without error: [`Settings::fallback`] says whether
 //!   nothing is dropped, a given S is used, or the campaign ends.
 //! * **Little left:** a model without a constant can lose all its terms to a small M_i; a constant is then estimated, and
@@ -85,6 +88,7 @@ mod candidates;
 mod cells;
 mod changes;
 mod earlier;
+mod experience;
 mod fits;
 mod greedy;
 mod left;

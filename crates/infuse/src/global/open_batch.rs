@@ -26,8 +26,13 @@ pub(crate) struct OpenBatch {
 impl OpenBatch {
     /// Experiments with this use that gave a response, where they were really made.
     pub(crate) fn experiments(&self, used_for: TrialUse, region: &Region) -> Result<Observations, Error> {
+        self.those(region, |trial| trial.used_for == used_for)
+    }
+
+    /// Those of these trials that gave a response, where they were really made.
+    pub(crate) fn those(&self, region: &Region, are: impl Fn(&Trial) -> bool) -> Result<Observations, Error> {
         let mut observations = Observations::none(region.n_parameters());
-        for record in self.trials.records().iter().filter(|record| record.trial.used_for == used_for) {
+        for record in self.trials.records().iter().filter(|record| are(&record.trial)) {
             if let Some(cost) = record.cost() {
                 let point = region.coded(record.settings())?;
                 observations.add_experiment(record.trial.id, &point, cost)?;

@@ -12,7 +12,6 @@ use crate::global::pure_error::PureError;
 use crate::global::report::Report;
 use crate::global::spread::Spread;
 use crate::global::surfaces::IterationSurfaces;
-use crate::global::trial::TrialUse;
 
 /// Cells among which the best is looked for in every draw; of more that are left, a part.
 const MOST_CELLS: u64 = 20_000;
@@ -42,7 +41,8 @@ pub struct Outlook {
     /// the mean over the n validation experiments, (40) would be s² (1 + h) n/(n − 1) on average if the shape were right. What
     /// S² is more, taken as the variance of independent misfits, makes the better of two designs that are level in the
     /// model better by √((S² − s² (1 + h) n/(n − 1))/π) on average. All of S counts as misfit while the noise is not known. None without
-    /// an S; 0 with a single cell left.
+    /// an S, and in a [careful](crate::global::Settings::careful) campaign without a degree of freedom that shows misfit; 0
+    /// with a single cell left.
     pub misfit_gain: Option<f64>,
     /// How many surfaces were drawn.
     pub n_draws: usize,
@@ -129,6 +129,7 @@ impl Loop {
     fn misfit_gain(&self, noise: Option<PureError>, report: &Report, surfaces: &IterationSurfaces) -> Option<f64> {
         match (self.retained.n_retained(), report.screening.spread) {
             (0 | 1, _) => Some(0.0),
+            _ if !self.shows_misfit(surfaces) => None,
             (_, Spread::Estimated { s, n_validation }) => {
                 let explained = noise.map_or(0.0, |noise| noise.variance * (1.0 + self.fit_variance(report, surfaces)));
                 let n = n_validation as f64;
@@ -143,7 +144,9 @@ impl Loop {
     fn fit_variance(&self, report: &Report, surfaces: &IterationSurfaces) -> f64 {
         let Some(fit) = surfaces.combined.regression() else { return 0.0 };
         let Some(sigma_squared) = fit.sigma_squared().filter(|&sigma_squared| sigma_squared > 0.0) else { return 0.0 };
-        let validation = report.trials.iter().filter(|record| record.trial.used_for == TrialUse::Validation);
+        let before = &self.history[..report.iteration - 1];
+        let unseen = self.unseen(before, &report.trials).unwrap_or_default();
+        let validation = report.trials.iter().filter(|record| unseen.contains(&record.trial.id));
         let points = validation.filter_map(|record| self.region().coded(record.settings()).ok());
         let variances: Vec<f64> = points.filter_map(|point| fit.variance(&point)).collect();
         if variances.is_empty() {

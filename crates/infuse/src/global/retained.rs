@@ -1,6 +1,7 @@
 //! What is left of the gridded space: one bit a cell.
 
 use std::cmp::Ordering;
+use std::collections::BTreeSet;
 
 use design_space::Cell;
 use rayon::prelude::*;
@@ -166,6 +167,16 @@ impl RetainedSet {
             found
         };
         self.words.par_chunks(CHUNK).zip(chunk_starts(&self.words)).find_map_first(of_chunk)
+    }
+
+    /// The same without these cells.
+    pub(crate) fn without(&self, cells: &BTreeSet<Cell>) -> Self {
+        let mut others = self.clone();
+        for cell in cells.iter().filter(|&&cell| self.contains(cell)) {
+            others.words[(cell.index() / 64) as usize] &= !(1 << (cell.index() % 64));
+            others.n_retained -= 1;
+        }
+        others
     }
 
     /// Drops every retained cell whose estimate is not to be kept.

@@ -45,7 +45,8 @@ pub struct Screening {
     pub simulation_optimum: Vec<f64>,
     /// The S of the test.
     pub spread: Spread,
-    /// Whether there was a test: not before [`Settings::first_screening`].
+    /// Whether there was a test: not before [`Settings::first_screening`], and in a [careful](Settings::careful) campaign not
+    /// without a degree of freedom that shows misfit.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub tested: bool,
     /// z_0.

@@ -118,6 +118,20 @@ pub struct Settings {
     /// The balanced split needs a training half with as many runs as the model has terms.
     #[serde(default = "default_split")]
     pub split: SplitMethod,
+    /// Whether a campaign minds what it has run. Default `false`: as in the dissertation, each batch stands alone. With
+    /// `true`
+    ///
+    /// - a cell whose experiment failed, and where none gave a response, is dropped with the batch: it is not run again and
+    ///   is no optimum;
+    /// - S (40) comes from validation experiments at cells that taught the surface nothing: neither a training experiment of
+    ///   the batch, nor any experiment of an earlier batch, nor one from outside of the campaign was made there. With fewer
+    ///   than two such it is undefined, and the [`fallback`](Self::fallback) says what happens;
+    /// - experiments at new cells validate first, and a batch with too few of them for that is designed anew from cells that
+    ///   were not run, if enough are left; so none repeats an earlier one;
+    /// - a batch whose experiments were made at no more settings than the regressor has terms drops nothing by the test, and
+    ///   [`outlook`](crate::global::Loop::outlook) says nothing of the misfit after it.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub careful: bool,
     /// Limit on the batches. Default 10.
     #[serde(default = "default_max_iterations")]
     pub max_iterations: usize,
@@ -156,6 +170,11 @@ fn default_first_screening() -> usize {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
 pub(crate) fn is_zero(count: &usize) -> bool {
     *count == 0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+fn is_false(flag: &bool) -> bool {
+    !*flag
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
@@ -210,6 +229,7 @@ impl Settings {
             correction: default_correction(),
             fallback: SpreadFallback::default(),
             split: default_split(),
+            careful: false,
             max_iterations: default_max_iterations(),
             seed: default_seed(),
             design_starts: default_design_starts(),

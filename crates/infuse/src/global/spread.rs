@@ -44,7 +44,8 @@ pub fn quality_of_fit(combined: &TracedSurface, validation: &Observations) -> Re
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpreadFault {
-    /// Fewer than two of them gave a response.
+    /// Fewer than two of them gave a response; in a [careful](crate::global::Settings::careful) campaign those at cells that
+    /// taught the surface something do not count.
     TooFew,
     /// They were predicted to rounding, 10⁻¹² of the largest response among them.
     Zero,
@@ -60,7 +61,7 @@ pub enum Spread {
     Estimated {
         /// S, in the unit of the response.
         s: f64,
-        /// Number of validation experiments that gave a response.
+        /// Number of validation experiments that gave a response, and count.
         n_validation: usize,
     },
     /// The one of the settings.

@@ -149,7 +149,7 @@ fn checked_open(campaign: &Loop, mut saved: OpenBatch) -> Result<OpenBatch, Erro
         return Err(wrong("cell", "a cell that was left at the onset of the batch"));
     }
     let space = DesignSpace::of(&campaign.retained, cells, settings, iteration)?;
-    let handed_out = trials(&experiments, &space.uses(&experiments)?, cells, iteration, campaign.n_asked())?;
+    let handed_out = trials(&experiments, &campaign.uses(&space, &experiments)?, cells, iteration, campaign.n_asked())?;
     let agreement = agreement(campaign, &saved.simulations, saved.trials.records());
     for (saved, found) in saved.trials.trials().zip(handed_out.trials()) {
         agreement.of_trials(saved, found)?;

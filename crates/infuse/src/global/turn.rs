@@ -2,11 +2,14 @@
 
 use std::collections::BTreeSet;
 
+use design_space::Cell;
+
 use crate::Error;
 use crate::correction::{corrected_model, correction};
 use crate::global::batch::{DesignSpace, Purpose};
 use crate::global::campaign::Loop;
 use crate::global::changes::SurfaceChanges;
+use crate::global::experience::{n_new, validate_where_new};
 use crate::global::fits::{BatchData, unless_data_are_few};
 use crate::global::open_batch::{OpenBatch, Simulation, simulated, trials};
 use crate::global::plan::Plan;
@@ -15,6 +18,7 @@ use crate::global::retained::RetainedSet;
 use crate::global::screening::{Screening, threshold};
 use crate::global::spread::Spread;
 use crate::global::surfaces::IterationSurfaces;
+use crate::global::trial::TrialUse;
 use crate::traced::{Observations, TracedSurface};
 
 /// What the lower half of a turn gives.
@@ -38,7 +42,8 @@ impl Loop {
 
     /// The lower half, with the outcomes of all experiments.
     pub(super) fn finish(&self, open: OpenBatch) -> Result<Closed, Error> {
-        let data = BatchData::of(&open, &self.earlier_observations()?, &self.cells, self.settings())?;
+        let unseen = self.unseen(&self.history, open.trials.records())?;
+        let data = BatchData::of(&open, &self.earlier_observations()?, &unseen, &self.cells, self.settings())?;
         // 5.3: surfaces (30) to (34) of the experiments, of the simulations, and of both combined,
         // the simulations corrected (35) by what the batches before have taught: see 7.1.
         let experiment = data.experiment_surface();
@@ -52,8 +57,9 @@ impl Loop {
         let changes = SurfaceChanges::between(self.surfaces.last(), &surfaces, &self.retained, &self.cells)?;
         // 5.5: the optimum, the quality of fit S (40), and the test (37) to (39) of every cell against the optimum:
         // what is worse beyond doubt is dropped.
-        let spread = Spread::of(&surfaces.combined, &data.validation, self.settings().fallback)?;
-        let (screening, retained) = self.screen(&surfaces, spread)?;
+        let spread = Spread::of(&surfaces.combined, &data.unseen, self.settings().fallback)?;
+        let left = self.without_failed(&self.retained, &self.history, open.trials.records())?;
+        let (screening, retained) = self.screen(&left, &surfaces, spread)?;
         let report = Report {
             iteration: self.iteration(),
             batch: open.batch,
@@ -76,10 +82,42 @@ impl Loop {
 
     pub(super) fn plan_in(&self, space: &DesignSpace) -> Result<Plan, Error> {
         let settings = &self.settings;
+        let experiments = space.design(settings.n_experiments, Purpose::Experiments, &BTreeSet::new())?;
         Ok(Plan {
-            experiments: space.design(settings.n_experiments, Purpose::Experiments, &BTreeSet::new())?,
+            experiments: self.with_new_cells(space, experiments)?,
             simulations: space.design(settings.n_simulations, Purpose::Simulations, &self.failed_cells)?,
         })
+    }
+
+    /// These experiments. In a careful campaign, if they have too few new cells to validate with, a design of cells that were
+    /// not run, as long as enough of those are left.
+    fn with_new_cells(&self, space: &DesignSpace, experiments: Vec<Cell>) -> Result<Vec<Cell>, Error> {
+        let settings = &self.settings;
+        if !settings.careful {
+            return Ok(experiments);
+        }
+        let run = self.experience_of(&self.history)?.run();
+        if run.is_empty() {
+            return Ok(experiments);
+        }
+        let new = |experiments: &[Cell]| Ok::<_, Error>(n_new(experiments, &self.uses(space, experiments)?, &run));
+        let uses = space.uses(&experiments)?;
+        let n_validation = uses.iter().filter(|&&used| used == TrialUse::Validation).count();
+        let distinct = settings.n_experiments - settings.replicates;
+        if new(&experiments)? >= n_validation || space.n_candidates_but(&run) < distinct {
+            return Ok(experiments);
+        }
+        let others = space.design(settings.n_experiments, Purpose::Experiments, &run)?;
+        Ok(if new(&others)? > new(&experiments)? { others } else { experiments })
+    }
+
+    /// What the experiments at these cells are used for, in their order.
+    pub(super) fn uses(&self, space: &DesignSpace, experiments: &[Cell]) -> Result<Vec<TrialUse>, Error> {
+        let uses = space.uses(experiments)?;
+        if !self.settings.careful {
+            return Ok(uses);
+        }
+        Ok(validate_where_new(experiments, &uses, &self.experience_of(&self.history)?.run()))
     }
 
     /// Training and validation, the simulations, and the trials.
@@ -90,7 +128,7 @@ impl Loop {
         simulation: &mut Simulation<'_>,
     ) -> Result<OpenBatch, Error> {
         let Plan { experiments, simulations } = plan;
-        let uses = space.uses(experiments)?;
+        let uses = self.uses(space, experiments)?;
         let batch = space.batch(experiments, simulations)?;
         let simulated = simulations.iter().map(|&cell| simulated(cell, &self.cells, simulation));
         let simulations = simulated.collect::<Result<_, _>>()?;
@@ -132,15 +170,20 @@ impl Loop {
         correction(self.settings.correction, self.cells.n_factors(), past.chain([(experiment, simulation)]))
     }
 
-    /// The optimum of the combined surface, and the cells that are not worse beyond doubt.
-    fn screen(&self, surfaces: &IterationSurfaces, spread: Spread) -> Result<(Screening, RetainedSet), Error> {
+    /// The optimum of the combined surface among these cells, and those of them that are not worse beyond doubt.
+    fn screen(
+        &self,
+        left: &RetainedSet,
+        surfaces: &IterationSurfaces,
+        spread: Spread,
+    ) -> Result<(Screening, RetainedSet), Error> {
         let points = self.cells.points();
-        let minimum = |name, surface: &TracedSurface| {
-            let minimum = self.retained.minimum(points, surface.surface());
+        let minimum = |name, cells: &RetainedSet, surface: &TracedSurface| {
+            let minimum = cells.minimum(points, surface.surface());
             minimum.ok_or(Error::NoMinimum { surface: name, iteration: self.iteration() })
         };
-        let optimum = minimum("combined", &surfaces.combined)?;
-        let simulated = minimum("simulation", &surfaces.simulation)?;
+        let optimum = minimum("combined", left, &surfaces.combined)?;
+        let simulated = minimum("simulation", &self.retained, &surfaces.simulation)?;
         let n_before = self.retained.n_retained();
         let mut screening = Screening {
             optimum_cell: optimum.cell,
@@ -149,12 +192,12 @@ impl Loop {
             simulation_optimum_cell: simulated.cell,
             simulation_optimum: self.cells.natural(simulated.cell)?,
             spread,
-            tested: self.iteration() >= self.settings.first_screening,
+            tested: self.iteration() >= self.settings.first_screening && self.shows_misfit(surfaces),
             threshold: threshold(self.settings.confidence),
             n_before,
             n_after: n_before,
         };
-        let retained = screening.reduced(&self.retained, points, &surfaces.combined);
+        let retained = screening.reduced(left, points, &surfaces.combined);
         screening.n_after = retained.n_retained();
         Ok((screening, retained))
     }

@@ -8,6 +8,7 @@ mod errors;
 mod failures;
 mod global_accuracy;
 mod global_campaigns;
+mod global_careful;
 mod global_convergence;
 mod global_failures;
 mod global_problems;

@@ -214,6 +214,59 @@ fn responses_of_any_size_and_without_any_spread_are_taken() {
     assert!((found.recommended.mean - 5.0).abs() < 1e-3 && found.certificate.bound < 1e-2, "{found:?}");
 }
 
+/// Response and simulation in units that differ by 24 powers of ten, and readings that do not differ at all.
+#[test]
+fn responses_of_another_size_than_the_simulation_and_all_equal_ones_are_taken() {
+    for (unit, simulated) in [(1e-12, 1e12), (1e12, 1e-12), (1e90, 1.0), (1.0, 1e90)] {
+        let mut campaign = campaign(2, 21, batches(10, 3, 1));
+        let mut other = |cell: Cell, point: &[f64]| Ok(simulated * simulation(cell, point)?);
+        campaign.run(&mut other, &mut noisy(1, 0.02 * unit, |point| unit * truth(point))).expect("it ends");
+        let found = campaign.assess(Some(&mut other)).expect("a fit").expect("responses");
+        assert!(truth(&found.recommended.point) < 0.05, "{unit:e}, {simulated:e}: {:?}", found.recommended);
+        assert!(found.certificate.bound < 3.0 * unit, "{unit:e}, {simulated:e}: {:?}", found.certificate);
+    }
+    // Without a spread of their own that of the simulation, which goes from 0.3 to 2.6, is all there is to compare with.
+    let mut flat = campaign(2, 21, batches(6, 3, 1));
+    flat.run(&mut simulation, &mut |_| Ok(5.0)).expect("it ends");
+    let found = assessed(&mut flat);
+    assert!((found.recommended.mean - 5.0).abs() < 1e-3 && found.certificate.bound < 0.3, "{found:?}");
+}
+
+/// A noise of zero is a promise: kept, it is believed; broken by repeats that differ, the campaign goes on.
+#[test]
+fn noise_of_zero_is_taken_whether_or_not_repeats_agree() {
+    for broken in [false, true] {
+        let mut settings = batches(8, 3, 1);
+        settings.noise = Some(0.0);
+        let mut campaign = campaign(2, 21, settings);
+        let cell = campaign.grid().nearest(&[0.0, 0.0]).expect("a cell");
+        for (trial, sign) in campaign.hand_out(&[cell, cell]).expect("a cell of the grid").into_iter().zip([-1.0, 1.0])
+        {
+            let error = if broken { 0.1 * sign } else { 0.0 };
+            campaign.tell(trial.id, Outcome::Value(truth(&trial.point) + error)).expect("an outstanding trial");
+        }
+        campaign.run(&mut simulation, &mut |trial| Ok(truth(&trial.point))).expect("it ends");
+        let found = assessed(&mut campaign);
+        assert!(truth(&found.recommended.point) < 0.05, "broken {broken}: {:?}", found.recommended);
+        assert!(found.certificate.bound.is_finite() && found.certificate.bound >= 0.0, "{:?}", found.certificate);
+    }
+}
+
+/// One response for all designs of a line, asked again and again: nothing else is left to learn.
+#[test]
+fn a_grid_that_is_run_through_is_run_again() {
+    let mut campaign = campaign(1, 3, batches(5, 4, 1));
+    campaign.run(&mut simulation, &mut noisy(1, 0.05, truth)).expect("it ends");
+    let found = assessed(&mut campaign);
+    assert_eq!((found.recommended.point, found.n_repeats), (vec![0.0], 17));
+    assert!(region_of_one_design_is_refused(), "a grid of one cell cannot be made");
+}
+
+fn region_of_one_design_is_refused() -> bool {
+    let one = Parameter::continuous("p0", "mm", -1.0, 1.0).and_then(|parameter| parameter.with_levels(1));
+    one.is_err() && Region::new(Vec::new()).is_err()
+}
+
 #[test]
 fn one_parameter_two_designs_and_one_experiment_a_batch_are_enough() {
     let mut two = campaign(1, 2, batches(1, 6, 1));

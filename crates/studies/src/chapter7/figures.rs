@@ -2,6 +2,7 @@
 
 use anyhow::{Context as _, Result};
 
+use super::both_loops;
 use super::campaigns::Step;
 use super::file::Case;
 use super::findings::{Findings, Found, shares};
@@ -59,6 +60,7 @@ pub(crate) fn all(findings: &Findings) -> Result<Vec<Picture>> {
     for (case, found) in findings.cases() {
         pictures.extend(spreads(findings, case, found));
     }
+    pictures.push(both_loops::picture(findings));
     Ok(pictures)
 }
 

@@ -29,6 +29,7 @@ pub(crate) struct StudyFile {
     pub(crate) rule: LoopEntry,
     pub(crate) variant: Vec<Variant>,
     pub(crate) noise: NoiseEntry,
+    pub(crate) pooled: PooledEntry,
     published: Vec<Published>,
     numerics: NumericsEntry,
 }
@@ -63,6 +64,13 @@ pub(crate) struct LoopEntry {
 pub(crate) struct Variant {
     pub(crate) label: String,
     pub(crate) model: Regressor,
+    pub(crate) seeds: u64,
+}
+
+/// The pooled loop, and with how many seeds it is run.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PooledEntry {
     pub(crate) seeds: u64,
 }
 
@@ -168,6 +176,7 @@ impl Setup {
         for variant in &file.variant {
             check_seeds("variant.seeds", variant.seeds)?;
         }
+        check_seeds("pooled.seeds", file.pooled.seeds)?;
         for row in &file.published {
             let known = file.case.iter().any(|case| case.table == row.table);
             ensure!(known, "published.table = {}: no case has this table", row.table);
@@ -265,6 +274,7 @@ mod tests {
         refuses("upper = 15.0", "upper = nan", &["pitch_set_point"]);
         refuses("share = 0.01", "share = 1.5", &["noise.share = 1.5"]);
         refuses("seeds = 20", "seeds = 0", &["variant.seeds = 0"]);
+        refuses("[pooled]\nseeds = 8", "[pooled]\nseeds = 0", &["pooled.seeds = 0"]);
         refuses("confidence = 0.9", "confidence = 0.4", &["confidence"]);
         refuses("constant = 0.5 ", "constant = 2.5 ", &["2.5"]);
         refuses("law = \"proof_recursion\"", "law = \"mine\"", &["`mine`"]);

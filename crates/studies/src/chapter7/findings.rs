@@ -6,6 +6,7 @@ use super::campaigns::Runs;
 use super::file::{Case, Setup};
 use super::flights::BeforeAfter;
 use super::optima::Optimum;
+use super::pooled::Pooled;
 use super::wrong::Choice;
 use crate::gridded::FlownGrid;
 
@@ -25,6 +26,7 @@ pub(crate) struct Found {
     pub(crate) runs: Vec<Runs>,
     pub(crate) choices: Vec<Choice>,
     pub(crate) flights: BeforeAfter,
+    pub(crate) pooled: Pooled,
 }
 
 impl Found {

@@ -2,6 +2,7 @@
 //! four parameters; and what the wrong choices cost.
 
 mod alone;
+mod both_loops;
 mod campaigns;
 mod claims;
 mod figures;
@@ -11,6 +12,7 @@ mod flights;
 mod leak;
 mod optima;
 mod page;
+mod pooled;
 mod run;
 mod tables;
 mod wrong;

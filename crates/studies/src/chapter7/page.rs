@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
+use super::both_loops;
 use super::campaigns::Runs;
 use super::claims::last_row_words;
 use super::file::Case;
@@ -235,7 +236,8 @@ fn other_choices(case: &Case, found: &Found) -> Option<Finding> {
 pub(crate) fn first_screen<'a>(findings: &Findings, pictures: &'a [Picture]) -> Result<FirstScreen<'a>> {
     let falls = findings.cases().flat_map(|(case, found)| [Some(fall(case, found)), first_rise(case, found)]);
     let choices = findings.cases().filter_map(|(case, found)| other_choices(case, found));
-    Ok(FirstScreen { findings: falls.flatten().chain(choices).collect(), picture: picture(pictures, FIRST)? })
+    let all = falls.flatten().chain(choices).chain([both_loops::finding(findings)]);
+    Ok(FirstScreen { findings: all.collect(), picture: picture(pictures, FIRST)? })
 }
 
 /// The page of the study.
@@ -301,6 +303,13 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture], 
             "Plant, controller, test and cost: value, unit and where each comes from.",
         );
     }
+    page.heading(both_loops::HEADING);
+    page.paragraph(both_loops::WHAT);
+    show(&mut page, both_loops::PICTURE);
+    for (case, found) in findings.cases() {
+        page.table(&both_loops::table(case, found), &both_loops::caption(case, found));
+        both_loops::words(case, found).iter().for_each(|words| page.paragraph(words));
+    }
     page.paragraph(&format!("Made by `cargo xtask reproduce-chapter7` in {:.0} s.", findings.seconds));
     page
 }
@@ -352,6 +361,13 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim], first: &str) -> St
         CLAIM_CAPTION,
         &format!("{}\n{FOUND}\n\n{}", claims::table(claims).markdown(), markdown_list(&claims::found(claims))),
     );
+    for (number, (case, found)) in findings.cases().enumerate() {
+        let what = (number == 0).then(|| both_loops::WHAT.to_owned());
+        let words = what.into_iter().chain([both_loops::caption(case, found)]);
+        let words: Vec<String> = words.chain(both_loops::words(case, found)).collect();
+        let heading = format!("{}: {}", both_loops::HEADING, case.entry.label);
+        section(&heading, &words.join("\n\n"), &both_loops::table(case, found).markdown());
+    }
     text
 }
 

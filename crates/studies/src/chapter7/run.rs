@@ -1,10 +1,11 @@
 //! The order of things in Chapter 7.
 
 use super::campaigns::{Runs, Step};
-use super::file::{Case, Setup};
+use super::file::{Case, Setup, Variant};
 use super::findings::{Findings, Found};
 use super::flights::{BeforeAfter, Flown};
 use super::optima::Optimum;
+use super::pooled::Pooled;
 use super::wrong::Choice;
 use super::{claims, figures, page, tables, wrong};
 use crate::bat::{MODEL, STAND_IN};
@@ -66,12 +67,12 @@ pub(crate) struct CaseStudy<'a> {
 
 impl CaseStudy<'_> {
     pub(crate) fn run(&self) -> Result<Found> {
-        let bar = self.bar("1/5 flights of model and stand-in", 2 * self.case.flown.n_cells());
+        let bar = self.bar("1/6 flights of model and stand-in", 2 * self.case.flown.n_cells());
         let fly = |fidelity| FlownGrid::fly(&self.case.bat, &self.case.flown, fidelity, |n| bar.inc(n as u64));
         let (model, truth) = (fly(MODEL)?, fly(STAND_IN)?);
         bar.finish();
 
-        let bar = self.bar("2/5 optima of model and stand-in", 1);
+        let bar = self.bar("2/6 optima of model and stand-in", 1);
         let (numerical, best) =
             rayon::join(|| Optimum::of(self.case, &model, MODEL), || Optimum::of(self.case, &truth, STAND_IN));
         let (numerical, best) = (numerical?, best?);
@@ -80,12 +81,14 @@ impl CaseStudy<'_> {
         let runs = self.runs(&model, &truth)?;
         let choices = self.choices(&model, &truth)?;
 
-        let bar = self.bar("5/5 designs of the figures", 1);
+        let bar = self.bar("5/6 designs of the figures", 1);
         let flights = fly_before_after(self.case, &numerical, &runs[0])?;
         let numerical_true_cost = self.case.bat.cost(&numerical.point, STAND_IN).unwrap_or(f64::NAN);
         let best = best_known(best, &runs);
         bar.finish();
-        Ok(Found { model, truth, numerical, numerical_true_cost, best, runs, choices, flights })
+
+        let pooled = self.pooled(&model, &truth)?;
+        Ok(Found { model, truth, numerical, numerical_true_cost, best, runs, choices, flights, pooled })
     }
 
     pub(crate) fn bar(&self, what: &str, length: usize) -> ProgressBar {
@@ -102,27 +105,44 @@ impl CaseStudy<'_> {
         let Self { setup, case, designs } = self;
         let variants = &setup.file.variant;
         let n_campaigns: usize = variants.iter().map(|variant| 1 + variant.seeds as usize).sum();
-        let bar = self.bar("3/5 campaigns: iterations", case.entry.iterations * n_campaigns);
+        let bar = self.bar("3/6 campaigns: iterations", case.entry.iterations * n_campaigns);
+        let run = |rig: &StandInRig<'_>, variant: &Variant| {
+            let seeds = setup.file.noise.numbers(variant.seeds);
+            let settings = setup.settings(case, variant)?;
+            Runs::of(&variant.label, rig, &settings, &seeds, designs, |n| bar.inc(n as u64))
+                .with_context(|| variant.label.clone())
+        };
+        let runs = self.on_all_cells([model, truth], |rig| variants.iter().map(|variant| run(rig, variant)).collect());
+        bar.finish();
+        runs
+    }
+
+    /// The campaigns of the pooled loop, with the budget of the first variant.
+    fn pooled(&self, model: &FlownGrid, truth: &FlownGrid) -> Result<Pooled> {
+        let Self { setup, case, .. } = self;
+        let seeds = setup.file.noise.numbers(setup.file.pooled.seeds);
+        let bar = self.bar("6/6 pooled loop: batches", case.entry.iterations * seeds.len());
+        let budget = setup.settings(case, &setup.file.variant[0])?;
+        let pooled = self.on_all_cells([model, truth], |rig| Pooled::of(rig, &budget, &seeds, || bar.inc(1)));
+        bar.finish();
+        pooled
+    }
+
+    /// Something on the rig over all cells of the loops: the grid that is flown, or flights on demand where there are too many
+    /// cells.
+    fn on_all_cells<T>(&self, [model, truth]: [&FlownGrid; 2], run: impl FnOnce(&StandInRig<'_>) -> T) -> T {
+        let case = self.case;
         let demand =
             |fidelity, grid: &FlownGrid| OnDemand { bat: &case.bat, space: &case.space, fidelity, range: grid.range() };
         let (model_on_demand, truth_on_demand) = (demand(MODEL, model), demand(STAND_IN, truth));
         let costs: [&dyn CellCosts; 2] =
             if case.is_flown_whole() { [model, truth] } else { [&model_on_demand, &truth_on_demand] };
-        let rig = self.rig(&case.space, costs);
-        let runs = variants.iter().map(|variant| {
-            let seeds = setup.file.noise.numbers(variant.seeds);
-            let settings = setup.settings(case, variant)?;
-            Runs::of(&variant.label, &rig, &settings, &seeds, designs, |n| bar.inc(n as u64))
-                .with_context(|| variant.label.clone())
-        });
-        let runs = runs.collect();
-        bar.finish();
-        runs
+        run(&self.rig(&case.space, costs))
     }
 
     pub(crate) fn choices(&self, model: &FlownGrid, truth: &FlownGrid) -> Result<Vec<Choice>> {
         let seeds = self.setup.file.noise.numbers(self.setup.file.noise.seeds);
-        let bar = self.bar("4/5 wrong choices: campaigns", wrong::N_CHOICES * seeds.len());
+        let bar = self.bar("4/6 wrong choices: campaigns", wrong::N_CHOICES * seeds.len());
         let rig = self.rig(&self.case.flown, [model, truth]);
         let base = self.setup.settings(self.case, &self.setup.file.variant[0])?;
         let choices = wrong::choices(&rig, [model, truth], &base, &seeds, self.designs, || bar.inc(1));

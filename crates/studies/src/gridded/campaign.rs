@@ -3,7 +3,7 @@
 use anyhow::Result;
 use design_space::Cell;
 use infuse::{
-    Outcome,
+    Outcome, TrialId,
     global::{self, Plan},
 };
 use water_channel::BoundedNoise;
@@ -32,14 +32,19 @@ impl StandInRig<'_> {
     /// What these experiments read: the truth and an error, uniform and bounded, that depends on nothing but the number
     /// of the experiment and the seed.
     pub(crate) fn measure(&self, trials: &[global::Trial]) -> Result<Vec<Outcome>> {
+        self.measure_at(&trials.iter().map(|trial| (trial.id, trial.cell)).collect::<Vec<_>>())
+    }
+
+    /// The same for experiments of any loop: their numbers and cells.
+    pub(crate) fn measure_at(&self, experiments: &[(TrialId, Cell)]) -> Result<Vec<Outcome>> {
         let noise = BoundedNoise::new(self.noise, self.seed)?;
         let range = self.truth.range();
-        let cells: Vec<Cell> = trials.iter().map(|trial| trial.cell).collect();
+        let cells: Vec<Cell> = experiments.iter().map(|(_, cell)| *cell).collect();
         let costs = self.truth.costs(&cells);
-        let read = |(trial, cost): (&global::Trial, Cost)| {
-            cost.map(|cost| cost + range * noise.relative_error(trial.id.number())).into()
+        let read = |((id, _), cost): (&(TrialId, Cell), Cost)| {
+            cost.map(|cost| cost + range * noise.relative_error(id.number())).into()
         };
-        Ok(trials.iter().zip(costs).map(read).collect())
+        Ok(experiments.iter().zip(costs).map(read).collect())
     }
 }
 

@@ -73,6 +73,10 @@ impl Designs {
         if campaign.stop().is_some() {
             return Ok(None);
         }
+        // A careful campaign minds what it has run, which no key knows.
+        if campaign.settings().careful {
+            return Ok(campaign.plan()?);
+        }
         let key = key(campaign)?;
         if let Some(known) = self.state().known.get(&key) {
             return Ok(Some(known.clone()));

@@ -65,6 +65,11 @@ impl Space {
         self.cells().map(|cell| self.point(cell)).collect()
     }
 
+    /// The cell nearest to a point of the region, both in natural coordinates.
+    pub(crate) fn nearest(&self, point: &[f64]) -> Result<Cell> {
+        Ok(self.grid.nearest(point)?)
+    }
+
     /// The cell of these levels, one for each parameter, from 0.
     pub(crate) fn of_levels(&self, levels: &[usize]) -> Result<Cell> {
         let digits: Vec<u64> = levels.iter().map(|level| *level as u64).collect();
