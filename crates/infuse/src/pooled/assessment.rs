@@ -1,5 +1,7 @@
 //! What the experiments so far come to: the recommended design, how far it may be from the best, and what speaks against it.
 
+use std::collections::BTreeSet;
+
 use design_space::Cell;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
@@ -36,6 +38,17 @@ pub struct Standing {
     /// Whether it may still be the best: it is better than the recommended one with a probability of at least 1 − the
     /// certificate's, and an experiment there gives a response with a probability of at least 0.75.
     pub may_be_best: bool,
+}
+
+/// What is expected at one design.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Expectation {
+    /// The response.
+    pub mean: f64,
+    /// Standard deviation of that, without the noise of a reading.
+    pub deviation: f64,
+    /// Probability that an experiment there gives a response.
+    pub feasible: f64,
 }
 
 /// The lowest mean of readings at one design, where it contradicts the recommendation.
@@ -96,11 +109,24 @@ pub(crate) struct Look {
     pub(crate) assessment: Assessment,
     /// The cells from which the next batch is picked.
     pub(crate) pool: Pool,
+    /// Cells of outliers that were run but once.
+    again: Vec<Cell>,
 }
 
 /// Beyond so many standard deviations a reading is an outlier, or contradicts.
 const STRIKING: f64 = 4.0;
 const CONTRADICTING: f64 = 3.0;
+/// One reading that is far off can make all seem noisy. Suspects are compared with a surface through the others alone, and are
+/// outliers beyond so many standard deviations of that.
+const STRIKING_TO_OTHERS: f64 = 8.0;
+/// Suspects are, among so many readings, the one that fits worst, from so many standard deviations on, and the most extreme one,
+/// from so many times the usual distance to the median on; and those that differ from others of their settings by so many
+/// standard deviations of the noise, at most so many.
+const FEW: std::ops::RangeInclusive<usize> = 8..=60;
+const WORST: f64 = 1.5;
+const EXTREME: f64 = 5.0;
+const DISAGREEING: f64 = 3.0;
+const MOST_SUSPECT: usize = 2;
 
 impl Look {
     pub(crate) fn at(
@@ -120,12 +146,15 @@ impl Look {
             left: share_left(knowledge, &pool, cell, settings.confidence)?,
             simulation: simulation_worth(knowledge, readings)?,
             contradiction: contradiction(knowledge, readings, &recommended, settings.confidence)?,
-            outliers: outliers(knowledge, readings),
+            outliers: outliers(knowledge, readings, settings)?,
             recommended,
             certificate,
             further_batches: None,
         };
-        Ok(Self { assessment, pool: pool.reduced(settings.seed, batch) })
+        let n_runs = |cell: Cell| readings.iter().filter(|reading| reading.cell == cell).count();
+        let suspects = assessment.outliers.iter().map(|outlier| readings[outlier.reading].cell);
+        let again = suspects.filter(|&cell| n_runs(cell) == 1).collect();
+        Ok(Self { assessment, pool: pool.reduced(settings.seed, batch), again })
     }
 
     /// The cells of the next batch.
@@ -137,7 +166,12 @@ impl Look {
         batch: usize,
     ) -> Picks {
         let scramble = stream(settings.seed, Purpose::KnowledgeGradient, batch).random();
-        pick(knowledge, &self.pool, pending, settings.n_experiments, scramble)
+        let mut picks = pick(knowledge, &self.pool, pending, settings.n_experiments, scramble);
+        // What is far from all others is run again first.
+        for (pick, again) in picks.cells.iter_mut().zip(&self.again) {
+            *pick = *again;
+        }
+        picks
     }
 
     /// The assessment with the batches that it still takes, where it is said what one is worth.
@@ -292,17 +326,69 @@ fn contradiction(
     Ok(Some(Contradiction { standing, deviations }))
 }
 
-/// Readings that the others do not expect; where all readings of a setting are unexpected, each of them.
-fn outliers(knowledge: &Knowledge<'_, '_>, readings: &[Reading]) -> Vec<Outlier> {
+/// How far each reading is from what the others say, in standard deviations; those of equal settings share theirs.
+pub(crate) fn surprises(knowledge: &Knowledge<'_, '_>, readings: &[Reading]) -> Vec<f64> {
     let places = knowledge.process.sites().places();
-    let deviations = knowledge.process.standardized_leave_one_out();
-    let mut outliers = Vec::new();
-    for (site, &deviations) in deviations.iter().enumerate() {
-        if deviations.abs() > STRIKING {
-            let point = places.point(site);
-            let here = readings.iter().enumerate().filter(|(_, reading)| reading.coded == point);
-            outliers.extend(here.map(|(reading, _)| Outlier { reading, deviations }));
+    let of_sites = knowledge.process.standardized_leave_one_out();
+    let points: Vec<Vec<f64>> = (0..places.n_places()).map(|site| places.point(site)).collect();
+    let of_reading =
+        |reading: &Reading| points.iter().position(|point| *point == reading.coded).map(|site| of_sites[site]);
+    readings.iter().map(|reading| of_reading(reading).unwrap_or(0.0)).collect()
+}
+
+/// Readings that the others do not expect; where all readings of a setting are unexpected, each of them.
+fn outliers(
+    knowledge: &mut Knowledge<'_, '_>,
+    readings: &[Reading],
+    settings: &Settings,
+) -> Result<Vec<Outlier>, Error> {
+    let surprises = surprises(knowledge, readings);
+    let striking = surprises.iter().enumerate().filter(|(_, deviations)| deviations.abs() > STRIKING);
+    let outliers: Vec<Outlier> = striking.map(|(reading, &deviations)| Outlier { reading, deviations }).collect();
+    if !outliers.is_empty() {
+        return Ok(outliers);
+    }
+    let mut worst: Option<Outlier> = None;
+    for reading in suspects(&surprises, readings, knowledge.process.noise()) {
+        let deviations = knowledge.surprise_to_others(readings, reading, settings)?;
+        if deviations.abs() > worst.map_or(STRIKING_TO_OTHERS, |worst| worst.deviations.abs()) {
+            worst = Some(Outlier { reading, deviations });
         }
     }
-    outliers
+    Ok(worst.into_iter().collect())
+}
+
+/// Readings that may have made all seem noisy: among few the one that fits worst and the most extreme one, and those that agree
+/// least with others of their settings.
+fn suspects(surprises: &[f64], readings: &[Reading], noise: f64) -> BTreeSet<usize> {
+    let largest = |values: &[f64]| {
+        let order = |&a: &usize, &b: &usize| values[a].abs().total_cmp(&values[b].abs()).then(b.cmp(&a));
+        (0..values.len()).max_by(order)
+    };
+    let mut suspects = BTreeSet::new();
+    if FEW.contains(&readings.len()) {
+        suspects.extend(largest(surprises).filter(|&worst| surprises[worst].abs() >= WORST));
+        let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
+        let center = median(responses.clone());
+        let distances: Vec<f64> = responses.iter().map(|response| response - center).collect();
+        let usual = median(distances.iter().map(|distance| distance.abs()).collect());
+        suspects.extend(largest(&distances).filter(|&farthest| distances[farthest].abs() > EXTREME * usual));
+    }
+    let from_mates = |(index, one): (usize, &Reading)| {
+        let mates = readings.iter().enumerate().filter(|(other, mate)| *other != index && mate.coded == one.coded);
+        let (sum, n) = mates.fold((0.0, 0.0), |(sum, n), (_, mate)| (sum + mate.response, n + 1.0));
+        if n > 0.0 { one.response - sum / n } else { 0.0 }
+    };
+    let disagreements: Vec<f64> = readings.iter().enumerate().map(from_mates).collect();
+    if let Some(first) = largest(&disagreements).filter(|&first| disagreements[first].abs() > DISAGREEING * noise) {
+        let as_far = |index: &usize| disagreements[*index].abs() >= 0.999 * disagreements[first].abs();
+        suspects.extend((0..readings.len()).filter(as_far).take(MOST_SUSPECT));
+    }
+    suspects
+}
+
+/// The upper one of the two in the middle.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

@@ -7,7 +7,7 @@ use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use crate::global::trial::{NEAR_THE_REGION, far_setting};
-use crate::pooled::assessment::{Assessment, Look, Standing, standing};
+use crate::pooled::assessment::{Assessment, Expectation, Look, Standing, standing, surprises};
 use crate::pooled::designs::Designs;
 use crate::pooled::first_batch::{first_batch, spread};
 use crate::pooled::knowledge::{Knowledge, Reading};
@@ -193,9 +193,12 @@ impl Loop {
         let readings = self.readings()?;
         let (settings, designs) = (&self.settings, &self.designs);
         let mut source = source(settings, designs, &self.simulated, simulate)?;
-        let (cells, due) = if readings.is_empty() {
+        // Too few to tell even a plane from its noise.
+        let (cells, due) = if readings.len() < designs.n_factors() + 2 {
             let simulated = &mut self.simulated;
-            let cells = first_batch(designs, settings, &failed_cells(&self.records), simulated, &mut source)?;
+            let mut tested = failed_cells(&self.records);
+            tested.extend(readings.iter().map(|reading| reading.cell).chain(pending_cells(&self.records)));
+            let cells = first_batch(designs, settings, &tested, simulated, &mut source)?;
             let due = cells.iter().copied().filter(|&cell| settings.simulations.is_some() && !simulated.contains(cell));
             let due: Vec<Cell> = due.collect();
             (cells, due)
@@ -276,6 +279,12 @@ impl Loop {
         Ok(())
     }
 
+    /// Forgets every simulation: the simulator was changed.
+    pub fn forget_simulations(&mut self) {
+        self.simulated = Simulated::default();
+        self.due.clear();
+    }
+
     /// An experiment made outside of the campaign, at these natural settings: it counts as much as any other.
     ///
     /// # Errors
@@ -331,6 +340,39 @@ impl Loop {
                 .map(|&cell| standing(knowledge, readings, cell, recommended, settings.confidence))
                 .collect::<Result<Vec<_>, _>>()
         })
+    }
+
+    /// What is expected at these designs, all at once; nothing before the first response.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`standings`](Self::standings).
+    pub fn expectations(
+        &mut self,
+        cells: &[Cell],
+        simulate: Option<&mut Simulate<'_>>,
+    ) -> Result<Option<Vec<Expectation>>, Error> {
+        self.with_knowledge(simulate, |knowledge, _, _, _| {
+            let places = knowledge.places(cells)?;
+            let (marginals, feasible) = (knowledge.marginals(&places), knowledge.feasible(cells, &places));
+            let pairs = marginals.means.into_iter().zip(marginals.variances).zip(feasible);
+            let expectation = |((mean, variance), feasible): ((f64, f64), f64)| Expectation {
+                mean,
+                deviation: variance.sqrt(),
+                feasible,
+            };
+            Ok(pairs.map(expectation).collect())
+        })
+    }
+
+    /// How far each reading is from what all others say of its settings, in standard deviations; those of
+    /// [earlier](Self::earlier) experiments first, then those of the trials in their order. Nothing before the first response.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Surface`] if the responses cannot be fitted.
+    pub fn surprises(&mut self, simulate: Option<&mut Simulate<'_>>) -> Result<Option<Vec<f64>>, Error> {
+        self.with_knowledge(simulate, |knowledge, readings, _, _| Ok(surprises(knowledge, readings)))
     }
 
     fn with_knowledge<T>(

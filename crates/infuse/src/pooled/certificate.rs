@@ -34,8 +34,8 @@ impl Trust {
     /// Both fall as the readings outnumber the terms of a quadratic.
     fn after(n_readings: usize, n_factors: usize) -> Self {
         let n_terms = (n_factors + 1) * (n_factors + 2) / 2;
-        let scarcity = (n_terms as f64 / n_readings.max(1) as f64).min(2.0);
-        Self { doubt: 0.25 * scarcity, allowance: 1.0 + 0.4 * scarcity }
+        let scarcity = (n_terms as f64 / n_readings.max(1) as f64).min(1.0);
+        Self { doubt: 0.25 * scarcity, allowance: 1.0 + 8.0 * scarcity * scarcity }
     }
 }
 
@@ -186,7 +186,7 @@ mod tests {
             let trust = |n| Trust::after(n, n_factors);
             let (now, then) = (trust(n_readings), trust(n_readings + 1));
             prop_assert!(then.doubt <= now.doubt && then.allowance <= now.allowance);
-            prop_assert!((0.0..=0.5).contains(&now.doubt) && (1.0..=1.8).contains(&now.allowance));
+            prop_assert!((0.0..=0.25).contains(&now.doubt) && (1.0..=9.0).contains(&now.allowance));
         }
     }
 

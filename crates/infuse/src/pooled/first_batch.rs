@@ -16,11 +16,11 @@ const PROMISING: f64 = 0.08;
 /// Cells whose simulated responses are looked at, at most.
 const SCREENED: usize = 4096;
 
-/// `failed` are cells where experiments failed: before any response these are asked for again only where there are no others.
+/// `tested` are cells where experiments were made or are waited for: these are asked for again only where there are no others.
 pub(crate) fn first_batch(
     designs: &Designs,
     settings: &Settings,
-    failed: &BTreeSet<Cell>,
+    tested: &BTreeSet<Cell>,
     simulated: &mut Simulated,
     source: &mut Source<'_, '_>,
 ) -> Result<Vec<Cell>, Error> {
@@ -28,8 +28,8 @@ pub(crate) fn first_batch(
     let mut rng = stream(settings.seed, Purpose::FirstBatch, 0);
     let (scramble, other) = (rng.random(), rng.random());
     let evenly = |count: usize| {
-        let all = spread(designs, count + failed.len(), scramble);
-        let (new, old): (Vec<Cell>, Vec<Cell>) = all.into_iter().partition(|cell| !failed.contains(cell));
+        let all = spread(designs, count + tested.len(), scramble);
+        let (new, old): (Vec<Cell>, Vec<Cell>) = all.into_iter().partition(|cell| !tested.contains(cell));
         new.into_iter().chain(old).take(count).collect::<Vec<Cell>>()
     };
     if matches!(source, Source::Nothing) {
@@ -47,7 +47,7 @@ pub(crate) fn first_batch(
     let mut order: Vec<usize> = (0..screened.len()).collect();
     order.sort_by(|&a, &b| responses[a].total_cmp(&responses[b]).then(a.cmp(&b)));
     order.truncate(((screened.len() as f64 * PROMISING) as usize).max(n_experiments));
-    let promising = order.into_iter().map(|row| screened[row]).filter(|cell| !failed.contains(cell));
+    let promising = order.into_iter().map(|row| screened[row]).filter(|cell| !tested.contains(cell));
     let promising: Vec<Cell> = promising.collect();
     let n_promising = if promising.is_empty() { 0 } else { n_experiments / 2 };
     let mut cells = evenly(n_experiments - n_promising);

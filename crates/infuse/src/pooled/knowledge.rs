@@ -32,6 +32,16 @@ fn sceptical(sampler: &SamplerSettings) -> SamplerSettings {
     SamplerSettings { structures, particles: SCEPTICAL, ..sampler.clone() }
 }
 
+fn sampler(settings: &Settings) -> SamplerSettings {
+    SamplerSettings {
+        structures: settings.structures.clone(),
+        noise: settings.noise,
+        particles: settings.particles,
+        seed: settings.seed,
+        ..SamplerSettings::default()
+    }
+}
+
 /// The surface, and what it takes to evaluate it elsewhere.
 pub(crate) struct Knowledge<'a, 'b> {
     pub(crate) designs: &'a Designs,
@@ -62,13 +72,7 @@ impl<'a, 'b> Knowledge<'a, 'b> {
         let data = Data::new(designs.n_factors(), coordinates, responses)?;
         let places = source.places(designs, &cells, simulated)?;
         let sites = Sites::new(&data, places.simulated())?;
-        let sampler = SamplerSettings {
-            structures: settings.structures.clone(),
-            noise: settings.noise,
-            particles: settings.particles,
-            seed: settings.seed,
-            ..SamplerSettings::default()
-        };
+        let sampler = sampler(settings);
         let sceptic = match sites.places().simulated() {
             Some(_) => Some(AveragedProcess::new(sites.clone(), &sceptical(&sampler))?),
             None => None,
@@ -81,6 +85,34 @@ impl<'a, 'b> Knowledge<'a, 'b> {
         let succeeded: Vec<bool> = (0..tested.len()).map(|index| index < measured.len()).collect();
         let feasibility = Feasibility::of(designs.places(&tested)?, &succeeded)?;
         Ok(Self { designs, process, sceptic, simulated, feasibility, measured, failed, source })
+    }
+
+    /// How far a reading is from what a surface says that was learnt from the others alone, in standard deviations of a reading.
+    pub(crate) fn surprise_to_others(
+        &mut self,
+        readings: &[Reading],
+        index: usize,
+        settings: &Settings,
+    ) -> Result<f64, Error> {
+        let one = &readings[index];
+        let others = readings.iter().enumerate().filter(|(other, _)| *other != index);
+        let others: Vec<&Reading> = others.map(|(_, reading)| reading).collect();
+        let cells: Vec<Cell> = others.iter().map(|other| other.cell).chain([one.cell]).collect();
+        let places = self.places(&cells)?;
+        let coordinates = others.iter().flat_map(|other| &other.coded).copied().collect();
+        let responses = others.iter().map(|other| other.response).collect();
+        let data = Data::new(self.designs.n_factors(), coordinates, responses)?;
+        let (simulated, here) = match places.simulated() {
+            Some(simulated) => (Some(&simulated[..others.len()]), Some(simulated[others.len()])),
+            None => (None, None),
+        };
+        let process = AveragedProcess::new(Sites::new(&data, simulated)?, &sampler(settings))?;
+        let mut place = Places::new(self.designs.n_factors(), &one.coded)?;
+        if let Some(here) = here {
+            place = place.with_simulated(vec![here])?;
+        }
+        let marginals = process.marginals(&place);
+        Ok((one.response - marginals.means[0]) / (marginals.variances[0] + process.noise().powi(2)).sqrt())
     }
 
     /// Cells as places of the surface.

@@ -6,7 +6,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use surface::process::Joint;
 
 use crate::pooled::knowledge::Knowledge;
-use crate::pooled::pool::Pool;
+use crate::pooled::pool::{FEASIBLE, Pool};
 
 /// Common random numbers: how the surface may turn out after the batch.
 const OUTCOMES: u32 = 48;
@@ -22,59 +22,100 @@ pub(crate) struct Picks {
     pub(crate) remaining: f64,
 }
 
+/// One pick in so many, and at least one of a batch of so many, is for the one who does not believe the simulation. One in four
+/// makes certificates narrower and finds hidden wells sooner, and costs more of the best than it gains elsewhere.
+const DOUBTED: usize = 8;
+const FEWEST: usize = 4;
+
 /// Picks `count` cells of the pool, repeats allowed: each makes the expected minimum of the mean after the batch as low as a
 /// single pick can, those before it and the pending experiments counted in. A cell where experiments may fail counts as much
-/// less as they are likely to (Frazier et al. 2009; Wu and Frazier 2016 for batches).
+/// less as they are likely to (Frazier et al. 2009; Wu and Frazier 2016 for batches). The last pick in eight is what the sceptic would
+/// learn most from, so that a simulation that misleads is found out sooner.
 pub(crate) fn pick(knowledge: &Knowledge<'_, '_>, pool: &Pool, pending: &[Cell], count: usize, scramble: u32) -> Picks {
-    let mut joint = Joint::of_mixture(&knowledge.joint_of_each(&pool.places));
-    let n = joint.n_places();
     let noise = knowledge.process.noise().powi(2);
-    // A cell that will hardly ever be recommended is not the lowest.
-    let mut futures: Vec<Vec<f64>> = vec![joint.means().to_vec(); OUTCOMES as usize];
-    if (0..n).any(|row| pool.feasible[row] >= HOPELESS) {
-        for row in (0..n).filter(|&row| pool.feasible[row] < HOPELESS) {
-            futures.iter_mut().for_each(|future| future[row] = f64::INFINITY);
-        }
-    }
+    let mut believed = Gradient::of(&knowledge.joint_of_each(&pool.places), pool, noise);
+    let mut doubted = knowledge.sceptic.as_ref().map(|sceptic| {
+        let noise = sceptic.noise().powi(2);
+        Gradient { least_feasible: FEASIBLE, ..Gradient::of(&sceptic.joint_of_each(&pool.places), pool, noise) }
+    });
     let pending: Vec<usize> =
         pending.iter().filter_map(|cell| pool.cells.iter().position(|candidate| candidate == cell)).collect();
-    let before = spread(&joint);
+    let before = spread(&believed.joint);
+    let n_doubted = if count < FEWEST { 0 } else { (count / DOUBTED).max(1) };
     let mut cells = Vec::with_capacity(count);
     for step in 0..pending.len() + count {
         let normals = outcomes(step as u32, scramble);
-        let row = match pending.get(step) {
-            Some(&row) => row,
-            None => most_telling(pool, &futures, &joint, noise, &normals),
+        let row = match (pending.get(step), &doubted) {
+            (Some(&row), _) => row,
+            (None, Some(doubted)) if cells.len() >= count - n_doubted => doubted.most_telling(&normals),
+            (None, _) => believed.most_telling(&normals),
         };
         if step >= pending.len() {
             cells.push(pool.cells[row]);
         }
-        let effect = joint.effect(row, noise);
-        for (future, z) in futures.iter_mut().zip(&normals) {
-            future.iter_mut().zip(&effect).for_each(|(value, effect)| *value += z * effect);
+        believed.measure(row, &normals);
+        if let Some(doubted) = &mut doubted {
+            doubted.measure(row, &normals);
         }
-        joint.measure(&effect);
     }
-    let remaining = if before > 0.0 { spread(&joint) / before } else { 0.0 };
+    let remaining = if before > 0.0 { spread(&believed.joint) / before } else { 0.0 };
     Picks { cells, remaining }
 }
 
-/// The row that lowers the expected minimum most; of equals the one that is least certain, so that nothing to gain still teaches.
-fn most_telling(pool: &Pool, futures: &[Vec<f64>], joint: &Joint, noise: f64, normals: &[f64]) -> usize {
-    let n = pool.cells.len();
-    let least = |future: &Vec<f64>| future.iter().copied().fold(f64::INFINITY, f64::min);
-    let now: f64 = futures.iter().map(least).sum();
-    let gain = |row: usize| {
-        let effect = joint.effect(row, noise);
-        let then: f64 = futures.iter().zip(normals).map(|(future, z)| lowest(future, &effect, *z)).sum();
-        pool.feasible[row] * (now - then).max(0.0)
-    };
-    let gains: Vec<f64> = (0..n).into_par_iter().map(gain).collect();
-    let uncertain = |row: usize| pool.feasible[row] * joint.variance(row);
-    let order = |&a: &usize, &b: &usize| {
-        gains[a].total_cmp(&gains[b]).then(uncertain(a).total_cmp(&uncertain(b))).then(b.cmp(&a))
-    };
-    (0..n).max_by(order).unwrap_or(0)
+/// What one surface says of the pool, and how it may turn out after the picks so far.
+struct Gradient<'a> {
+    pool: &'a Pool,
+    joint: Joint,
+    noise: f64,
+    futures: Vec<Vec<f64>>,
+    /// Cells that are less likely to give a response are not picked.
+    least_feasible: f64,
+}
+
+impl<'a> Gradient<'a> {
+    fn of(of_each: &[Joint], pool: &'a Pool, noise: f64) -> Self {
+        let joint = Joint::of_mixture(of_each);
+        // A cell that will hardly ever be recommended is not the lowest.
+        let mut now = joint.means().to_vec();
+        if pool.feasible.iter().any(|&feasible| feasible >= HOPELESS) {
+            let hopeless = now.iter_mut().zip(&pool.feasible).filter(|(_, feasible)| **feasible < HOPELESS);
+            hopeless.for_each(|(mean, _)| *mean = f64::INFINITY);
+        }
+        Self { pool, joint, noise, futures: vec![now; OUTCOMES as usize], least_feasible: 0.0 }
+    }
+
+    /// An experiment at this row, as it may turn out.
+    fn measure(&mut self, row: usize, normals: &[f64]) {
+        let effect = self.joint.effect(row, self.noise);
+        for (future, z) in self.futures.iter_mut().zip(normals) {
+            future.iter_mut().zip(&effect).for_each(|(value, effect)| *value += z * effect);
+        }
+        self.joint.measure(&effect);
+    }
+
+    fn weight(&self, row: usize) -> f64 {
+        let feasible = self.pool.feasible[row];
+        if feasible < self.least_feasible { 0.0 } else { feasible }
+    }
+
+    /// The row that lowers the expected minimum most; of equals the one that is least certain, so that nothing to gain still
+    /// teaches.
+    fn most_telling(&self, normals: &[f64]) -> usize {
+        let n = self.pool.cells.len();
+        let least = |future: &Vec<f64>| future.iter().copied().fold(f64::INFINITY, f64::min);
+        let now: f64 = self.futures.iter().map(least).sum();
+        let gain = |row: usize| {
+            let effect = self.joint.effect(row, self.noise);
+            let then: f64 = self.futures.iter().zip(normals).map(|(future, z)| lowest(future, &effect, *z)).sum();
+            self.weight(row) * (now - then).max(0.0)
+        };
+        let gains: Vec<f64> = (0..n).into_par_iter().map(gain).collect();
+        let uncertain = |row: usize| self.weight(row) * self.joint.variance(row);
+        let order = |&a: &usize, &b: &usize| {
+            gains[a].total_cmp(&gains[b]).then(uncertain(a).total_cmp(&uncertain(b))).then(b.cmp(&a))
+        };
+        (0..n).max_by(order).unwrap_or(0)
+    }
 }
 
 /// Root of the mean variance.

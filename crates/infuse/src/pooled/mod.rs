@@ -8,9 +8,12 @@
 //! 2. The design with the lowest mean, of all that are likely to give a response, is recommended.
 //! 3. Draws from that average, and some from one that does not believe the simulation, tell how much better another design may
 //!    be: the [`Certificate`].
-//! 4. The next batch is what lowers the expected minimum most: a knowledge gradient, pick by pick, repeats allowed.
+//! 4. The next batch is what lowers the expected minimum most: a knowledge gradient, pick by pick, repeats allowed. One pick in
+//!    eight is for the one who does not believe the simulation, so that a simulation that misleads is found out sooner; a reading that is
+//!    far from all others is run again first.
 //!
-//! The first batch is spread half over the box and half over what the simulation likes. Nothing is dropped for good, and all of
+//! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, half over the box and half over
+//! what the simulation likes. Nothing is dropped for good, and all of
 //! it follows from readings, simulations, settings and seed: in any order, on any number of threads, bit for bit.
 //!
 //! The recipe is not from the dissertation. Its sources: Kennedy and O'Hagan (2000) for the factor of the simulation, Murray,
@@ -49,7 +52,7 @@ mod settings;
 mod simulated;
 mod streams;
 
-pub use assessment::{Assessment, Contradiction, Outlier, SimulationWorth, Standing};
+pub use assessment::{Assessment, Contradiction, Expectation, Outlier, SimulationWorth, Standing};
 pub use campaign::{Ask, Earlier, Loop, Record, StopReason, Trial};
 pub use certificate::Certificate;
 pub use settings::Settings;

@@ -114,6 +114,7 @@ fn without_a_simulation_it_works_and_with_an_unrelated_one_it_says_so() {
 #[test]
 fn failed_designs_are_neither_asked_for_again_nor_recommended() {
     let fails = |point: &[f64]| point[0] + point[1] > 0.5;
+    let mut n_failures = 0;
     for seed in 1..=3 {
         let mut campaign = campaign(2, 21, batches(10, 4, seed));
         let mut failed = BTreeSet::new();
@@ -137,8 +138,10 @@ fn failed_designs_are_neither_asked_for_again_nor_recommended() {
         assert!(!fails(&found.point), "seed {seed}: {found:?}");
         // The best feasible one, 0.06, lies on the line, where half of the neighbors fail.
         assert!(truth(&found.point) < 0.12, "seed {seed}: {found:?}");
-        assert!(failures[3] <= 5, "seed {seed}: failures in each batch {failures:?}");
+        n_failures += failures.iter().skip(1).sum::<usize>();
     }
+    // The best of all is beyond the line, so that half of what is promising fails.
+    assert!(n_failures <= 50, "{n_failures} of 90 failed");
 }
 
 #[test]
@@ -321,7 +324,8 @@ fn readings_against_the_recommendation_are_named() {
     campaign.tell(trial.id, Outcome::Value(-0.3)).expect("an outstanding trial");
     let found = assessed(&mut campaign);
     let contradiction = found.contradiction.as_ref().map(|contradiction| contradiction.standing.cell);
-    assert!(contradiction == Some(corner) || found.recommended.cell == corner, "{found:?}");
+    let is_named = found.outliers.iter().any(|outlier| outlier.reading == 30);
+    assert!(is_named || contradiction == Some(corner) || found.recommended.cell == corner, "{found:?}");
 }
 
 #[test]
@@ -467,4 +471,79 @@ fn four_hundred_experiments_are_taken() {
     let found = assessed(&mut campaign);
     assert!(truth(&found.recommended.point) < 0.03, "{:?}", found.recommended);
     assert!((found.noise - 0.1).abs() < 0.02, "noise {}", found.noise);
+}
+
+/// Among the first few readings a wrong one makes all seem noisy; it is named all the same, and run again in the next batch.
+#[test]
+fn an_outlier_among_the_first_readings_is_named_and_run_again() {
+    for seed in 1..=5 {
+        let mut campaign = campaign(2, 21, batches(10, 2, seed));
+        let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a first batch") else {
+            panic!("there is something to run");
+        };
+        let mut experiment = noisy(seed, 0.02, truth);
+        let wrong = &trials[2];
+        for trial in &trials {
+            let slip = if trial.id == wrong.id { -15.0 } else { 0.0 };
+            let response = experiment(trial).expect("a response") + slip;
+            campaign.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
+        }
+        let outliers = assessed(&mut campaign).outliers;
+        let named: Vec<usize> = outliers.iter().map(|outlier| outlier.reading).collect();
+        assert_eq!(named, [2], "seed {seed}: {outliers:?}");
+        let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a second batch") else {
+            panic!("there is something to run");
+        };
+        let n_before = campaign.records().iter().filter(|record| record.trial.cell == wrong.cell).count();
+        assert!(trials[0].cell == wrong.cell || n_before > 1, "seed {seed}");
+    }
+}
+
+/// No reading of a smooth response is taken for a wrong one.
+#[test]
+fn readings_without_a_slip_are_no_outliers() {
+    for seed in 1..=10 {
+        let mut campaign = campaign(2, 21, batches(10, 1, seed));
+        campaign.run(&mut simulation, &mut noisy(seed, 0.05, truth)).expect("it ends");
+        let outliers = assessed(&mut campaign).outliers;
+        assert_eq!(outliers, [], "seed {seed}");
+    }
+}
+
+/// A few earlier experiments do not make the first batch rest on them alone: it is spread, and not where they were.
+#[test]
+fn first_batch_is_spread_although_there_are_a_few_earlier_experiments() {
+    let mut campaign = campaign(2, 21, batches(12, 3, 1));
+    for point in [[0.4, 0.4], [0.5, 0.4], [0.4, 0.5]] {
+        campaign.add_earlier(&point, truth(&point), "last year").expect("a point of the region");
+    }
+    let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a first batch") else {
+        panic!("there is something to run");
+    };
+    let corners: BTreeSet<[bool; 2]> =
+        trials.iter().map(|trial| [trial.point[0] > 0.0, trial.point[1] > 0.0]).collect();
+    assert_eq!(corners.len(), 4, "all quarters of the box");
+    let distinct: BTreeSet<Cell> = trials.iter().map(|trial| trial.cell).collect();
+    assert_eq!(distinct.len(), 12);
+    let tested = [0.4, 0.4];
+    assert!(trials.iter().all(|trial| trial.point.iter().zip(tested).any(|(a, b)| (a - b).abs() > 1e-9)));
+}
+
+#[test]
+fn simulations_that_were_forgotten_are_asked_for_again() {
+    let mut settings = batches(6, 3, 1);
+    settings.simulations = Some(10);
+    let mut campaign = campaign(2, 21, settings);
+    let Ask::Run { simulations, .. } = campaign.ask(None).expect("simulations") else {
+        panic!("there is something to run");
+    };
+    for &cell in &simulations {
+        campaign.tell_simulation(cell, &Outcome::Value(1.0)).expect("a cell of the grid");
+    }
+    assert_eq!(campaign.n_simulated(), simulations.len());
+    campaign.forget_simulations();
+    let Ask::Run { simulations: again, .. } = campaign.ask(None).expect("simulations") else {
+        panic!("there is something to run");
+    };
+    assert_eq!((again, campaign.n_simulated()), (simulations, 0));
 }
