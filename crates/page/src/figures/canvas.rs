@@ -131,6 +131,13 @@ impl Canvas {
         });
     }
 
+    /// A filled outline, unless it encloses nothing.
+    pub(super) fn polygon(&mut self, points: &[(f64, f64)], fill: &str) {
+        if points.len() > 2 {
+            self.add(&html! { polygon points=(Places(points)) fill=(fill) {} });
+        }
+    }
+
     pub(super) fn area(&mut self, d: &str, fill: &str) {
         self.path(d, fill, "none", 0.0);
     }

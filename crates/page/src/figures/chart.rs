@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::axis::Axis;
 use super::canvas::{Canvas, INK, Pen, Px, text_width_px};
-use super::color_scale::{BAR_WIDTH_PX, Bands, Bar};
+use super::color_scale::{BAR_WIDTH_PX, Bands, Bar, LINE_PX};
 use super::frame::{Frame, Grid, TICK_SIZE};
 use super::marks::{Key, Mark, Stroke, THIN_PX, draw_mark, draw_whisker, legend_markup, pen};
 use super::scale::Scale;
@@ -12,9 +12,15 @@ use super::scale::Scale;
 const TOP_PX: f64 = 8.0;
 const BELOW_PX: f64 = 24.0;
 const RIGHT_PX: f64 = 12.0;
+/// More than seven digits.
+const LONG_NUMBER_PX: f64 = 50.0;
+/// How far above the lower edge a mark is drawn that has no height.
+const ABOVE_EDGE_PX: f64 = 8.0;
 /// Along x and along y, where there is room.
 const MOST_TICKS: usize = 8;
 const Y_TICKS: usize = 5;
+/// Where the step of an axis is given and its ticks do not fit, some multiple of it.
+const COARSER: [f64; 6] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
 
 /// A rectangle of a map.
 #[derive(Clone, Debug)]
@@ -50,11 +56,16 @@ impl Chart {
     /// The same with a bar of colors on the right.
     pub fn with_color_bar(size: (f64, f64), x: &Axis, y: &Axis, bands: &Bands) -> Self {
         let text_px = bands.text_width_px();
-        let mut chart = Self::with_room(size, 14.0 + BAR_WIDTH_PX + 6.0 + text_px + 22.0, x, y, Grid::Hidden);
+        // Digits are wider than other letters, which tells where there are many.
+        let digits_px = if text_px > LONG_NUMBER_PX { 0.1 * text_px } else { 0.0 };
+        let label = bands.label_lines(size.1 - BELOW_PX);
+        let label_px = 22.0 + LINE_PX * label.len().saturating_sub(1) as f64;
+        let room = 14.0 + BAR_WIDTH_PX + 6.0 + text_px + digits_px + label_px;
+        let mut chart = Self::with_room(size, room, x, y, Grid::Hidden);
         let Frame { top, bottom, right, .. } = chart.frame;
         // Room for the tip.
         let bar = Bar { left: right + 14.0, top: top + 16.0, bottom, label_x: size.0 - 4.0 };
-        bar.draw(&mut chart.canvas, bands);
+        bar.draw(&mut chart.canvas, bands, &label);
         chart
     }
 
@@ -68,7 +79,8 @@ impl Chart {
         let left = (widest(&y_scale) + 14.0).max(0.5 * widest(&most));
         let right = size.0 - room.max(0.5 * widest(&most) + 4.0);
         let fits = |scale: &Scale| scale.ticks().len() as f64 * (widest(scale) + 12.0) < right - left;
-        let x_scale = (1..=MOST_TICKS).rev().map(|ticks| x.scale(std::iter::empty(), ticks)).find(fits);
+        let x_scales = (1..=MOST_TICKS).rev().map(|ticks| x.scale(std::iter::empty(), ticks));
+        let x_scale = x_scales.chain(COARSER.map(|times| most.with_step(times * most.step))).find(fits);
         // Where no number fits, at most one stands.
         let x_scale = x_scale.unwrap_or_else(|| Scale::even(most.min, most.max, 10.0 * (most.max - most.min)));
         let frame = Frame { left, top: TOP_PX, right, bottom: size.1 - BELOW_PX, x: x_scale, y: y_scale };
@@ -93,6 +105,22 @@ impl Chart {
         let (left, right) = (self.frame.x_px(from), self.frame.x_px(to));
         let size = (right - left + 2.0, self.frame.bottom - self.frame.top);
         self.canvas.rect((left - 1.0, self.frame.top), size, color, "none");
+    }
+
+    /// A line from the lower to the upper edge.
+    pub fn divider(&mut self, x: f64, color: &str) {
+        let x = self.frame.x_px(x);
+        self.canvas.line(&[(x, self.frame.top), (x, self.frame.bottom)], Pen::solid(color, THIN_PX));
+    }
+
+    /// A color between two lines: x, and from where to where there. Points that are not finite are left out.
+    pub fn ribbon(&mut self, points: &[(f64, f64, f64)], color: &str) {
+        let is_finite = |(x, low, high): &&(f64, f64, f64)| [x, low, high].iter().all(|value| value.is_finite());
+        let finite: Vec<&(f64, f64, f64)> = points.iter().filter(is_finite).collect();
+        let there = finite.iter().map(|point| self.frame.px((point.0, point.2)));
+        let back = finite.iter().rev().map(|point| self.frame.px((point.0, point.1)));
+        let outline: Vec<(f64, f64)> = there.chain(back).collect();
+        self.canvas.polygon(&outline, color);
     }
 
     /// A rectangle in the units of the axes.
@@ -130,6 +158,13 @@ impl Chart {
     pub fn mark(&mut self, point: (f64, f64), mark: Mark, color: &str) {
         if point.0.is_finite() && point.1.is_finite() {
             draw_mark(&mut self.canvas, self.frame.px(point), mark, color);
+        }
+    }
+
+    /// A mark just above the lower edge, for what has an x and no y.
+    pub fn mark_below(&mut self, x: f64, mark: Mark, color: &str) {
+        if x.is_finite() {
+            draw_mark(&mut self.canvas, (self.frame.x_px(x), self.frame.bottom - ABOVE_EDGE_PX), mark, color);
         }
     }
 
@@ -175,6 +210,40 @@ mod tests {
     }
 
     #[test]
+    fn divider_goes_from_edge_to_edge() {
+        let mut chart = Chart::new((200.0, 100.0), &axis(0.0, 10.0), &axis(-1.0, 1.0), Grid::Hidden);
+        chart.divider(0.0, INK);
+        let left = (10.0 * chart.frame.left).round() / 10.0;
+        let html = chart.markup().into_string();
+        assert!(html.contains(&format!("points=\"{left},8 {left},76\"")), "{html}");
+    }
+
+    #[test]
+    fn marks_without_a_height_stand_above_the_lower_edge() {
+        let mut chart = Chart::new((200.0, 100.0), &axis(0.0, 10.0), &axis(-1.0, 1.0), Grid::Hidden);
+        chart.mark_below(10.0, Mark::Dot, INK);
+        chart.mark_below(f64::NAN, Mark::Dot, INK);
+        let right = (100.0 * chart.frame.right).round() / 100.0;
+        let html = chart.markup().into_string();
+        assert!(html.contains(&format!("<circle cx=\"{right}\" cy=\"68\"")), "{html}");
+        assert_eq!(html.matches("<circle").count(), 1, "{html}");
+    }
+
+    #[test]
+    fn ribbon_goes_along_one_line_and_back_along_the_other() {
+        let mut chart = Chart::new((200.0, 100.0), &axis(0.0, 10.0), &axis(-1.0, 1.0), Grid::Hidden);
+        let Frame { left, right, top, bottom, .. } = chart.frame;
+        chart.ribbon(&[(0.0, -1.0, 1.0), (5.0, f64::NAN, 1.0), (10.0, -1.0, 0.0)], INK);
+        chart.ribbon(&[(f64::NAN, 0.0, 1.0)], INK);
+        let html = chart.markup().into_string();
+        let px = |value: f64| (10.0 * value).round() / 10.0;
+        let (left, right, top, middle, bottom) = (px(left), px(right), px(top), px(0.5 * (top + bottom)), px(bottom));
+        let outline = format!("points=\"{left},{top} {right},{middle} {right},{bottom} {left},{bottom}\"");
+        assert!(html.contains(&outline), "{outline} in {html}");
+        assert_eq!(html.matches("<polygon").count(), 1, "nothing is drawn of nothing: {html}");
+    }
+
+    #[test]
     fn numbers_along_x_do_not_touch() {
         for width in [120.0, 200.0, 400.0] {
             let chart = Chart::new((width, 90.0), &axis(1.0e6, 1.000_001e6), &axis(0.0, 1.0), Grid::Hidden);
@@ -184,6 +253,17 @@ mod tests {
             let apart = ticks.windows(2).map(|pair| chart.frame.x_px(pair[1]) - chart.frame.x_px(pair[0]));
             assert!(apart.fold(f64::INFINITY, f64::min) > widest, "{width}: {ticks:?}");
         }
+    }
+
+    #[test]
+    fn numbers_that_are_counted_are_fewer_where_all_do_not_fit() {
+        let ticks = |last: usize, width: f64| {
+            let counted = Axis::new("batch", "1").counting(1, last);
+            Chart::new((width, 90.0), &counted, &axis(0.0, 1.0), Grid::Hidden).frame.x.ticks()
+        };
+        assert_eq!(ticks(10, 292.0), [2.0, 4.0, 6.0, 8.0, 10.0]);
+        assert_eq!(ticks(6, 292.0), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!(ticks(20, 250.0), [4.0, 8.0, 12.0, 16.0, 20.0]);
     }
 
     #[test]

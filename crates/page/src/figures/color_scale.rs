@@ -1,7 +1,7 @@
 //! Values to bands of color, and the bar that explains them.
 
 use super::axis::{Axis, ColorScale};
-use super::canvas::{Anchor, Canvas, INK, TEXT_SIZE, TITLE_PX, WIDTH_PX, text_width_px};
+use super::canvas::{Anchor, Canvas, INK, LABEL_SIZE, TEXT_SIZE, TITLE_PX, WIDTH_PX, text_width_px};
 use super::panels::RIGHT_PX;
 use super::scale::number_text;
 
@@ -10,6 +10,8 @@ const BANDS: usize = 10;
 /// Borders within one power of ten, by what they are times of it.
 const ROUND: [f64; 3] = [1.0, 2.0, 5.0];
 pub(super) const BAR_WIDTH_PX: f64 = 20.0;
+/// From one line of a label to the next.
+pub(super) const LINE_PX: f64 = 15.0;
 
 /// Bands of color over values, dark to light.
 #[derive(Clone, Debug)]
@@ -83,6 +85,21 @@ impl Bands {
         self.texts.iter().map(|text| text_width_px(text, TEXT_SIZE)).fold(0.0, f64::max)
     }
 
+    /// The label of the bar in lines that are hardly longer than this.
+    pub(super) fn label_lines(&self, longest_px: f64) -> Vec<String> {
+        let mut lines: Vec<String> = Vec::new();
+        for word in self.label.split(' ') {
+            match lines.last_mut() {
+                Some(line) if text_width_px(&format!("{line} {word}"), LABEL_SIZE) <= longest_px => {
+                    line.push(' ');
+                    line.push_str(word);
+                }
+                _ => lines.push(word.to_owned()),
+            }
+        }
+        lines
+    }
+
     /// How many bands there are.
     pub(super) fn count(&self) -> usize {
         self.borders.len().saturating_sub(1)
@@ -154,7 +171,7 @@ fn round_distances(distances: &[f64]) -> Vec<f64> {
 pub(super) fn draw_color_bar(canvas: &mut Canvas, bands: &Bands, frame_bottom: f64) {
     let bar =
         Bar { left: RIGHT_PX + 30.0, top: TITLE_PX + 24.0, bottom: frame_bottom - 10.0, label_x: WIDTH_PX - 14.0 };
-    bar.draw(canvas, bands);
+    bar.draw(canvas, bands, std::slice::from_ref(&bands.label));
 }
 
 /// Where a bar of colors stands.
@@ -162,13 +179,13 @@ pub(super) struct Bar {
     pub(super) left: f64,
     pub(super) top: f64,
     pub(super) bottom: f64,
-    /// Where its label runs up.
+    /// Where its label runs up, or the last line of it.
     pub(super) label_x: f64,
 }
 
 impl Bar {
-    /// Draws the bar, with a tip when values go on beyond it.
-    pub(super) fn draw(&self, canvas: &mut Canvas, bands: &Bands) {
+    /// Draws the bar with its label, and with a tip when values go on beyond it.
+    pub(super) fn draw(&self, canvas: &mut Canvas, bands: &Bands, label: &[String]) {
         let count = bands.count();
         let height = (self.bottom - self.top) / count.max(1) as f64;
         for band in 0..count {
@@ -185,7 +202,10 @@ impl Bar {
             let at = (self.left + BAR_WIDTH_PX + 6.0, y + 4.0);
             canvas.text_as(bands.text(border), at, TEXT_SIZE, Anchor::Start);
         }
-        canvas.vertical_text(&bands.label, (self.label_x, 0.5 * (self.top + self.bottom)));
+        for (number, line) in label.iter().rev().enumerate() {
+            let x = self.label_x - number as f64 * LINE_PX;
+            canvas.vertical_text(line, (x, 0.5 * (self.top + self.bottom)));
+        }
     }
 }
 
@@ -240,6 +260,15 @@ mod tests {
             let n = values.iter().filter(|value| bands.color_of(**value) == color).count();
             assert!((99..=101).contains(&n), "{n} of {} in band {band}", values.len());
         }
+    }
+
+    #[test]
+    fn long_labels_are_broken_between_words() {
+        let name = "power of the whole drive train at full load";
+        let axis = Axis::new(name, "kg m2/s3").with_colors(ColorScale::NearLowest);
+        let lines = Bands::of(&axis, [0.0, 1.0, 2.0]).label_lines(350.0);
+        assert_eq!(lines, ["power of the whole drive train at full load", "(kg m2/s3) above the lowest, 0"]);
+        assert_eq!(bands(ColorScale::NearLowest, &[0.0, 1.0, 2.0]).label_lines(350.0).len(), 1);
     }
 
     #[test]

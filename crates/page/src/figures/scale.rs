@@ -31,6 +31,11 @@ impl Scale {
         Self { min, max, ..self }
     }
 
+    /// The same ends with ticks this far apart.
+    pub(super) fn with_step(self, step: f64) -> Self {
+        Self { step, ..self }
+    }
+
     /// The powers of ten between two positive values, at most about this many.
     pub(super) fn in_decades(min: f64, max: f64, ticks: usize) -> Self {
         let decades = (max / min).log10().round();
@@ -99,7 +104,10 @@ impl Scale {
         let largest = self.max.abs().max(self.min.abs());
         match self.decimals() {
             decimals @ 0..=5 if largest < 1e6 => number_text(tick, decimals),
-            _ => format!("{:e}", rounded_to(tick, self.step)).replace('-', MINUS),
+            _ => match rounded_to(tick, self.step) {
+                0.0 => "0".to_owned(),
+                rounded => format!("{rounded:e}").replace('-', MINUS),
+            },
         }
     }
 }
@@ -177,7 +185,7 @@ mod tests {
     #[test]
     fn ticks_that_would_be_long_have_a_power_of_ten() {
         let texts = |scale: Scale| scale.ticks().into_iter().map(|tick| scale.text(tick)).collect::<Vec<_>>();
-        assert_eq!(texts(Scale::even(0.0, 3e-7, 1e-7)), ["0e0", "1e\u{2212}7", "2e\u{2212}7", "3e\u{2212}7"]);
+        assert_eq!(texts(Scale::even(0.0, 3e-7, 1e-7)), ["0", "1e\u{2212}7", "2e\u{2212}7", "3e\u{2212}7"]);
         assert_eq!(texts(Scale::even(1e6, 2e6, 5e5)), ["1e6", "1.5e6", "2e6"]);
         assert_eq!(texts(Scale::even(-0.5, 0.5, 0.5)), ["\u{2212}0.5", "0.0", "0.5"]);
     }
