@@ -27,6 +27,7 @@ First steps:
   infuse tell sheet-1.csv  take the sheet back, wholly or partly filled
   infuse status            the best design so far, what was learned, and whether to go on
   infuse ask               the next experiments; and so on, until it says why to stop
+  infuse confirm           a few runs that measure what was gained
   infuse report            one HTML page with all of it";
 
 #[derive(Debug, Args)]
@@ -60,6 +61,9 @@ pub(crate) enum Command {
         /// Begin another batch even if it seems not worth it
         #[arg(long)]
         anyway: bool,
+        /// Hand out another batch while experiments are still waited for
+        #[arg(long)]
+        more: bool,
         /// From the next batch on, simulate everything again, because the simulator itself was changed
         #[arg(long)]
         resimulate: bool,
@@ -68,7 +72,7 @@ pub(crate) enum Command {
     Tell(Tell),
     /// Take experiments that were made before the campaign, with where they come from
     ///
-    /// They train the surfaces, and never validate them. The file has one column per parameter and one for the response,
+    /// They count as much as those of the campaign itself. The file has one column per parameter and one for the response,
     /// headed like those of a sheet, and may have one headed `source`.
     Import {
         /// The table
@@ -83,9 +87,30 @@ pub(crate) enum Command {
     },
     /// Say where the campaign stands: the best design, what was learned, what is left, and whether to go on
     Status {
-        /// Also say why a design was dropped, or that it is among the designs left: "spring=21000,damper=1500"
+        /// Say why a design may still be the best, or why not: "spring=21000,damper=1500"
         #[arg(long, value_name = "NAME=VALUE,...")]
         why: Option<String>,
+    },
+    /// Say what is expected of any design, with its band: "spring=34,damper=1500"
+    WhatIf {
+        /// The settings of the design
+        #[arg(required_unless_present = "grid", value_name = "NAME=VALUE,...")]
+        settings: Option<String>,
+        /// Write the same for designs all over the grid to a table
+        #[arg(long, value_name = "FILE", conflicts_with = "settings")]
+        grid: Option<PathBuf>,
+    },
+    /// Plan a few runs at the recommended design, the best measured and the simulation's own choice, and say what they gained
+    ///
+    /// These runs are compared with each other alone: what was measured before has helped to choose the designs, and so
+    /// flatters them.
+    Confirm {
+        /// Runs of each design
+        #[arg(long, default_value_t = 3, value_name = "N")]
+        runs: usize,
+        /// Where the sheet goes [default: sheet-N.csv in the folder of the campaign]
+        #[arg(long, value_name = "FILE")]
+        sheet: Option<PathBuf>,
     },
     /// Write one HTML page that stands alone: sheets, surfaces, what is left, bounds, history
     Report {

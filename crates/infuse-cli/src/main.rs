@@ -3,9 +3,12 @@
 mod arguments;
 mod campaign;
 mod command;
+mod dissertation;
 mod findings;
+mod folder;
 mod journal;
 mod number;
+mod pooled;
 mod problem;
 mod program;
 mod report;

@@ -84,10 +84,8 @@ pub(crate) fn count(n: usize, noun: &str) -> String {
 }
 
 fn plural(noun: &str) -> String {
-    match noun {
-        "batch" => "batches".to_owned(),
-        _ => format!("{noun}s"),
-    }
+    let ending = if noun.ends_with("ch") { "es" } else { "s" };
+    format!("{noun}{ending}")
 }
 
 /// Digits in groups of three from ten thousand on.
@@ -152,6 +150,7 @@ mod tests {
         assert_eq!(count(1, "run"), "1 run");
         assert_eq!(count(12_345, "run"), "12,345 runs");
         assert_eq!(count(2, "batch"), "2 batches");
+        assert_eq!(count(3, "more batch"), "3 more batches");
         assert_eq!(grouped(331_776), "331,776");
         assert_eq!(grouped(1234), "1234");
     }

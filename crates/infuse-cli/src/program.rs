@@ -146,9 +146,14 @@ fn standard_input(region: &Region, point: &[f64], run: Option<u64>) -> Result<Fi
     Ok(file)
 }
 
+/// Of what a command printed so much is read, from its end.
+const MOST_READ: u64 = 1 << 16;
+
 fn all(file: &mut File) -> Result<String> {
     let mut bytes = Vec::new();
-    file.seek(SeekFrom::Start(0)).and_then(|_| file.read_to_end(&mut bytes)).context("output of a command")?;
+    let n_bytes = file.seek(SeekFrom::End(0)).context("output of a command")?;
+    let start = SeekFrom::Start(n_bytes.saturating_sub(MOST_READ));
+    file.seek(start).and_then(|_| file.read_to_end(&mut bytes)).context("output of a command")?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 

@@ -7,8 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
 use anyhow::{Result, bail};
-use design_space::Cell;
-use infuse::global;
+use design_space::{Cell, Grid};
 
 use crate::journal::Measured;
 use crate::number::{parse, plain, with_unit};
@@ -40,13 +39,13 @@ fn quoted(word: &str) -> String {
 pub(crate) fn simulate(
     folder: &Path,
     problem: &Problem,
-    campaign: &global::Loop,
+    grid: &Grid,
     jobs: &[Job],
     mut done: impl FnMut(&Job, Measured) -> Result<()>,
 ) -> Result<()> {
     match &problem.simulator {
         Simulator::Table(path) => {
-            let values = table(&folder.join(path), problem, campaign)?;
+            let values = table(&folder.join(path), problem, grid)?;
             for job in jobs {
                 let found = values.get(&job.0).copied().map(Measured::Value);
                 done(job, found.unwrap_or_else(|| Measured::Failed(format!("no row in {}", path.display()))))?;
@@ -105,7 +104,7 @@ fn run_all(
 }
 
 /// The values of a table, by cell.
-fn table(path: &Path, problem: &Problem, campaign: &global::Loop) -> Result<HashMap<Cell, f64>> {
+pub(crate) fn table(path: &Path, problem: &Problem, grid: &Grid) -> Result<HashMap<Cell, f64>> {
     let parameters = problem.region.parameters();
     let k = parameters.len();
     let table = Table::read(path, &point_columns(problem))?;
@@ -132,7 +131,7 @@ fn table(path: &Path, problem: &Problem, campaign: &global::Loop) -> Result<Hash
         match parse(table.cell(row, k)) {
             Err(expected) => faults.push(table.fault(row, k, expected)),
             Ok(value) if point.len() == k => {
-                let earlier = values.insert(campaign.cell(&point)?, value);
+                let earlier = values.insert(grid.nearest(&point)?, value);
                 if earlier.is_some_and(|earlier| earlier.to_bits() != value.to_bits()) {
                     faults.push(table.fault(row, k, "the value that an earlier row has for the same settings"));
                 }

@@ -7,22 +7,22 @@ use anyhow::{Result, ensure};
 use serde_json::json;
 
 use super::Output;
-use crate::campaign::Campaign;
 use crate::findings::{imported, withdrawn};
+use crate::folder;
 use crate::journal::{Event, now};
 use crate::number::plain;
 use crate::sheet;
 
 pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -> Result<Output> {
     ensure!(!source.trim().is_empty(), "--source is empty, expected where these experiments come from");
-    let (mut campaign, mut writer) = Campaign::open(folder, wait)?;
-    let notices = std::mem::take(&mut campaign.notices);
-    let found = sheet::imported(file, &campaign.problem)?;
+    let (mut campaign, mut writer) = folder::open(folder, wait)?;
+    let notices = campaign.take_notices();
+    let found = sheet::imported(file, campaign.problem())?;
+    let in_use = campaign.imported();
     let is_known = |one: &sheet::Imported| {
-        campaign.now.earlier().iter().any(|earlier| {
-            let cost = campaign.problem.response.cost(one.value);
+        in_use.iter().any(|earlier| {
             earlier.point == one.point
-                && earlier.cost.to_bits() == cost.to_bits()
+                && earlier.value.to_bits() == one.value.to_bits()
                 && earlier.source == source_of(one, source)
         })
     };
@@ -30,7 +30,7 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
         anyhow::bail!(
             "{}: {} with {} is in the journal already, from the same source; nothing was taken",
             file.display(),
-            campaign.problem.describe(&known.point),
+            campaign.problem().describe(&known.point),
             plain(known.value)
         );
     }
@@ -42,31 +42,24 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     });
     let events: Vec<Event> = events.collect();
     campaign.record(&mut writer, events)?;
-    let batch = campaign.batch();
-    Ok(Output::new(&[imported(rows, batch)], json!({ "imported": rows, "from_batch": batch }), notices))
+    Ok(Output::new(&[imported(rows, &campaign.use_of_imports())], json!({ "imported": rows }), notices))
 }
 
 /// Stops using what was imported from a source.
 pub(crate) fn withdraw(folder: &Path, wait: Duration, source: &str) -> Result<Output> {
-    let (mut campaign, mut writer) = Campaign::open(folder, wait)?;
-    let notices = std::mem::take(&mut campaign.notices);
-    let in_use = |campaign: &Campaign| campaign.now.earlier().iter().filter(|earlier| earlier.until.is_none()).count();
-    let sources: std::collections::BTreeSet<String> = campaign
-        .now
-        .earlier()
-        .iter()
-        .filter(|earlier| earlier.until.is_none())
-        .map(|earlier| earlier.source.clone())
-        .collect();
+    let (mut campaign, mut writer) = folder::open(folder, wait)?;
+    let notices = campaign.take_notices();
+    let sources: std::collections::BTreeSet<String> =
+        campaign.imported().into_iter().map(|imported| imported.source).collect();
     let names = || sources.iter().map(|source| format!("`{source}`")).collect::<Vec<_>>().join(", ");
     ensure!(
         sources.contains(source),
         "nothing that is in use was imported from `{source}`, expected one of {}",
         if sources.is_empty() { "none".to_owned() } else { names() }
     );
-    let before = in_use(&campaign);
+    let before = campaign.imported().len();
     campaign.record(&mut writer, vec![Event::Withdrawn { source: source.to_owned(), at: now() }])?;
-    let n = before - in_use(&campaign);
+    let n = before - campaign.imported().len();
     Ok(Output::new(&[withdrawn(n)], json!({ "withdrawn": n }), notices))
 }
 

@@ -1,6 +1,7 @@
 //! One module per command; each gives what to print, as text and as JSON.
 
 mod ask;
+mod confirm;
 mod import;
 mod new;
 mod report;
@@ -8,6 +9,7 @@ mod run;
 mod settings;
 mod status;
 mod tell;
+mod what_if;
 
 use std::time::Duration;
 
@@ -16,6 +18,7 @@ use page::Finding;
 use serde_json::{Value, json};
 
 use crate::arguments::{Arguments, Command};
+use crate::campaign::Wish;
 
 /// What a command says.
 #[derive(Debug)]
@@ -42,7 +45,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
     let folder = &*common.campaign;
     match &arguments.command {
         Command::New { folder } => new::new(folder),
-        Command::Ask { sheet, anyway, resimulate } => ask::ask(folder, wait, sheet.as_deref(), *anyway, *resimulate),
+        Command::Ask { sheet, anyway, more, resimulate } => {
+            let wish = Wish { anyway: *anyway, more: *more };
+            ask::ask(folder, wait, sheet.as_deref(), wish, *resimulate)
+        }
+        Command::WhatIf { settings, grid } => what_if::what_if(folder, settings.as_deref(), grid.as_deref()),
+        Command::Confirm { runs, sheet } => confirm::confirm(folder, wait, *runs, sheet.as_deref()),
         Command::Tell(tell) => tell::tell(folder, wait, tell),
         Command::Import { withdraw: Some(source), .. } => import::withdraw(folder, wait, source),
         Command::Import { file, source, .. } => {

@@ -8,9 +8,9 @@ use page::Finding;
 use serde_json::json;
 
 use super::Output;
-use crate::campaign::Campaign;
+use crate::folder;
 use crate::journal::Journal;
-use crate::{report, sheet};
+use crate::sheet;
 
 pub(crate) fn report(folder: &Path, output: Option<&Path>) -> Result<Output> {
     let path = match output {
@@ -24,12 +24,11 @@ pub(crate) fn report(folder: &Path, output: Option<&Path>) -> Result<Output> {
         "--output is {}, expected a file that ends in .html",
         path.display()
     );
-    let campaign = Campaign::read(folder)?;
-    let journal = Journal::read(folder)?;
-    let page = report::page(&campaign, &campaign.stage()?, &journal)?;
+    let mut campaign = folder::read(folder)?;
+    let page = campaign.page(&Journal::read(folder)?)?;
     sheet::replace(&path, page.as_bytes())?;
     let written = Finding::new(format!("Written to {}: open it in a browser, or send it.", path.display()));
-    let notices = campaign.notices;
-    let json = json!({ "report": path, "bytes": page.len(), "batches": campaign.now.reports().len() });
+    let notices = campaign.take_notices();
+    let json = json!({ "report": path, "bytes": page.len(), "batches": campaign.n_closed() });
     Ok(Output::new(&[written], json, notices))
 }

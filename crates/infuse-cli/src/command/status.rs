@@ -8,22 +8,34 @@ use serde_json::{Value, json};
 
 use super::{Output, settings};
 use crate::campaign::{Campaign, Stage};
-use crate::findings::{best, best_measured, left, lesson, next, prospects, reason_to_stop, standing, why_dropped};
+use crate::findings::{next, standing};
+use crate::folder;
+use crate::journal::JOURNAL;
+use crate::shell::sheet_path;
 
 pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
-    let campaign = Campaign::read(folder)?;
-    let notices = campaign.notices.clone();
+    let mut campaign = folder::read(folder)?;
+    let mut notices = campaign.take_notices();
+    notices.extend(sheets_without_a_journal(folder));
     let stage = campaign.stage()?;
-    let blocks = blocks(&campaign, &stage, folder)?;
-    let mut text = format!("{}\n", campaign.problem.title);
+    let (known, for_machines) = campaign.status()?;
+    let blocks: Vec<Vec<Finding>> = std::iter::once(vec![standing(&*campaign)])
+        .chain(known)
+        .chain([vec![next(&*campaign, &stage)]])
+        .filter(|block| !block.is_empty())
+        .collect();
+    let mut text = format!("{}\n", campaign.problem().title);
     for block in &blocks {
         text.push('\n');
         block.iter().for_each(|finding| text.push_str(&finding.to_string()));
     }
-    let mut json = as_json(&campaign, &stage)?;
+    let mut json = for_every_method(&*campaign, &stage);
+    if let (Some(json), Value::Object(more)) = (json.as_object_mut(), for_machines) {
+        json.extend(more);
+    }
     json["findings"] = json!(blocks.concat());
     if let Some(why) = why {
-        let why = why_dropped(&campaign, &settings::all(why, &campaign.problem.region)?)?;
+        let why = campaign.why(&settings::all(why, &campaign.problem().region)?)?;
         text = why.to_string();
         json["why"] = json!(why);
     }
@@ -31,56 +43,33 @@ pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     Ok(Output { text, json, notices })
 }
 
-/// What is said, in blocks with an empty line between them.
-fn blocks(campaign: &Campaign, stage: &Stage, folder: &Path) -> Result<Vec<Vec<Finding>>> {
-    let mut blocks = vec![vec![standing(campaign)]];
-    if !campaign.now.reports().is_empty() {
-        blocks.push(best(campaign).into_iter().collect());
-        blocks.push(lesson(campaign).into_iter().collect());
-        blocks.push(vec![left(campaign)?]);
-        blocks.push(prospects(campaign)?);
-    }
-    blocks.push(vec![next(campaign, stage, folder)]);
-    Ok(blocks)
-}
-
-fn as_json(campaign: &Campaign, stage: &Stage) -> Result<Value> {
-    let (problem, response) = (&campaign.problem, &campaign.problem.response);
-    let named = |point: &[f64]| problem.named(point);
-    let batches = campaign.now.reports().iter().map(|report| {
-        let screening = &report.screening;
-        json!({
-            "batch": report.iteration, "best": named(&screening.optimum),
-            "predicted": response.cost(screening.optimum_value), "spread": screening.spread.s(),
-            "left": screening.n_after, "left_before": screening.n_before, "threshold": screening.threshold,
-            "innovation": report.changes.innovation, "failed_experiments": report.failed_trials().count(),
-            "failed_simulations": report.failed_simulations().count(),
-            "g_efficiency_percent": report.batch.experiment_efficiency,
-            "simulation_alone": named(&screening.simulation_optimum),
-        })
-    });
-    let outlook = campaign.outlook()?;
-    let observed = campaign.now.observed_certificate()?;
-    let last = campaign.now.reports().last();
-    Ok(json!({
+fn for_every_method(campaign: &dyn Campaign, stage: &Stage) -> Value {
+    let (problem, response, experiments) = (campaign.problem(), &campaign.problem().response, campaign.experiments());
+    let (name, stopped) = match stage {
+        Stage::Ready => ("ready", None),
+        Stage::Pending => ("pending", None),
+        Stage::Ended { reason, .. } => ("ended", Some(reason)),
+    };
+    json!({
         "title": problem.title,
         "response": { "name": response.name, "unit": response.unit, "better": response.better() },
-        "stage": match stage { Stage::Ready => "ready", Stage::Pending => "pending", _ => "ended" },
-        "stopped": reason_to_stop(campaign, stage),
-        "batches": batches.collect::<Vec<_>>(),
-        "best": last.map(|report| named(&report.screening.optimum)),
-        "simulation_alone": campaign.now.reports().first().map(|first| named(&first.screening.simulation_optimum)),
-        "predicted": last.map(|report| response.cost(report.screening.optimum_value)),
-        "best_measured": best_measured(campaign).map(|(id, value)| json!({ "id": id, "value": value })),
-        "outstanding": campaign.now.outstanding().len(),
-        "told": campaign.readings.values().filter(|reading| reading.first.is_some()).count(),
-        "imported": campaign.now.earlier().len(),
-        "left": campaign.now.retained().n_retained(), "of": campaign.now.retained().n_cells(),
-        "noise": campaign.noise().map(|error| json!({
-            "standard_deviation": error.standard_deviation(), "degrees_of_freedom": error.degrees_of_freedom,
-        })),
-        "gain": outlook.map(|outlook| json!({ "total": outlook.total_gain(), "noise": outlook.mean_gain, "misfit": outlook.misfit_gain, "nine_in_ten_below": outlook.upper_gain })),
+        "stage": name,
+        "stopped": stopped,
+        "best_measured": experiments.best_measured(response).map(|(id, value)| json!({ "id": id, "value": value })),
+        "outstanding": experiments.n_outstanding(),
+        "told": experiments.n_made(),
+        "imported": campaign.imported().len(),
         "worth": problem.worth,
-        "guarantee": observed.map(|observed| json!({ "eps": observed.eps, "regret": observed.certificate.regret })),
-    }))
+    })
+}
+
+/// Sheets of a campaign whose journal is gone: nothing of them is known.
+fn sheets_without_a_journal(folder: &Path) -> Option<String> {
+    let first = sheet_path(folder, 1, None);
+    (first.exists() && !folder.join(JOURNAL).exists()).then(|| {
+        format!(
+            "there is {}, but no {JOURNAL}: if it was moved, put it back; nothing of the sheets is known without it",
+            first.display()
+        )
+    })
 }

@@ -11,39 +11,41 @@ use serde_json::json;
 use super::{Output, settings};
 use crate::arguments::Tell;
 use crate::campaign::{Campaign, Reading};
-use crate::findings::{lesson, outstanding, taken};
-use crate::journal::{Event, Measured, now};
+use crate::findings::{outstanding, taken};
+use crate::folder;
+use crate::journal::{Event, Measured, Told, now};
 use crate::number::{number_fault, plain};
 use crate::sheet::{Answer, Fault, answers, none_of};
 use crate::shell::infuse;
 
 pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output> {
-    let (mut campaign, mut writer) = Campaign::open(folder, wait)?;
-    let notices = std::mem::take(&mut campaign.notices);
+    let (mut campaign, mut writer) = folder::open(folder, wait)?;
+    let notices = campaign.take_notices();
     let (answers, n_empty, from) = match &tell.sheet {
         Some(path) => {
-            let answers = answers(path, &campaign.problem, &campaign.trials)?;
+            let answers = answers(path, campaign.problem(), &campaign.experiments().trials)?;
             (answers.filled, answers.n_empty, path.display().to_string())
         }
-        None => (vec![single(tell, &campaign)?], 0, "the command line".to_owned()),
+        None => (vec![single(tell, &*campaign)?], 0, "the command line".to_owned()),
     };
-    let (fresh, n_known) = fresh(&campaign, answers, &from, tell.correct)?;
-    let batch = campaign.batch();
+    let (fresh, n_known) = fresh(&*campaign, answers, &from, tell.correct)?;
+    let n_closed = campaign.n_closed();
     let rows = fresh.len();
     let at = now();
     let event = |(index, (answer, corrects)): (usize, (Answer, bool))| {
         let Answer { id, result, actual, repeat, note, .. } = answer;
         let (from, at) = (from.clone(), at.clone());
-        Event::Told { row: index + 1, rows, id, result, actual, repeat, corrects, note, from, at }
+        Event::Told(Told { row: index + 1, rows, id, result, actual, repeat, corrects, note, from, at })
     };
     let events: Vec<Event> = fresh.into_iter().enumerate().map(event).collect();
     campaign.record(&mut writer, events)?;
     let mut findings = taken(rows, n_known, n_empty);
-    let n_outstanding = campaign.now.outstanding().len();
-    let is_closed = campaign.batch() > batch;
+    let n_outstanding = campaign.experiments().n_outstanding();
+    let batch = campaign.experiments().last_batch().unwrap_or(0);
+    let is_closed = campaign.n_closed() > n_closed;
     if is_closed {
         let infuse = infuse(folder);
-        findings.extend(lesson(&campaign));
+        findings.extend(campaign.lesson()?);
         findings.push(Finding::new(format!("Next: {infuse} status, then {infuse} ask")));
     } else if n_outstanding > 0 {
         findings.push(outstanding(batch, n_outstanding));
@@ -56,8 +58,8 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
 }
 
 /// An experiment told by its id.
-fn single(tell: &Tell, campaign: &Campaign) -> Result<Answer> {
-    let problem = &campaign.problem;
+fn single(tell: &Tell, campaign: &dyn Campaign) -> Result<Answer> {
+    let problem = campaign.problem();
     let id = tell.id.context("expected a sheet or --id")?;
     let result = match (tell.value, &tell.failed) {
         (Some(value), None) => {
@@ -84,34 +86,48 @@ fn single(tell: &Tell, campaign: &Campaign) -> Result<Answer> {
             bail!("--actual: `{name}` is {}, expected {expected}", plain(value));
         }
     }
+    ensure!(
+        !tell.again || campaign.experiments().readings.get(&id).is_some_and(|reading| reading.first.is_some()),
+        "--again: experiment {id} has no result yet, expected one more run of an experiment that was told"
+    );
     // Said on the command line, one more run is one more run, whatever it gave.
-    let n_repeats =
-        campaign.readings.get(&id).and_then(|reading| reading.again.keys().next_back().copied()).unwrap_or(0);
+    let n_repeats = campaign
+        .experiments()
+        .readings
+        .get(&id)
+        .and_then(|reading| reading.again.keys().next_back().copied())
+        .unwrap_or(0);
     let repeat = if tell.again { n_repeats + 1 } else { 0 };
     Ok(Answer { id, result, actual, repeat, note: tell.note.clone(), row: 0 })
 }
 
 /// What is new, each with whether it replaces a result, and how much was known.
-fn fresh(campaign: &Campaign, answers: Vec<Answer>, from: &str, correct: bool) -> Result<(Vec<(Answer, bool)>, usize)> {
+fn fresh(
+    campaign: &dyn Campaign,
+    answers: Vec<Answer>,
+    from: &str,
+    correct: bool,
+) -> Result<(Vec<(Answer, bool)>, usize)> {
     let (mut fresh, mut faults): (Vec<(Answer, bool)>, Vec<Fault>) = (Vec::new(), Vec::new());
     let mut n_known = 0;
     for answer in answers {
         let id = answer.id;
-        let Some(trial) = campaign.trials.get(&id) else {
+        let Some(trial) = campaign.experiments().trials.get(&id) else {
             return Err(anyhow!("{from}: experiment {id} was never asked for, expected {}", asked(campaign)));
         };
         let mut refuse = |value: String, expected: String| {
             faults.push(Fault { row: answer.row, column: "id".to_owned(), value, expected });
         };
         // A sheet that is told twice does not make runs twice.
-        let told = campaign.readings.get(&id).and_then(|reading| reading.result(answer.repeat));
-        let same_settings = answer.repeat > 0 || campaign.readings.get(&id).is_some_and(|r| r.actual == answer.actual);
+        let told = campaign.experiments().readings.get(&id).and_then(|reading| reading.result(answer.repeat));
+        let same_settings =
+            answer.repeat > 0 || campaign.experiments().readings.get(&id).is_some_and(|r| r.actual == answer.actual);
         if told == Some(&answer.result) && same_settings {
             n_known += 1;
             continue;
         }
         if let Some(told) = told.filter(|_| !correct) {
-            let said = match campaign.readings.get(&id).filter(|_| answer.repeat == 0) {
+            let said = match campaign.experiments().readings.get(&id).filter(|_| answer.repeat == 0) {
                 Some(reading) => said(campaign, reading),
                 None => result_in_words(campaign, told),
             };
@@ -125,11 +141,7 @@ fn fresh(campaign: &Campaign, answers: Vec<Answer>, from: &str, correct: bool) -
             refuse(format!("{id}, with {}", result_in_words(campaign, &answer.result)), expected);
             continue;
         }
-        if trial.iteration < campaign.last_batch().unwrap_or(0) || campaign.is_settled(trial) {
-            let expected = format!(
-                "one of batch {}: later batches rest on the results of the others",
-                campaign.last_batch().unwrap_or(0)
-            );
+        if let Some(expected) = campaign.refusal(trial) {
             refuse(id.to_string(), expected);
             continue;
         }
@@ -140,23 +152,23 @@ fn fresh(campaign: &Campaign, answers: Vec<Answer>, from: &str, correct: bool) -
     Ok((fresh, n_known))
 }
 
-fn asked(campaign: &Campaign) -> String {
-    match (campaign.trials.keys().next(), campaign.trials.keys().next_back()) {
+fn asked(campaign: &dyn Campaign) -> String {
+    match (campaign.experiments().trials.keys().next(), campaign.experiments().trials.keys().next_back()) {
         (Some(first), Some(last)) => format!("an id from {first} to {last}"),
         _ => "none yet: nothing was asked for, see `infuse ask`".to_owned(),
     }
 }
 
-fn said(campaign: &Campaign, reading: &Reading) -> String {
+fn said(campaign: &dyn Campaign, reading: &Reading) -> String {
     let result = reading.first.as_ref().map(|result| result_in_words(campaign, result)).unwrap_or_default();
     let made = reading.actual.iter().map(|(name, &value)| format!("{name} {}", plain(value)));
     let made: Vec<String> = made.collect();
     if made.is_empty() { result } else { format!("{result} at {}", made.join(", ")) }
 }
 
-fn result_in_words(campaign: &Campaign, result: &Measured) -> String {
+fn result_in_words(campaign: &dyn Campaign, result: &Measured) -> String {
     match result {
-        Measured::Value(value) => crate::number::with_unit(&plain(*value), &campaign.problem.response.unit),
+        Measured::Value(value) => crate::number::with_unit(&plain(*value), &campaign.problem().response.unit),
         Measured::Failed(reason) => format!("failed: {reason}"),
     }
 }

@@ -2,25 +2,23 @@
 
 use std::path::Path;
 
-use infuse::global::Report;
 use page::Finding;
 
-use super::amount::value;
 use crate::campaign::Campaign;
-use crate::number::{count, percent};
+use crate::number::count;
 use crate::shell::tell_with;
 
 /// The experiments that are waited for, and what to do with them. The sheet may have been there before.
 pub(crate) fn handed_out(
-    campaign: &Campaign,
-    folder: &Path,
+    campaign: &dyn Campaign,
+    batch: usize,
     sheet: &Path,
     sheet_is_new: bool,
     n_simulated: usize,
 ) -> Vec<Finding> {
-    let batch = campaign.batch();
-    let trials = campaign.in_run_order(batch);
-    let n_told = trials.iter().filter(|(trial, _)| campaign.is_told(trial.id)).count();
+    let experiments = campaign.experiments();
+    let trials = experiments.in_run_order(batch, campaign.problem().seed);
+    let n_told = trials.iter().filter(|(trial, _)| experiments.is_told(trial.id)).count();
     let n_repeats = trials.iter().filter(|(_, repeats)| repeats.is_some()).count();
     let repeats =
         if n_repeats > 0 { format!(", {n_repeats} of them repeats that measure the noise") } else { String::new() };
@@ -35,11 +33,7 @@ pub(crate) fn handed_out(
         let sentence = format!("{} {were} made for it.", count(n_simulated, "simulation"));
         found.push(Finding::new(sentence).with("simulations made", n_simulated as f64, "1"));
     }
-    found.push(Finding::new(if batch == 1 {
-        "It is the first: spread over all that can be set, it shows where the simulation is wrong."
-    } else {
-        "It is spread over the designs that are left, so that the surface is known best where the optimum may be."
-    }));
+    found.push(Finding::new(campaign.purpose(batch)));
     if n_told > 0 {
         let n_left = trials.len() - n_told;
         let sentence = format!("Results so far: {n_told}; {n_left} to go.");
@@ -53,18 +47,8 @@ pub(crate) fn handed_out(
     }));
     found.push(Finding::new(format!(
         "Run them, fill in `{}` (or, for a run without a result, the reason under `failed`), then: {}",
-        campaign.problem.response.heading(),
-        tell_with(folder, sheet),
+        campaign.problem().response.heading(),
+        tell_with(campaign.folder(), sheet),
     )));
     found
-}
-
-/// A closed batch in one line.
-pub(crate) fn closed(campaign: &Campaign, report: &Report) -> Finding {
-    let (problem, screening) = (&campaign.problem, &report.screening);
-    let (predicted, share) = (value(campaign, screening.optimum_value), campaign.now.retained().share());
-    let best = problem.describe(&screening.optimum);
-    Finding::new(format!("batch {}: {best}; {predicted} predicted, {} left", report.iteration, percent(share)))
-        .with("predicted", problem.response.of_cost(screening.optimum_value), &problem.response.unit)
-        .with("share left", share, "1")
 }

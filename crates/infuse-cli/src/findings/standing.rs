@@ -6,19 +6,16 @@ use crate::campaign::Campaign;
 use crate::number::count;
 
 /// Batches and experiments so far.
-pub(crate) fn standing(campaign: &Campaign) -> Finding {
-    let n_closed = campaign.now.reports().len();
-    let n_made = campaign.readings.values().filter(|reading| reading.first.is_some()).count();
-    let n_failed = campaign.readings.values().filter(|reading| reading.values().count() == 0).count();
+pub(crate) fn standing(campaign: &dyn Campaign) -> Finding {
+    let (n_closed, experiments) = (campaign.n_closed(), campaign.experiments());
+    let (n_made, n_failed, outstanding) = (experiments.n_made(), experiments.n_failed(), experiments.n_outstanding());
     let failed = if n_failed > 0 { format!(", {n_failed} of them without a result") } else { String::new() };
     let mut text = format!("{} closed, {} made{failed}", count(n_closed, "batch"), count(n_made, "experiment"));
-    let outstanding = campaign.now.outstanding().len();
-    if outstanding > 0 {
-        let batch = campaign.batch();
-        let n = campaign.in_run_order(batch).len();
+    if let Some(batch) = experiments.last_batch().filter(|_| outstanding > 0) {
+        let n = experiments.trials.values().filter(|trial| trial.batch == batch).count();
         text.push_str(&format!("; batch {batch} waits for {outstanding} of {n}"));
     }
-    let n_earlier = campaign.now.earlier().len();
+    let n_earlier = campaign.imported().len();
     if n_earlier > 0 {
         text.push_str(&format!("; {} imported", count(n_earlier, "earlier experiment")));
     }

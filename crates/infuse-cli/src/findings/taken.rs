@@ -25,14 +25,10 @@ pub(crate) fn outstanding(batch: usize, n: usize) -> Finding {
     Finding::new(sentence).with("batch", batch as f64, "1").with("experiments waited for", n as f64, "1")
 }
 
-/// Earlier experiments taken, and the first batch they count in.
-pub(crate) fn imported(n: usize, batch: usize) -> Finding {
-    let sentence = format!(
-        "Imported: {}. From batch {batch} on they train the surfaces, as long as their settings are among the designs left; \
-         they never validate.",
-        count(n, "experiment")
-    );
-    Finding::new(sentence).with("experiments imported", n as f64, "1").with("from batch", batch as f64, "1")
+/// Earlier experiments taken, and what they are used for.
+pub(crate) fn imported(n: usize, used_for: &str) -> Finding {
+    let sentence = format!("Imported: {}. {used_for}", count(n, "experiment"));
+    Finding::new(sentence).with("experiments imported", n as f64, "1")
 }
 
 /// Earlier experiments that count no longer.

@@ -17,7 +17,15 @@ pub(crate) enum Event {
     /// The first line.
     Campaign { format: u32, at: String, problem: Value },
     /// A batch was designed: cells of the grid.
-    Planned { batch: usize, at: String, experiments: Vec<Cell>, simulations: Vec<Cell> },
+    Planned {
+        batch: usize,
+        at: String,
+        experiments: Vec<Cell>,
+        simulations: Vec<Cell>,
+        /// Why it was planned, if not by the loop.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        purpose: Option<Purpose>,
+    },
     /// A simulation was run, or looked up.
     Simulated {
         cell: Cell,
@@ -32,33 +40,48 @@ pub(crate) enum Event {
     /// All simulations of the batch are there, and the experiments can be handed out.
     Opened { batch: usize, at: String },
     /// An experiment was told.
-    Told {
-        /// Place of this line in what was told at once, and how many lines that has.
-        row: usize,
-        rows: usize,
-        id: u64,
-        #[serde(flatten)]
-        result: Measured,
-        /// Settings really made, where they are not those asked for.
-        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-        actual: BTreeMap<String, f64>,
-        /// Besides the run that was asked for there may be more at its settings: their number, from 1.
-        #[serde(default, skip_serializing_if = "is_zero")]
-        repeat: usize,
-        /// Takes the place of what was told before.
-        #[serde(default, skip_serializing_if = "is_false")]
-        corrects: bool,
-        #[serde(default, skip_serializing_if = "String::is_empty")]
-        note: String,
-        from: String,
-        at: String,
-    },
+    Told(Told),
     /// An experiment from before the campaign.
     Imported { row: usize, rows: usize, point: Vec<f64>, value: f64, source: String, from: String, at: String },
     /// Everything that was imported from this source is not to be used any longer.
     Withdrawn { source: String, at: String },
     /// What a closed batch taught; it follows from the lines before, and is here for people and as a check.
     Learned(Learned),
+    /// What was known once a batch of the pooled loop was complete, for the history, with a checksum of all lines before.
+    Assessed(Assessed),
+}
+
+/// Why a batch was planned, if not by the loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Purpose {
+    /// To measure what was gained.
+    Confirm,
+}
+
+/// What was told about an experiment.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Told {
+    /// Place of this line in what was told at once, and how many lines that has.
+    pub(crate) row: usize,
+    pub(crate) rows: usize,
+    pub(crate) id: u64,
+    #[serde(flatten)]
+    pub(crate) result: Measured,
+    /// Settings really made, where they are not those asked for.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) actual: BTreeMap<String, f64>,
+    /// Besides the run that was asked for there may be more at its settings: their number, from 1.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub(crate) repeat: usize,
+    /// Takes the place of what was told before.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub(crate) corrects: bool,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub(crate) note: String,
+    pub(crate) from: String,
+    pub(crate) at: String,
 }
 
 /// A value, or why there is none.
@@ -67,6 +90,28 @@ pub(crate) enum Event {
 pub(crate) enum Measured {
     Value(f64),
     Failed(String),
+}
+
+/// The state of knowledge after a batch.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Assessed {
+    pub(crate) batch: usize,
+    pub(crate) recommended: Vec<f64>,
+    /// The response that is expected there, and the standard deviation of that.
+    pub(crate) expected: f64,
+    pub(crate) deviation: f64,
+    /// With this probability no design is better by more than `bound`.
+    pub(crate) probability: f64,
+    pub(crate) bound: f64,
+    /// Share of the designs that may still be the best.
+    pub(crate) left: f64,
+    pub(crate) noise: f64,
+    /// The settings of the loop at that time.
+    pub(crate) settings: Value,
+    /// Of this line and all before it; see [`Checksum`](super::checksum::Checksum).
+    #[serde(default)]
+    pub(crate) check: String,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -94,7 +139,7 @@ impl Event {
     /// Place and number of lines of what was written at once.
     pub(crate) fn group(&self) -> (usize, usize) {
         match *self {
-            Self::Told { row, rows, .. } | Self::Imported { row, rows, .. } => (row, rows),
+            Self::Told(Told { row, rows, .. }) | Self::Imported { row, rows, .. } => (row, rows),
             _ => (1, 1),
         }
     }

@@ -1,5 +1,6 @@
 //! The journal of a campaign: what happened, line by line, only ever added to.
 
+mod checksum;
 mod event;
 mod lock;
 mod text;
@@ -11,7 +12,8 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow};
 
-pub(crate) use event::{Event, FORMAT, Learned, Measured, now};
+use checksum::Checksum;
+pub(crate) use event::{Assessed, Event, FORMAT, Learned, Measured, Purpose, Told, now};
 use lock::Lock;
 
 /// The name of the file in the folder of a campaign.
@@ -54,6 +56,8 @@ pub(crate) struct Writer {
     path: PathBuf,
     file: File,
     n_bytes: u64,
+    /// Of all complete lines.
+    checksum: Checksum,
     _lock: Lock,
 }
 
@@ -67,7 +71,8 @@ impl Writer {
         let mut bytes = Vec::new();
         (&file).read_to_end(&mut bytes).with_context(name)?;
         let text = text::read(&bytes).with_context(|| format!("{} cannot be read", path.display()))?;
-        let mut writer = Self { path: path.clone(), file, n_bytes: bytes.len() as u64, _lock: lock };
+        let mut writer =
+            Self { path: path.clone(), file, n_bytes: bytes.len() as u64, checksum: text.checksum, _lock: lock };
         let mut notices = Vec::new();
         let rest = &bytes[text.n_bytes..];
         if !rest.is_empty() {
@@ -96,12 +101,16 @@ impl Writer {
 
     /// Adds these lines, all or none: on an error the journal is as before.
     pub(crate) fn add(&mut self, events: &[Event]) -> Result<()> {
-        let mut lines = Vec::new();
+        let (mut lines, mut checksum) = (Vec::new(), self.checksum.clone());
         for event in events {
-            serde_json::to_writer(&mut lines, event).context("cannot write an event")?;
+            let line = serde_json::to_vec(&checksum.sign(event)?).context("cannot write an event")?;
+            checksum.add(&line);
+            lines.extend(line);
             lines.push(b'\n');
         }
-        self.write(&lines)
+        self.write(&lines)?;
+        self.checksum = checksum;
+        Ok(())
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<()> {
@@ -112,6 +121,12 @@ impl Writer {
             return Err(anyhow!("{}: {error}; nothing was written down", self.path.display()));
         }
         self.n_bytes += bytes.len() as u64;
+        let there = std::fs::metadata(&self.path).map(|metadata| metadata.len());
+        anyhow::ensure!(
+            there.is_ok_and(|n_bytes| n_bytes >= self.n_bytes),
+            "{}: another program has removed or cut it since this call began; put it back, nothing more can be written down",
+            self.path.display()
+        );
         Ok(())
     }
 }

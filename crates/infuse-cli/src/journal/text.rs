@@ -1,8 +1,9 @@
 //! What the bytes of a journal say, however they came to be.
 
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 
 use super::JOURNAL;
+use super::checksum::Checksum;
 use super::event::Event;
 
 /// A journal as read.
@@ -14,6 +15,8 @@ pub(crate) struct Text {
     pub(crate) n_bytes: usize,
     /// Whether the last complete line lacks its line break.
     pub(crate) is_open: bool,
+    /// Of the complete lines.
+    pub(crate) checksum: Checksum,
 }
 
 /// Reads the lines. What follows `n_bytes` is the trace of a call that was interrupted while writing, before it could say that it
@@ -26,6 +29,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Text> {
     let mut text = Text::default();
     let mut group: Vec<(usize, Event)> = Vec::new();
     let (mut at, mut number) = (0, 0);
+    // With the lines of a group that is not complete yet.
+    let mut checksum = Checksum::default();
     while at < bytes.len() {
         number += 1;
         let end = bytes[at..].iter().position(|&byte| byte == b'\n').map(|length| at + length + 1);
@@ -44,6 +49,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Text> {
             Err(_) if end.is_none() => break,
             Err(error) => bail!("{JOURNAL}, line {number}: {error}\n  {}", excerpt(line)),
         };
+        checksum.check(&event).with_context(|| format!("{JOURNAL}, line {number}"))?;
+        checksum.add(line);
         let (row, rows) = event.group();
         if row != group.len() + 1 || group.last().is_some_and(|(_, first)| first.group().1 != rows) || row > rows {
             if row == 1 && !group.is_empty() {
@@ -59,6 +66,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Text> {
         group.push((number, event));
         if row == rows {
             text.events.append(&mut group);
+            text.checksum = checksum.clone();
             text.n_bytes = at;
             text.is_open = end.is_none();
         }

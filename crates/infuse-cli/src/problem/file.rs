@@ -8,7 +8,7 @@ use infuse::{
     correction::Gain,
     global::{SpreadFallback, SurfaceKinds},
 };
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -89,15 +89,30 @@ pub(crate) enum Input {
     Json,
 }
 
-#[derive(Debug, Default, Deserialize)]
+/// By which loop a campaign goes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Method {
+    /// All data in one surface, with the simulation inside.
+    #[default]
+    Pooled,
+    /// The global loop of the dissertation, batch by batch.
+    Dissertation,
+}
+
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LoopEntry {
-    pub(crate) model: Option<ModelEntry>,
+    pub(crate) method: Option<Method>,
     pub(crate) experiments: Option<usize>,
-    pub(crate) replicates: Option<usize>,
-    pub(crate) simulations: Option<usize>,
+    pub(crate) simulations: Option<SimulationsEntry>,
     pub(crate) batches: Option<usize>,
     pub(crate) confidence: Option<f64>,
+    /// Of the pooled loop alone.
+    pub(crate) noise: Option<f64>,
+    /// Of the dissertation's loop alone, as all that follow.
+    pub(crate) model: Option<ModelEntry>,
+    pub(crate) replicates: Option<usize>,
     pub(crate) drop_from: Option<usize>,
     pub(crate) gain: Option<Gain>,
     pub(crate) experiment_weight: Option<f64>,
@@ -106,7 +121,15 @@ pub(crate) struct LoopEntry {
     pub(crate) without_spread: Option<SpreadFallback>,
 }
 
-#[derive(Debug, Deserialize)]
+/// Simulations per batch, or as many as are of use.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged, expecting = "expected a number of simulations per batch, or \"all\"")]
+pub(crate) enum SimulationsEntry {
+    Count(usize),
+    Named(String),
+}
+
+#[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "expected \"linear\", \"additive quadratic\", \"quadratic\" or a list of terms")]
 pub(crate) enum ModelEntry {
     Named(String),

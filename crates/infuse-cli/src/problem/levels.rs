@@ -27,9 +27,7 @@ pub(crate) fn parameter(entry: &ParameterEntry) -> Result<Parameter> {
     let count = match (entry.levels, entry.step) {
         (Some(count), None) => count,
         (None, Some(step)) => count(&parameter, step)?,
-        (None, None) => {
-            bail!("parameter `{}` needs `levels` = how many, or `step` = how finely it can be set", entry.name)
-        }
+        (None, None) => return Ok(parameter),
         (Some(_), Some(_)) => bail!("parameter `{}` has both `levels` and `step`, expected one of them", entry.name),
     };
     Ok(parameter.with_levels(count)?)
@@ -86,7 +84,6 @@ mod tests {
             (entry(0.0, 1.0, None, Some(-0.1)), "`step` is -0.1"),
             (entry(0.0, 1.0, None, Some(f64::NAN)), "`step` is NaN"),
             (entry(0.0, 1.0, None, Some(1e-9)), "at most a million"),
-            (entry(0.0, 1.0, None, None), "needs `levels`"),
             (entry(0.0, 1.0, Some(3), Some(0.5)), "both"),
             (entry(1.0, 0.0, Some(3), None), "pitch"),
         ] {

@@ -3,15 +3,17 @@
 pub(crate) mod file;
 mod levels;
 mod read;
+mod settings;
 
 use std::path::PathBuf;
 use std::time::Duration;
 
 use design_space::Region;
-use infuse::{Role, global};
+use infuse::Role;
 use serde_json::{Value, json};
 
-pub(crate) use file::{Goal, Input};
+use file::LoopEntry;
+pub(crate) use file::{Goal, Input, Method};
 
 use crate::number::{plain, rounded, setting, with_unit};
 
@@ -30,7 +32,9 @@ pub(crate) struct Problem {
     pub(crate) response: Response,
     pub(crate) simulator: Simulator,
     pub(crate) experiment: Option<Program>,
-    pub(crate) settings: global::Settings,
+    pub(crate) seed: u64,
+    /// As it stands in the file.
+    pub(crate) rule: LoopEntry,
     /// The smallest improvement that another batch is worth, in the unit of the response.
     pub(crate) worth: Option<f64>,
 }
@@ -137,7 +141,7 @@ impl Problem {
         parts.collect::<Vec<_>>().join(", ")
     }
 
-    /// What the journal rests on: once it has begun, none of this may change.
+    /// What every journal rests on: parameters and response. Once it has begun, none of this may change.
     pub(crate) fn core(&self) -> Value {
         let parameters = self.region.parameters().iter().zip(&self.roles).map(|(parameter, role)| {
             json!({
@@ -146,17 +150,30 @@ impl Problem {
             })
         });
         let response = &self.response;
-        let mut settings = serde_json::to_value(&self.settings).unwrap_or_default();
-        if let Some(settings) = settings.as_object_mut() {
-            settings.remove("max_iterations");
-        }
         json!({
             "parameter": parameters.collect::<Vec<_>>(),
             "response": {
                 "name": response.name, "unit": response.unit,
                 "goal": match response.goal { Goal::Minimize => "minimize", Goal::Maximize => "maximize" },
             },
-            "loop": settings,
         })
+    }
+}
+
+impl Method {
+    /// The method of a journal, as its first line has it; the first journals had but one.
+    pub(crate) fn of_core(core: &Value) -> Self {
+        match core.get("method") {
+            Some(_) => Self::Pooled,
+            None => Self::Dissertation,
+        }
+    }
+
+    /// As it stands in the file.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Pooled => "pooled",
+            Self::Dissertation => "dissertation",
+        }
     }
 }

@@ -4,14 +4,9 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
-use design_space::{Model, Region, Term};
-use infuse::{
-    Error,
-    correction::{Gain, Law, Rule},
-    global,
-};
+use design_space::Region;
 
-use super::file::{Input, LoopEntry, ModelEntry, ProblemFile, ResponseEntry, SimulatorEntry};
+use super::file::{Input, ProblemFile, ResponseEntry, SimulationsEntry, SimulatorEntry};
 use super::levels::parameter;
 use super::{PROBLEM, Problem, Program, RESERVED, Response, Simulator};
 
@@ -50,8 +45,10 @@ impl Problem {
             "response: `{}` is also the name of a parameter, expected another",
             response.name
         );
-        let settings = settings(&file.rule, &region, file.seed).context("[loop]")?;
         let simulator = simulator(file.simulator, &region).context("[simulator]")?;
+        if let Some(SimulationsEntry::Named(name)) = &file.rule.simulations {
+            ensure!(name == "all", "[loop]: `simulations` is {name:?}, expected a number per batch, or \"all\"");
+        }
         let experiment =
             file.experiment.map(|entry| program(entry.command, entry.input, entry.timeout_seconds, &region));
         let worth = file.stop.worth;
@@ -66,7 +63,8 @@ impl Problem {
             response,
             simulator,
             experiment: experiment.transpose().context("[experiment]")?,
-            settings,
+            seed: file.seed,
+            rule: file.rule,
             worth,
         })
     }
@@ -150,67 +148,4 @@ fn program(command: Vec<String>, input: Option<Input>, timeout: Option<f64>, reg
 /// What stands between braces.
 fn placeholders(argument: &str) -> impl Iterator<Item = &str> {
     argument.split('{').skip(1).filter_map(|rest| rest.split_once('}').map(|(name, _)| name))
-}
-
-fn settings(entry: &LoopEntry, region: &Region, seed: u64) -> Result<global::Settings> {
-    let model = model(entry.model.as_ref(), region)?;
-    let n_terms = model.n_terms();
-    let replicates = entry.replicates.unwrap_or(0);
-    let experiments =
-        entry.experiments.unwrap_or_else(|| (n_terms + n_terms.div_ceil(5)).max(n_terms + 2).max(4) + replicates);
-    let simulations = entry.simulations.unwrap_or(2 * experiments);
-    let mut settings = global::Settings::new(model, experiments, simulations);
-    settings.replicates = replicates;
-    settings.seed = seed;
-    settings.max_iterations = entry.batches.unwrap_or(settings.max_iterations);
-    settings.confidence = entry.confidence.unwrap_or(settings.confidence);
-    // The surface of the first batch still rests on simulations that nothing has corrected.
-    settings.first_screening = entry.drop_from.unwrap_or(2);
-    settings.experiment_weight = entry.experiment_weight.unwrap_or(settings.experiment_weight);
-    settings.simulation_weight = entry.simulation_weight.unwrap_or(settings.simulation_weight);
-    settings.surfaces = entry.surfaces.unwrap_or_default();
-    settings.fallback = entry.without_spread.unwrap_or_default();
-    // The harmonic gain forgets the gap at once and averages the noise of all batches.
-    let gain = entry.gain.unwrap_or_else(Gain::harmonic);
-    settings.correction = Rule::new(Law::ProofRecursion, gain);
-    settings.validate(region).map_err(by_its_name_in_the_file)?;
-    Ok(settings)
-}
-
-/// The fault of a setting under the name that this has in the file.
-fn by_its_name_in_the_file(error: Error) -> Error {
-    let key = |name: &'static str| match name {
-        "n_experiments" => "experiments",
-        "n_simulations" => "simulations",
-        "max_iterations" => "batches",
-        "first_screening" => "drop_from",
-        "fallback" => "without_spread",
-        name => name,
-    };
-    match error {
-        Error::Setting { name, value, expected } => Error::Setting { name: key(name), value, expected },
-        Error::SettingCount { name, value, expected } => Error::SettingCount { name: key(name), value, expected },
-        other => other,
-    }
-}
-
-fn model(entry: Option<&ModelEntry>, region: &Region) -> Result<Model> {
-    let k = region.n_parameters();
-    Ok(match entry {
-        None => Model::quadratic(k)?,
-        Some(ModelEntry::Named(name)) => {
-            Model::named(name, k).map_err(|error| anyhow!("`model` is {name:?}: {error}, or a list of terms"))?
-        }
-        Some(ModelEntry::Listed(terms)) => {
-            let mut exponents = Vec::new();
-            for (number, term) in terms.iter().enumerate() {
-                if let Some(name) = term.keys().find(|name| region.index_of(name).is_none()) {
-                    bail!("`model`, term {}: no parameter is called `{name}`", number + 1);
-                }
-                let exponent = |parameter: &design_space::Parameter| term.get(parameter.name()).copied().unwrap_or(0);
-                exponents.push(Term::new(region.parameters().iter().map(exponent).collect::<Vec<u8>>()));
-            }
-            Model::new(k, exponents)?
-        }
-    })
 }

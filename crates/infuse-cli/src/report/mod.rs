@@ -1,42 +1,5 @@
-//! One HTML page about a campaign that stands alone. The same campaign gives the same bytes.
+//! Sections of the page that are the same for every method.
 
-mod bounds;
-mod curves;
-mod history;
-mod last;
-mod left;
-mod maps;
-mod provenance;
-mod replay;
-mod sheets;
-mod summary;
-mod trends;
-
-use anyhow::Result;
-
-use crate::campaign::{Campaign, Stage};
-use crate::journal::Journal;
-use last::Last;
-use page::Page;
-
-/// The page, from top to bottom. The journal is the one that the campaign follows from.
-pub(crate) fn page(campaign: &Campaign, stage: &Stage, journal: &Journal) -> Result<String> {
-    let last = Last::of(campaign)?;
-    let observed = replay::observed_errors(campaign)?;
-    let mut page = Page::new(&campaign.problem.title);
-    summary::write(&mut page, campaign, stage)?;
-    history::write(&mut page, campaign, &observed);
-    page.section("surfaces", "Surfaces");
-    match &last {
-        Some(last) => {
-            curves::write(&mut page, last)?;
-            maps::write(&mut page, last)?;
-        }
-        None => page.paragraph("No batch is closed yet, so there is no surface."),
-    }
-    left::write(&mut page, campaign)?;
-    bounds::write(&mut page, campaign)?;
-    sheets::write(&mut page, campaign)?;
-    provenance::write(&mut page, campaign, journal);
-    Ok(page.html())
-}
+pub(crate) mod maps;
+pub(crate) mod provenance;
+pub(crate) mod sheets;

@@ -2,19 +2,17 @@
 
 use design_space::Levels;
 use infuse::Role;
-use serde::Serialize;
 
-use crate::campaign::Campaign;
-use crate::journal::{Event, JOURNAL, Journal};
+use crate::journal::{Event, JOURNAL, Journal, Told};
 use crate::number::{count, plain, setting, with_unit};
 use crate::problem::{Goal, PROBLEM, Problem, Simulator, step};
 use page::{Column, Page, Table};
 
-pub(super) fn write(page: &mut Page, campaign: &Campaign, journal: &Journal) {
-    let problem = &campaign.problem;
+/// The section, with the settings of the loop as the method has them.
+pub(crate) fn write(page: &mut Page, problem: &Problem, journal: &Journal, from_loop: Vec<Row>) {
     page.section("provenance", "Provenance");
     page.table(&parameters(problem), "What can be set.");
-    let rows = [from_problem(problem), from_loop(problem), from_files(journal)].concat();
+    let rows = [from_problem(problem), from_loop, from_files(journal)].concat();
     let table = Table {
         columns: vec![Column::words("what"), Column::words("value")],
         rows: rows.into_iter().map(|(what, value)| vec![what.to_owned(), value]).collect(),
@@ -50,7 +48,8 @@ fn parameters(problem: &Problem) -> Table {
     }
 }
 
-type Row = (&'static str, String);
+/// What, and its value.
+pub(crate) type Row = (&'static str, String);
 
 fn from_problem(problem: &Problem) -> Vec<Row> {
     let response = &problem.response;
@@ -75,41 +74,6 @@ fn from_problem(problem: &Problem) -> Vec<Row> {
     rows
 }
 
-fn from_loop(problem: &Problem) -> Vec<Row> {
-    let settings = &problem.settings;
-    let names: Vec<&str> = problem.names().collect();
-    let repeats = match settings.replicates {
-        0 => String::new(),
-        n => format!(", {n} of them repeats"),
-    };
-    vec![
-        ("terms of the surfaces", settings.model.term_names(&names).join(", ")),
-        ("experiments per batch", format!("{}{repeats}", settings.n_experiments)),
-        ("simulations per batch", settings.n_simulations.to_string()),
-        ("batches at most", settings.max_iterations.to_string()),
-        ("confidence of the test", plain(settings.confidence)),
-        ("gain of the correction", as_written(&settings.correction.gain)),
-        (
-            "weight of an experiment, of a simulation",
-            format!("{}, {}", plain(settings.experiment_weight), plain(settings.simulation_weight)),
-        ),
-        (
-            "surfaces of experiments, of simulations, combined",
-            [settings.surfaces.experiment, settings.surfaces.simulation, settings.surfaces.combined]
-                .map(|kind| as_written(&kind))
-                .join(", "),
-        ),
-        ("without a spread S", as_written(&settings.fallback)),
-        ("seed", settings.seed.to_string()),
-    ]
-}
-
-/// As it stands in files.
-fn as_written(setting: &impl Serialize) -> String {
-    let written = serde_json::to_value(setting).unwrap_or_default();
-    written.as_str().map_or_else(|| written.to_string(), |word| word.replace('_', " "))
-}
-
 fn from_files(journal: &Journal) -> Vec<Row> {
     let lines = journal.events.last().map_or(0, |(line, _)| *line);
     let times: Vec<&str> = journal.events.iter().filter_map(|(_, event)| time(event)).collect();
@@ -129,9 +93,9 @@ fn time(event: &Event) -> Option<&str> {
         | Event::Planned { at, .. }
         | Event::Discarded { at }
         | Event::Opened { at, .. }
-        | Event::Told { at, .. }
+        | Event::Told(Told { at, .. })
         | Event::Imported { at, .. }
         | Event::Withdrawn { at, .. } => Some(at),
-        Event::Simulated { .. } | Event::Learned(_) => None,
+        Event::Simulated { .. } | Event::Learned(_) | Event::Assessed(_) => None,
     }
 }

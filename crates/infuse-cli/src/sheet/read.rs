@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use design_space::Parameter;
-use infuse::global;
+use infuse::pooled::Trial;
 
 use super::columns::Columns;
 use super::table::Row;
@@ -36,7 +36,7 @@ pub(crate) struct Answers {
 }
 
 /// Reads a sheet against the trials that were ever handed out.
-pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, global::Trial>) -> Result<Answers> {
+pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, Trial>) -> Result<Answers> {
     let columns = Columns::of(problem);
     let table = Table::read(path, &columns.all)?;
     let reader = Reader { columns, table, problem, trials };
@@ -79,7 +79,7 @@ struct Reader<'a> {
     columns: Columns,
     table: Table,
     problem: &'a Problem,
-    trials: &'a BTreeMap<u64, global::Trial>,
+    trials: &'a BTreeMap<u64, Trial>,
 }
 
 impl Reader<'_> {
@@ -139,14 +139,14 @@ impl Reader<'_> {
             return None;
         }
         let note = table.cell(row, columns.note()).to_owned();
-        let answer = |(trial, result): (&global::Trial, Measured)| {
+        let answer = |(trial, result): (&Trial, Measured)| {
             let id = trial.id.number();
             Answer { id, result, actual, repeat: usize::from(again), note, row: row.number }
         };
         Some(trial.zip(result).map(answer))
     }
 
-    fn trial(&self, row: &Row, faults: &mut Vec<Fault>) -> Option<&global::Trial> {
+    fn trial(&self, row: &Row, faults: &mut Vec<Fault>) -> Option<&Trial> {
         let table = &self.table;
         let column = if table.cell(row, Columns::ID).is_empty() { Columns::REPEATS } else { Columns::ID };
         let text = table.cell(row, column);
@@ -167,7 +167,7 @@ impl Reader<'_> {
     }
 
     /// The settings of the sheet are those asked for: who made others says so in the columns for it.
-    fn check_settings(&self, row: &Row, trial: &global::Trial, faults: &mut Vec<Fault>) {
+    fn check_settings(&self, row: &Row, trial: &Trial, faults: &mut Vec<Fault>) {
         for (index, (parameter, &asked)) in self.problem.region.parameters().iter().zip(&trial.point).enumerate() {
             let column = self.columns.setting(index);
             let text = self.table.cell(row, column);

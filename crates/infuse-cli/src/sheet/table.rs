@@ -115,6 +115,11 @@ impl Table {
             records.push((line.saturating_sub(n_breaks), record.iter().map(str::to_owned).collect()));
             n_breaks += record.iter().map(|cell| cell.matches('\n').count()).sum::<usize>();
         }
+        if let Some((number, _)) =
+            records.iter().find(|(_, cells)| cells.iter().any(|cell| holds_rows(cell, separator)))
+        {
+            bail!("row {number}: a cell holds whole rows, expected a second quote (\") where its text ends");
+        }
         let headings = records.first().map(|(_, headings)| headings.clone()).unwrap_or_default();
         let places = places(&headings, columns)?;
         let mut rows = Vec::new();
@@ -148,6 +153,12 @@ impl Table {
         let value = self.cell(row, column).to_owned();
         Fault { row: row.number, column: heading, value, expected: expected.into() }
     }
+}
+
+/// Whether a cell goes on over lines that are rows of their own: a quote that was opened and never closed.
+fn holds_rows(cell: &str, separator: Option<u8>) -> bool {
+    let separator = char::from(separator.unwrap_or(b','));
+    cell.lines().skip(1).any(|line| line.matches(separator).count() >= 3)
 }
 
 /// Finds each known column among the headings.

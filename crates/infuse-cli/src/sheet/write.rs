@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use infuse::global;
+use infuse::pooled::Trial;
 
 use super::columns::Columns;
 use super::table::Column;
@@ -12,7 +12,7 @@ use crate::number::plain;
 use crate::problem::Problem;
 
 /// Writes these trials, in the order in which they are to be run. The file is there whole or not at all.
-pub(crate) fn write(path: &Path, problem: &Problem, trials: &[(global::Trial, Option<u64>)]) -> Result<()> {
+pub(crate) fn write(path: &Path, problem: &Problem, trials: &[(Trial, Option<u64>)]) -> Result<()> {
     let name = || path.display().to_string();
     let columns = Columns::of(problem);
     let mut table = csv::Writer::from_writer(Vec::new());

@@ -5,6 +5,8 @@
 mod campaigns;
 mod interruptions;
 mod journals;
+mod pooled;
+mod pooled_report;
 mod problems;
 mod programs;
 mod quarter_car;

@@ -19,7 +19,7 @@ fn slips_in_the_problem_are_told() {
     assert_refused("lower = 10", "lower = 10,5", &["a decimal comma? write 20.5 and not 20,5"]);
     assert_refused("lower = 10", "lower = nan", &["`spring`", "NaN"]);
     assert_refused("lower = 10", "lower = 40", &["spring", "40"]);
-    assert_refused("step = 2\n", "", &["`spring` needs `levels`"]);
+    assert_refused("step = 2\n", "", &["`spring` needs `levels`", "dissertation"]);
     assert_refused("step = 2\n", "step = 5\n", &["`spring`", "expected an upper bound of 30 or 35"]);
     assert_refused("name = \"spring\"", "name = \"damper gain\"", &["damper gain"]);
     assert_refused("name = \"spring\"", "name = \"id\"", &["`id` is a heading of sheets"]);

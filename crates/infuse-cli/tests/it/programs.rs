@@ -114,8 +114,8 @@ fn what_was_simulated_is_remembered_until_it_is_to_be_forgotten() {
 
 #[test]
 fn an_experiment_that_is_a_command_closes_the_loop() {
-    let script = "awk 'BEGIN { a = ({spring} - 22) / 12; b = ({damper gain} - 1.9) / 1.2; srand({run}); \
-                  print 7 + 4 * a * a + 5 * b * b + 1.5 * a * b + 0.2 * rand() - 0.1 }'";
+    let script = "awk 'BEGIN { a = ({spring} - 22) / 12; b = ({damper gain} - 1.9) / 1.2; \
+                  print 7 + 4 * a * a + 5 * b * b + 1.5 * a * b + 0.2 * sin(12.9898 * {run}) }'";
     let rig = Rig::new();
     let error = rig.infuse(&["run"]).error();
     assert!(error.contains("has no [experiment]"), "{error}");

@@ -275,7 +275,7 @@ fn experiments_are_drawn_to_scale() {
     rig.write(
         "campaign.toml",
         "title = \"Gap\"\n[[parameter]]\nname = \"gap\"\nunit = \"mm\"\nlower = 0\nupper = 20\nstep = 1\nrole = \"plant\"\n\
-         [response]\nname = \"force\"\nunit = \"N\"\ngoal = \"minimize\"\n[simulator]\ntable = \"simulation.csv\"\n",
+         [response]\nname = \"force\"\nunit = \"N\"\ngoal = \"minimize\"\n[simulator]\ntable = \"simulation.csv\"\n[loop]\nmethod = \"dissertation\"\n",
     );
     let asked: Value = serde_json::from_str(&rig.infuse(&["ask", "--json"]).ok()).unwrap();
     for experiment in asked["experiments"].as_array().unwrap() {

@@ -46,10 +46,20 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
-    /// The campaign of `infuse new`.
-    pub(crate) fn new() -> Self {
+    /// The campaign of `infuse new`, by the pooled loop.
+    pub(crate) fn pooled() -> Self {
         let rig = Self::empty();
         rig.infuse(&["new", "."]).ok();
+        rig
+    }
+
+    /// The same by the dissertation's loop.
+    pub(crate) fn new() -> Self {
+        let rig = Self::pooled();
+        let text = rig.read("campaign.toml");
+        let (before, after) = text.split_once("[loop]\n").unwrap();
+        let (_, stop) = after.split_once("[stop]").unwrap();
+        rig.write("campaign.toml", &format!("{before}{DISSERTATION}\n[stop]{stop}"));
         rig
     }
 
@@ -133,6 +143,10 @@ impl Rig {
         true
     }
 }
+
+/// The settings with which the tests of the dissertation's loop go.
+const DISSERTATION: &str = "[loop]\nmethod = \"dissertation\"\nmodel = \"quadratic\"\nexperiments = 10\nreplicates = 2\n\
+                            simulations = 20\nbatches = 6\n";
 
 /// The truth of the template's rig: smallest at (22, 1.9), where its simulation has (18, 1.3).
 pub(crate) fn truth(spring: f64, damper: f64) -> f64 {

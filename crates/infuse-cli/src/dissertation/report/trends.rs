@@ -4,8 +4,8 @@ use infuse::global::{self, ObservedErrors};
 use page::palette::{BLUE, INK, VERMILION};
 use page::{Axis, Chart, Grid, Key, Mark, Page, Stroke};
 
-use crate::campaign::Campaign;
-use crate::findings::best_of_batch;
+use crate::dissertation::campaign::Campaign;
+use crate::dissertation::findings::best_of_batch;
 
 const SIZE_PX: (f64, f64) = (292.0, 220.0);
 /// Below this share, in per cent, powers of ten tell more.

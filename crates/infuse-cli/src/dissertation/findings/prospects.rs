@@ -4,11 +4,11 @@ use anyhow::Result;
 use infuse::global::{ObservedErrors, Outlook};
 use page::Finding;
 
-use super::amount::{amount, gain};
-use crate::campaign::Campaign;
+use crate::dissertation::campaign::Campaign;
+use crate::findings::{amount, gain};
 
 /// The gain that may be expected, what follows from it, and the guarantee; as far as each is known.
-pub(crate) fn prospects(campaign: &Campaign) -> Result<Vec<Finding>> {
+pub(in crate::dissertation) fn prospects(campaign: &Campaign) -> Result<Vec<Finding>> {
     let mut found = Vec::new();
     if let Some(outlook) = campaign.outlook()? {
         found.push(expected_gain(campaign, &outlook));
@@ -23,10 +23,11 @@ pub(crate) fn prospects(campaign: &Campaign) -> Result<Vec<Finding>> {
 fn expected_gain(campaign: &Campaign, outlook: &Outlook) -> Finding {
     let unit = &campaign.problem.response.unit;
     let total = outlook.total_gain();
-    let headline = total.map_or_else(|| "nobody knows how much".to_owned(), |total| gain(campaign, total));
-    let mean = gain(campaign, outlook.mean_gain);
+    let headline =
+        total.map_or_else(|| "nobody knows how much".to_owned(), |total| gain(&campaign.problem.response, total));
+    let mean = gain(&campaign.problem.response, outlook.mean_gain);
     let upper = match outlook.upper_gain {
-        upper if upper > 0.0 => format!("at most {}", amount(campaign, upper)),
+        upper if upper > 0.0 => format!("at most {}", amount(&campaign.problem.response, upper)),
         _ => "nothing".to_owned(),
     };
     let by_noise = Finding::new(format!("{mean} by averaging out the noise ({upper} nine times in ten);"))
@@ -53,7 +54,10 @@ fn by_shape(campaign: &Campaign, outlook: &Outlook) -> String {
                 Some(_) => "S is larger than noise and fit make it on average",
                 None => "S may be noise, but no run was repeated",
             };
-            format!("{} because the surface may have the wrong shape: {why}", amount(campaign, misfit))
+            format!(
+                "{} because the surface may have the wrong shape: {why}",
+                amount(&campaign.problem.response, misfit)
+            )
         }
         Some(_) => "nothing by a better shape: S is no larger than noise and fit make it".to_owned(),
         None => "what a better shape would bring is not known, without an S".to_owned(),
@@ -63,7 +67,7 @@ fn by_shape(campaign: &Campaign, outlook: &Outlook) -> String {
 /// Whether another batch is worth its cost; none once the campaign has ended.
 fn verdict(campaign: &Campaign, total: Option<f64>) -> Option<Finding> {
     let unit = &campaign.problem.response.unit;
-    let of_worth = |worth: f64| format!("{} of `worth`", amount(campaign, worth));
+    let of_worth = |worth: f64| format!("{} of `worth`", amount(&campaign.problem.response, worth));
     match (campaign.problem.worth, total) {
         _ if campaign.now.stop().is_some() => None,
         (Some(worth), Some(total)) if total < worth => {
@@ -83,8 +87,8 @@ fn guarantee(campaign: &Campaign, observed: &ObservedErrors) -> Finding {
     let sentence = format!(
         "Guarantee: of the designs left none is better than this one by more than {}, if the corrected simulation is off by \
          at most {}, as its errors at left-out runs say.",
-        amount(campaign, certificate.regret),
-        amount(campaign, *eps),
+        amount(&campaign.problem.response, certificate.regret),
+        amount(&campaign.problem.response, *eps),
     );
     Finding::new(sentence).with("regret", certificate.regret, unit).with("eps", *eps, unit)
 }

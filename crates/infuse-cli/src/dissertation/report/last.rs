@@ -8,7 +8,7 @@ use infuse::{
 
 use page::Axis;
 
-use crate::campaign::Campaign;
+use crate::dissertation::campaign::Campaign;
 use crate::problem::Response;
 
 #[derive(Debug)]

@@ -3,21 +3,21 @@
 use infuse::global::IterationSurfaces;
 use page::Finding;
 
-use super::amount::amount;
-use crate::campaign::Campaign;
+use crate::dissertation::campaign::Campaign;
+use crate::findings::amount;
 use crate::number::{count, short};
 
 /// Lack of fit is said to be there from this probability down.
 const SIGNIFICANT: f64 = 0.05;
 
 /// What the last closed batch taught; none before there is one.
-pub(crate) fn lesson(campaign: &Campaign) -> Option<Finding> {
+pub(in crate::dissertation) fn lesson(campaign: &Campaign) -> Option<Finding> {
     let (reports, surfaces) = (campaign.now.reports(), campaign.now.surfaces());
     let (report, surfaces) = reports.last().zip(surfaces.last())?;
     let mut details = Vec::new();
     if let Some(innovation) = report.changes.innovation {
         let before = if reports.len() == 1 { "the simulation" } else { "the corrected simulation of the batch before" };
-        let sentence = format!("{before} was off by up to {}.", amount(campaign, innovation));
+        let sentence = format!("{before} was off by up to {}.", amount(&campaign.problem.response, innovation));
         details.push(Finding::new(sentence).with("innovation", innovation, &campaign.problem.response.unit));
     }
     if let Some(reason) = &report.not_corrected {
@@ -49,8 +49,10 @@ fn noise(campaign: &Campaign) -> Finding {
         1 => "1 degree of freedom".to_owned(),
         n => format!("{n} degrees of freedom"),
     };
-    let sentence =
-        format!("noise: repeats scatter by {} (standard deviation, {degrees}).", amount(campaign, deviation));
+    let sentence = format!(
+        "noise: repeats scatter by {} (standard deviation, {degrees}).",
+        amount(&campaign.problem.response, deviation)
+    );
     Finding::new(sentence).with("standard deviation of the noise", deviation, &campaign.problem.response.unit).with(
         "degrees of freedom",
         error.degrees_of_freedom as f64,

@@ -5,7 +5,7 @@ use page::palette::{BLUE, GREEN, INK, LIGHT_BLUE, ORANGE, VERMILION};
 use page::{Chart, Grid, Key, Mark, Page, Stroke};
 
 use super::last::{Last, Origin};
-use crate::findings::ranges;
+use crate::dissertation::findings::ranges;
 
 const SIZE_PX: (f64, f64) = (448.0, 270.0);
 /// Places at which a curve is evaluated.

@@ -5,12 +5,12 @@ use design_space::Parameter;
 use infuse::global::{Report, RetainedSet};
 use page::Finding;
 
-use super::amount::value;
-use crate::campaign::Campaign;
+use crate::dissertation::campaign::Campaign;
+use crate::findings::value;
 use crate::number::{grouped, percent, plain, short, with_unit};
 
 /// How many designs are left, between which settings, and what each batch dropped.
-pub(crate) fn left(campaign: &Campaign) -> Result<Finding> {
+pub(in crate::dissertation) fn left(campaign: &Campaign) -> Result<Finding> {
     let mut left = how_many(campaign);
     let ranges = ranges(campaign, campaign.now.retained())?;
     for (parameter, (least, most)) in campaign.problem.region.parameters().iter().zip(ranges) {
@@ -25,7 +25,7 @@ pub(crate) fn left(campaign: &Campaign) -> Result<Finding> {
 }
 
 /// The number alone.
-pub(crate) fn how_many(campaign: &Campaign) -> Finding {
+pub(in crate::dissertation) fn how_many(campaign: &Campaign) -> Finding {
     let retained = campaign.now.retained();
     let (n, of) = (retained.n_retained(), retained.n_cells());
     Finding::new(format!("Left: {} of {} designs, {}.", grouped(n), grouped(of), percent(retained.share())))
@@ -34,20 +34,20 @@ pub(crate) fn how_many(campaign: &Campaign) -> Finding {
 }
 
 /// Why a batch dropped what it dropped.
-pub(crate) fn dropped_by(campaign: &Campaign, report: &Report) -> Finding {
+pub(in crate::dissertation) fn dropped_by(campaign: &Campaign, report: &Report) -> Finding {
     let n = report.screening.n_before - report.screening.n_after;
     let because = dropped_because(campaign, report);
     Finding::new(format!("batch {} dropped {}: {because}", report.iteration, grouped(n))).with("dropped", n as f64, "1")
 }
 
 /// The reason alone.
-pub(crate) fn dropped_because(campaign: &Campaign, report: &Report) -> String {
+pub(in crate::dissertation) fn dropped_because(campaign: &Campaign, report: &Report) -> String {
     let screening = &report.screening;
     match screening.spread.s() {
         _ if !screening.tested => "the first batches only correct, see `drop_from` in [loop]".to_owned(),
         Some(s) => {
             let worse = screening.threshold * s * std::f64::consts::SQRT_2;
-            let limit = value(campaign, screening.optimum_value + worse);
+            let limit = value(&campaign.problem.response, screening.optimum_value + worse);
             let word = campaign.problem.response.worse_side();
             format!("predicted {word} {limit}, that is worse than the best by {} S √2", short(screening.threshold))
         }
@@ -56,17 +56,22 @@ pub(crate) fn dropped_because(campaign: &Campaign, report: &Report) -> String {
 }
 
 /// Why a design was dropped, or that it was not; the settings that were asked about may lie between those that can be set.
-pub(crate) fn why_dropped(campaign: &Campaign, asked: &[f64]) -> Result<Finding> {
+pub(in crate::dissertation) fn why_dropped(campaign: &Campaign, asked: &[f64]) -> Result<Finding> {
     let cell = campaign.now.cell(asked)?;
     let point = campaign.now.point(cell)?;
     let is_off = point.iter().zip(asked).any(|(level, asked)| plain(*level) != plain(*asked));
     let nearest = if is_off { "The nearest design that can be set, " } else { "" };
     let place = format!("{nearest}{}", campaign.problem.describe(&point));
+    if let Some(batch) = campaign.now.failed_in(cell) {
+        let sentence = format!("{place} is not asked for again: every run of it failed, in batch {batch}.");
+        return Ok(Finding::new(sentence).with("batch", batch as f64, "1"));
+    }
     let Some(dropped) = campaign.now.why_dropped(cell) else {
         return Ok(Finding::new(format!("{place} is still among the designs left.")));
     };
     let (response, n) = (&campaign.problem.response, dropped.iteration);
-    let (there, at_best) = (value(campaign, dropped.value), value(campaign, dropped.optimum_value));
+    let (there, at_best) =
+        (value(&campaign.problem.response, dropped.value), value(&campaign.problem.response, dropped.optimum_value));
     let (z, z0) = (short(dropped.z), short(dropped.z0));
     let sentence = format!(
         "{place} was dropped by batch {n}: {there} was predicted there against {at_best} at the best, which is {z} S √2 more, \
@@ -81,7 +86,7 @@ pub(crate) fn why_dropped(campaign: &Campaign, asked: &[f64]) -> Result<Finding>
 }
 
 /// The least and the largest setting of each parameter among the designs that are left.
-pub(crate) fn ranges(campaign: &Campaign, retained: &RetainedSet) -> Result<Vec<(f64, f64)>> {
+pub(in crate::dissertation) fn ranges(campaign: &Campaign, retained: &RetainedSet) -> Result<Vec<(f64, f64)>> {
     let region = &campaign.problem.region;
     let combinations = campaign.now.grid().combinations();
     let mut digits = vec![0; region.n_parameters()];

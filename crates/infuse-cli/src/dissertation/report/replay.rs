@@ -9,7 +9,7 @@ use infuse::{
     global::{self, ObservedErrors},
 };
 
-use crate::campaign::Campaign;
+use crate::dissertation::campaign::Campaign;
 
 /// After each closed batch, first to last; nothing where no bound could be given.
 pub(super) fn observed_errors(campaign: &Campaign) -> Result<Vec<Option<ObservedErrors>>> {

@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 
-use crate::campaign::Campaign;
-use crate::findings::{dropped_by, how_many, ranges};
+use crate::dissertation::campaign::Campaign;
+use crate::dissertation::findings::{dropped_by, how_many, ranges};
 use crate::number::setting;
 use crate::problem::{heading, step};
 use page::{Column, Finding, Page, Table};

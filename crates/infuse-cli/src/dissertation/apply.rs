@@ -1,17 +1,14 @@
 //! How each line of a journal changes a campaign.
 
-use std::cell::OnceCell;
-use std::collections::BTreeMap;
-
 use anyhow::{Context as _, Result, bail, ensure};
 use design_space::Cell;
-use infuse::{Error, TrialId, global};
+use infuse::pooled::Trial;
+use infuse::{Error, global};
+use std::cell::OnceCell;
 
-use super::changes::changes;
-use super::{Campaign, EarlierChange, Planned, Remembered};
-use crate::journal::{Event, FORMAT, JOURNAL, Learned, Measured};
+use super::campaign::{Campaign, EarlierChange, Planned, Remembered};
+use crate::journal::{Event, JOURNAL, Learned, Measured, Told};
 use crate::number::plain;
-use crate::problem::PROBLEM;
 
 impl Campaign {
     /// An event of the journal; an error names its line.
@@ -20,22 +17,7 @@ impl Campaign {
     }
 
     pub(super) fn apply(&mut self, event: Event) -> Result<()> {
-        ensure!(
-            self.has_begun != matches!(event, Event::Campaign { .. }),
-            "expected the event `campaign` on the first line, and there only"
-        );
         match event {
-            Event::Campaign { format, problem, .. } => {
-                ensure!(format == FORMAT, "the journal has format {format}, expected {FORMAT}");
-                let changed = changes(&problem, &self.problem.core());
-                ensure!(
-                    changed.is_empty(),
-                    "{PROBLEM} was changed after the journal had begun: {}; change it back, or begin a new campaign in another \
-                     folder and `infuse import` the experiments",
-                    changed.join("; ")
-                );
-                self.has_begun = true;
-            }
             Event::Planned { batch, experiments, simulations, .. } => {
                 self.settle()?;
                 let expected = self.settled.reports().len() + 1;
@@ -50,9 +32,7 @@ impl Campaign {
             }
             Event::Discarded { .. } => self.memory.clear(),
             Event::Opened { batch, .. } => self.open_batch(batch)?,
-            Event::Told { id, result, actual, repeat, corrects, note, .. } => {
-                self.tell(id, result, actual, repeat, corrects, note)?;
-            }
+            Event::Told(told) => self.tell(told)?,
             Event::Imported { point, value, source, .. } => {
                 let cost = self.problem.response.cost(value);
                 self.change_earlier(EarlierChange::Added { point, cost, source })?;
@@ -61,6 +41,8 @@ impl Campaign {
                 self.change_earlier(EarlierChange::Withdrawn { source })?;
             }
             Event::Learned(learned) => self.check_learned(&learned)?,
+            Event::Campaign { .. } => bail!("expected the event `campaign` on the first line only"),
+            Event::Assessed(_) => bail!("the event `assessed` belongs to `method` = \"pooled\""),
         }
         Ok(())
     }
@@ -79,7 +61,12 @@ impl Campaign {
         match self.settled.open(&planned.plan, &mut look_up) {
             Ok(trials) => {
                 planned.is_open = true;
-                self.trials.extend(trials.into_iter().map(|trial| (trial.id.number(), trial)));
+                self.uses.extend(trials.iter().map(|trial| (trial.id.number(), trial.used_for)));
+                let plain = |trial: global::Trial| {
+                    let global::Trial { id, iteration: batch, cell, point, .. } = trial;
+                    Trial { id, batch, cell, point }
+                };
+                self.experiments.hand_out(trials.into_iter().map(plain));
             }
             // The loop has noted where: the next plan goes elsewhere.
             Err(error @ (Error::EverySimulationFailed { .. } | Error::TooFewSimulations { .. })) => {
@@ -91,42 +78,14 @@ impl Campaign {
         Ok(())
     }
 
-    fn tell(
-        &mut self,
-        id: u64,
-        result: Measured,
-        actual: BTreeMap<String, f64>,
-        repeat: usize,
-        corrects: bool,
-        note: String,
-    ) -> Result<()> {
-        let trial = self.trials.get(&id).with_context(|| format!("experiment {id} was never asked for"))?;
-        let is_open = self.plan.as_ref().is_some_and(|plan| plan.is_open && plan.batch == trial.iteration);
-        ensure!(
-            is_open,
-            "experiment {id} belongs to batch {}, and later batches rest on its result: it stands",
-            trial.iteration
-        );
-        if let Some(name) = actual.keys().find(|name| self.problem.region.index_of(name).is_none()) {
-            bail!("experiment {id}: `actual` has `{name}`, expected names of parameters");
-        }
+    fn tell(&mut self, told: Told) -> Result<()> {
+        let (id, batch) = (told.id, self.experiments.trial(told.id)?.batch);
+        let is_open = self.plan.as_ref().is_some_and(|plan| plan.is_open && plan.batch == batch);
+        ensure!(is_open, "experiment {id} belongs to batch {batch}, and later batches rest on its result: it stands");
         self.is_stale = true;
         // What it taught is to be said anew.
-        self.n_learned = self.n_learned.min(trial.iteration - 1);
-        let reading = self.readings.entry(id).or_default();
-        if repeat > 0 {
-            ensure!(
-                corrects || !reading.again.contains_key(&repeat),
-                "repeat {repeat} of experiment {id} has a result"
-            );
-            reading.again.insert(repeat, result);
-            return Ok(());
-        }
-        ensure!(reading.first.is_none() || corrects, "experiment {id} has a result");
-        reading.first = Some(result);
-        reading.actual = actual;
-        reading.note = note;
-        Ok(())
+        self.n_learned = self.n_learned.min(batch - 1);
+        self.experiments.tell(told)
     }
 
     /// Closes the batch that is open; from here on it stands.
@@ -134,17 +93,13 @@ impl Campaign {
         if !self.plan.as_ref().is_some_and(|plan| plan.is_open) {
             return Ok(());
         }
-        let untold = self.settled.outstanding().iter().filter(|trial| !self.is_told(trial.id)).count();
+        let untold = self.settled.outstanding().iter().filter(|trial| !self.experiments.is_told(trial.id)).count();
         ensure!(untold == 0, "{untold} experiments of the batch before have no result");
         self.refresh()?;
         self.settled = self.now.clone();
         self.since_complete.clear();
         self.plan = None;
         Ok(())
-    }
-
-    pub(crate) fn is_told(&self, id: TrialId) -> bool {
-        self.readings.get(&id.number()).is_some_and(|reading| reading.first.is_some())
     }
 
     /// The campaign with all that has been told up to now.
@@ -175,9 +130,9 @@ impl Campaign {
     fn with_what_was_told(&self) -> Result<global::Loop> {
         let mut now = self.settled.clone();
         for trial in self.settled.outstanding() {
-            let reading = self.readings.get(&trial.id.number());
+            let reading = self.experiments.readings.get(&trial.id.number());
             if let Some(outcome) = reading.and_then(|reading| reading.outcome(&self.problem.response)) {
-                now.tell_at(trial.id, &self.settings_of(trial.id.number()), outcome)?;
+                now.tell_at(trial.id, &self.experiments.settings_of(trial.id.number()), outcome)?;
             }
         }
         self.since_complete.iter().try_for_each(|change| change.apply(&mut now))?;

@@ -2,16 +2,16 @@
 
 use infuse::global::StopReason;
 
-use super::amount::{amount, gain};
-use crate::campaign::{Campaign, Stage};
+use crate::dissertation::campaign::{Campaign, Stage};
+use crate::findings::{amount, gain};
 use crate::number::count;
 
 /// Why there is nothing more to run, if so.
-pub(crate) fn reason_to_stop(campaign: &Campaign, stage: &Stage) -> Option<String> {
+pub(in crate::dissertation) fn reason_to_stop(campaign: &Campaign, stage: &Stage) -> Option<String> {
     match stage {
         Stage::Ready | Stage::Pending => None,
         Stage::Ended(StopReason::IterationLimit) => {
-            let batches = count(campaign.problem.settings.max_iterations, "batch");
+            let batches = count(campaign.now.settings().max_iterations, "batch");
             Some(format!("all {batches} of [loop] were made (`batches` may be raised)"))
         }
         Stage::Ended(StopReason::NoInformation) => Some(
@@ -21,8 +21,8 @@ pub(crate) fn reason_to_stop(campaign: &Campaign, stage: &Stage) -> Option<Strin
         Stage::Ended(reason) => Some(reason.to_string()),
         Stage::NotWorth { gain: expected, worth } => Some(format!(
             "another batch may gain {} on average, and is worth it from {}",
-            gain(campaign, *expected),
-            amount(campaign, *worth)
+            gain(&campaign.problem.response, *expected),
+            amount(&campaign.problem.response, *worth)
         )),
     }
 }

@@ -3,8 +3,8 @@
 use infuse::global::{self, IterationSurfaces, ObservedErrors};
 
 use super::trends;
-use crate::campaign::Campaign;
-use crate::findings::{best_of_batch, dropped_because};
+use crate::dissertation::campaign::Campaign;
+use crate::dissertation::findings::{best_of_batch, dropped_because};
 use crate::number::{grouped, percent, short};
 use page::{Column, Page, Table};
 
@@ -87,7 +87,7 @@ fn learned(campaign: &Campaign, reports: &[global::Report], observed: &[Option<O
     let unit = &campaign.problem.response.unit;
     let rows = reports.iter().zip(campaign.now.surfaces()).zip(observed);
     let row = |((report, surfaces), observed): ((&global::Report, &IterationSurfaces), &Option<ObservedErrors>)| {
-        let noise = campaign.noise_until(report.iteration);
+        let noise = campaign.experiments.noise_until(report.iteration);
         vec![
             report.iteration.to_string(),
             optional(report.changes.innovation),

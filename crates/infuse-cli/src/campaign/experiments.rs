@@ -1,0 +1,164 @@
+//! Every experiment that was handed out, and what was told about it: the same for every method.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Context as _, Result, bail, ensure};
+use design_space::Region;
+use infuse::TrialId;
+use infuse::global::PureError;
+use infuse::pooled::Trial;
+use rand::seq::SliceRandom as _;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_pcg::Pcg64;
+
+use super::reading::Reading;
+use crate::journal::{Measured, Told};
+use crate::problem::Response;
+
+/// The experiments of a campaign.
+#[derive(Debug, Clone)]
+pub(crate) struct Experiments {
+    region: Region,
+    /// Every experiment that was ever handed out, by id.
+    pub(crate) trials: BTreeMap<u64, Trial>,
+    /// What was told about them.
+    pub(crate) readings: BTreeMap<u64, Reading>,
+}
+
+impl Experiments {
+    pub(crate) fn of(region: &Region) -> Self {
+        Self { region: region.clone(), trials: BTreeMap::new(), readings: BTreeMap::new() }
+    }
+
+    /// Notes these as handed out.
+    pub(crate) fn hand_out(&mut self, trials: impl IntoIterator<Item = Trial>) {
+        self.trials.extend(trials.into_iter().map(|trial| (trial.id.number(), trial)));
+    }
+
+    /// Writes down what was told; an error says why it cannot be.
+    pub(crate) fn tell(&mut self, told: Told) -> Result<()> {
+        let Told { id, result, actual, repeat, corrects, note, .. } = told;
+        ensure!(self.trials.contains_key(&id), "experiment {id} was never asked for");
+        if let Some(name) = actual.keys().find(|name| self.region.index_of(name).is_none()) {
+            bail!("experiment {id}: `actual` has `{name}`, expected names of parameters");
+        }
+        let reading = self.readings.entry(id).or_default();
+        if repeat > 0 {
+            ensure!(
+                corrects || !reading.again.contains_key(&repeat),
+                "repeat {repeat} of experiment {id} has a result"
+            );
+            reading.again.insert(repeat, result);
+            return Ok(());
+        }
+        ensure!(reading.first.is_none() || corrects, "experiment {id} has a result");
+        reading.first = Some(result);
+        reading.actual = actual;
+        reading.note = note;
+        Ok(())
+    }
+
+    pub(crate) fn trial(&self, id: u64) -> Result<&Trial> {
+        self.trials.get(&id).with_context(|| format!("experiment {id} was never asked for"))
+    }
+
+    pub(crate) fn is_told(&self, id: TrialId) -> bool {
+        self.readings.get(&id.number()).is_some_and(|reading| reading.first.is_some())
+    }
+
+    /// How many still wait for their result.
+    pub(crate) fn n_outstanding(&self) -> usize {
+        self.trials.values().filter(|trial| !self.is_told(trial.id)).count()
+    }
+
+    /// How many were made, with or without a result.
+    pub(crate) fn n_made(&self) -> usize {
+        self.readings.values().filter(|reading| reading.first.is_some()).count()
+    }
+
+    /// How many were made and gave no value.
+    pub(crate) fn n_failed(&self) -> usize {
+        self.readings.values().filter(|reading| reading.first.is_some() && reading.values().count() == 0).count()
+    }
+
+    /// The number of the batch that was handed out last.
+    pub(crate) fn last_batch(&self) -> Option<usize> {
+        self.trials.values().next_back().map(|trial| trial.batch)
+    }
+
+    /// The trials of a batch in the order in which they are to be run, each with the one that it repeats.
+    pub(crate) fn in_run_order(&self, batch: usize, seed: u64) -> Vec<(Trial, Option<u64>)> {
+        let own = self.trials.values().filter(|trial| trial.batch == batch);
+        let mut trials: Vec<_> = own.map(|trial| (trial.clone(), self.repeated(trial))).collect();
+        let mut generator = Pcg64::seed_from_u64(seed);
+        for _ in 0..batch {
+            generator = Pcg64::seed_from_u64(generator.random());
+        }
+        trials.shuffle(&mut generator);
+        part_repeats(&mut trials);
+        trials
+    }
+
+    /// The first trial of the same batch at the same settings, if this is another.
+    pub(crate) fn repeated(&self, trial: &Trial) -> Option<u64> {
+        let same = |other: &&Trial| other.batch == trial.batch && other.cell == trial.cell;
+        let first = self.trials.values().find(same)?.id;
+        (first < trial.id).then(|| first.number())
+    }
+
+    /// The settings that an experiment was made at.
+    pub(crate) fn settings_of(&self, id: u64) -> Vec<f64> {
+        let Some(trial) = self.trials.get(&id) else { return Vec::new() };
+        let actual = self.readings.get(&id).map(|reading| &reading.actual);
+        let settings = self.region.parameters().iter().zip(&trial.point);
+        let made = |name: &str| actual.and_then(|actual| actual.get(name).copied());
+        settings.map(|(parameter, &asked)| made(parameter.name()).unwrap_or(asked)).collect()
+    }
+
+    /// The noise of the experiments of the batches up to this one, from all runs at equal settings.
+    pub(crate) fn noise_until(&self, batch: usize) -> Option<PureError> {
+        let is_meant = |id: &u64| self.trials.get(id).is_some_and(|trial| trial.batch <= batch);
+        let meant = self.readings.iter().filter(|(id, _)| is_meant(id));
+        PureError::of_readings(meant.flat_map(|(&id, reading)| {
+            let settings = self.settings_of(id);
+            reading.values().map(move |value| (settings.clone(), value))
+        }))
+    }
+
+    /// The experiment with the best mean, and that.
+    pub(crate) fn best_measured(&self, response: &Response) -> Option<(u64, f64)> {
+        let means = self.readings.iter().filter_map(|(&id, reading)| Some((id, reading.outcome(response)?.cost()?)));
+        let (id, cost) = means.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((id, response.of_cost(cost)))
+    }
+}
+
+/// Moves runs of equal settings apart where others can stand between them: one directly after the other they would measure the
+/// sensor and not the rig.
+fn part_repeats(trials: &mut [(Trial, Option<u64>)]) {
+    let clashes =
+        |trials: &[(Trial, Option<u64>)]| trials.windows(2).filter(|pair| pair[0].0.cell == pair[1].0.cell).count();
+    for index in 1..trials.len() {
+        if trials[index - 1].0.cell != trials[index].0.cell {
+            continue;
+        }
+        let before = clashes(trials);
+        for other in (0..trials.len()).filter(|&other| other != index) {
+            trials.swap(index, other);
+            if clashes(trials) < before {
+                break;
+            }
+            trials.swap(index, other);
+        }
+    }
+}
+
+impl Measured {
+    /// The value, if it gave one.
+    pub(crate) fn value(&self) -> Option<f64> {
+        match self {
+            Self::Value(value) => Some(*value),
+            Self::Failed(_) => None,
+        }
+    }
+}

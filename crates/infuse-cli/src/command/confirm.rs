@@ -1,0 +1,17 @@
+//! `infuse confirm`: a few runs that measure what was gained.
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::Result;
+
+use super::Output;
+use super::ask::waiting;
+use crate::folder;
+
+pub(crate) fn confirm(folder: &Path, wait: Duration, runs: usize, sheet: Option<&Path>) -> Result<Output> {
+    let (mut campaign, mut writer) = folder::open(folder, wait)?;
+    let notices = campaign.take_notices();
+    campaign.confirm(&mut writer, runs)?;
+    waiting(&*campaign, sheet, 0, notices)
+}

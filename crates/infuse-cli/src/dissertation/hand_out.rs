@@ -1,0 +1,50 @@
+//! A batch designed, simulated and opened.
+
+use anyhow::{Result, bail};
+use indicatif::ProgressBar;
+use infuse::Error;
+
+use super::campaign::{Campaign, Stage};
+use crate::campaign::{HandedOut, failed_in_words, simulate_missing};
+use crate::journal::{Event, Writer, now};
+use crate::simulator::identity;
+
+/// Plans that fail because their simulations do, one after the other, before a person is asked.
+const ATTEMPTS: usize = 5;
+
+/// Brings the campaign to the point where experiments are waited for, or to its end.
+pub(super) fn hand_out(campaign: &mut Campaign, writer: &mut Writer, anyway: bool) -> Result<HandedOut> {
+    let mut done = HandedOut::default();
+    for _ in 0..ATTEMPTS {
+        match campaign.its_stage()? {
+            Stage::Ready => {}
+            Stage::NotWorth { .. } if anyway => {}
+            _ => return Ok(done),
+        }
+        let searching = ProgressBar::new_spinner().with_message(format!("designing batch {}", campaign.batch()));
+        searching.enable_steady_tick(std::time::Duration::from_millis(200));
+        let planning = campaign.planning()?;
+        searching.finish_and_clear();
+        campaign.write_down(writer, planning.into_iter().collect())?;
+        let missing = campaign.missing_simulations(&identity(&campaign.problem.simulator))?;
+        let (folder, problem) = (campaign.folder.clone(), campaign.problem.clone());
+        let grid = campaign.now.grid().clone();
+        let simulated =
+            simulate_missing(&folder, &problem, &grid, &missing, |event| campaign.record_simulation(writer, event))?;
+        done.n_simulated += simulated.n_done;
+        done.notices.extend(failed_in_words(simulated.n_failed));
+        let batch = campaign.batch();
+        campaign.failed_opening = None;
+        campaign.write_down(writer, vec![Event::Opened { batch, at: now() }])?;
+        match campaign.failed_opening.take() {
+            None => return Ok(done),
+            Some(error @ Error::EverySimulationFailed { .. }) => {
+                bail!("{error}\nRepair the simulator and ask again: nothing is lost");
+            }
+            Some(error) => done.notices.push(format!("{error}; other points are simulated instead")),
+        }
+    }
+    bail!(
+        "{ATTEMPTS} designs in a row could not be simulated; repair the simulator or narrow the bounds, and ask again"
+    )
+}

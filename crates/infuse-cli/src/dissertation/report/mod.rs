@@ -1,0 +1,43 @@
+//! One HTML page about a campaign that stands alone. The same campaign gives the same bytes.
+
+mod bounds;
+mod curves;
+mod history;
+mod last;
+mod left;
+mod maps;
+mod replay;
+mod settings;
+mod sheets;
+mod summary;
+mod trends;
+
+use anyhow::Result;
+use page::Page;
+
+use super::campaign::Campaign;
+use crate::journal::Journal;
+use crate::report::provenance;
+use last::Last;
+
+/// The page, from top to bottom. The journal is the one that the campaign follows from.
+pub(super) fn page(campaign: &Campaign, journal: &Journal) -> Result<String> {
+    let last = Last::of(campaign)?;
+    let observed = replay::observed_errors(campaign)?;
+    let mut page = Page::new(&campaign.problem.title);
+    summary::write(&mut page, campaign)?;
+    history::write(&mut page, campaign, &observed);
+    page.section("surfaces", "Surfaces");
+    match &last {
+        Some(last) => {
+            curves::write(&mut page, last)?;
+            maps::write(&mut page, last)?;
+        }
+        None => page.paragraph("No batch is closed yet, so there is no surface."),
+    }
+    left::write(&mut page, campaign)?;
+    bounds::write(&mut page, campaign)?;
+    sheets::write(&mut page, campaign)?;
+    provenance::write(&mut page, &campaign.problem, journal, settings::rows(campaign));
+    Ok(page.html())
+}

@@ -1,0 +1,151 @@
+//! The campaign of a folder: which method it goes by, and whether its journal still belongs to its problem.
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Context as _, Result, bail, ensure};
+use serde_json::Value;
+
+use crate::campaign::{Campaign, changes};
+use crate::journal::{Event, FORMAT, JOURNAL, Journal, Writer, now};
+use crate::problem::{Method, PROBLEM, Problem};
+use crate::{dissertation, pooled};
+
+/// The campaign of a folder, for reading.
+pub(crate) fn read(folder: &Path) -> Result<Box<dyn Campaign>> {
+    let (problem, mut journal) = (Problem::read(folder)?, Journal::read(folder)?);
+    let method = method_of(&problem, &journal)?;
+    if !begins(&journal, &core(&problem, method, &journal)?) {
+        journal.events.clear();
+    }
+    of(folder, problem, method, journal)
+}
+
+/// The campaign of a folder, and its journal to write to. A journal that has not begun is begun.
+pub(crate) fn open(folder: &Path, wait: Duration) -> Result<(Box<dyn Campaign>, Writer)> {
+    let problem = Problem::read(folder)?;
+    // What is wrong with the settings is said before anything is written.
+    let there = Journal::read(folder)?;
+    core(&problem, method_of(&problem, &there)?, &there)?;
+    let (mut writer, mut journal) = Writer::open(folder, wait)?;
+    let method = method_of(&problem, &journal)?;
+    let core = core(&problem, method, &journal)?;
+    if !begins(&journal, &core) {
+        let begin = Event::Campaign { format: FORMAT, at: now(), problem: core };
+        writer.add(std::slice::from_ref(&begin))?;
+        let line = journal.events.last().map_or(1, |(line, _)| line + 1);
+        journal.events.push((line, begin));
+    }
+    Ok((of(folder, problem, method, journal)?, writer))
+}
+
+/// The last beginning in a journal, with its place.
+fn beginning(journal: &Journal) -> Option<(usize, u32, &Value)> {
+    let mut beginnings = journal.events.iter().enumerate().rev().filter_map(|(place, (_, event))| match event {
+        Event::Campaign { format, problem, .. } => Some((place, *format, problem)),
+        _ => None,
+    });
+    beginnings.next()
+}
+
+/// Whether anything in a journal would be lost if it began anew.
+fn has_results(journal: &Journal) -> bool {
+    journal.events.iter().any(|(_, event)| matches!(event, Event::Told(_) | Event::Imported { .. }))
+}
+
+/// Whether the journal's beginning stands: it agrees with the problem, or it has results. A slip in the problem that is put right
+/// before the first result is nothing but a new beginning.
+fn begins(journal: &Journal, core: &Value) -> bool {
+    beginning(journal).is_some_and(|(_, _, then)| then == core) || has_results(journal)
+}
+
+/// By the method that the problem names, or else that with which the journal began, or else the pooled loop.
+fn method_of(problem: &Problem, journal: &Journal) -> Result<Method> {
+    let began = beginning(journal).map(|(_, _, core)| Method::of_core(core));
+    let method = problem.rule.method.or(began).unwrap_or_default();
+    if let Some(began) = began.filter(|_| has_results(journal)) {
+        ensure!(
+            began == method,
+            "{PROBLEM} was changed after the journal had begun: [loop] `method` was \"{}\" and is \"{}\"; change it back, or \
+             begin a new campaign in another folder and `infuse import` the experiments",
+            began.name(),
+            method.name()
+        );
+    }
+    Ok(method)
+}
+
+/// What the journal rests on: once it has results, none of this may change.
+fn core(problem: &Problem, method: Method, journal: &Journal) -> Result<Value> {
+    let mut core = problem.core();
+    match method {
+        // All data count anew at every step, so its settings may change from batch to batch.
+        Method::Pooled => {
+            problem.pooled_settings()?;
+            core["method"] = method.name().into();
+        }
+        Method::Dissertation => {
+            let careful = is_careful(journal);
+            let mut settings = serde_json::to_value(problem.dissertation_settings(careful)?)?;
+            if let Some(settings) = settings.as_object_mut() {
+                settings.remove("max_iterations");
+                if !careful {
+                    settings.remove("careful");
+                }
+            }
+            core["loop"] = settings;
+        }
+    }
+    Ok(core)
+}
+
+/// Whether the dissertation's loop minds what it has run: always, but in journals from before it could.
+fn is_careful(journal: &Journal) -> bool {
+    match beginning(journal).filter(|_| has_results(journal)) {
+        Some((_, _, then)) => then["loop"]["careful"].as_bool().unwrap_or(false),
+        None => true,
+    }
+}
+
+fn of(folder: &Path, problem: Problem, method: Method, mut journal: Journal) -> Result<Box<dyn Campaign>> {
+    let careful = is_careful(&journal);
+    match beginning(&journal) {
+        Some((place, format, then)) => {
+            check_begun(format, then, &core(&problem, method, &journal)?)
+                .with_context(|| format!("{JOURNAL}, line {}", journal.events[place].0))?;
+            let before = journal
+                .events
+                .drain(..=place)
+                .any(|(_, event)| matches!(event, Event::Told(_) | Event::Imported { .. }));
+            ensure!(
+                !before,
+                "{JOURNAL}: the event `campaign` comes again after results, expected it on the first line only"
+            );
+        }
+        None => {
+            if let Some((line, _)) = journal.events.first() {
+                bail!("{JOURNAL}, line {line}: expected the event `campaign` on the first line");
+            }
+        }
+    }
+    Ok(match method {
+        Method::Pooled => Box::new(pooled::Campaign::of(folder, problem, journal)?),
+        Method::Dissertation => {
+            let settings = problem.dissertation_settings(careful)?;
+            Box::new(dissertation::Campaign::of(folder, problem, settings, journal)?)
+        }
+    })
+}
+
+/// Whether a journal's beginning agrees with the problem as it is now.
+fn check_begun(format: u32, then: &Value, now: &Value) -> Result<()> {
+    ensure!(format == FORMAT, "the journal has format {format}, expected {FORMAT}");
+    let changed = changes(then, now);
+    ensure!(
+        changed.is_empty(),
+        "{PROBLEM} was changed after the journal had begun: {}; change it back, or begin a new campaign in another folder and \
+         `infuse import` the experiments",
+        changed.join("; ")
+    );
+    Ok(())
+}

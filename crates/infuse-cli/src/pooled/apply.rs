@@ -1,0 +1,129 @@
+//! How each line of a journal changes a campaign.
+
+use anyhow::{Context as _, Result, bail, ensure};
+use design_space::Cell;
+use infuse::TrialId;
+use infuse::pooled::Trial;
+
+use super::campaign::{Batch, Campaign, Remembered};
+use crate::campaign::Imported;
+use crate::journal::{Assessed, Event, JOURNAL, Purpose, Writer};
+
+impl Campaign {
+    /// An event of the journal; an error names its line.
+    pub(super) fn apply_line(&mut self, line: usize, event: Event) -> Result<()> {
+        self.apply(event).with_context(|| format!("{JOURNAL}, line {line}, does not follow from what comes before it"))
+    }
+
+    /// Writes these events down, all or none, and lets them happen; what a batch taught is written down with its last result.
+    pub(super) fn write_down(&mut self, writer: &mut Writer, mut events: Vec<Event>) -> Result<()> {
+        // Only what can happen is written down.
+        let mut next = self.clone();
+        for event in &events {
+            next.apply(event.clone())?;
+        }
+        if let Some(assessed) = next.taught()? {
+            next.apply(assessed.clone())?;
+            events.push(assessed);
+        }
+        if !events.is_empty() {
+            writer.add(&events)?;
+        }
+        *self = next;
+        Ok(())
+    }
+
+    /// A single event after which nothing is asked of the campaign before the next one.
+    pub(super) fn write_simulation(&mut self, writer: &mut Writer, event: Event) -> Result<()> {
+        writer.add(std::slice::from_ref(&event))?;
+        self.apply(event)
+    }
+
+    /// What the last batch taught, if it is complete and the journal does not have it as it stands.
+    fn taught(&mut self) -> Result<Option<Event>> {
+        let batch = self.batches.len();
+        if batch == 0 || self.experiments.n_outstanding() > 0 || self.history.contains_key(&batch) {
+            return Ok(None);
+        }
+        let assessment = match self.assessment() {
+            Ok(assessment) => assessment,
+            // The results are worth more than what can be said about them.
+            Err(error) => {
+                self.notices.push(format!("the results are taken, and cannot be assessed: {error:#}"));
+                None
+            }
+        };
+        let event = assessment.map(|found| Assessed {
+            batch,
+            recommended: found.recommended.point,
+            expected: self.problem.response.of_cost(found.recommended.mean),
+            deviation: found.recommended.deviation,
+            probability: found.certificate.probability,
+            bound: found.certificate.bound,
+            left: found.left,
+            noise: found.noise,
+            settings: serde_json::to_value(&self.settings).unwrap_or_default(),
+            check: String::new(),
+        });
+        Ok(event.map(Event::Assessed))
+    }
+
+    fn apply(&mut self, event: Event) -> Result<()> {
+        // What is simulated or assessed changes no answer that was given before the next plan.
+        if !matches!(event, Event::Assessed(_)) {
+            self.forget_the_loop();
+        }
+        match event {
+            Event::Planned { batch, experiments, simulations, purpose, .. } => {
+                self.plan(batch, experiments, &simulations, purpose)?;
+            }
+            Event::Simulated { cell, result, by, .. } => {
+                self.memory.insert(cell, Remembered { by, result });
+            }
+            Event::Discarded { .. } => self.memory.clear(),
+            Event::Told(told) => {
+                self.experiments.tell(told)?;
+                // What is known now is to be said anew; what was known before stands.
+                self.history.remove(&self.batches.len());
+            }
+            Event::Imported { point, value, source, .. } => self.imported.push(Imported { point, value, source }),
+            Event::Withdrawn { source, .. } => {
+                let before = self.imported.len();
+                self.imported.retain(|imported| imported.source != source);
+                ensure!(self.imported.len() < before, "nothing that is in use was imported from `{source}`");
+            }
+            Event::Assessed(assessed) => {
+                ensure!(
+                    (1..=self.batches.len()).contains(&assessed.batch),
+                    "batch {} is assessed, which was never planned",
+                    assessed.batch
+                );
+                self.history.insert(assessed.batch, assessed);
+            }
+            Event::Campaign { .. } => bail!("expected the event `campaign` on the first line only"),
+            Event::Opened { .. } | Event::Learned(_) => bail!("the event belongs to `method` = \"dissertation\""),
+        }
+        Ok(())
+    }
+
+    fn plan(&mut self, batch: usize, cells: Vec<Cell>, simulations: &[Cell], purpose: Option<Purpose>) -> Result<()> {
+        let expected = self.batches.len() + 1;
+        ensure!(batch == expected, "batch {batch} is planned, expected batch {expected}");
+        for &cell in simulations {
+            self.grid.point(cell)?;
+        }
+        self.planned.extend(simulations);
+        if cells.is_empty() {
+            return Ok(());
+        }
+        let first = self.n_handed_out() + 1;
+        let trial = |(index, &cell): (usize, &Cell)| {
+            let id = TrialId::new(first + index as u64);
+            Ok(Trial { id, batch, cell, point: self.grid.point(cell)? })
+        };
+        let trials = cells.iter().enumerate().map(trial).collect::<Result<Vec<_>>>()?;
+        self.experiments.hand_out(trials);
+        self.batches.push(Batch { cells, purpose });
+        Ok(())
+    }
+}

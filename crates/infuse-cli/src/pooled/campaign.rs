@@ -1,0 +1,337 @@
+//! A campaign of the pooled loop, as it follows from its problem and its journal.
+
+use std::cell::{OnceCell, RefCell};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use anyhow::{Result, ensure};
+use design_space::{Cell, Grid};
+use infuse::pooled::{Assessment, Loop, Settings, Simulate};
+use infuse::{Outcome, TrialId};
+
+use crate::campaign::{Experiments, Imported};
+use crate::journal::{Assessed, Journal, Measured, Purpose};
+use crate::problem::{PROBLEM, Problem, Simulator};
+use crate::simulator::{Job, identity, table};
+
+/// Designs of which a command simulates all.
+const MOST_SIMULATED: u64 = 20_000;
+/// A table with a smaller share of the designs is continued by a surface through some of its rows: so many at most.
+const DENSE: f64 = 0.5;
+const MOST_ROWS: usize = 400;
+
+/// Where a campaign stands.
+#[derive(Debug, Clone)]
+pub(crate) struct Campaign {
+    pub(super) folder: PathBuf,
+    pub(super) problem: Problem,
+    pub(super) settings: Settings,
+    pub(super) grid: Grid,
+    /// What a person should know.
+    pub(super) notices: Vec<String>,
+    pub(super) experiments: Experiments,
+    pub(super) batches: Vec<Batch>,
+    /// Cells that were to be simulated.
+    pub(super) planned: BTreeSet<Cell>,
+    pub(super) memory: HashMap<Cell, Remembered>,
+    pub(super) imported: Vec<Imported>,
+    /// What was known after each batch.
+    pub(super) history: BTreeMap<usize, Assessed>,
+    /// The rows of a simulator that is a table, once they were read.
+    rows: Rc<OnceCell<HashMap<Cell, f64>>>,
+    /// The loop with all that was told, once it was asked for.
+    now: RefCell<Option<Loop>>,
+    assessed: OnceCell<Option<Assessment>>,
+}
+
+/// Experiments that were handed out together.
+#[derive(Debug, Clone)]
+pub(super) struct Batch {
+    pub(super) cells: Vec<Cell>,
+    pub(super) purpose: Option<Purpose>,
+}
+
+/// A simulation, and by which simulator.
+#[derive(Debug, Clone)]
+pub(super) struct Remembered {
+    pub(super) by: String,
+    pub(super) result: Measured,
+}
+
+/// Which experiment a reading of the loop is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// By its place among those in use.
+    Imported(usize),
+    /// By its id.
+    Own(u64),
+}
+
+/// How the loop comes to know what the simulation says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Access {
+    /// Every design can be looked up.
+    LookedUp,
+    /// Every design is simulated before the first batch.
+    All,
+    /// A budget per batch, and a surface through them.
+    Budget,
+}
+
+impl Campaign {
+    pub(crate) fn of(folder: &Path, problem: Problem, journal: Journal) -> Result<Self> {
+        let (settings, unused) = problem.pooled_settings()?;
+        let grid = Loop::new(&problem.region, settings.clone())?.grid().clone();
+        let mut notices = journal.notices;
+        if !unused.is_empty() {
+            let keys = unused.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ");
+            notices
+                .push(format!("of [loop] the pooled loop does not use {keys}: for `method` = \"dissertation\" only"));
+        }
+        let mut campaign = Self {
+            folder: folder.to_path_buf(),
+            settings,
+            grid,
+            notices,
+            experiments: Experiments::of(&problem.region),
+            problem,
+            batches: Vec::new(),
+            planned: BTreeSet::new(),
+            memory: HashMap::new(),
+            imported: Vec::new(),
+            history: BTreeMap::new(),
+            rows: Rc::new(OnceCell::new()),
+            now: RefCell::new(None),
+            assessed: OnceCell::new(),
+        };
+        for (line, event) in journal.events {
+            campaign.apply_line(line, event)?;
+        }
+        Ok(campaign)
+    }
+
+    /// Something has changed that the loop does not know.
+    pub(super) fn forget_the_loop(&mut self) {
+        *self.now.borrow_mut() = None;
+        self.assessed = OnceCell::new();
+    }
+
+    /// How many experiments were handed out.
+    pub(super) fn n_handed_out(&self) -> u64 {
+        self.experiments.trials.len() as u64
+    }
+
+    /// Batches that were not planned by the loop: they do not count for the limit.
+    pub(super) fn n_confirming(&self) -> usize {
+        self.batches.iter().filter(|batch| batch.purpose.is_some()).count()
+    }
+
+    /// Batches all of whose experiments were told.
+    pub(super) fn n_complete(&self) -> usize {
+        let waiting: BTreeSet<usize> = self
+            .experiments
+            .trials
+            .values()
+            .filter(|trial| !self.experiments.is_told(trial.id))
+            .map(|trial| trial.batch)
+            .collect();
+        self.batches.len() - waiting.len()
+    }
+
+    /// How the simulation is come by.
+    pub(super) fn access(&self) -> Result<Access> {
+        let n_cells = self.grid.n_cells();
+        Ok(match (&self.problem.simulator, self.settings.simulations) {
+            (Simulator::Table(_), _) => {
+                let share = self.rows()?.len() as f64 / n_cells as f64;
+                if share >= DENSE { Access::LookedUp } else { Access::Budget }
+            }
+            (Simulator::Program { .. }, Some(budget)) if (budget as u64) < n_cells => Access::Budget,
+            (Simulator::Program { .. }, Some(_)) => Access::All,
+            (Simulator::Program { .. }, None) => {
+                ensure!(
+                    n_cells <= MOST_SIMULATED,
+                    "{PROBLEM}: [loop] `simulations` is \"all\" of {n_cells} designs, expected a number per batch (or a table) \
+                     for more than {MOST_SIMULATED}"
+                );
+                Access::All
+            }
+        })
+    }
+
+    /// The rows of the table that is the simulator.
+    pub(super) fn rows(&self) -> Result<&HashMap<Cell, f64>> {
+        if let (Simulator::Table(path), None) = (&self.problem.simulator, self.rows.get()) {
+            let rows = table(&self.folder.join(path), &self.problem, &self.grid)?;
+            let _ = self.rows.set(rows);
+        }
+        Ok(self.rows.get_or_init(HashMap::new))
+    }
+
+    /// What is to be simulated before the campaign can go on.
+    pub(super) fn missing_simulations(&self) -> Result<Vec<Job>> {
+        let by = identity(&self.problem.simulator);
+        let is_missing = |cell: &Cell| self.memory.get(cell).is_none_or(|known| known.by != by);
+        let cells: Vec<Cell> = match (self.access()?, &self.problem.simulator) {
+            (_, Simulator::Table(_)) | (Access::LookedUp, _) => Vec::new(),
+            (Access::All, _) => self.grid.cells().filter(is_missing).collect(),
+            (Access::Budget, _) => self.planned.iter().copied().filter(is_missing).collect(),
+        };
+        cells.into_iter().map(|cell| Ok((cell, self.grid.point(cell)?))).collect()
+    }
+
+    /// Every simulated cost that is known.
+    pub(super) fn simulated(&self) -> Result<BTreeMap<Cell, f64>> {
+        let response = &self.problem.response;
+        Ok(match &self.problem.simulator {
+            Simulator::Table(_) => self.rows()?.iter().map(|(&cell, &value)| (cell, response.cost(value))).collect(),
+            Simulator::Program { .. } => {
+                let by = identity(&self.problem.simulator);
+                let of_it = self.memory.iter().filter(|(_, known)| known.by == by);
+                of_it.filter_map(|(&cell, known)| Some((cell, response.cost(known.result.value()?)))).collect()
+            }
+        })
+    }
+
+    /// The design that the simulation likes best, of those that were simulated.
+    pub(super) fn choice_of_the_simulation(&self) -> Result<Option<Cell>> {
+        let simulated = self.simulated()?;
+        let best = simulated.iter().min_by(|a, b| a.1.total_cmp(b.1).then(a.0.cmp(b.0)));
+        Ok(best.map(|(&cell, _)| cell))
+    }
+
+    /// Lets the loop answer, with all that was told.
+    pub(super) fn with_loop<T>(
+        &self,
+        read: impl FnOnce(&mut Loop, Option<&mut Simulate<'_>>) -> Result<T, infuse::Error>,
+    ) -> Result<T> {
+        let access = self.access()?;
+        let mut now = self.now.borrow_mut();
+        let now = match now.as_mut() {
+            Some(now) => now,
+            None => now.insert(self.build(access)?),
+        };
+        if access == Access::Budget {
+            return Ok(read(now, None)?);
+        }
+        let response = &self.problem.response;
+        let rows = self.rows()?;
+        let remembered = |cell: Cell| match self.memory.get(&cell).map(|known| &known.result) {
+            Some(Measured::Value(value)) => Ok(response.cost(*value)),
+            Some(Measured::Failed(reason)) => Err(reason.clone()),
+            None => Err("it was never simulated".to_owned()),
+        };
+        let mut look_up = |cell: Cell, _: &[f64]| match access {
+            Access::All => remembered(cell),
+            _ => rows.get(&cell).map(|&value| response.cost(value)).ok_or_else(|| "no row".to_owned()),
+        };
+        Ok(read(now, Some(&mut look_up))?)
+    }
+
+    /// The loop with all that was told.
+    fn build(&self, access: Access) -> Result<Loop> {
+        let mut settings = self.settings.clone();
+        // Whether to stop is decided here, where a person may go on all the same.
+        settings.worth = None;
+        settings.max_batches = 100_000;
+        settings.simulations = match access {
+            Access::Budget => Some(self.settings.simulations.unwrap_or(2)),
+            Access::LookedUp | Access::All => None,
+        };
+        let mut now = Loop::new(&self.problem.region, settings)?;
+        for batch in &self.batches {
+            now.hand_out(&batch.cells)?;
+        }
+        let response = &self.problem.response;
+        for imported in &self.imported {
+            now.add_earlier(&imported.point, response.cost(imported.value), imported.source.clone())?;
+        }
+        for (&id, reading) in &self.experiments.readings {
+            for value in reading.again.values().filter_map(Measured::value) {
+                now.add_earlier(&self.experiments.settings_of(id), response.cost(value), format!("experiment {id}"))?;
+            }
+            let outcome = match &reading.first {
+                Some(Measured::Value(value)) => Outcome::Value(response.cost(*value)),
+                Some(Measured::Failed(reason)) => Outcome::Failed { reason: reason.clone() },
+                None => continue,
+            };
+            match reading.actual.is_empty() {
+                true => now.tell(TrialId::new(id), outcome)?,
+                false => now.tell_at(TrialId::new(id), &self.experiments.settings_of(id), outcome)?,
+            }
+        }
+        if access == Access::Budget {
+            self.tell_simulations(&mut now)?;
+        }
+        Ok(now)
+    }
+
+    /// Which experiment each reading of the loop is, in its order.
+    pub(super) fn origins(&self) -> Vec<Origin> {
+        let imported = (0..self.imported.len()).map(Origin::Imported);
+        let readings = &self.experiments.readings;
+        let again = readings.iter().flat_map(|(&id, reading)| {
+            reading.again.values().filter_map(Measured::value).map(move |_| Origin::Own(id))
+        });
+        let first = readings
+            .iter()
+            .filter(|(_, reading)| reading.first.as_ref().and_then(Measured::value).is_some())
+            .map(|(&id, _)| Origin::Own(id));
+        imported.chain(again).chain(first).collect()
+    }
+
+    /// What was simulated; of a table that has few designs, some rows.
+    fn tell_simulations(&self, now: &mut Loop) -> Result<()> {
+        let response = &self.problem.response;
+        if let Simulator::Table(_) = self.problem.simulator {
+            for (cell, cost) in some_rows(&self.simulated()?, &self.planned) {
+                now.tell_simulation(cell, &Outcome::Value(cost))?;
+            }
+            return Ok(());
+        }
+        let by = identity(&self.problem.simulator);
+        for (&cell, known) in self.memory.iter().filter(|(_, known)| known.by == by) {
+            let outcome = match &known.result {
+                Measured::Value(value) => Outcome::Value(response.cost(*value)),
+                Measured::Failed(reason) => Outcome::Failed { reason: reason.clone() },
+            };
+            now.tell_simulation(cell, &outcome)?;
+        }
+        Ok(())
+    }
+
+    /// What the experiments so far come to; nothing before the first response.
+    pub(super) fn assessment(&self) -> Result<Option<Assessment>> {
+        if let Some(assessed) = self.assessed.get() {
+            return Ok(assessed.clone());
+        }
+        let worth = self.settings.worth;
+        let assessed = self.with_loop(|now, simulate| {
+            let settings = Settings::clone(now.settings());
+            let mut with_worth = settings.clone();
+            with_worth.worth = worth;
+            now.set_settings(with_worth)?;
+            let found = now.assess(simulate);
+            now.set_settings(settings)?;
+            found
+        })?;
+        Ok(self.assessed.get_or_init(|| assessed).clone())
+    }
+}
+
+/// The best rows, those of planned cells, and others all over the table: at most 400.
+fn some_rows(rows: &BTreeMap<Cell, f64>, planned: &BTreeSet<Cell>) -> Vec<(Cell, f64)> {
+    let mut order: Vec<(Cell, f64)> = rows.iter().map(|(&cell, &cost)| (cell, cost)).collect();
+    if order.len() <= MOST_ROWS {
+        return order;
+    }
+    order.sort_by(|a, b| {
+        planned.contains(&b.0).cmp(&planned.contains(&a.0)).then(a.1.total_cmp(&b.1)).then(a.0.cmp(&b.0))
+    });
+    let mut chosen: Vec<(Cell, f64)> = order.drain(..MOST_ROWS / 2).collect();
+    order.sort_by_key(|row| row.0);
+    let stride = order.len().div_ceil(MOST_ROWS / 2);
+    chosen.extend(order.into_iter().step_by(stride));
+    chosen
+}

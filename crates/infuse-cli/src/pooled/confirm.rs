@@ -1,0 +1,190 @@
+//! A few runs at the recommended design, the best measured and the simulation's own choice, which measure what was gained.
+
+use anyhow::{Context as _, Result, ensure};
+use design_space::Cell;
+use page::Finding;
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF as _, StudentsT};
+
+use super::campaign::Campaign;
+use super::hand_out::plan;
+use crate::findings::{amount, value};
+use crate::journal::{Measured, Purpose, Writer};
+use crate::number::count;
+
+/// Probability that the interval of a difference covers it.
+const PROBABILITY: f64 = 0.9;
+
+/// The designs that are compared, first the recommended one.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Confirmation {
+    batch: usize,
+    designs: Vec<Confirmed>,
+}
+
+/// What the runs of one design gave.
+#[derive(Debug, Clone, Serialize)]
+struct Confirmed {
+    #[serde(skip)]
+    cell: Cell,
+    settings: serde_json::Value,
+    /// Costs.
+    #[serde(skip)]
+    costs: Vec<f64>,
+    n_runs: usize,
+    mean: Option<f64>,
+    /// By how much the first design is better, with half the width of the interval; none for the first, or without repeats.
+    gain: Option<f64>,
+    give_or_take: Option<f64>,
+}
+
+/// Plans the runs: so many of each design.
+pub(super) fn confirm(campaign: &mut Campaign, writer: &mut Writer, runs: usize) -> Result<()> {
+    ensure!((1..=1000).contains(&runs), "--runs is {runs}, expected 1 to 1000");
+    let outstanding = campaign.experiments.n_outstanding();
+    ensure!(
+        outstanding == 0,
+        "{} waited for: tell their results before the recommended design is confirmed",
+        if outstanding == 1 { "1 experiment is".to_owned() } else { format!("{outstanding} experiments are") }
+    );
+    let found = campaign.assessment()?.context("no experiment gave a result yet, so there is nothing to confirm")?;
+    let mut cells = vec![found.recommended.cell];
+    if let Some((id, _)) = campaign.experiments.best_measured(&campaign.problem.response) {
+        cells.extend(campaign.experiments.trials.get(&id).map(|trial| trial.cell));
+    }
+    cells.extend(campaign.choice_of_the_simulation()?.filter(|&cell| campaign.failure_at(cell).is_none()));
+    let mut seen = std::collections::BTreeSet::new();
+    cells.retain(|&cell| seen.insert(cell));
+    let repeated = cells.iter().flat_map(|&cell| std::iter::repeat_n(cell, runs)).collect();
+    plan(campaign, writer, repeated, Vec::new(), Some(Purpose::Confirm))
+}
+
+impl Campaign {
+    /// What the last confirming batch measured, once all of its runs were told.
+    pub(super) fn confirmation(&self) -> Result<Option<Confirmation>> {
+        let is_meant = |index: &usize| self.batches[*index].purpose == Some(Purpose::Confirm);
+        let Some(index) = (0..self.batches.len()).rev().find(is_meant) else {
+            return Ok(None);
+        };
+        let batch = index + 1;
+        let own = || self.experiments.trials.values().filter(|trial| trial.batch == batch);
+        if own().any(|trial| !self.experiments.is_told(trial.id)) {
+            return Ok(None);
+        }
+        let mut order: Vec<Cell> = Vec::new();
+        for &cell in &self.batches[index].cells {
+            if !order.contains(&cell) {
+                order.push(cell);
+            }
+        }
+        let response = &self.problem.response;
+        let costs_at = |cell: Cell| {
+            let at = own().filter(|trial| trial.cell == cell).filter_map(|trial| {
+                let reading = self.experiments.readings.get(&trial.id.number())?;
+                reading.first.as_ref().and_then(Measured::value)
+            });
+            at.map(|value| response.cost(value)).collect::<Vec<f64>>()
+        };
+        let first = order.first().map_or_else(Vec::new, |&cell| costs_at(cell));
+        let design = |(place, &cell): (usize, &Cell)| {
+            let costs = costs_at(cell);
+            let difference = if place == 0 { None } else { difference(&costs, &first) };
+            let n_runs = own().filter(|trial| trial.cell == cell).count();
+            let mean = mean(&costs).map(|cost| response.of_cost(cost));
+            let settings = self.problem.named(&self.grid.point(cell)?);
+            let (gain, give_or_take) = (difference.map(|d| d.0), difference.and_then(|d| d.1));
+            Ok(Confirmed { cell, settings, costs, n_runs, mean, gain, give_or_take })
+        };
+        let designs = order.iter().enumerate().map(design).collect::<Result<Vec<_>>>()?;
+        Ok(Some(Confirmation { batch, designs }))
+    }
+}
+
+impl Confirmation {
+    pub(super) fn in_words(&self, campaign: &Campaign) -> Finding {
+        let (problem, response) = (&campaign.problem, &campaign.problem.response);
+        let n_runs: usize = self.designs.iter().map(|design| design.n_runs).sum();
+        let mut finding = Finding::new(format!("Confirmed by {} of batch {}:", count(n_runs, "run"), self.batch));
+        let alone = campaign.choice_of_the_simulation().ok().flatten();
+        for (place, design) in self.designs.iter().enumerate() {
+            let settings = campaign.grid.point(design.cell).map(|point| problem.describe(&point)).unwrap_or_default();
+            let who = match place {
+                0 => "what was recommended",
+                _ if alone == Some(design.cell) => "the simulation's own choice",
+                _ => "what had measured best",
+            };
+            let measured = match mean(&design.costs) {
+                Some(mean) => value(response, mean),
+                None => "no value".to_owned(),
+            };
+            let gain = design.gain.map_or_else(String::new, |gain| {
+                let word = if gain < 0.0 { "worse" } else { "better" };
+                let by = amount(response, gain.abs());
+                let sure = match design.give_or_take {
+                    Some(half) => format!("give or take {} (90 %)", amount(response, half)),
+                    None => "with too few runs to say how surely".to_owned(),
+                };
+                format!("; what was recommended is {word} by {by}, {sure}")
+            });
+            let sentence = format!("{who}, {settings}: {measured}{gain}.");
+            let detail = Finding::new(sentence);
+            let detail = match design.gain {
+                Some(gain) => detail.with("measured gain", gain, &response.unit),
+                None => detail,
+            };
+            finding = finding.detail(detail);
+        }
+        finding
+    }
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().map(|value| value / values.len() as f64).sum())
+}
+
+/// Mean of `a` less mean of `b`, with half the width of its interval by Welch's test.
+fn difference(a: &[f64], b: &[f64]) -> Option<(f64, Option<f64>)> {
+    let (mean_a, mean_b) = (mean(a)?, mean(b)?);
+    Some((mean_a - mean_b, half_width(a, b, mean_a, mean_b)))
+}
+
+fn half_width(a: &[f64], b: &[f64], mean_a: f64, mean_b: f64) -> Option<f64> {
+    if a.len() < 2 || b.len() < 2 {
+        return None;
+    }
+    let square_error = |values: &[f64], mean: f64| {
+        let n = values.len() as f64;
+        values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n
+    };
+    let (error_a, error_b) = (square_error(a, mean_a), square_error(b, mean_b));
+    let total = error_a + error_b;
+    if total <= 0.0 {
+        return Some(0.0);
+    }
+    let freedom = total.powi(2) / (error_a.powi(2) / (a.len() as f64 - 1.0) + error_b.powi(2) / (b.len() as f64 - 1.0));
+    let student = StudentsT::new(0.0, 1.0, freedom).ok()?;
+    Some(student.inverse_cdf(0.5 + PROBABILITY / 2.0) * total.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_are_those_of_scipy() {
+        // scipy.stats.ttest_ind(a, b, equal_var=False).confidence_interval(0.9): 1.1016403 to 1.4983597.
+        let (a, b) = ([8.1, 8.4, 8.3, 8.5], [7.1, 7.0, 6.975]);
+        let (gain, half) = difference(&a, &b).expect("both have runs");
+        let half = half.expect("both have repeats");
+        assert!((gain - 1.3).abs() < 1e-12, "{gain}");
+        assert!((half - SCIPY_HALF_WIDTH).abs() < 1e-9, "{half}");
+    }
+
+    const SCIPY_HALF_WIDTH: f64 = 0.198_359_679_024_430_64;
+
+    #[test]
+    fn one_run_each_tells_a_difference_and_no_interval() {
+        assert_eq!(difference(&[2.0], &[1.5]), Some((0.5, None)));
+        assert_eq!(difference(&[], &[1.5]), None);
+    }
+}

@@ -1,0 +1,309 @@
+//! What a campaign of the pooled loop has found, in sentences with their numbers.
+
+use anyhow::Result;
+use infuse::pooled::{Assessment, Certificate, SimulationWorth, Standing};
+use page::Finding;
+
+use super::campaign::Campaign;
+use crate::findings::{amount, on_bounds, value};
+use crate::number::{count, percent, plain, short, with_unit};
+use crate::problem::Response;
+
+/// Standard deviations on either side of an expectation, within which the response lies with 90 % probability.
+pub(super) const NINE_IN_TEN: f64 = 1.645;
+/// Below this share of the variance explained, or from this probability that it is better ignored, a simulation is useless.
+const EXPLAINS_LITTLE: f64 = 0.1;
+const IGNORED: f64 = 0.9;
+/// Repeats from which on the noise is known: fewer tell it to no better than a factor of two.
+const ENOUGH_REPEATS: usize = 5;
+/// Outliers that are named.
+const MOST_NAMED: usize = 5;
+
+/// The recommended design in one sentence, with its settings.
+pub(super) fn recommendation(campaign: &Campaign, found: &Assessment) -> Finding {
+    let (problem, point) = (&campaign.problem, &found.recommended.point);
+    let best = Finding::new(format!("Recommended: {}.", problem.describe(point)));
+    let settings = problem.region.parameters().iter().zip(point);
+    settings.fold(best, |best, (parameter, &setting)| best.with(parameter.name(), setting, parameter.unit()))
+}
+
+/// What is known, in blocks.
+pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<Finding>>> {
+    Ok(vec![
+        vec![best(campaign, found)?],
+        confirmed(campaign)?,
+        vec![certificate(campaign, found), left(found)],
+        vec![simulation(campaign, found)?, noise(campaign, found)],
+    ])
+}
+
+/// The recommended design with all that is known of it.
+fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
+    let (problem, response, here) = (&campaign.problem, &campaign.problem.response, &found.recommended);
+    let mut best = recommendation(campaign, found).detail(expected(campaign, here));
+    best = best.detail(run_there(campaign, here));
+    for bound in on_bounds(problem, &here.point) {
+        best = best.detail(bound);
+    }
+    if let Some((id, measured)) = campaign.experiments.best_measured(response) {
+        let place = problem.describe(&campaign.experiments.settings_of(id));
+        let shown = with_unit(&short(measured), &response.unit);
+        let sentence = format!("Best measured: {shown}, experiment {id} at {place}.");
+        best = best.detail(Finding::new(sentence).with("best measured", measured, &response.unit));
+    }
+    if let Some(cell) = campaign.choice_of_the_simulation()? {
+        let point = campaign.grid.point(cell)?;
+        let standing = campaign.standing(cell)?;
+        let there =
+            standing.map_or_else(String::new, |there| format!(", where {} is expected", value(response, there.mean)));
+        let sentence = format!("The simulation alone would have chosen {}{there}.", problem.describe(&point));
+        best = best.detail(Finding::new(sentence));
+    }
+    Ok(best)
+}
+
+/// What is expected at a design, with its band.
+fn expected(campaign: &Campaign, here: &Standing) -> Finding {
+    let response = &campaign.problem.response;
+    let sentence = format!(
+        "{} there: {} expected, give or take {} (90 %).",
+        response.name,
+        value(response, here.mean),
+        amount(response, NINE_IN_TEN * here.deviation)
+    );
+    Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit).with(
+        "give or take",
+        NINE_IN_TEN * here.deviation,
+        &response.unit,
+    )
+}
+
+/// How often a design was run, and with what result.
+fn run_there(campaign: &Campaign, here: &Standing) -> Finding {
+    let response = &campaign.problem.response;
+    let sentence = match here.measured {
+        Some(mean) => {
+            let runs = if here.n_readings == 1 { "once".to_owned() } else { format!("{} times", here.n_readings) };
+            let mean_of = if here.n_readings == 1 { "" } else { "on average " };
+            format!("It was run {runs}: {mean_of}{} measured.", value(response, mean))
+        }
+        None => "It was never run: `infuse confirm` plans a few runs there.".to_owned(),
+    };
+    Finding::new(sentence).with("runs there", here.n_readings as f64, "1")
+}
+
+/// How much better another design may be, and what follows for the stop.
+fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
+    let (response, certificate) = (&campaign.problem.response, &found.certificate);
+    let sentence = format!("With {}.", none_better(response, certificate));
+    let rests = "It rests on the measurements, on the simulation as far as these agree with it, and on a response as smooth as \
+                 the surface assumes.";
+    let finding = Finding::new(sentence)
+        .with("probability", certificate.probability, "1")
+        .with("bound", certificate.bound, &response.unit)
+        .detail(Finding::new(rests));
+    match campaign.settings.worth {
+        None => {
+            finding.detail(Finding::new("`worth` in [stop] says from what gain on another batch is worth its cost."))
+        }
+        Some(worth) => {
+            let of_worth = format!("the {} of `worth`", amount(response, worth));
+            let sentence = match (certificate.bound <= worth, found.further_batches) {
+                (true, _) if found.contradiction.is_some() => {
+                    format!("That is no more than {of_worth}, but a measurement speaks against it: go on.")
+                }
+                (true, _) => format!("That is no more than {of_worth}: stop."),
+                (false, Some(batches)) if batches < 100 => {
+                    let n = count(usize::try_from(batches).unwrap_or(usize::MAX), "more batch");
+                    format!("That is more than {of_worth}: go on; {n} may do.")
+                }
+                (false, _) => format!("That is more than {of_worth}: go on."),
+            };
+            finding.detail(Finding::new(sentence).with("worth", worth, &response.unit))
+        }
+    }
+}
+
+fn left(found: &Assessment) -> Finding {
+    Finding::new(format!("Of all designs {} may still be the best.", percent(found.left))).with("left", found.left, "1")
+}
+
+/// "90 % probability no design is better than it by more than 0.2 mm".
+pub(super) fn none_better(response: &Response, certificate: &Certificate) -> String {
+    let probability = with_unit(&plain(100.0 * certificate.probability), "%");
+    let by = match certificate.bound {
+        bound if bound > 0.0 => format!(" by more than {}", amount(response, bound)),
+        _ => String::new(),
+    };
+    format!("{probability} probability no design is better than the recommended one{by}")
+}
+
+/// What the simulation is worth.
+fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
+    let simulated = campaign.simulated()?;
+    let constant =
+        simulated.values().next().filter(|first| simulated.values().all(|other| other.to_bits() == first.to_bits()));
+    Ok(match found.simulation {
+        _ if simulated.is_empty() => {
+            Finding::new("There is no simulation to learn from: every one failed, or none was run.")
+        }
+        _ if simulated.len() > 1 && constant.is_some() => {
+            Finding::new("The simulation gives the same value everywhere: it tells nothing.")
+        }
+        None => Finding::new("What the simulation is worth, too few experiments tell."),
+        Some(SimulationWorth { explained, ignored, factor }) => {
+            let mut sentence = format!("The simulation explains {} of what was measured", percent(explained));
+            if is_useless(explained, ignored) {
+                sentence.push_str(": it is of little use, and is mostly left out");
+            } else {
+                sentence.push_str(&format!("; differences that it predicts count {} times", short(factor)));
+            }
+            Finding::new(format!("{sentence}."))
+                .with("explained", explained, "1")
+                .with("probability that it is better ignored", ignored, "1")
+                .with("factor", factor, "1")
+        }
+    })
+}
+
+fn is_useless(explained: f64, ignored: f64) -> bool {
+    explained < EXPLAINS_LITTLE || ignored >= IGNORED
+}
+
+fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
+    let unit = &campaign.problem.response.unit;
+    let deviation = amount(&campaign.problem.response, found.noise);
+    let sentence = match (campaign.settings.noise, found.n_repeats) {
+        (Some(_), _) => format!("Noise of one run: {deviation} (standard deviation), as `noise` in [loop] says."),
+        (None, 0) if campaign.origins().len() < 3 => "Noise of one run: too few runs to know it.".to_owned(),
+        (None, 0) => {
+            format!("Noise of one run: about {deviation} by the surface; it is not known, nothing was run twice.")
+        }
+        (None, n) if n < ENOUGH_REPEATS => {
+            let repeats = count(n, "repeat");
+            format!("Noise of one run: about {deviation} by the surface; {repeats} are too few to know it.")
+                .replace("1 repeat are", "1 repeat is")
+        }
+        (None, n) => {
+            format!("Noise of one run: {deviation} (standard deviation), from {} among others.", count(n, "repeat"))
+        }
+    };
+    Finding::new(sentence).with("noise", found.noise, unit).with("repeats", found.n_repeats as f64, "1")
+}
+
+/// What speaks against what is recommended.
+pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Finding>> {
+    let (problem, response) = (&campaign.problem, &campaign.problem.response);
+    let mut warnings = Vec::new();
+    if let Some(contradiction) = &found.contradiction {
+        let there = &contradiction.standing;
+        let measured = value(response, there.measured.unwrap_or(there.mean));
+        let times = short(contradiction.deviations.abs());
+        let sentence = if there.cell == found.recommended.cell {
+            format!(
+                "Careful: the recommended design itself measured {measured}, {times} standard errors worse than the surface \
+                 expects of it."
+            )
+        } else {
+            format!(
+                "Careful: {} measured {measured}, {times} standard errors better than what is expected of the recommended \
+                 design. Run both again, with `infuse confirm`.",
+                problem.describe(&there.point)
+            )
+        };
+        warnings.push(Finding::new(sentence).with("standard errors", contradiction.deviations, "1"));
+    }
+    if !found.outliers.is_empty() {
+        let origins = campaign.origins();
+        let named = found.outliers.iter().take(MOST_NAMED).filter_map(|outlier| {
+            let side =
+                if outlier.deviations > 0.0 { response.worse_side() } else { better_side(response.worse_side()) };
+            let name = campaign.name_of(*origins.get(outlier.reading)?);
+            Some(format!("{name} ({} standard deviations {side})", short(outlier.deviations.abs())))
+        });
+        let named = named.collect::<Vec<_>>().join(", ");
+        let sentence = format!(
+            "Careful: far from what all others say: {named}. Look at the notes of those runs; `infuse tell --correct` puts a \
+             slip right, and a run that was spoilt is told as failed."
+        );
+        warnings.push(Finding::new(sentence).with("outliers", found.outliers.len() as f64, "1"));
+    }
+    Ok(warnings)
+}
+
+fn better_side(worse: &str) -> &'static str {
+    if worse == "above" { "below" } else { "above" }
+}
+
+/// What the last batch taught, in short.
+pub(super) fn lesson(campaign: &Campaign) -> Result<Vec<Finding>> {
+    let Some(found) = campaign.assessment()? else {
+        return Ok(vec![Finding::new("No experiment gave a result yet, so nothing is known.")]);
+    };
+    let mut lesson = vec![
+        recommendation(campaign, &found).detail(expected(campaign, &found.recommended)),
+        certificate(campaign, &found),
+    ];
+    lesson.extend(warnings(campaign, &found)?);
+    Ok(lesson)
+}
+
+/// The last batch in one line.
+pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
+    let (response, here) = (&campaign.problem.response, &found.recommended);
+    let sentence = format!(
+        "batch {}: {}; {} expected, none better by more than {} ({} %)",
+        campaign.batches.len(),
+        campaign.problem.describe(&here.point),
+        value(response, here.mean),
+        amount(response, found.certificate.bound),
+        plain(100.0 * found.certificate.probability)
+    );
+    Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit).with(
+        "bound",
+        found.certificate.bound,
+        &response.unit,
+    )
+}
+
+/// What is known of one design, and whether it may still be the best; it may lie between those that can be set.
+pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Finding> {
+    let (place, cell) = campaign.nearest(asked)?;
+    let response = &campaign.problem.response;
+    let (Some(there), Some(found)) = (campaign.standing(cell)?, campaign.assessment()?) else {
+        return Ok(Finding::new(format!("{place}: nothing is known of any design yet.")));
+    };
+    let verdict = if there.cell == found.recommended.cell {
+        "it is the recommended design".to_owned()
+    } else {
+        let may = if there.may_be_best { "may still be the best" } else { "is not thought to be the best" };
+        let chance = match there.probability_better {
+            tiny if tiny < 1e-4 => "less than 0.01 %".to_owned(),
+            share => percent(share),
+        };
+        let feasible = if there.feasible < 1.0 {
+            format!("; a run there gives a value with {} probability", percent(there.feasible))
+        } else {
+            String::new()
+        };
+        format!("it {may}: better than the recommended one with {chance} probability{feasible}")
+    };
+    let sentence = format!("{place}: {verdict}.");
+    let mut finding = Finding::new(sentence)
+        .with("probability to be better", there.probability_better, "1")
+        .with("probability of a value", there.feasible, "1")
+        .detail(expected(campaign, &there));
+    if let Some(measured) = there.measured {
+        let runs = count(there.n_readings, "run");
+        finding = finding.detail(Finding::new(format!("{runs} there, mean {}.", value(response, measured))));
+    }
+    if let Some(reason) = campaign.failure_at(cell) {
+        finding = finding.detail(Finding::new(format!("A run there failed: {reason}.")));
+    }
+    Ok(finding)
+}
+
+/// What the last confirming runs measured.
+fn confirmed(campaign: &Campaign) -> Result<Vec<Finding>> {
+    Ok(campaign.confirmation()?.map(|confirmation| confirmation.in_words(campaign)).into_iter().collect())
+}

@@ -1,0 +1,104 @@
+//! A batch chosen, and what has to be simulated for it.
+
+use anyhow::{Result, bail, ensure};
+use design_space::Cell;
+use indicatif::ProgressBar;
+use infuse::pooled::Ask;
+
+use super::campaign::{Campaign, Origin};
+use crate::campaign::{Campaign as _, HandedOut, Stage, Wish, failed_in_words, simulate_missing};
+use crate::journal::{Event, Measured, Purpose, Writer, now};
+
+/// Brings the campaign to the point where experiments are waited for, or to its end.
+pub(super) fn hand_out(campaign: &mut Campaign, writer: &mut Writer, wish: Wish) -> Result<HandedOut> {
+    let mut done = HandedOut::default();
+    let mut is_new = false;
+    loop {
+        simulate(campaign, writer, wish.anyway, &mut done)?;
+        if is_new {
+            return Ok(done);
+        }
+        match campaign.stage()? {
+            Stage::Ready => {}
+            Stage::Pending if wish.more => {
+                ensure!(!campaign.is_full(), "--more: all batches of [loop] were handed out (`batches` may be raised)");
+            }
+            Stage::Ended { may_go_on: true, .. } if wish.anyway => {}
+            _ => return Ok(done),
+        }
+        let (cells, simulations) = choose(campaign)?;
+        is_new = !cells.is_empty();
+        ensure!(is_new || !simulations.is_empty(), "the loop asked for nothing");
+        plan(campaign, writer, cells, simulations, None)?;
+    }
+}
+
+/// Hands these cells out as a batch of their own.
+pub(super) fn plan(
+    campaign: &mut Campaign,
+    writer: &mut Writer,
+    experiments: Vec<Cell>,
+    simulations: Vec<Cell>,
+    purpose: Option<Purpose>,
+) -> Result<()> {
+    let batch = campaign.batches.len() + 1;
+    campaign.write_down(writer, vec![Event::Planned { batch, at: now(), experiments, simulations, purpose }])
+}
+
+/// The cells of the next batch, and those to simulate.
+fn choose(campaign: &Campaign) -> Result<(Vec<Cell>, Vec<Cell>)> {
+    let choosing = ProgressBar::new_spinner().with_message(format!("choosing batch {}", campaign.batches.len() + 1));
+    choosing.enable_steady_tick(std::time::Duration::from_millis(200));
+    let asked = campaign.with_loop(|now, simulate| now.clone().ask_more(simulate));
+    choosing.finish_and_clear();
+    let Ask::Run { trials, simulations } = asked? else { bail!("the loop stopped without being asked to") };
+    let known = campaign.n_handed_out();
+    let new = trials.into_iter().filter(|trial| trial.id.number() > known).map(|trial| trial.cell);
+    Ok((new.collect(), simulations))
+}
+
+/// Runs what is still to be simulated.
+fn simulate(campaign: &mut Campaign, writer: &mut Writer, anyway: bool, done: &mut HandedOut) -> Result<()> {
+    let missing = campaign.missing_simulations()?;
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let (folder, problem, grid) = (campaign.folder.clone(), campaign.problem.clone(), campaign.grid.clone());
+    let simulated =
+        simulate_missing(&folder, &problem, &grid, &missing, |event| campaign.write_simulation(writer, event))?;
+    done.n_simulated += simulated.n_done;
+    if simulated.n_failed == simulated.n_done && !anyway && campaign.simulated()?.is_empty() {
+        let of = |cell: &Cell| campaign.memory.get(cell).map(|known| known.result.clone());
+        let reason = match missing.first().and_then(|(cell, _)| of(cell)) {
+            Some(Measured::Failed(reason)) => reason,
+            _ => "nobody knows why".to_owned(),
+        };
+        // A simulator that was repaired is to be tried again.
+        campaign.write_down(writer, vec![Event::Discarded { at: now() }])?;
+        bail!(
+            "every one of {} simulations failed; the first one: {reason}\nRepair the simulator and ask again, or go on \
+             without it: --anyway. Nothing is lost",
+            simulated.n_done
+        );
+    }
+    done.notices.extend(failed_in_words(simulated.n_failed));
+    Ok(())
+}
+
+impl Campaign {
+    /// Whether every batch of the limit was handed out.
+    pub(super) fn is_full(&self) -> bool {
+        self.batches.len() - self.n_confirming() >= self.settings.max_batches
+    }
+
+    /// How an experiment is called.
+    pub(super) fn name_of(&self, origin: Origin) -> String {
+        match origin {
+            Origin::Own(id) => format!("experiment {id}"),
+            Origin::Imported(index) => match self.imported.get(index) {
+                Some(imported) => format!("an experiment of `{}`", imported.source),
+                None => "an imported experiment".to_owned(),
+            },
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! What commands ask of a campaign, answered by the pooled loop.
+
+use std::path::Path;
+
+use anyhow::Result;
+use infuse::pooled::Trial;
+use page::Finding;
+use serde_json::{Value, json};
+
+use super::campaign::Campaign;
+use super::findings::{closed, known, lesson, none_better, recommendation, standing_in_words, warnings};
+use super::{confirm, hand_out, report, what_if};
+use crate::campaign::{self, Experiments, HandedOut, Imported, Stage, Wish};
+use crate::findings::amount;
+use crate::journal::{Event, Journal, Writer};
+use crate::number::count;
+use crate::problem::Problem;
+
+impl campaign::Campaign for Campaign {
+    fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    fn experiments(&self) -> &Experiments {
+        &self.experiments
+    }
+
+    fn take_notices(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notices)
+    }
+
+    fn record(&mut self, writer: &mut Writer, events: Vec<Event>) -> Result<()> {
+        self.write_down(writer, events)
+    }
+
+    fn stage(&self) -> Result<Stage> {
+        if self.experiments.n_outstanding() > 0 {
+            return Ok(Stage::Pending);
+        }
+        if self.is_full() {
+            let batches = count(self.settings.max_batches, "batch");
+            let reason = format!("all {batches} of [loop] were made (`batches` may be raised)");
+            return Ok(Stage::Ended { reason, may_go_on: false });
+        }
+        Ok(match self.not_worth_it()? {
+            Some(reason) => Stage::Ended { reason, may_go_on: true },
+            None => Stage::Ready,
+        })
+    }
+
+    fn n_closed(&self) -> usize {
+        self.n_complete()
+    }
+
+    fn hand_out(&mut self, writer: &mut Writer, wish: Wish) -> Result<HandedOut> {
+        hand_out::hand_out(self, writer, wish)
+    }
+
+    fn purpose(&self, batch: usize) -> &'static str {
+        match self.batches.get(batch - 1).map(|one| (one.purpose, batch)) {
+            Some((Some(_), _)) => "It measures what was gained: the designs are compared by these runs alone.",
+            Some((None, 1)) => {
+                "It is the first: half of it is spread over all that can be set, half over what the simulation likes."
+            }
+            _ => "It is where one more run is expected to lower the best response most; repeats included.",
+        }
+    }
+
+    fn refusal(&self, _: &Trial) -> Option<String> {
+        // All data count anew at every step, so a result may be put right at any time.
+        None
+    }
+
+    fn imported(&self) -> Vec<Imported> {
+        self.imported.clone()
+    }
+
+    fn use_of_imports(&self) -> String {
+        "They count as much as the experiments of the campaign.".to_owned()
+    }
+
+    fn lesson(&self) -> Result<Vec<Finding>> {
+        lesson(self)
+    }
+
+    fn recommendation(&self) -> Result<Option<(Finding, Vec<f64>)>> {
+        let found = self.assessment()?;
+        Ok(found.map(|found| (recommendation(self, &found), found.recommended.point)))
+    }
+
+    fn closed(&self) -> Result<Option<Finding>> {
+        let found = self.assessment()?;
+        Ok(found.map(|found| closed(self, &found)))
+    }
+
+    fn status(&self) -> Result<(Vec<Vec<Finding>>, Value)> {
+        let Some(found) = self.assessment()? else {
+            return Ok((Vec::new(), json!({})));
+        };
+        let mut blocks = known(self, &found)?;
+        blocks.push(warnings(self, &found)?);
+        let (problem, response) = (&self.problem, &self.problem.response);
+        let simulation_alone = self.choice_of_the_simulation()?.map(|cell| self.grid.point(cell)).transpose()?;
+        let batches = self.history.values().map(|assessed| {
+            json!({
+                "batch": assessed.batch, "best": problem.named(&assessed.recommended), "expected": assessed.expected,
+                "deviation": assessed.deviation, "bound": assessed.bound, "left_share": assessed.left,
+                "noise": assessed.noise,
+            })
+        });
+        let json = json!({
+            "batches": batches.collect::<Vec<_>>(),
+            "best": problem.named(&found.recommended.point),
+            "predicted": response.of_cost(found.recommended.mean),
+            "deviation": found.recommended.deviation,
+            "runs_there": found.recommended.n_readings,
+            "bound": found.certificate.bound,
+            "probability": found.certificate.probability,
+            "further_batches": found.further_batches,
+            "left_share": found.left,
+            "noise": json!({ "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats }),
+            "simulation": found.simulation,
+            "simulation_alone": simulation_alone.map(|point| problem.named(&point)),
+            "confirmed": self.confirmation()?,
+        });
+        Ok((blocks, json))
+    }
+
+    fn why(&self, asked: &[f64]) -> Result<Finding> {
+        standing_in_words(self, asked)
+    }
+
+    fn page(&self, journal: &Journal) -> Result<String> {
+        report::page(self, journal)
+    }
+
+    fn what_if(&self, asked: &[f64]) -> Result<(Vec<Finding>, Value)> {
+        what_if::of_design(self, asked)
+    }
+
+    fn what_if_over_the_grid(&self, path: &Path) -> Result<(Vec<Finding>, Value)> {
+        what_if::over_the_grid(self, path)
+    }
+
+    fn confirm(&mut self, writer: &mut Writer, runs: usize) -> Result<()> {
+        confirm::confirm(self, writer, runs)
+    }
+}
+
+impl Campaign {
+    /// Why another batch is not worth it, if so: the certificate says so, and no measurement speaks against it.
+    fn not_worth_it(&self) -> Result<Option<String>> {
+        let (Some(worth), Some(found)) = (self.settings.worth, self.assessment()?) else {
+            return Ok(None);
+        };
+        let is_reached = found.certificate.bound <= worth && found.contradiction.is_none();
+        Ok(is_reached.then(|| {
+            let response = &self.problem.response;
+            let enough = amount(response, worth);
+            format!("with {}, and another batch is worth it from {enough}", none_better(response, &found.certificate))
+        }))
+    }
+}

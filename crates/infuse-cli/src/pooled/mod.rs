@@ -1,0 +1,12 @@
+//! Campaigns of the pooled loop: every experiment and the simulation in one surface, with a certificate.
+
+mod apply;
+mod campaign;
+mod confirm;
+mod findings;
+mod hand_out;
+mod method;
+mod report;
+mod what_if;
+
+pub(crate) use campaign::Campaign;

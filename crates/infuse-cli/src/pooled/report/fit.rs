@@ -1,0 +1,157 @@
+//! How well the surface and the simulation agree with what was measured.
+
+use page::palette::{BLUE, GRID, INK, LIGHT_BLUE};
+use page::{Axis, Chart, Grid, Key, Mark, Page, Stroke};
+
+use super::view::{Run, View};
+use crate::findings::amount;
+use crate::number::percent;
+use crate::pooled::campaign::Origin;
+use crate::pooled::findings::NINE_IN_TEN;
+
+const SIZE_PX: (f64, f64) = (292.0, 260.0);
+/// Ranges that differ by more than this share no line of equals.
+const FAR: f64 = 4.0;
+
+type Points = Vec<((f64, f64), Mark)>;
+
+/// Runs from which on a fit can be seen.
+const FEWEST: usize = 3;
+
+pub(super) fn write(page: &mut Page, view: &View) {
+    if view.runs.len() < FEWEST {
+        page.paragraph("Too few experiments gave a result to say how well the surface fits.");
+        return;
+    }
+    let fitted = points(&view.runs, |run| view.expected(run.cell));
+    let simulated = points(&view.runs, |run| view.simulated.get(&run.cell).copied());
+    let mut charts = vec![against(view, "expected", &fitted)];
+    charts.extend(residuals(view));
+    if !simulated.is_empty() {
+        charts.push(against(view, "simulated", &simulated));
+    }
+    page.charts(&charts, &legend(view), &caption(view, !simulated.is_empty(), charts.len()));
+}
+
+/// Values of runs against something else about them.
+fn points(runs: &[Run], of: impl Fn(&Run) -> Option<f64>) -> Points {
+    runs.iter().filter_map(|run| Some(((of(run)?, run.value), mark(run)))).collect()
+}
+
+fn mark(run: &Run) -> Mark {
+    match run.origin {
+        Origin::Imported(_) => Mark::Square,
+        Origin::Own(_) => Mark::Ring,
+    }
+}
+
+/// What was measured against what was said of it; with the line on which both are equal, unless they are far apart.
+fn against(view: &View, said: &str, points: &Points) -> Chart {
+    let response = view.response();
+    let xs = || points.iter().map(|((x, _), _)| *x);
+    let ys = || points.iter().map(|((_, y), _)| *y);
+    let (x, y) = (Axis::new(&format!("{} {said}", response.name), &response.unit), measured_axis(view));
+    let both = width(xs().chain(ys()));
+    let are_near = both <= FAR * width(xs()).max(width(ys())) || both <= 0.0;
+    let (low, high) = ends(xs().chain(ys()));
+    let (x, y) = if are_near {
+        (x.around(xs().chain(ys())), y.around(xs().chain(ys())))
+    } else {
+        (x.around(xs()), y.around(ys()))
+    };
+    let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Shown);
+    if are_near {
+        chart.line(&[(low, low), (high, high)], Stroke::Solid, BLUE);
+    }
+    for &(point, mark) in points {
+        chart.mark(point, mark, INK);
+    }
+    chart
+}
+
+fn measured_axis(view: &View) -> Axis {
+    Axis::new(&format!("{} measured", view.response().name), &view.response().unit)
+}
+
+/// What was measured less what is expected, in the order in which the experiments were to be run.
+fn residuals(view: &View) -> Option<Chart> {
+    let (experiments, seed) = (&view.campaign.experiments, view.campaign.problem.seed);
+    let batches = 1..=experiments.last_batch()?;
+    let order: Vec<(u64, usize)> = batches
+        .flat_map(|batch| experiments.in_run_order(batch, seed))
+        .map(|(trial, _)| (trial.id.number(), trial.batch))
+        .collect();
+    let mut points: Vec<(f64, f64)> = Vec::new();
+    for (place, (id, _)) in order.iter().enumerate() {
+        for run in view.runs.iter().filter(|run| run.origin == Origin::Own(*id)) {
+            points.extend(view.expected(run.cell).map(|expected| ((place + 1) as f64, run.value - expected)));
+        }
+    }
+    let band = NINE_IN_TEN * view.found.noise;
+    let y = Axis::new("measured less expected", &view.response().unit);
+    let y = y.around(points.iter().map(|point| point.1).chain([-band, band]));
+    let x = Axis::new("experiment, in the order of the runs", "1").counting(1, order.len());
+    let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Hidden);
+    let (first, last) = (0.5, order.len() as f64 + 0.5);
+    chart.ribbon(&[(first, -band, band), (last, -band, band)], LIGHT_BLUE);
+    let begins = order.windows(2).enumerate().filter(|(_, pair)| pair[0].1 != pair[1].1);
+    for (index, _) in begins {
+        chart.divider(index as f64 + 1.5, GRID);
+    }
+    chart.line(&[(first, 0.0), (last, 0.0)], Stroke::Solid, BLUE);
+    chart.outline();
+    for &point in &points {
+        chart.mark(point, Mark::Ring, INK);
+    }
+    Some(chart)
+}
+
+fn legend(view: &View) -> Vec<Key> {
+    let mut keys = vec![Key::new("as expected, or as simulated").line(Stroke::Solid, BLUE)];
+    for (kind, text) in [(Mark::Ring, "experiment"), (Mark::Square, "imported experiment")] {
+        if view.runs.iter().any(|run| mark(run) == kind) {
+            keys.push(Key::new(text).mark(kind, INK));
+        }
+    }
+    if view.campaign.experiments.last_batch().is_some() {
+        keys.push(Key::new("nine in ten, by the noise alone").field(LIGHT_BLUE));
+    }
+    if view.campaign.batches.len() > 1 {
+        keys.push(Key::new("between batches").line(Stroke::Solid, GRID));
+    }
+    keys
+}
+
+fn caption(view: &View, has_simulation: bool, n_charts: usize) -> String {
+    let mut text =
+        "Left: what was measured against what is expected at the same settings; the surface has seen these runs."
+            .to_owned();
+    if view.campaign.experiments.last_batch().is_some() {
+        let middle = if n_charts > 2 { "Middle" } else { "Right" };
+        text.push_str(&format!(
+            " {middle}: the difference of the two over the runs, where a trend would tell that something has drifted; the \
+             noise of one run is {}.",
+            amount(view.response(), view.found.noise)
+        ));
+    }
+    if has_simulation {
+        text.push_str(" Right: what was measured against the simulation.");
+        text.push_str(&match view.found.simulation {
+            Some(worth) => format!(
+                " It explains {} of the variance of what was measured (squared correlation).",
+                percent(worth.explained)
+            ),
+            None => " What it is worth, too few experiments tell.".to_owned(),
+        });
+    }
+    text
+}
+
+fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+}
+
+fn width(values: impl Iterator<Item = f64>) -> f64 {
+    let (low, high) = ends(values);
+    (high - low).max(0.0)
+}

@@ -1,0 +1,176 @@
+//! Batch by batch: what was recommended, how sure that was, and what was measured.
+
+use std::collections::BTreeMap;
+
+use anyhow::Result;
+use page::palette::{BLUE, INK, VERMILION};
+use page::{Axis, Chart, Column, Grid, Key, Mark, Page, Stroke, Table};
+
+use super::NOTHING;
+use crate::journal::Assessed;
+use crate::number::{percent, short};
+use crate::pooled::campaign::Campaign;
+use crate::pooled::findings::NINE_IN_TEN;
+
+const SIZE_PX: (f64, f64) = (292.0, 220.0);
+/// Below this share, in per cent, powers of ten tell more.
+const SMALL_PERCENT: f64 = 5.0;
+/// And from this ratio of the largest to the smallest.
+const MANY: f64 = 50.0;
+/// How far beside what is expected the best measured is drawn: this share of the axis.
+const BESIDE: f64 = 0.03;
+
+type Line = Vec<(f64, f64)>;
+
+pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
+    page.section("history", "History");
+    if campaign.history.is_empty() {
+        page.paragraph("No batch gave a result yet.");
+        return Ok(());
+    }
+    let of_batches = best_of_batches(campaign);
+    let charts = [expected(campaign, &of_batches), bound(campaign), left(campaign)];
+    let worth = match campaign.settings.worth {
+        Some(_) => " Below `worth` another batch is not worth its cost.",
+        None => "",
+    };
+    let caption = format!(
+        "Left: what is expected of the recommended design after each batch, with its band of 90 %, and the best that was \
+         measured in the batch. Middle: no design is better than the recommended one by more than the bound, with the \
+         probability of the certificate.{worth} Right: the share of all designs that may still be the best."
+    );
+    page.charts(&charts, &[], &caption);
+    write_table(page, campaign, &of_batches);
+    Ok(())
+}
+
+/// The best mean of an experiment of each batch.
+fn best_of_batches(campaign: &Campaign) -> BTreeMap<usize, f64> {
+    let (experiments, response) = (&campaign.experiments, &campaign.problem.response);
+    let mut best: BTreeMap<usize, f64> = BTreeMap::new();
+    for (id, reading) in &experiments.readings {
+        let cost = reading.outcome(response).and_then(|outcome| outcome.cost());
+        if let (Some(trial), Some(cost)) = (experiments.trials.get(id), cost) {
+            let known = best.entry(trial.batch).or_insert(cost);
+            *known = known.min(cost);
+        }
+    }
+    best.into_iter().map(|(batch, cost)| (batch, response.of_cost(cost))).collect()
+}
+
+fn expected(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Chart {
+    let response = &campaign.problem.response;
+    let expected: Line = campaign.history.values().map(|known| (batch(known), known.expected)).collect();
+    let halves: Vec<f64> = campaign.history.values().map(|known| NINE_IN_TEN * known.deviation).collect();
+    let beside = (BESIDE * campaign.batches.len() as f64).min(0.3);
+    let measured: Line = of_batches.iter().map(|(&batch, &value)| (batch as f64 + beside, value)).collect();
+    let ends = expected.iter().zip(&halves).flat_map(|(point, half)| [point.1 - half, point.1 + half]);
+    let y = Axis::new(&response.name, &response.unit).around(ends.chain(measured.iter().map(|point| point.1)));
+    let mut chart = Chart::new(SIZE_PX, &batches("batch", 1, campaign), &y, Grid::Shown);
+    chart.line(&expected, Stroke::Solid, BLUE);
+    for (point, &half) in expected.iter().zip(&halves) {
+        chart.whisker(point.0, point.1 - half, point.1 + half, BLUE);
+        chart.mark(*point, Mark::Dot, BLUE);
+    }
+    for &point in &measured {
+        chart.mark(point, Mark::Ring, INK);
+    }
+    chart.key(Key::new("expected").line(Stroke::Solid, BLUE).mark(Mark::Dot, BLUE));
+    chart.key(Key::new("90 %").whisker(BLUE));
+    chart.key(Key::new("best measured").mark(Mark::Ring, INK));
+    chart
+}
+
+fn bound(campaign: &Campaign) -> Chart {
+    let bounds: Line = campaign.history.values().map(|known| (batch(known), known.bound)).collect();
+    let worth = campaign.settings.worth;
+    let values = || bounds.iter().map(|point| point.1).chain(worth);
+    let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+    let y = Axis::new("bound", &campaign.problem.response.unit);
+    let y = if least > 0.0 && most > MANY * least { y.in_decades(values()) } else { y.around(values().chain([0.0])) };
+    let x = batches("batch", 1, campaign);
+    let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Shown);
+    if let Some(worth) = worth {
+        let ends = [(0.5, worth), (campaign.batches.len().max(1) as f64 + 0.5, worth)];
+        chart.line(&ends, Stroke::Dashes, VERMILION);
+    }
+    draw(&mut chart, &bounds);
+    chart.key(Key::new("bound").line(Stroke::Solid, BLUE).mark(Mark::Dot, BLUE));
+    if worth.is_some() {
+        chart.key(Key::new("worth").line(Stroke::Dashes, VERMILION));
+    }
+    chart
+}
+
+fn left(campaign: &Campaign) -> Chart {
+    let shares = campaign.history.values().map(|known| (batch(known), 100.0 * known.left));
+    let points: Line = std::iter::once((0.0, 100.0)).chain(shares).collect();
+    let smallest = points.iter().map(|point| point.1).fold(100.0, f64::min);
+    let y = Axis::new("designs that may be the best", "%");
+    let shares = points.iter().map(|point| point.1);
+    let y = if smallest < SMALL_PERCENT { y.in_decades(shares) } else { y.with_range(0.0, 100.0) };
+    let mut chart = Chart::new(SIZE_PX, &batches("batch, 0 is before the first", 0, campaign), &y, Grid::Shown);
+    draw(&mut chart, &points);
+    chart
+}
+
+fn draw(chart: &mut Chart, points: &Line) {
+    chart.line(points, Stroke::Solid, BLUE);
+    for &point in points {
+        chart.mark(point, Mark::Dot, BLUE);
+    }
+}
+
+fn write_table(page: &mut Page, campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) {
+    let mut probabilities: Vec<f64> = campaign.history.values().map(|known| known.probability).collect();
+    probabilities.dedup();
+    let (table, with) = match probabilities.as_slice() {
+        [one] => (table(campaign, of_batches).without("probability"), format!(" with {} probability", percent(*one))),
+        _ => (table(campaign, of_batches), String::new()),
+    };
+    let caption = format!(
+        "What was known after each batch. Bound: no design is better by more{with}. Left: the share of designs that may still \
+         be the best. Noise: standard deviation of one run, as the surface has it. Best measured: in the batch."
+    );
+    page.table(&table, &caption);
+}
+
+fn table(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Table {
+    let unit = &campaign.problem.response.unit;
+    let row = |known: &Assessed| {
+        vec![
+            known.batch.to_string(),
+            campaign.problem.describe(&known.recommended),
+            short(known.expected),
+            short(NINE_IN_TEN * known.deviation),
+            short(known.bound),
+            percent(known.probability),
+            percent(known.left),
+            short(known.noise),
+            of_batches.get(&known.batch).map_or_else(|| NOTHING.to_owned(), |&value| short(value)),
+        ]
+    };
+    Table {
+        columns: vec![
+            Column::number("batch", ""),
+            Column::words("recommended design"),
+            Column::number("expected", unit),
+            Column::number("± (90 %)", unit),
+            Column::number("bound", unit),
+            Column::number("probability", ""),
+            Column::number("left", ""),
+            Column::number("noise", unit),
+            Column::number("best measured", unit),
+        ],
+        rows: campaign.history.values().map(row).collect(),
+    }
+}
+
+fn batch(known: &Assessed) -> f64 {
+    known.batch as f64
+}
+
+/// The axis along which batches are counted.
+fn batches(label: &str, first: usize, campaign: &Campaign) -> Axis {
+    Axis::new(label, "1").counting(first, campaign.batches.len())
+}

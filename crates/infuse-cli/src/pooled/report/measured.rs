@@ -1,0 +1,162 @@
+//! The designs that measured best, and the experiments that taught most.
+
+use std::collections::BTreeMap;
+
+use anyhow::Result;
+use design_space::Cell;
+use infuse::pooled::Standing;
+use page::{Column, Page, Table};
+
+use super::NOTHING;
+use super::view::{Run, View};
+use crate::number::{plain, setting, short};
+use crate::pooled::campaign::Origin;
+use crate::pooled::findings::NINE_IN_TEN;
+use crate::problem::step;
+use crate::report::sheets::settings_columns;
+
+/// Rows of each table.
+const MOST_BEST: usize = 10;
+const MOST_TELLING: usize = 5;
+
+pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
+    let best = best(view)?;
+    let caption = "The designs that measured best, by the mean of their runs; a run at settings between designs counts for \
+                   the nearest.";
+    page.table(&best_table(view, &best), caption);
+    let telling = telling(view)?;
+    if !telling.is_empty() {
+        let table = telling_table(view, &telling)?;
+        let caption = "The experiments that taught most: those farthest from what all others say of their settings, in \
+                       standard deviations. Far is more than 4.";
+        page.table(&table, caption);
+    }
+    Ok(())
+}
+
+/// Best first.
+fn best(view: &View) -> Result<Vec<Standing>> {
+    let mut sums: BTreeMap<Cell, (f64, f64)> = BTreeMap::new();
+    for run in &view.runs {
+        let (sum, n) = sums.entry(run.cell).or_insert((0.0, 0.0));
+        *sum += view.response().cost(run.value);
+        *n += 1.0;
+    }
+    let mut means: Vec<(f64, Cell)> = sums.into_iter().map(|(cell, (sum, n))| (sum / n, cell)).collect();
+    means.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let cells: Vec<Cell> = means.into_iter().take(MOST_BEST).map(|(_, cell)| cell).collect();
+    Ok(view.campaign.with_loop(|now, simulate| now.standings(&cells, simulate))?.unwrap_or_default())
+}
+
+fn best_table(view: &View, best: &[Standing]) -> Table {
+    let (response, unit) = (view.response(), &view.response().unit);
+    let mut columns: Vec<Column> = settings_columns(&view.campaign.problem).collect();
+    columns.extend([
+        Column::number("measured", unit),
+        Column::number("runs", ""),
+        Column::number("expected", unit),
+        Column::number("± (90 %)", unit),
+        Column::words("may still be the best"),
+    ]);
+    let row = |there: &Standing| {
+        let mut cells = written(view, &there.point);
+        let verdict = match there.may_be_best {
+            _ if there.cell == view.found.recommended.cell => "yes, it is recommended",
+            true => "yes",
+            false => "no",
+        };
+        cells.extend([
+            there.measured.map_or_else(|| NOTHING.to_owned(), |cost| short(response.of_cost(cost))),
+            there.n_readings.to_string(),
+            short(response.of_cost(there.mean)),
+            short(NINE_IN_TEN * there.deviation),
+            verdict.to_owned(),
+        ]);
+        cells
+    };
+    Table { columns, rows: best.iter().map(row).collect() }
+}
+
+/// Settings as a table has them.
+fn written(view: &View, point: &[f64]) -> Vec<String> {
+    let pairs = point.iter().zip(view.parameters());
+    pairs.map(|(&value, parameter)| setting(value, step(parameter))).collect()
+}
+
+/// Runs of equal settings, and how far they are from what all others say: as measured, above or below.
+#[derive(Debug)]
+struct Telling<'a> {
+    runs: Vec<&'a Run>,
+    deviations: f64,
+}
+
+/// Farthest first.
+fn telling<'a>(view: &'a View) -> Result<Vec<Telling<'a>>> {
+    let surprises = view.campaign.with_loop(|now, simulate| now.surprises(simulate))?.unwrap_or_default();
+    let mut by_settings: BTreeMap<Vec<u64>, Telling> = BTreeMap::new();
+    for (run, &surprise) in view.runs.iter().zip(&surprises) {
+        let place = run.settings.iter().map(|setting| (setting + 0.0).to_bits()).collect();
+        let deviations = view.response().of_cost(surprise);
+        by_settings.entry(place).or_insert_with(|| Telling { runs: Vec::new(), deviations }).runs.push(run);
+    }
+    let mut telling: Vec<Telling> = by_settings.into_values().filter(|one| one.deviations.abs() > 0.0).collect();
+    telling.sort_by(|a, b| b.deviations.abs().total_cmp(&a.deviations.abs()));
+    telling.truncate(MOST_TELLING);
+    Ok(telling)
+}
+
+fn telling_table(view: &View, telling: &[Telling]) -> Result<Table> {
+    let unit = &view.response().unit;
+    let mut columns = vec![Column::words("experiment")];
+    columns.extend(settings_columns(&view.campaign.problem));
+    columns.extend([
+        Column::number("measured", unit),
+        Column::number("expected", unit),
+        Column::number("off by", "standard deviations"),
+        Column::words("note"),
+    ]);
+    let row = |one: &Telling| {
+        let mut cells = vec![names(view, &one.runs)];
+        cells.extend(one.runs.first().map(|run| written(view, &run.settings)).unwrap_or_default());
+        let measured: Vec<String> = one.runs.iter().map(|run| plain(run.value)).collect();
+        let expected = one.runs.first().and_then(|run| view.expected(run.cell));
+        let side = if one.deviations > 0.0 { "above" } else { "below" };
+        cells.extend([
+            measured.join(", "),
+            expected.map_or_else(|| NOTHING.to_owned(), short),
+            format!("{:.1} {side}", one.deviations.abs()),
+            notes(view, &one.runs),
+        ]);
+        cells
+    };
+    let table = Table { columns, rows: telling.iter().map(row).collect() };
+    let has_notes = table.rows.iter().any(|row| row.last().is_some_and(|note| !note.is_empty()));
+    Ok(if has_notes { table } else { table.without("note") })
+}
+
+/// Each experiment once.
+fn names(view: &View, runs: &[&Run]) -> String {
+    let mut names: Vec<String> = Vec::new();
+    for run in runs {
+        let name = match run.origin {
+            Origin::Own(id) => id.to_string(),
+            origin @ Origin::Imported(_) => view.campaign.name_of(origin),
+        };
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names.join(", ")
+}
+
+fn notes(view: &View, runs: &[&Run]) -> String {
+    let mut notes: Vec<&str> = Vec::new();
+    for run in runs {
+        let Origin::Own(id) = run.origin else { continue };
+        let note = view.campaign.experiments.readings.get(&id).map_or("", |reading| reading.note.as_str());
+        if !note.is_empty() && !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+    notes.join("; ")
+}

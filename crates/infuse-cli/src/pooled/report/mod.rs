@@ -1,0 +1,53 @@
+//! One HTML page about a campaign that stands alone. The same campaign gives the same bytes.
+
+mod curves;
+mod fit;
+mod history;
+mod maps;
+mod measured;
+mod settings;
+mod sheets;
+mod summary;
+mod view;
+
+use anyhow::Result;
+use page::Page;
+
+use super::campaign::Campaign;
+use crate::journal::Journal;
+use crate::report::provenance;
+use view::View;
+
+/// Where the pages speak of what no run has shown yet.
+const NO_RESULT: &str = "No experiment gave a result yet, so there is no surface.";
+/// In a cell that has nothing to say.
+const NOTHING: &str = "–";
+
+/// The page, from top to bottom. The journal is the one that the campaign follows from.
+pub(super) fn page(campaign: &Campaign, journal: &Journal) -> Result<String> {
+    let view = View::of(campaign)?;
+    let mut page = Page::new(&campaign.problem.title);
+    summary::write(&mut page, campaign, view.as_ref())?;
+    history::write(&mut page, campaign)?;
+    page.section("surfaces", "Surfaces");
+    match &view {
+        Some(view) => {
+            curves::write(&mut page, view);
+            maps::write(&mut page, view)?;
+        }
+        None => page.paragraph(NO_RESULT),
+    }
+    page.section("fit", "Fit");
+    match &view {
+        Some(view) => fit::write(&mut page, view),
+        None => page.paragraph(NO_RESULT),
+    }
+    page.section("measured", "Best and most telling experiments");
+    match &view {
+        Some(view) => measured::write(&mut page, view)?,
+        None => page.paragraph("No experiment gave a result yet."),
+    }
+    sheets::write(&mut page, campaign, view.as_ref())?;
+    provenance::write(&mut page, &campaign.problem, journal, settings::rows(campaign)?);
+    Ok(page.html())
+}

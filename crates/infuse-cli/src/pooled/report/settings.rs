@@ -1,0 +1,29 @@
+//! The settings of the loop, as rows of the table on where all of it comes from.
+
+use anyhow::Result;
+
+use crate::number::{grouped, plain, with_unit};
+use crate::pooled::campaign::{Access, Campaign};
+use crate::report::provenance::Row;
+
+/// By their keys in the problem.
+pub(super) fn rows(campaign: &Campaign) -> Result<Vec<Row>> {
+    let (settings, unit) = (&campaign.settings, &campaign.problem.response.unit);
+    let simulations = match (campaign.access()?, settings.simulations) {
+        (Access::LookedUp, _) => "looked up where they are needed".to_owned(),
+        (Access::All, _) => "all designs".to_owned(),
+        (Access::Budget, Some(budget)) => format!("{budget} per batch"),
+        (Access::Budget, None) => "the rows of the table, and a surface through some of them".to_owned(),
+    };
+    let noise = settings.noise.map_or_else(|| "learnt".to_owned(), |noise| with_unit(&plain(noise), unit));
+    Ok(vec![
+        ("`method`", "pooled".to_owned()),
+        ("`experiments`", format!("{} per batch", settings.n_experiments)),
+        ("`simulations`", simulations),
+        ("`batches`", format!("{} at most", settings.max_batches)),
+        ("`confidence`", plain(settings.confidence)),
+        ("`noise`", noise),
+        ("`seed`", settings.seed.to_string()),
+        ("designs", grouped(campaign.grid.n_cells())),
+    ])
+}

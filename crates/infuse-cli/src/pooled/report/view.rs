@@ -1,0 +1,217 @@
+//! What the page draws: every run, and what the surface says of all designs that appear, asked of it at once.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use anyhow::Result;
+use design_space::{Cell, Levels, Parameter};
+use infuse::pooled::{Assessment, Expectation};
+use page::Axis;
+
+use crate::journal::Measured;
+use crate::pooled::campaign::{Access, Campaign, Origin};
+use crate::pooled::findings::NINE_IN_TEN;
+use crate::problem::Response;
+use crate::report::maps::{Maps, Plane};
+
+/// Levels at which a curve is evaluated, at most.
+const MOST_LEVELS: u32 = 121;
+
+#[derive(Debug)]
+pub(super) struct View<'a> {
+    pub(super) campaign: &'a Campaign,
+    pub(super) found: Assessment,
+    pub(super) access: Access,
+    /// Readings, in the order of the loop.
+    pub(super) runs: Vec<Run>,
+    /// Settings of runs without a value.
+    pub(super) failed: Vec<Vec<f64>>,
+    /// What the simulation says, as it would be measured.
+    pub(super) simulated: BTreeMap<Cell, f64>,
+    /// The designs along each parameter.
+    pub(super) lines: Vec<Vec<Cell>>,
+    /// Over each pair of parameters, with the designs of its cells.
+    pub(super) planes: Vec<(Plane, Vec<Cell>)>,
+    expected: BTreeMap<Cell, Expectation>,
+}
+
+/// An experiment that gave a value.
+#[derive(Debug)]
+pub(super) struct Run {
+    pub(super) origin: Origin,
+    /// As they were made, natural.
+    pub(super) settings: Vec<f64>,
+    /// The design next to them.
+    pub(super) cell: Cell,
+    /// As measured.
+    pub(super) value: f64,
+}
+
+/// What is expected of a design, as it would be measured, and half the width of the band of 90 %.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Band {
+    pub(super) mean: f64,
+    pub(super) half: f64,
+    /// Probability that a run gives a value.
+    pub(super) feasible: f64,
+}
+
+impl<'a> View<'a> {
+    /// None before the first value.
+    pub(super) fn of(campaign: &'a Campaign) -> Result<Option<Self>> {
+        let Some(found) = campaign.assessment()? else {
+            return Ok(None);
+        };
+        let response = &campaign.problem.response;
+        let simulated = campaign.simulated()?.into_iter().map(|(cell, cost)| (cell, response.of_cost(cost)));
+        let mut view = Self {
+            campaign,
+            access: campaign.access()?,
+            runs: runs(campaign)?,
+            failed: failed(campaign),
+            simulated: simulated.collect(),
+            lines: Vec::new(),
+            planes: Vec::new(),
+            expected: BTreeMap::new(),
+            found,
+        };
+        view.lines = (0..view.parameters().len()).map(|at| line(&view, at)).collect::<Result<_>>()?;
+        view.planes = planes(&view)?;
+        let cells: Vec<Cell> = view.cells()?.into_iter().collect();
+        let expected = campaign.expectations(&cells)?.unwrap_or_default();
+        view.expected = cells.into_iter().zip(expected).collect();
+        Ok(Some(view))
+    }
+
+    /// Every design that appears on the page.
+    fn cells(&self) -> Result<BTreeSet<Cell>> {
+        let of_lines = self.lines.iter().flatten();
+        let of_planes = self.planes.iter().flat_map(|(_, cells)| cells);
+        let mut cells: BTreeSet<Cell> = of_lines.chain(of_planes).copied().collect();
+        for run in &self.runs {
+            cells.insert(run.cell);
+            for parameter in 0..self.parameters().len() {
+                cells.insert(self.on_the_line(parameter, run.cell)?);
+            }
+        }
+        for &id in self.campaign.experiments.trials.keys() {
+            cells.insert(cell_of(self.campaign, &self.campaign.experiments.settings_of(id))?);
+        }
+        cells.insert(self.found.recommended.cell);
+        Ok(cells)
+    }
+
+    pub(super) fn response(&self) -> &'a Response {
+        &self.campaign.problem.response
+    }
+
+    /// Each with levels.
+    pub(super) fn parameters(&self) -> &'a [Parameter] {
+        self.campaign.grid.region().parameters()
+    }
+
+    /// The settings of the recommended design.
+    pub(super) fn best(&self) -> &[f64] {
+        &self.found.recommended.point
+    }
+
+    /// An axis of the settings of a parameter.
+    pub(super) fn axis(&self, parameter: usize) -> Axis {
+        let parameter = &self.parameters()[parameter];
+        Axis::new(parameter.name(), parameter.unit())
+    }
+
+    /// An axis of the response.
+    pub(super) fn response_axis(&self) -> Axis {
+        Axis::new(&self.response().name, &self.response().unit)
+    }
+
+    /// The recommended design with this parameter as another design has it.
+    pub(super) fn on_the_line(&self, parameter: usize, cell: Cell) -> Result<Cell> {
+        let grid = &self.campaign.grid;
+        let mut digits = grid.digits(self.found.recommended.cell)?;
+        digits[parameter] = grid.digits(cell)?[parameter];
+        Ok(grid.of_digits(&digits)?)
+    }
+
+    /// Whether settings are those of the recommended design, but for this parameter.
+    pub(super) fn is_on_the_line(&self, parameter: usize, settings: &[f64]) -> bool {
+        let pairs = settings.iter().zip(self.best()).zip(self.parameters()).enumerate();
+        pairs
+            .filter(|(index, _)| *index != parameter)
+            .all(|(_, ((made, best), bounds))| (made - best).abs() <= 1e-9 * bounds.width())
+    }
+
+    /// What is expected of a design that appears on the page.
+    pub(super) fn band(&self, cell: Cell) -> Option<Band> {
+        self.expected.get(&cell).map(|expected| Band {
+            mean: self.response().of_cost(expected.mean),
+            half: NINE_IN_TEN * expected.deviation,
+            feasible: expected.feasible,
+        })
+    }
+
+    /// The middle of that.
+    pub(super) fn expected(&self, cell: Cell) -> Option<f64> {
+        self.band(cell).map(|band| band.mean)
+    }
+}
+
+/// The design next to settings that may be any.
+pub(super) fn cell_of(campaign: &Campaign, settings: &[f64]) -> Result<Cell> {
+    Ok(campaign.grid.nearest(&campaign.problem.region.clamp(settings)?)?)
+}
+
+/// Every reading of the loop, in its order.
+fn runs(campaign: &Campaign) -> Result<Vec<Run>> {
+    let readings = &campaign.experiments.readings;
+    let imported = campaign.imported.iter().enumerate();
+    let imported = imported.map(|(index, one)| (Origin::Imported(index), one.point.clone(), one.value));
+    let own = |id: u64, value: f64| (Origin::Own(id), campaign.experiments.settings_of(id), value);
+    let again = readings
+        .iter()
+        .flat_map(|(&id, reading)| reading.again.values().filter_map(Measured::value).map(move |value| own(id, value)));
+    let first = readings.iter().filter_map(|(&id, reading)| Some(own(id, reading.first.as_ref()?.value()?)));
+    let run = |(origin, settings, value): (Origin, Vec<f64>, f64)| {
+        Ok(Run { origin, cell: cell_of(campaign, &settings)?, settings, value })
+    };
+    imported.chain(again).chain(first).map(run).collect()
+}
+
+fn failed(campaign: &Campaign) -> Vec<Vec<f64>> {
+    let readings = campaign.experiments.readings.iter();
+    let failed = readings.filter(|(_, reading)| reading.first.is_some() && reading.values().next().is_none());
+    failed.map(|(&id, _)| campaign.experiments.settings_of(id)).collect()
+}
+
+/// The designs along a parameter, from lower to upper: its levels, thinned, and that of the recommended design.
+fn line(view: &View, parameter: usize) -> Result<Vec<Cell>> {
+    let grid = &view.campaign.grid;
+    let Levels::Count(n) = view.parameters()[parameter].levels() else {
+        anyhow::bail!("parameter `{}` has no levels", view.parameters()[parameter].name());
+    };
+    let mut digits = grid.digits(view.found.recommended.cell)?;
+    let (n, best) = (u64::from(n), digits[parameter]);
+    let stride = n.div_ceil(u64::from(MOST_LEVELS)).max(1);
+    let is_drawn = |level: &u64| level % stride == best % stride || *level == 0 || level + 1 == n;
+    let cell = |level: u64| {
+        digits[parameter] = level;
+        Ok(grid.of_digits(&digits)?)
+    };
+    (0..n).filter(is_drawn).map(cell).collect()
+}
+
+/// Every pair of parameters, with the designs of its cells.
+fn planes(view: &View) -> Result<Vec<(Plane, Vec<Cell>)>> {
+    let maps = without_marks(view);
+    let with_cells = |plane: Plane| {
+        let points = maps.points(&plane);
+        let cells = points.iter().map(|point| Ok(view.campaign.grid.nearest(point)?)).collect::<Result<Vec<_>>>()?;
+        Ok((plane, cells))
+    };
+    maps.planes()?.into_iter().map(with_cells).collect()
+}
+
+/// The maps through the recommended design, without what was run.
+pub(super) fn without_marks<'a>(view: &'a View) -> Maps<'a> {
+    Maps { problem: &view.campaign.problem, parameters: view.parameters(), through: view.best(), marks: Vec::new() }
+}

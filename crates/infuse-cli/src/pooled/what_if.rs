@@ -1,0 +1,141 @@
+//! What is expected of designs that a person asks about.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use design_space::Cell;
+use infuse::pooled::{Expectation, Standing};
+use page::Finding;
+use serde_json::{Value, json};
+
+use super::campaign::Campaign;
+use super::findings::{NINE_IN_TEN, standing_in_words};
+use crate::findings::{amount, value};
+use crate::journal::Measured;
+use crate::number::{count, plain, short};
+use crate::problem::heading;
+use crate::sheet::replace;
+
+/// Rows of a table over the grid, at most.
+const MOST_ROWS: u64 = 20_000;
+
+impl Campaign {
+    /// The design next to what was asked for, in words that say so if it is another.
+    pub(super) fn nearest(&self, asked: &[f64]) -> Result<(String, Cell)> {
+        self.problem.region.coded(asked)?;
+        let cell = self.grid.nearest(asked)?;
+        let point = self.grid.point(cell)?;
+        let is_off = point.iter().zip(asked).any(|(level, asked)| plain(*level) != plain(*asked));
+        let nearest = if is_off { "The nearest design that can be set, " } else { "" };
+        Ok((format!("{nearest}{}", self.problem.describe(&point)), cell))
+    }
+
+    /// What is known of a design, beside the recommended one.
+    pub(super) fn standing(&self, cell: Cell) -> Result<Option<Standing>> {
+        let found = self.with_loop(|now, simulate| now.standings(&[cell], simulate))?;
+        Ok(found.and_then(|found| found.into_iter().next()))
+    }
+
+    /// What is expected of designs.
+    pub(super) fn expectations(&self, cells: &[Cell]) -> Result<Option<Vec<Expectation>>> {
+        self.with_loop(|now, simulate| now.expectations(cells, simulate))
+    }
+
+    /// Why a run of a design failed, if one did and none gave a value.
+    pub(super) fn failure_at(&self, cell: Cell) -> Option<String> {
+        let readings = self.experiments.trials.values().filter(|trial| trial.cell == cell);
+        let readings: Vec<_> = readings.filter_map(|trial| self.experiments.readings.get(&trial.id.number())).collect();
+        if readings.iter().any(|reading| reading.values().next().is_some()) {
+            return None;
+        }
+        readings.iter().find_map(|reading| match &reading.first {
+            Some(Measured::Failed(reason)) => Some(reason.clone()),
+            _ => None,
+        })
+    }
+}
+
+/// What is expected of one design.
+pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Finding>, Value)> {
+    let (_, cell) = campaign.nearest(asked)?;
+    let standing = campaign.standing(cell)?.context("no experiment gave a result yet, so nothing is expected")?;
+    let (problem, response) = (&campaign.problem, &campaign.problem.response);
+    let noise = campaign.assessment()?.map_or(0.0, |found| found.noise);
+    let half = NINE_IN_TEN * standing.deviation.hypot(noise);
+    let low_and_high = [standing.mean - half, standing.mean + half].map(|cost| response.of_cost(cost));
+    let sentence = format!(
+        "One run there would read {} to {}, nine times in ten.",
+        value(response, standing.mean - half),
+        value(response, standing.mean + half)
+    );
+    let one_run = Finding::new(sentence).with("give or take", half, &response.unit);
+    let json = json!({
+        "settings": problem.named(&standing.point), "expected": response.of_cost(standing.mean),
+        "deviation": standing.deviation, "one_run": low_and_high, "probability_better": standing.probability_better,
+        "probability_of_a_value": standing.feasible, "runs": standing.n_readings,
+        "measured": standing.measured.map(|cost| response.of_cost(cost)),
+    });
+    Ok((vec![standing_in_words(campaign, asked)?, one_run], json))
+}
+
+/// The same over the grid, as a table. How many rows it has.
+pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Finding>, Value)> {
+    let (problem, response) = (&campaign.problem, &campaign.problem.response);
+    let cells = some_cells(campaign);
+    let found = campaign.expectations(&cells)?.context("no experiment gave a result yet, so nothing is expected")?;
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let mut headings: Vec<String> = problem.region.parameters().iter().map(|p| heading(p.name(), p.unit())).collect();
+    let of_response =
+        ["expected", "lowest", "highest"].map(|word| heading(&format!("{word} {}", response.name), &response.unit));
+    headings.extend(of_response);
+    headings.push("probability of a value".to_owned());
+    table.write_record(&headings)?;
+    for (&cell, expectation) in cells.iter().zip(&found) {
+        let mut row: Vec<String> = campaign.grid.point(cell)?.into_iter().map(plain).collect();
+        let half = NINE_IN_TEN * expectation.deviation;
+        let ends = [-half, half].map(|by| response.of_cost(expectation.mean + by));
+        row.push(short(response.of_cost(expectation.mean)));
+        row.push(short(ends[0].min(ends[1])));
+        row.push(short(ends[0].max(ends[1])));
+        row.push(short(expectation.feasible));
+        table.write_record(&row)?;
+    }
+    let bytes = table.into_inner().map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
+    replace(path, &bytes)?;
+    let n_cells = campaign.grid.n_cells();
+    let which = if (cells.len() as u64) < n_cells { "designs all over the grid" } else { "all designs" };
+    let sentence = format!(
+        "Written to {}: {which}, {}; lowest and highest leave out one in ten.",
+        path.display(),
+        count(cells.len(), "row")
+    );
+    let typical = found.iter().map(|expectation| NINE_IN_TEN * expectation.deviation).fold(0.0, f64::max);
+    let widest = Finding::new(format!("The widest band is give or take {}.", amount(response, typical)));
+    Ok((vec![Finding::new(sentence), widest], json!({ "table": path, "rows": cells.len() })))
+}
+
+/// Every design, or every so many levels of each parameter.
+fn some_cells(campaign: &Campaign) -> Vec<Cell> {
+    let combinations = campaign.grid.combinations();
+    let counts = combinations.counts();
+    let n_of = |stride: u64| counts.iter().map(|count| (count - 1) / stride + 1).product::<u64>();
+    let stride = (1..).find(|&stride| n_of(stride) <= MOST_ROWS).unwrap_or(1);
+    let n = n_of(stride);
+    let mut cells = Vec::new();
+    for index in 0..n {
+        let mut rest = index;
+        let digits: Vec<u64> = counts
+            .iter()
+            .rev()
+            .map(|count| {
+                let n_levels = (count - 1) / stride + 1;
+                let level = rest % n_levels;
+                rest /= n_levels;
+                level * stride
+            })
+            .collect();
+        let digits: Vec<u64> = digits.into_iter().rev().collect();
+        cells.push(Cell::new(combinations.index(&digits)));
+    }
+    cells
+}

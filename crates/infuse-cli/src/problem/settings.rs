@@ -1,0 +1,140 @@
+//! The settings of each method, from the file and what follows from it.
+
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use design_space::{Levels, Model, Region, Term};
+use infuse::{
+    Error,
+    correction::{Gain, Law, Rule},
+    global, pooled,
+};
+
+use super::file::{LoopEntry, ModelEntry, SimulationsEntry};
+use super::{Problem, Simulator};
+
+impl Problem {
+    /// The settings of the dissertation's loop.
+    pub(crate) fn dissertation_settings(&self, careful: bool) -> Result<global::Settings> {
+        let mut settings = dissertation(&self.rule, &self.region, self.seed).context("[loop]")?;
+        settings.careful = careful;
+        Ok(settings)
+    }
+
+    /// The settings of the pooled loop, and the keys of the file that mean nothing to it.
+    pub(crate) fn pooled_settings(&self) -> Result<(pooled::Settings, Vec<&'static str>)> {
+        let settings = pooled_loop(self).map_err(by_its_name_in_the_file).context("[loop]")?;
+        Ok((settings, of_the_other_method(&self.rule)))
+    }
+}
+
+/// Simulations per batch, if not said: that many per parameter.
+const SIMULATIONS_PER_PARAMETER: usize = 15;
+
+fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
+    let (entry, k) = (&problem.rule, problem.region.n_parameters());
+    let mut settings = pooled::Settings::new(entry.experiments.unwrap_or(4 + 2 * k));
+    settings.simulations = match (&problem.simulator, &entry.simulations) {
+        // To look up costs nothing.
+        (Simulator::Table(_), _) => None,
+        (Simulator::Program { .. }, Some(SimulationsEntry::Count(count))) => Some(*count),
+        (Simulator::Program { .. }, None) => Some(SIMULATIONS_PER_PARAMETER * k),
+        (Simulator::Program { .. }, Some(SimulationsEntry::Named(_))) => None,
+    };
+    settings.max_batches = entry.batches.unwrap_or(settings.max_batches);
+    settings.confidence = entry.confidence.unwrap_or(settings.confidence);
+    settings.noise = entry.noise;
+    settings.worth = problem.worth;
+    settings.seed = problem.seed;
+    settings.validate()?;
+    Ok(settings)
+}
+
+/// Keys of the dissertation's loop that are set.
+fn of_the_other_method(entry: &LoopEntry) -> Vec<&'static str> {
+    let keys = [
+        ("model", entry.model.is_some()),
+        ("replicates", entry.replicates.is_some()),
+        ("drop_from", entry.drop_from.is_some()),
+        ("gain", entry.gain.is_some()),
+        ("experiment_weight", entry.experiment_weight.is_some()),
+        ("simulation_weight", entry.simulation_weight.is_some()),
+        ("surfaces", entry.surfaces.is_some()),
+        ("without_spread", entry.without_spread.is_some()),
+    ];
+    keys.into_iter().filter(|(_, is_set)| *is_set).map(|(key, _)| key).collect()
+}
+
+fn dissertation(entry: &LoopEntry, region: &Region, seed: u64) -> Result<global::Settings> {
+    ensure!(entry.noise.is_none(), "`noise` belongs to `method` = \"pooled\", expected repeats (`replicates`) instead");
+    if let Some(parameter) = region.parameters().iter().find(|parameter| parameter.levels() == Levels::Continuous) {
+        bail!(
+            "parameter `{}` needs `levels` = how many, or `step` = how finely it can be set, with `method` = \"dissertation\"",
+            parameter.name()
+        );
+    }
+    let model = model(entry.model.as_ref(), region)?;
+    let n_terms = model.n_terms();
+    let replicates = entry.replicates.unwrap_or(0);
+    let experiments =
+        entry.experiments.unwrap_or_else(|| (n_terms + n_terms.div_ceil(5)).max(n_terms + 2).max(4) + replicates);
+    let simulations = match &entry.simulations {
+        None => 2 * experiments,
+        Some(SimulationsEntry::Count(count)) => *count,
+        Some(SimulationsEntry::Named(_)) => {
+            bail!("`simulations` is \"all\", expected a number per batch with `method` = \"dissertation\"")
+        }
+    };
+    let mut settings = global::Settings::new(model, experiments, simulations);
+    settings.replicates = replicates;
+    settings.seed = seed;
+    settings.max_iterations = entry.batches.unwrap_or(settings.max_iterations);
+    settings.confidence = entry.confidence.unwrap_or(settings.confidence);
+    // The surface of the first batch still rests on simulations that nothing has corrected.
+    settings.first_screening = entry.drop_from.unwrap_or(2);
+    settings.experiment_weight = entry.experiment_weight.unwrap_or(settings.experiment_weight);
+    settings.simulation_weight = entry.simulation_weight.unwrap_or(settings.simulation_weight);
+    settings.surfaces = entry.surfaces.unwrap_or_default();
+    settings.fallback = entry.without_spread.unwrap_or_default();
+    // The harmonic gain forgets the gap at once and averages the noise of all batches.
+    let gain = entry.gain.unwrap_or_else(Gain::harmonic);
+    settings.correction = Rule::new(Law::ProofRecursion, gain);
+    settings.validate(region).map_err(by_its_name_in_the_file)?;
+    Ok(settings)
+}
+
+/// The fault of a setting under the name that this has in the file.
+fn by_its_name_in_the_file(error: Error) -> Error {
+    let key = |name: &'static str| match name {
+        "n_experiments" => "experiments",
+        "n_simulations" => "simulations",
+        "max_iterations" => "batches",
+        "first_screening" => "drop_from",
+        "fallback" => "without_spread",
+        name => name,
+    };
+    match error {
+        Error::Setting { name, value, expected } => Error::Setting { name: key(name), value, expected },
+        Error::SettingCount { name, value, expected } => Error::SettingCount { name: key(name), value, expected },
+        other => other,
+    }
+}
+
+fn model(entry: Option<&ModelEntry>, region: &Region) -> Result<Model> {
+    let k = region.n_parameters();
+    Ok(match entry {
+        None => Model::quadratic(k)?,
+        Some(ModelEntry::Named(name)) => {
+            Model::named(name, k).map_err(|error| anyhow!("`model` is {name:?}: {error}, or a list of terms"))?
+        }
+        Some(ModelEntry::Listed(terms)) => {
+            let mut exponents = Vec::new();
+            for (number, term) in terms.iter().enumerate() {
+                if let Some(name) = term.keys().find(|name| region.index_of(name).is_none()) {
+                    bail!("`model`, term {}: no parameter is called `{name}`", number + 1);
+                }
+                let exponent = |parameter: &design_space::Parameter| term.get(parameter.name()).copied().unwrap_or(0);
+                exponents.push(Term::new(region.parameters().iter().map(exponent).collect::<Vec<u8>>()));
+            }
+            Model::new(k, exponents)?
+        }
+    })
+}

@@ -1,0 +1,45 @@
+//! Whether a sheet that is there already is that of a batch.
+
+use std::path::Path;
+
+use anyhow::{Result, bail, ensure};
+use infuse::pooled::Trial;
+
+use super::columns::Columns;
+use super::table::Table;
+use crate::number::{parse, plain, with_unit};
+use crate::problem::Problem;
+
+/// An error if it holds other experiments, or other settings, than these trials; whatever else stands in it is a person's.
+pub(crate) fn check_same(path: &Path, problem: &Problem, trials: &[(Trial, Option<u64>)]) -> Result<()> {
+    let columns = Columns::of(problem);
+    let Ok(table) = Table::read(path, &columns.all) else {
+        bail!("{} is there already and is no sheet of this campaign; name another with --sheet", path.display());
+    };
+    let advice = "move it, or name another with --sheet";
+    for row in table.rows() {
+        let id = table.cell(row, Columns::ID);
+        if id.is_empty() {
+            continue;
+        }
+        let trial = trials.iter().map(|(trial, _)| trial).find(|trial| trial.id.to_string() == id);
+        let Some(trial) = trial else {
+            bail!(
+                "{} is there already and holds experiment {id}, which is not of this batch; {advice}",
+                path.display()
+            );
+        };
+        for (index, parameter) in problem.region.parameters().iter().enumerate() {
+            let (asked, text) = (trial.point[index], table.cell(row, columns.setting(index)));
+            let is_same = parse(text).map_or(text.is_empty(), |there| plain(there) == plain(asked));
+            ensure!(
+                is_same,
+                "{} is there already with {} {text} for experiment {id}, which is to be made at {}; {advice}",
+                path.display(),
+                parameter.name(),
+                with_unit(&plain(asked), parameter.unit())
+            );
+        }
+    }
+    Ok(())
+}
