@@ -13,7 +13,7 @@ use super::findings::{NINE_IN_TEN, standing_in_words};
 use crate::findings::{amount, value};
 use crate::journal::Measured;
 use crate::number::{count, plain, short};
-use crate::problem::heading;
+use crate::problem::{Goal, heading};
 use crate::sheet::replace;
 
 /// Rows of a table over the grid, at most.
@@ -62,11 +62,15 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
     let (problem, response) = (&campaign.problem, &campaign.problem.response);
     let noise = campaign.assessment()?.map_or(0.0, |found| found.noise);
     let half = NINE_IN_TEN * standing.deviation.hypot(noise);
-    let low_and_high = [standing.mean - half, standing.mean + half].map(|cost| response.of_cost(cost));
+    let mut costs = [standing.mean - half, standing.mean + half];
+    if response.goal == Goal::Maximize {
+        costs.reverse();
+    }
+    let low_and_high = costs.map(|cost| response.of_cost(cost));
     let sentence = format!(
         "One run there would read {} to {}, nine times in ten.",
-        value(response, standing.mean - half),
-        value(response, standing.mean + half)
+        value(response, costs[0]),
+        value(response, costs[1])
     );
     let one_run = Finding::new(sentence).with("give or take", half, &response.unit);
     let json = json!({

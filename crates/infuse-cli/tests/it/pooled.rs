@@ -224,6 +224,8 @@ fn what_if_gives_a_band_that_holds_the_truth_and_a_table() {
     rig.infuse(&["what-if", "--grid", "all.csv"]).ok();
     let table = rig.read("all.csv");
     assert_eq!(table.lines().count(), 136);
+    let [low, high] = [0, 1].map(|end| said["one_run"][end].as_f64().unwrap());
+    assert!(low < expected && expected < high, "{said}");
     let row = table.lines().find(|line| line.starts_with("4,7,")).unwrap();
     let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
     assert!(
@@ -471,4 +473,18 @@ fn repeats_do_not_follow_their_original_where_others_can_stand_between() {
             std::fs::remove_file(rig.path(file)).unwrap();
         }
     }
+}
+
+#[test]
+fn what_is_maximized_is_said_from_low_to_high() {
+    let rig = rig_of(|a, b| 50.0 - (a - 3.0).powi(2) - 0.3 * (b - 6.0).powi(2), "");
+    rig.edit("goal = \"minimize\"", "goal = \"maximize\"");
+    for _ in 0..2 {
+        batch(&rig, |a, b, id| Ok(60.0 - (a - 5.0).powi(2) - 0.3 * (b - 9.0).powi(2) + 0.1 * wobble(id)));
+    }
+    assert_eq!(best(&rig), (5.0, 9.0));
+    let said: Value = serde_json::from_str(&rig.infuse(&["what-if", "a=4,b=7", "--json"]).ok()).unwrap();
+    let [low, high] = [0, 1].map(|end| said["one_run"][end].as_f64().unwrap());
+    let truth = 60.0 - 1.0 - 0.3 * 4.0;
+    assert!(low < truth && truth < high, "{said}");
 }
