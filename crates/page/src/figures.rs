@@ -18,6 +18,7 @@ mod panels;
 mod points;
 mod scale;
 mod spread;
+mod strips;
 mod thinning;
 
 pub use axis::{Axis, ColorScale};
@@ -32,5 +33,6 @@ pub(crate) use marks::legend_markup;
 pub use marks::{Key, Mark, Stroke};
 pub use points::Points;
 pub use spread::{Group, Reference, SpreadFigure, Summary, quantile, spread_figure};
+pub use strips::{StripFigure, strip_figure};
 #[cfg(test)]
 mod tests;
