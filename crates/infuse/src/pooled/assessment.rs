@@ -137,7 +137,7 @@ impl Look {
     ) -> Result<Self, Error> {
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
         let cell = lowest_mean(knowledge, &pool)?;
-        let draws = Draws::of(knowledge, &pool, cell, readings.len(), settings.seed, batch)?;
+        let draws = Draws::of(knowledge, &pool, cell, readings, settings.seed, batch)?;
         let certificate = draws.certificate(settings.confidence);
         let recommended = standing(knowledge, readings, cell, cell, settings.confidence)?;
         let assessment = Assessment {

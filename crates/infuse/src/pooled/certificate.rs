@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use surface::process::Joint;
 
 use crate::Error;
-use crate::pooled::knowledge::Knowledge;
+use crate::pooled::knowledge::{Knowledge, Reading};
 use crate::pooled::pool::Pool;
 use crate::pooled::streams::{Purpose, stream};
 
@@ -35,7 +35,7 @@ impl Trust {
     fn after(n_readings: usize, n_factors: usize) -> Self {
         let n_terms = (n_factors + 1) * (n_factors + 2) / 2;
         let scarcity = (n_terms as f64 / n_readings.max(1) as f64).min(1.0);
-        Self { doubt: 0.25 * scarcity, allowance: 1.0 + 8.0 * scarcity * scarcity }
+        Self { doubt: scarcity, allowance: 1.0 + 8.0 * scarcity * scarcity }
     }
 }
 
@@ -63,6 +63,8 @@ pub(crate) struct Draws {
     /// With the draws that do not believe the simulation.
     all: Gains,
     allowance: f64,
+    /// What the readings differ by: further than that nothing is widened.
+    spread: f64,
 }
 
 impl Draws {
@@ -70,7 +72,7 @@ impl Draws {
         knowledge: &mut Knowledge<'_, '_>,
         pool: &Pool,
         recommended: Cell,
-        n_readings: usize,
+        readings: &[Reading],
         seed: u64,
         batch: usize,
     ) -> Result<Self, Error> {
@@ -90,7 +92,7 @@ impl Draws {
         let places = knowledge.places(&cells)?;
         let of_each = knowledge.joint_of_each(&places);
         let doubts = knowledge.sceptic.as_ref().map(|sceptic| sceptic.joint_of_each(&places)).unwrap_or_default();
-        let trust = Trust::after(n_readings, knowledge.designs.n_factors());
+        let trust = Trust::after(readings.len(), knowledge.designs.n_factors());
         let first = of_each.len() as u128;
         let believed = gains(&of_each, DRAWS, seed, batch, 0);
         let doubted = gains(&doubts, DOUBTED, seed, batch, first);
@@ -99,14 +101,26 @@ impl Draws {
         } else {
             Gains::of(vec![(believed.clone(), 1.0 - trust.doubt), (doubted, trust.doubt)])
         };
-        Ok(Self { believed: Gains::of(vec![(believed, 1.0)]), all, allowance: trust.allowance })
+        Ok(Self {
+            believed: Gains::of(vec![(believed, 1.0)]),
+            all,
+            allowance: trust.allowance,
+            spread: spread(readings),
+        })
     }
 
     pub(crate) fn certificate(&self, probability: f64) -> Certificate {
         let sure = 1.0 - (1.0 - SURE) * (1.0 - probability) / (1.0 - USUAL);
-        let quantile = self.believed.quantile(probability);
-        Certificate { probability, bound: (self.allowance * self.all.quantile(sure)).max(quantile), quantile }
+        let (quantile, drawn) = (self.believed.quantile(probability), self.all.quantile(sure));
+        let bound = (self.allowance * drawn).min(self.spread).max(drawn).max(quantile);
+        Certificate { probability, bound, quantile }
     }
+}
+
+/// The highest reading less the lowest.
+fn spread(readings: &[Reading]) -> f64 {
+    let responses = || readings.iter().map(|reading| reading.response);
+    responses().fold(f64::NEG_INFINITY, f64::max) - responses().fold(f64::INFINITY, f64::min)
 }
 
 /// Gains with their shares, ascending.
@@ -164,11 +178,13 @@ mod tests {
 
     fn draws() -> impl Strategy<Value = Draws> {
         let sample = || prop::collection::vec(0.0..1.0_f64, 1..200);
-        (sample(), sample(), 1_usize..200, 1_usize..8).prop_map(|(believed, doubted, n_readings, n_factors)| {
-            let Trust { doubt, allowance } = Trust::after(n_readings, n_factors);
-            let all = Gains::of(vec![(believed.clone(), 1.0 - doubt), (doubted, doubt)]);
-            Draws { believed: Gains::of(vec![(believed, 1.0)]), all, allowance }
-        })
+        (sample(), sample(), 1_usize..200, 1_usize..8, 0.0..3.0_f64).prop_map(
+            |(believed, doubted, n_readings, n_factors, spread)| {
+                let Trust { doubt, allowance } = Trust::after(n_readings, n_factors);
+                let all = Gains::of(vec![(believed.clone(), 1.0 - doubt), (doubted, doubt)]);
+                Draws { believed: Gains::of(vec![(believed, 1.0)]), all, allowance, spread }
+            },
+        )
     }
 
     proptest! {
@@ -186,7 +202,7 @@ mod tests {
             let trust = |n| Trust::after(n, n_factors);
             let (now, then) = (trust(n_readings), trust(n_readings + 1));
             prop_assert!(then.doubt <= now.doubt && then.allowance <= now.allowance);
-            prop_assert!((0.0..=0.25).contains(&now.doubt) && (1.0..=9.0).contains(&now.allowance));
+            prop_assert!((0.0..=1.0).contains(&now.doubt) && (1.0..=9.0).contains(&now.allowance));
         }
     }
 
