@@ -32,6 +32,7 @@ enum Kind {
     Bowl,
     Stall,
     Wells,
+    Hidden,
     Branin,
     Currin,
     ParkOne,
@@ -54,6 +55,7 @@ impl Kind {
             Self::Bowl => "skewed oblique bowl; the simulated one is displaced by 0.15 to 0.35",
             Self::Stall => "bowl with a kink, beyond which the truth rises steeply; the simulation has none",
             Self::Wells => "two wells; the simulation exchanges their depths",
+            Self::Hidden => "two wells; the simulation has the shallower only",
             Self::Branin => {
                 "Branin's function, tilted; the simulation is shifted by up to a tenth and tilted otherwise"
             }
@@ -70,10 +72,11 @@ impl Kind {
 }
 
 /// All families.
-pub(crate) const FAMILIES: [Family; 19] = [
+pub(crate) const FAMILIES: [Family; 21] = [
     family("bowl-2", 2, Kind::Bowl, 0.03),
     family("stall-2", 2, Kind::Stall, 0.03),
     family("wells-2", 2, Kind::Wells, 0.03),
+    family("hidden-2", 2, Kind::Hidden, 0.03),
     family("branin", 2, Kind::Branin, 0.03),
     family("currin", 2, Kind::Currin, 0.03),
     family("cliff-2", 2, Kind::Cliff, 0.03),
@@ -84,6 +87,7 @@ pub(crate) const FAMILIES: [Family; 19] = [
     family("bowl-4", 4, Kind::Bowl, 0.03),
     family("stall-4", 4, Kind::Stall, 0.03),
     family("wells-4", 4, Kind::Wells, 0.03),
+    family("hidden-4", 4, Kind::Hidden, 0.03),
     family("park-1", 4, Kind::ParkOne, 0.03),
     family("park-2", 4, Kind::ParkTwo, 0.03),
     family("hartmann-4", 4, Kind::Hartmann, 0.03),
@@ -145,7 +149,8 @@ impl Kind {
         match self {
             Self::Bowl => bowl(k, rng),
             Self::Stall => stall(k, rng),
-            Self::Wells => wells(k, rng),
+            Self::Wells => wells(k, rng, |[deep, shallow]| [shallow, deep]),
+            Self::Hidden => wells(k, rng, |[_, shallow]| [0.0, shallow]),
             Self::Branin => branin(rng),
             Self::Currin => currin(rng),
             Self::ParkOne => shifted(k, rng, park_one, |x| {
@@ -226,7 +231,8 @@ fn stall(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
     (Box::new(move |u| smooth(u) + slope * (dot(u, &normal) - line).max(0.0)), Box::new(simulation))
 }
 
-fn wells(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
+/// Two wells, whose depths the simulation has as `simulated` says.
+fn wells(k: usize, rng: &mut ChaCha8Rng, simulated: fn([f64; 2]) -> [f64; 2]) -> (Function, Function) {
     let (first, second) = loop {
         let first: Vec<f64> = (0..k).map(|_| between(rng, 0.15, 0.85)).collect();
         let second: Vec<f64> = (0..k).map(|_| between(rng, 0.15, 0.85)).collect();
@@ -245,7 +251,7 @@ fn wells(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
         1.0 + 0.2 * dot(u, u) / u.len() as f64 - well(&first, depths[0]) - well(&second, depths[1])
     };
     let simulation = shape.clone();
-    (Box::new(move |u| shape(u, [deep, shallow])), Box::new(move |u| simulation(u, [shallow, deep])))
+    (Box::new(move |u| shape(u, [deep, shallow])), Box::new(move |u| simulation(u, simulated([deep, shallow]))))
 }
 
 fn branin(rng: &mut ChaCha8Rng) -> (Function, Function) {
