@@ -7,6 +7,8 @@
 mod bat;
 #[cfg(feature = "benchmark")]
 mod benchmark;
+#[cfg(feature = "calibration")]
+mod calibration;
 #[cfg(feature = "similarity")]
 mod chapter2;
 mod chapter3;
@@ -86,6 +88,12 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         (None, ["reproduce-all"]) => Box::new(|| reproduce_all::run(root, STUDIES, false)),
         #[cfg(feature = "global")]
         (None, ["reproduce-all", "--check"]) => Box::new(|| reproduce_all::run(root, STUDIES, true)),
+        #[cfg(feature = "calibration")]
+        (None, ["calibrate"]) => Box::new(|| calibration::run(root)),
+        #[cfg(feature = "calibration")]
+        (None, ["calibrate", "--page"]) => Box::new(|| calibration::write_page(root)),
+        #[cfg(feature = "calibration")]
+        (None, ["calibrate", "--check"]) => Box::new(|| calibration::check(root)),
         #[cfg(feature = "benchmark")]
         (None, ["benchmark"]) => Box::new(|| benchmark::run(root)),
         #[cfg(feature = "benchmark")]

@@ -1,0 +1,302 @@
+//! `docs/results-calibration.md`: how wide the plants spread, what they say of rows that nothing was fitted to, and what their models
+//! are worth.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result, ensure};
+use bat_dynamics::Fidelity;
+use page::{Axis, Column, StripFigure, Table, strip_figure};
+use rayon::prelude::*;
+
+use super::candidate::{Candidate, Flown, STUDIES, Spot, fly};
+use super::evidence::Evidence;
+use super::fit::Refusal;
+use super::landscape::{Diagnostics, Landscape};
+use super::store::{Member, Store};
+use super::{Calibration, candidates};
+use crate::bat::STAND_IN;
+
+const PAGE: &str = "docs/results-calibration.md";
+const PICTURE: &str = "docs/results-calibration.svg";
+
+/// The published path of Table 6: center of mass in per cent of chord aft of the center of buoyancy, pitch set point in degrees,
+/// factors of the stabilizers' areas.
+const TABLE_6: [[f64; 4]; 6] = [
+    [1.16, 6.14, 0.8, 1.77],
+    [5.62, 13.73, 1.26, 0.88],
+    [5.24, 9.76, 0.81, 1.63],
+    [5.11, 9.78, 0.84, 1.55],
+    [5.09, 10.57, 0.84, 1.44],
+    [5.09, 11.61, 0.88, 1.41],
+];
+
+/// What was found of one plant.
+struct Seen {
+    /// Where each optimum of the evidence is, and its cost; where the evidence is a cost, that alone.
+    evidence: Vec<(Option<[f64; 2]>, f64)>,
+    held_out: Vec<f64>,
+    /// In the stand-in, row by row; none where a flight failed.
+    table_6: Vec<Option<f64>>,
+    /// Of each study.
+    diagnostics: [Diagnostics; 2],
+}
+
+pub(super) fn write(root: &Path, calibration: &Calibration, store: &Store) -> Result<()> {
+    for (path, text) in texts(calibration, store)? {
+        std::fs::write(root.join(path), text).with_context(|| path.to_owned())?;
+    }
+    eprintln!("{PAGE}, {PICTURE}");
+    Ok(())
+}
+
+/// That the committed page follows from the plants that are kept.
+pub(super) fn check(root: &Path, calibration: &Calibration, store: &Store) -> Result<()> {
+    for (path, text) in texts(calibration, store)? {
+        let committed = std::fs::read_to_string(root.join(path)).with_context(|| path.to_owned())?;
+        ensure!(committed == text, "{path} does not follow from the plants kept: run `cargo xtask calibrate --page`");
+    }
+    Ok(())
+}
+
+fn texts(calibration: &Calibration, store: &Store) -> Result<[(&'static str, String); 2]> {
+    let candidates = candidates(calibration, store)?;
+    let seen: Vec<Seen> = candidates.par_iter().map(|candidate| see(calibration, candidate)).collect::<Result<_>>()?;
+    Ok([(PAGE, markdown(calibration, store, &seen)), (PICTURE, picture(calibration, store))])
+}
+
+fn see(calibration: &Calibration, candidate: &Candidate) -> Result<Seen> {
+    let landscape = Landscape::fly(calibration, candidate);
+    let at = |spots: &[Spot]| -> Vec<Option<Flown>> {
+        let Calibration { profile, settings, .. } = calibration;
+        fly(std::slice::from_ref(candidate), spots, profile, settings).pop().unwrap_or_default()
+    };
+    let cost_of = |evidence: &Evidence| -> Result<f64> {
+        let flown = at(&evidence.spots()[..1]).pop().flatten();
+        let flown = flown.with_context(|| format!("{}: it cannot be flown", evidence.label))?;
+        Ok(flown.cost(&candidate.weights[evidence.study]))
+    };
+    let evidence = calibration.evidence.iter().map(|evidence| {
+        if evidence.is_optimum {
+            let (design, cost) = landscape.lowest(evidence, candidate)?;
+            Ok((Some(design), cost))
+        } else {
+            Ok((None, cost_of(evidence)?))
+        }
+    });
+    let buoyancy = 100.0 * candidate.rig.plant.body.center_of_buoyancy_x;
+    let path: Vec<Spot> = TABLE_6
+        .iter()
+        .map(|[aft, pitch, horizontal, vertical]| Spot {
+            fidelity: STAND_IN,
+            design: [buoyancy + aft, *pitch, *horizontal, *vertical],
+        })
+        .collect();
+    let table_6 = at(&path).into_iter().map(|flown| flown.map(|one| one.cost(&candidate.weights[1])));
+    let diagnostics = |study: usize| landscape.diagnostics(study, calibration.boxes[study], candidate);
+    Ok(Seen {
+        evidence: evidence.collect::<Result<_>>()?,
+        held_out: calibration.held_out.iter().map(cost_of).collect::<Result<_>>()?,
+        table_6: table_6.collect(),
+        diagnostics: [diagnostics(0)?, diagnostics(1)?],
+    })
+}
+
+/// Lowest, median and highest.
+fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
+    let values: Vec<f64> = values.collect();
+    [0.0, 0.5, 1.0].map(|share| page::quantile(&values, share).unwrap_or(f64::NAN))
+}
+
+fn words([low, middle, high]: [f64; 3], digits: usize) -> String {
+    format!("{middle:.digits$} ({low:.digits$} to {high:.digits$})")
+}
+
+/// The share of a range that the plants span, and the number of its fifths in which one lies.
+fn coverage(calibration: &Calibration, store: &Store, index: usize) -> ([f64; 3], usize) {
+    let free = &calibration.free[index];
+    let shares = || store.members.iter().map(|member| free.share(member.values[index]));
+    let fifths = (0..5).filter(|fifth| shares().any(|share| (share * 5.0).floor().clamp(0.0, 4.0) as usize == *fifth));
+    (spread(shares()), fifths.count())
+}
+
+fn markdown(calibration: &Calibration, store: &Store, seen: &[Seen]) -> String {
+    let mut text = format!("# {}\n\n", calibration.title);
+    for sentence in findings(calibration, store, seen) {
+        text += &format!("- {sentence}\n");
+    }
+    text += "\n![Where the plants lie in their ranges](results-calibration.svg)\n\n\
+             Each row is a number that is free, each dot a plant, from the lower end of the range at 0 to the upper at 1.\n\n\
+             Written by `cargo xtask calibrate` from `fixtures/bat/calibration.toml`, which has every range with its reason; the plants are \
+             in `fixtures/bat/ensemble`. A run that is killed goes on where it was, `--page` writes this page alone, and `--check`, a \
+             part of `cargo xtask ci`, flies every plant against its evidence.\n\n";
+    text += "## Evidence\n\nWhat was fitted: it counts for nothing. Optima are the lowest cost over the box, between flights by cubic \
+             interpolation.\n\n";
+    text += &evidence_table(calibration, seen).markdown();
+    text += "\n## Held out\n\nPublished numbers that nothing was fitted to.\n\n";
+    text += &held_out_table(calibration, seen).markdown();
+    text += "\n## What a model of these plants is worth\n\nRank correlation of model and stand-in over the box; the share of the box that \
+             is better in the stand-in than the optimum of the model; R² of the printed regressor (61) and of the full quadratic in the \
+             stand-in's cost. Plants by the number of their start.\n\n";
+    text += &diagnostics_table(store, seen).markdown();
+    text +=
+        "\n## Ranges\n\nLowest, median and highest of the plants, and in how many fifths of its range one lies.\n\n";
+    text += &ranges_table(calibration, store).markdown();
+    text
+}
+
+fn findings(calibration: &Calibration, store: &Store, seen: &[Seen]) -> Vec<String> {
+    let n = store.members.len();
+    let refused = Refusal::ALL.into_iter().filter_map(|refusal| {
+        let count = store.starts.iter().filter(|start| start.refusal == Some(refusal)).count();
+        (count > 0).then(|| format!("{count}: {}", refusal.words()))
+    });
+    let refused: Vec<String> = refused.collect();
+    let fifths: Vec<usize> = (0..calibration.free.len()).map(|k| coverage(calibration, store, k).1).collect();
+    let wide = fifths.iter().filter(|count| **count >= 4).count();
+    let of =
+        |study: usize, read: fn(&Diagnostics) -> f64| spread(seen.iter().map(|seen| read(&seen.diagnostics[study])));
+    let falls =
+        seen.iter().filter(|seen| matches!((seen.table_6[0], seen.table_6[5]), (Some(a), Some(b)) if b < a)).count();
+    let row_2 = spread(seen.iter().map(|seen| seen.held_out[0]));
+    vec![
+        format!(
+            "{n} plants meet the fitted rows of Tables 3 and 5, each optimum within {} % of chord and {} deg over the whole box, each \
+             cost within {} %: calibrated, from {} starts. Refused were {}.",
+            calibration.tolerance.center_of_mass,
+            calibration.tolerance.pitch_set_point,
+            100.0 * calibration.tolerance.cost,
+            store.starts.len(),
+            refused.join("; ")
+        ),
+        format!(
+            "The published numbers pin down little: of {} free numbers {wide} lie in at least four of the five fifths of their range.",
+            fifths.len()
+        ),
+        format!(
+            "Predicted: the experiment of Table 3, row 2, costs {} s where {} is printed (median, lowest to highest); along the printed \
+             path of Table 6 the cost falls from row 0 to row 5 in {falls} of {n} plants.",
+            words(row_2, 2),
+            calibration.held_out[0].cost.unwrap_or(f64::NAN)
+        ),
+        format!(
+            "Rank correlation of model and stand-in over the box: {} in Chapter 4, {} in Chapter 7 (two parameters). Better than the \
+             model's optimum: {} and {} % of the box. R² of (61): {} and {}.",
+            words(of(0, |d| d.rank_correlation), 2),
+            words(of(1, |d| d.rank_correlation), 2),
+            words(of(0, |d| 100.0 * d.better_than_model), 0),
+            words(of(1, |d| 100.0 * d.better_than_model), 0),
+            words(of(0, |d| d.additive_fit), 2),
+            words(of(1, |d| d.additive_fit), 2),
+        ),
+    ]
+}
+
+fn fidelity_words(fidelity: Fidelity) -> &'static str {
+    if fidelity == STAND_IN { "stand-in" } else { "model" }
+}
+
+fn evidence_table(calibration: &Calibration, seen: &[Seen]) -> Table {
+    let heads = ["evidence", "study", "fidelity"].map(Column::words);
+    let numbers = [
+        ("center of mass", "% chord"),
+        ("found", "% chord"),
+        ("pitch", "deg"),
+        ("found", "deg"),
+        ("cost", "s"),
+        ("found", "s"),
+    ];
+    let mut table =
+        Table::new(heads.into_iter().chain(numbers.map(|(name, unit)| Column::number(name, unit))).collect());
+    for (index, evidence) in calibration.evidence.iter().enumerate() {
+        let found = |k: usize, digits: usize| {
+            let places = seen.iter().filter_map(|seen| Some(seen.evidence[index].0?[k]));
+            if evidence.is_optimum { words(spread(places), digits) } else { String::new() }
+        };
+        let cost = || words(spread(seen.iter().map(|seen| seen.evidence[index].1)), 2);
+        table.push(vec![
+            evidence.label.clone(),
+            STUDIES[evidence.study].to_owned(),
+            fidelity_words(evidence.fidelity).to_owned(),
+            evidence.design[0].to_string(),
+            found(0, 2),
+            evidence.design[1].to_string(),
+            found(1, 2),
+            evidence.cost.map_or_else(String::new, |cost| cost.to_string()),
+            if evidence.cost.is_some() { cost() } else { String::new() },
+        ]);
+    }
+    table
+}
+
+fn held_out_table(calibration: &Calibration, seen: &[Seen]) -> Table {
+    let mut table =
+        Table::new(vec![Column::words("row"), Column::number("printed", "s"), Column::number("predicted", "s")]);
+    for (index, row) in calibration.held_out.iter().enumerate() {
+        let predicted = words(spread(seen.iter().map(|seen| seen.held_out[index])), 2);
+        table.push(vec![row.label.clone(), row.cost.map_or_else(String::new, |cost| cost.to_string()), predicted]);
+    }
+    for row in 0..TABLE_6.len() {
+        let share = seen.iter().filter_map(|seen| Some(seen.table_6[row]? / seen.table_6[0]?));
+        let label = format!("Table 6, row {row}: cost in the stand-in as a part of row 0");
+        table.push(vec![label, String::new(), words(spread(share), 2)]);
+    }
+    table
+}
+
+fn diagnostics_table(store: &Store, seen: &[Seen]) -> Table {
+    let names = ["rank correlation", "better than the model's optimum, %", "R² of (61)", "R² of the quadratic"];
+    let of_each = STUDIES.iter().flat_map(|study| names.map(|name| Column::number(&format!("{study}: {name}"), "1")));
+    let mut table = Table::new(std::iter::once(Column::number("start", "1")).chain(of_each).collect());
+    for (Member { start, .. }, seen) in store.members.iter().zip(seen) {
+        let numbers = seen.diagnostics.iter().flat_map(|found| {
+            [
+                format!("{:.2}", found.rank_correlation),
+                format!("{:.0}", 100.0 * found.better_than_model),
+                format!("{:.2}", found.additive_fit),
+                format!("{:.2}", found.quadratic_fit),
+            ]
+        });
+        table.push(std::iter::once(start.to_string()).chain(numbers).collect());
+    }
+    table
+}
+
+fn ranges_table(calibration: &Calibration, store: &Store) -> Table {
+    let heads = [Column::words("number"), Column::words("unit")];
+    let numbers = ["lower", "upper", "plants", "fifths"].map(|name| Column::number(name, "1"));
+    let mut table = Table::new(heads.into_iter().chain(numbers).chain([Column::words("reason")]).collect());
+    for (index, free) in calibration.free.iter().enumerate() {
+        let [low, middle, high] = spread(store.members.iter().map(|member| member.values[index]));
+        table.push(vec![
+            format!("`{}`", free.key),
+            free.unit.clone(),
+            format!("{}", free.lower),
+            format!("{}", free.upper),
+            format!("{} ({} to {})", digits(middle), digits(low), digits(high)),
+            coverage(calibration, store, index).1.to_string(),
+            free.reason.clone(),
+        ]);
+    }
+    table
+}
+
+/// Three digits.
+fn digits(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let decimals = (2 - value.abs().log10().floor() as i32).max(0) as usize;
+    if decimals > 5 { format!("{value:.2e}") } else { format!("{value:.decimals$}") }
+}
+
+fn picture(calibration: &Calibration, store: &Store) -> String {
+    let row = |(index, free): (usize, &super::Free)| {
+        let shares = store.members.iter().map(|member| free.share(member.values[index]));
+        (free.key.trim_start_matches("plant.").replace('_', " "), shares.collect())
+    };
+    strip_figure(&StripFigure {
+        title: format!("{} plants within their ranges", store.members.len()),
+        x_axis: Axis::new("share of the range", "1").with_range(0.0, 1.0),
+        rows: calibration.free.iter().enumerate().map(row).collect(),
+    })
+}
