@@ -135,3 +135,49 @@ fn totals(sums: &[Lanes; ENTRIES]) -> [[f64; COLUMNS]; COLUMNS] {
     }
     matrix
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector6;
+
+    use super::*;
+
+    /// A matrix `Jᵀ J + I` of made-up numbers with a right-hand side.
+    fn equations() -> [[f64; COLUMNS]; COLUMNS] {
+        let j = Matrix6::from_fn(|i, k| ((3 * i + 5 * k * k + i * k) as f64).sin());
+        let matrix = j.transpose() * j + Matrix6::identity();
+        let mut equations = [[0.0; COLUMNS]; COLUMNS];
+        for i in 0..6 {
+            for k in 0..6 {
+                equations[i][k] = matrix[(i, k)];
+            }
+            equations[i][6] = (i as f64 - 2.5) * 0.7;
+        }
+        equations
+    }
+
+    #[test]
+    fn elimination_solves_as_the_factor_of_the_library_does() {
+        let equations = equations();
+        let right = Vector6::from_fn(|i, _| equations[i][6]);
+        for damping in [0.0, 0.3] {
+            let matrix = Matrix6::from_fn(|i, k| equations[i][k] * if i == k { 1.0 + damping } else { 1.0 });
+            let expected = Cholesky::new(matrix).unwrap().solve(&right);
+            let found = Vector6::from(solve(&equations, 1.0 + damping).unwrap());
+            assert!((found - expected).amax() < 1e-14, "{found} and {expected}");
+        }
+    }
+
+    #[test]
+    fn column_that_is_the_sum_of_two_others_leaves_the_equations_open() {
+        let mut equations = equations();
+        for k in 0..6 {
+            equations[k][5] = equations[k][0] + equations[k][1];
+        }
+        for k in 0..6 {
+            equations[5][k] = equations[0][k] + equations[1][k];
+        }
+        assert_eq!(solve(&equations, 1.0), None, "one unknown can be anything");
+        assert!(solve(&equations, 1.1).is_some(), "damped, they have a solution");
+    }
+}
