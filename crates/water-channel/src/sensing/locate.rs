@@ -80,12 +80,8 @@ pub(crate) fn locate(bundles: &[Bundle], guess: &Pose) -> Result<Pose, Hold> {
 }
 
 #[inline(always)]
-fn largest(step: &[f64; 6]) -> f64 {
-    let mut largest = 0.0_f64;
-    for k in 0..6 {
-        largest = largest.max(step[k].abs());
-    }
-    largest
+fn largest(&[a, b, c, d, e, f]: &[f64; 6]) -> f64 {
+    a.abs().max(b.abs()).max(c.abs()).max(d.abs()).max(e.abs()).max(f.abs())
 }
 
 /// The pose after a step of shifts and turns along G.

@@ -1,5 +1,7 @@
 //! The normal equations of a pose: sums over the sightings, their solution and what they say of its error.
 
+#![expect(clippy::needless_range_loop, reason = "loops over indices stay in registers here; iterators are not inlined")]
+
 use bat_dynamics::{Lanes, Real};
 use nalgebra::{Cholesky, Matrix6};
 
@@ -38,13 +40,14 @@ impl NormalEquations {
             if !is_ahead(seen.depth) {
                 return None;
             }
-            for k in 0..2 {
+            let row = |k: usize| {
                 let w = seen.slopes[k];
                 let w = [w[0] * bundle.weight, w[1] * bundle.weight, w[2] * bundle.weight];
                 let turned = cross(arm, w);
                 let left = (bundle.pixel[k] - seen.pixel[k]) * bundle.weight;
-                add_products(&mut sums, &[w[0], w[1], w[2], turned[0], turned[1], turned[2], left]);
-            }
+                [w[0], w[1], w[2], turned[0], turned[1], turned[2], left]
+            };
+            add_products(&mut sums, &row(0), &row(1));
         }
         Some(Self { sums: totals(&sums) })
     }
@@ -80,7 +83,8 @@ fn solve(equations: &[[f64; COLUMNS]; COLUMNS], raised: f64) -> Option<[f64; 6]>
     }
     let mut inverse = [0.0; 6];
     for k in 0..6 {
-        if !(a[k][k] > SMALLEST_PIVOT * equations[k][k]) {
+        let is_regular = a[k][k] > SMALLEST_PIVOT * equations[k][k];
+        if !is_regular {
             return None;
         }
         inverse[k] = 1.0 / a[k][k];
@@ -108,13 +112,13 @@ fn is_ahead(depth: Lanes) -> bool {
     a > 0.0 && b > 0.0 && c > 0.0 && d > 0.0
 }
 
-/// Adds the products of a row with itself, upper triangle row by row.
+/// Adds the products of the rows of u and of v with themselves, upper triangle row by row.
 #[inline(always)]
-fn add_products(sums: &mut [Lanes; ENTRIES], row: &[Lanes; COLUMNS]) {
+fn add_products(sums: &mut [Lanes; ENTRIES], u: &[Lanes; COLUMNS], v: &[Lanes; COLUMNS]) {
     let mut k = 0;
     for i in 0..COLUMNS {
         for j in i..COLUMNS {
-            sums[k] = sums[k] + row[i] * row[j];
+            sums[k] = sums[k] + (u[i] * u[j] + v[i] * v[j]);
             k += 1;
         }
     }

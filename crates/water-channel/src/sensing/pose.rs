@@ -55,19 +55,15 @@ impl Pose {
     /// ```
     ///
     /// `None` with the nose straight up or down, where roll and heading are the same turn.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn angles_of_turn(&self) -> Option<[Triple; 3]> {
-        let (sp, cp) = Real::sin_cos(self.pitch_rad);
-        let (sh, ch) = Real::sin_cos(self.heading_rad);
-        if !(cp.abs() > 1e-9) {
-            return None;
-        }
+        let (Lanes([sp, sh, ..]), Lanes([cp, ch, ..])) = Lanes([self.pitch_rad, self.heading_rad, 0.0, 0.0]).sin_cos();
         let roll = [ch / cp, sh / cp, 0.0];
-        Some([roll, [-sh, ch, 0.0], [sp * roll[0], sp * roll[1], 1.0]])
+        (cp.abs() > 1e-9).then_some([roll, [-sh, ch, 0.0], [sp * roll[0], sp * roll[1], 1.0]])
     }
 
     /// The pose a step further: a shift in m and changes of roll, pitch and heading in rad.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn moved(&self, shift: Triple, angles: Triple) -> Self {
         Self {
             position_m: add(self.position_m, shift),

@@ -86,9 +86,12 @@ impl Viewer {
         for (dot, mark) in self.marks.iter().enumerate() {
             let (place, normal) = (add(pose.position_m, times(&r_gb, mark.place)), times(&r_gb, mark.normal));
             for (camera, (eye, region)) in self.eyes.iter().zip(&self.regions).enumerate() {
-                let seen = eye.project(place);
                 let faces = dot_product(normal, minus(eye.position, place)) > 0.0;
-                if faces && seen.depth > 0.0 && region.contains(seen.pixel) {
+                if !faces {
+                    continue;
+                }
+                let seen = eye.project(place);
+                if seen.depth > 0.0 && region.contains(seen.pixel) {
                     let pixel = [self.told(seen.pixel[0], noise), self.told(seen.pixel[1], noise)];
                     view.push(Sighting { dot, camera, pixel });
                 }

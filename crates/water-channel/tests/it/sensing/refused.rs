@@ -20,7 +20,7 @@ fn by_hand(change: impl FnOnce(&mut Sensing), message: &str) {
     let mut sensing = cameras();
     change(&mut sensing);
     let error = Viewer::new(&sensing, [0.0; 3]).unwrap_err();
-    assert_eq!(error.to_string(), message);
+    assert_eq!(error.to_string(), message, "{error:?}");
     let refused = fly(&with(first_row(), sensing), &short_test(0.5), &FlightSettings::default());
     assert_eq!(refused, Err(FlightError::Start(error)), "a flight with them does not start");
 }
