@@ -99,9 +99,9 @@ impl LogRow {
             roll_error_rad: sight.roll - rig.set_points.roll_rad,
             altitude_error_m: rig.set_points.altitude_m - sight.altitude,
             state: *sample.state,
-            commands_m_s: sample.commands.map(|line| line[0]),
+            commands_m_s: sample.control.commands.map(|line| line[0]),
             tensions_n: [tensions.center, tensions.starboard, tensions.port],
-            estimate: sample.estimates[0],
+            estimate: sample.control.estimates[0],
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Flights with cameras: the controller reads estimates, late, noisy and sometimes held.
 
-use bat_dynamics::Fidelity;
+use bat_dynamics::{Fidelity, Plant, driven_of_lines, rotation, translation};
 use rayon::ThreadPoolBuilder;
 use water_channel::{
-    Control, FlightLog, FlightRequest, FlightSettings, Hold, Pose, Sensing, TestProfile, Tracker, fly, fly_all,
-    fly_logged,
+    Control, FlightLog, FlightRequest, FlightSettings, Hold, PixelNoise, Pose, Sensing, TestProfile, Tracker, fly,
+    fly_all, fly_logged,
 };
 
 use super::{MIDDLE, cameras, distance, perfect, viewer, with};
@@ -30,22 +30,57 @@ fn perfect_cameras_fly_as_the_state_does() {
     }
 }
 
+/// Position and attitude of the center of mass in the ground frame, by the maps (5) and (6) of the coordinates.
+fn pose_of(plant: &Plant, q: &[f64; 6]) -> Pose {
+    let [x, y, z, ..] = translation(plant, q, &[0.0; 6]);
+    let [roll_rad, pitch_rad, heading_rad, ..] = rotation(plant, q, &[0.0; 6]);
+    Pose { position_m: [x, y, z], roll_rad, pitch_rad, heading_rad }
+}
+
 #[test]
 fn estimates_are_the_state_in_the_ground_frame() {
-    let log = logged(&with(first_row(), perfect()), &turning_test());
-    for row in &log.rows {
-        let told = row.estimate.unwrap();
-        let truth = Pose {
-            position_m: [told.pose.position_m[0], row.lateral_m, -row.altitude_m],
-            roll_rad: row.roll_rad,
-            pitch_rad: row.pitch_rad,
-            heading_rad: row.heading_rad + row.flow_direction_rad,
-        };
-        assert!(distance(&told.pose, &truth) < 1e-9, "t = {}: {told:?}", row.time_s);
-        // The tether is as long as its lines say, up to the few centimeters between joint and center of mass.
-        let length_m = (row.state[6] + row.state[7] + row.state[8]) / 3.0;
-        let x_m = -length_m * row.state[0].sin() * row.state[1].cos();
-        assert_close(told.pose.position_m[0], x_m, 0.05, "x of the center of mass near that of the joint");
+    let request = with(first_row(), perfect());
+    let plant = request.rig.plant(request.fidelity).unwrap();
+    let columns = FlightLog::camera_columns();
+    let place = |name: &str| columns.iter().position(|(column, _)| column == name).unwrap();
+    for row in &logged(&request, &turning_test()).rows {
+        let [zenith, azimuth, twist, .., l1, l2, l3, _, _, _] = row.state;
+        let [length, pitch, roll] = driven_of_lines(&plant, [l1, l2, l3]);
+        let truth = pose_of(&plant, &[zenith, azimuth, twist, length, pitch, roll]);
+        let told = row.estimate.unwrap().pose;
+        assert!(distance(&told, &truth) < 1e-9, "t = {}: {told:?} and {truth:?}", row.time_s);
+
+        let written: Vec<f64> = row.camera_numbers().collect();
+        for (name, number) in [
+            ("estimated_x", told.position_m[0]),
+            ("estimated_y", told.position_m[1]),
+            ("estimated_altitude", -told.position_m[2]),
+            ("estimated_roll", told.roll_rad),
+            ("estimated_pitch", told.pitch_rad),
+            ("estimated_heading", told.heading_rad),
+        ] {
+            assert_close(written[place(name)], number, 0.0, name);
+        }
+    }
+}
+
+/// The dots of a rig sit where the bridle joint says, though its poses are those of the center of mass.
+#[test]
+fn dots_of_a_rig_hang_on_its_bridle_joint() {
+    let request = with(request(Fidelity::NUMERICAL, 49.0, 12.0), perfect());
+    let plant = request.rig.plant(request.fidelity).unwrap();
+    let q = [0.25, -0.1, 0.2, 0.6, 0.05, -0.15];
+    let center = pose_of(&plant, &q);
+    let ((sin_zenith, cos_zenith), (sin_azimuth, cos_azimuth)) = (q[0].sin_cos(), q[1].sin_cos());
+    let joint_m = [sin_zenith * cos_azimuth, sin_zenith * sin_azimuth, cos_zenith].map(|x| -q[3] * x);
+    let joint = Pose { position_m: joint_m, ..center };
+
+    let of_rig = request.rig.viewer().unwrap().unwrap().look(&center, &mut PixelNoise::new(1));
+    let of_joint = viewer(&perfect()).look(&joint, &mut PixelNoise::new(1));
+    assert_eq!(of_rig.sightings().len(), of_joint.sightings().len(), "dots seen");
+    for (a, b) in of_rig.sightings().iter().zip(of_joint.sightings()) {
+        assert_close(a.pixel[0], b.pixel[0], 1e-9, "u");
+        assert_close(a.pixel[1], b.pixel[1], 1e-9, "v");
     }
 }
 

@@ -74,6 +74,21 @@ proptest! {
     }
 }
 
+/// Where the first steps go astray, damped ones find the way.
+#[test]
+fn pose_is_found_from_almost_upside_down() {
+    let viewer = viewer(&perfect());
+    let view = viewer.look(&MIDDLE, &mut PixelNoise::new(1));
+    for angle_rad in [-3.0, -2.6, -2.0, 2.0, 2.4, 2.6, 3.0] {
+        for axis in 0..3 {
+            let mut turn = [0.0; 3];
+            turn[axis] = angle_rad;
+            let found = viewer.locate(&view, &beside(&MIDDLE, [0.0; 3], turn)).unwrap();
+            assert!(distance(&found, &MIDDLE) < 1e-9, "axis {axis}, {angle_rad} rad: {found:?}");
+        }
+    }
+}
+
 /// Signs by hand: what each camera shows when the body moves upstream, to starboard, and up.
 #[test]
 fn pixels_move_as_the_cameras_stand() {
