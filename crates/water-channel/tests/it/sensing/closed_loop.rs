@@ -146,6 +146,26 @@ fn controller_reads_the_estimate() {
     assert!(noisy.rows.iter().flat_map(|row| row.commands_m_s).any(|speed| speed.abs() > 1e-3), "it shakes");
 }
 
+/// The flow turns the body out of a narrow view and brings it back.
+#[test]
+fn flight_goes_on_with_the_last_pose_while_dots_are_out_of_view() {
+    let mut sensing = perfect();
+    sensing.cameras = sensing.cameras.split_off(2);
+    (sensing.cameras[0].region.top_px, sensing.cameras[0].region.bottom_px) = (205.0, 275.0);
+    let flow = steps(&[(0.0, 0.245, 0.0), (2.0, 0.245, 25.0), (8.0, 0.245, 0.0)]);
+    let profile = TestProfile::new(30.0, flow, Vec::new()).unwrap();
+    let log = logged(&with(first_row(), sensing), &profile);
+    let told: Vec<_> = log.rows.iter().map(|row| row.estimate.unwrap()).collect();
+    let held = told.iter().filter(|told| told.hold == Some(Hold::TooFewDots)).count();
+    assert!((10..1000).contains(&held), "{held} of {} samples are held", told.len());
+    for (before, now) in told.iter().zip(&told[1..]) {
+        assert!(now.hold.is_none() || now.pose == before.pose, "held: {before:?} and {now:?}");
+    }
+    assert_eq!(told.last().unwrap().hold, None, "the dots are back");
+    let (row, told) = (log.rows.last().unwrap(), told.last().unwrap());
+    assert_close(told.pose.altitude_m(), row.altitude_m, 1e-9, "regained");
+}
+
 /// Nine flights: some with cameras, with seeds and delays of their own, some without, one that cannot start.
 fn company() -> Vec<FlightRequest> {
     (0..9)
