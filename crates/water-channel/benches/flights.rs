@@ -9,6 +9,8 @@
 //! | in a batch of 576, two threads, per flight | 1.50 ms |  | 200,000 | 0.14 |
 //!
 //! The batch takes 0.87 s.
+//! With the cameras of the fixtures, ten dots and three cameras, a flight in lanes on one thread takes 22.1 ms at two steps where one that sees the state takes 5.9 ms in the same run (2026-11-22): 3.7 times as long.
+//! One pose, images and noise included, takes 1.2 us: two to three Gauss-Newton steps over two dozen sightings, about half of it in sums and solution, a sixth in putting sightings side by side, a third in dots, pixels and noise.
 //! One right-hand side with its share of the loop takes 230 ns in `f64` and 61 ns in lanes.
 //! Lanes exist only as far as the compiler packs straight-line code into vectors: the bench shows at once if a change loses that, since lanes then take longer than flights alone.
 //! Where the time goes, by sampling, in per cent (the `f64` column from a build in which the trigonometry is not inlined, so that it can be told apart):
@@ -31,7 +33,8 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use water_channel::{
-    FlightRequest, FlightSettings, ProfileFile, RigFile, TestProfile, closed_loop_modes, fly, fly_all,
+    FlightRequest, FlightSettings, Pose, ProfileFile, RigFile, SensingFile, TestProfile, Tracker, closed_loop_modes,
+    fly, fly_all,
 };
 
 fn main() {
@@ -78,6 +81,30 @@ fn lanes_on_one_thread(bencher: Bencher<'_, '_>, steps_per_sample: usize) {
     bencher
         .counter(ItemsCount::new(requests.len()))
         .bench(|| pool.install(|| fly_all(black_box(&requests), &profile, &settings, |_| {})));
+}
+
+/// In lanes on one thread at two steps per sample, without cameras and with them: what the controller's eyes cost.
+#[divan::bench(args = ["state", "cameras"], sample_count = 10)]
+fn lanes_with_a_controller_that_sees(bencher: Bencher<'_, '_>, what: &str) {
+    let (profile, settings) = (profile(), FlightSettings::with_steps(2));
+    let (mut requests, pool) = (requests(4, Fidelity::STALLED_WITH_ADDED_MASS), pool(1));
+    if what == "cameras" {
+        let sensing = SensingFile::read(fixture("sensing.toml")).expect("the fixture reads").sensing;
+        requests.iter_mut().for_each(|request| request.rig.sensing = Some(sensing.clone()));
+    }
+    bencher
+        .counter(ItemsCount::new(requests.len()))
+        .bench(|| pool.install(|| fly_all(black_box(&requests), &profile, &settings, |_| {})));
+}
+
+/// One sample of three cameras and ten dots, 24 sightings: images, noise and pose.
+#[divan::bench]
+fn one_pose_from_images(bencher: Bencher<'_, '_>) {
+    let sensing = SensingFile::read(fixture("sensing.toml")).expect("the fixture reads").sensing;
+    let viewer = water_channel::Viewer::new(&sensing, [0.0; 3]).expect("the fixture is in range");
+    let pose = Pose { position_m: [-0.08, 0.0, -0.56], roll_rad: 0.0, pitch_rad: 0.3, heading_rad: 0.0 };
+    let mut tracker = Tracker::new(&viewer);
+    bencher.bench_local(|| tracker.observe(black_box(&pose)));
 }
 
 #[divan::bench(sample_count = 3)]

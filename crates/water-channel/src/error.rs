@@ -80,6 +80,16 @@ pub enum Error {
         /// What was allowed.
         allowed: &'static str,
     },
+    /// Something about cameras or dots.
+    #[error("sensing.{field} = {value}: it must be {allowed}")]
+    Sensing {
+        /// What it is about, with its place: `camera[0].focal_length` for example.
+        field: String,
+        /// The value that was given, with its unit.
+        value: String,
+        /// What was allowed.
+        allowed: &'static str,
+    },
 }
 
 /// Why a flight has no result. The trial failed, and says why; no cost stands for it.

@@ -76,6 +76,7 @@ fn fly_lanes(
     let setup = Setup {
         plant: Plant::gather(core::array::from_fn(|k| &lane(k).plant)),
         controllers: core::array::from_fn(|k| &lane(k).controller),
+        viewers: core::array::from_fn(|k| lane(k).viewer.as_ref()),
         sample_time_s,
         profile,
         settings,

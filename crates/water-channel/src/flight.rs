@@ -10,6 +10,7 @@ use crate::integrate::{Ending, Sample, Setup, integrate};
 use crate::log::{FlightLog, LogRow};
 use crate::profile::TestProfile;
 use crate::rig::Rig;
+use crate::sensing::Viewer;
 use crate::settings::FlightSettings;
 use crate::watch::{Extremes, SlackEvent};
 
@@ -55,6 +56,7 @@ pub(crate) fn trim_at(plant: &Plant, set_points: &SetPoints, flow: Flow) -> Resu
 pub(crate) struct Ready {
     pub(crate) plant: Plant,
     pub(crate) controller: Controller,
+    pub(crate) viewer: Option<Viewer>,
     pub(crate) trim: Trim,
     pub(crate) start: FlightState,
 }
@@ -63,6 +65,7 @@ impl Ready {
     pub(crate) fn new(request: &FlightRequest, profile: &TestProfile) -> Result<Self, Error> {
         let plant = request.rig.plant(request.fidelity)?;
         let controller = request.rig.controller()?;
+        let viewer = request.rig.viewer()?;
         let trim = trim_at(&plant, &request.rig.set_points, profile.flow().at(0.0))?;
         let departure = profile.start();
         let mut start = trim.state;
@@ -70,7 +73,7 @@ impl Ready {
         start[1] += departure.azimuth_rad;
         start[2] += departure.twist_rad;
         check_state(&start, 0.0)?;
-        Ok(Self { plant, controller, trim, start })
+        Ok(Self { plant, controller, viewer, trim, start })
     }
 
     pub(crate) fn finish(self, ending: Ending) -> Result<Flight, FlightError> {
@@ -133,6 +136,7 @@ fn one(
     let setup = Setup {
         plant: ready.plant,
         controllers: [&ready.controller],
+        viewers: [ready.viewer.as_ref()],
         sample_time_s: ready.controller.parameters().sample_time_s,
         profile,
         settings,

@@ -10,6 +10,7 @@ use tether_control::{Controller, ControllerState, Measurement};
 use crate::cost::{Integrals, N_TERMS};
 use crate::error::FlightError;
 use crate::profile::TestProfile;
+use crate::sensing::{Estimate, Pose, Tracker, Viewer};
 use crate::settings::FlightSettings;
 use crate::watch::{Extremes, Seen, SlackEvent, Watcher};
 
@@ -45,6 +46,8 @@ impl Carrier<LANES> for Lanes {
 pub(crate) struct Setup<'a, T, const N: usize> {
     pub(crate) plant: Plant<T>,
     pub(crate) controllers: [&'a Controller; N],
+    /// The cameras of each lane; a controller without them sees the state.
+    pub(crate) viewers: [Option<&'a Viewer>; N],
     pub(crate) sample_time_s: f64,
     pub(crate) profile: &'a TestProfile,
     pub(crate) settings: &'a FlightSettings,
@@ -69,7 +72,23 @@ pub(crate) struct Sample<'a, T, const N: usize> {
     pub(crate) water: Water,
     pub(crate) state: &'a FlightState<T>,
     pub(crate) evaluation: &'a Evaluation<T>,
-    pub(crate) commands: &'a [[f64; N]; 3],
+    pub(crate) control: &'a Control<N>,
+}
+
+/// What the controllers were told at one sample, and what they asked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Control<const N: usize> {
+    /// What the cameras make of the state, where there are any.
+    pub(crate) estimates: [Option<Estimate>; N],
+    /// Reel speeds of the three lines.
+    pub(crate) commands: [[f64; N]; 3],
+}
+
+/// What controllers and cameras remember from one sample to the next.
+struct Memory<'a, const N: usize> {
+    filters: [ControllerState; N],
+    trackers: [Option<Tracker<'a>>; N],
+    has_cameras: bool,
 }
 
 /// Upper triangle of the Gram matrix of the six terms, then heading² and lateral².
@@ -142,6 +161,12 @@ impl Water {
     pub(crate) fn lateral<T: Real>(&self, sight: &Sight<T>) -> T {
         T::constant(self.sin) * sight.forward + T::constant(self.cos) * sight.right
     }
+
+    /// Position x of the center of mass in the ground frame, in m.
+    #[inline(always)]
+    fn upstream<T: Real>(&self, sight: &Sight<T>) -> T {
+        T::constant(self.cos) * sight.forward - T::constant(self.sin) * sight.right
+    }
 }
 
 /// The set points of each lane.
@@ -196,11 +221,11 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
     start: [&FlightState; N],
     mut watch: impl FnMut(&Sample<'_, T, N>),
 ) -> [Ending; N] {
-    let Setup { plant, controllers, sample_time_s, profile, settings, used } = setup;
+    let Setup { plant, controllers, viewers, sample_time_s, profile, settings, used } = setup;
     let targets = Targets::of(controllers);
     let mut state: FlightState<T> = core::array::from_fn(|k| T::join(core::array::from_fn(|lane| start[lane][k])));
     let mut sums = [T::constant(0.0); N_SUMS];
-    let mut memory = [ControllerState::default(); N];
+    let mut memory = Memory::new(viewers);
     let mut watchers: [Watcher; N] = core::array::from_fn(|_| Watcher::default());
 
     let duration_s = profile.duration_s();
@@ -212,8 +237,8 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
         let water = Water::new(profile.flow().within(piece, time_s));
 
         let by_hand = profile.override_at(time_s, *sample_time_s);
-        let commands = commands(controllers, &mut memory, &sight(plant, &state, &water.flow.cast()), by_hand);
-        let held: [T; 3] = core::array::from_fn(|line| T::join(commands[line]));
+        let control = memory.control(controllers, plant, &state, &water, by_hand);
+        let held: [T; 3] = core::array::from_fn(|line| T::join(control.commands[line]));
 
         let mut from_s = time_s;
         while from_s < end_s {
@@ -229,7 +254,7 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
                     let water = water.with(profile.flow().within(piece, at_s + stage.at * h_s));
                     let e = evaluate(plant, &x, held, &water.flow.cast());
                     if stage.at <= 0.0 && step == 0 && from_s <= time_s {
-                        watch(&Sample { time_s, water, state: &x, evaluation: &e, commands: &commands });
+                        watch(&Sample { time_s, water, state: &x, evaluation: &e, control: &control });
                         look(&mut watchers, time_s, &x, &e, settings);
                     }
                     let weight = T::constant(stage.weight);
@@ -251,29 +276,73 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
     endings(&state, &sums, watchers, duration_s)
 }
 
-/// The commands of the three lines in every lane, after which the filters have moved on by a sample.
-///
-/// What the cameras see, `seen`, does not depend on the commands that the controller makes of it.
-#[inline(always)]
-fn commands<T: Carrier<N>, const N: usize>(
-    controllers: &[&Controller; N],
-    memory: &mut [ControllerState; N],
-    seen: &Sight<T>,
-    by_hand: Option<[f64; 3]>,
-) -> [[f64; N]; 3] {
-    let (altitude, pitch, roll) = (seen.altitude.split(), seen.pitch.split(), seen.roll.split());
-    let mut commands = [[0.0; N]; 3];
-    for lane in 0..N {
-        let measured = Measurement { altitude_m: altitude[lane], pitch_rad: pitch[lane], roll_rad: roll[lane] };
-        let command = controllers[lane].command(&mut memory[lane], &measured).saturated_m_s;
-        for line in 0..3 {
-            commands[line][lane] = match by_hand {
-                None => command[line],
-                Some(fractions) => fractions[line] * controllers[lane].parameters().speed_limit_m_s,
-            };
+impl<'a, const N: usize> Memory<'a, N> {
+    #[inline(always)]
+    fn new(viewers: &[Option<&'a Viewer>; N]) -> Self {
+        Self {
+            filters: [ControllerState::default(); N],
+            trackers: viewers.map(|viewer| viewer.map(Tracker::new)),
+            has_cameras: viewers.iter().any(Option::is_some),
         }
     }
-    commands
+
+    /// The commands of the three lines in every lane, after which the filters have moved on by a sample.
+    ///
+    /// The controller of a lane reads its estimate, or without cameras what is there to be seen; neither depends on the
+    /// commands that it makes of it.
+    #[inline(always)]
+    fn control<T: Carrier<N>>(
+        &mut self,
+        controllers: &[&Controller; N],
+        plant: &Plant<T>,
+        state: &FlightState<T>,
+        water: &Water,
+        by_hand: Option<[f64; 3]>,
+    ) -> Control<N> {
+        let estimates = if self.has_cameras { observe(&mut self.trackers, plant, state, water) } else { [None; N] };
+        let seen = sight(plant, state, &water.flow.cast());
+        let (altitude, pitch, roll) = (seen.altitude.split(), seen.pitch.split(), seen.roll.split());
+        let mut commands = [[0.0; N]; 3];
+        for lane in 0..N {
+            let measured = match &estimates[lane] {
+                None => Measurement { altitude_m: altitude[lane], pitch_rad: pitch[lane], roll_rad: roll[lane] },
+                Some(estimate) => estimate.measurement(),
+            };
+            let command = controllers[lane].command(&mut self.filters[lane], &measured).saturated_m_s;
+            for line in 0..3 {
+                commands[line][lane] = match by_hand {
+                    None => command[line],
+                    Some(fractions) => fractions[line] * controllers[lane].parameters().speed_limit_m_s,
+                };
+            }
+        }
+        Control { estimates, commands }
+    }
+}
+
+/// What the cameras of each lane make of its state, lane by lane in `f64`.
+///
+/// Not inlined: a loop without cameras keeps its code as it is.
+#[inline(never)]
+fn observe<T: Carrier<N>, const N: usize>(
+    trackers: &mut [Option<Tracker<'_>>; N],
+    plant: &Plant<T>,
+    state: &FlightState<T>,
+    water: &Water,
+) -> [Option<Estimate>; N] {
+    let seen = sight(plant, state, &water.flow.cast());
+    let (right, up) = (water.lateral(&seen).split(), seen.altitude.split());
+    let upstream = water.upstream(&seen).split();
+    let (roll, pitch, heading) = (seen.roll.split(), seen.pitch.split(), seen.heading.split());
+    core::array::from_fn(|lane| {
+        let pose = Pose {
+            position_m: [upstream[lane], right[lane], -up[lane]],
+            roll_rad: roll[lane],
+            pitch_rad: pitch[lane],
+            heading_rad: heading[lane] + water.flow.direction_rad,
+        };
+        trackers[lane].as_mut().map(|tracker| tracker.observe(&pose))
+    })
 }
 
 /// What each lane ends with, after a last look at its state.

@@ -15,6 +15,7 @@ mod plant_table;
 mod profile;
 mod quantity;
 mod rig;
+mod sensing;
 mod settings;
 mod units;
 mod watch;
@@ -31,5 +32,8 @@ pub use open_loop::{OpenLoop, open_loop_modes};
 pub use profile::{Control, Departure, ProfileFile, TestProfile, Window};
 pub use quantity::{Provenance, Record};
 pub use rig::{Rig, RigFile};
+pub use sensing::{
+    Camera, Dot, Estimate, Hold, PixelNoise, Pose, Region, Sensing, SensingFile, Sighting, Tracker, View, Viewer,
+};
 pub use settings::{FlightSettings, SlackPolicy};
 pub use watch::{Extremes, SlackEvent};

@@ -7,6 +7,7 @@ use bat_dynamics::STATE_NAMES;
 use crate::footprint::footprint_m2;
 use crate::integrate::Sample;
 use crate::rig::Rig;
+use crate::sensing::{Estimate, Hold};
 
 /// One sample of a flight, in SI units and radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +40,8 @@ pub struct LogRow {
     pub commands_m_s: [f64; 3],
     /// Line tensions: center, starboard, port.
     pub tensions_n: [f64; 3],
+    /// What the cameras told the controller, where the rig has cameras.
+    pub estimate: Option<Estimate>,
 }
 
 impl LogRow {
@@ -54,7 +57,7 @@ impl LogRow {
         footprint_m2((self.state[6] + self.state[7] + self.state[8]) / 3.0, self.zenith_rad())
     }
 
-    /// All numbers, in the order of [`FlightLog::columns`].
+    /// All numbers but those of the cameras, in the order of [`FlightLog::columns`].
     pub fn numbers(&self) -> impl Iterator<Item = f64> {
         let measured = [
             self.time_s,
@@ -72,6 +75,15 @@ impl LogRow {
         measured.into_iter().chain(self.state).chain(self.commands_m_s).chain(self.tensions_n)
     }
 
+    /// The numbers of the cameras, in the order of [`FlightLog::camera_columns`]; none without cameras.
+    pub fn camera_numbers(&self) -> impl Iterator<Item = f64> {
+        self.estimate.into_iter().flat_map(|Estimate { pose, dots_seen, cameras_seeing, hold }| {
+            let [x, y, _, roll, pitch, heading] = pose.numbers();
+            let hold = f64::from(hold.map_or(0, Hold::code));
+            [x, y, pose.altitude_m(), roll, pitch, heading, dots_seen as f64, cameras_seeing as f64, hold]
+        })
+    }
+
     pub(crate) fn of(sample: &Sample<'_, f64, 1>, rig: &Rig) -> Self {
         let (sight, tensions) = (&sample.evaluation.sight, &sample.evaluation.tensions);
         Self {
@@ -87,8 +99,9 @@ impl LogRow {
             roll_error_rad: sight.roll - rig.set_points.roll_rad,
             altitude_error_m: rig.set_points.altitude_m - sight.altitude,
             state: *sample.state,
-            commands_m_s: sample.commands.map(|line| line[0]),
+            commands_m_s: sample.control.commands.map(|line| line[0]),
             tensions_n: [tensions.center, tensions.starboard, tensions.port],
+            estimate: sample.control.estimates[0],
         }
     }
 }
@@ -104,6 +117,15 @@ impl LogRow {
 /// | `pitch_error`, `roll_error`, `altitude_error`: theta − theta_sp, phi − phi_sp, h_sp − h | rad, rad, m |
 /// | the twelve states: `zenith`, `azimuth`, `twist`, their `_rate`, `line_` and `reel_` of the three lines | rad, rad/s, m, m/s |
 /// | `command_` and `tension_` of `center`, `starboard`, `port` | m/s, N |
+///
+/// A flight with cameras has nine more, which say what the controller was told at the sample:
+///
+/// | columns | unit |
+/// |---|---|
+/// | `estimated_x`, `estimated_y` (in the ground frame), `estimated_altitude` of the center of mass | m |
+/// | `estimated_roll`, `estimated_pitch`, `estimated_heading` (in the ground frame) | rad |
+/// | `dots_seen`, `cameras_seeing`: dots seen by any camera, cameras that saw any | 1 |
+/// | `hold`: 0 for a new pose, or why the last one was held, [`Hold::code`] | 1 |
 ///
 /// A row is a sample before the plant moves on: its commands and tensions are those that hold after it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -126,6 +148,18 @@ const COLUMNS: [(&str, &str); 11] = [
     ("roll_error", "rad"),
     ("altitude_error", "m"),
 ];
+/// Columns of a flight with cameras.
+const CAMERA_COLUMNS: [(&str, &str); 9] = [
+    ("estimated_x", "m"),
+    ("estimated_y", "m"),
+    ("estimated_altitude", "m"),
+    ("estimated_roll", "rad"),
+    ("estimated_pitch", "rad"),
+    ("estimated_heading", "rad"),
+    ("dots_seen", "1"),
+    ("cameras_seeing", "1"),
+    ("hold", "1"),
+];
 const LINES: [&str; 3] = ["center", "starboard", "port"];
 
 impl FlightLog {
@@ -139,23 +173,37 @@ impl FlightLog {
         measured.chain(states).chain(commands).chain(tensions).collect()
     }
 
-    /// The same as a file has them: `time [s]`.
+    /// Name and unit of every further column that a flight with cameras has.
     #[must_use]
-    pub fn header() -> Vec<String> {
-        Self::columns().into_iter().map(|(name, unit)| format!("{name} [{unit}]")).collect()
+    pub fn camera_columns() -> Vec<(String, &'static str)> {
+        CAMERA_COLUMNS.iter().map(|(name, unit)| ((*name).to_owned(), *unit)).collect()
     }
 
-    /// Writes the log as CSV. Numbers are written so that they read back bit for bit.
+    /// The columns without those of the cameras as a file has them: `time [s]`.
+    #[must_use]
+    pub fn header() -> Vec<String> {
+        headed(Self::columns())
+    }
+
+    /// Writes the log as CSV, with the columns of the cameras where the flight had any. Numbers are written so that they read back bit for bit.
     ///
     /// # Errors
     /// When `out` cannot be written.
     pub fn write_csv(&self, out: impl Write) -> Result<(), csv::Error> {
         let mut writer = csv::Writer::from_writer(out);
-        writer.write_record(Self::header())?;
+        let mut header = Self::header();
+        if self.rows.first().is_some_and(|row| row.estimate.is_some()) {
+            header.extend(headed(Self::camera_columns()));
+        }
+        writer.write_record(header)?;
         for row in &self.rows {
-            writer.write_record(row.numbers().map(|number| number.to_string()))?;
+            writer.write_record(row.numbers().chain(row.camera_numbers()).map(|number| number.to_string()))?;
         }
         writer.flush()?;
         Ok(())
     }
+}
+
+fn headed(columns: Vec<(String, &'static str)>) -> Vec<String> {
+    columns.into_iter().map(|(name, unit)| format!("{name} [{unit}]")).collect()
 }

@@ -89,6 +89,8 @@ enum Range {
     WithinQuarterTurn,
     /// Short of a half turn, in rad.
     WithinHalfTurn,
+    /// Not more than a double holds exactly.
+    Whole,
 }
 
 impl Range {
@@ -101,6 +103,7 @@ impl Range {
                 Self::UnitInterval => value.abs() <= 1.0,
                 Self::WithinQuarterTurn => value.abs() < core::f64::consts::FRAC_PI_2,
                 Self::WithinHalfTurn => value.abs() < core::f64::consts::PI,
+                Self::Whole => (0.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() <= 0.0,
             }
     }
 
@@ -112,6 +115,7 @@ impl Range {
             Self::UnitInterval => "within -1 and 1",
             Self::WithinQuarterTurn => "finite and short of a quarter turn to either side",
             Self::WithinHalfTurn => "finite and short of a half turn to either side",
+            Self::Whole => "a whole number, zero or more",
         }
     }
 }
@@ -150,4 +154,10 @@ quantities! {
     PerLengthSquared: "1/m^2", NonNegative;
     PerSpeedSquared: "s^2/m^2", NonNegative;
     PerBallastSquared: "1/(% chord)^2", NonNegative;
+    Place: "m", Finite;
+    PixelSize: "px", Positive;
+    PixelEdge: "px", NonNegative;
+    PixelError: "px", NonNegative;
+    Samples: "samples", Whole;
+    Seed: "1", Whole;
 }

@@ -10,6 +10,7 @@ use crate::error::{Error, FileError};
 use crate::file;
 use crate::plant_table::PlantTable;
 use crate::quantity::{Altitude, Attitude, LengthPerAngle, PerSecond, Period, Plain, Record, SpeedPerAngle};
+use crate::sensing::{Sensing, SensingTable, Viewer};
 
 /// A tethered aerostat with its controller.
 ///
@@ -28,6 +29,8 @@ pub struct Rig {
     pub set_points: SetPoints,
     /// Sample time of the controller, in s.
     pub sample_time_s: f64,
+    /// Cameras and dots through which the controller sees the body; without them it sees the state.
+    pub sensing: Option<Sensing>,
 }
 
 /// A rig with the title and the provenance of every number of its file.
@@ -43,6 +46,8 @@ pub struct Rig {
 /// | `pitch_set_point`, `roll_set_point` | rad |
 /// | `[controller.altitude]`: `proportional`, `derivative`, `time_constant` | 1/s, 1, s (> 0) |
 /// | `[controller.pitch]`, `[controller.roll]`: the same | m/(s*rad), m/rad, s (> 0) |
+///
+/// An optional section `[sensing]` is that of [`SensingFile`](crate::SensingFile).
 ///
 /// # Numbers in files
 /// Every number is a table `{ value, unit, provenance, source }`; `provenance` is one of [`Provenance`](crate::Provenance).
@@ -92,6 +97,17 @@ impl Rig {
             speed_limit_m_s: self.plant.winch.speed_limit_m_s,
         })?)
     }
+
+    /// The cameras, if there are any, for poses of the center of mass, checked.
+    ///
+    /// # Errors
+    /// [`Error::Sensing`] for what [`Viewer::new`] refuses.
+    pub fn viewer(&self) -> Result<Option<Viewer>, Error> {
+        let body = &self.plant.body;
+        let center_of_mass_m =
+            [-(body.center_of_mass_x - body.joint_x) * body.chord_m, 0.0, -body.center_of_mass_height_m];
+        self.sensing.as_ref().map(|sensing| Viewer::new(sensing, center_of_mass_m)).transpose()
+    }
 }
 
 impl RigFile {
@@ -113,6 +129,7 @@ impl RigFile {
         let rig = table.rig().map_err(FileError::Inconsistent)?;
         rig.plant(Fidelity::STALLED_WITH_ADDED_MASS).map_err(FileError::Inconsistent)?;
         rig.controller().map_err(FileError::Inconsistent)?;
+        rig.viewer().map_err(FileError::Inconsistent)?;
         Ok(Self { title, rig, records })
     }
 }
@@ -124,6 +141,7 @@ struct RigTable {
     title: String,
     plant: PlantTable,
     controller: ControllerTable,
+    sensing: Option<SensingTable>,
 }
 
 #[derive(Deserialize)]
@@ -169,6 +187,7 @@ impl RigTable {
                 roll_rad: self.controller.roll_set_point.0,
             },
             sample_time_s: sample_time.0,
+            sensing: self.sensing.map(SensingTable::sensing),
         })
     }
 }

@@ -16,4 +16,5 @@ mod open_loop;
 mod profile;
 mod reference;
 mod rigs;
+mod sensing;
 mod slack;

@@ -1,0 +1,132 @@
+//! Where a body is and how it is turned, in the ground frame.
+
+use core::f64::consts::PI;
+
+use bat_dynamics::{Lanes, Real};
+
+use super::triple::{Triple, add};
+
+/// Position of a point of the body and the body's attitude, in the ground frame G.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// x upstream, y to the right of x, z down, in m; of the center of mass wherever a flight is meant.
+    pub position_m: [f64; 3],
+    /// phi, starboard down.
+    pub roll_rad: f64,
+    /// theta, nose up.
+    pub pitch_rad: f64,
+    /// psi, nose right.
+    pub heading_rad: f64,
+}
+
+impl Pose {
+    /// Rows of `R_gb = Rz(psi) Ry(theta) Rx(phi)`, which turns components along the body into components along G.
+    #[inline(always)]
+    #[must_use]
+    pub fn rows_gb(&self) -> [[f64; 3]; 3] {
+        // The plant's own functions: the same bits on every machine.
+        let (Lanes([sr, sp, sh, _]), Lanes([cr, cp, ch, _])) =
+            Lanes([self.roll_rad, self.pitch_rad, self.heading_rad, 0.0]).sin_cos();
+        [
+            [ch * cp, ch * sp * sr - sh * cr, ch * sp * cr + sh * sr],
+            [sh * cp, sh * sp * sr + ch * cr, sh * sp * cr - ch * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    }
+
+    /// Height of the point above the origin of G, in m.
+    #[must_use]
+    pub fn altitude_m(&self) -> f64 {
+        -self.position_m[2]
+    }
+
+    /// The six numbers: x, y, z in m, roll, pitch, heading in rad.
+    #[must_use]
+    pub fn numbers(&self) -> [f64; 6] {
+        let [x, y, z] = self.position_m;
+        [x, y, z, self.roll_rad, self.pitch_rad, self.heading_rad]
+    }
+
+    /// From a small turn in rad, along G, to the changes of roll, pitch and heading that make it.
+    ///
+    /// ```text
+    /// omega = a_phi phi̇ + a_theta thetȧ + a_psi psi̇     a_phi   = [cos theta cos psi, cos theta sin psi, −sin theta]
+    ///                                                    a_theta = [−sin psi, cos psi, 0],  a_psi = [0, 0, 1]
+    /// ```
+    ///
+    /// `None` with the nose straight up or down, where roll and heading are the same turn.
+    #[inline(always)]
+    pub(crate) fn angles_of_turn(&self) -> Option<[Triple; 3]> {
+        let (Lanes([sp, sh, ..]), Lanes([cp, ch, ..])) = Lanes([self.pitch_rad, self.heading_rad, 0.0, 0.0]).sin_cos();
+        let roll = [ch / cp, sh / cp, 0.0];
+        (cp.abs() > 1e-9).then_some([roll, [-sh, ch, 0.0], [sp * roll[0], sp * roll[1], 1.0]])
+    }
+
+    /// The pose a step further: a shift in m and changes of roll, pitch and heading in rad.
+    #[inline(always)]
+    pub(crate) fn moved(&self, shift: Triple, angles: Triple) -> Self {
+        Self {
+            position_m: add(self.position_m, shift),
+            roll_rad: self.roll_rad + angles[0],
+            pitch_rad: self.pitch_rad + angles[1],
+            heading_rad: self.heading_rad + angles[2],
+        }
+    }
+
+    /// The same attitude with roll and heading in (−pi, pi] and pitch within a quarter turn, as the model reads them.
+    pub(crate) fn usual(self) -> Self {
+        let upside = self.pitch_rad.abs() > PI / 2.0;
+        let turned = if upside {
+            let (roll_rad, heading_rad) = (self.roll_rad + PI, self.heading_rad + PI);
+            Self { roll_rad, pitch_rad: PI - self.pitch_rad, heading_rad, ..self }
+        } else {
+            self
+        };
+        Self {
+            roll_rad: wrapped(turned.roll_rad),
+            pitch_rad: wrapped(turned.pitch_rad),
+            heading_rad: wrapped(turned.heading_rad),
+            ..turned
+        }
+    }
+}
+
+/// The angle in (−pi, pi]; one that lies there keeps its bits.
+fn wrapped(angle_rad: f64) -> f64 {
+    if angle_rad > -PI && angle_rad <= PI { angle_rad } else { PI - (PI - angle_rad).rem_euclid(2.0 * PI) }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix3, Vector3};
+
+    use super::*;
+
+    fn matrix(rows: [Triple; 3]) -> Matrix3<f64> {
+        Matrix3::from_fn(|i, j| rows[i][j])
+    }
+
+    #[test]
+    fn small_turn_is_the_turn_of_its_angles() {
+        let pose = Pose { position_m: [0.0; 3], roll_rad: 0.3, pitch_rad: -0.4, heading_rad: 2.0 };
+        let turn = Vector3::new(3e-7, -2e-7, 5e-7);
+        let angles = matrix(pose.angles_of_turn().unwrap()) * turn;
+        let after = matrix(pose.moved([0.0; 3], angles.into()).rows_gb());
+        let expected = (Matrix3::identity() + turn.cross_matrix()) * matrix(pose.rows_gb());
+        assert!((after - expected).amax() < 1e-12, "{}", after - expected);
+        let upright = Pose { pitch_rad: PI / 2.0, ..pose };
+        assert_eq!(upright.angles_of_turn(), None, "roll and heading are one turn");
+    }
+
+    #[test]
+    fn usual_angles_are_the_same_attitude() {
+        for (roll_rad, pitch_rad, heading_rad) in [(0.1, 2.0, 0.2), (4.0, 0.3, -3.5), (0.0, -3.0, 7.0)] {
+            let pose = Pose { position_m: [1.0, 2.0, 3.0], roll_rad, pitch_rad, heading_rad };
+            let usual = pose.usual();
+            assert!((matrix(usual.rows_gb()) - matrix(pose.rows_gb())).amax() < 1e-14, "{usual:?}");
+            assert!(usual.pitch_rad.abs() <= PI / 2.0 && usual.heading_rad.abs() <= PI, "{usual:?}");
+        }
+        let plain = Pose { position_m: [0.0; 3], roll_rad: -0.1, pitch_rad: 0.2, heading_rad: PI };
+        assert_eq!(plain.usual(), plain, "bits of a usual attitude are kept");
+    }
+}

@@ -1,0 +1,75 @@
+//! Pose after pose during a flight: noise, the last pose, and the delay.
+
+use std::collections::VecDeque;
+
+use tether_control::Measurement;
+
+use super::bundle::Bundle;
+use super::locate::Hold;
+use super::pose::Pose;
+use super::view::{PixelNoise, View};
+use super::viewer::Viewer;
+
+/// What the controller is told at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The pose, of an image as old as the delay: new or, with a `hold`, the last one.
+    pub pose: Pose,
+    /// How many dots were seen in that image by at least one camera.
+    pub dots_seen: usize,
+    /// How many cameras saw at least one dot.
+    pub cameras_seeing: usize,
+    /// Why the last pose is held, if it is.
+    pub hold: Option<Hold>,
+}
+
+impl Estimate {
+    /// What the controller takes of it.
+    pub(crate) fn measurement(&self) -> Measurement {
+        let Pose { roll_rad, pitch_rad, .. } = self.pose;
+        Measurement { altitude_m: self.pose.altitude_m(), pitch_rad, roll_rad }
+    }
+}
+
+/// The image processing of one flight.
+///
+/// Each image is fitted from the last pose found. The first pose is known: somebody put the body there.
+#[derive(Clone, Debug)]
+pub struct Tracker<'a> {
+    viewer: &'a Viewer,
+    noise: PixelNoise,
+    view: View,
+    bundles: Vec<Bundle>,
+    last: Option<Pose>,
+    /// Estimates on their way to the controller, oldest first.
+    on_the_way: VecDeque<Estimate>,
+}
+
+impl<'a> Tracker<'a> {
+    /// A tracker at the start of a flight.
+    #[must_use]
+    pub fn new(viewer: &'a Viewer) -> Self {
+        let on_the_way = VecDeque::with_capacity(viewer.delay_samples() + 1);
+        let (noise, view) = (PixelNoise::new(viewer.seed()), View::default());
+        Self { viewer, noise, view, bundles: Vec::new(), last: None, on_the_way }
+    }
+
+    /// Takes the images of a body at `truth` and returns the estimate that arrives at this sample.
+    pub fn observe(&mut self, truth: &Pose) -> Estimate {
+        let last = *self.last.get_or_insert_with(|| {
+            let start = Estimate { pose: *truth, dots_seen: 0, cameras_seeing: 0, hold: Some(Hold::NoImageYet) };
+            self.on_the_way.extend(std::iter::repeat_n(start, self.viewer.delay_samples()));
+            *truth
+        });
+        self.viewer.look_into(&mut self.view, truth, &mut self.noise);
+        let (pose, hold) = match self.viewer.locate_with(&mut self.bundles, &self.view, &last) {
+            Ok(pose) => (pose, None),
+            Err(hold) => (last, Some(hold)),
+        };
+        self.last = Some(pose);
+        let cameras_seeing = (0..self.viewer.n_cameras()).filter(|camera| self.view.seen_by(*camera) > 0).count();
+        let newest = Estimate { pose, dots_seen: self.view.dots_seen(), cameras_seeing, hold };
+        self.on_the_way.push_back(newest);
+        self.on_the_way.pop_front().unwrap_or(newest)
+    }
+}

@@ -1,0 +1,80 @@
+//! What the cameras saw in one sample: sightings, and the noise in them.
+
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+
+/// A dot as one camera told it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sighting {
+    /// The place of the dot in [`Sensing::dots`](super::Sensing::dots).
+    pub dot: usize,
+    /// The place of the camera in [`Sensing::cameras`](super::Sensing::cameras).
+    pub camera: usize,
+    /// u and v, in px from the upper left corner of the image.
+    pub pixel: [f64; 2],
+}
+
+/// All sightings of one sample, sorted by dot and then by camera.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct View {
+    sightings: Vec<Sighting>,
+}
+
+impl View {
+    /// A view of these sightings, from wherever they come.
+    #[must_use]
+    pub fn new(mut sightings: Vec<Sighting>) -> Self {
+        sightings.sort_by_key(|sighting| (sighting.dot, sighting.camera));
+        Self { sightings }
+    }
+
+    /// The sightings.
+    #[must_use]
+    pub fn sightings(&self) -> &[Sighting] {
+        &self.sightings
+    }
+
+    /// How many dots at least one camera sees.
+    #[must_use]
+    pub fn dots_seen(&self) -> usize {
+        let repeats = self.sightings.windows(2).filter(|pair| pair[0].dot == pair[1].dot).count();
+        self.sightings.len() - repeats
+    }
+
+    /// How many dots the camera of this index sees; a camera may well see none.
+    #[must_use]
+    pub fn seen_by(&self, camera: usize) -> usize {
+        self.sightings.iter().filter(|sighting| sighting.camera == camera).count()
+    }
+
+    /// Forgets all sightings and keeps their memory.
+    pub(crate) fn clear(&mut self) {
+        self.sightings.clear();
+    }
+
+    /// Adds a sighting that comes after all others in the order of a view.
+    pub(crate) fn push(&mut self, sighting: Sighting) {
+        self.sightings.push(sighting);
+    }
+}
+
+/// The errors of pixels, one after the other from a seed.
+#[derive(Clone, Debug)]
+pub struct PixelNoise {
+    generator: Pcg64,
+}
+
+impl PixelNoise {
+    /// The errors that belong to `seed`.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self { generator: Pcg64::seed_from_u64(seed) }
+    }
+
+    /// The next normal number of mean 0 and variance 1.
+    #[inline]
+    pub(crate) fn draw(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.generator)
+    }
+}

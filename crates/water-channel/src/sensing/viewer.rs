@@ -1,0 +1,171 @@
+//! Cameras and dots, checked: what they show of a pose, and the pose that fits what they show.
+
+use nalgebra::{Matrix3, Matrix6};
+
+use super::arrangement::Sensing;
+use super::bundle::{Bundle, bundle};
+use super::camera::{Eye, Region};
+use super::dot::{Mark, marks};
+use super::locate::{FEWEST_DOTS, Hold, locate};
+use super::normal_equations::NormalEquations;
+use super::pose::Pose;
+use super::triple::{add, dot as dot_product, minus, times};
+use super::view::{PixelNoise, Sighting, View};
+use crate::error::Error;
+
+/// Largest delay in samples.
+const LONGEST_DELAY: usize = 10_000;
+
+/// Cameras and dots ready for use.
+///
+/// # Which dots are seen
+/// A camera sees a dot if the dot lies ahead of it, falls in its region of interest before noise, and faces it: with n the
+/// dot's outward normal, `n · (camera − dot) > 0`. That is the whole rule of occlusion: the hull is taken as convex, and
+/// fins, lines and rotor hide nothing.
+#[derive(Clone, Debug)]
+pub struct Viewer {
+    eyes: Vec<Eye>,
+    regions: Vec<Region>,
+    marks: Vec<Mark>,
+    noise_px: f64,
+    step_px: f64,
+    delay_samples: usize,
+    seed: u64,
+}
+
+impl Viewer {
+    /// Cameras and dots for poses of the point `reference_m` of the body, from the bridle joint along B in m.
+    ///
+    /// # Errors
+    /// [`Error::Sensing`] for no camera, fewer than four dots, two dots in one place, a normal of zero, a focal length or
+    /// image without size, a region of interest that leaves the image, negative noise or quantization, a delay of more
+    /// than 10,000 samples, and any number that is not finite.
+    pub fn new(sensing: &Sensing, reference_m: [f64; 3]) -> Result<Self, Error> {
+        let refuse =
+            |field: &str, value: String, allowed| Err(Error::Sensing { field: field.to_owned(), value, allowed });
+        let Sensing { cameras, dots, pixel_noise_px, quantization_px, delay_samples, seed } = sensing;
+        if cameras.is_empty() {
+            return refuse("camera", "none".to_owned(), "at least one camera");
+        }
+        if dots.len() < FEWEST_DOTS {
+            return refuse("dot", format!("{} dots", dots.len()), "at least 4 dots, since fewer leave the pose open");
+        }
+        for (name, value) in [("pixel_noise", *pixel_noise_px), ("quantization", *quantization_px)] {
+            if !(value.is_finite() && value >= 0.0) {
+                return refuse(name, format!("{value} px"), "finite and zero or more");
+            }
+        }
+        if *delay_samples > LONGEST_DELAY {
+            return refuse("delay", format!("{delay_samples} samples"), "a whole number from 0 to 10000");
+        }
+        Ok(Self {
+            eyes: cameras.iter().enumerate().map(|(index, camera)| camera.eye(index)).collect::<Result<_, _>>()?,
+            regions: cameras.iter().map(|camera| camera.region).collect(),
+            marks: marks(dots, reference_m)?,
+            noise_px: *pixel_noise_px,
+            step_px: *quantization_px,
+            delay_samples: *delay_samples,
+            seed: *seed,
+        })
+    }
+
+    /// What the cameras tell of a body at `pose`, noise and quantization included.
+    ///
+    /// A camera that sees no dot adds nothing, and no camera need see any. Two numbers are drawn from `noise` per sighting.
+    #[must_use]
+    pub fn look(&self, pose: &Pose, noise: &mut PixelNoise) -> View {
+        let mut view = View::default();
+        self.look_into(&mut view, pose, noise);
+        view
+    }
+
+    /// [`Viewer::look`] into the memory of a view.
+    pub(crate) fn look_into(&self, view: &mut View, pose: &Pose, noise: &mut PixelNoise) {
+        view.clear();
+        let r_gb = pose.rows_gb();
+        for (dot, mark) in self.marks.iter().enumerate() {
+            let (place, normal) = (add(pose.position_m, times(&r_gb, mark.place)), times(&r_gb, mark.normal));
+            for (camera, (eye, region)) in self.eyes.iter().zip(&self.regions).enumerate() {
+                let faces = dot_product(normal, minus(eye.position, place)) > 0.0;
+                if !faces {
+                    continue;
+                }
+                let seen = eye.project(place);
+                if seen.depth > 0.0 && region.contains(seen.pixel) {
+                    let pixel = [self.told(seen.pixel[0], noise), self.told(seen.pixel[1], noise)];
+                    view.push(Sighting { dot, camera, pixel });
+                }
+            }
+        }
+    }
+
+    /// A pixel coordinate as the image processing tells it: noise first, then the middle of a step.
+    fn told(&self, exact_px: f64, noise: &mut PixelNoise) -> f64 {
+        let mut told = exact_px;
+        if self.noise_px > 0.0 {
+            told += self.noise_px * noise.draw();
+        }
+        if self.step_px > 0.0 {
+            told = self.step_px * ((told / self.step_px).floor() + 0.5);
+        }
+        told
+    }
+
+    /// The pose whose pixels are closest to those of `view` in the sense of least squares, sought from `guess`.
+    ///
+    /// All sightings weigh the same. Seen from `guess` no dot of the view may be behind its camera.
+    ///
+    /// # Errors
+    /// [`Hold`] where there is none, and with sightings of a dot or camera that does not exist.
+    pub fn locate(&self, view: &View, guess: &Pose) -> Result<Pose, Hold> {
+        if !self.knows(view) {
+            return Err(Hold::NotConverged);
+        }
+        self.locate_with(&mut Vec::new(), view, guess)
+    }
+
+    /// [`Viewer::locate`] for a view of this viewer, with the memory of earlier ones.
+    pub(crate) fn locate_with(&self, bundles: &mut Vec<Bundle>, view: &View, guess: &Pose) -> Result<Pose, Hold> {
+        if view.dots_seen() < FEWEST_DOTS {
+            return Err(Hold::TooFewDots);
+        }
+        bundle(bundles, &self.eyes, &self.marks, view.sightings());
+        locate(bundles, guess)
+    }
+
+    /// Covariance of x, y, z in m and roll, pitch, heading in rad at `pose`, from `view` with pixels of the standard
+    /// deviation `deviation_px`: `deviation² (Jᵀ J)⁻¹`.
+    ///
+    /// `None` where the dots seen leave the pose open.
+    #[must_use]
+    pub fn covariance(&self, view: &View, pose: &Pose, deviation_px: f64) -> Option<Matrix6<f64>> {
+        if !self.knows(view) {
+            return None;
+        }
+        let mut bundles = Vec::new();
+        bundle(&mut bundles, &self.eyes, &self.marks, view.sightings());
+        let of_turns = NormalEquations::new(&bundles, pose)?.inverse()?;
+        let mut to_angles = Matrix6::identity();
+        let rows = pose.angles_of_turn()?;
+        to_angles.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::from_fn(|i, j| rows[i][j]));
+        Some(to_angles * of_turns * to_angles.transpose() * (deviation_px * deviation_px))
+    }
+
+    fn knows(&self, view: &View) -> bool {
+        view.sightings().iter().all(|seen| seen.dot < self.marks.len() && seen.camera < self.eyes.len())
+    }
+
+    /// How many cameras there are.
+    #[must_use]
+    pub fn n_cameras(&self) -> usize {
+        self.eyes.len()
+    }
+
+    pub(crate) fn delay_samples(&self) -> usize {
+        self.delay_samples
+    }
+
+    pub(crate) fn seed(&self) -> u64 {
+        self.seed
+    }
+}
