@@ -34,6 +34,7 @@ const COMMANDS: &[(&str, Program)] = &[
     ("doe-records", studies("similarity,global")),
     ("design-page", studies("similarity,global")),
     ("benchmark", studies("similarity,benchmark")),
+    ("calibrate", studies("similarity,calibration")),
     ("ci", CHECKS),
     ("tidy", CHECKS),
     ("equations", CHECKS),

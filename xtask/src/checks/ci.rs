@@ -29,6 +29,7 @@ const STEPS: &[Step] = &[
     Step { heading: "tutorials", run: tutorials::check },
     Step { heading: "packages", run: packages },
     Step { heading: "optimal designs", run: || study(&["doe-records", "--check"]) },
+    Step { heading: "calibrated plants", run: || study(&["calibrate", "--check"]) },
     Step { heading: "all chapters", run: || study(&["reproduce-all", "--check"]) },
 ];
 

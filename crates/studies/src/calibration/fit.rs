@@ -12,6 +12,7 @@ const AIM: f64 = 0.3;
 const MET: f64 = 0.8;
 /// Differences are taken anew where a step leaves more of the sum of squares.
 const STALE: f64 = 0.15;
+const SLOW: f64 = 0.6;
 const MOST_STEPS: usize = 20;
 /// How often a step is shortened before the fit is given up.
 const MOST_TRIES: usize = 7;
@@ -86,6 +87,11 @@ impl<'a> Fit<'a> {
                 continue;
             };
             let left = sum_of_squares(&next.residuals) / sum_of_squares(&now.residuals);
+            // Met already, and hardly closer any more.
+            if worst(&next.residuals) <= MET && left > SLOW {
+                now = next;
+                break;
+            }
             is_fresh = left > STALE;
             if is_fresh {
                 jacobian = self.jacobian(&next);

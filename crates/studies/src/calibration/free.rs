@@ -140,6 +140,24 @@ impl Place {
         Some((Self::Controller(pd, gain), unit))
     }
 
+    fn get(self, candidate: &Candidate) -> f64 {
+        match self {
+            Self::Plant(field) => (field.get)(&candidate.rig.plant),
+            Self::Controller(pd, gain) => {
+                let pd = match pd {
+                    Pd::Altitude => &candidate.rig.altitude,
+                    Pd::Pitch => &candidate.rig.pitch,
+                    Pd::Roll => &candidate.rig.roll,
+                };
+                [pd.proportional(), pd.derivative(), pd.time_constant_s()][gain as usize]
+            }
+            Self::Weight(study, weight) => {
+                let weights = &candidate.weights[study];
+                weights.terms.get(weight).copied().unwrap_or(weights.ballast)
+            }
+        }
+    }
+
     fn set(self, candidate: &mut Candidate, value: f64) -> Result<()> {
         match self {
             Self::Plant(field) => (field.set)(&mut candidate.rig.plant, value),
@@ -181,6 +199,10 @@ impl Free {
             Scale::Linear => (value - self.lower) / (self.upper - self.lower),
             Scale::Log => (value / self.lower).ln() / (self.upper / self.lower).ln(),
         }
+    }
+
+    pub(super) fn value(&self, candidate: &Candidate) -> f64 {
+        self.places.first().map_or(f64::NAN, |place| place.get(candidate))
     }
 
     pub(super) fn set(&self, candidate: &mut Candidate, value: f64) -> Result<()> {

@@ -44,6 +44,7 @@ struct CalibrationFile {
     members: usize,
     most_starts: u64,
     seed: u64,
+    reach: [f64; 2],
     steps_per_sample: usize,
     files: FilesEntry,
     #[serde(rename = "box")]
@@ -71,6 +72,8 @@ struct Calibration {
     n_members: usize,
     most_starts: u64,
     seed: u64,
+    /// How far starts go from the plant of the rig file toward one drawn over the ranges: at least and at most.
+    reach: [f64; 2],
     base: Candidate,
     profile: TestProfile,
     settings: FlightSettings,
@@ -94,6 +97,12 @@ impl Calibration {
         let [chapter4, chapter7] = weights;
         let base = Candidate { rig, weights: [chapter4?.weights, chapter7?.weights] };
         ensure!(file.members > 0, "members = 0: it must be at least 1");
+        let [least, most] = file.reach;
+        ensure!(
+            0.0 < least && least <= most && most <= 1.0,
+            "reach = {:?}: it must be two shares, 0 < least <= most <= 1",
+            file.reach
+        );
         let settings = FlightSettings::with_steps(file.steps_per_sample);
         settings.validate().context("steps_per_sample")?;
         file.tolerance.check()?;
@@ -111,6 +120,7 @@ impl Calibration {
             n_members: file.members,
             most_starts: file.most_starts,
             seed: file.seed,
+            reach: file.reach,
             base,
             profile,
             settings,
@@ -142,11 +152,17 @@ impl Calibration {
         Ok(candidate)
     }
 
-    /// Where a start begins: evenly drawn over the ranges, by its number alone.
+    /// Where a start begins, by its number alone: between the plant of the rig file and one that is evenly drawn over the ranges.
     fn start(&self, number: u64) -> Vec<f64> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number);
-        let share = |_: &Free| INSIDE + (1.0 - 2.0 * INSIDE) * rng.random::<f64>();
+        let [least, most] = self.reach;
+        let reach = least + (most - least) * rng.random::<f64>();
+        let within = |share: f64| share.clamp(INSIDE, 1.0 - INSIDE);
+        let share = |free: &Free| {
+            let known = within(free.share(free.value(&self.base)));
+            within(known + reach * (rng.random::<f64>() - known))
+        };
         let shares: Vec<f64> = self.free.iter().map(share).collect();
         shares.into_iter().map(|share| (share / (1.0 - share)).ln()).collect()
     }

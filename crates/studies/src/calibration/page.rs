@@ -161,7 +161,7 @@ fn findings(calibration: &Calibration, store: &Store, seen: &[Seen]) -> Vec<Stri
     vec![
         format!(
             "{n} plants meet the fitted rows of Tables 3 and 5, each optimum within {} % of chord and {} deg over the whole box, each \
-             cost within {} %: calibrated, from {} starts. Refused were {}.",
+             cost within {} %: calibrated, from {} starts between today's plant and one drawn over the ranges. Refused were {}.",
             calibration.tolerance.center_of_mass,
             calibration.tolerance.pitch_set_point,
             100.0 * calibration.tolerance.cost,
