@@ -27,15 +27,42 @@ pub struct Evaluation<T = f64> {
 /// here: a state that leaves the model gives non-finite numbers, which [`check_state`](crate::check_state) names.
 #[inline(always)]
 pub fn evaluate<T: Real>(plant: &Plant<T>, state: &FlightState<T>, commands: [T; 3], flow: &Flow<T>) -> Evaluation<T> {
+    if plant.lopsided {
+        evaluate_with::<T, true>(plant, state, commands, flow)
+    } else {
+        evaluate_with::<T, false>(plant, state, commands, flow)
+    }
+}
+
+/// [`evaluate`] of a plant that is known to be symmetric: what it has of [`Asymmetry`](crate::Asymmetry) is left out.
+///
+/// The same bits; a loop over it does not carry the code for the other plants.
+#[inline(always)]
+pub fn evaluate_symmetric<T: Real>(
+    plant: &Plant<T>,
+    state: &FlightState<T>,
+    commands: [T; 3],
+    flow: &Flow<T>,
+) -> Evaluation<T> {
+    evaluate_with::<T, false>(plant, state, commands, flow)
+}
+
+#[inline(always)]
+fn evaluate_with<T: Real, const LATERAL: bool>(
+    plant: &Plant<T>,
+    state: &FlightState<T>,
+    commands: [T; 3],
+    flow: &Flow<T>,
+) -> Evaluation<T> {
     let &[zenith, azimuth, twist, zenith_rate, azimuth_rate, twist_rate, l1, l2, l3, u1, u2, u3] = state;
     let reel = [u1, u2, u3];
     let reel_acceleration = reel_accelerations(plant, reel, commands);
-    let bridle = Bridle::of_lines(plant, [l1, l2, l3], reel, reel_acceleration);
+    let bridle = Bridle::of_lines::<LATERAL>(plant, [l1, l2, l3], reel, reel_acceleration);
     let pose = bridle.pose([zenith, azimuth, twist], flow);
     let rates = bridle.rates([zenith_rate, azimuth_rate, twist_rate]);
     let driven =
         Driven { length: bridle.length_acceleration, pitch: bridle.pitch.acceleration, roll: bridle.roll.acceleration };
-    let motion = solve_motion(plant, &pose, &rates, &driven, flow.speed_m_s);
+    let motion = solve_motion::<T, LATERAL>(plant, &pose, &rates, &driven, flow.speed_m_s);
     Evaluation {
         derivative: [
             zenith_rate,
@@ -51,7 +78,7 @@ pub fn evaluate<T: Real>(plant: &Plant<T>, state: &FlightState<T>, commands: [T;
             reel_acceleration[1],
             reel_acceleration[2],
         ],
-        sight: pose.sight(plant),
+        sight: pose.sight::<LATERAL>(plant),
         tensions: tensions(plant, &pose, motion.supplied),
     }
 }
@@ -60,7 +87,12 @@ pub fn evaluate<T: Real>(plant: &Plant<T>, state: &FlightState<T>, commands: [T;
 #[inline(always)]
 #[must_use]
 pub fn sight<T: Real>(plant: &Plant<T>, state: &FlightState<T>, flow: &Flow<T>) -> Sight<T> {
+    if plant.lopsided { sight_with::<T, true>(plant, state, flow) } else { sight_with::<T, false>(plant, state, flow) }
+}
+
+#[inline(always)]
+fn sight_with<T: Real, const LATERAL: bool>(plant: &Plant<T>, state: &FlightState<T>, flow: &Flow<T>) -> Sight<T> {
     let zero = [T::constant(0.0); 3];
-    let bridle = Bridle::of_lines(plant, [state[6], state[7], state[8]], zero, zero);
-    bridle.pose([state[0], state[1], state[2]], flow).sight(plant)
+    let bridle = Bridle::of_lines::<LATERAL>(plant, [state[6], state[7], state[8]], zero, zero);
+    bridle.pose([state[0], state[1], state[2]], flow).sight::<LATERAL>(plant)
 }

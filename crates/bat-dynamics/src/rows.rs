@@ -12,10 +12,12 @@ use crate::kinematics::{Driven, Pose, Rates};
 use crate::plant::Plant;
 use crate::real::Real;
 use crate::tether_drag::tether_drag;
-use crate::vector::{Vector, Wrench, add, combine, cross, cross_point, dot, point_cross, scale, sub};
+use crate::vector::{
+    Vector, Wrench, add, combine, cross, cross_place, cross_point, dot, place_cross, point_cross, scale, sub,
+};
 
-/// Everything that is known before (4) is solved.
-pub(crate) struct Instant<'a, T> {
+/// Everything that is known before (4) is solved; what sets starboard apart from port counts only where `LATERAL`.
+pub(crate) struct Instant<'a, T, const LATERAL: bool> {
     plant: &'a Plant<T>,
     pose: &'a Pose<T>,
     rates: &'a Rates<T>,
@@ -88,7 +90,7 @@ pub(crate) struct UnitMotion<T> {
     takes: Wrench<T>,
 }
 
-impl<'a, T: Real> Instant<'a, T> {
+impl<'a, T: Real, const LATERAL: bool> Instant<'a, T, LATERAL> {
     #[inline(always)]
     pub(crate) fn new(
         plant: &'a Plant<T>,
@@ -170,15 +172,16 @@ impl<'a, T: Real> Instant<'a, T> {
     pub(crate) fn wrench_left_over(&self, a0_b: Vector<T>, alpha0_b: Vector<T>) -> Wrench<T> {
         let Self { plant, v, .. } = self;
         let gravity_b = self.gravity();
-        let taken = inertial_wrench(plant, a0_b, alpha0_b);
+        let taken = inertial_wrench::<_, LATERAL>(plant, a0_b, alpha0_b);
         let force_cm = self.force_at_center_of_mass(gravity_b);
         let v_r_b = add(v.uvw_b, cross_point(v.omega_b, plant.cb_x, plant.cb_z));
         let momentum_b = plant.added_mass_times(v_r_b);
         let force_cb = self.force_at_center_of_buoyancy(momentum_b, gravity_b);
-        let spin = cross(v.omega_b, plant.inertia_times(v.omega_b));
+        let spin = cross(v.omega_b, plant.inertia_times::<LATERAL>(v.omega_b));
         let munk = cross(v_r_b, momentum_b);
-        let arms = add(point_cross(plant.cm_x, plant.cm_z, force_cm), point_cross(plant.cb_x, plant.cb_z, force_cb));
-        let aero = aerodynamics(plant, v.uvw_b, v.omega_b);
+        let arm_cm = place_cross::<_, LATERAL>(plant.cm(), force_cm);
+        let arms = add(arm_cm, point_cross(plant.cb_x, plant.cb_z, force_cb));
+        let aero = aerodynamics::<_, LATERAL>(plant, v.uvw_b, v.omega_b);
         Wrench {
             force: sub(aero.force, add(taken.force, add(force_cm, force_cb))),
             moment: sub(aero.moment, add(taken.moment, add(add(arms, spin), munk))),
@@ -196,7 +199,7 @@ impl<'a, T: Real> Instant<'a, T> {
     #[inline(always)]
     fn force_at_center_of_mass(&self, gravity_b: Vector<T>) -> Vector<T> {
         let Self { plant, v, .. } = self;
-        let centripetal = cross(v.omega_b, cross_point(v.omega_b, plant.cm_x, plant.cm_z));
+        let centripetal = cross(v.omega_b, cross_place::<_, LATERAL>(v.omega_b, plant.cm()));
         scale(plant.mass, sub(centripetal, gravity_b))
     }
 
@@ -214,7 +217,7 @@ impl<'a, T: Real> Instant<'a, T> {
     #[inline(always)]
     pub(crate) fn unit_motions(&self) -> [UnitMotion<T>; 3] {
         let ([x_t, y_t, z_t], length) = (self.pose.axes, self.pose.length);
-        let unit = |v, omega| UnitMotion { v, omega, takes: inertial_wrench(self.plant, v, omega) };
+        let unit = |v, omega| UnitMotion { v, omega, takes: inertial_wrench::<_, LATERAL>(self.plant, v, omega) };
         [
             unit(scale(-length, x_t), y_t),
             unit(scale(-length, y_t), scale(T::constant(-1.0), x_t)),
@@ -297,8 +300,8 @@ impl<'a, T: Real> Instant<'a, T> {
 /// `M (a, alpha)`: the wrench about the joint that an acceleration `a` of the joint and an angular acceleration `alpha`
 /// take, all along B: the inertia of the body and its added mass, which are constant there.
 #[inline(always)]
-fn inertial_wrench<T: Real>(plant: &Plant<T>, a: Vector<T>, alpha: Vector<T>) -> Wrench<T> {
-    Wrench {
+fn inertial_wrench<T: Real, const LATERAL: bool>(plant: &Plant<T>, a: Vector<T>, alpha: Vector<T>) -> Wrench<T> {
+    let in_plane = Wrench {
         force: [
             plant.total_x * a[0] + plant.first_xz * alpha[1],
             plant.total_y * a[1] + plant.first_yx * alpha[2] - plant.first_yz * alpha[0],
@@ -308,6 +311,22 @@ fn inertial_wrench<T: Real>(plant: &Plant<T>, a: Vector<T>, alpha: Vector<T>) ->
             plant.joint_x * alpha[0] - plant.joint_xz * alpha[2] - plant.first_yz * a[1],
             plant.joint_y * alpha[1] + plant.first_xz * a[0] - plant.first_zx * a[2],
             plant.joint_z * alpha[2] - plant.joint_xz * alpha[0] + plant.first_yx * a[1],
+        ],
+    };
+    if LATERAL { in_plane.plus(lateral_wrench(plant, a, alpha)) } else { in_plane }
+}
+
+/// The part of [`inertial_wrench`] that comes of a center of mass beside the plane of symmetry and of the products of inertia
+/// out of it.
+#[inline(always)]
+fn lateral_wrench<T: Real>(plant: &Plant<T>, a: Vector<T>, alpha: Vector<T>) -> Wrench<T> {
+    let (first, squared) = (plant.first_y, plant.joint_y_squared);
+    Wrench {
+        force: [-(first * alpha[2]), T::constant(0.0), first * alpha[0]],
+        moment: [
+            squared * alpha[0] - plant.joint_xy * alpha[1] + first * a[2],
+            -(plant.joint_xy * alpha[0] + plant.joint_yz * alpha[2]),
+            squared * alpha[2] - plant.joint_yz * alpha[1] - first * a[0],
         ],
     }
 }

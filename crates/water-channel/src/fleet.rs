@@ -50,12 +50,12 @@ fn fly_chunk(
             Err(error) => results.push(Some(Err(error.into()))),
         }
     }
-    // Flights in one batch share the instants of their samples.
+    // Flights in one batch share the instants of their samples and the code that flies them.
+    let kind = |one: &Ready| (one.controller.parameters().sample_time_s.to_bits(), one.is_plain());
     while !ready.is_empty() {
+        let first = kind(&ready[0].1);
         let sample_time_s = ready[0].1.controller.parameters().sample_time_s;
-        let (batch, rest): (Vec<_>, Vec<_>) = ready
-            .into_iter()
-            .partition(|(_, one)| one.controller.parameters().sample_time_s.to_bits() == sample_time_s.to_bits());
+        let (batch, rest): (Vec<_>, Vec<_>) = ready.into_iter().partition(|(_, one)| kind(one) == first);
         ready = rest;
         let endings = fly_lanes(&batch, sample_time_s, profile, settings);
         for ((index, one), ending) in batch.into_iter().zip(endings) {
@@ -82,12 +82,18 @@ fn fly_lanes(
         used: batch.len(),
     };
     let start = core::array::from_fn(|k| &lane(k).start);
-    integrate_lanes(&setup, start)
+    if batch[0].1.is_plain() { integrate_plain(&setup, start) } else { integrate_general(&setup, start) }
 }
 
 /// The loop compiled for several instruction sets, chosen when it runs; none of them contracts a product and a
 /// sum into one rounding, so all give the same bits.
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn integrate_lanes(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Ending; LANES] {
-    integrate::<Lanes, LANES>(setup, start, |_| {})
+fn integrate_plain(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Ending; LANES] {
+    integrate::<Lanes, LANES, true>(setup, start, |_| {})
+}
+
+/// Like [`integrate_plain`] for plants whose sides differ.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn integrate_general(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Ending; LANES] {
+    integrate::<Lanes, LANES, false>(setup, start, |_| {})
 }

@@ -60,6 +60,11 @@ pub(crate) struct Ready {
 }
 
 impl Ready {
+    /// Whether the loop for symmetric plants can fly it.
+    pub(crate) fn is_plain(&self) -> bool {
+        !self.plant.is_lopsided()
+    }
+
     pub(crate) fn new(request: &FlightRequest, profile: &TestProfile) -> Result<Self, Error> {
         let plant = request.rig.plant(request.fidelity)?;
         let controller = request.rig.controller()?;
@@ -138,5 +143,9 @@ fn one(
         settings,
         used: 1,
     };
-    integrate::<f64, 1>(&setup, [&ready.start], watch)
+    if ready.is_plain() {
+        integrate::<f64, 1, true>(&setup, [&ready.start], watch)
+    } else {
+        integrate::<f64, 1, false>(&setup, [&ready.start], watch)
+    }
 }

@@ -4,7 +4,9 @@
 //! smooth and the method keeps its order. Steps also end where the flow has a knot. The integrals of the cost are
 //! quadratures of the same method.
 
-use bat_dynamics::{Evaluation, FlightState, Flow, LANES, Lanes, Plant, Real, Sight, evaluate, sight};
+use bat_dynamics::{
+    Evaluation, FlightState, Flow, LANES, Lanes, Plant, Real, Sight, evaluate, evaluate_symmetric, sight,
+};
 use tether_control::{Controller, ControllerState, Measurement};
 
 use crate::cost::{Integrals, N_TERMS};
@@ -190,8 +192,10 @@ const STAGES: [Stage; 4] = [
 ];
 
 /// Runs the test of `setup` from the states `start` and shows every sample to `watch`.
+///
+/// `PLAIN` says that all plants are symmetric: the loop then carries no code for others, and keeps its speed.
 #[inline(always)]
-pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
+pub(crate) fn integrate<T: Carrier<N>, const N: usize, const PLAIN: bool>(
     setup: &Setup<'_, T, N>,
     start: [&FlightState; N],
     mut watch: impl FnMut(&Sample<'_, T, N>),
@@ -227,7 +231,11 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
                 // One copy of the right-hand side for the four stages keeps the code small enough to compile well.
                 for stage in &STAGES {
                     let water = water.with(profile.flow().within(piece, at_s + stage.at * h_s));
-                    let e = evaluate(plant, &x, held, &water.flow.cast());
+                    let e = if PLAIN {
+                        evaluate_symmetric(plant, &x, held, &water.flow.cast())
+                    } else {
+                        evaluate(plant, &x, held, &water.flow.cast())
+                    };
                     if stage.at <= 0.0 && step == 0 && from_s <= time_s {
                         watch(&Sample { time_s, water, state: &x, evaluation: &e, commands: &commands });
                         look(&mut watchers, time_s, &x, &e, settings);

@@ -15,6 +15,7 @@
 //! | linearization and modes | differences, response to a kick, an independent program's golden file, matrices with known modes | `linearization`, `eigenmodes` |
 //! | stall, parity, no flow, flow from behind, build-up, tether drag | definitions in vectors, closed forms, fine quadrature | `aerodynamics` |
 //! | sine, cosine, arc tangent; lanes bit for bit | the platform's functions | `scalars` |
+//! | sides that differ: all terms of (4), trims; mirror, symmetric limit, point masses, signs | sympy, a root search on Newton and Euler; closed forms | `asymmetry` |
 //! | bad numbers, Phi = 0, V = 0 | errors by name, value and time | `inputs`, `trims`, `flows` |
 //! | random plants stay finite and gain no energy in still fluid | sign | `fuzz` |
 //!
@@ -26,6 +27,7 @@
 #![expect(clippy::unwrap_used, reason = "the helpers of tests fail like tests")]
 
 mod aerodynamics;
+mod asymmetry;
 mod eigenmodes;
 mod energy;
 mod equations;
