@@ -86,9 +86,9 @@ fn half_stabilizer<T: Real>(plant: &Plant<T>, relative: Vector<T>, omega: Vector
 /// The sum of [`aerodynamic_wrench`]: hull, horizontal and vertical stabilizer, each in its own local flow.
 ///
 /// `relative` is the joint's velocity relative to the flow and `omega` the angular velocity, along B. The horizontal
-/// stabilizer is one surface, and two halves where `LATERAL`.
+/// stabilizer is one surface, and two halves where `LOPSIDED`.
 #[inline(always)]
-pub(crate) fn aerodynamics<T: Real, const LATERAL: bool>(
+pub(crate) fn aerodynamics<T: Real, const LOPSIDED: bool>(
     plant: &Plant<T>,
     relative: Vector<T>,
     omega: Vector<T>,
@@ -111,7 +111,7 @@ pub(crate) fn aerodynamics<T: Real, const LATERAL: bool>(
         ],
     );
 
-    let horizontal = if LATERAL {
+    let horizontal = if LOPSIDED {
         half_stabilizer(plant, relative, omega, 1.0).plus(half_stabilizer(plant, relative, omega, -1.0))
     } else {
         horizontal_stabilizer(plant, relative, omega)

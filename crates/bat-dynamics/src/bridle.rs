@@ -59,15 +59,15 @@ fn true_lengths<T: Real>(plant: &Plant<T>, lines: [T; 3]) -> [T; 3] {
 }
 
 impl<T: Real> Bridle<T> {
-    /// Lines as long as their winches say, unless `LATERAL`.
+    /// Lines as long as their winches say, unless `LOPSIDED`.
     #[inline(always)]
-    pub(crate) fn of_lines<const LATERAL: bool>(
+    pub(crate) fn of_lines<const LOPSIDED: bool>(
         plant: &Plant<T>,
         lines: [T; 3],
         reel: [T; 3],
         reel_acceleration: [T; 3],
     ) -> Self {
-        let lines = if LATERAL { true_lengths(plant, lines) } else { lines };
+        let lines = if LOPSIDED { true_lengths(plant, lines) } else { lines };
         let (length, pitch, roll) = differences(plant, lines);
         let (length_rate, pitch_rate, roll_rate) = differences(plant, reel);
         let (length_acceleration, pitch_acceleration, roll_acceleration) = differences(plant, reel_acceleration);

@@ -32,11 +32,11 @@ fn mass_matrix_of<T: Real>(plant: &Plant<T>, q: &Coordinates<T>) -> [[T; 6]; 6] 
     if plant.lopsided { mass_matrix_with::<_, true>(plant, q) } else { mass_matrix_with::<_, false>(plant, q) }
 }
 
-fn mass_matrix_with<T: Real, const LATERAL: bool>(plant: &Plant<T>, q: &Coordinates<T>) -> [[T; 6]; 6] {
+fn mass_matrix_with<T: Real, const LOPSIDED: bool>(plant: &Plant<T>, q: &Coordinates<T>) -> [[T; 6]; 6] {
     let still = Flow { speed_m_s: T::constant(0.0), direction_rad: T::constant(0.0) };
     let pose = Pose::of_coordinates(q, &still);
     let columns = jacobian(&pose).map(|(v, omega)| {
-        let at_cm = add(v, cross_place::<_, LATERAL>(omega, plant.cm()));
+        let at_cm = add(v, cross_place::<_, LOPSIDED>(omega, plant.cm()));
         let at_cb = add(v, cross_point(omega, plant.cb_x, plant.cb_z));
         (at_cm, at_cb, omega)
     });
@@ -45,7 +45,7 @@ fn mass_matrix_with<T: Real, const LATERAL: bool>(plant: &Plant<T>, q: &Coordina
             let ((a_cm, a_cb, a), (b_cm, b_cb, b)) = (columns[i], columns[j]);
             plant.mass * dot(a_cm, b_cm)
                 + dot(a_cb, plant.added_mass_times(b_cb))
-                + dot(a, plant.inertia_times::<LATERAL>(b))
+                + dot(a, plant.inertia_times::<LOPSIDED>(b))
         })
     });
     // ½ lambda L (L'² + L² (Phi'² + sin² Phi Theta'²)/3)

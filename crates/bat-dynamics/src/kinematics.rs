@@ -110,6 +110,17 @@ impl<T: Real> Pose<T> {
         [upwind * self.cos_zenith, speed * self.sin_azimuth, upwind * self.sin_zenith]
     }
 
+    /// Along T, of a vector along the axes of G turned to the flow: against it, right, down.
+    #[inline(always)]
+    pub(crate) fn along_tether(&self, [ahead, right, down]: Vector<T>) -> Vector<T> {
+        let level = self.cos_azimuth * ahead + self.sin_azimuth * right;
+        [
+            level * self.cos_zenith - down * self.sin_zenith,
+            self.cos_azimuth * right - self.sin_azimuth * ahead,
+            level * self.sin_zenith + down * self.cos_zenith,
+        ]
+    }
+
     /// Rows of the rotation from B to G turned by −psi_flow: forward, right and down seen from the flow.
     #[inline(always)]
     fn rows_from_flow(&self) -> [Vector<T>; 3] {
@@ -122,9 +133,9 @@ impl<T: Real> Pose<T> {
         ]
     }
 
-    /// What cameras would see; the center of mass lies in the plane of symmetry unless `LATERAL`.
+    /// What cameras would see; the center of mass lies in the plane of symmetry unless `LOPSIDED`.
     #[inline(always)]
-    pub(crate) fn sight<const LATERAL: bool>(&self, plant: &Plant<T>) -> Sight<T> {
+    pub(crate) fn sight<const LOPSIDED: bool>(&self, plant: &Plant<T>) -> Sight<T> {
         let rows = self.rows_from_flow();
         let joint = [
             -(self.length * self.sin_zenith * self.cos_azimuth),
@@ -133,7 +144,7 @@ impl<T: Real> Pose<T> {
         ];
         let along = |row: Vector<T>| {
             let in_plane = row[0] * plant.cm_x + row[2] * plant.cm_z;
-            if LATERAL { in_plane + row[1] * plant.cm_y } else { in_plane }
+            if LOPSIDED { in_plane + row[1] * plant.cm_y } else { in_plane }
         };
         Sight {
             forward: joint[0] + along(rows[0]),

@@ -5,6 +5,7 @@ mod allowed;
 mod balance;
 mod bridle;
 mod coordinates;
+mod disturbance;
 mod double;
 mod dual;
 mod error;
@@ -35,8 +36,9 @@ pub use allowed::Allowed;
 pub use balance::TrimHeight;
 pub use bridle::{driven_of_lines, lines_of_driven};
 pub use coordinates::{Coordinates, FlightState, SINGULAR_SIN_ZENITH, STATE_NAMES, STATE_UNITS, check_state};
+pub use disturbance::Disturbance;
 pub use error::{Error, NoTrim};
-pub use evaluation::{Evaluation, evaluate, evaluate_symmetric, sight};
+pub use evaluation::{Evaluation, evaluate, evaluate_disturbed, evaluate_with, sight};
 pub use flow::{Flow, FlowHistory, FlowKnot, Transition};
 pub use inertia::{
     christoffel_matrix, generalized_forces, gravity_vector, kinetic_energy, mass_matrix, potential_energy,

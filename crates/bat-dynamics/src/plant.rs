@@ -353,15 +353,15 @@ impl<T: Real> Plant<T> {
     }
 
     /// `(I + I_a) omega` for an angular velocity along B: the angular momentum about the center of mass, and that of the
-    /// added inertia; the products out of the plane of symmetry only where `LATERAL`.
+    /// added inertia; the products out of the plane of symmetry only where `LOPSIDED`.
     #[inline(always)]
-    pub(crate) fn inertia_times<const LATERAL: bool>(&self, omega: Vector<T>) -> Vector<T> {
+    pub(crate) fn inertia_times<const LOPSIDED: bool>(&self, omega: Vector<T>) -> Vector<T> {
         let [x, y, z] = [
             self.inertia_x * omega[0] - self.inertia_xz * omega[2],
             self.inertia_y * omega[1],
             self.inertia_z * omega[2] - self.inertia_xz * omega[0],
         ];
-        if LATERAL {
+        if LOPSIDED {
             let across = self.inertia_xy * omega[0] + self.inertia_yz * omega[2];
             return [x - self.inertia_xy * omega[1], y - across, z - self.inertia_yz * omega[1]];
         }

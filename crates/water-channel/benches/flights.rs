@@ -31,7 +31,8 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use water_channel::{
-    FlightRequest, FlightSettings, ProfileFile, RigFile, TestProfile, closed_loop_modes, fly, fly_all,
+    FlightRequest, FlightSettings, MovingWater, ProfileFile, RigFile, Shedding, TestProfile, Turbulence,
+    closed_loop_modes, fly, fly_all,
 };
 
 fn main() {
@@ -75,6 +76,31 @@ fn one_flight_alone(bencher: Bencher<'_, '_>, steps_per_sample: usize) {
 fn lanes_on_one_thread(bencher: Bencher<'_, '_>, steps_per_sample: usize) {
     let (profile, settings) = (profile(), FlightSettings::with_steps(steps_per_sample));
     let (requests, pool) = (requests(4, Fidelity::STALLED_WITH_ADDED_MASS), pool(1));
+    bencher
+        .counter(ItemsCount::new(requests.len()))
+        .bench(|| pool.install(|| fly_all(black_box(&requests), &profile, &settings, |_| {})));
+}
+
+/// What each thing that is off by default costs, in lanes at one step per sample, the making of the water's table included.
+#[divan::bench(args = ["off", "turbulence", "shedding", "asymmetry", "all three"], sample_count = 10)]
+fn lanes_with_what_is_off_by_default(bencher: Bencher<'_, '_>, what: &str) {
+    let on = |name: &str| what == name || what == "all three";
+    let turbulence = Turbulence { intensity: 0.03, lateral_intensity: 0.03, vertical_intensity: 0.03, length_m: 0.1 };
+    let shedding = Shedding { strouhal: 0.2, width_m: 0.092, lift_coefficient: 0.05, plane_rad: 0.5 };
+    let water = MovingWater {
+        turbulence: on("turbulence").then_some(turbulence),
+        shedding: on("shedding").then_some(shedding),
+        seed: 1,
+    };
+    let profile = profile().with_water(water).expect("water");
+    let mut requests = requests(4, Fidelity::STALLED_WITH_ADDED_MASS);
+    if on("asymmetry") {
+        for request in &mut requests {
+            let asymmetry = &mut request.rig.plant.asymmetry;
+            (asymmetry.center_of_mass_y_m, asymmetry.offset_lateral_m, asymmetry.line_port_m) = (2e-4, 0.04, 5e-4);
+        }
+    }
+    let (settings, pool) = (FlightSettings::with_steps(1), pool(1));
     bencher
         .counter(ItemsCount::new(requests.len()))
         .bench(|| pool.install(|| fly_all(black_box(&requests), &profile, &settings, |_| {})));

@@ -5,7 +5,7 @@
 //! quadratures of the same method.
 
 use bat_dynamics::{
-    Evaluation, FlightState, Flow, LANES, Lanes, Plant, Real, Sight, evaluate, evaluate_symmetric, sight,
+    Disturbance, Evaluation, FlightState, Flow, LANES, Lanes, Plant, Real, Sight, evaluate_with, sight,
 };
 use tether_control::{Controller, ControllerState, Measurement};
 
@@ -14,6 +14,7 @@ use crate::error::FlightError;
 use crate::profile::TestProfile;
 use crate::settings::FlightSettings;
 use crate::watch::{Extremes, Seen, SlackEvent, Watcher};
+use crate::water::WaterTable;
 
 /// A scalar that carries `N` flights.
 pub(crate) trait Carrier<const N: usize>: Real {
@@ -50,6 +51,8 @@ pub(crate) struct Setup<'a, T, const N: usize> {
     pub(crate) sample_time_s: f64,
     pub(crate) profile: &'a TestProfile,
     pub(crate) settings: &'a FlightSettings,
+    /// Water that moves beside its mean flow, for each lane.
+    pub(crate) water: Option<[&'a WaterTable; N]>,
     /// Lanes that carry a flight; the others repeat one and are not looked at.
     pub(crate) used: usize,
 }
@@ -146,6 +149,47 @@ impl Water {
     }
 }
 
+/// What the water does within one sample, in every lane: linear from one row of the table to the next.
+struct Gusts<T> {
+    from: [T; 5],
+    change: [T; 5],
+}
+
+impl<T> Gusts<T> {
+    #[inline(always)]
+    fn within<const N: usize>(tables: &Option<[&WaterTable; N]>, index: usize) -> Self
+    where
+        T: Carrier<N>,
+    {
+        let Some(tables) = tables else {
+            return Self { from: [T::constant(0.0); 5], change: [T::constant(0.0); 5] };
+        };
+        let of_lanes = |row: usize| {
+            let rows = tables.map(|table| table.rows()[row].numbers());
+            core::array::from_fn::<T, 5, _>(|k| T::join(core::array::from_fn(|lane| rows[lane][k])))
+        };
+        let (from, to) = (of_lanes(index), of_lanes(index + 1));
+        Self { from, change: core::array::from_fn(|k| to[k] - from[k]) }
+    }
+
+    /// At a `share` of the sample, in a mean flow of `speed_m_s`.
+    #[inline(always)]
+    fn at<const N: usize>(&self, share: f64, speed_m_s: f64) -> Disturbance<T>
+    where
+        T: Carrier<N>,
+    {
+        let share = T::constant(share);
+        let [along, lateral, upward, right, up] = core::array::from_fn(|k| self.from[k] + share * self.change[k]);
+        let (speed, zero) = (T::constant(speed_m_s), T::constant(0.0));
+        let fast = speed + speed * along;
+        let squared = fast * fast;
+        Disturbance {
+            velocity_m_s: [-(speed * along), speed * lateral, -(speed * upward)],
+            wake_m2_s2: [zero, squared * right, -(squared * up)],
+        }
+    }
+}
+
 /// The set points of each lane.
 struct Targets<T> {
     altitude: T,
@@ -193,14 +237,15 @@ const STAGES: [Stage; 4] = [
 
 /// Runs the test of `setup` from the states `start` and shows every sample to `watch`.
 ///
-/// `PLAIN` says that all plants are symmetric: the loop then carries no code for others, and keeps its speed.
+/// Without `LOPSIDED` all plants are symmetric, without `MOVING` the water has its mean flow alone: the loop then carries no code
+/// for anything else, and keeps its speed.
 #[inline(always)]
-pub(crate) fn integrate<T: Carrier<N>, const N: usize, const PLAIN: bool>(
+pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, const MOVING: bool>(
     setup: &Setup<'_, T, N>,
     start: [&FlightState; N],
     mut watch: impl FnMut(&Sample<'_, T, N>),
 ) -> [Ending; N] {
-    let Setup { plant, controllers, sample_time_s, profile, settings, used } = setup;
+    let Setup { plant, controllers, sample_time_s, profile, settings, used, .. } = setup;
     let targets = Targets::of(controllers);
     let mut state: FlightState<T> = core::array::from_fn(|k| T::join(core::array::from_fn(|lane| start[lane][k])));
     let mut sums = [T::constant(0.0); N_SUMS];
@@ -218,6 +263,7 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const PLAIN: bool>(
         let by_hand = profile.override_at(time_s, *sample_time_s);
         let commands = commands(controllers, &mut memory, &sight(plant, &state, &water.flow.cast()), by_hand);
         let held: [T; 3] = core::array::from_fn(|line| T::join(commands[line]));
+        let gusts = MOVING.then(|| Gusts::within(&setup.water, index));
 
         let mut from_s = time_s;
         while from_s < end_s {
@@ -228,14 +274,17 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const PLAIN: bool>(
                 let at_s = from_s + step as f64 * h_s;
                 let (mut slope, mut growth) = ([T::constant(0.0); 12], [T::constant(0.0); N_SUMS]);
                 let mut x = state;
+                // Made beforehand: code that is not in the block of the right-hand side leaves that small enough to be vectorized.
+                let disturbances = gusts.as_ref().map_or([Disturbance::none(); 4], |gusts| {
+                    let from = at_s - time_s;
+                    let speed_at = |at: f64| profile.flow().within(piece, at_s + at * h_s).speed_m_s;
+                    [0.0, 0.5, 0.5, 1.0].map(|at| gusts.at((from + at * h_s) / sample_time_s, speed_at(at)))
+                });
                 // One copy of the right-hand side for the four stages keeps the code small enough to compile well.
-                for stage in &STAGES {
+                for (stage, disturbance) in STAGES.iter().zip(&disturbances) {
                     let water = water.with(profile.flow().within(piece, at_s + stage.at * h_s));
-                    let e = if PLAIN {
-                        evaluate_symmetric(plant, &x, held, &water.flow.cast())
-                    } else {
-                        evaluate(plant, &x, held, &water.flow.cast())
-                    };
+                    let flow = water.flow.cast();
+                    let e = evaluate_with::<T, LOPSIDED, MOVING>(plant, &x, held, &flow, disturbance);
                     if stage.at <= 0.0 && step == 0 && from_s <= time_s {
                         watch(&Sample { time_s, water, state: &x, evaluation: &e, commands: &commands });
                         look(&mut watchers, time_s, &x, &e, settings);

@@ -78,6 +78,26 @@ fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     deserializer.deserialize_f64(Number)
 }
 
+/// What fixes a sequence of random numbers: a plain whole number, without a unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seed(pub(crate) u64);
+
+impl<'de> Deserialize<'de> for Seed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Whole;
+        impl Visitor<'_> for Whole {
+            type Value = Seed;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a whole number, zero or more")
+            }
+            fn visit_i64<E: Fault>(self, value: i64) -> Result<Seed, E> {
+                u64::try_from(value).map(Seed).map_err(|_| E::invalid_value(Unexpected::Signed(value), &self))
+            }
+        }
+        deserializer.deserialize_i64(Whole)
+    }
+}
+
 /// A range of numbers.
 #[derive(Clone, Copy, Debug)]
 enum Range {
@@ -85,6 +105,7 @@ enum Range {
     NonNegative,
     Positive,
     UnitInterval,
+    UpToHalf,
     /// Short of a quarter turn, in rad.
     WithinQuarterTurn,
     /// Short of a half turn, in rad.
@@ -99,6 +120,7 @@ impl Range {
                 Self::NonNegative => value >= 0.0,
                 Self::Positive => value > 0.0,
                 Self::UnitInterval => value.abs() <= 1.0,
+                Self::UpToHalf => (0.0..=0.5).contains(&value),
                 Self::WithinQuarterTurn => value.abs() < core::f64::consts::FRAC_PI_2,
                 Self::WithinHalfTurn => value.abs() < core::f64::consts::PI,
             }
@@ -110,6 +132,7 @@ impl Range {
             Self::NonNegative => "finite and zero or more",
             Self::Positive => "finite and more than zero",
             Self::UnitInterval => "within -1 and 1",
+            Self::UpToHalf => "from 0 to 0.5",
             Self::WithinQuarterTurn => "finite and short of a quarter turn to either side",
             Self::WithinHalfTurn => "finite and short of a half turn to either side",
         }
@@ -136,6 +159,9 @@ quantities! {
     Period: "s", Positive;
     Instant: "s", NonNegative;
     Altitude: "m", Positive;
+    Extent: "m", Positive;
+    Intensity: "1", UpToHalf;
+    NotNegative: "1", NonNegative;
     Speed: "m/s", NonNegative;
     Direction: "rad", Finite;
     Departing: "rad", WithinHalfTurn;

@@ -1,9 +1,9 @@
 //! Plants whose starboard and port sides differ: an independent derivation, the mirror, the symmetric limit, signs, trims.
 
 use bat_dynamics::{
-    Asymmetry, Error, Fidelity, FlightState, Flow, NoTrim, OPTIONAL_FIELDS, Parameters, Plant, Tensions, TetherLayout,
-    TrimHeight, TrimRequest, accelerations, aerodynamic_wrench, christoffel_matrix, driven_of_lines, evaluate,
-    evaluate_symmetric, generalized_forces, gravity_vector, kinetic_energy, lines_of_driven, mass_matrix,
+    Asymmetry, Disturbance, Error, Fidelity, FlightState, Flow, NoTrim, OPTIONAL_FIELDS, Parameters, Plant, Tensions,
+    TetherLayout, TrimHeight, TrimRequest, accelerations, aerodynamic_wrench, christoffel_matrix, driven_of_lines,
+    evaluate, evaluate_with, generalized_forces, gravity_vector, kinetic_energy, lines_of_driven, mass_matrix,
     potential_energy, rotation, sight, translation, trim, trim_with_lines,
 };
 use nalgebra::{Vector3, Vector6};
@@ -195,7 +195,7 @@ fn symmetric_plants_take_the_same_bits_through_either_door_and_the_limit_is_thei
         let (state, command) = (sample.state(), sample.array(-0.02, 0.02));
         let flow = Flow { speed_m_s: sample.within(0.1, 0.4), direction_rad: sample.within(-1.0, 1.0) };
         let one = evaluate(&symmetric, &state, command, &flow);
-        let other = evaluate_symmetric(&symmetric, &state, command, &flow);
+        let other = evaluate_with::<f64, false, false>(&symmetric, &state, command, &flow, &Disturbance::none());
         assert_eq!(one.derivative.map(f64::to_bits), other.derivative.map(f64::to_bits), "at {state:?}");
         // The general code with an asymmetry that is next to none: two halves at one place are one surface.
         let mut p = everything();

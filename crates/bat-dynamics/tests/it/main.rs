@@ -16,6 +16,7 @@
 //! | stall, parity, no flow, flow from behind, build-up, tether drag | definitions in vectors, closed forms, fine quadrature | `aerodynamics` |
 //! | sine, cosine, arc tangent; lanes bit for bit | the platform's functions | `scalars` |
 //! | sides that differ: all terms of (4), trims; mirror, symmetric limit, point masses, signs | sympy, a root search on Newton and Euler; closed forms | `asymmetry` |
+//! | water that moves beside its flow | another flow; virtual work of points moved by complex step | `disturbance` |
 //! | bad numbers, Phi = 0, V = 0 | errors by name, value and time | `inputs`, `trims`, `flows` |
 //! | random plants stay finite and gain no energy in still fluid | sign | `fuzz` |
 //!
@@ -28,6 +29,7 @@
 
 mod aerodynamics;
 mod asymmetry;
+mod disturbance;
 mod eigenmodes;
 mod energy;
 mod equations;

@@ -118,7 +118,7 @@ fn unknown_key_is_an_error_at_every_level() {
     profile(
         "duration =",
         "begin = 0\nduration =",
-        "unknown key `begin`; known here: control, duration, flow, start, title, window",
+        "unknown key `begin`; known here: control, duration, flow, start, title, water, window",
     );
     weights(
         "k7_ballast =",
@@ -297,7 +297,7 @@ fn error_in_a_file_names_the_file() {
     let path = fixture("bat/cost-chapter4.toml");
     check(
         ProfileFile::read(&path),
-        &format!("{path}: unknown key `k1_heading`; known here: control, duration, flow, start, title, window"),
+        &format!("{path}: unknown key `k1_heading`; known here: control, duration, flow, start, title, water, window"),
     );
 }
 

@@ -17,3 +17,4 @@ mod profile;
 mod reference;
 mod rigs;
 mod slack;
+mod water;
