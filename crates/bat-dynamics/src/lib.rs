@@ -3,6 +3,7 @@
 mod aerodynamics;
 mod allowed;
 mod balance;
+mod ballast;
 mod bridle;
 mod coordinates;
 mod disturbance;
@@ -34,6 +35,7 @@ mod winch;
 pub use aerodynamics::aerodynamic_wrench;
 pub use allowed::Allowed;
 pub use balance::TrimHeight;
+pub use ballast::{Ballast, Fin, MassModel, PlantDesign};
 pub use bridle::{driven_of_lines, lines_of_driven};
 pub use coordinates::{Coordinates, FlightState, SINGULAR_SIN_ZENITH, STATE_NAMES, STATE_UNITS, check_state};
 pub use disturbance::Disturbance;
