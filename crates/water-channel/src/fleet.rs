@@ -122,6 +122,7 @@ fn fly_lanes(
         profile,
         settings,
         water,
+        meters: core::array::from_fn(|k| lane(k).meter),
         used: batch.len(),
     };
     let start = core::array::from_fn(|k| &lane(k).start);

@@ -6,6 +6,7 @@ use bat_dynamics::{Fidelity, FlightState, Flow, Plant, Trim, TrimHeight, TrimReq
 use tether_control::{Controller, SetPoints};
 
 use crate::cost::Integrals;
+use crate::energy::{Energy, Meter};
 use crate::error::{Error, FlightError};
 use crate::footprint::footprint_m2;
 use crate::integrate::{Ending, Sample, Setup, integrate};
@@ -38,6 +39,8 @@ pub struct Flight {
     pub trim: Trim,
     /// Where it ended.
     pub final_state: FlightState,
+    /// What the turbine of the test gave and the winches took, if the test has one.
+    pub energy: Option<Energy>,
 }
 
 impl Flight {
@@ -109,6 +112,8 @@ pub(crate) struct Ready {
     pub(crate) start: FlightState,
     /// Water that moves beside its mean flow.
     pub(crate) water: Option<Arc<WaterTable>>,
+    /// The turbine of the test in the water of the rig.
+    pub(crate) meter: Option<Meter>,
 }
 
 impl Ready {
@@ -134,7 +139,10 @@ impl Ready {
         start[1] += departure.azimuth_rad;
         start[2] += departure.twist_rad;
         check_state(&start, 0.0)?;
-        Ok(Self { plant, controller, trim, start, water })
+        let density_kg_m3 = request.rig.plant.fluid.density_kg_m3;
+        let meter =
+            profile.turbine().map(|turbine| Meter { turbine: *turbine, density_kg_m3, energy: Energy::default() });
+        Ok(Self { plant, controller, trim, start, water, meter })
     }
 
     pub(crate) fn finish(self, ending: Ending) -> Result<Flight, FlightError> {
@@ -146,6 +154,7 @@ impl Ready {
                 slack: ending.slack,
                 trim: self.trim,
                 final_state: ending.final_state,
+                energy: ending.energy,
             }),
         }
     }
@@ -201,6 +210,7 @@ fn one(
         profile,
         settings,
         water: ready.water.as_deref().map(|water| [water]),
+        meters: [ready.meter],
         used: 1,
     };
     match ready.kind() {

@@ -10,6 +10,7 @@ use bat_dynamics::{
 use tether_control::{Controller, ControllerState, Measurement};
 
 use crate::cost::{Integrals, N_TERMS};
+use crate::energy::{Energy, Meter, Reading};
 use crate::error::FlightError;
 use crate::profile::TestProfile;
 use crate::settings::FlightSettings;
@@ -53,6 +54,8 @@ pub(crate) struct Setup<'a, T, const N: usize> {
     pub(crate) settings: &'a FlightSettings,
     /// Water that moves beside its mean flow, for each lane.
     pub(crate) water: Option<[&'a WaterTable; N]>,
+    /// The turbine of each lane, if the test has one.
+    pub(crate) meters: [Option<Meter>; N],
     /// Lanes that carry a flight; the others repeat one and are not looked at.
     pub(crate) used: usize,
 }
@@ -65,6 +68,7 @@ pub(crate) struct Ending {
     pub(crate) slack: Option<SlackEvent>,
     pub(crate) final_state: FlightState,
     pub(crate) failure: Option<FlightError>,
+    pub(crate) energy: Option<Energy>,
 }
 
 /// What can be seen at one sample, before the plant moves on.
@@ -250,7 +254,7 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
     let mut state: FlightState<T> = core::array::from_fn(|k| T::join(core::array::from_fn(|lane| start[lane][k])));
     let mut sums = [T::constant(0.0); N_SUMS];
     let mut memory = [ControllerState::default(); N];
-    let mut watchers: [Watcher; N] = core::array::from_fn(|_| Watcher::default());
+    let mut watchers = setup.meters.map(|meter| Watcher { meter, ..Watcher::default() });
 
     let duration_s = profile.duration_s();
     let n_samples = ((duration_s / sample_time_s) - 1e-6).ceil() as usize;
@@ -288,6 +292,11 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
                     if stage.at <= 0.0 && step == 0 && from_s <= time_s {
                         watch(&Sample { time_s, water, state: &x, evaluation: &e, commands: &commands });
                         look(&mut watchers, time_s, &x, &e, settings);
+                        if setup.meters[0].is_some() {
+                            let along = gusts.as_ref().map_or([0.0; N], |gusts| gusts.from[0].split());
+                            let speed_m_s = along.map(|along| water.flow.speed_m_s * (1.0 + along));
+                            read_meters(&mut watchers, &x, &e, speed_m_s, end_s - time_s);
+                        }
                     }
                     let weight = T::constant(stage.weight);
                     growth = advance(&growth, weight, &integrands(&x, &e.sight, &targets, &water));
@@ -358,6 +367,7 @@ fn endings<T: Carrier<N>, const N: usize>(
             slack: watcher.slack,
             final_state: end[lane],
             failure: watcher.failure,
+            energy: watcher.meter.map(|meter| meter.energy),
         };
         lane += 1;
         ending
@@ -368,6 +378,32 @@ fn endings<T: Carrier<N>, const N: usize>(
 #[inline(always)]
 fn steps_within(length_s: f64, sample_time_s: f64, steps_per_sample: usize) -> usize {
     ((length_s / sample_time_s * steps_per_sample as f64 - 1e-6).ceil() as usize).max(1)
+}
+
+/// Adds to the energies of every lane what flows in the `until_next_s` after this sample; out of the way of the loop.
+#[inline(never)]
+fn read_meters<T: Carrier<N>, const N: usize>(
+    watchers: &mut [Watcher; N],
+    state: &FlightState<T>,
+    at: &Evaluation<T>,
+    speed_m_s: [f64; N],
+    until_next_s: f64,
+) {
+    let tensions = [at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split()];
+    let reel = [state[9].split(), state[10].split(), state[11].split()];
+    let (pitch, heading) = (at.sight.pitch.split(), at.sight.heading.split());
+    for (lane, watcher) in watchers.iter_mut().enumerate() {
+        if let Some(meter) = &mut watcher.meter {
+            meter.add(&Reading {
+                speed_m_s: speed_m_s[lane],
+                pitch_rad: pitch[lane],
+                heading_rad: heading[lane],
+                tensions_n: tensions.map(|line| line[lane]),
+                reel_m_s: reel.map(|line| line[lane]),
+                until_next_s,
+            });
+        }
+    }
 }
 
 /// Shows every lane its own sample.

@@ -2,6 +2,7 @@
 
 mod closed_loop;
 mod cost;
+mod energy;
 mod error;
 mod experiment;
 mod file;
@@ -24,6 +25,7 @@ mod water;
 
 pub use closed_loop::{ClosedLoop, SampledMode, closed_loop_modes};
 pub use cost::{CostBreakdown, CostFile, CostWeights, Integrals, N_TERMS, TERM_NAMES, open_loop_cost};
+pub use energy::{Energy, Turbine};
 pub use error::{Error, FileError, FlightError};
 pub use experiment::BoundedNoise;
 pub use fleet::{fly_all, fly_seeded};

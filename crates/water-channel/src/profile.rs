@@ -6,10 +6,12 @@ use std::sync::Arc;
 use bat_dynamics::{Flow, FlowHistory, FlowKnot, Transition};
 use serde::{Deserialize, Serialize};
 
+use crate::energy::Turbine;
 use crate::error::{Error, FileError};
 use crate::file;
 use crate::quantity::{
-    Departing, Direction, Extent, Instant, Intensity, NotNegative, Period, Record, ReelFraction, Seed, Speed,
+    Area, Departing, Direction, Efficiency, Extent, Instant, Intensity, NotNegative, Period, Power, Record,
+    ReelFraction, Seed, Speed,
 };
 use crate::shedding::Shedding;
 use crate::turbulence::Turbulence;
@@ -64,6 +66,7 @@ pub struct TestProfile {
     control: Control,
     start: Departure,
     water: Water,
+    turbine: Option<Turbine>,
 }
 
 /// What the water does beside its mean flow.
@@ -95,6 +98,8 @@ enum Water {
 /// | `intensity`, `lateral_intensity`, `vertical_intensity`, zero where absent | 1 (0 to 0.5): standard deviation over mean speed |
 /// | `[water.shedding]`, if given: `strouhal`, `lift_coefficient`, `width` | 1 (≥ 0), 1 (≥ 0), m (> 0) |
 /// | `plane`, zero where absent | rad: of the force, 0 to the side, a quarter turn up and down |
+/// | `[turbine]`, if given: `area`, `rated_power` | m^2, W (> 0): flights then report their [`Energy`](crate::Energy) |
+/// | `power_coefficient`, `cut_in`, `winch_efficiency` | 1 (≥ 0), m/s (≥ 0), 1 (> 0, at most 1) |
 ///
 /// A window replaces the commands at every sample from `from` to `to`, both included; winches lag as always, and the filters go on.
 /// Where two windows share a sample the earlier entry wins.
@@ -145,6 +150,7 @@ impl TestProfile {
             control: Control::ClosedLoop,
             start: Departure::default(),
             water: Water::Still,
+            turbine: None,
         })
     }
 
@@ -183,6 +189,21 @@ impl TestProfile {
     #[must_use]
     pub fn with_water_table(self, table: WaterTable) -> Self {
         Self { water: Water::Recorded(Arc::new(table)), ..self }
+    }
+
+    /// The same test with a turbine, whose energy every flight then reports.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a number out of range.
+    pub fn with_turbine(self, turbine: Turbine) -> Result<Self, Error> {
+        turbine.validate()?;
+        Ok(Self { turbine: Some(turbine), ..self })
+    }
+
+    /// The turbine of the test, if it has one.
+    #[must_use]
+    pub fn turbine(&self) -> Option<&Turbine> {
+        self.turbine.as_ref()
     }
 
     /// The turbulence and shedding of the test, if it has any that is seeded.
@@ -308,6 +329,7 @@ struct ProfileTable {
     #[serde(default)]
     window: Vec<WindowTable>,
     water: Option<WaterFile>,
+    turbine: Option<TurbineTable>,
 }
 
 #[derive(Default, Deserialize)]
@@ -369,6 +391,28 @@ struct SheddingTable {
     lift_coefficient: NotNegative,
     #[serde(default)]
     plane: Direction,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct TurbineTable {
+    area: Area,
+    power_coefficient: NotNegative,
+    cut_in: Speed,
+    rated_power: Power,
+    winch_efficiency: Efficiency,
+}
+
+impl TurbineTable {
+    fn turbine(&self) -> Turbine {
+        Turbine {
+            area_m2: self.area.0,
+            power_coefficient: self.power_coefficient.0,
+            cut_in_m_s: self.cut_in.0,
+            rated_power_w: self.rated_power.0,
+            winch_efficiency: self.winch_efficiency.0,
+        }
+    }
 }
 
 impl WaterFile {
@@ -437,11 +481,15 @@ impl ProfileTable {
             azimuth_rad: self.start.azimuth.0,
             twist_rad: self.start.twist.0,
         };
-        TestProfile::new(self.duration.0, flow, self.window.iter().map(window).collect())?
+        let mut profile = TestProfile::new(self.duration.0, flow, self.window.iter().map(window).collect())?
             .with_control(self.control)
-            .with_start(start)
-            .and_then(|profile| {
-                self.water.as_ref().map_or(Ok(profile.clone()), |file| profile.with_water(file.water()))
-            })
+            .with_start(start)?;
+        if let Some(file) = &self.water {
+            profile = profile.with_water(file.water())?;
+        }
+        if let Some(table) = &self.turbine {
+            profile = profile.with_turbine(table.turbine())?;
+        }
+        Ok(profile)
     }
 }

@@ -106,6 +106,8 @@ enum Range {
     Positive,
     UnitInterval,
     UpToHalf,
+    /// Above 0, at most 1.
+    Share,
     /// Short of a quarter turn, in rad.
     WithinQuarterTurn,
     /// Short of a half turn, in rad.
@@ -120,6 +122,7 @@ impl Range {
                 Self::NonNegative => value >= 0.0,
                 Self::Positive => value > 0.0,
                 Self::UnitInterval => value.abs() <= 1.0,
+                Self::Share => value > 0.0 && value <= 1.0,
                 Self::UpToHalf => (0.0..=0.5).contains(&value),
                 Self::WithinQuarterTurn => value.abs() < core::f64::consts::FRAC_PI_2,
                 Self::WithinHalfTurn => value.abs() < core::f64::consts::PI,
@@ -133,6 +136,7 @@ impl Range {
             Self::Positive => "finite and more than zero",
             Self::UnitInterval => "within -1 and 1",
             Self::UpToHalf => "from 0 to 0.5",
+            Self::Share => "more than zero and at most 1",
             Self::WithinQuarterTurn => "finite and short of a quarter turn to either side",
             Self::WithinHalfTurn => "finite and short of a half turn to either side",
         }
@@ -160,6 +164,10 @@ quantities! {
     Instant: "s", NonNegative;
     Altitude: "m", Positive;
     Extent: "m", Positive;
+    Area: "m^2", Positive;
+    Power: "W", Positive;
+    Efficiency: "1", Share;
+    PerPower: "1/W", NonNegative;
     Intensity: "1", UpToHalf;
     NotNegative: "1", NonNegative;
     Speed: "m/s", NonNegative;

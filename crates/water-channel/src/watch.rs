@@ -3,6 +3,7 @@
 use bat_dynamics::{FlightState, STATE_NAMES, check_state};
 use serde::Serialize;
 
+use crate::energy::Meter;
 use crate::error::FlightError;
 use crate::settings::{FlightSettings, SlackPolicy};
 
@@ -45,6 +46,8 @@ pub(crate) struct Watcher {
     pub(crate) extremes: Extremes,
     pub(crate) slack: Option<SlackEvent>,
     pub(crate) failure: Option<FlightError>,
+    /// Where the test has a turbine.
+    pub(crate) meter: Option<Meter>,
 }
 
 impl Default for Watcher {
@@ -60,6 +63,7 @@ impl Default for Watcher {
             },
             slack: None,
             failure: None,
+            meter: None,
         }
     }
 }

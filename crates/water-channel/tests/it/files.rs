@@ -118,13 +118,13 @@ fn unknown_key_is_an_error_at_every_level() {
     profile(
         "duration =",
         "begin = 0\nduration =",
-        "unknown key `begin`; known here: control, duration, flow, start, title, water, window",
+        "unknown key `begin`; known here: control, duration, flow, start, title, turbine, water, window",
     );
     weights(
         "k7_ballast =",
         "k8 = 0\nk7_ballast =",
         "unknown key `k8`; known here: k1_heading, k2_pitch, k3_roll, k4_altitude, k5_reel_speed, k6_zenith, \
-         k7_ballast, title",
+         k7_ballast, k8_net_energy, title",
     );
 }
 
@@ -297,7 +297,9 @@ fn error_in_a_file_names_the_file() {
     let path = fixture("bat/cost-chapter4.toml");
     check(
         ProfileFile::read(&path),
-        &format!("{path}: unknown key `k1_heading`; known here: control, duration, flow, start, title, water, window"),
+        &format!(
+            "{path}: unknown key `k1_heading`; known here: control, duration, flow, start, title, turbine, water, window"
+        ),
     );
 }
 

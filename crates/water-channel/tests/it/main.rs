@@ -5,6 +5,7 @@ mod accuracy;
 mod closed_loop;
 mod convergence;
 mod cost;
+mod energy;
 mod failures;
 mod files;
 mod fleet;
