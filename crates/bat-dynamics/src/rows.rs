@@ -102,8 +102,12 @@ impl<'a, T: Real, const LOPSIDED: bool, const MOVING: bool> Instant<'a, T, LOPSI
         flow_speed: T,
         disturbance: &'a Disturbance<T>,
     ) -> Self {
-        let flow_t = pose.flow_velocity(flow_speed);
-        let flow_t = if MOVING { add(flow_t, pose.along_tether(disturbance.velocity_m_s)) } else { flow_t };
+        let flow_t = if MOVING {
+            let [ahead, right, down] = disturbance.velocity_m_s;
+            pose.along_tether([ahead - flow_speed, right, down])
+        } else {
+            pose.flow_velocity(flow_speed)
+        };
         let (v, rod) = (Velocities::of(pose, rates, flow_t), Rod::of(plant, pose));
         Self { plant, pose, rates, driven, disturbance, v, rod }
     }

@@ -62,7 +62,7 @@ pub(crate) fn trim_at(plant: &Plant, set_points: &SetPoints, flow: Flow) -> Resu
 pub(crate) enum Kind {
     /// A symmetric plant in water with its mean flow alone.
     Plain,
-    /// A symmetric plant in water that moves beside its mean flow.
+    /// A symmetric plant in water that moves beside its mean flow, or with a turbine.
     Moving,
     /// A plant whose sides differ, in water of either kind.
     Lopsided,
@@ -119,10 +119,10 @@ pub(crate) struct Ready {
 impl Ready {
     /// The code that flies it.
     pub(crate) fn kind(&self) -> Kind {
-        match (self.plant.is_lopsided(), &self.water) {
+        match (self.plant.is_lopsided(), self.water.is_some() || self.meter.is_some()) {
             (true, _) => Kind::Lopsided,
-            (false, Some(_)) => Kind::Moving,
-            (false, None) => Kind::Plain,
+            (false, true) => Kind::Moving,
+            (false, false) => Kind::Plain,
         }
     }
 

@@ -3,7 +3,7 @@
 use bat_dynamics::{FlightState, STATE_NAMES, check_state};
 use serde::Serialize;
 
-use crate::energy::Meter;
+use crate::energy::{Meter, Reading};
 use crate::error::FlightError;
 use crate::settings::{FlightSettings, SlackPolicy};
 
@@ -117,6 +117,15 @@ impl Watcher {
                     self.failure = Some(FlightError::Slack { line, time_s, tension_n });
                 }
             }
+        }
+    }
+
+    /// Adds to the energy, where the test has a turbine.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn meter(&mut self, reading: &Reading) {
+        if let Some(meter) = &mut self.meter {
+            meter.add(reading);
         }
     }
 
