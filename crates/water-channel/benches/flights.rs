@@ -32,7 +32,7 @@ use divan::{Bencher, black_box};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use water_channel::{
     FlightRequest, FlightSettings, MovingWater, ProfileFile, RigFile, Shedding, TestProfile, Turbulence,
-    closed_loop_modes, fly, fly_all,
+    closed_loop_modes, fly, fly_all, fly_seeded,
 };
 
 fn main() {
@@ -82,9 +82,9 @@ fn lanes_on_one_thread(bencher: Bencher<'_, '_>, steps_per_sample: usize) {
 }
 
 /// What each thing that is off by default costs, in lanes at one step per sample, the making of the water's table included.
-#[divan::bench(args = ["off", "turbulence", "shedding", "asymmetry", "all three"], sample_count = 10)]
+#[divan::bench(args = ["off", "turbulence", "shedding", "asymmetry", "all three", "a seed each"], sample_count = 10)]
 fn lanes_with_what_is_off_by_default(bencher: Bencher<'_, '_>, what: &str) {
-    let on = |name: &str| what == name || what == "all three";
+    let on = |name: &str| what == name || ["all three", "a seed each"].contains(&what);
     let turbulence = Turbulence { intensity: 0.03, lateral_intensity: 0.03, vertical_intensity: 0.03, length_m: 0.1 };
     let shedding = Shedding { strouhal: 0.2, width_m: 0.092, lift_coefficient: 0.05, plane_rad: 0.5 };
     let water = MovingWater {
@@ -100,10 +100,14 @@ fn lanes_with_what_is_off_by_default(bencher: Bencher<'_, '_>, what: &str) {
             (asymmetry.center_of_mass_y_m, asymmetry.offset_lateral_m, asymmetry.line_port_m) = (2e-4, 0.04, 5e-4);
         }
     }
+    let seeds: Vec<u64> = (0..requests.len() as u64).collect();
     let (settings, pool) = (FlightSettings::with_steps(1), pool(1));
-    bencher
-        .counter(ItemsCount::new(requests.len()))
-        .bench(|| pool.install(|| fly_all(black_box(&requests), &profile, &settings, |_| {})));
+    bencher.counter(ItemsCount::new(requests.len())).bench(|| {
+        pool.install(|| match what {
+            "a seed each" => fly_seeded(black_box(&requests), &seeds, &profile, &settings, |_| {}),
+            _ => fly_all(black_box(&requests), &profile, &settings, |_| {}),
+        })
+    });
 }
 
 #[divan::bench(sample_count = 3)]

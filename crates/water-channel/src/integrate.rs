@@ -159,38 +159,46 @@ struct Gusts<T> {
     change: [T; 5],
 }
 
+// Loops over arrays in place: closures that make arrays are not always inlined here, and copy.
 impl<T> Gusts<T> {
     #[inline(always)]
     fn within<const N: usize>(tables: &Option<[&WaterTable; N]>, index: usize) -> Self
     where
         T: Carrier<N>,
     {
-        let Some(tables) = tables else {
-            return Self { from: [T::constant(0.0); 5], change: [T::constant(0.0); 5] };
-        };
-        let of_lanes = |row: usize| {
-            let rows = tables.map(|table| table.rows()[row].numbers());
-            core::array::from_fn::<T, 5, _>(|k| T::join(core::array::from_fn(|lane| rows[lane][k])))
-        };
-        let (from, to) = (of_lanes(index), of_lanes(index + 1));
-        Self { from, change: core::array::from_fn(|k| to[k] - from[k]) }
+        let mut gusts = Self { from: [T::constant(0.0); 5], change: [T::constant(0.0); 5] };
+        let Some(tables) = tables else { return gusts };
+        let (mut from, mut change) = ([[0.0; N]; 5], [[0.0; N]; 5]);
+        for lane in 0..N {
+            let [before, after] = tables[lane].around(index);
+            for k in 0..5 {
+                from[k][lane] = before[k];
+                change[k][lane] = after[k] - before[k];
+            }
+        }
+        for k in 0..5 {
+            gusts.from[k] = T::join(from[k]);
+            gusts.change[k] = T::join(change[k]);
+        }
+        gusts
     }
 
     /// At a `share` of the sample, in a mean flow of `speed_m_s`.
     #[inline(always)]
-    fn at<const N: usize>(&self, share: f64, speed_m_s: f64) -> Disturbance<T>
+    fn at<const N: usize>(&self, share: f64, speed_m_s: f64, disturbance: &mut Disturbance<T>)
     where
         T: Carrier<N>,
     {
-        let share = T::constant(share);
-        let [along, lateral, upward, right, up] = core::array::from_fn(|k| self.from[k] + share * self.change[k]);
-        let (speed, zero) = (T::constant(speed_m_s), T::constant(0.0));
+        let (share, speed) = (T::constant(share), T::constant(speed_m_s));
+        let mut now = self.from;
+        for (now, change) in now.iter_mut().zip(self.change) {
+            *now = *now + share * change;
+        }
+        let [along, lateral, upward, right, up] = now;
         let fast = speed + speed * along;
         let squared = fast * fast;
-        Disturbance {
-            velocity_m_s: [-(speed * along), speed * lateral, -(speed * upward)],
-            wake_m2_s2: [zero, squared * right, -(squared * up)],
-        }
+        disturbance.velocity_m_s = [-(speed * along), speed * lateral, -(speed * upward)];
+        disturbance.wake_m2_s2 = [T::constant(0.0), squared * right, -(squared * up)];
     }
 }
 
@@ -228,15 +236,17 @@ fn advance<T: Real, const M: usize>(x: &[T; M], h: T, slope: &[T; M]) -> [T; M] 
 /// One stage of RK4: where in the step it looks, its weight, and how far from the start the next one looks.
 struct Stage {
     at: f64,
+    /// Which of start, middle and end that is.
+    instant: usize,
     weight: f64,
     next: f64,
 }
 
 const STAGES: [Stage; 4] = [
-    Stage { at: 0.0, weight: 1.0, next: 0.5 },
-    Stage { at: 0.5, weight: 2.0, next: 0.5 },
-    Stage { at: 0.5, weight: 2.0, next: 1.0 },
-    Stage { at: 1.0, weight: 1.0, next: 0.0 },
+    Stage { at: 0.0, instant: 0, weight: 1.0, next: 0.5 },
+    Stage { at: 0.5, instant: 1, weight: 2.0, next: 0.5 },
+    Stage { at: 0.5, instant: 1, weight: 2.0, next: 1.0 },
+    Stage { at: 1.0, instant: 2, weight: 1.0, next: 0.0 },
 ];
 
 /// Runs the test of `setup` from the states `start` and shows every sample to `watch`.
@@ -254,7 +264,8 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
     let mut state: FlightState<T> = core::array::from_fn(|k| T::join(core::array::from_fn(|lane| start[lane][k])));
     let mut sums = [T::constant(0.0); N_SUMS];
     let mut memory = [ControllerState::default(); N];
-    let mut watchers = setup.meters.map(|meter| Watcher { meter, ..Watcher::default() });
+    let mut watchers: [Watcher; N] =
+        core::array::from_fn(|lane| Watcher { meter: setup.meters[lane], ..Watcher::default() });
 
     let duration_s = profile.duration_s();
     let n_samples = ((duration_s / sample_time_s) - 1e-6).ceil() as usize;
@@ -279,16 +290,18 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
                 let (mut slope, mut growth) = ([T::constant(0.0); 12], [T::constant(0.0); N_SUMS]);
                 let mut x = state;
                 // Made beforehand: code that is not in the block of the right-hand side leaves that small enough to be vectorized.
-                let disturbances = gusts.as_ref().map_or([Disturbance::none(); 4], |gusts| {
-                    let from = at_s - time_s;
-                    let speed_at = |at: f64| profile.flow().within(piece, at_s + at * h_s).speed_m_s;
-                    [0.0, 0.5, 0.5, 1.0].map(|at| gusts.at((from + at * h_s) / sample_time_s, speed_at(at)))
-                });
+                let mut disturbances = [Disturbance::none(); 3];
+                if let Some(gusts) = &gusts {
+                    for (disturbance, at) in disturbances.iter_mut().zip([0.0, 0.5, 1.0]) {
+                        let speed_m_s = profile.flow().within(piece, at_s + at * h_s).speed_m_s;
+                        gusts.at((at_s - time_s + at * h_s) / sample_time_s, speed_m_s, disturbance);
+                    }
+                }
                 // One copy of the right-hand side for the four stages keeps the code small enough to compile well.
-                for (stage, disturbance) in STAGES.iter().zip(&disturbances) {
+                for stage in &STAGES {
                     let water = water.with(profile.flow().within(piece, at_s + stage.at * h_s));
                     let flow = water.flow.cast();
-                    let e = evaluate_with::<T, LOPSIDED, MOVING>(plant, &x, held, &flow, disturbance);
+                    let e = evaluate_with::<T, LOPSIDED, MOVING>(plant, &x, held, &flow, &disturbances[stage.instant]);
                     if stage.at <= 0.0 && step == 0 && from_s <= time_s {
                         watch(&Sample { time_s, water, state: &x, evaluation: &e, commands: &commands });
                         look(&mut watchers, time_s, &x, &e, settings);

@@ -180,6 +180,12 @@ impl WaterTable {
         self.sample_time_s
     }
 
+    /// The numbers of the row of sample `index` and of the next.
+    #[inline(always)]
+    pub(crate) fn around(&self, index: usize) -> [[f64; 5]; 2] {
+        [self.rows[index].numbers(), self.rows[index + 1].numbers()]
+    }
+
     /// Whether a flight of `duration_s` with samples `sample_time_s` apart can fly through it.
     pub(crate) fn check(&self, duration_s: f64, sample_time_s: f64) -> Result<(), Error> {
         if (self.sample_time_s - sample_time_s).abs() > 1e-9 * sample_time_s {
