@@ -1,6 +1,6 @@
 //! Water that moves beside its mean flow: turbulence and shedding as a table that is made before the flight.
 
-use bat_dynamics::FlowHistory;
+use bat_dynamics::{FlowHistory, Real};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -87,7 +87,7 @@ impl MovingWater {
         if let Some(shedding) = self.shedding.filter(|shedding| !shedding.is_still()) {
             self.add_wake(&shedding, &ends, sample_time_s, &mut rows);
         }
-        WaterTable::new(sample_time_s, rows)
+        Ok(WaterTable { sample_time_s, rows })
     }
 
     fn add_gusts(&self, turbulence: &Turbulence, ends: &[[f64; 2]], sample_time_s: f64, rows: &mut [WaterRow]) {
@@ -114,7 +114,8 @@ impl MovingWater {
         let per_length = turn * shedding.strouhal / shedding.width_m;
         let (up, right) = shedding.plane_rad.sin_cos();
         for k in 0..rows.len() {
-            let coefficient = shedding.lift_coefficient * phase.sin();
+            // The plant's own sine: the same bits on every machine.
+            let coefficient = shedding.lift_coefficient * Real::sin_cos(phase).0;
             (rows[k].wake_right, rows[k].wake_up) = (coefficient * right, coefficient * up);
             if let Some([from, to]) = ends.get(k) {
                 let length = 0.5 * sample_time_s * (from * (1.0 + rows[k].along) + to * (1.0 + rows[k + 1].along));
@@ -139,9 +140,12 @@ fn samples(duration_s: f64, sample_time_s: f64) -> Result<usize, Error> {
 
 /// Mean speeds just after each sample and just before the next; a knot between two samples counts from the next sample on.
 fn speeds(flow: &FlowHistory, count: usize, sample_time_s: f64) -> Vec<[f64; 2]> {
+    let (knots, mut piece) = (flow.knots(), 0);
     let of_sample = |k: usize| {
         let from_s = k as f64 * sample_time_s;
-        let piece = flow.piece(from_s + 1e-6 * sample_time_s);
+        while knots.get(piece + 1).is_some_and(|knot| knot.from_s <= from_s + 1e-6 * sample_time_s) {
+            piece += 1;
+        }
         [from_s, from_s + sample_time_s].map(|time_s| flow.within(piece, time_s).speed_m_s)
     };
     (0..count).map(of_sample).collect()
