@@ -30,11 +30,11 @@
 //!
 //! | on | time against all off |
 //! |---|---|
-//! | turbulence in three directions | 1.08 |
-//! | vortex shedding | 1.05 |
-//! | asymmetry | 1.15 |
-//! | all three, one seed for the batch | 1.17 |
-//! | all three, a seed for each flight | 1.50: making the table of a flight takes 1.1 ms |
+//! | turbulence in three directions | 1.14 |
+//! | vortex shedding | 1.11 |
+//! | asymmetry | 1.26 |
+//! | all three, one seed for the batch | 1.29 |
+//! | all three, a seed for each flight | 1.66: making the table of a flight takes 1.1 ms |
 
 use bat_dynamics::Fidelity;
 use divan::counter::ItemsCount;

@@ -264,9 +264,7 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
     let mut state: FlightState<T> = core::array::from_fn(|k| T::join(core::array::from_fn(|lane| start[lane][k])));
     let mut sums = [T::constant(0.0); N_SUMS];
     let mut memory = [ControllerState::default(); N];
-    let mut watchers: [Watcher; N] =
-        core::array::from_fn(|lane| Watcher { meter: setup.meters[lane], ..Watcher::default() });
-
+    let mut watchers = setup.meters.map(Watcher::with);
     let duration_s = profile.duration_s();
     let n_samples = ((duration_s / sample_time_s) - 1e-6).ceil() as usize;
     for index in 0..n_samples {
@@ -274,12 +272,10 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
         let end_s = ((index + 1) as f64 * sample_time_s).min(duration_s);
         let mut piece = profile.piece_after(time_s, *sample_time_s);
         let water = Water::new(profile.flow().within(piece, time_s));
-
         let by_hand = profile.override_at(time_s, *sample_time_s);
         let commands = commands(controllers, &mut memory, &sight(plant, &state, &water.flow.cast()), by_hand);
         let held: [T; 3] = core::array::from_fn(|line| T::join(commands[line]));
         let gusts = MOVING.then(|| Gusts::within(&setup.water, index));
-
         let mut from_s = time_s;
         while from_s < end_s {
             let to_s = profile.next_cut(from_s, end_s);
@@ -289,14 +285,7 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
                 let at_s = from_s + step as f64 * h_s;
                 let (mut slope, mut growth) = ([T::constant(0.0); 12], [T::constant(0.0); N_SUMS]);
                 let mut x = state;
-                // Made beforehand: code that is not in the block of the right-hand side leaves that small enough to be vectorized.
-                let mut disturbances = [Disturbance::none(); 3];
-                if let Some(gusts) = &gusts {
-                    for (disturbance, at) in disturbances.iter_mut().zip([0.0, 0.5, 1.0]) {
-                        let speed_m_s = profile.flow().within(piece, at_s + at * h_s).speed_m_s;
-                        gusts.at((at_s - time_s + at * h_s) / sample_time_s, speed_m_s, disturbance);
-                    }
-                }
+                let disturbances = disturbances_over(gusts.as_ref(), setup, piece, time_s, [at_s, h_s]);
                 // One copy of the right-hand side for the four stages keeps the code small enough to compile well.
                 for stage in &STAGES {
                     let water = water.with(profile.flow().within(piece, at_s + stage.at * h_s));
@@ -305,20 +294,15 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
                     if stage.at <= 0.0 && step == 0 && from_s <= time_s {
                         watch(&Sample { time_s, water, state: &x, evaluation: &e, commands: &commands });
                         look(&mut watchers, time_s, &x, &e, settings);
-                        if MOVING && setup.meters[0].is_some() {
-                            let along = gusts.as_ref().map_or([0.0; N], |gusts| gusts.from[0].split());
-                            let speed_m_s = along.map(|along| water.flow.speed_m_s * (1.0 + along));
-                            read_meters(&mut watchers, &x, &e, speed_m_s, end_s - time_s);
-                        }
+                        read_meters(&mut watchers, &x, &e, gusts.as_ref(), [water.flow.speed_m_s, end_s - time_s]);
                     }
                     let weight = T::constant(stage.weight);
                     growth = advance(&growth, weight, &integrands(&x, &e.sight, &targets, &water));
                     slope = advance(&slope, weight, &e.derivative);
                     x = advance(&state, T::constant(stage.next * h_s), &e.derivative);
                 }
-                let sixth = T::constant(h_s / 6.0);
-                state = advance(&state, sixth, &slope);
-                sums = advance(&sums, sixth, &growth);
+                state = advance(&state, T::constant(h_s / 6.0), &slope);
+                sums = advance(&sums, T::constant(h_s / 6.0), &growth);
             }
             piece = profile.piece_after(to_s, *sample_time_s);
             from_s = to_s;
@@ -393,7 +377,29 @@ fn steps_within(length_s: f64, sample_time_s: f64, steps_per_sample: usize) -> u
     ((length_s / sample_time_s * steps_per_sample as f64 - 1e-6).ceil() as usize).max(1)
 }
 
-/// Adds to the energies of every lane what flows in the `until_next_s` after this sample.
+/// The disturbances at start, middle and end of the step that begins at `at_s` and lasts `h_s`.
+///
+/// Made before the stages: code that is not in the block of the right-hand side leaves that small enough to be vectorized.
+#[inline(always)]
+fn disturbances_over<T: Carrier<N>, const N: usize>(
+    gusts: Option<&Gusts<T>>,
+    setup: &Setup<'_, T, N>,
+    piece: usize,
+    time_s: f64,
+    [at_s, h_s]: [f64; 2],
+) -> [Disturbance<T>; 3] {
+    let mut disturbances = [Disturbance::none(); 3];
+    if let Some(gusts) = gusts {
+        for (disturbance, at) in disturbances.iter_mut().zip([0.0, 0.5, 1.0]) {
+            let speed_m_s = setup.profile.flow().within(piece, at_s + at * h_s).speed_m_s;
+            gusts.at((at_s - time_s + at * h_s) / setup.sample_time_s, speed_m_s, disturbance);
+        }
+    }
+    disturbances
+}
+
+/// Adds to the energies of every lane what flows in the `until_next_s` after this sample, where the loop knows gusts and the test
+/// has a turbine.
 ///
 /// State and evaluation are read here and handed on as numbers: a call that took their address would keep them in memory, and
 /// flights without a turbine would take a tenth longer.
@@ -402,15 +408,17 @@ fn read_meters<T: Carrier<N>, const N: usize>(
     watchers: &mut [Watcher; N],
     state: &FlightState<T>,
     at: &Evaluation<T>,
-    speed_m_s: [f64; N],
-    until_next_s: f64,
+    gusts: Option<&Gusts<T>>,
+    [mean_m_s, until_next_s]: [f64; 2],
 ) {
+    let (Some(gusts), true) = (gusts, watchers[0].meter.is_some()) else { return };
+    let along = gusts.from[0].split();
     let tensions = [at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split()];
     let reel = [state[9].split(), state[10].split(), state[11].split()];
     let (pitch, heading) = (at.sight.pitch.split(), at.sight.heading.split());
     for (lane, watcher) in watchers.iter_mut().enumerate() {
         watcher.meter(&Reading {
-            speed_m_s: speed_m_s[lane],
+            speed_m_s: mean_m_s * (1.0 + along[lane]),
             pitch_rad: pitch[lane],
             heading_rad: heading[lane],
             tensions_n: tensions.map(|line| line[lane]),

@@ -81,6 +81,11 @@ pub(crate) struct Seen {
 }
 
 impl Watcher {
+    /// Nothing noted yet, with a meter where the test has a turbine.
+    pub(crate) fn with(meter: Option<Meter>) -> Self {
+        Self { meter, ..Self::default() }
+    }
+
     /// Notes one sample; false when the state is not one of the model.
     #[inline(always)]
     pub(crate) fn look(&mut self, seen: &Seen, settings: &FlightSettings) -> bool {
