@@ -23,16 +23,18 @@ const fn studies(features: &'static str) -> Program {
 
 const CHECKS: Program = Program { package: "xtask", name: "checks", features: "checks" };
 
+const CHAPTERS: Program = studies("similarity,global");
+
 /// Chapters 3 and 4 need neither designs of experiments nor surfaces nor similarity.
 const COMMANDS: &[(&str, Program)] = &[
     ("reproduce-chapter2", studies("similarity")),
     ("reproduce-chapter3", studies("")),
     ("reproduce-chapter4", studies("")),
-    ("reproduce-chapter6", studies("similarity,global")),
-    ("reproduce-chapter7", studies("similarity,global")),
-    ("reproduce-all", studies("similarity,global")),
-    ("doe-records", studies("similarity,global")),
-    ("design-page", studies("similarity,global")),
+    ("reproduce-chapter6", CHAPTERS),
+    ("reproduce-chapter7", CHAPTERS),
+    ("reproduce-all", CHAPTERS),
+    ("doe-records", CHAPTERS),
+    ("design-page", CHAPTERS),
     ("benchmark", studies("similarity,benchmark")),
     ("calibrate", studies("similarity,calibration")),
     ("ci", CHECKS),
@@ -53,7 +55,7 @@ fn main() -> ExitCode {
         print!("{USAGE}");
         return ExitCode::SUCCESS;
     }
-    let Some(program) = program(first) else {
+    let Some(program) = COMMANDS.iter().find(|(name, _)| name == first).map(|(_, program)| *program) else {
         eprintln!("error: no command `{}`\n\n{}", words.join(" "), USAGE.trim_end());
         return ExitCode::from(USAGE_ERROR);
     };
@@ -64,10 +66,6 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-fn program(command: &str) -> Option<Program> {
-    COMMANDS.iter().find(|(name, _)| *name == command).map(|(_, program)| *program)
 }
 
 /// Builds a program and runs it in the root of the workspace; its output and its exit code are ours.

@@ -3,7 +3,7 @@
 use crate::plant::Plant;
 use crate::real::Real;
 use crate::stall::effective_attack;
-use crate::vector::{Vector, Wrench, add, cross_point};
+use crate::vector::{Vector, Wrench, add, cross, cross_point};
 
 /// Stands for sqrt(u² + w²) = 0 in a flow exactly from the side, where lift and side force have no direction and
 /// vanish; not so small that a quotient by it overflows.
@@ -23,7 +23,12 @@ struct LocalFlow<T> {
 impl<T: Real> LocalFlow<T> {
     #[inline(always)]
     fn at(relative: Vector<T>, omega: Vector<T>, x: T, z: T) -> Self {
-        let [u, v, w] = add(relative, cross_point(omega, x, z));
+        Self::of(add(relative, cross_point(omega, x, z)))
+    }
+
+    /// Of the velocity of the point relative to the flow.
+    #[inline(always)]
+    fn of([u, v, w]: Vector<T>) -> Self {
         let in_plane_squared = u * u + w * w;
         Self { u, v, w, in_plane: in_plane_squared.sqrt(), speed: (in_plane_squared + v * v).sqrt() }
     }
@@ -53,11 +58,41 @@ impl<T: Real> LocalFlow<T> {
     }
 }
 
+/// The horizontal stabilizer as one surface in the plane of symmetry.
+#[inline(always)]
+fn horizontal_stabilizer<T: Real>(plant: &Plant<T>, relative: Vector<T>, omega: Vector<T>) -> Wrench<T> {
+    let flow = LocalFlow::at(relative, omega, plant.fin_h_x, plant.fin_h_z);
+    let attack = flow.attack() + plant.fin_h_incidence;
+    let lift = plant.fin_h_cl0 + plant.fin_h_cla * effective_attack(attack, plant.fin_h_stall);
+    let drag = plant.fin_h_cd0 + plant.fin_h_k * lift * lift;
+    Wrench::at(plant.fin_h_x, plant.fin_h_z, flow.force(plant.fin_h_q, drag, lift, T::constant(0.0)))
+}
+
+/// Half of the horizontal stabilizer, `side` 1 to starboard and −1 to port: half of the area, with its own place, flow,
+/// incidence and lift slope.
+#[inline(always)]
+fn half_stabilizer<T: Real>(plant: &Plant<T>, relative: Vector<T>, omega: Vector<T>, side: f64) -> Wrench<T> {
+    let side = T::constant(side);
+    let center = [plant.fin_h_x, side * plant.fin_h_y, plant.fin_h_z];
+    let flow = LocalFlow::of(add(relative, cross(omega, center)));
+    let attack = flow.attack() + (plant.fin_h_incidence + side * plant.fin_h_half_incidence);
+    let slope = plant.fin_h_cla + side * plant.fin_h_half_cla;
+    let lift = plant.fin_h_cl0 + slope * effective_attack(attack, plant.fin_h_stall);
+    let drag = plant.fin_h_cd0 + plant.fin_h_k * lift * lift;
+    let force = flow.force(T::constant(0.5) * plant.fin_h_q, drag, lift, T::constant(0.0));
+    Wrench { force, moment: cross(center, force) }
+}
+
 /// The sum of [`aerodynamic_wrench`]: hull, horizontal and vertical stabilizer, each in its own local flow.
 ///
-/// `relative` is the joint's velocity relative to the flow and `omega` the angular velocity, along B.
+/// `relative` is the joint's velocity relative to the flow and `omega` the angular velocity, along B. The horizontal
+/// stabilizer is one surface, and two halves where `LOPSIDED`.
 #[inline(always)]
-pub(crate) fn aerodynamics<T: Real>(plant: &Plant<T>, relative: Vector<T>, omega: Vector<T>) -> Wrench<T> {
+pub(crate) fn aerodynamics<T: Real, const LOPSIDED: bool>(
+    plant: &Plant<T>,
+    relative: Vector<T>,
+    omega: Vector<T>,
+) -> Wrench<T> {
     let zero = T::constant(0.0);
 
     let flow = LocalFlow::at(relative, omega, plant.hull_x, plant.hull_z);
@@ -76,11 +111,11 @@ pub(crate) fn aerodynamics<T: Real>(plant: &Plant<T>, relative: Vector<T>, omega
         ],
     );
 
-    let flow = LocalFlow::at(relative, omega, plant.fin_h_x, plant.fin_h_z);
-    let attack = flow.attack() + plant.fin_h_incidence;
-    let lift = plant.fin_h_cl0 + plant.fin_h_cla * effective_attack(attack, plant.fin_h_stall);
-    let drag = plant.fin_h_cd0 + plant.fin_h_k * lift * lift;
-    let horizontal = Wrench::at(plant.fin_h_x, plant.fin_h_z, flow.force(plant.fin_h_q, drag, lift, zero));
+    let horizontal = if LOPSIDED {
+        half_stabilizer(plant, relative, omega, 1.0).plus(half_stabilizer(plant, relative, omega, -1.0))
+    } else {
+        horizontal_stabilizer(plant, relative, omega)
+    };
 
     let flow = LocalFlow::at(relative, omega, plant.fin_v_x, plant.fin_v_z);
     let side = plant.fin_v_csb * flow.side_slip();
@@ -98,6 +133,10 @@ pub(crate) fn aerodynamics<T: Real>(plant: &Plant<T>, relative: Vector<T>, omega
 /// Source: (56), (57).
 #[must_use]
 pub fn aerodynamic_wrench(plant: &Plant, relative_m_s: [f64; 3], omega_rad_s: [f64; 3]) -> ([f64; 3], [f64; 3]) {
-    let wrench = aerodynamics(plant, relative_m_s, omega_rad_s);
+    let wrench = if plant.lopsided {
+        aerodynamics::<_, true>(plant, relative_m_s, omega_rad_s)
+    } else {
+        aerodynamics::<_, false>(plant, relative_m_s, omega_rad_s)
+    };
     (wrench.force, wrench.moment)
 }

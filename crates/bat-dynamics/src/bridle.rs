@@ -52,9 +52,22 @@ fn differences<T: Real>(plant: &Plant<T>, lines: [T; 3]) -> (T, T, T) {
     )
 }
 
+/// The lines as long as they are where their winches say `lines`.
+#[inline(always)]
+fn true_lengths<T: Real>(plant: &Plant<T>, lines: [T; 3]) -> [T; 3] {
+    [lines[0] + plant.line_center, lines[1] + plant.line_starboard, lines[2] + plant.line_port]
+}
+
 impl<T: Real> Bridle<T> {
+    /// Lines as long as their winches say, unless `LOPSIDED`.
     #[inline(always)]
-    pub(crate) fn of_lines(plant: &Plant<T>, lines: [T; 3], reel: [T; 3], reel_acceleration: [T; 3]) -> Self {
+    pub(crate) fn of_lines<const LOPSIDED: bool>(
+        plant: &Plant<T>,
+        lines: [T; 3],
+        reel: [T; 3],
+        reel_acceleration: [T; 3],
+    ) -> Self {
+        let lines = if LOPSIDED { true_lengths(plant, lines) } else { lines };
         let (length, pitch, roll) = differences(plant, lines);
         let (length_rate, pitch_rate, roll_rate) = differences(plant, reel);
         let (length_acceleration, pitch_acceleration, roll_acceleration) = differences(plant, reel_acceleration);
@@ -100,16 +113,18 @@ impl<T: Real> Bridle<T> {
 /// theta' = atan(sigma (l1 − (l2 + l3)/2) / l_long)
 /// ```
 ///
-/// sigma is 1 with one line forward and −1 with two.
+/// sigma is 1 with one line forward and −1 with two. Lengths are those of the winches: a line that is longer than its winch
+/// says ([`Asymmetry`](crate::Asymmetry)) counts with its own length.
 ///
 /// Source: (1), (2).
 #[must_use]
 pub fn driven_of_lines(plant: &Plant, lines_m: [f64; 3]) -> [f64; 3] {
+    let lines_m = if plant.lopsided { true_lengths(plant, lines_m) } else { lines_m };
     let (length, pitch, roll) = differences(plant, lines_m);
     [length, pitch.atan(), roll.atan()]
 }
 
-/// The line lengths `[l1, l2, l3]` in m that give `[L_t, theta', phi']`: the inverse of (1), (2).
+/// The line lengths `[l1, l2, l3]` in m, as the winches say them, that give `[L_t, theta', phi']`: the inverse of (1), (2).
 #[must_use]
 pub fn lines_of_driven(plant: &Plant, driven: [f64; 3]) -> [f64; 3] {
     let [length, pitch, roll] = driven;
@@ -117,5 +132,9 @@ pub fn lines_of_driven(plant: &Plant, driven: [f64; 3]) -> [f64; 3] {
     let a = pitch.tan() / plant.per_long;
     let b = roll.tan() / plant.per_lat;
     let aft = length - a / 3.0;
-    [length + 2.0 * a / 3.0, aft - 0.5 * b, aft + 0.5 * b]
+    let [center, starboard, port] = [length + 2.0 * a / 3.0, aft - 0.5 * b, aft + 0.5 * b];
+    if plant.lopsided {
+        return [center - plant.line_center, starboard - plant.line_starboard, port - plant.line_port];
+    }
+    [center, starboard, port]
 }

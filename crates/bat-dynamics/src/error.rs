@@ -96,6 +96,17 @@ pub enum NoTrim {
         /// The shortest line that it takes.
         shortest_line_m: f64,
     },
+    /// The asymmetry of the plant leaves no balance of zenith, azimuth and twist near the equilibrium without it.
+    #[error(
+        "at {flow_speed_m_s} m/s no equilibrium near that of the plant without its asymmetry: its rows keep {left:.3e} of the \
+         buoyancy times the length of the tether"
+    )]
+    NoBalance {
+        /// Flow speed.
+        flow_speed_m_s: f64,
+        /// The largest residual that was left.
+        left: f64,
+    },
     /// The altitude is below what a tether of positive length reaches.
     #[error("altitude {altitude_m} m puts the bridle joint at {joint_m:.4} m: it must be above the winches")]
     AltitudeOutOfReach {

@@ -2,6 +2,7 @@
 
 use crate::bridle::Bridle;
 use crate::coordinates::FlightState;
+use crate::disturbance::Disturbance;
 use crate::flow::Flow;
 use crate::kinematics::{Driven, Sight};
 use crate::motion::solve_motion;
@@ -27,15 +28,55 @@ pub struct Evaluation<T = f64> {
 /// here: a state that leaves the model gives non-finite numbers, which [`check_state`](crate::check_state) names.
 #[inline(always)]
 pub fn evaluate<T: Real>(plant: &Plant<T>, state: &FlightState<T>, commands: [T; 3], flow: &Flow<T>) -> Evaluation<T> {
+    let none = Disturbance::none();
+    if plant.lopsided {
+        evaluate_with::<T, true, false>(plant, state, commands, flow, &none)
+    } else {
+        evaluate_with::<T, false, false>(plant, state, commands, flow, &none)
+    }
+}
+
+/// [`evaluate`] in water that moves beside its mean flow.
+///
+/// The velocity of the disturbance adds to that of the flow wherever the flow acts; heading and position stay those relative to
+/// the direction of the mean flow. The wake's force acts at the center of buoyancy. Like the flow the disturbance is taken as
+/// steady at each instant.
+#[inline(always)]
+pub fn evaluate_disturbed<T: Real>(
+    plant: &Plant<T>,
+    state: &FlightState<T>,
+    commands: [T; 3],
+    flow: &Flow<T>,
+    disturbance: &Disturbance<T>,
+) -> Evaluation<T> {
+    if plant.lopsided {
+        evaluate_with::<T, true, true>(plant, state, commands, flow, disturbance)
+    } else {
+        evaluate_with::<T, false, true>(plant, state, commands, flow, disturbance)
+    }
+}
+
+/// [`evaluate_disturbed`] for a loop that knows beforehand what it flies, so that it carries no other code.
+///
+/// Without `LOPSIDED` what the plant has of [`Asymmetry`](crate::Asymmetry) is left out, without `MOVING` the disturbance;
+/// where there is none of it, the bits are those of [`evaluate`].
+#[inline(always)]
+pub fn evaluate_with<T: Real, const LOPSIDED: bool, const MOVING: bool>(
+    plant: &Plant<T>,
+    state: &FlightState<T>,
+    commands: [T; 3],
+    flow: &Flow<T>,
+    disturbance: &Disturbance<T>,
+) -> Evaluation<T> {
     let &[zenith, azimuth, twist, zenith_rate, azimuth_rate, twist_rate, l1, l2, l3, u1, u2, u3] = state;
     let reel = [u1, u2, u3];
     let reel_acceleration = reel_accelerations(plant, reel, commands);
-    let bridle = Bridle::of_lines(plant, [l1, l2, l3], reel, reel_acceleration);
+    let bridle = Bridle::of_lines::<LOPSIDED>(plant, [l1, l2, l3], reel, reel_acceleration);
     let pose = bridle.pose([zenith, azimuth, twist], flow);
     let rates = bridle.rates([zenith_rate, azimuth_rate, twist_rate]);
     let driven =
         Driven { length: bridle.length_acceleration, pitch: bridle.pitch.acceleration, roll: bridle.roll.acceleration };
-    let motion = solve_motion(plant, &pose, &rates, &driven, flow.speed_m_s);
+    let motion = solve_motion::<T, LOPSIDED, MOVING>(plant, &pose, &rates, &driven, flow.speed_m_s, disturbance);
     Evaluation {
         derivative: [
             zenith_rate,
@@ -51,7 +92,7 @@ pub fn evaluate<T: Real>(plant: &Plant<T>, state: &FlightState<T>, commands: [T;
             reel_acceleration[1],
             reel_acceleration[2],
         ],
-        sight: pose.sight(plant),
+        sight: pose.sight::<LOPSIDED>(plant),
         tensions: tensions(plant, &pose, motion.supplied),
     }
 }
@@ -60,7 +101,12 @@ pub fn evaluate<T: Real>(plant: &Plant<T>, state: &FlightState<T>, commands: [T;
 #[inline(always)]
 #[must_use]
 pub fn sight<T: Real>(plant: &Plant<T>, state: &FlightState<T>, flow: &Flow<T>) -> Sight<T> {
+    if plant.lopsided { sight_with::<T, true>(plant, state, flow) } else { sight_with::<T, false>(plant, state, flow) }
+}
+
+#[inline(always)]
+fn sight_with<T: Real, const LOPSIDED: bool>(plant: &Plant<T>, state: &FlightState<T>, flow: &Flow<T>) -> Sight<T> {
     let zero = [T::constant(0.0); 3];
-    let bridle = Bridle::of_lines(plant, [state[6], state[7], state[8]], zero, zero);
-    bridle.pose([state[0], state[1], state[2]], flow).sight(plant)
+    let bridle = Bridle::of_lines::<LOPSIDED>(plant, [state[6], state[7], state[8]], zero, zero);
+    bridle.pose([state[0], state[1], state[2]], flow).sight::<LOPSIDED>(plant)
 }

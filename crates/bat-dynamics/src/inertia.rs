@@ -10,7 +10,7 @@ use crate::kinematics::{Pose, Rates, height};
 use crate::plant::Plant;
 use crate::real::Real;
 use crate::tether_drag::tether_drag;
-use crate::vector::{Vector, add, combine, cross, cross_point, dot, point_cross, sub};
+use crate::vector::{Vector, add, combine, cross, cross_place, cross_point, dot, point_cross, sub};
 
 /// How the joint moves and the body turns per unit rate of each coordinate, along B.
 fn jacobian<T: Real>(pose: &Pose<T>) -> [(Vector<T>, Vector<T>); 6] {
@@ -29,17 +29,23 @@ fn jacobian<T: Real>(pose: &Pose<T>) -> [(Vector<T>, Vector<T>); 6] {
 }
 
 fn mass_matrix_of<T: Real>(plant: &Plant<T>, q: &Coordinates<T>) -> [[T; 6]; 6] {
+    if plant.lopsided { mass_matrix_with::<_, true>(plant, q) } else { mass_matrix_with::<_, false>(plant, q) }
+}
+
+fn mass_matrix_with<T: Real, const LOPSIDED: bool>(plant: &Plant<T>, q: &Coordinates<T>) -> [[T; 6]; 6] {
     let still = Flow { speed_m_s: T::constant(0.0), direction_rad: T::constant(0.0) };
     let pose = Pose::of_coordinates(q, &still);
     let columns = jacobian(&pose).map(|(v, omega)| {
-        let at_cm = add(v, cross_point(omega, plant.cm_x, plant.cm_z));
+        let at_cm = add(v, cross_place::<_, LOPSIDED>(omega, plant.cm()));
         let at_cb = add(v, cross_point(omega, plant.cb_x, plant.cb_z));
         (at_cm, at_cb, omega)
     });
     let mut d: [[T; 6]; 6] = core::array::from_fn(|i| {
         core::array::from_fn(|j| {
             let ((a_cm, a_cb, a), (b_cm, b_cb, b)) = (columns[i], columns[j]);
-            plant.mass * dot(a_cm, b_cm) + dot(a_cb, plant.added_mass_times(b_cb)) + dot(a, plant.inertia_times(b))
+            plant.mass * dot(a_cm, b_cm)
+                + dot(a_cb, plant.added_mass_times(b_cb))
+                + dot(a, plant.inertia_times::<LOPSIDED>(b))
         })
     });
     // ½ lambda L (L'² + L² (Phi'² + sin² Phi Theta'²)/3)
@@ -86,9 +92,10 @@ fn potential_of<T: Real>(plant: &Plant<T>, q: &Coordinates<T>) -> T {
     let (s, c) = (pose.sin_zenith, pose.cos_zenith);
     let down: Vector<T> = core::array::from_fn(|k| c * pose.axes[2][k] - s * pose.axes[0][k]);
     let joint = q[3] * c;
-    let at = |x, z| joint + height(down, x, z);
+    let at = |point| joint + height(down, point);
+    let zero = T::constant(0.0);
     plant.gravity
-        * (plant.mass * at(plant.cm_x, plant.cm_z) - plant.displaced_mass * at(plant.cb_x, plant.cb_z)
+        * (plant.mass * at(plant.cm()) - plant.displaced_mass * at([plant.cb_x, zero, plant.cb_z])
             + T::constant(0.5) * plant.tether_net_density * q[3] * q[3] * c)
 }
 
@@ -129,7 +136,11 @@ pub fn generalized_forces(plant: &Plant, q: &Coordinates, q_rate: &Coordinates, 
     let moving = combine(&pose.axes, joint);
     let relative = combine(&pose.axes, sub(joint, flow_t));
 
-    let air = aerodynamics(plant, relative, omega);
+    let air = if plant.lopsided {
+        aerodynamics::<_, true>(plant, relative, omega)
+    } else {
+        aerodynamics::<_, false>(plant, relative, omega)
+    };
     let (still_force, still_moment) = carried_wrench(plant, moving, omega);
     let (flow_force, flow_moment) = carried_wrench(plant, relative, omega);
     let force = add(air.force, sub(still_force, flow_force));

@@ -7,7 +7,7 @@ use crate::coordinates::Coordinates;
 use crate::flow::Flow;
 use crate::plant::Plant;
 use crate::real::Real;
-use crate::vector::{Vector, add, combine, cross_point, dot, scale};
+use crate::vector::{Vector, add, combine, cross_place, dot, scale};
 
 /// Sines and cosines of a configuration, and the axes of T in B.
 #[derive(Clone, Copy, Debug)]
@@ -110,6 +110,17 @@ impl<T: Real> Pose<T> {
         [upwind * self.cos_zenith, speed * self.sin_azimuth, upwind * self.sin_zenith]
     }
 
+    /// Along T, of a vector along the axes of G turned to the flow: against it, right, down.
+    #[inline(always)]
+    pub(crate) fn along_tether(&self, [ahead, right, down]: Vector<T>) -> Vector<T> {
+        let level = self.cos_azimuth * ahead + self.sin_azimuth * right;
+        [
+            level * self.cos_zenith - down * self.sin_zenith,
+            self.cos_azimuth * right - self.sin_azimuth * ahead,
+            level * self.sin_zenith + down * self.cos_zenith,
+        ]
+    }
+
     /// Rows of the rotation from B to G turned by −psi_flow: forward, right and down seen from the flow.
     #[inline(always)]
     fn rows_from_flow(&self) -> [Vector<T>; 3] {
@@ -122,16 +133,19 @@ impl<T: Real> Pose<T> {
         ]
     }
 
-    /// What cameras would see.
+    /// What cameras would see; the center of mass lies in the plane of symmetry unless `LOPSIDED`.
     #[inline(always)]
-    pub(crate) fn sight(&self, plant: &Plant<T>) -> Sight<T> {
+    pub(crate) fn sight<const LOPSIDED: bool>(&self, plant: &Plant<T>) -> Sight<T> {
         let rows = self.rows_from_flow();
         let joint = [
             -(self.length * self.sin_zenith * self.cos_azimuth),
             -(self.length * self.sin_zenith * self.sin_azimuth),
             -(self.length * self.cos_zenith),
         ];
-        let along = |row: Vector<T>| row[0] * plant.cm_x + row[2] * plant.cm_z;
+        let along = |row: Vector<T>| {
+            let in_plane = row[0] * plant.cm_x + row[2] * plant.cm_z;
+            if LOPSIDED { in_plane + row[1] * plant.cm_y } else { in_plane }
+        };
         Sight {
             forward: joint[0] + along(rows[0]),
             right: joint[1] + along(rows[1]),
@@ -178,9 +192,13 @@ impl<T: Copy> Rates<T> {
 pub fn translation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coordinates<T>) -> [T; 6] {
     let still = Flow { speed_m_s: T::constant(0.0), direction_rad: T::constant(0.0) };
     let (pose, rates) = (Pose::of_coordinates(q, &still), Rates::of_array(q_rate));
-    let sight = pose.sight(plant);
     let (omega, _) = pose.angular_velocity(&rates);
-    let velocity = add(combine(&pose.axes, pose.joint_velocity(&rates)), cross_point(omega, plant.cm_x, plant.cm_z));
+    let (sight, swing) = if plant.lopsided {
+        (pose.sight::<true>(plant), cross_place::<_, true>(omega, plant.cm()))
+    } else {
+        (pose.sight::<false>(plant), cross_place::<_, false>(omega, plant.cm()))
+    };
+    let velocity = add(combine(&pose.axes, pose.joint_velocity(&rates)), swing);
     [sight.forward, sight.right, -sight.altitude, velocity[0], velocity[1], velocity[2]]
 }
 
@@ -194,7 +212,7 @@ pub fn translation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coord
 pub fn rotation<T: Real>(plant: &Plant<T>, q: &Coordinates<T>, q_rate: &Coordinates<T>) -> [T; 6] {
     let still = Flow { speed_m_s: T::constant(0.0), direction_rad: T::constant(0.0) };
     let (pose, rates) = (Pose::of_coordinates(q, &still), Rates::of_array(q_rate));
-    let sight = pose.sight(plant);
+    let sight = pose.sight::<false>(plant);
     let (omega, _) = pose.angular_velocity(&rates);
     [sight.roll, sight.pitch, sight.heading, omega[0], omega[1], omega[2]]
 }
@@ -205,8 +223,8 @@ pub fn body_to_ground(q: &Coordinates) -> [[f64; 3]; 3] {
     Pose::of_coordinates(q, &Flow::straight(0.0)).rows_from_flow()
 }
 
-/// Projection of a point of the plane of symmetry: used where a test or a trim needs an altitude.
+/// Height of a point of the body above the joint.
 #[inline(always)]
-pub(crate) fn height<T: Real>(row_down: Vector<T>, x: T, z: T) -> T {
-    -dot(row_down, [x, T::constant(0.0), z])
+pub(crate) fn height<T: Real>(row_down: Vector<T>, point: Vector<T>) -> T {
+    -dot(row_down, point)
 }

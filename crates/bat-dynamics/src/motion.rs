@@ -1,6 +1,7 @@
 //! Equation (4) solved for what is unknown: the accelerations of the free coordinates and the forces of the lines.
 
 use crate::coordinates::{Coordinates, check_coordinates};
+use crate::disturbance::Disturbance;
 use crate::error::Error;
 use crate::flow::Flow;
 use crate::kinematics::{Driven, Pose, Rates};
@@ -21,14 +22,15 @@ pub(crate) struct Motion<T> {
 
 /// The free rows of (4) for their accelerations, then the driven rows for the forces of the lines.
 #[inline(always)]
-pub(crate) fn solve_motion<T: Real>(
+pub(crate) fn solve_motion<T: Real, const LOPSIDED: bool, const MOVING: bool>(
     plant: &Plant<T>,
     pose: &Pose<T>,
     rates: &Rates<T>,
     driven: &Driven<T>,
     flow_speed: T,
+    disturbance: &Disturbance<T>,
 ) -> Motion<T> {
-    let at = Instant::new(plant, pose, rates, driven, flow_speed);
+    let at = Instant::<T, LOPSIDED, MOVING>::new(plant, pose, rates, driven, flow_speed, disturbance);
     let a0_b = at.joint_acceleration();
     let alpha0_b = at.angular_acceleration();
     let left_b = at.wrench_left_over(a0_b, alpha0_b);
@@ -90,13 +92,13 @@ pub fn accelerations(
         return Err(Error::Argument { name: "acceleration of a driven coordinate", value, allowed: "finite" });
     }
     let pose = Pose::of_coordinates(q, flow);
-    let motion = solve_motion(
-        plant,
-        &pose,
-        &Rates::of_array(q_rate),
-        &Driven { length: driven[0], pitch: driven[1], roll: driven[2] },
-        flow.speed_m_s,
-    );
+    let rates = Rates::of_array(q_rate);
+    let driven = Driven { length: driven[0], pitch: driven[1], roll: driven[2] };
+    let motion = if plant.lopsided {
+        solve_motion::<_, true, false>(plant, &pose, &rates, &driven, flow.speed_m_s, &Disturbance::none())
+    } else {
+        solve_motion::<_, false, false>(plant, &pose, &rates, &driven, flow.speed_m_s, &Disturbance::none())
+    };
     Ok(Accelerations {
         free_rad_s2: motion.free,
         supplied: motion.supplied,

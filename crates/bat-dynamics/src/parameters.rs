@@ -1,6 +1,7 @@
 //! The physical parameters of the plant, each with its key, unit and allowed range.
 //!
-//! The table [`FIELDS`] is the one list of all numbers: a file reader, a writer and a scale converter walk it.
+//! The tables [`FIELDS`] and [`OPTIONAL_FIELDS`] are the one list of all numbers: a file reader, a writer and a scale
+//! converter walk them.
 
 use crate::allowed::Allowed;
 use crate::error::Error;
@@ -29,12 +30,26 @@ macro_rules! parameters {
         $section:ident: $Section:ident {
             $( $(#[$doc:meta])* $field:ident = $name:literal, $unit:literal, $allowed:ident; )*
         }
+    )*
+    @optional
+    $(
+        $(#[$optional_doc:meta])*
+        $optional:ident: $Optional:ident {
+            $( $(#[$key_doc:meta])* $key:ident = $key_name:literal, $key_unit:literal, $key_allowed:ident; )*
+        }
     )*) => {
         $(
             $(#[$section_doc])*
             #[derive(Clone, Copy, Debug, PartialEq)]
             pub struct $Section {
                 $( $(#[$doc])* pub $field: f64, )*
+            }
+        )*
+        $(
+            $(#[$optional_doc])*
+            #[derive(Clone, Copy, Debug, Default, PartialEq)]
+            pub struct $Optional {
+                $( $(#[$key_doc])* pub $key: f64, )*
             }
         )*
 
@@ -45,11 +60,12 @@ macro_rules! parameters {
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct Parameters {
             $( $(#[$section_doc])* pub $section: $Section, )*
+            $( $(#[$optional_doc])* pub $optional: $Optional, )*
             /// Arrangement of the three lines.
             pub layout: TetherLayout,
         }
 
-        /// Every number of [`Parameters`], section by section.
+        /// Every number of [`Parameters`] that a plant must have, section by section.
         pub const FIELDS: &[Field] = &[
             $($( Field {
                 section: stringify!($section),
@@ -61,8 +77,21 @@ macro_rules! parameters {
             }, )*)*
         ];
 
+        /// Every number of [`Parameters`] that a plant may leave out, and then has at zero.
+        pub const OPTIONAL_FIELDS: &[Field] = &[
+            $($( Field {
+                section: stringify!($optional),
+                name: $key_name,
+                unit: $key_unit,
+                allowed: Allowed::$key_allowed,
+                get: |p| p.$optional.$key,
+                set: |p, value| p.$optional.$key = value,
+            }, )*)*
+        ];
+
         impl Parameters {
-            /// Builds the parameters by asking `lookup` for every field of [`FIELDS`], in that order.
+            /// Builds the parameters by asking `lookup` for every field of [`FIELDS`], in that order; those of
+            /// [`OPTIONAL_FIELDS`] are zero.
             ///
             /// # Errors
             /// The first error that `lookup` returns.
@@ -72,7 +101,11 @@ macro_rules! parameters {
             ) -> Result<Self, E> {
                 let mut fields = FIELDS.iter();
                 let mut next = || fields.next().map_or(Ok(f64::NAN), &mut lookup);
-                Ok(Self { $( $section: $Section { $( $field: next()?, )* }, )* layout })
+                Ok(Self {
+                    $( $section: $Section { $( $field: next()?, )* }, )*
+                    $( $optional: $Optional::default(), )*
+                    layout,
+                })
             }
         }
     };
@@ -229,6 +262,32 @@ parameters! {
         /// Added inertia in yaw.
         inertia_z_kg_m2 = "inertia_z", "kg*m^2", NonNegative;
     }
+    @optional
+    /// What sets the starboard side of body and lines apart from the port side; all zero for a symmetric plant.
+    ///
+    /// With `offset_lateral` or a difference of the stabilizers the horizontal stabilizer is two halves of half its area, each
+    /// in its own local flow.
+    asymmetry: Asymmetry {
+        /// Center of mass to starboard of the plane of symmetry.
+        center_of_mass_y_m = "center_of_mass_y", "m", Finite;
+        /// Product of inertia, the integral of x y dm about the center of mass.
+        inertia_xy_kg_m2 = "inertia_xy", "kg*m^2", Finite;
+        /// Product of inertia, the integral of y z dm about the center of mass.
+        inertia_yz_kg_m2 = "inertia_yz", "kg*m^2", Finite;
+        /// Aerodynamic centers of the halves of the horizontal stabilizer to either side of the plane of symmetry, at factor 1;
+        /// grows with the square root of the factor.
+        offset_lateral_m = "offset_lateral", "m", NonNegative;
+        /// Incidence of the starboard half less that of the port half; short of a half turn. The mean is `incidence`.
+        incidence_difference_rad = "incidence_difference", "rad", Finite;
+        /// `C_Lα` of the starboard half less that of the port half. The mean is `lift_slope`.
+        lift_slope_difference_per_rad = "lift_slope_difference", "1/rad", Finite;
+        /// How much longer the center line is than its winch says.
+        line_center_m = "line_center", "m", Finite;
+        /// How much longer the starboard line is than its winch says.
+        line_starboard_m = "line_starboard", "m", Finite;
+        /// How much longer the port line is than its winch says.
+        line_port_m = "line_port", "m", Finite;
+    }
 }
 
 impl Parameters {
@@ -237,12 +296,29 @@ impl Parameters {
     /// # Errors
     /// [`Error::Parameter`] for the first number that is out of range.
     pub fn validate(&self) -> Result<(), Error> {
-        for field in FIELDS {
+        for field in FIELDS.iter().chain(OPTIONAL_FIELDS) {
             let value = (field.get)(self);
             if !field.allowed.admits(value) {
                 return Err(field.error(value, field.allowed.words()));
             }
         }
+        self.check_inertia()?;
+        self.check_products()?;
+        let difference = self.asymmetry.incidence_difference_rad;
+        if difference.abs() >= core::f64::consts::PI {
+            return Err(Error::Parameter {
+                section: "asymmetry",
+                name: "incidence_difference",
+                value: difference,
+                unit: "rad",
+                allowed: "short of a half turn to either side",
+            });
+        }
+        Ok(())
+    }
+
+    /// The moments of inertia and the product in the plane of symmetry.
+    fn check_inertia(&self) -> Result<(), Error> {
         let [xx, yy, zz] = [self.body.inertia_xx_kg_m2, self.body.inertia_yy_kg_m2, self.body.inertia_zz_kg_m2];
         let impossible = |name, value| Error::Parameter {
             section: "body",
@@ -274,6 +350,32 @@ impl Parameters {
         }
         Ok(())
     }
+
+    /// The products out of the plane of symmetry: the second moments of mass, twice over, form a matrix without a negative
+    /// principal minor.
+    fn check_products(&self) -> Result<(), Error> {
+        let [xx, yy, zz] = [self.body.inertia_xx_kg_m2, self.body.inertia_yy_kg_m2, self.body.inertia_zz_kg_m2];
+        let (xy, yz) = (self.asymmetry.inertia_xy_kg_m2, self.asymmetry.inertia_yz_kg_m2);
+        let refused =
+            |name, value, allowed| Err(Error::Parameter { section: "asymmetry", name, value, unit: "kg*m^2", allowed });
+        let (x, y, z) = (yy + zz - xx, xx + zz - yy, xx + yy - zz);
+        if 4.0 * xy * xy > x * y {
+            let allowed = "at most sqrt((I_yy + I_zz - I_xx) (I_xx + I_zz - I_yy))/2 in magnitude";
+            return refused("inertia_xy", xy, allowed);
+        }
+        if 4.0 * yz * yz > y * z {
+            let allowed = "at most sqrt((I_xx + I_zz - I_yy) (I_xx + I_yy - I_zz))/2 in magnitude";
+            return refused("inertia_yz", yz, allowed);
+        }
+        let (xy, yz, xz) = (2.0 * xy, 2.0 * yz, 2.0 * self.body.inertia_xz_kg_m2);
+        let determinant = x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz);
+        // With both products zero this repeats what was checked above, and rounding must not refuse it.
+        if (xy.abs() > 0.0 || yz.abs() > 0.0) && determinant < 0.0 {
+            let (name, value) = if xy.abs() > 0.0 { ("inertia_xy", xy / 2.0) } else { ("inertia_yz", yz / 2.0) };
+            return refused(name, value, "smaller in magnitude beside the other products: no mass has this inertia");
+        }
+        Ok(())
+    }
 }
 
 impl Field {
@@ -283,9 +385,9 @@ impl Field {
         Error::Parameter { section: self.section, name: self.name, value, unit: self.unit, allowed }
     }
 
-    /// The field `section.name`, if there is one.
+    /// The field `section.name`, optional or not, if there is one.
     #[must_use]
     pub fn find(section: &str, name: &str) -> Option<&'static Self> {
-        FIELDS.iter().find(|field| field.section == section && field.name == name)
+        FIELDS.iter().chain(OPTIONAL_FIELDS).find(|field| field.section == section && field.name == name)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::lanes::{LANES, Lanes};
-use crate::parameters::Parameters;
+use crate::parameters::{Asymmetry, Parameters};
 use crate::real::Real;
 use crate::vector::Vector;
 
@@ -57,13 +57,15 @@ macro_rules! plant {
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct Plant<T = f64> {
             $( $(#[$doc])* pub(crate) $name: T, )*
+            /// Whether any of [`Asymmetry`](crate::Asymmetry) is not zero.
+            pub(crate) lopsided: bool,
         }
 
         impl<T: Real> Plant<T> {
             /// The same plant in another scalar, constants with zero derivative.
             #[must_use]
             pub(crate) fn map<U>(&self, f: impl Fn(T) -> U) -> Plant<U> {
-                Plant { $( $name: f(self.$name), )* }
+                Plant { $( $name: f(self.$name), )* lopsided: self.lopsided }
             }
         }
 
@@ -71,7 +73,10 @@ macro_rules! plant {
             /// Plant `i` in lane `i`.
             #[must_use]
             pub fn gather(plants: [&Plant; LANES]) -> Self {
-                Plant { $( $name: Lanes(plants.map(|plant| plant.$name)), )* }
+                Plant {
+                    $( $name: Lanes(plants.map(|plant| plant.$name)), )*
+                    lopsided: plants.iter().any(|plant| plant.lopsided),
+                }
             }
         }
     };
@@ -128,6 +133,32 @@ plant! {
     joint_z,
     /// Product of inertia about the joint, added mass included.
     joint_xz,
+    /// Center of mass from the joint along y_B, m.
+    cm_y,
+    /// Product of inertia, the integral of x y dm.
+    inertia_xy,
+    /// Product of inertia, the integral of y z dm.
+    inertia_yz,
+    /// First moment about the joint along y: m y_cm.
+    first_y,
+    /// m y_cm².
+    joint_y_squared,
+    /// Product of inertia about the joint, the integral of x y dm.
+    joint_xy,
+    /// Product of inertia about the joint, the integral of y z dm.
+    joint_yz,
+    /// Aerodynamic centers of the halves of the horizontal stabilizer from the plane of symmetry, m.
+    fin_h_y,
+    /// Half of what the starboard half has more of incidence than the port half.
+    fin_h_half_incidence,
+    /// Half of what the starboard half has more of lift slope than the port half.
+    fin_h_half_cla,
+    /// How much longer the center line is than its winch says, m.
+    line_center,
+    /// How much longer the starboard line is than its winch says, m.
+    line_starboard,
+    /// How much longer the port line is than its winch says, m.
+    line_port,
     /// ½ rho A of the hull.
     hull_q,
     /// ½ rho A L_c of the hull.
@@ -190,6 +221,8 @@ impl Plant {
         let m = body.mass_kg;
         let (cm_x, cm_z) = (along(body.center_of_mass_x), -body.center_of_mass_height_m);
         let (cb_x, cb_z) = (along(body.center_of_buoyancy_x), -body.center_of_buoyancy_height_m);
+        let asymmetry = &parameters.asymmetry;
+        let cm_y = asymmetry.center_of_mass_y_m;
         let line_area_m2 = core::f64::consts::FRAC_PI_4 * tether.line_diameter_m * tether.line_diameter_m;
         Ok(Self {
             gravity: fluid.gravity_m_s2,
@@ -217,6 +250,20 @@ impl Plant {
             joint_y: inertia_y + m * (cm_x * cm_x + cm_z * cm_z) + added_x * cb_z * cb_z + added_z * cb_x * cb_x,
             joint_z: inertia_z + m * cm_x * cm_x + added_y * cb_x * cb_x,
             joint_xz: body.inertia_xz_kg_m2 + m * cm_x * cm_z + added_y * cb_x * cb_z,
+            cm_y,
+            inertia_xy: asymmetry.inertia_xy_kg_m2,
+            inertia_yz: asymmetry.inertia_yz_kg_m2,
+            first_y: m * cm_y,
+            joint_y_squared: m * cm_y * cm_y,
+            joint_xy: asymmetry.inertia_xy_kg_m2 + m * cm_x * cm_y,
+            joint_yz: asymmetry.inertia_yz_kg_m2 + m * cm_y * cm_z,
+            fin_h_y: h_growth * asymmetry.offset_lateral_m,
+            fin_h_half_incidence: 0.5 * asymmetry.incidence_difference_rad,
+            fin_h_half_cla: 0.5 * asymmetry.lift_slope_difference_per_rad,
+            line_center: asymmetry.line_center_m,
+            line_starboard: asymmetry.line_starboard_m,
+            line_port: asymmetry.line_port_m,
+            lopsided: *asymmetry != Asymmetry::default(),
             hull_q: half_density * hull.area_m2,
             hull_q_chord: half_density * hull.area_m2 * body.chord_m,
             hull_x: along(hull.center_x),
@@ -262,6 +309,29 @@ impl Plant {
         self.reel_limit
     }
 
+    /// Whether starboard and port differ: something of [`Asymmetry`] is not zero.
+    #[must_use]
+    pub fn is_lopsided(&self) -> bool {
+        self.lopsided
+    }
+
+    /// The plant with this share of what a resting body feels of its asymmetry; with none of it, symmetric.
+    ///
+    /// Not a plant to fly: the inertia keeps its asymmetry.
+    #[must_use]
+    pub(crate) fn with_asymmetry(&self, share: f64) -> Self {
+        Self {
+            cm_y: share * self.cm_y,
+            fin_h_half_incidence: share * self.fin_h_half_incidence,
+            fin_h_half_cla: share * self.fin_h_half_cla,
+            line_center: share * self.line_center,
+            line_starboard: share * self.line_starboard,
+            line_port: share * self.line_port,
+            lopsided: share.abs() > 0.0,
+            ..*self
+        }
+    }
+
     /// The plant with every constant as another scalar (dual numbers, identical lanes).
     #[must_use]
     pub fn cast<T: Real>(&self) -> Plant<T> {
@@ -276,14 +346,25 @@ impl<T: Real> Plant<T> {
         [self.added_x * v[0], self.added_y * v[1], self.added_z * v[2]]
     }
 
-    /// `(I + I_a) omega` for an angular velocity along B: the angular momentum about the center of mass, and that of the
-    /// added inertia.
+    /// Center of mass from the joint, along B.
     #[inline(always)]
-    pub(crate) fn inertia_times(&self, omega: Vector<T>) -> Vector<T> {
-        [
+    pub(crate) fn cm(&self) -> Vector<T> {
+        [self.cm_x, self.cm_y, self.cm_z]
+    }
+
+    /// `(I + I_a) omega` for an angular velocity along B: the angular momentum about the center of mass, and that of the
+    /// added inertia; the products out of the plane of symmetry only where `LOPSIDED`.
+    #[inline(always)]
+    pub(crate) fn inertia_times<const LOPSIDED: bool>(&self, omega: Vector<T>) -> Vector<T> {
+        let [x, y, z] = [
             self.inertia_x * omega[0] - self.inertia_xz * omega[2],
             self.inertia_y * omega[1],
             self.inertia_z * omega[2] - self.inertia_xz * omega[0],
-        ]
+        ];
+        if LOPSIDED {
+            let across = self.inertia_xy * omega[0] + self.inertia_yz * omega[2];
+            return [x - self.inertia_xy * omega[1], y - across, z - self.inertia_yz * omega[1]];
+        }
+        [x, y, z]
     }
 }

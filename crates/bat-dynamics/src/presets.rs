@@ -2,7 +2,7 @@
 
 use crate::layout::TetherLayout;
 use crate::parameters::{
-    AddedMass, Body, Fluid, HorizontalStabilizer, Hull, Parameters, Stall, Tether, VerticalStabilizer, Winch,
+    AddedMass, Asymmetry, Body, Fluid, HorizontalStabilizer, Hull, Parameters, Stall, Tether, VerticalStabilizer, Winch,
 };
 
 impl Parameters {
@@ -86,6 +86,7 @@ impl Parameters {
                 inertia_y_kg_m2: 9.312e-5,
                 inertia_z_kg_m2: 9.312e-5,
             },
+            asymmetry: Asymmetry::default(),
             layout: TetherLayout::OneForwardTwoAft,
         }
     }

@@ -8,18 +8,23 @@
 //! An index 0 marks an acceleration that is left when those of the free coordinates are zero.
 
 use crate::aerodynamics::aerodynamics;
+use crate::disturbance::Disturbance;
 use crate::kinematics::{Driven, Pose, Rates};
 use crate::plant::Plant;
 use crate::real::Real;
 use crate::tether_drag::tether_drag;
-use crate::vector::{Vector, Wrench, add, combine, cross, cross_point, dot, point_cross, scale, sub};
+use crate::vector::{
+    Vector, Wrench, add, combine, cross, cross_place, cross_point, dot, place_cross, point_cross, scale, sub,
+};
 
-/// Everything that is known before (4) is solved.
-pub(crate) struct Instant<'a, T> {
+/// Everything that is known before (4) is solved; what sets starboard apart from port counts only where `LOPSIDED`, a
+/// disturbance of the water only where `MOVING`.
+pub(crate) struct Instant<'a, T, const LOPSIDED: bool, const MOVING: bool> {
     plant: &'a Plant<T>,
     pose: &'a Pose<T>,
     rates: &'a Rates<T>,
     driven: &'a Driven<T>,
+    disturbance: &'a Disturbance<T>,
     v: Velocities<T>,
     rod: Rod<T>,
 }
@@ -42,9 +47,8 @@ struct Velocities<T> {
 
 impl<T: Real> Velocities<T> {
     #[inline(always)]
-    fn of(pose: &Pose<T>, rates: &Rates<T>, flow_speed: T) -> Self {
+    fn of(pose: &Pose<T>, rates: &Rates<T>, flow_t: Vector<T>) -> Self {
         let (omega_b, omega_tb_b) = pose.angular_velocity(rates);
-        let flow_t = pose.flow_velocity(flow_speed);
         Self {
             azimuth_s: rates.azimuth * pose.sin_zenith,
             azimuth_c: rates.azimuth * pose.cos_zenith,
@@ -88,7 +92,7 @@ pub(crate) struct UnitMotion<T> {
     takes: Wrench<T>,
 }
 
-impl<'a, T: Real> Instant<'a, T> {
+impl<'a, T: Real, const LOPSIDED: bool, const MOVING: bool> Instant<'a, T, LOPSIDED, MOVING> {
     #[inline(always)]
     pub(crate) fn new(
         plant: &'a Plant<T>,
@@ -96,9 +100,16 @@ impl<'a, T: Real> Instant<'a, T> {
         rates: &'a Rates<T>,
         driven: &'a Driven<T>,
         flow_speed: T,
+        disturbance: &'a Disturbance<T>,
     ) -> Self {
-        let (v, rod) = (Velocities::of(pose, rates, flow_speed), Rod::of(plant, pose));
-        Self { plant, pose, rates, driven, v, rod }
+        let flow_t = if MOVING {
+            let [ahead, right, down] = disturbance.velocity_m_s;
+            pose.along_tether([ahead - flow_speed, right, down])
+        } else {
+            pose.flow_velocity(flow_speed)
+        };
+        let (v, rod) = (Velocities::of(pose, rates, flow_t), Rod::of(plant, pose));
+        Self { plant, pose, rates, driven, disturbance, v, rod }
     }
 
     /// Acceleration a_0 of the joint along B:
@@ -170,15 +181,16 @@ impl<'a, T: Real> Instant<'a, T> {
     pub(crate) fn wrench_left_over(&self, a0_b: Vector<T>, alpha0_b: Vector<T>) -> Wrench<T> {
         let Self { plant, v, .. } = self;
         let gravity_b = self.gravity();
-        let taken = inertial_wrench(plant, a0_b, alpha0_b);
+        let taken = inertial_wrench::<_, LOPSIDED>(plant, a0_b, alpha0_b);
         let force_cm = self.force_at_center_of_mass(gravity_b);
         let v_r_b = add(v.uvw_b, cross_point(v.omega_b, plant.cb_x, plant.cb_z));
         let momentum_b = plant.added_mass_times(v_r_b);
         let force_cb = self.force_at_center_of_buoyancy(momentum_b, gravity_b);
-        let spin = cross(v.omega_b, plant.inertia_times(v.omega_b));
+        let spin = cross(v.omega_b, plant.inertia_times::<LOPSIDED>(v.omega_b));
         let munk = cross(v_r_b, momentum_b);
-        let arms = add(point_cross(plant.cm_x, plant.cm_z, force_cm), point_cross(plant.cb_x, plant.cb_z, force_cb));
-        let aero = aerodynamics(plant, v.uvw_b, v.omega_b);
+        let arm_cm = place_cross::<_, LOPSIDED>(plant.cm(), force_cm);
+        let arms = add(arm_cm, point_cross(plant.cb_x, plant.cb_z, force_cb));
+        let aero = aerodynamics::<_, LOPSIDED>(plant, v.uvw_b, v.omega_b);
         Wrench {
             force: sub(aero.force, add(taken.force, add(force_cm, force_cb))),
             moment: sub(aero.moment, add(taken.moment, add(add(arms, spin), munk))),
@@ -196,17 +208,25 @@ impl<'a, T: Real> Instant<'a, T> {
     #[inline(always)]
     fn force_at_center_of_mass(&self, gravity_b: Vector<T>) -> Vector<T> {
         let Self { plant, v, .. } = self;
-        let centripetal = cross(v.omega_b, cross_point(v.omega_b, plant.cm_x, plant.cm_z));
+        let centripetal = cross(v.omega_b, cross_place::<_, LOPSIDED>(v.omega_b, plant.cm()));
         scale(plant.mass, sub(centripetal, gravity_b))
     }
 
     /// `F_cb = omega × M_a v_r − M_a (omega × [u, v, w]) + rho Vol g` along B: buoyancy, and what is left of
-    /// `d/dt (M_a v_r)` at a_0 and alpha_0, because `[u, v, w]` and `M_a v_r` turn with B.
+    /// `d/dt (M_a v_r)` at a_0 and alpha_0, because `[u, v, w]` and `M_a v_r` turn with B; less the force of the wake.
     #[inline(always)]
     fn force_at_center_of_buoyancy(&self, momentum_b: Vector<T>, gravity_b: Vector<T>) -> Vector<T> {
         let Self { plant, v, .. } = self;
         let turning = sub(cross(v.omega_b, momentum_b), plant.added_mass_times(cross(v.omega_b, v.uvw_b)));
-        add(turning, scale(plant.displaced_mass, gravity_b))
+        let carried = add(turning, scale(plant.displaced_mass, gravity_b));
+        if MOVING { sub(carried, self.wake()) } else { carried }
+    }
+
+    /// The force of the disturbance on the hull, along B.
+    #[inline(always)]
+    fn wake(&self) -> Vector<T> {
+        let force_t = self.pose.along_tether(self.disturbance.wake_m2_s2);
+        scale(self.plant.hull_q, combine(&self.pose.axes, force_t))
     }
 
     /// The motions of unit `Phi¨`, `Theta¨ s` and `Psi¨ + Theta¨ c`: the joint moves along −L_t x_T, −L_t y_T and not at
@@ -214,7 +234,7 @@ impl<'a, T: Real> Instant<'a, T> {
     #[inline(always)]
     pub(crate) fn unit_motions(&self) -> [UnitMotion<T>; 3] {
         let ([x_t, y_t, z_t], length) = (self.pose.axes, self.pose.length);
-        let unit = |v, omega| UnitMotion { v, omega, takes: inertial_wrench(self.plant, v, omega) };
+        let unit = |v, omega| UnitMotion { v, omega, takes: inertial_wrench::<_, LOPSIDED>(self.plant, v, omega) };
         [
             unit(scale(-length, x_t), y_t),
             unit(scale(-length, y_t), scale(T::constant(-1.0), x_t)),
@@ -297,8 +317,8 @@ impl<'a, T: Real> Instant<'a, T> {
 /// `M (a, alpha)`: the wrench about the joint that an acceleration `a` of the joint and an angular acceleration `alpha`
 /// take, all along B: the inertia of the body and its added mass, which are constant there.
 #[inline(always)]
-fn inertial_wrench<T: Real>(plant: &Plant<T>, a: Vector<T>, alpha: Vector<T>) -> Wrench<T> {
-    Wrench {
+fn inertial_wrench<T: Real, const LOPSIDED: bool>(plant: &Plant<T>, a: Vector<T>, alpha: Vector<T>) -> Wrench<T> {
+    let in_plane = Wrench {
         force: [
             plant.total_x * a[0] + plant.first_xz * alpha[1],
             plant.total_y * a[1] + plant.first_yx * alpha[2] - plant.first_yz * alpha[0],
@@ -308,6 +328,22 @@ fn inertial_wrench<T: Real>(plant: &Plant<T>, a: Vector<T>, alpha: Vector<T>) ->
             plant.joint_x * alpha[0] - plant.joint_xz * alpha[2] - plant.first_yz * a[1],
             plant.joint_y * alpha[1] + plant.first_xz * a[0] - plant.first_zx * a[2],
             plant.joint_z * alpha[2] - plant.joint_xz * alpha[0] + plant.first_yx * a[1],
+        ],
+    };
+    if LOPSIDED { in_plane.plus(lateral_wrench(plant, a, alpha)) } else { in_plane }
+}
+
+/// The part of [`inertial_wrench`] that comes of a center of mass beside the plane of symmetry and of the products of inertia
+/// out of it.
+#[inline(always)]
+fn lateral_wrench<T: Real>(plant: &Plant<T>, a: Vector<T>, alpha: Vector<T>) -> Wrench<T> {
+    let (first, squared) = (plant.first_y, plant.joint_y_squared);
+    Wrench {
+        force: [-(first * alpha[2]), T::constant(0.0), first * alpha[0]],
+        moment: [
+            squared * alpha[0] - plant.joint_xy * alpha[1] + first * a[2],
+            -(plant.joint_xy * alpha[0] + plant.joint_yz * alpha[2]),
+            squared * alpha[2] - plant.joint_yz * alpha[1] - first * a[0],
         ],
     }
 }

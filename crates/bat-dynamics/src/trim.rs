@@ -1,5 +1,6 @@
 //! Equilibrium of the flight: no motion, nose into the flow, a set pitch, a set altitude or tether length.
 
+use crate::balance::{Target, TrimHeight, balance};
 use crate::bridle::{driven_of_lines, lines_of_driven};
 use crate::coordinates::{Coordinates, FlightState};
 use crate::error::{Error, NoTrim};
@@ -8,15 +9,6 @@ use crate::inertia::{generalized_forces, gravity_vector};
 use crate::motion::accelerations;
 use crate::plant::Plant;
 use crate::tensions::Tensions;
-
-/// Which length the trim holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TrimHeight {
-    /// Altitude of the center of mass above the winches, in m.
-    Altitude(f64),
-    /// Mean tether length L_t, in m.
-    TetherLength(f64),
-}
 
 /// What is asked of a trim.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +45,10 @@ const SCAN_POINTS: usize = 180;
 /// All rates are zero, `Theta = psi_flow`, `Psi = phi' = 0`, `theta' = pitch − Phi`; the lateral rows of (4) then
 /// vanish by symmetry and the row of Phi, force less bias, falls through zero at the equilibrium.
 ///
+/// A plant whose sides differ ([`Asymmetry`](crate::Asymmetry)) rests rolled and turned. Its winches of starboard and port say
+/// the same length; azimuth and twist are then those at which their rows balance too, on the branch that begins at the
+/// equilibrium without the asymmetry.
+///
 /// # Errors
 /// [`Error::Argument`] for values that are not finite, [`Error::NoTrim`] with the reason when there is none.
 pub fn trim(plant: &Plant, request: &TrimRequest) -> Result<Trim, Error> {
@@ -78,23 +74,32 @@ pub fn trim(plant: &Plant, request: &TrimRequest) -> Result<Trim, Error> {
         }
     }
 
-    let place = |zenith| coordinates(plant, request, zenith);
-    let zenith = smallest_root(plant, &request.flow, place)?;
-    at_equilibrium(plant, &request.flow, place(zenith))
+    let even = if plant.lopsided { plant.with_asymmetry(0.0) } else { *plant };
+    let place = |zenith| coordinates(&even, request, zenith);
+    let start = place(smallest_root(&even, &request.flow, place)?);
+    if !plant.lopsided {
+        return at_equilibrium(plant, &request.flow, start);
+    }
+    let target = Target::Set { pitch_rad: request.pitch_rad, height: request.height };
+    at_equilibrium(plant, &request.flow, balance(plant, &request.flow, &target, start)?)
 }
 
 /// Finds the equilibrium with the smallest zenith angle that lines of these lengths leave.
 ///
-/// `lines_m` are the lengths of center, starboard and port, in m. As in [`trim`] all rates are zero, `Theta = psi_flow`
-/// and `Psi = 0`; where the pitch comes out follows from the lines.
+/// `lines_m` are the lengths of center, starboard and port, in m, as the winches say them. As in [`trim`] all rates are zero,
+/// `Theta = psi_flow` and `Psi = 0`, unless the sides of the plant differ; where the pitch comes out follows from the lines.
 ///
 /// # Errors
-/// [`Error::Argument`] for lengths that are not finite and positive, or for a starboard line that is not as long as the
-/// port line: the body would rest rolled and turned. [`Error::NoTrim`] with the reason when there is no equilibrium.
+/// [`Error::Argument`] for lengths that are not finite and positive, or, where the plant is symmetric, for a starboard line that
+/// is not as long as the port line: the body would rest rolled and turned. [`Error::NoTrim`] with the reason when there is no
+/// equilibrium.
 pub fn trim_with_lines(plant: &Plant, flow: &Flow, lines_m: [f64; 3]) -> Result<Trim, Error> {
     flow.validate()?;
     if let Some(&value) = lines_m.iter().find(|line| !(line.is_finite() && **line > 0.0)) {
         return Err(Error::Argument { name: "length of a line in m", value, allowed: "finite and more than zero" });
+    }
+    if plant.lopsided {
+        return trim_lopsided_with_lines(plant, flow, lines_m);
     }
     let [length, induced_pitch, induced_roll] = driven_of_lines(plant, lines_m);
     if induced_roll.abs() > LEVEL_RAD {
@@ -107,6 +112,17 @@ pub fn trim_with_lines(plant: &Plant, flow: &Flow, lines_m: [f64; 3]) -> Result<
     let place = |zenith| [zenith, flow.direction_rad, 0.0, length, induced_pitch, 0.0];
     let zenith = smallest_root(plant, flow, place)?;
     at_equilibrium(plant, flow, place(zenith))
+}
+
+/// From the equilibrium without the asymmetry, with starboard and port at their mean.
+fn trim_lopsided_with_lines(plant: &Plant, flow: &Flow, lines_m: [f64; 3]) -> Result<Trim, Error> {
+    let even = plant.with_asymmetry(0.0);
+    let aft = 0.5 * (lines_m[1] + lines_m[2]);
+    let [length, induced_pitch, _] = driven_of_lines(&even, [lines_m[0], aft, aft]);
+    let place = |zenith| [zenith, flow.direction_rad, 0.0, length, induced_pitch, 0.0];
+    let start = place(smallest_root(&even, flow, place)?);
+    let skew_m = lines_m[1] - aft;
+    at_equilibrium(plant, flow, balance(plant, flow, &Target::Lines { lines_m, skew_m }, start)?)
 }
 
 /// An induced roll below this is rounding.

@@ -29,10 +29,22 @@ pub(crate) fn cross<T: Real>(a: Vector<T>, b: Vector<T>) -> Vector<T> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// a x (x, 0, z): every named point of the body lies in its plane of symmetry.
+/// a x (x, 0, z): for a point in the plane of symmetry of the body.
 #[inline(always)]
 pub(crate) fn cross_point<T: Real>(a: Vector<T>, x: T, z: T) -> Vector<T> {
     [a[1] * z, a[2] * x - a[0] * z, -(a[1] * x)]
+}
+
+/// a x r for a point of the body, which lies in the plane of symmetry unless `LOPSIDED`.
+#[inline(always)]
+pub(crate) fn cross_place<T: Real, const LOPSIDED: bool>(a: Vector<T>, r: Vector<T>) -> Vector<T> {
+    if LOPSIDED { cross(a, r) } else { cross_point(a, r[0], r[2]) }
+}
+
+/// r x b for a point of the body, which lies in the plane of symmetry unless `LOPSIDED`.
+#[inline(always)]
+pub(crate) fn place_cross<T: Real, const LOPSIDED: bool>(r: Vector<T>, b: Vector<T>) -> Vector<T> {
+    if LOPSIDED { cross(r, b) } else { point_cross(r[0], r[2], b) }
 }
 
 /// (x, 0, z) x b.

@@ -27,14 +27,24 @@
 //! | quadratures and sums of RK4 | 3 | 4 |
 //! | flow, controller, watching | 2 | 5 |
 //! | not attributable | 4 | 6 |
+//!
+//! What is off by default costs, in lanes on one thread at one step per sample, fastest of twenty on 2026-11-22 on the same machine beside other work:
+//!
+//! | on | time against all off |
+//! |---|---|
+//! | turbulence in three directions | 1.14 |
+//! | vortex shedding | 1.11 |
+//! | asymmetry | 1.26 |
+//! | all three, one seed for the batch | 1.29 |
+//! | all three, a seed for each flight | 1.66: making the table of a flight takes 1.1 ms |
 
 use bat_dynamics::Fidelity;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use water_channel::{
-    FlightRequest, FlightSettings, Pose, ProfileFile, RigFile, SensingFile, TestProfile, Tracker, closed_loop_modes,
-    fly, fly_all,
+    FlightRequest, FlightSettings, MovingWater, Pose, ProfileFile, RigFile, SensingFile, Shedding, TestProfile,
+    Tracker, Turbulence, closed_loop_modes, fly, fly_all, fly_seeded,
 };
 
 fn main() {
@@ -105,6 +115,35 @@ fn one_pose_from_images(bencher: Bencher<'_, '_>) {
     let pose = Pose { position_m: [-0.08, 0.0, -0.56], roll_rad: 0.0, pitch_rad: 0.3, heading_rad: 0.0 };
     let mut tracker = Tracker::new(&viewer);
     bencher.bench_local(|| tracker.observe(black_box(&pose)));
+}
+
+/// What each thing that is off by default costs, in lanes at one step per sample, the making of the water's table included.
+#[divan::bench(args = ["off", "turbulence", "shedding", "asymmetry", "all three", "a seed each"], sample_count = 10)]
+fn lanes_with_what_is_off_by_default(bencher: Bencher<'_, '_>, what: &str) {
+    let on = |name: &str| what == name || ["all three", "a seed each"].contains(&what);
+    let turbulence = Turbulence { intensity: 0.03, lateral_intensity: 0.03, vertical_intensity: 0.03, length_m: 0.1 };
+    let shedding = Shedding { strouhal: 0.2, width_m: 0.092, lift_coefficient: 0.05, plane_rad: 0.5 };
+    let water = MovingWater {
+        turbulence: on("turbulence").then_some(turbulence),
+        shedding: on("shedding").then_some(shedding),
+        seed: 1,
+    };
+    let profile = profile().with_water(water).expect("water");
+    let mut requests = requests(4, Fidelity::STALLED_WITH_ADDED_MASS);
+    if on("asymmetry") {
+        for request in &mut requests {
+            let asymmetry = &mut request.rig.plant.asymmetry;
+            (asymmetry.center_of_mass_y_m, asymmetry.offset_lateral_m, asymmetry.line_port_m) = (2e-4, 0.04, 5e-4);
+        }
+    }
+    let seeds: Vec<u64> = (0..requests.len() as u64).collect();
+    let (settings, pool) = (FlightSettings::with_steps(1), pool(1));
+    bencher.counter(ItemsCount::new(requests.len())).bench(|| {
+        pool.install(|| match what {
+            "a seed each" => fly_seeded(black_box(&requests), &seeds, &profile, &settings, |_| {}),
+            _ => fly_all(black_box(&requests), &profile, &settings, |_| {}),
+        })
+    });
 }
 
 #[divan::bench(sample_count = 3)]

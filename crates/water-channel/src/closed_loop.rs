@@ -95,7 +95,7 @@ impl SampledMode {
 /// Exact for small departures, sampling included: the plant's linearization goes through the matrix exponential with
 /// its commands held, the controller is (10)–(14) as it runs. The speed limit of the winches and the windows of a
 /// test do not act on small departures. Noise and delay of cameras are left out: the controller sees the state.
-/// About the trim without roll: where the set point of roll is not zero, the
+/// About the trim, which takes no set point of roll: where roll at trim is not its set point, the
 /// loop rests elsewhere.
 ///
 /// # Errors

@@ -4,9 +4,12 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::FileError;
+use crate::energy::Energy;
+use crate::error::{Error, FileError};
 use crate::file;
-use crate::quantity::{PerAngle, PerAngleSquared, PerBallastSquared, PerLengthSquared, PerSpeedSquared, Record};
+use crate::quantity::{
+    PerAngle, PerAngleSquared, PerBallastSquared, PerLengthSquared, PerPower, PerSpeedSquared, Record,
+};
 
 /// Number of terms inside the square of (21).
 pub const N_TERMS: usize = 6;
@@ -85,13 +88,15 @@ pub fn open_loop_cost(integrals: &Integrals, heading: f64, lateral: f64) -> [f64
 ///
 /// # The file
 /// `title` and `k1_heading`, `k2_pitch`, `k3_roll` 1/rad^2, `k4_altitude` 1/m^2, `k5_reel_speed` s^2/m^2, `k6_zenith` 1/rad,
-/// `k7_ballast` 1/(% chord)^2, all zero or more. Numbers and units are those of [`RigFile`](crate::RigFile).
+/// `k7_ballast` 1/(% chord)^2, all zero or more; and `k8_net_energy` 1/W, zero or more, and zero where it is left out. Numbers and units are those of [`RigFile`](crate::RigFile).
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostFile {
     /// The title of the file.
     pub title: String,
     /// The weights.
     pub weights: CostWeights,
+    /// The weight of the net energy, in 1/W: ours, zero unless the file has it.
+    pub net_energy_per_w: f64,
     /// Every number as written, sorted by key.
     pub records: Vec<Record>,
 }
@@ -122,7 +127,26 @@ impl CostFile {
             ],
             ballast: table.k7_ballast.0,
         };
-        Ok(Self { title: table.title, weights, records })
+        Ok(Self { title: table.title, weights, net_energy_per_w: table.k8_net_energy.0, records })
+    }
+}
+
+impl CostFile {
+    /// J in s less the weight times the net energy: `J − k8 (E_turbine − E_winches)`. With k8 = 0, the bits of J.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] where net energy has a weight and the flight, for want of a turbine in its test, has no energy.
+    pub fn total(&self, cost: &CostBreakdown, energy: Option<&Energy>) -> Result<f64, Error> {
+        let weight = self.net_energy_per_w;
+        match energy {
+            _ if weight <= 0.0 => Ok(cost.total),
+            Some(energy) => Ok(cost.total + energy.cost_s(weight)),
+            None => Err(Error::Argument {
+                name: "weight of the net energy per W",
+                value: weight,
+                allowed: "zero where the test has no turbine",
+            }),
+        }
     }
 }
 
@@ -138,4 +162,6 @@ struct CostTable {
     k5_reel_speed: PerSpeedSquared,
     k6_zenith: PerAngle,
     k7_ballast: PerBallastSquared,
+    #[serde(default)]
+    k8_net_energy: PerPower,
 }

@@ -4,8 +4,8 @@ use bat_dynamics::{LANES, Lanes, Plant};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use crate::error::FlightError;
-use crate::flight::{Flight, FlightRequest, Ready};
+use crate::error::{Error, FlightError};
+use crate::flight::{Flight, FlightRequest, Kind, Ready, Tables};
 use crate::integrate::{Ending, Setup, integrate};
 use crate::profile::TestProfile;
 use crate::settings::FlightSettings;
@@ -20,13 +20,48 @@ pub fn fly_all(
     settings: &FlightSettings,
     finished: impl Fn(usize) + Sync,
 ) -> Vec<Result<Flight, FlightError>> {
+    fly_chunks(requests, None, profile, settings, finished)
+}
+
+/// Flies like [`fly_all`], the water of request `i` from `seeds[i]` in place of the seed of the profile.
+///
+/// Each result has the bits of [`fly`](crate::fly) in a profile with that seed. Still and recorded water has no seed: all seeds
+/// are then one. With another number of seeds than of requests every result is an error.
+pub fn fly_seeded(
+    requests: &[FlightRequest],
+    seeds: &[u64],
+    profile: &TestProfile,
+    settings: &FlightSettings,
+    finished: impl Fn(usize) + Sync,
+) -> Vec<Result<Flight, FlightError>> {
+    if seeds.len() != requests.len() {
+        let (name, value) = ("number of seeds", seeds.len() as f64);
+        let error = Error::Argument { name, value, allowed: "one per request" };
+        return requests.iter().map(|_| Err(error.clone().into())).collect();
+    }
+    fly_chunks(requests, Some(seeds), profile, settings, finished)
+}
+
+fn fly_chunks(
+    requests: &[FlightRequest],
+    seeds: Option<&[u64]>,
+    profile: &TestProfile,
+    settings: &FlightSettings,
+    finished: impl Fn(usize) + Sync,
+) -> Vec<Result<Flight, FlightError>> {
     if let Err(error) = settings.validate() {
         return requests.iter().map(|_| Err(error.clone().into())).collect();
     }
+    let tables = match (requests.first(), seeds) {
+        (Some(first), None) => Tables::shared_with(profile, first),
+        _ => Tables::of(profile),
+    };
     requests
         .par_chunks(LANES)
-        .flat_map_iter(|chunk| {
-            let results = fly_chunk(chunk, profile, settings);
+        .enumerate()
+        .flat_map_iter(|(number, chunk)| {
+            let seeds = seeds.map(|seeds| &seeds[number * LANES..]);
+            let results = fly_chunk(chunk, seeds, &mut tables.clone(), settings);
             finished(chunk.len());
             results
         })
@@ -36,13 +71,15 @@ pub fn fly_all(
 /// Up to `LANES` flights side by side; those that cannot start are left out.
 fn fly_chunk(
     requests: &[FlightRequest],
-    profile: &TestProfile,
+    seeds: Option<&[u64]>,
+    tables: &mut Tables<'_>,
     settings: &FlightSettings,
 ) -> Vec<Result<Flight, FlightError>> {
+    let profile = tables.profile();
     let mut results: Vec<Option<Result<Flight, FlightError>>> = Vec::with_capacity(requests.len());
     let mut ready: Vec<(usize, Ready)> = Vec::with_capacity(requests.len());
     for (index, request) in requests.iter().enumerate() {
-        match Ready::new(request, profile) {
+        match Ready::new(request, tables, seeds.map(|seeds| seeds[index])) {
             Ok(one) => {
                 results.push(None);
                 ready.push((index, one));
@@ -50,12 +87,12 @@ fn fly_chunk(
             Err(error) => results.push(Some(Err(error.into()))),
         }
     }
-    // Flights in one batch share the instants of their samples.
+    // Flights in one batch share the instants of their samples and the code that flies them.
+    let kind = |one: &Ready| (one.controller.parameters().sample_time_s.to_bits(), one.kind());
     while !ready.is_empty() {
+        let first = kind(&ready[0].1);
         let sample_time_s = ready[0].1.controller.parameters().sample_time_s;
-        let (batch, rest): (Vec<_>, Vec<_>) = ready
-            .into_iter()
-            .partition(|(_, one)| one.controller.parameters().sample_time_s.to_bits() == sample_time_s.to_bits());
+        let (batch, rest): (Vec<_>, Vec<_>) = ready.into_iter().partition(|(_, one)| kind(one) == first);
         ready = rest;
         let endings = fly_lanes(&batch, sample_time_s, profile, settings);
         for ((index, one), ending) in batch.into_iter().zip(endings) {
@@ -73,6 +110,11 @@ fn fly_lanes(
 ) -> [Ending; LANES] {
     // Unused lanes repeat the last flight.
     let lane = |k: usize| &batch[k.min(batch.len() - 1)].1;
+    // All fly one test: either each has its water or none.
+    let water = match core::array::from_fn(|k| lane(k).water.as_deref()) {
+        [Some(a), Some(b), Some(c), Some(d)] => Some([a, b, c, d]),
+        _ => None,
+    };
     let setup = Setup {
         plant: Plant::gather(core::array::from_fn(|k| &lane(k).plant)),
         controllers: core::array::from_fn(|k| &lane(k).controller),
@@ -80,15 +122,33 @@ fn fly_lanes(
         sample_time_s,
         profile,
         settings,
+        water,
+        meters: core::array::from_fn(|k| lane(k).meter),
         used: batch.len(),
     };
     let start = core::array::from_fn(|k| &lane(k).start);
-    integrate_lanes(&setup, start)
+    match batch[0].1.kind() {
+        Kind::Plain => integrate_plain(&setup, start),
+        Kind::Moving => integrate_moving(&setup, start),
+        Kind::Lopsided => integrate_lopsided(&setup, start),
+    }
 }
 
 /// The loop compiled for several instruction sets, chosen when it runs; none of them contracts a product and a
 /// sum into one rounding, so all give the same bits.
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn integrate_lanes(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Ending; LANES] {
-    integrate::<Lanes, LANES>(setup, start, |_| {})
+fn integrate_plain(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Ending; LANES] {
+    integrate::<Lanes, LANES, false, false>(setup, start, |_| {})
+}
+
+/// Like [`integrate_plain`] for symmetric plants in water that moves beside its mean flow.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn integrate_moving(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Ending; LANES] {
+    integrate::<Lanes, LANES, false, true>(setup, start, |_| {})
+}
+
+/// Like [`integrate_plain`] for plants whose sides differ, in any water.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn integrate_lopsided(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Ending; LANES] {
+    integrate::<Lanes, LANES, true, true>(setup, start, |_| {})
 }

@@ -1,9 +1,12 @@
 //! One flight: from trim, or beside it, through the test profile, with what it cost and what it came close to.
 
+use std::sync::Arc;
+
 use bat_dynamics::{Fidelity, FlightState, Flow, Plant, Trim, TrimHeight, TrimRequest, check_state, trim};
 use tether_control::{Controller, SetPoints};
 
 use crate::cost::Integrals;
+use crate::energy::{Energy, Meter};
 use crate::error::{Error, FlightError};
 use crate::footprint::footprint_m2;
 use crate::integrate::{Ending, Sample, Setup, integrate};
@@ -13,6 +16,7 @@ use crate::rig::Rig;
 use crate::sensing::Viewer;
 use crate::settings::FlightSettings;
 use crate::watch::{Extremes, SlackEvent};
+use crate::water::WaterTable;
 
 /// A rig with the physics that it flies in.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +40,8 @@ pub struct Flight {
     pub trim: Trim,
     /// Where it ended.
     pub final_state: FlightState,
+    /// What the turbine of the test gave and the winches took, if the test has one.
+    pub energy: Option<Energy>,
 }
 
 impl Flight {
@@ -52,6 +58,53 @@ pub(crate) fn trim_at(plant: &Plant, set_points: &SetPoints, flow: Flow) -> Resu
     Ok(trim(plant, &TrimRequest { flow, pitch_rad: set_points.pitch_rad, height })?)
 }
 
+/// What the loop that flies a rig has to know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// A symmetric plant in water with its mean flow alone.
+    Plain,
+    /// A symmetric plant in water that moves beside its mean flow, or with a turbine.
+    Moving,
+    /// A plant whose sides differ, in water of either kind.
+    Lopsided,
+}
+
+/// The tables of the water of a test; the last one is kept, for flights that share it.
+#[derive(Clone)]
+pub(crate) struct Tables<'a> {
+    profile: &'a TestProfile,
+    last: Option<(u64, Option<u64>, Arc<WaterTable>)>,
+}
+
+impl<'a> Tables<'a> {
+    pub(crate) fn of(profile: &'a TestProfile) -> Self {
+        Self { profile, last: None }
+    }
+
+    /// With the table that `first` needs, which flights without seeds of their own will share; an error is told where it flies.
+    pub(crate) fn shared_with(profile: &'a TestProfile, first: &FlightRequest) -> Self {
+        let mut tables = Self::of(profile);
+        let _: Result<_, Error> = tables.get(first.rig.sample_time_s, None);
+        tables
+    }
+
+    pub(crate) fn profile(&self) -> &'a TestProfile {
+        self.profile
+    }
+
+    fn get(&mut self, sample_time_s: f64, seed: Option<u64>) -> Result<Option<Arc<WaterTable>>, Error> {
+        let key = (sample_time_s.to_bits(), seed);
+        if let Some((time, seed, table)) = &self.last
+            && (*time, *seed) == key
+        {
+            return Ok(Some(Arc::clone(table)));
+        }
+        let table = self.profile.water_table(sample_time_s, seed)?;
+        self.last = table.as_ref().map(|table| (key.0, key.1, Arc::clone(table)));
+        Ok(table)
+    }
+}
+
 /// A rig made ready: checked plant and controller, the trim at the first flow, and the state at the start.
 pub(crate) struct Ready {
     pub(crate) plant: Plant,
@@ -59,13 +112,29 @@ pub(crate) struct Ready {
     pub(crate) viewer: Option<Viewer>,
     pub(crate) trim: Trim,
     pub(crate) start: FlightState,
+    /// Water that moves beside its mean flow.
+    pub(crate) water: Option<Arc<WaterTable>>,
+    /// The turbine of the test in the water of the rig.
+    pub(crate) meter: Option<Meter>,
 }
 
 impl Ready {
-    pub(crate) fn new(request: &FlightRequest, profile: &TestProfile) -> Result<Self, Error> {
+    /// The code that flies it.
+    pub(crate) fn kind(&self) -> Kind {
+        match (self.plant.is_lopsided(), self.water.is_some() || self.meter.is_some()) {
+            (true, _) => Kind::Lopsided,
+            (false, true) => Kind::Moving,
+            (false, false) => Kind::Plain,
+        }
+    }
+
+    /// `seed`, where it is given, takes the place of the seed of the profile's water.
+    pub(crate) fn new(request: &FlightRequest, tables: &mut Tables<'_>, seed: Option<u64>) -> Result<Self, Error> {
+        let profile = tables.profile;
         let plant = request.rig.plant(request.fidelity)?;
         let controller = request.rig.controller()?;
         let viewer = request.rig.viewer()?;
+        let water = tables.get(controller.parameters().sample_time_s, seed)?;
         let trim = trim_at(&plant, &request.rig.set_points, profile.flow().at(0.0))?;
         let departure = profile.start();
         let mut start = trim.state;
@@ -73,7 +142,10 @@ impl Ready {
         start[1] += departure.azimuth_rad;
         start[2] += departure.twist_rad;
         check_state(&start, 0.0)?;
-        Ok(Self { plant, controller, viewer, trim, start })
+        let density_kg_m3 = request.rig.plant.fluid.density_kg_m3;
+        let meter =
+            profile.turbine().map(|turbine| Meter { turbine: *turbine, density_kg_m3, energy: Energy::default() });
+        Ok(Self { plant, controller, viewer, trim, start, water, meter })
     }
 
     pub(crate) fn finish(self, ending: Ending) -> Result<Flight, FlightError> {
@@ -85,6 +157,7 @@ impl Ready {
                 slack: ending.slack,
                 trim: self.trim,
                 final_state: ending.final_state,
+                energy: ending.energy,
             }),
         }
     }
@@ -96,7 +169,7 @@ impl Ready {
 /// [`FlightError`]: the flight cannot start, leaves the model, or a line goes slack where that is an error.
 pub fn fly(request: &FlightRequest, profile: &TestProfile, settings: &FlightSettings) -> Result<Flight, FlightError> {
     settings.validate()?;
-    let ready = Ready::new(request, profile)?;
+    let ready = Ready::new(request, &mut Tables::of(profile), None)?;
     let [ending] = one(&ready, profile, settings, |_| {});
     ready.finish(ending)
 }
@@ -115,7 +188,7 @@ pub fn fly_logged(
     if every == 0 {
         return Err(Error::Argument { name: "samples per log row", value: 0.0, allowed: "at least 1" }.into());
     }
-    let ready = Ready::new(request, profile)?;
+    let ready = Ready::new(request, &mut Tables::of(profile), None)?;
     let mut rows = Vec::new();
     let mut sample = 0;
     let [ending] = one(&ready, profile, settings, |seen| {
@@ -140,7 +213,13 @@ fn one(
         sample_time_s: ready.controller.parameters().sample_time_s,
         profile,
         settings,
+        water: ready.water.as_deref().map(|water| [water]),
+        meters: [ready.meter],
         used: 1,
     };
-    integrate::<f64, 1>(&setup, [&ready.start], watch)
+    match ready.kind() {
+        Kind::Plain => integrate::<f64, 1, false, false>(&setup, [&ready.start], watch),
+        Kind::Moving => integrate::<f64, 1, false, true>(&setup, [&ready.start], watch),
+        Kind::Lopsided => integrate::<f64, 1, true, true>(&setup, [&ready.start], watch),
+    }
 }

@@ -4,15 +4,19 @@
 //! smooth and the method keeps its order. Steps also end where the flow has a knot. The integrals of the cost are
 //! quadratures of the same method.
 
-use bat_dynamics::{Evaluation, FlightState, Flow, LANES, Lanes, Plant, Real, Sight, evaluate, sight};
+use bat_dynamics::{
+    Disturbance, Evaluation, FlightState, Flow, LANES, Lanes, Plant, Real, Sight, evaluate_with, sight,
+};
 use tether_control::{Controller, ControllerState, Measurement};
 
 use crate::cost::{Integrals, N_TERMS};
+use crate::energy::{Energy, Meter, Reading};
 use crate::error::FlightError;
 use crate::profile::TestProfile;
 use crate::sensing::{Estimate, Pose, Tracker, Viewer};
 use crate::settings::FlightSettings;
 use crate::watch::{Extremes, Seen, SlackEvent, Watcher};
+use crate::water::WaterTable;
 
 /// A scalar that carries `N` flights.
 pub(crate) trait Carrier<const N: usize>: Real {
@@ -51,6 +55,10 @@ pub(crate) struct Setup<'a, T, const N: usize> {
     pub(crate) sample_time_s: f64,
     pub(crate) profile: &'a TestProfile,
     pub(crate) settings: &'a FlightSettings,
+    /// Water that moves beside its mean flow, for each lane.
+    pub(crate) water: Option<[&'a WaterTable; N]>,
+    /// The turbine of each lane, if the test has one.
+    pub(crate) meters: [Option<Meter>; N],
     /// Lanes that carry a flight; the others repeat one and are not looked at.
     pub(crate) used: usize,
 }
@@ -63,6 +71,7 @@ pub(crate) struct Ending {
     pub(crate) slack: Option<SlackEvent>,
     pub(crate) final_state: FlightState,
     pub(crate) failure: Option<FlightError>,
+    pub(crate) energy: Option<Energy>,
 }
 
 /// What can be seen at one sample, before the plant moves on.
@@ -169,6 +178,55 @@ impl Water {
     }
 }
 
+/// What the water does within one sample, in every lane: linear from one row of the table to the next.
+struct Gusts<T> {
+    from: [T; 5],
+    change: [T; 5],
+}
+
+// Loops over arrays in place: closures that make arrays are not always inlined here, and copy.
+impl<T> Gusts<T> {
+    #[inline(always)]
+    fn within<const N: usize>(tables: &Option<[&WaterTable; N]>, index: usize) -> Self
+    where
+        T: Carrier<N>,
+    {
+        let mut gusts = Self { from: [T::constant(0.0); 5], change: [T::constant(0.0); 5] };
+        let Some(tables) = tables else { return gusts };
+        let (mut from, mut change) = ([[0.0; N]; 5], [[0.0; N]; 5]);
+        for lane in 0..N {
+            let [before, after] = tables[lane].around(index);
+            for k in 0..5 {
+                from[k][lane] = before[k];
+                change[k][lane] = after[k] - before[k];
+            }
+        }
+        for k in 0..5 {
+            gusts.from[k] = T::join(from[k]);
+            gusts.change[k] = T::join(change[k]);
+        }
+        gusts
+    }
+
+    /// At a `share` of the sample, in a mean flow of `speed_m_s`.
+    #[inline(always)]
+    fn at<const N: usize>(&self, share: f64, speed_m_s: f64, disturbance: &mut Disturbance<T>)
+    where
+        T: Carrier<N>,
+    {
+        let (share, speed) = (T::constant(share), T::constant(speed_m_s));
+        let mut now = self.from;
+        for (now, change) in now.iter_mut().zip(self.change) {
+            *now = *now + share * change;
+        }
+        let [along, lateral, upward, right, up] = now;
+        let fast = speed + speed * along;
+        let squared = fast * fast;
+        disturbance.velocity_m_s = [-(speed * along), speed * lateral, -(speed * upward)];
+        disturbance.wake_m2_s2 = [T::constant(0.0), squared * right, -(squared * up)];
+    }
+}
+
 /// The set points of each lane.
 struct Targets<T> {
     altitude: T,
@@ -203,31 +261,35 @@ fn advance<T: Real, const M: usize>(x: &[T; M], h: T, slope: &[T; M]) -> [T; M] 
 /// One stage of RK4: where in the step it looks, its weight, and how far from the start the next one looks.
 struct Stage {
     at: f64,
+    /// Which of start, middle and end that is.
+    instant: usize,
     weight: f64,
     next: f64,
 }
 
 const STAGES: [Stage; 4] = [
-    Stage { at: 0.0, weight: 1.0, next: 0.5 },
-    Stage { at: 0.5, weight: 2.0, next: 0.5 },
-    Stage { at: 0.5, weight: 2.0, next: 1.0 },
-    Stage { at: 1.0, weight: 1.0, next: 0.0 },
+    Stage { at: 0.0, instant: 0, weight: 1.0, next: 0.5 },
+    Stage { at: 0.5, instant: 1, weight: 2.0, next: 0.5 },
+    Stage { at: 0.5, instant: 1, weight: 2.0, next: 1.0 },
+    Stage { at: 1.0, instant: 2, weight: 1.0, next: 0.0 },
 ];
 
 /// Runs the test of `setup` from the states `start` and shows every sample to `watch`.
+///
+/// Without `LOPSIDED` all plants are symmetric, without `MOVING` the water has its mean flow alone and no turbine is read: the loop
+/// then carries no code for anything else, and keeps its speed.
 #[inline(always)]
-pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
+pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, const MOVING: bool>(
     setup: &Setup<'_, T, N>,
     start: [&FlightState; N],
     mut watch: impl FnMut(&Sample<'_, T, N>),
 ) -> [Ending; N] {
-    let Setup { plant, controllers, viewers, sample_time_s, profile, settings, used } = setup;
+    let Setup { plant, controllers, viewers, sample_time_s, profile, settings, used, .. } = setup;
     let targets = Targets::of(controllers);
     let mut state: FlightState<T> = core::array::from_fn(|k| T::join(core::array::from_fn(|lane| start[lane][k])));
     let mut sums = [T::constant(0.0); N_SUMS];
     let mut memory = Memory::new(viewers);
-    let mut watchers: [Watcher; N] = core::array::from_fn(|_| Watcher::default());
-
+    let mut watchers = setup.meters.map(Watcher::with);
     let duration_s = profile.duration_s();
     let n_samples = ((duration_s / sample_time_s) - 1e-6).ceil() as usize;
     for index in 0..n_samples {
@@ -235,11 +297,10 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
         let end_s = ((index + 1) as f64 * sample_time_s).min(duration_s);
         let mut piece = profile.piece_after(time_s, *sample_time_s);
         let water = Water::new(profile.flow().within(piece, time_s));
-
         let by_hand = profile.override_at(time_s, *sample_time_s);
         let control = memory.control(controllers, plant, &state, &water, by_hand);
         let held: [T; 3] = core::array::from_fn(|line| T::join(control.commands[line]));
-
+        let gusts = MOVING.then(|| Gusts::within(&setup.water, index));
         let mut from_s = time_s;
         while from_s < end_s {
             let to_s = profile.next_cut(from_s, end_s);
@@ -249,22 +310,24 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize>(
                 let at_s = from_s + step as f64 * h_s;
                 let (mut slope, mut growth) = ([T::constant(0.0); 12], [T::constant(0.0); N_SUMS]);
                 let mut x = state;
+                let disturbances = disturbances_over(gusts.as_ref(), setup, piece, time_s, [at_s, h_s]);
                 // One copy of the right-hand side for the four stages keeps the code small enough to compile well.
                 for stage in &STAGES {
                     let water = water.with(profile.flow().within(piece, at_s + stage.at * h_s));
-                    let e = evaluate(plant, &x, held, &water.flow.cast());
+                    let flow = water.flow.cast();
+                    let e = evaluate_with::<T, LOPSIDED, MOVING>(plant, &x, held, &flow, &disturbances[stage.instant]);
                     if stage.at <= 0.0 && step == 0 && from_s <= time_s {
                         watch(&Sample { time_s, water, state: &x, evaluation: &e, control: &control });
                         look(&mut watchers, time_s, &x, &e, settings);
+                        read_meters(&mut watchers, &x, &e, gusts.as_ref(), [water.flow.speed_m_s, end_s - time_s]);
                     }
                     let weight = T::constant(stage.weight);
                     growth = advance(&growth, weight, &integrands(&x, &e.sight, &targets, &water));
                     slope = advance(&slope, weight, &e.derivative);
                     x = advance(&state, T::constant(stage.next * h_s), &e.derivative);
                 }
-                let sixth = T::constant(h_s / 6.0);
-                state = advance(&state, sixth, &slope);
-                sums = advance(&sums, sixth, &growth);
+                state = advance(&state, T::constant(h_s / 6.0), &slope);
+                sums = advance(&sums, T::constant(h_s / 6.0), &growth);
             }
             piece = profile.piece_after(to_s, *sample_time_s);
             from_s = to_s;
@@ -370,6 +433,7 @@ fn endings<T: Carrier<N>, const N: usize>(
             slack: watcher.slack,
             final_state: end[lane],
             failure: watcher.failure,
+            energy: watcher.meter.map(|meter| meter.energy),
         };
         lane += 1;
         ending
@@ -380,6 +444,57 @@ fn endings<T: Carrier<N>, const N: usize>(
 #[inline(always)]
 fn steps_within(length_s: f64, sample_time_s: f64, steps_per_sample: usize) -> usize {
     ((length_s / sample_time_s * steps_per_sample as f64 - 1e-6).ceil() as usize).max(1)
+}
+
+/// The disturbances at start, middle and end of the step that begins at `at_s` and lasts `h_s`.
+///
+/// Made before the stages: code that is not in the block of the right-hand side leaves that small enough to be vectorized.
+#[inline(always)]
+fn disturbances_over<T: Carrier<N>, const N: usize>(
+    gusts: Option<&Gusts<T>>,
+    setup: &Setup<'_, T, N>,
+    piece: usize,
+    time_s: f64,
+    [at_s, h_s]: [f64; 2],
+) -> [Disturbance<T>; 3] {
+    let mut disturbances = [Disturbance::none(); 3];
+    if let Some(gusts) = gusts {
+        for (disturbance, at) in disturbances.iter_mut().zip([0.0, 0.5, 1.0]) {
+            let speed_m_s = setup.profile.flow().within(piece, at_s + at * h_s).speed_m_s;
+            gusts.at((at_s - time_s + at * h_s) / setup.sample_time_s, speed_m_s, disturbance);
+        }
+    }
+    disturbances
+}
+
+/// Adds to the energies of every lane what flows in the `until_next_s` after this sample, where the loop knows gusts and the test
+/// has a turbine.
+///
+/// State and evaluation are read here and handed on as numbers: a call that took their address would keep them in memory, and
+/// flights without a turbine would take a tenth longer.
+#[inline(always)]
+fn read_meters<T: Carrier<N>, const N: usize>(
+    watchers: &mut [Watcher; N],
+    state: &FlightState<T>,
+    at: &Evaluation<T>,
+    gusts: Option<&Gusts<T>>,
+    [mean_m_s, until_next_s]: [f64; 2],
+) {
+    let (Some(gusts), true) = (gusts, watchers[0].meter.is_some()) else { return };
+    let along = gusts.from[0].split();
+    let tensions = [at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split()];
+    let reel = [state[9].split(), state[10].split(), state[11].split()];
+    let (pitch, heading) = (at.sight.pitch.split(), at.sight.heading.split());
+    for (lane, watcher) in watchers.iter_mut().enumerate() {
+        watcher.meter(&Reading {
+            speed_m_s: mean_m_s * (1.0 + along[lane]),
+            pitch_rad: pitch[lane],
+            heading_rad: heading[lane],
+            tensions_n: tensions.map(|line| line[lane]),
+            reel_m_s: reel.map(|line| line[lane]),
+            until_next_s,
+        });
+    }
 }
 
 /// Shows every lane its own sample.

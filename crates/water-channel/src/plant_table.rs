@@ -1,9 +1,9 @@
-//! The plant of a file: the sections and keys of [`FIELDS`], so that a field is declared in one place only.
+//! The plant of a file: the sections and keys of [`FIELDS`] and [`OPTIONAL_FIELDS`], so that a field is declared in one place only.
 
 use core::fmt;
 use std::sync::LazyLock;
 
-use bat_dynamics::{FIELDS, Field, Parameters, TetherLayout};
+use bat_dynamics::{FIELDS, Field, OPTIONAL_FIELDS, Parameters, TetherLayout};
 use serde::de::{DeserializeSeed, Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
@@ -13,19 +13,28 @@ use crate::quantity::Written;
 const LAYOUT: &str = "layout";
 const LAYOUT_SECTION: &str = "tether";
 
-/// A section of [`FIELDS`] with the keys that a file has in it.
+/// A section of the fields with the keys that a file has in it.
 struct Section {
     fields: &'static [Field],
     keys: Vec<&'static str>,
+    /// The place of its first field among all.
+    first: usize,
+    /// Whether it and its keys may be left out, and are then zero.
+    optional: bool,
 }
 
 static SECTIONS: LazyLock<Vec<Section>> = LazyLock::new(|| {
-    let sections = FIELDS.chunk_by(|a, b| a.section == b.section);
-    let section = |fields: &'static [Field]| {
+    let mut first = 0;
+    let mut section = |fields: &'static [Field], optional: bool| {
         let layout = (fields[0].section == LAYOUT_SECTION).then_some(LAYOUT);
-        Section { fields, keys: fields.iter().map(|field| field.name).chain(layout).collect() }
+        let keys = fields.iter().map(|field| field.name).chain(layout).collect();
+        first += fields.len();
+        Section { fields, keys, first: first - fields.len(), optional }
     };
-    sections.map(section).collect()
+    let same = |a: &Field, b: &Field| a.section == b.section;
+    let mut sections: Vec<Section> = FIELDS.chunk_by(same).map(|fields| section(fields, false)).collect();
+    sections.extend(OPTIONAL_FIELDS.chunk_by(same).map(|fields| section(fields, true)));
+    sections
 });
 
 static NAMES: LazyLock<Vec<&'static str>> =
@@ -34,7 +43,7 @@ static NAMES: LazyLock<Vec<&'static str>> =
 /// The plant's parameters, each within its own range.
 pub(crate) struct PlantTable(pub(crate) Parameters);
 
-/// What was read so far, by the position of each field in [`FIELDS`].
+/// What was read so far, by the position of each field in [`FIELDS`] and after them [`OPTIONAL_FIELDS`].
 struct Gathered {
     values: Vec<Option<f64>>,
     layout: Option<TetherLayout>,
@@ -56,20 +65,28 @@ impl<'de> Visitor<'de> for Sections {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<PlantTable, A::Error> {
-        let mut gathered = Gathered { values: vec![None; FIELDS.len()], layout: None };
+        let mut gathered = Gathered { values: vec![None; FIELDS.len() + OPTIONAL_FIELDS.len()], layout: None };
         let mut seen = vec![false; SECTIONS.len()];
         while let Some(index) = map.next_key_seed(OneOf(&NAMES))? {
             seen[index] = true;
             map.next_value_seed(Keys { section: &SECTIONS[index], gathered: &mut gathered })?;
         }
-        if let Some(missing) = seen.iter().position(|seen| !seen) {
+        let lacking = |(section, seen): (&Section, &bool)| !(*seen || section.optional);
+        if let Some(missing) = SECTIONS.iter().zip(&seen).position(lacking) {
             return Err(A::Error::missing_field(NAMES[missing]));
         }
-        let mut values = gathered.values.into_iter().flatten();
+        let (needed, optional) = gathered.values.split_at(FIELDS.len());
+        let mut values = needed.iter().copied().flatten();
         let layout = gathered.layout.unwrap_or_default();
         // Every section is complete, so that there is a value for every field.
-        Parameters::from_fields(layout, |field| values.next().ok_or_else(|| A::Error::missing_field(field.name)))
-            .map(PlantTable)
+        let lookup = |field: &'static Field| values.next().ok_or_else(|| A::Error::missing_field(field.name));
+        let mut parameters = Parameters::from_fields(layout, lookup)?;
+        for (field, value) in OPTIONAL_FIELDS.iter().zip(optional) {
+            if let Some(value) = value {
+                (field.set)(&mut parameters, *value);
+            }
+        }
+        Ok(PlantTable(parameters))
     }
 }
 
@@ -95,8 +112,7 @@ impl<'de> Visitor<'de> for Keys<'_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        let Section { fields, keys } = self.section;
-        let first = FIELDS.iter().position(|field| field.section == fields[0].section).unwrap_or(0);
+        let Section { fields, keys, first, optional } = self.section;
         let mut seen = vec![false; keys.len()];
         while let Some(index) = map.next_key_seed(OneOf(keys))? {
             seen[index] = true;
@@ -106,8 +122,8 @@ impl<'de> Visitor<'de> for Keys<'_> {
             }
         }
         match seen.iter().position(|seen| !seen) {
-            Some(missing) => Err(A::Error::missing_field(keys[missing])),
-            None => Ok(()),
+            Some(missing) if !optional => Err(A::Error::missing_field(keys[missing])),
+            _ => Ok(()),
         }
     }
 }

@@ -1,13 +1,21 @@
 //! The test profile: where a flight starts, flow over time, and windows in which the winches are driven by hand.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use bat_dynamics::{Flow, FlowHistory, FlowKnot, Transition};
 use serde::{Deserialize, Serialize};
 
+use crate::energy::Turbine;
 use crate::error::{Error, FileError};
 use crate::file;
-use crate::quantity::{Departing, Direction, Instant, Period, Record, ReelFraction, Speed};
+use crate::quantity::{
+    Area, Departing, Direction, Efficiency, Extent, Instant, Intensity, NotNegative, Period, Power, Record,
+    ReelFraction, Seed, Speed,
+};
+use crate::shedding::Shedding;
+use crate::turbulence::Turbulence;
+use crate::water::{MovingWater, WaterTable};
 
 /// A time window in which given reel speeds replace the controller's command.
 ///
@@ -57,6 +65,19 @@ pub struct TestProfile {
     windows: Vec<Window>,
     control: Control,
     start: Departure,
+    water: Water,
+    turbine: Option<Turbine>,
+}
+
+/// What the water does beside its mean flow.
+#[derive(Clone, Debug, PartialEq)]
+enum Water {
+    /// Nothing.
+    Still,
+    /// Seeded turbulence and shedding.
+    Seeded(MovingWater),
+    /// A table that somebody made.
+    Recorded(Arc<WaterTable>),
 }
 
 /// A test profile with the title and the provenance of every number of its file.
@@ -72,6 +93,13 @@ pub struct TestProfile {
 /// | `transition`, if given | `step` (the default) or `linear` to the next entry |
 /// | `[[window]]`, any number: `from`, `to` | s, `from` within the test, `to` not before it |
 /// | `center`, `starboard`, `port`, zero where absent | u_max, from −1 to 1: fraction of the winch's speed limit, positive pays out |
+/// | `[water]`, if given: `seed` | a whole number, zero or more: the same seed is the same water |
+/// | `[water.turbulence]`, if given: `length` | m (> 0): the longitudinal integral length scale |
+/// | `intensity`, `lateral_intensity`, `vertical_intensity`, zero where absent | 1 (0 to 0.5): standard deviation over mean speed |
+/// | `[water.shedding]`, if given: `strouhal`, `lift_coefficient`, `width` | 1 (≥ 0), 1 (≥ 0), m (> 0) |
+/// | `plane`, zero where absent | rad: of the force, 0 to the side, a quarter turn up and down |
+/// | `[turbine]`, if given: `area`, `rated_power` | m^2, W (> 0): flights then report their [`Energy`](crate::Energy) |
+/// | `power_coefficient`, `cut_in`, `winch_efficiency` | 1 (≥ 0), m/s (≥ 0), 1 (> 0, at most 1) |
 ///
 /// A window replaces the commands at every sample from `from` to `to`, both included; winches lag as always, and the filters go on.
 /// Where two windows share a sample the earlier entry wins.
@@ -115,7 +143,15 @@ impl TestProfile {
         if let Some(knot) = flow.knots().iter().find(|knot| knot.from_s > duration_s) {
             return bad("time of a flow knot in s", knot.from_s, "within the test");
         }
-        Ok(Self { duration_s, flow, windows, control: Control::ClosedLoop, start: Departure::default() })
+        Ok(Self {
+            duration_s,
+            flow,
+            windows,
+            control: Control::ClosedLoop,
+            start: Departure::default(),
+            water: Water::Still,
+            turbine: None,
+        })
     }
 
     /// The same test with or without the controller.
@@ -137,6 +173,64 @@ impl TestProfile {
         match angles.into_iter().find(|(_, angle)| angle.is_nan() || angle.abs() >= core::f64::consts::PI) {
             Some((name, value)) => Err(Error::Argument { name, value, allowed: "short of a half turn to either side" }),
             None => Ok(Self { start, ..self }),
+        }
+    }
+
+    /// The same test in water that moves beside its mean flow; where nothing of it moves, in still water.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a number out of range.
+    pub fn with_water(self, water: MovingWater) -> Result<Self, Error> {
+        water.validate()?;
+        Ok(Self { water: if water.is_still() { Water::Still } else { Water::Seeded(water) }, ..self })
+    }
+
+    /// The same test in water that was recorded, or made elsewhere; a flight must have the sample time of the table.
+    #[must_use]
+    pub fn with_water_table(self, table: WaterTable) -> Self {
+        Self { water: Water::Recorded(Arc::new(table)), ..self }
+    }
+
+    /// The same test with a turbine, whose energy every flight then reports.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a number out of range.
+    pub fn with_turbine(self, turbine: Turbine) -> Result<Self, Error> {
+        turbine.validate()?;
+        Ok(Self { turbine: Some(turbine), ..self })
+    }
+
+    /// The turbine of the test, if it has one.
+    #[must_use]
+    pub fn turbine(&self) -> Option<&Turbine> {
+        self.turbine.as_ref()
+    }
+
+    /// The turbulence and shedding of the test, if it has any that is seeded.
+    #[must_use]
+    pub fn water(&self) -> Option<&MovingWater> {
+        match &self.water {
+            Water::Seeded(water) => Some(water),
+            Water::Still | Water::Recorded(_) => None,
+        }
+    }
+
+    /// The table that a flight with this sample time meets, the seed replaced by `seed` where one is given; `None` for water
+    /// that moves with its mean flow alone.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] where a recorded table does not fit the sample time or the duration.
+    pub fn water_table(&self, sample_time_s: f64, seed: Option<u64>) -> Result<Option<Arc<WaterTable>>, Error> {
+        match &self.water {
+            Water::Still => Ok(None),
+            Water::Seeded(water) => {
+                let water = MovingWater { seed: seed.unwrap_or(water.seed), ..*water };
+                Ok(Some(Arc::new(water.table(&self.flow, self.duration_s, sample_time_s)?)))
+            }
+            Water::Recorded(table) => {
+                table.check(self.duration_s, sample_time_s)?;
+                Ok(Some(Arc::clone(table)))
+            }
         }
     }
 
@@ -234,6 +328,8 @@ struct ProfileTable {
     flow: Vec<KnotTable>,
     #[serde(default)]
     window: Vec<WindowTable>,
+    water: Option<WaterFile>,
+    turbine: Option<TurbineTable>,
 }
 
 #[derive(Default, Deserialize)]
@@ -265,6 +361,76 @@ struct WindowTable {
     starboard: ReelFraction,
     #[serde(default)]
     port: ReelFraction,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct WaterFile {
+    seed: Seed,
+    turbulence: Option<TurbulenceTable>,
+    shedding: Option<SheddingTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct TurbulenceTable {
+    #[serde(default)]
+    intensity: Intensity,
+    #[serde(default)]
+    lateral_intensity: Intensity,
+    #[serde(default)]
+    vertical_intensity: Intensity,
+    length: Extent,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct SheddingTable {
+    strouhal: NotNegative,
+    width: Extent,
+    lift_coefficient: NotNegative,
+    #[serde(default)]
+    plane: Direction,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct TurbineTable {
+    area: Area,
+    power_coefficient: NotNegative,
+    cut_in: Speed,
+    rated_power: Power,
+    winch_efficiency: Efficiency,
+}
+
+impl TurbineTable {
+    fn turbine(&self) -> Turbine {
+        Turbine {
+            area_m2: self.area.0,
+            power_coefficient: self.power_coefficient.0,
+            cut_in_m_s: self.cut_in.0,
+            rated_power_w: self.rated_power.0,
+            winch_efficiency: self.winch_efficiency.0,
+        }
+    }
+}
+
+impl WaterFile {
+    fn water(&self) -> MovingWater {
+        let turbulence = self.turbulence.as_ref().map(|table| Turbulence {
+            intensity: table.intensity.0,
+            lateral_intensity: table.lateral_intensity.0,
+            vertical_intensity: table.vertical_intensity.0,
+            length_m: table.length.0,
+        });
+        let shedding = self.shedding.as_ref().map(|table| Shedding {
+            strouhal: table.strouhal.0,
+            width_m: table.width.0,
+            lift_coefficient: table.lift_coefficient.0,
+            plane_rad: table.plane.0,
+        });
+        MovingWater { turbulence, shedding, seed: self.seed.0 }
+    }
 }
 
 impl ProfileTable {
@@ -315,8 +481,15 @@ impl ProfileTable {
             azimuth_rad: self.start.azimuth.0,
             twist_rad: self.start.twist.0,
         };
-        TestProfile::new(self.duration.0, flow, self.window.iter().map(window).collect())?
+        let mut profile = TestProfile::new(self.duration.0, flow, self.window.iter().map(window).collect())?
             .with_control(self.control)
-            .with_start(start)
+            .with_start(start)?;
+        if let Some(file) = &self.water {
+            profile = profile.with_water(file.water())?;
+        }
+        if let Some(table) = &self.turbine {
+            profile = profile.with_turbine(table.turbine())?;
+        }
+        Ok(profile)
     }
 }

@@ -78,6 +78,26 @@ fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     deserializer.deserialize_f64(Number)
 }
 
+/// What fixes a sequence of random numbers: a plain whole number, without a unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seed(pub(crate) u64);
+
+impl<'de> Deserialize<'de> for Seed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Whole;
+        impl Visitor<'_> for Whole {
+            type Value = Seed;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a whole number, zero or more")
+            }
+            fn visit_i64<E: Fault>(self, value: i64) -> Result<Seed, E> {
+                u64::try_from(value).map(Seed).map_err(|_| E::invalid_value(Unexpected::Signed(value), &self))
+            }
+        }
+        deserializer.deserialize_i64(Whole)
+    }
+}
+
 /// A range of numbers.
 #[derive(Clone, Copy, Debug)]
 enum Range {
@@ -85,6 +105,9 @@ enum Range {
     NonNegative,
     Positive,
     UnitInterval,
+    UpToHalf,
+    /// Above 0, at most 1.
+    Share,
     /// Short of a quarter turn, in rad.
     WithinQuarterTurn,
     /// Short of a half turn, in rad.
@@ -101,6 +124,8 @@ impl Range {
                 Self::NonNegative => value >= 0.0,
                 Self::Positive => value > 0.0,
                 Self::UnitInterval => value.abs() <= 1.0,
+                Self::Share => value > 0.0 && value <= 1.0,
+                Self::UpToHalf => (0.0..=0.5).contains(&value),
                 Self::WithinQuarterTurn => value.abs() < core::f64::consts::FRAC_PI_2,
                 Self::WithinHalfTurn => value.abs() < core::f64::consts::PI,
                 Self::Whole => (0.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() <= 0.0,
@@ -113,6 +138,8 @@ impl Range {
             Self::NonNegative => "finite and zero or more",
             Self::Positive => "finite and more than zero",
             Self::UnitInterval => "within -1 and 1",
+            Self::UpToHalf => "from 0 to 0.5",
+            Self::Share => "more than zero and at most 1",
             Self::WithinQuarterTurn => "finite and short of a quarter turn to either side",
             Self::WithinHalfTurn => "finite and short of a half turn to either side",
             Self::Whole => "a whole number, zero or more",
@@ -140,6 +167,13 @@ quantities! {
     Period: "s", Positive;
     Instant: "s", NonNegative;
     Altitude: "m", Positive;
+    Extent: "m", Positive;
+    Area: "m^2", Positive;
+    Power: "W", Positive;
+    Efficiency: "1", Share;
+    PerPower: "1/W", NonNegative;
+    Intensity: "1", UpToHalf;
+    NotNegative: "1", NonNegative;
     Speed: "m/s", NonNegative;
     Direction: "rad", Finite;
     Departing: "rad", WithinHalfTurn;
@@ -159,5 +193,4 @@ quantities! {
     PixelEdge: "px", NonNegative;
     PixelError: "px", NonNegative;
     Samples: "samples", Whole;
-    Seed: "1", Whole;
 }

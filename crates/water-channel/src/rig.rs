@@ -38,7 +38,8 @@ pub struct Rig {
 /// # The file
 /// `title`, then in `[plant.*]` the sections and keys of [`FIELDS`](bat_dynamics::FIELDS), with their units and ranges: positions in
 /// fractions of the chord aft of the leading edge, heights above the bridle joint; in `[plant.tether]` also `layout`,
-/// `one-forward-two-aft` or `two-forward-one-aft`.
+/// `one-forward-two-aft` or `two-forward-one-aft`. `[plant.asymmetry]` with the keys of
+/// [`OPTIONAL_FIELDS`](bat_dynamics::OPTIONAL_FIELDS) may be left out, and so may each of its keys: they are then zero.
 ///
 /// | key of `[controller]` | unit (range) |
 /// |---|---|

@@ -3,6 +3,7 @@
 use bat_dynamics::{FlightState, STATE_NAMES, check_state};
 use serde::Serialize;
 
+use crate::energy::{Meter, Reading};
 use crate::error::FlightError;
 use crate::settings::{FlightSettings, SlackPolicy};
 
@@ -45,6 +46,8 @@ pub(crate) struct Watcher {
     pub(crate) extremes: Extremes,
     pub(crate) slack: Option<SlackEvent>,
     pub(crate) failure: Option<FlightError>,
+    /// Where the test has a turbine.
+    pub(crate) meter: Option<Meter>,
 }
 
 impl Default for Watcher {
@@ -60,6 +63,7 @@ impl Default for Watcher {
             },
             slack: None,
             failure: None,
+            meter: None,
         }
     }
 }
@@ -77,6 +81,11 @@ pub(crate) struct Seen {
 }
 
 impl Watcher {
+    /// Nothing noted yet, with a meter where the test has a turbine.
+    pub(crate) fn with(meter: Option<Meter>) -> Self {
+        Self { meter, ..Self::default() }
+    }
+
     /// Notes one sample; false when the state is not one of the model.
     #[inline(always)]
     pub(crate) fn look(&mut self, seen: &Seen, settings: &FlightSettings) -> bool {
@@ -113,6 +122,15 @@ impl Watcher {
                     self.failure = Some(FlightError::Slack { line, time_s, tension_n });
                 }
             }
+        }
+    }
+
+    /// Adds to the energy, where the test has a turbine.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn meter(&mut self, reading: &Reading) {
+        if let Some(meter) = &mut self.meter {
+            meter.add(reading);
         }
     }
 

@@ -15,6 +15,9 @@
 //! | linearization and modes | differences, response to a kick, an independent program's golden file, matrices with known modes | `linearization`, `eigenmodes` |
 //! | stall, parity, no flow, flow from behind, build-up, tether drag | definitions in vectors, closed forms, fine quadrature | `aerodynamics` |
 //! | sine, cosine, arc tangent; lanes bit for bit | the platform's functions | `scalars` |
+//! | sides that differ: all terms of (4), trims; mirror, symmetric limit, point masses, signs | sympy, a root search on Newton and Euler; closed forms | `asymmetry` |
+//! | water that moves beside its flow | another flow; virtual work of points moved by complex step | `disturbance` |
+//! | ballast and fins with mass | sums over point masses by numpy; parallel axes | `ballast` |
 //! | bad numbers, Phi = 0, V = 0 | errors by name, value and time | `inputs`, `trims`, `flows` |
 //! | random plants stay finite and gain no energy in still fluid | sign | `fuzz` |
 //!
@@ -26,6 +29,9 @@
 #![expect(clippy::unwrap_used, reason = "the helpers of tests fail like tests")]
 
 mod aerodynamics;
+mod asymmetry;
+mod ballast;
+mod disturbance;
 mod eigenmodes;
 mod energy;
 mod equations;

@@ -22,7 +22,7 @@ use crate::quantity::{Direction, PixelEdge, PixelError, PixelSize, Place, Plain,
 /// |---|---|
 /// | `pixel_noise`, `quantization` | px (zero or more) |
 /// | `delay` | samples (a whole number) |
-/// | `seed` | 1 (a whole number) |
+/// | `seed` | a plain whole number (>= 0) |
 /// | `[[sensing.camera]]`: `name` | text |
 /// | `x`, `y`, `z`: the pinhole, upstream, right of it, down, from the centroid of the winch exits | m |
 /// | `roll`, `pitch`, `heading`: the camera's axis is a nose | rad |
@@ -126,7 +126,7 @@ impl SensingTable {
             quantization_px: self.quantization.0,
             // Whole numbers that a double holds exactly: checked where they are read.
             delay_samples: self.delay.0 as usize,
-            seed: self.seed.0 as u64,
+            seed: self.seed.0,
         }
     }
 }

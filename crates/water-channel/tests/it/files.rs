@@ -80,7 +80,7 @@ fn unknown_key_is_an_error_at_every_level() {
     rig(
         "[plant.winch]",
         "[plant.motor]\n[plant.winch]",
-        "unknown key `plant.motor`; known here: added_mass, body, fluid, horizontal_stabilizer, hull, stall, tether, \
+        "unknown key `plant.motor`; known here: added_mass, asymmetry, body, fluid, horizontal_stabilizer, hull, stall, tether, \
          vertical_stabilizer, winch",
     );
     rig(
@@ -118,13 +118,13 @@ fn unknown_key_is_an_error_at_every_level() {
     profile(
         "duration =",
         "begin = 0\nduration =",
-        "unknown key `begin`; known here: control, duration, flow, start, title, window",
+        "unknown key `begin`; known here: control, duration, flow, start, title, turbine, water, window",
     );
     weights(
         "k7_ballast =",
         "k8 = 0\nk7_ballast =",
         "unknown key `k8`; known here: k1_heading, k2_pitch, k3_roll, k4_altitude, k5_reel_speed, k6_zenith, \
-         k7_ballast, title",
+         k7_ballast, k8_net_energy, title",
     );
 }
 
@@ -297,7 +297,9 @@ fn error_in_a_file_names_the_file() {
     let path = fixture("bat/cost-chapter4.toml");
     check(
         ProfileFile::read(&path),
-        &format!("{path}: unknown key `k1_heading`; known here: control, duration, flow, start, title, window"),
+        &format!(
+            "{path}: unknown key `k1_heading`; known here: control, duration, flow, start, title, turbine, water, window"
+        ),
     );
 }
 
@@ -343,4 +345,37 @@ fn rig_that_is_read_flies_at_any_sample_time() {
         // Another sampling is another flight, of about the same cost.
         assert_close(cost(&flown(&request, &test, 2)), reference, apart * reference, "cost");
     }
+}
+
+/// A rig file with a table of what sets starboard apart from port.
+fn lopsided(keys: &str) -> Result<RigFile, FileError> {
+    RigFile::parse(&(text("bat/rig.toml") + "\n[plant.asymmetry]\n" + keys))
+}
+
+#[test]
+fn asymmetry_may_be_left_out_by_table_and_by_key_and_is_checked_where_it_stands() {
+    use bat_dynamics::{Asymmetry, OPTIONAL_FIELDS};
+    let none = RigFile::parse(&text("bat/rig.toml")).unwrap();
+    assert_eq!(none.rig.plant.asymmetry, Asymmetry::default(), "a file without the table");
+    assert_eq!(lopsided("").unwrap().rig, none.rig, "an empty table");
+    let some = lopsided(
+        r#"line_port = { value = 2.0, unit = "mm", provenance = "estimated", source = "a knot" }
+        incidence_difference = { value = 3.0, unit = "deg", provenance = "estimated", source = "bent" }"#,
+    )
+    .unwrap();
+    let expected = Asymmetry { line_port_m: 2e-3, incidence_difference_rad: 3f64.to_radians(), ..Asymmetry::default() };
+    assert_eq!(some.rig.plant.asymmetry, expected, "two keys, the others zero");
+    assert_eq!(some.records.len(), none.records.len() + 2, "a record per number");
+    for field in OPTIONAL_FIELDS {
+        let wrong = format!("{} = {{ value = 1.0, unit = \"K\", provenance = \"given\", source = \"-\" }}", field.name);
+        let key = format!("`plant.asymmetry.{}` is in the unit `K`", field.name);
+        let error = lopsided(&wrong).unwrap_err().to_string();
+        assert!(error.starts_with(&key), "{error}");
+    }
+    let slip = r#"line_prot = { value = 2.0, unit = "mm", provenance = "estimated", source = "a knot" }"#;
+    let error = lopsided(slip).unwrap_err().to_string();
+    assert!(error.starts_with("unknown key `plant.asymmetry.line_prot` (is it `line_port`?)"), "{error}");
+    let inside = r#"offset_lateral = { value = -0.01, unit = "m", provenance = "estimated", source = "-" }"#;
+    let error = lopsided(inside).unwrap_err().to_string();
+    assert_eq!(error, "`plant.asymmetry.offset_lateral` is -0.01 m: it must be finite and zero or more");
 }

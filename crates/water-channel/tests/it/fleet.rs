@@ -30,6 +30,25 @@ fn each_alone(
     requests.iter().map(|request| fly(request, profile, settings)).collect()
 }
 
+#[test]
+fn symmetric_and_lopsided_flights_side_by_side_have_their_own_bits() {
+    let profile = short_test(6.0);
+    let mut requests = vec![first_row(); 7];
+    for (k, request) in requests.iter_mut().enumerate() {
+        request.rig.set_points.pitch_rad += 0.01 * k as f64;
+        if k % 3 == 1 {
+            request.rig.plant.asymmetry.line_port_m = 1e-3 * k as f64;
+            request.rig.plant.asymmetry.center_of_mass_y_m = 1e-3;
+        }
+    }
+    let settings = FlightSettings::default();
+    let alone = each_alone(&requests, &profile, &settings);
+    assert!(alone.iter().all(Result::is_ok), "{alone:?}");
+    assert_same(&fly_all(&requests, &profile, &settings, |_| {}), &alone);
+    let rolled = alone[1].as_ref().unwrap().trim.coordinates;
+    assert!(rolled[1].abs() > 1e-4 && rolled[5].abs() > 1e-3, "the lopsided trim is rolled and turned: {rolled:?}");
+}
+
 fn with_threads<T: Send>(n_threads: usize, f: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap().install(f)
 }

@@ -61,11 +61,7 @@ fn mistakes_in_a_file_are_named_with_their_key() {
         "pixel_noise = { value = -0.1,",
         "`sensing.pixel_noise` is -0.1 px: it must be finite and zero or more",
     );
-    file(
-        "seed = { value = 1,",
-        "seed = { value = 0.5,",
-        "`sensing.seed` is 0.5 1: it must be a whole number, zero or more",
-    );
+    file("seed = 1", "seed = -1", "`sensing.seed` is -1: it must be a whole number, zero or more");
     file(
         "name = \"side\"\n",
         "name = \"side\"\nexposure = 1\n",
