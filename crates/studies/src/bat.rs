@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use bat_dynamics::Fidelity;
 #[cfg(feature = "global")]
 use bat_dynamics::{FluidInertia, Lift};
@@ -55,7 +55,13 @@ impl Bat {
         let [rig, profile, cost] = &texts;
         let rig = RigFile::parse(&rig.text).with_context(|| rig.name.clone())?;
         let profile = ProfileFile::parse(&profile.text).with_context(|| profile.name.clone())?;
-        let cost = CostFile::parse(&cost.text).with_context(|| cost.name.clone())?;
+        let cost_name = cost.name.clone();
+        let cost = CostFile::parse(&cost.text).with_context(|| cost_name.clone())?;
+        ensure!(
+            cost.net_energy_per_w == 0.0,
+            "{cost_name}: `k8_net_energy` is {}: it must be 0, the studies weigh no energy",
+            cost.net_energy_per_w
+        );
         let [steps_per_sample, report_steps_per_sample] = numerics.steps();
         let settings = FlightSettings::with_steps(steps_per_sample);
         settings.validate().context("numerics.steps_per_sample")?;

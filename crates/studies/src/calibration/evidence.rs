@@ -16,9 +16,9 @@ const FLATTEST: f64 = 5e-4;
 /// Beyond so many tolerances residuals count by their logarithm.
 const LARGE: f64 = 4.0;
 /// A design that was found to be better than an optimum has to become worse by this share.
-const MARGIN: f64 = 0.003;
-/// And that share is as much as a tolerance.
-const MARGIN_TOLERANCE: f64 = 0.003;
+const MARGIN: f64 = 2e-4;
+/// And this share is as much as a tolerance.
+const MARGIN_TOLERANCE: f64 = 1e-3;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 enum FidelityName {
@@ -171,14 +171,15 @@ impl Evidence {
     pub(super) fn residuals(&self, costs: &[f64], tolerance: &Tolerance) -> Vec<f64> {
         let mut residuals = Vec::new();
         if self.is_optimum {
-            residuals.extend(self.displacement(costs, tolerance));
+            residuals.extend(self.displacement(costs, tolerance).0);
         }
         residuals.extend(self.cost.map(|cost| (costs[0] / cost - 1.0) / tolerance.cost));
         residuals
     }
 
-    /// From the design to the lowest cost within the bounds, as the quadratic through the spots has it, in tolerances.
-    fn displacement(&self, costs: &[f64], tolerance: &Tolerance) -> [f64; 2] {
+    /// From the design to the lowest cost within the bounds, as the quadratic through the spots has it, in tolerances; and what
+    /// is gained on the way there, as far as a tolerance.
+    fn displacement(&self, costs: &[f64], tolerance: &Tolerance) -> ([f64; 2], f64) {
         // In units of tolerance.
         let step: [f64; 2] = core::array::from_fn(|k| STEPS[k] / tolerance.of_design()[k]);
         let slope = [(costs[2] - costs[1]) / (2.0 * step[0]), (costs[4] - costs[3]) / (2.0 * step[1])];
@@ -192,7 +193,10 @@ impl Evidence {
         let room = core::array::from_fn(|k| {
             self.bounds[k].map(|bound| near((bound - self.design[k]) / tolerance.of_design()[k]))
         });
-        lowest_within([a, b, c], slope, room)
+        let step = lowest_within([a, b, c], slope, room);
+        let [x, y] = step.map(|step| step.clamp(-1.0, 1.0));
+        let gain = -(slope[0] * x + slope[1] * y + 0.5 * (a * x * x + c * y * y) + b * x * y);
+        (step, gain.max(0.0))
     }
 }
 
@@ -266,7 +270,8 @@ impl<'a> Aims<'a> {
             let weights = &candidate.weights[evidence.study];
             let costs: Vec<f64> = own.iter().map(|flown| flown.cost(weights)).collect();
             residuals.extend(evidence.residuals(&costs, &self.tolerance));
-            at_optima.push(costs[0]);
+            let gain = if evidence.is_optimum { evidence.displacement(&costs, &self.tolerance).1 } else { 0.0 };
+            at_optima.push(costs[0] - gain);
         }
         for (rival, flown) in self.rivals.iter().zip(rest) {
             let cost = flown.cost(&candidate.weights[self.evidence[rival.evidence].study]);
@@ -304,7 +309,7 @@ mod tests {
         let evidence = evidence(bounds);
         let costs: Vec<f64> =
             evidence.spots().iter().map(|spot| cost(spot.design[0] - 48.0, spot.design[1] - 10.0)).collect();
-        let [x, y] = evidence.displacement(&costs, &TOLERANCE);
+        let ([x, y], _) = evidence.displacement(&costs, &TOLERANCE);
         [x * 0.3, y]
     }
 

@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Calibration;
 use super::candidate::{Candidate, Flown, fly};
 use super::evidence::Aims;
+use super::file::Calibration;
+use super::outcome::Refusal;
 
 /// A fit goes on until no residual is above this share of its tolerance.
 const AIM: f64 = 0.3;
@@ -13,39 +14,18 @@ const MET: f64 = 0.8;
 /// Differences are taken anew where a step leaves more of the sum of squares.
 const STALE: f64 = 0.15;
 const SLOW: f64 = 0.6;
-const MOST_STEPS: usize = 20;
+/// After so many steps in a row that leave more than this the fit is given up.
+const MOST_SLOW: usize = 4;
+const STUCK: f64 = 0.9;
+const MOST_STEPS: usize = 24;
+/// In so many turns all coordinates are moved.
+const TURNS: usize = 2;
 /// How often a step is shortened before the fit is given up.
 const MOST_TRIES: usize = 7;
 /// Step of the differences, in units of the logistic coordinate.
 const STEP: f64 = 0.02;
 /// No coordinate moves farther at once.
 const LONGEST: f64 = 1.5;
-
-/// Why a start was not kept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Refusal {
-    /// It cannot fly what the evidence asks for.
-    CannotFly,
-    /// No plant nearby meets it.
-    NotMet,
-    /// The costs are lower elsewhere, whatever was tried.
-    OtherOptimum,
-    /// Too many designs of the box cannot fly.
-    FailsInBox,
-}
-
-impl Refusal {
-    pub(super) const ALL: [Self; 4] = [Self::CannotFly, Self::NotMet, Self::OtherOptimum, Self::FailsInBox];
-
-    pub(super) const fn words(self) -> &'static str {
-        match self {
-            Self::CannotFly => "start cannot fly what the evidence asks for",
-            Self::NotMet => "evidence not met",
-            Self::OtherOptimum => "costs lower elsewhere in the box",
-            Self::FailsInBox => "too many designs of the box fail",
-        }
-    }
-}
 
 /// Where a fit stands.
 #[derive(Debug, Clone)]
@@ -67,14 +47,17 @@ impl<'a> Fit<'a> {
         Self { calibration, aims }
     }
 
-    /// From these coordinates on; with the fit that came closest where the evidence is not met.
-    pub(super) fn run(&self, start: &[f64]) -> Result<Fitted, (Refusal, Option<Fitted>)> {
+    /// From these coordinates on; with the largest residual that is left where the evidence is not met.
+    pub(super) fn run(&self, start: &[f64]) -> Result<Fitted, (Refusal, Option<f64>)> {
         let Some(mut now) = self.at(&[start.to_vec()]).pop().flatten() else {
             return Err((Refusal::CannotFly, None));
         };
         let mut damping = 1e-2;
-        let mut jacobian = self.jacobian(&now);
+        let mut turns = 0..;
+        let mut slopes = |at: &Fitted| self.jacobian(at, turns.next().unwrap_or(0));
+        let mut jacobian = slopes(&now);
         let mut is_fresh = true;
+        let mut n_slow = 0;
         for _ in 0..MOST_STEPS {
             if worst(&now.residuals) <= AIM {
                 break;
@@ -83,7 +66,7 @@ impl<'a> Fit<'a> {
                 if is_fresh {
                     break;
                 }
-                (jacobian, is_fresh) = (self.jacobian(&now), true);
+                (jacobian, is_fresh) = (slopes(&now), true);
                 continue;
             };
             let left = sum_of_squares(&next.residuals) / sum_of_squares(&now.residuals);
@@ -92,15 +75,20 @@ impl<'a> Fit<'a> {
                 now = next;
                 break;
             }
+            n_slow = if left > STUCK { n_slow + 1 } else { 0 };
+            if n_slow == MOST_SLOW {
+                break;
+            }
             is_fresh = left > STALE;
             if is_fresh {
-                jacobian = self.jacobian(&next);
+                jacobian = slopes(&next);
             } else {
                 corrected(&mut jacobian, &now, &next);
             }
             (now, damping) = (next, softer);
         }
-        if worst(&now.residuals) <= MET { Ok(now) } else { Err((Refusal::NotMet, Some(now))) }
+        let worst = worst(&now.residuals);
+        if worst <= MET { Ok(now) } else { Err((Refusal::NotMet, Some(worst))) }
     }
 
     /// A step that lowers the residuals, shortened until it does, and the damping for the next one.
@@ -138,8 +126,9 @@ impl<'a> Fit<'a> {
         .collect()
     }
 
-    /// How the residuals go with the coordinates, by differences; a coordinate that cannot be moved counts as without effect.
-    fn jacobian(&self, now: &Fitted) -> DMatrix<f64> {
+    /// How the residuals go with the coordinates, by differences: with the weights, and with every other of the rest, which take
+    /// turns, because there are far more of them than residuals. One that cannot be moved counts as without effect.
+    fn jacobian(&self, now: &Fitted, turn: usize) -> DMatrix<f64> {
         let free = &self.calibration.free;
         let moved = |k: usize| {
             let mut z = now.coordinates.clone();
@@ -153,6 +142,7 @@ impl<'a> Fit<'a> {
             }
         };
         let (weights, flown): (Vec<usize>, Vec<usize>) = (0..free.len()).partition(|k| free[*k].is_weight());
+        let flown: Vec<usize> = flown.into_iter().skip(turn % TURNS).step_by(TURNS).collect();
         let all: Vec<Vec<f64>> = flown.iter().map(|k| moved(*k)).collect();
         for (k, fitted) in flown.iter().zip(self.at(&all)) {
             if let Some(fitted) = fitted {

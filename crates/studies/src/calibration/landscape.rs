@@ -7,21 +7,33 @@ use interpn::MulticubicRegular;
 use surface::{Data, Regression};
 use water_channel::CostWeights;
 
-use super::Calibration;
 use super::candidate::{Candidate, Flown, Spot, fly};
 use super::evidence::{Bounds, Evidence};
+use super::file::Calibration;
 use crate::bat::{MODEL, STAND_IN};
 
 /// Flights along center of mass and pitch set point, for both studies together.
 const COARSE: [usize; 2] = [9, 12];
 /// Points between them at which the interpolated cost is read.
 const FINE: [usize; 2] = [113, 177];
+const FINE_NEAR: [usize; 2] = [49, 81];
 
-/// Flights of both fidelities on a lattice over the widest box.
-pub(super) struct Landscape {
+/// Flights about an optimum of the evidence, and how far they reach from it in tolerances.
+const NEAR: [usize; 2] = [9, 9];
+const REACH: f64 = 2.0;
+
+/// Flights of one fidelity on a lattice; the second coordinate runs fastest.
+struct Lattice {
     axes: [Vec<f64>; 2],
-    /// Of model and stand-in; the second coordinate runs fastest.
-    flown: [Vec<Option<Flown>>; 2],
+    flown: Vec<Option<Flown>>,
+}
+
+/// Flights of both fidelities over the widest box, and closer ones about the optima of the evidence.
+pub(super) struct Landscape {
+    /// Of model and stand-in.
+    wide: [Lattice; 2],
+    /// For each of the evidence that is an optimum.
+    near: Vec<Option<Lattice>>,
 }
 
 /// Whether a numerical model of this plant is worth having.
@@ -45,70 +57,117 @@ fn evenly(count: usize, [lower, upper]: [f64; 2]) -> Vec<f64> {
     (0..count).map(|k| lower + (upper - lower) * k as f64 / (count - 1) as f64).collect()
 }
 
+impl Lattice {
+    fn axes(counts: [usize; 2], bounds: Bounds) -> [Vec<f64>; 2] {
+        core::array::from_fn(|k| evenly(counts[k], bounds[k]))
+    }
+
+    fn spots(axes: &[Vec<f64>; 2], fidelity: Fidelity) -> Vec<Spot> {
+        let along = |x: f64| axes[1].iter().map(move |y| Spot::new(fidelity, [x, *y]));
+        axes[0].iter().flat_map(|x| along(*x)).collect()
+    }
+
+    /// Costs at as many designs within bounds, between the flights too; not finite where a flight nearby failed.
+    fn costs(&self, weights: &CostWeights, counts: [usize; 2], bounds: Bounds) -> Result<Vec<([f64; 2], f64)>> {
+        let costs: Vec<f64> = self.flown.iter().map(|flown| flown.map_or(f64::NAN, |one| one.cost(weights))).collect();
+        let dims = [self.axes[0].len(), self.axes[1].len()];
+        let starts = [self.axes[0][0], self.axes[1][0]];
+        let steps = [0, 1].map(|k| self.axes[k][1] - self.axes[k][0]);
+        let cubic = MulticubicRegular::new(dims, starts, steps, &costs, false).map_err(|reason| anyhow!("{reason}"))?;
+        let [xs, ys] = Self::axes(counts, bounds);
+        let mut found = Vec::with_capacity(xs.len() * ys.len());
+        for x in &xs {
+            for y in &ys {
+                let cost = cubic.interp_one([*x, *y]).map_err(|reason| anyhow!("{reason}"))?;
+                found.push(([*x, *y], cost));
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// What lies within the reach of an optimum, inside of its box.
+fn window(evidence: &Evidence, tolerance: [f64; 2]) -> Bounds {
+    core::array::from_fn(|k| {
+        let [lower, upper] = evidence.bounds[k];
+        let reach = REACH * tolerance[k];
+        [lower.max(evidence.design[k] - reach), upper.min(evidence.design[k] + reach)]
+    })
+}
+
 impl Landscape {
     pub(super) fn fly(calibration: &Calibration, candidate: &Candidate) -> Self {
         let widest: Bounds = core::array::from_fn(|k| {
             let all = calibration.boxes.map(|bounds| bounds[k]);
             [all[0][0].min(all[1][0]), all[0][1].max(all[1][1])]
         });
-        let axes: [Vec<f64>; 2] = core::array::from_fn(|k| evenly(COARSE[k], widest[k]));
-        let designs = || axes[0].iter().flat_map(|x| axes[1].iter().map(move |y| [*x, *y]));
-        let of = |fidelity: Fidelity| designs().map(move |design| Spot::new(fidelity, design));
-        let spots: Vec<Spot> = of(MODEL).chain(of(STAND_IN)).collect();
+        let wide = [MODEL, STAND_IN].map(|fidelity| (Lattice::axes(COARSE, widest), fidelity));
+        let optima = calibration.evidence.iter().filter(|evidence| evidence.is_optimum);
+        let near = optima.map(|evidence| {
+            (Lattice::axes(NEAR, window(evidence, calibration.tolerance.of_design())), evidence.fidelity)
+        });
+        let all: Vec<([Vec<f64>; 2], Fidelity)> = wide.into_iter().chain(near).collect();
+        let spots: Vec<Spot> = all.iter().flat_map(|(axes, fidelity)| Lattice::spots(axes, *fidelity)).collect();
         let Calibration { profile, settings, .. } = calibration;
-        let mut flown = fly(std::slice::from_ref(candidate), &spots, profile, settings).pop().unwrap_or_default();
-        let stand_in = flown.split_off(flown.len() / 2);
-        Self { axes, flown: [flown, stand_in] }
+        let flown = fly(std::slice::from_ref(candidate), &spots, profile, settings).pop().unwrap_or_default();
+        let mut flown = flown.into_iter();
+        let mut lattices = all.into_iter().map(|(axes, _)| {
+            let count = axes[0].len() * axes[1].len();
+            Lattice { axes, flown: flown.by_ref().take(count).collect() }
+        });
+        let mut next = || lattices.next().unwrap_or(Lattice { axes: [Vec::new(), Vec::new()], flown: Vec::new() });
+        let wide = [next(), next()];
+        let near = calibration.evidence.iter().map(|evidence| evidence.is_optimum.then(&mut next)).collect();
+        Self { wide, near }
     }
 
-    /// Share of the flights that failed.
+    /// Share of the flights over the box that failed.
     pub(super) fn failed(&self) -> f64 {
-        let all = self.flown.iter().flatten();
+        let all = self.wide.iter().flat_map(|lattice| &lattice.flown);
         all.clone().filter(|flown| flown.is_none()).count() as f64 / all.count().max(1) as f64
     }
 
-    /// Costs in a box, between the flights too, with their designs; not where a flight nearby failed.
-    fn costs(&self, fidelity: Fidelity, weights: &CostWeights, bounds: Bounds) -> Result<Vec<([f64; 2], f64)>> {
-        let flown = &self.flown[fidelity_index(fidelity)];
-        let costs: Vec<f64> = flown.iter().map(|flown| flown.map_or(f64::NAN, |one| one.cost(weights))).collect();
-        let dims = [self.axes[0].len(), self.axes[1].len()];
-        let starts = [self.axes[0][0], self.axes[1][0]];
-        let steps = [0, 1].map(|k| self.axes[k][1] - self.axes[k][0]);
-        let cubic = MulticubicRegular::new(dims, starts, steps, &costs, false).map_err(|reason| anyhow!("{reason}"))?;
-        let fine: [Vec<f64>; 2] = core::array::from_fn(|k| evenly(FINE[k], bounds[k]));
-        let mut found = Vec::with_capacity(FINE[0] * FINE[1]);
-        for x in &fine[0] {
-            for y in &fine[1] {
-                let cost = cubic.interp_one([*x, *y]).map_err(|reason| anyhow!("{reason}"))?;
-                if cost.is_finite() {
-                    found.push(([*x, *y], cost));
-                }
-            }
-        }
-        Ok(found)
-    }
-
-    /// The design with the lowest cost of a fidelity in a box, and that cost.
-    pub(super) fn lowest(&self, evidence: &Evidence, candidate: &Candidate) -> Result<([f64; 2], f64)> {
-        let costs = self.costs(evidence.fidelity, &candidate.weights[evidence.study], evidence.bounds)?;
-        let lowest = costs.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        lowest.with_context(|| format!("{}: no design of the box can fly", evidence.label))
+    /// The design with the lowest cost in the box of evidence that is an optimum, by its number, and that cost.
+    pub(super) fn lowest(
+        &self,
+        calibration: &Calibration,
+        index: usize,
+        candidate: &Candidate,
+    ) -> Result<([f64; 2], f64)> {
+        let evidence = &calibration.evidence[index];
+        let weights = &candidate.weights[evidence.study];
+        let close = window(evidence, calibration.tolerance.of_design());
+        let is_close =
+            |design: &[f64; 2]| design.iter().zip(close).all(|(x, [lower, upper])| (lower..=upper).contains(x));
+        let wide = self.wide[fidelity_index(evidence.fidelity)].costs(weights, FINE, evidence.bounds)?;
+        let near = match &self.near[index] {
+            Some(lattice) => lattice.costs(weights, FINE_NEAR, close)?,
+            None => Vec::new(),
+        };
+        let least = |costs: Vec<([f64; 2], f64)>| {
+            costs.into_iter().filter(|(_, cost)| cost.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let near = least(near).with_context(|| format!("{}: no design nearby can fly", evidence.label))?;
+        let far = least(wide.into_iter().filter(|(design, _)| !is_close(design)).collect());
+        // The wide lattice is too coarse to be believed: what it promises is flown.
+        let Some((design, _)) = far.filter(|(_, cost)| *cost < near.1) else { return Ok(near) };
+        let Calibration { profile, settings, .. } = calibration;
+        let spot = [Spot::new(evidence.fidelity, design)];
+        let flown = fly(std::slice::from_ref(candidate), &spot, profile, settings).pop().and_then(|flown| flown[0]);
+        let flown = flown.map(|flown| (design, flown.cost(weights)));
+        Ok(flown.filter(|(_, cost)| *cost < near.1).unwrap_or(near))
     }
 
     /// What the model of a study is worth.
     pub(super) fn diagnostics(&self, study: usize, bounds: Bounds, candidate: &Candidate) -> Result<Diagnostics> {
         let weights = &candidate.weights[study];
-        let [model, stand_in] = [MODEL, STAND_IN].map(|fidelity| self.costs(fidelity, weights, bounds));
+        let [model, stand_in] =
+            [MODEL, STAND_IN].map(|fidelity| self.wide[fidelity_index(fidelity)].costs(weights, FINE, bounds));
         let (model, stand_in) = (model?, stand_in?);
-        // Both where both can fly.
-        let mut pairs = Vec::with_capacity(model.len());
-        let mut others = stand_in.iter().peekable();
-        for (design, cost) in &model {
-            while others.next_if(|(other, _)| other < design).is_some() {}
-            if let Some((_, true_cost)) = others.next_if(|(other, _)| other == design) {
-                pairs.push((*design, *cost, *true_cost));
-            }
-        }
+        // Both where both can fly, in the same order.
+        let pairs = model.iter().zip(&stand_in).map(|((design, model), (_, stand_in))| (*design, *model, *stand_in));
+        let pairs: Vec<([f64; 2], f64, f64)> =
+            pairs.filter(|(_, model, stand_in)| model.is_finite() && stand_in.is_finite()).collect();
         diagnostics(&pairs, bounds)
     }
 }
@@ -137,7 +196,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
     let mut ranks = vec![0.0; values.len()];
     let mut first = 0;
-    for same in order.chunk_by(|a, b| values[*a] == values[*b]) {
+    for same in order.chunk_by(|a, b| values[*a].total_cmp(&values[*b]).is_eq()) {
         let mean = first as f64 + (same.len() - 1) as f64 / 2.0;
         same.iter().for_each(|index| ranks[*index] = mean);
         first += same.len();

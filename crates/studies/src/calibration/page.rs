@@ -10,10 +10,11 @@ use rayon::prelude::*;
 
 use super::candidate::{Candidate, Flown, STUDIES, Spot, fly};
 use super::evidence::Evidence;
-use super::fit::Refusal;
+use super::file::Calibration;
+use super::free::Free;
 use super::landscape::{Diagnostics, Landscape};
-use super::store::{Member, Store};
-use super::{Calibration, candidates};
+use super::outcome::{Member, Refusal};
+use super::store::Store;
 use crate::bat::STAND_IN;
 
 const PAGE: &str = "docs/results-calibration.md";
@@ -59,7 +60,7 @@ pub(super) fn check(root: &Path, calibration: &Calibration, store: &Store) -> Re
 }
 
 fn texts(calibration: &Calibration, store: &Store) -> Result<[(&'static str, String); 2]> {
-    let candidates = candidates(calibration, store)?;
+    let candidates = calibration.candidates(&store.members)?;
     let seen: Vec<Seen> = candidates.par_iter().map(|candidate| see(calibration, candidate)).collect::<Result<_>>()?;
     Ok([(PAGE, markdown(calibration, store, &seen)), (PICTURE, picture(calibration, store))])
 }
@@ -75,9 +76,9 @@ fn see(calibration: &Calibration, candidate: &Candidate) -> Result<Seen> {
         let flown = flown.with_context(|| format!("{}: it cannot be flown", evidence.label))?;
         Ok(flown.cost(&candidate.weights[evidence.study]))
     };
-    let evidence = calibration.evidence.iter().map(|evidence| {
+    let evidence = calibration.evidence.iter().enumerate().map(|(index, evidence)| {
         if evidence.is_optimum {
-            let (design, cost) = landscape.lowest(evidence, candidate)?;
+            let (design, cost) = landscape.lowest(calibration, index, candidate)?;
             Ok((Some(design), cost))
         } else {
             Ok((None, cost_of(evidence)?))
@@ -290,7 +291,7 @@ fn digits(value: f64) -> String {
 }
 
 fn picture(calibration: &Calibration, store: &Store) -> String {
-    let row = |(index, free): (usize, &super::Free)| {
+    let row = |(index, free): (usize, &Free)| {
         let shares = store.members.iter().map(|member| free.share(member.values[index]));
         (free.key.trim_start_matches("plant.").replace('_', " "), shares.collect())
     };

@@ -4,24 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 
-use super::fit::Refusal;
-
-/// What came of a start.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Start {
-    pub(super) number: u64,
-    /// None where the plant was kept.
-    pub(super) refusal: Option<Refusal>,
-    /// The largest residual where the fit ended, in tolerances.
-    pub(super) worst: Option<f64>,
-}
-
-/// A plant that meets the evidence, as its free numbers.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Member {
-    pub(super) start: u64,
-    pub(super) values: Vec<f64>,
-}
+use super::outcome::{Member, Refusal, Start};
 
 /// Both tables of a folder.
 #[derive(Debug)]

@@ -197,4 +197,21 @@ mod tests {
         refuses("rig = \"rig.toml\"", "rig = \"no-such.toml\"", &["no-such.toml"]);
         refuses("name = \"pitch_set_point\"", "name = \"pitch\"", &["`pitch`", "pitch_set_point"]);
     }
+
+    /// What a study would not weigh is refused, not left out in silence.
+    #[test]
+    fn weight_of_net_energy_is_refused() {
+        let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/bat");
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["chapter4.toml", "rig.toml", "test-profile.toml", "cost-chapter4.toml"] {
+            std::fs::copy(fixtures.join(name), folder.path().join(name)).unwrap();
+        }
+        assert!(Setup::read(&folder.path().join("chapter4.toml")).is_ok());
+        let cost = folder.path().join("cost-chapter4.toml");
+        let energy =
+            "k8_net_energy = { value = 0.5, unit = \"1/W\", provenance = \"estimated\", source = \"a test\" }\n";
+        std::fs::write(&cost, std::fs::read_to_string(&cost).unwrap() + energy).unwrap();
+        let error = format!("{:#}", Setup::read(&folder.path().join("chapter4.toml")).unwrap_err());
+        assert!(error.contains("cost-chapter4.toml") && error.contains("`k8_net_energy` is 0.5"), "{error}");
+    }
 }

@@ -1,0 +1,201 @@
+//! The file of a calibration: what is free, over which ranges, and what it is fitted to.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result, ensure};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
+use water_channel::{CostFile, FlightSettings, ProfileFile, RigFile, TestProfile};
+
+use super::candidate::Candidate;
+use super::evidence::{self, Bounds, BoxEntry, Evidence, EvidenceEntry, HeldOutEntry, Tolerance};
+use super::free::{Free, FreeEntry};
+use super::outcome::Member;
+use crate::study_file;
+
+const FILE: &str = "fixtures/bat/calibration.toml";
+/// Starts stay this far inside of their ranges.
+const INSIDE: f64 = 0.05;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CalibrationFile {
+    title: String,
+    members: usize,
+    most_starts: u64,
+    seed: u64,
+    reach: [f64; 2],
+    steps_per_sample: usize,
+    files: FilesEntry,
+    #[serde(rename = "box")]
+    boxes: Vec<BoxEntry>,
+    evidence: Vec<EvidenceEntry>,
+    #[serde(default)]
+    held_out: Vec<HeldOutEntry>,
+    tolerance: Tolerance,
+    free: Vec<FreeEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FilesEntry {
+    rig: String,
+    profile: String,
+    chapter4: String,
+    chapter7: String,
+}
+
+/// What is calibrated, over which ranges, to what.
+#[derive(Debug)]
+pub(super) struct Calibration {
+    pub(super) title: String,
+    pub(super) n_members: usize,
+    pub(super) most_starts: u64,
+    pub(super) seed: u64,
+    /// How far starts go from the plant of the rig file toward one drawn over the ranges: at least and at most.
+    pub(super) reach: [f64; 2],
+    pub(super) base: Candidate,
+    pub(super) profile: TestProfile,
+    pub(super) settings: FlightSettings,
+    pub(super) boxes: [Bounds; 2],
+    pub(super) evidence: Vec<Evidence>,
+    pub(super) held_out: Vec<Evidence>,
+    pub(super) tolerance: Tolerance,
+    pub(super) free: Vec<Free>,
+}
+
+impl Calibration {
+    pub(super) fn read(root: &Path) -> Result<Self> {
+        study_file::read(&root.join(FILE), Self::of)
+    }
+
+    fn of(file: CalibrationFile, directory: &Path) -> Result<Self> {
+        let FilesEntry { rig, profile, chapter4, chapter7 } = &file.files;
+        let rig = RigFile::read(directory.join(rig))?.rig;
+        let profile = ProfileFile::read(directory.join(profile))?.profile;
+        let weights = [chapter4, chapter7].map(|name| CostFile::read(directory.join(name)));
+        let [chapter4, chapter7] = weights;
+        let (chapter4, chapter7) = (chapter4?, chapter7?);
+        for (name, cost) in [(&file.files.chapter4, &chapter4), (&file.files.chapter7, &chapter7)] {
+            let weight = cost.net_energy_per_w;
+            ensure!(weight == 0.0, "{name}: `k8_net_energy` is {weight}: it must be 0, the studies weigh no energy");
+        }
+        let base = Candidate { rig, weights: [chapter4.weights, chapter7.weights] };
+        ensure!(file.members > 0, "members = 0: it must be at least 1");
+        let [least, most] = file.reach;
+        ensure!(
+            0.0 < least && least <= most && most <= 1.0,
+            "reach = {:?}: it must be two shares, 0 < least <= most <= 1",
+            file.reach
+        );
+        let settings = FlightSettings::with_steps(file.steps_per_sample);
+        settings.validate().context("steps_per_sample")?;
+        file.tolerance.check()?;
+        let boxes = evidence::bounds(&file.boxes)?;
+        ensure!(!file.evidence.is_empty(), "no [[evidence]]: there is nothing to fit");
+        let evidence = file.evidence.into_iter().map(|entry| entry.check(&boxes)).collect::<Result<_>>()?;
+        let held_out = file.held_out.into_iter().map(|entry| entry.check(&boxes)).collect::<Result<_>>()?;
+        let free: Vec<Free> = file.free.into_iter().map(FreeEntry::check).collect::<Result<_>>()?;
+        ensure!(!free.is_empty(), "no [[free]] number: there is nothing to choose");
+        for (index, one) in free.iter().enumerate() {
+            ensure!(free[..index].iter().all(|other| other.key != one.key), "`{}` is free twice", one.key);
+        }
+        Ok(Self {
+            title: file.title,
+            n_members: file.members,
+            most_starts: file.most_starts,
+            seed: file.seed,
+            reach: file.reach,
+            base,
+            profile,
+            settings,
+            boxes,
+            evidence,
+            held_out,
+            tolerance: file.tolerance,
+            free,
+        })
+    }
+
+    pub(super) fn keys(&self) -> Vec<String> {
+        self.free.iter().map(|free| free.key.clone()).collect()
+    }
+
+    /// The values of the free numbers at coordinates from minus to plus infinity.
+    pub(super) fn values(&self, coordinates: &[f64]) -> Vec<f64> {
+        let logistic = |z: f64| 1.0 / (1.0 + (-z).exp());
+        self.free.iter().zip(coordinates).map(|(free, z)| free.at(logistic(*z))).collect()
+    }
+
+    pub(super) fn candidate(&self, coordinates: &[f64]) -> Candidate {
+        self.with(&self.values(coordinates)).unwrap_or_else(|_| self.base.clone())
+    }
+
+    pub(super) fn with(&self, values: &[f64]) -> Result<Candidate> {
+        let mut candidate = self.base.clone();
+        self.free.iter().zip(values).try_for_each(|(free, value)| free.set(&mut candidate, *value))?;
+        Ok(candidate)
+    }
+
+    pub(super) fn candidates(&self, members: &[Member]) -> Result<Vec<Candidate>> {
+        members.iter().map(|member| self.with(&member.values)).collect()
+    }
+
+    /// Where a start begins, by its number alone: between the plant of the rig file and one that is evenly drawn over the ranges.
+    pub(super) fn start(&self, number: u64) -> Vec<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(number);
+        let [least, most] = self.reach;
+        let reach = least + (most - least) * rng.random::<f64>();
+        let within = |share: f64| share.clamp(INSIDE, 1.0 - INSIDE);
+        let share = |free: &Free| {
+            let known = within(free.share(free.value(&self.base)));
+            within(known + reach * (rng.random::<f64>() - known))
+        };
+        let shares: Vec<f64> = self.free.iter().map(share).collect();
+        shares.into_iter().map(|share| (share / (1.0 - share)).ln()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refuses(from: &str, to: &str, words: &[&str]) {
+        study_file::assert_refused("calibration.toml", Calibration::of, [from, to], words);
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        refuses("lower = 0.000207", "lower = 0.01", &["plant.body.volume", "0.01", "lower must be below upper"]);
+        refuses("plant.body.volume", "plant.body.volumes", &["no number `plant.body.volumes`"]);
+        refuses("unit = \"m^3\"", "unit = \"cm^3\"", &["plant.body.volume", "cm^3", "m^3"]);
+        refuses("cost = 4.35", "cost = -4.35", &["Table 3, row 1", "-4.35", "positive"]);
+        refuses("pitch_set_point = 17.3", "pitch_set_point = 37.3", &["Table 3, row 1", "37.3", "box of chapter4"]);
+        refuses(
+            "study = \"chapter4\"\nfidelity",
+            "study = \"chapter5\"\nfidelity",
+            &["chapter5", "chapter4, chapter7"],
+        );
+        refuses("members = 30", "member = 30", &["member"]);
+        refuses("members = 30", "members = 0", &["members = 0", "at least 1"]);
+        refuses("cost = 0.02", "cost = 0.0", &["tolerance.cost = 0", "positive"]);
+    }
+
+    /// Starts are drawn by number, so that they do not depend on how a run was cut; each stays within its ranges.
+    #[test]
+    fn starts_are_within_the_ranges() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let calibration = Calibration::read(&root).expect("a file");
+        for number in 0..50 {
+            let start = calibration.start(number);
+            assert_eq!(start, calibration.start(number));
+            for (free, value) in calibration.free.iter().zip(calibration.values(&start)) {
+                let share = free.share(value);
+                assert!((INSIDE - 1e-9..=1.0 - INSIDE + 1e-9).contains(&share), "{}: {value}", free.key);
+            }
+        }
+        assert_ne!(calibration.start(0), calibration.start(1));
+    }
+}
