@@ -71,6 +71,19 @@ impl Experiments {
         self.trials.values().filter(|trial| !self.is_told(trial.id)).count()
     }
 
+    /// How many of a batch have not been told of.
+    pub(crate) fn n_outstanding_of(&self, batch: usize) -> usize {
+        self.trials.values().filter(|trial| trial.batch == batch && !self.is_told(trial.id)).count()
+    }
+
+    /// The batches that wait for experiments, first the one that was handed out first.
+    pub(crate) fn open_batches(&self) -> Vec<usize> {
+        let mut open: Vec<usize> =
+            self.trials.values().filter(|trial| !self.is_told(trial.id)).map(|trial| trial.batch).collect();
+        open.dedup();
+        open
+    }
+
     /// How many were made, with or without a result.
     pub(crate) fn n_made(&self) -> usize {
         self.readings.values().filter(|reading| reading.first.is_some()).count()

@@ -48,7 +48,10 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
         findings.extend(campaign.lesson()?);
         findings.push(Finding::new(format!("Next: {infuse} status, then {infuse} ask")));
     } else if n_outstanding > 0 {
-        findings.push(outstanding(batch, n_outstanding));
+        let experiments = campaign.experiments();
+        findings.extend(
+            experiments.open_batches().into_iter().map(|open| outstanding(open, experiments.n_outstanding_of(open))),
+        );
     }
     let json = json!({
         "taken": rows, "known": n_known, "empty": n_empty, "batch": batch, "outstanding": n_outstanding,

@@ -11,9 +11,9 @@ pub(crate) fn standing(campaign: &dyn Campaign) -> Finding {
     let (n_made, n_failed, outstanding) = (experiments.n_made(), experiments.n_failed(), experiments.n_outstanding());
     let failed = if n_failed > 0 { format!(", {n_failed} of them without a result") } else { String::new() };
     let mut text = format!("{} closed, {} made{failed}", count(n_closed, "batch"), count(n_made, "experiment"));
-    if let Some(batch) = experiments.last_batch().filter(|_| outstanding > 0) {
+    for batch in experiments.open_batches() {
         let n = experiments.trials.values().filter(|trial| trial.batch == batch).count();
-        text.push_str(&format!("; batch {batch} waits for {outstanding} of {n}"));
+        text.push_str(&format!("; batch {batch} waits for {} of {n}", experiments.n_outstanding_of(batch)));
     }
     let n_earlier = campaign.imported().len();
     if n_earlier > 0 {

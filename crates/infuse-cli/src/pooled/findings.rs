@@ -154,7 +154,11 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
         Some(SimulationWorth { explained, ignored, factor }) => {
             let mut sentence = format!("The simulation explains {} of what was measured", percent(explained));
             if is_useless(explained, ignored) {
-                sentence.push_str(": it is of little use, and is mostly left out");
+                sentence.push_str(if explained < EXPLAINS_LITTLE {
+                    ": it is of little use, and is mostly left out"
+                } else {
+                    ", and as much is said without it: it is mostly left out"
+                });
             } else {
                 sentence.push_str(&format!("; differences that it predicts count {} times", short(factor)));
             }

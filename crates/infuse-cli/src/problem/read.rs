@@ -135,11 +135,11 @@ fn program(command: Vec<String>, input: Option<Input>, timeout: Option<f64>, reg
         let is_given = command.iter().any(|argument| placeholders(argument).any(|placeholder| placeholder == name));
         let found: Vec<String> =
             command.iter().flat_map(|argument| placeholders(argument)).map(|name| format!("{{{name}}}")).collect();
-        let found = if found.is_empty() { "no placeholders".to_owned() } else { found.join(", ") };
         ensure!(
             input == Input::Json || is_given,
-            "`command` has {found}, but no {{{name}}}, so the program cannot know it; put it among the arguments, or set \
-             `input` = \"json\""
+            "`command` has {}no {{{name}}}, so the program cannot know it; put it among the arguments, or set \
+             `input` = \"json\"",
+            if found.is_empty() { String::new() } else { format!("{}, but ", found.join(", ")) }
         );
     }
     Ok(Program { command, input, timeout: Duration::from_secs_f64(seconds) })

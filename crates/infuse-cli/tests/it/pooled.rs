@@ -270,6 +270,9 @@ fn more_experiments_can_be_had_while_others_are_waited_for() {
     assert_eq!((&more["batch"], more["experiments"].as_array().unwrap().len()), (&json!(2), 10));
     tell(&rig, more["experiments"].as_array().unwrap(), |a, b, id| Ok(wells(a, b, [30.0, 40.0]) + wobble(id)));
     assert_eq!(rig.status()["outstanding"], json!(4));
+    let words = rig.infuse(&["status"]).ok();
+    assert!(words.contains("batch 1 waits for 4 of 10"), "the first sheet and not the last: {words}");
+    assert!(words.contains("run what is left in") && words.contains("sheet-1.csv"), "{words}");
     tell(&rig, &experiments[6..], |a, b, id| Ok(wells(a, b, [30.0, 40.0]) + wobble(id)));
     assert_eq!((&rig.status()["outstanding"], &rig.status()["told"]), (&json!(0), &json!(20)));
 }

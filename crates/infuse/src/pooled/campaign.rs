@@ -190,20 +190,20 @@ impl Loop {
             self.due.dedup();
             return Ok(Ask::Run { trials: self.outstanding(), simulations: self.due.clone() });
         }
-        let readings = self.readings()?;
+        let (readings, failed) = (self.readings()?, self.failed_cells()?);
         let (settings, designs) = (&self.settings, &self.designs);
         let mut source = source(settings, designs, &self.simulated, simulate)?;
         // Too few to tell even a plane from its noise.
         let (cells, due) = if readings.len() < designs.n_factors() + 2 {
             let simulated = &mut self.simulated;
-            let mut tested = failed_cells(&self.records);
+            let mut tested = failed;
             tested.extend(readings.iter().map(|reading| reading.cell).chain(pending_cells(&self.records)));
             let cells = first_batch(designs, settings, &tested, simulated, &mut source)?;
             let due = cells.iter().copied().filter(|&cell| settings.simulations.is_some() && !simulated.contains(cell));
             let due: Vec<Cell> = due.collect();
             (cells, due)
         } else {
-            let (failed, pending) = (failed_cells(&self.records), pending_cells(&self.records));
+            let pending = pending_cells(&self.records);
             let simulated = &mut self.simulated;
             let mut knowledge = Knowledge::of(&readings, &failed, designs, settings, simulated, source)?;
             let look = Look::at(&mut knowledge, &readings, settings, batch)?;
@@ -384,7 +384,7 @@ impl Loop {
         if readings.is_empty() {
             return Ok(None);
         }
-        let (batch, failed) = (self.batch(), failed_cells(&self.records));
+        let (batch, failed) = (self.batch(), self.failed_cells()?);
         let (settings, designs) = (&self.settings, &self.designs);
         let source = source(settings, designs, &self.simulated, simulate)?;
         let mut knowledge = Knowledge::of(&readings, &failed, designs, settings, &mut self.simulated, source)?;
@@ -454,6 +454,17 @@ impl Loop {
         earlier.chain(own).collect()
     }
 
+    /// Where an experiment failed: at the settings really made, as far as they are known.
+    fn failed_cells(&self) -> Result<BTreeSet<Cell>, Error> {
+        let failed = self.records.iter().filter(|record| record.is_failed());
+        failed
+            .map(|record| match &record.actual {
+                Some(actual) => Ok(self.designs.grid().nearest(&self.region().clamp(actual)?)?),
+                None => Ok(record.trial.cell),
+            })
+            .collect()
+    }
+
     /// A response at natural settings, on the grid or off it.
     fn reading(&self, point: &[f64], response: f64) -> Result<Reading, Error> {
         let cell = self.designs.grid().nearest(&self.region().clamp(point)?)?;
@@ -492,10 +503,6 @@ fn simulations_of_a_batch(
     let new: Vec<Cell> = new.collect();
     due.extend(knowledge.least_simulated(&new, budget.saturating_sub(due.len()))?);
     Ok(due)
-}
-
-fn failed_cells(records: &[Record]) -> BTreeSet<Cell> {
-    records.iter().filter(|record| record.is_failed()).map(|record| record.trial.cell).collect()
 }
 
 fn pending_cells(records: &[Record]) -> Vec<Cell> {

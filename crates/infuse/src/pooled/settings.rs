@@ -30,7 +30,7 @@ pub struct Settings {
     /// Probability of the certificate, 0.5 to 0.99. Default 0.9.
     #[serde(default = "default_confidence")]
     pub confidence: f64,
-    /// Number of structures and hyperparameters that are averaged. Default 16.
+    /// Number of structures and hyperparameters that are averaged. Default 18.
     #[serde(default = "default_particles")]
     pub particles: usize,
     /// The structures that are averaged. Default: all.

@@ -111,6 +111,24 @@ fn without_a_simulation_it_works_and_with_an_unrelated_one_it_says_so() {
 }
 
 /// Of 21 × 21 designs those with a sum above 0.5 fail, and the best of all is among them.
+/// What failed is the setting that was made, not the one that was asked for.
+#[test]
+fn failure_counts_where_it_was_made() {
+    let mut campaign = campaign(2, 21, batches(8, 3, 1));
+    let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else { panic!("stopped") };
+    let (asked, made) = (trials[0].cell, [1.0, 1.0]);
+    let far = trials[0].point.iter().zip(made).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(far > 0.2, "the first trial is not in that corner");
+    campaign.tell_at(trials[0].id, &made, Outcome::Failed { reason: "stalled".to_owned() }).expect("outstanding");
+    for trial in &trials[1..] {
+        campaign.tell(trial.id, Outcome::Value(truth(&trial.point))).expect("outstanding");
+    }
+    let made = campaign.grid().nearest(&made).expect("in the region");
+    let found = campaign.standings(&[asked, made], Some(&mut simulation)).expect("cells").expect("responses");
+    assert!(found[1].feasible < found[0].feasible, "{found:?}");
+    assert!(found[0].feasible > 0.5, "nothing failed there: {found:?}");
+}
+
 #[test]
 fn failed_designs_are_neither_asked_for_again_nor_recommended() {
     let fails = |point: &[f64]| point[0] + point[1] > 0.5;

@@ -16,7 +16,7 @@ use crate::process::sites::Sites;
 #[derive(Debug, Clone)]
 pub struct AveragedProcess {
     sites: Arc<Sites>,
-    /// Particles with their shares, which sum to 1; those resampled several times appear once.
+    /// All of the same weight.
     particles: Vec<GaussianProcess>,
 }
 
