@@ -1,16 +1,17 @@
 //! Plants whose starboard and port sides differ: an independent derivation, the mirror, the symmetric limit, signs, trims.
 
 use bat_dynamics::{
-    Asymmetry, Disturbance, Error, Fidelity, FlightState, Flow, NoTrim, OPTIONAL_FIELDS, Parameters, Plant, Tensions,
-    TetherLayout, TrimHeight, TrimRequest, accelerations, aerodynamic_wrench, christoffel_matrix, driven_of_lines,
-    evaluate, evaluate_with, generalized_forces, gravity_vector, kinetic_energy, lines_of_driven, mass_matrix,
-    potential_energy, rotation, sight, translation, trim, trim_with_lines,
+    Asymmetry, Disturbance, Error, Fidelity, Flow, NoTrim, OPTIONAL_FIELDS, Parameters, Plant, TetherLayout,
+    TrimHeight, TrimRequest, accelerations, aerodynamic_wrench, christoffel_matrix, driven_of_lines, evaluate,
+    evaluate_with, generalized_forces, gravity_vector, kinetic_energy, lines_of_driven, mass_matrix, potential_energy,
+    rotation, sight, translation, trim, trim_with_lines,
 };
 use nalgebra::{Vector3, Vector6};
 use serde_json::Value;
 
 use crate::oracle;
 use crate::plants::{Sample, everything, rig};
+use crate::symmetry::{assert_mirrored, mirrored};
 
 /// Of the largest entry of each vector or matrix.
 const TOLERANCE: f64 = 1e-12;
@@ -161,11 +162,6 @@ fn mirror(mut p: Parameters) -> Parameters {
     p
 }
 
-fn mirrored(state: &FlightState) -> FlightState {
-    let [zenith, azimuth, twist, zenith_rate, azimuth_rate, twist_rate, l1, l2, l3, u1, u2, u3] = *state;
-    [zenith, -azimuth, -twist, zenith_rate, -azimuth_rate, -twist_rate, l1, l3, l2, u1, u3, u2]
-}
-
 #[test]
 fn mirrored_plants_in_mirrored_states_have_mirrored_rates_bit_for_bit() {
     let mut sample = Sample(61);
@@ -177,12 +173,7 @@ fn mirrored_plants_in_mirrored_states_have_mirrored_rates_bit_for_bit() {
         let right = evaluate(&of(&p), &state, [a, b, c], &Flow { speed_m_s, direction_rad });
         let flow = Flow { speed_m_s, direction_rad: -direction_rad };
         let left = evaluate(&of(&mirror(p)), &mirrored(&state), [a, c, b], &flow);
-        assert_eq!(left.derivative, mirrored(&right.derivative), "at {state:?}");
-        let Tensions { center, starboard, port } = right.tensions;
-        assert_eq!(left.tensions, Tensions { center, starboard: port, port: starboard }, "at {state:?}");
-        let (l, r) = (left.sight, right.sight);
-        assert_eq!([l.forward, l.right, l.altitude], [r.forward, -r.right, r.altitude], "at {state:?}");
-        assert_eq!([l.roll, l.pitch, l.heading], [-r.roll, r.pitch, -r.heading], "at {state:?}");
+        assert_mirrored(&left, &right, &state);
     }
 }
 

@@ -3,7 +3,9 @@
 //! A Galilean change of frame in full would need winches that move: the crate has none. What it can show is that fluid
 //! forces depend on the motion relative to the flow alone, and that a body carried by the flow feels none.
 
-use bat_dynamics::{Fidelity, FlightState, Flow, Plant, Tensions, aerodynamic_wrench, evaluate, generalized_forces};
+use bat_dynamics::{
+    Evaluation, Fidelity, FlightState, Flow, Plant, Tensions, aerodynamic_wrench, evaluate, generalized_forces,
+};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::oracle::{self, fly};
@@ -32,9 +34,20 @@ fn turning_the_flow_and_the_azimuth_together_changes_nothing() {
     }
 }
 
-fn mirrored(state: &FlightState) -> FlightState {
+pub(crate) fn mirrored(state: &FlightState) -> FlightState {
     let [zenith, azimuth, twist, zenith_rate, azimuth_rate, twist_rate, l1, l2, l3, u1, u2, u3] = *state;
     [zenith, -azimuth, -twist, zenith_rate, -azimuth_rate, -twist_rate, l1, l3, l2, u1, u3, u2]
+}
+
+/// That an evaluation is the mirror image of another, bit for bit.
+#[track_caller]
+pub(crate) fn assert_mirrored(left: &Evaluation, right: &Evaluation, state: &FlightState) {
+    assert_eq!(left.derivative, mirrored(&right.derivative), "at {state:?}");
+    let Tensions { center, starboard, port } = right.tensions;
+    assert_eq!(left.tensions, Tensions { center, starboard: port, port: starboard }, "at {state:?}");
+    let (l, r) = (left.sight, right.sight);
+    assert_eq!([l.forward, l.right, l.altitude], [r.forward, -r.right, r.altitude], "at {state:?}");
+    assert_eq!([l.roll, l.pitch, l.heading], [-r.roll, r.pitch, -r.heading], "at {state:?}");
 }
 
 #[test]
@@ -46,12 +59,7 @@ fn mirrored_states_have_mirrored_rates_bit_for_bit() {
         let (speed_m_s, direction_rad) = (sample.within(0.1, 0.4), sample.within(-1.0, 1.0));
         let right = evaluate(&plant, &state, [a, b, c], &Flow { speed_m_s, direction_rad });
         let left = evaluate(&plant, &mirrored(&state), [a, c, b], &Flow { speed_m_s, direction_rad: -direction_rad });
-        assert_eq!(left.derivative, mirrored(&right.derivative), "at {state:?}");
-        let Tensions { center, starboard, port } = right.tensions;
-        assert_eq!(left.tensions, Tensions { center, starboard: port, port: starboard }, "at {state:?}");
-        let (l, r) = (left.sight, right.sight);
-        assert_eq!([l.forward, l.right, l.altitude], [r.forward, -r.right, r.altitude], "at {state:?}");
-        assert_eq!([l.roll, l.pitch, l.heading], [-r.roll, r.pitch, -r.heading], "at {state:?}");
+        assert_mirrored(&left, &right, &state);
     }
 }
 

@@ -11,5 +11,6 @@ mod problems;
 mod programs;
 mod quarter_car;
 mod report;
+mod report_page;
 mod rig;
 mod sheets;

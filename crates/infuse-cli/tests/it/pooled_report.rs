@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
+use crate::report_page::{EVIL, assert_gives_the_same_bytes, page, table};
 use crate::rig::{Rig, told};
 
-const EVIL: &str = "<i>&\"'";
 const SECTIONS: [&str; 7] = [
     "Where the campaign stands",
     "History",
@@ -16,11 +16,6 @@ const SECTIONS: [&str; 7] = [
     "Sheets",
     "Provenance",
 ];
-
-fn page(rig: &Rig) -> String {
-    rig.infuse(&["report"]).ok();
-    rig.read("report.html")
-}
 
 /// Two batches, the second with a failure, other settings and a note; and one that is waited for.
 fn eventful() -> Rig {
@@ -56,14 +51,6 @@ fn number(text: &str, name: &str) -> f64 {
 /// The value that a pointer on a cell is shown.
 fn shown(title: &str) -> f64 {
     title.split(": ").nth(1).unwrap().split([' ', ',']).next().unwrap().parse().unwrap()
-}
-
-/// The cells of the rows of a table, found by a part of its caption.
-fn table(page: &str, caption: &str) -> Vec<Vec<String>> {
-    let from = page.find(caption).unwrap();
-    let body = page[from..].split_once("<tbody>").unwrap().1.split_once("</tbody>").unwrap().0;
-    let inner = |cell: &str| cell.split_once('>').unwrap().1.split_once("</td>").unwrap().0.to_owned();
-    body.split("<tr>").skip(1).map(|row| row.split("<td").skip(1).map(inner).collect()).collect()
 }
 
 #[track_caller]
@@ -148,13 +135,7 @@ fn the_history_agrees_with_the_status() {
 
 #[test]
 fn the_same_folder_gives_the_same_bytes() {
-    let rig = eventful();
-    let first = page(&rig);
-    assert_eq!(first, page(&rig));
-    let said = rig.command(&["report", "--output", "other.html"]).env("RAYON_NUM_THREADS", "1").output().unwrap();
-    assert!(said.status.success());
-    assert_eq!(first, rig.read("other.html"), "on one thread");
-    assert!(!first.contains(&rig.folder().display().to_string()), "the folder may be anywhere");
+    assert_gives_the_same_bytes(&eventful());
 }
 
 #[test]

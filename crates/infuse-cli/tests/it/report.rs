@@ -4,16 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
+use crate::report_page::{EVIL, assert_gives_the_same_bytes, page, table};
 use crate::rig::{Rig, told};
 
-const EVIL: &str = "<i>&\"'";
 const SECTIONS: [&str; 7] =
     ["Where the campaign stands", "History", "Surfaces", "What is left", "Bounds", "Sheets", "Provenance"];
-
-fn page(rig: &Rig) -> String {
-    rig.infuse(&["report"]).ok();
-    rig.read("report.html")
-}
 
 /// Two batches, the second with failures, other settings and notes; and one that is waited for.
 fn eventful() -> Rig {
@@ -53,14 +48,6 @@ fn cells(page: &str, class: &str) -> Vec<((f64, f64), String)> {
         ((number(head, "x"), number(head, "y")), title.split_once("</title>").unwrap().0.to_owned())
     };
     page.split(&format!("<rect class=\"{class}\"")).skip(1).map(cell).collect()
-}
-
-/// The cells of the rows of a table, found by a part of its caption.
-fn table(page: &str, caption: &str) -> Vec<Vec<String>> {
-    let from = page.find(caption).unwrap();
-    let body = page[from..].split_once("<tbody>").unwrap().1.split_once("</tbody>").unwrap().0;
-    let inner = |cell: &str| cell.split_once('>').unwrap().1.split_once("</td>").unwrap().0.to_owned();
-    body.split("<tr>").skip(1).map(|row| row.split("<td").skip(1).map(inner).collect()).collect()
 }
 
 #[test]
@@ -124,13 +111,7 @@ fn what_people_wrote_is_shown_and_never_obeyed() {
 
 #[test]
 fn the_same_folder_gives_the_same_bytes() {
-    let rig = eventful();
-    let first = page(&rig);
-    assert_eq!(first, page(&rig));
-    let said = rig.command(&["report", "--output", "other.html"]).env("RAYON_NUM_THREADS", "1").output().unwrap();
-    assert!(said.status.success());
-    assert_eq!(first, rig.read("other.html"), "on one thread");
-    assert!(!first.contains(&rig.folder().display().to_string()), "the folder may be anywhere");
+    assert_gives_the_same_bytes(&eventful());
 }
 
 #[test]
