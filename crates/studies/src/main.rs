@@ -29,6 +29,8 @@ mod first_screen;
 #[cfg(feature = "global")]
 mod gridded;
 mod handover;
+#[cfg(any(feature = "benchmark", feature = "calibration"))]
+mod kept;
 mod logged;
 mod provenance;
 #[cfg(feature = "global")]

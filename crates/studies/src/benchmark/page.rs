@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Result, ensure};
 use page::{Axis, Column, LineFigure, Panel, Series, Table, line_figure, quantile};
 
 use super::families::{FAMILIES, Family};
@@ -31,19 +31,15 @@ const NOT_DRAWN: &str = "sobol-quadratic";
 const FEWEST_SEEDS: u64 = 5;
 
 pub(super) fn write(root: &Path, kept: &[Results]) -> Result<()> {
-    for (path, text) in [(PAGE, markdown(kept)?), (PICTURE, picture(kept))] {
-        std::fs::write(root.join(path), text).with_context(|| path.to_owned())?;
-    }
-    eprintln!("{PAGE}, {PICTURE}");
-    Ok(())
+    crate::kept::write(root, &texts(kept)?)
 }
 
 pub(super) fn check(root: &Path, kept: &[Results]) -> Result<()> {
-    for (path, text) in [(PAGE, markdown(kept)?), (PICTURE, picture(kept))] {
-        let committed = std::fs::read_to_string(root.join(path)).with_context(|| path.to_owned())?;
-        ensure!(committed == text, "{path} does not follow from the kept campaigns: run `cargo xtask benchmark`");
-    }
-    Ok(())
+    crate::kept::check(root, &texts(kept)?, "does not follow from the kept campaigns: run `cargo xtask benchmark`")
+}
+
+fn texts(kept: &[Results]) -> Result<[(&'static str, String); 2]> {
+    Ok([(PAGE, markdown(kept)?), (PICTURE, picture(kept))])
 }
 
 /// A method that has rows.

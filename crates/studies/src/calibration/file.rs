@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 use water_channel::{CostFile, FlightSettings, ProfileFile, RigFile, TestProfile};
 
-use super::candidate::Candidate;
+use super::candidate::{Candidate, Flown, Spot, fly};
 use super::evidence::{self, Bounds, BoxEntry, Evidence, EvidenceEntry, HeldOutEntry, Tolerance};
 use super::free::{Free, FreeEntry};
 use super::outcome::Member;
@@ -140,6 +140,11 @@ impl Calibration {
 
     pub(super) fn candidates(&self, members: &[Member]) -> Result<Vec<Candidate>> {
         members.iter().map(|member| self.with(&member.values)).collect()
+    }
+
+    /// One candidate at every spot; none where a flight fails.
+    pub(super) fn fly(&self, candidate: &Candidate, spots: &[Spot]) -> Vec<Option<Flown>> {
+        fly(std::slice::from_ref(candidate), spots, &self.profile, &self.settings).pop().unwrap_or_default()
     }
 
     /// Where a start begins, by its number alone: between the plant of the rig file and one that is evenly drawn over the ranges.

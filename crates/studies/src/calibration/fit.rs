@@ -34,6 +34,8 @@ pub(super) struct Fitted {
     pub(super) coordinates: Vec<f64>,
     pub(super) candidate: Candidate,
     pub(super) residuals: Vec<f64>,
+    /// Of the spots of its aims.
+    flown: Vec<Flown>,
 }
 
 /// A fit at work.
@@ -121,7 +123,7 @@ impl<'a> Fit<'a> {
             let flown: Vec<Flown> = flown.into_iter().collect::<Option<_>>()?;
             let residuals = self.aims.residuals(&candidate, &flown);
             let is_finite = residuals.iter().all(|residual| residual.is_finite());
-            is_finite.then_some(Fitted { coordinates: z.clone(), candidate, residuals })
+            is_finite.then_some(Fitted { coordinates: z.clone(), candidate, residuals, flown })
         })
         .collect()
     }
@@ -150,12 +152,8 @@ impl<'a> Fit<'a> {
             }
         }
         // Weights change no flight.
-        let Calibration { profile, settings, .. } = self.calibration;
-        let same = fly(std::slice::from_ref(&now.candidate), &self.aims.spots(), profile, settings).pop();
-        if let Some(same) = same.and_then(|flown| flown.into_iter().collect::<Option<Vec<Flown>>>()) {
-            for k in weights {
-                fill(k, &self.aims.residuals(&self.calibration.candidate(&moved(k)), &same));
-            }
+        for k in weights {
+            fill(k, &self.aims.residuals(&self.calibration.candidate(&moved(k)), &now.flown));
         }
         jacobian
     }

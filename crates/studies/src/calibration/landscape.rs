@@ -7,7 +7,7 @@ use interpn::MulticubicRegular;
 use surface::{Data, Regression};
 use water_channel::CostWeights;
 
-use super::candidate::{Candidate, Flown, Spot, fly};
+use super::candidate::{Candidate, Flown, Spot};
 use super::evidence::{Bounds, Evidence};
 use super::file::Calibration;
 use crate::bat::{MODEL, STAND_IN};
@@ -62,9 +62,11 @@ impl Lattice {
         core::array::from_fn(|k| evenly(counts[k], bounds[k]))
     }
 
-    fn spots(axes: &[Vec<f64>; 2], fidelity: Fidelity) -> Vec<Spot> {
+    fn fly(calibration: &Calibration, candidate: &Candidate, fidelity: Fidelity, axes: [Vec<f64>; 2]) -> Self {
         let along = |x: f64| axes[1].iter().map(move |y| Spot::new(fidelity, [x, *y]));
-        axes[0].iter().flat_map(|x| along(*x)).collect()
+        let spots: Vec<Spot> = axes[0].iter().flat_map(|x| along(*x)).collect();
+        let flown = calibration.fly(candidate, &spots);
+        Self { axes, flown }
     }
 
     /// Costs at as many designs within bounds, between the flights too; not finite where a flight nearby failed.
@@ -101,24 +103,16 @@ impl Landscape {
             let all = calibration.boxes.map(|bounds| bounds[k]);
             [all[0][0].min(all[1][0]), all[0][1].max(all[1][1])]
         });
-        let wide = [MODEL, STAND_IN].map(|fidelity| (Lattice::axes(COARSE, widest), fidelity));
-        let optima = calibration.evidence.iter().filter(|evidence| evidence.is_optimum);
-        let near = optima.map(|evidence| {
-            (Lattice::axes(NEAR, window(evidence, calibration.tolerance.of_design())), evidence.fidelity)
-        });
-        let all: Vec<([Vec<f64>; 2], Fidelity)> = wide.into_iter().chain(near).collect();
-        let spots: Vec<Spot> = all.iter().flat_map(|(axes, fidelity)| Lattice::spots(axes, *fidelity)).collect();
-        let Calibration { profile, settings, .. } = calibration;
-        let flown = fly(std::slice::from_ref(candidate), &spots, profile, settings).pop().unwrap_or_default();
-        let mut flown = flown.into_iter();
-        let mut lattices = all.into_iter().map(|(axes, _)| {
-            let count = axes[0].len() * axes[1].len();
-            Lattice { axes, flown: flown.by_ref().take(count).collect() }
-        });
-        let mut next = || lattices.next().unwrap_or(Lattice { axes: [Vec::new(), Vec::new()], flown: Vec::new() });
-        let wide = [next(), next()];
-        let near = calibration.evidence.iter().map(|evidence| evidence.is_optimum.then(&mut next)).collect();
-        Self { wide, near }
+        let fly =
+            |fidelity, counts, bounds| Lattice::fly(calibration, candidate, fidelity, Lattice::axes(counts, bounds));
+        let about = |evidence: &Evidence| {
+            let bounds = window(evidence, calibration.tolerance.of_design());
+            evidence.is_optimum.then(|| fly(evidence.fidelity, NEAR, bounds))
+        };
+        Self {
+            wide: [MODEL, STAND_IN].map(|fidelity| fly(fidelity, COARSE, widest)),
+            near: calibration.evidence.iter().map(about).collect(),
+        }
     }
 
     /// Share of the flights over the box that failed.
@@ -151,9 +145,7 @@ impl Landscape {
         let far = least(wide.into_iter().filter(|(design, _)| !is_close(design)).collect());
         // The wide lattice is too coarse to be believed: what it promises is flown.
         let Some((design, _)) = far.filter(|(_, cost)| *cost < near.1) else { return Ok(near) };
-        let Calibration { profile, settings, .. } = calibration;
-        let spot = [Spot::new(evidence.fidelity, design)];
-        let flown = fly(std::slice::from_ref(candidate), &spot, profile, settings).pop().and_then(|flown| flown[0]);
+        let flown = calibration.fly(candidate, &[Spot::new(evidence.fidelity, design)]).pop().flatten();
         let flown = flown.map(|flown| (design, flown.cost(weights)));
         Ok(flown.filter(|(_, cost)| *cost < near.1).unwrap_or(near))
     }

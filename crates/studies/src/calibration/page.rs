@@ -3,12 +3,12 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 use bat_dynamics::Fidelity;
 use page::{Axis, Column, StripFigure, Table, strip_figure};
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, Flown, STUDIES, Spot, fly};
+use super::candidate::{Candidate, STUDIES, Spot};
 use super::evidence::Evidence;
 use super::file::Calibration;
 use super::free::Free;
@@ -16,20 +16,10 @@ use super::landscape::{Diagnostics, Landscape};
 use super::outcome::{Member, Refusal};
 use super::store::Store;
 use crate::bat::STAND_IN;
+use crate::{chapter7, kept};
 
 const PAGE: &str = "docs/results-calibration.md";
 const PICTURE: &str = "docs/results-calibration.svg";
-
-/// The published path of Table 6: center of mass in per cent of chord aft of the center of buoyancy, pitch set point in degrees,
-/// factors of the stabilizers' areas.
-const TABLE_6: [[f64; 4]; 6] = [
-    [1.16, 6.14, 0.8, 1.77],
-    [5.62, 13.73, 1.26, 0.88],
-    [5.24, 9.76, 0.81, 1.63],
-    [5.11, 9.78, 0.84, 1.55],
-    [5.09, 10.57, 0.84, 1.44],
-    [5.09, 11.61, 0.88, 1.41],
-];
 
 /// What was found of one plant.
 struct Seen {
@@ -43,36 +33,27 @@ struct Seen {
 }
 
 pub(super) fn write(root: &Path, calibration: &Calibration, store: &Store) -> Result<()> {
-    for (path, text) in texts(calibration, store)? {
-        std::fs::write(root.join(path), text).with_context(|| path.to_owned())?;
-    }
-    eprintln!("{PAGE}, {PICTURE}");
-    Ok(())
+    kept::write(root, &texts(root, calibration, store)?)
 }
 
 /// That the committed page follows from the plants that are kept.
 pub(super) fn check(root: &Path, calibration: &Calibration, store: &Store) -> Result<()> {
-    for (path, text) in texts(calibration, store)? {
-        let committed = std::fs::read_to_string(root.join(path)).with_context(|| path.to_owned())?;
-        ensure!(committed == text, "{path} does not follow from the plants kept: run `cargo xtask calibrate --page`");
-    }
-    Ok(())
+    let remedy = "does not follow from the plants kept: run `cargo xtask calibrate --page`";
+    kept::check(root, &texts(root, calibration, store)?, remedy)
 }
 
-fn texts(calibration: &Calibration, store: &Store) -> Result<[(&'static str, String); 2]> {
+fn texts(root: &Path, calibration: &Calibration, store: &Store) -> Result<[(&'static str, String); 2]> {
     let candidates = calibration.candidates(&store.members)?;
-    let seen: Vec<Seen> = candidates.par_iter().map(|candidate| see(calibration, candidate)).collect::<Result<_>>()?;
+    let table_6 = chapter7::table_6(root)?;
+    let see = |candidate: &Candidate| see(calibration, candidate, &table_6);
+    let seen: Vec<Seen> = candidates.par_iter().map(see).collect::<Result<_>>()?;
     Ok([(PAGE, markdown(calibration, store, &seen)), (PICTURE, picture(calibration, store))])
 }
 
-fn see(calibration: &Calibration, candidate: &Candidate) -> Result<Seen> {
+fn see(calibration: &Calibration, candidate: &Candidate, table_6: &[[f64; 4]]) -> Result<Seen> {
     let landscape = Landscape::fly(calibration, candidate);
-    let at = |spots: &[Spot]| -> Vec<Option<Flown>> {
-        let Calibration { profile, settings, .. } = calibration;
-        fly(std::slice::from_ref(candidate), spots, profile, settings).pop().unwrap_or_default()
-    };
     let cost_of = |evidence: &Evidence| -> Result<f64> {
-        let flown = at(&evidence.spots()[..1]).pop().flatten();
+        let flown = calibration.fly(candidate, &evidence.spots()[..1]).pop().flatten();
         let flown = flown.with_context(|| format!("{}: it cannot be flown", evidence.label))?;
         Ok(flown.cost(&candidate.weights[evidence.study]))
     };
@@ -84,15 +65,9 @@ fn see(calibration: &Calibration, candidate: &Candidate) -> Result<Seen> {
             Ok((None, cost_of(evidence)?))
         }
     });
-    let buoyancy = 100.0 * candidate.rig.plant.body.center_of_buoyancy_x;
-    let path: Vec<Spot> = TABLE_6
-        .iter()
-        .map(|[aft, pitch, horizontal, vertical]| Spot {
-            fidelity: STAND_IN,
-            design: [buoyancy + aft, *pitch, *horizontal, *vertical],
-        })
-        .collect();
-    let table_6 = at(&path).into_iter().map(|flown| flown.map(|one| one.cost(&candidate.weights[1])));
+    let path: Vec<Spot> = table_6.iter().map(|design| Spot { fidelity: STAND_IN, design: *design }).collect();
+    let table_6 =
+        calibration.fly(candidate, &path).into_iter().map(|flown| flown.map(|one| one.cost(&candidate.weights[1])));
     let diagnostics = |study: usize| landscape.diagnostics(study, calibration.boxes[study], candidate);
     Ok(Seen {
         evidence: evidence.collect::<Result<_>>()?,
@@ -112,12 +87,11 @@ fn words([low, middle, high]: [f64; 3], digits: usize) -> String {
     format!("{middle:.digits$} ({low:.digits$} to {high:.digits$})")
 }
 
-/// The share of a range that the plants span, and the number of its fifths in which one lies.
-fn coverage(calibration: &Calibration, store: &Store, index: usize) -> ([f64; 3], usize) {
+/// In how many fifths of its range a number lies in some plant.
+fn n_fifths(calibration: &Calibration, store: &Store, index: usize) -> usize {
     let free = &calibration.free[index];
     let shares = || store.members.iter().map(|member| free.share(member.values[index]));
-    let fifths = (0..5).filter(|fifth| shares().any(|share| (share * 5.0).floor().clamp(0.0, 4.0) as usize == *fifth));
-    (spread(shares()), fifths.count())
+    (0..5).filter(|fifth| shares().any(|share| (share * 5.0).floor().clamp(0.0, 4.0) as usize == *fifth)).count()
 }
 
 fn markdown(calibration: &Calibration, store: &Store, seen: &[Seen]) -> String {
@@ -152,7 +126,7 @@ fn findings(calibration: &Calibration, store: &Store, seen: &[Seen]) -> Vec<Stri
         (count > 0).then(|| format!("{count}: {}", refusal.words()))
     });
     let refused: Vec<String> = refused.collect();
-    let fifths: Vec<usize> = (0..calibration.free.len()).map(|k| coverage(calibration, store, k).1).collect();
+    let fifths: Vec<usize> = (0..calibration.free.len()).map(|k| n_fifths(calibration, store, k)).collect();
     let wide = fifths.iter().filter(|count| **count >= 4).count();
     let of =
         |study: usize, read: fn(&Diagnostics) -> f64| spread(seen.iter().map(|seen| read(&seen.diagnostics[study])));
@@ -239,7 +213,8 @@ fn held_out_table(calibration: &Calibration, seen: &[Seen]) -> Table {
         let predicted = words(spread(seen.iter().map(|seen| seen.held_out[index])), 2);
         table.push(vec![row.label.clone(), row.cost.map_or_else(String::new, |cost| cost.to_string()), predicted]);
     }
-    for row in 0..TABLE_6.len() {
+    let rows = seen.first().map_or(0, |seen| seen.table_6.len());
+    for row in 0..rows {
         let share = seen.iter().filter_map(|seen| Some(seen.table_6[row]? / seen.table_6[0]?));
         let label = format!("Table 6, row {row}: cost in the stand-in as a part of row 0");
         table.push(vec![label, String::new(), words(spread(share), 2)]);
@@ -277,7 +252,7 @@ fn ranges_table(calibration: &Calibration, store: &Store) -> Table {
             format!("{}", free.lower),
             format!("{}", free.upper),
             format!("{} ({} to {})", digits(middle), digits(low), digits(high)),
-            coverage(calibration, store, index).1.to_string(),
+            n_fifths(calibration, store, index).to_string(),
             free.reason.clone(),
         ]);
     }

@@ -252,6 +252,15 @@ impl Case {
     }
 }
 
+/// The designs of Table 6, row by row, in the order of [`Variable::ALL`].
+#[cfg(feature = "calibration")]
+pub(crate) fn table_6(root: &Path) -> Result<Vec<[f64; 4]>> {
+    let setup = Setup::read(&root.join("fixtures/bat/chapter7.toml"))?;
+    let of_table = |case: &&Case| case.entry.table == 6 && case.space.variables == Variable::ALL;
+    let case = setup.cases.iter().find(of_table).context("chapter7.toml has no case of Table 6 with all variables")?;
+    case.published.iter().map(|row| Ok(row.point.as_slice().try_into()?)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

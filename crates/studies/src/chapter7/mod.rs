@@ -17,4 +17,6 @@ mod run;
 mod tables;
 mod wrong;
 
+#[cfg(feature = "calibration")]
+pub(crate) use file::table_6;
 pub(crate) use run::CHAPTER;
