@@ -135,7 +135,8 @@ impl Units {
             || data.values().iter().zip(data.weights()).filter(|(_, weight)| **weight > 0.0).map(|(value, _)| *value);
         let [center, spread] = mean_and_spread(used());
         let simulated = places.simulated().map_or([0.0; 2], |all| mean_and_spread(all.iter().copied()));
-        let tiny = 1e-9 * center.abs();
+        // What rounding alone makes of equal values.
+        let tiny = 1e-13 * center.abs();
         let scale = [spread, simulated[1], 1e-6 * center.abs(), 1.0];
         let scale = scale.into_iter().find(|&scale| scale > tiny && scale > 0.0).unwrap_or(1.0);
         Self { center, scale, simulated_center: simulated[0] }
