@@ -1,7 +1,5 @@
 //! What the experiments so far come to: the recommended design, how far it may be from the best, and what speaks against it.
 
-use std::collections::BTreeSet;
-
 use design_space::Cell;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
@@ -11,6 +9,7 @@ use crate::Error;
 use crate::pooled::certificate::{Certificate, Draws};
 use crate::pooled::knowledge::{Knowledge, Reading};
 use crate::pooled::knowledge_gradient::{Picks, pick};
+use crate::pooled::outliers::{Outlier, Readings, outliers};
 use crate::pooled::pool::{FEASIBLE, Pool};
 use crate::pooled::recommendation::lowest_mean;
 use crate::pooled::settings::Settings;
@@ -61,15 +60,6 @@ pub struct Contradiction {
     pub deviations: f64,
 }
 
-/// A reading that the others do not expect.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Outlier {
-    /// Position among the readings.
-    pub reading: usize,
-    /// Distance from what the other readings say, in standard deviations; positive if it is above.
-    pub deviations: f64,
-}
-
 /// What the simulation is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SimulationWorth {
@@ -79,6 +69,8 @@ pub struct SimulationWorth {
     pub ignored: f64,
     /// Mean of its factor ρ, where it is used.
     pub factor: f64,
+    /// Standard deviation of that.
+    pub factor_deviation: f64,
 }
 
 /// The state of knowledge after some experiments.
@@ -98,7 +90,7 @@ pub struct Assessment {
     pub simulation: Option<SimulationWorth>,
     /// Readings that contradict the recommendation.
     pub contradiction: Option<Contradiction>,
-    /// Readings more than four standard deviations off.
+    /// Readings more than four standard deviations off, and those that are set aside.
     pub outliers: Vec<Outlier>,
     /// Further batches until the certificate is expected to be as small as the campaign's `worth`: 0 if it is.
     pub further_batches: Option<u64>,
@@ -109,32 +101,27 @@ pub(crate) struct Look {
     pub(crate) assessment: Assessment,
     /// The cells from which the next batch is picked.
     pub(crate) pool: Pool,
-    /// Cells of outliers that were run but once.
+    /// Cells of outliers that another run may explain.
     again: Vec<Cell>,
 }
 
-/// Beyond so many standard deviations a reading is an outlier, or contradicts.
-const STRIKING: f64 = 4.0;
+/// Beyond so many standard errors readings contradict the surface.
 const CONTRADICTING: f64 = 3.0;
-/// One reading that is far off can make all seem noisy. Suspects are compared with a surface through the others alone, and are
-/// outliers beyond so many standard deviations of that.
-const STRIKING_TO_OTHERS: f64 = 8.0;
-/// Suspects are, among so many readings, the one that fits worst, from so many standard deviations on, and the most extreme one,
-/// from so many times the usual distance to the median on; and those that differ from others of their settings by so many
-/// standard deviations of the noise, at most so many.
-const FEW: std::ops::RangeInclusive<usize> = 8..=60;
-const WORST: f64 = 1.5;
-const EXTREME: f64 = 5.0;
-const DISAGREEING: f64 = 3.0;
-const MOST_SUSPECT: usize = 2;
+/// Where a setting was run more often, another run would not explain an outlier.
+const MOST_RUNS: usize = 2;
 
 impl Look {
     pub(crate) fn at(
         knowledge: &mut Knowledge<'_, '_>,
-        readings: &[Reading],
+        readings: &Readings,
         settings: &Settings,
         batch: usize,
     ) -> Result<Self, Error> {
+        let (set_aside, readings) = (&readings.set_aside, &readings.kept[..]);
+        let open = outliers(knowledge, readings, settings)?;
+        let n_runs = |cell: Cell| readings.iter().filter(|reading| reading.cell == cell).count();
+        let suspects = readings.iter().filter(|reading| open.iter().any(|outlier| outlier.reading == reading.number));
+        let again = suspects.map(|reading| reading.cell).filter(|&cell| n_runs(cell) <= MOST_RUNS).collect();
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
         let cell = lowest_mean(knowledge, &pool)?;
         let draws = Draws::of(knowledge, &pool, cell, readings, settings.seed, batch)?;
@@ -146,14 +133,11 @@ impl Look {
             left: share_left(knowledge, &pool, cell, settings.confidence)?,
             simulation: simulation_worth(knowledge, readings)?,
             contradiction: contradiction(knowledge, readings, &recommended, settings.confidence)?,
-            outliers: outliers(knowledge, readings, settings)?,
+            outliers: set_aside.iter().copied().chain(open).collect(),
             recommended,
             certificate,
             further_batches: None,
         };
-        let n_runs = |cell: Cell| readings.iter().filter(|reading| reading.cell == cell).count();
-        let suspects = assessment.outliers.iter().map(|outlier| readings[outlier.reading].cell);
-        let again = suspects.filter(|&cell| n_runs(cell) == 1).collect();
         Ok(Self { assessment, pool: pool.reduced(settings.seed, batch), again })
     }
 
@@ -266,17 +250,19 @@ fn simulation_worth(knowledge: &mut Knowledge<'_, '_>, readings: &[Reading]) -> 
         return Ok(None);
     };
     let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
-    let factors: Vec<f64> = knowledge
-        .process
-        .particles()
-        .iter()
-        .filter(|particle| particle.structure().simulation != SimulationUse::Ignored)
-        .map(|particle| particle.simulation_factor().map_or(1.0, |[mean, _]| mean))
-        .collect();
-    let factor = if factors.is_empty() { 0.0 } else { factors.iter().sum::<f64>() / factors.len() as f64 };
-    let explained = squared_correlation(simulated, &responses);
-    let ignored = 1.0 - factors.len() as f64 / knowledge.process.particles().len() as f64;
-    Ok(Some(SimulationWorth { explained, ignored, factor }))
+    let particles = knowledge.process.particles();
+    let used = particles.iter().filter(|particle| particle.structure().simulation != SimulationUse::Ignored);
+    // A difference has the factor 1, and no doubt about it.
+    let factors: Vec<[f64; 2]> = used.map(|particle| particle.simulation_factor().unwrap_or([1.0, 0.0])).collect();
+    let n = factors.len().max(1) as f64;
+    let factor = factors.iter().map(|[mean, _]| mean).sum::<f64>() / n;
+    let variance = factors.iter().map(|[mean, variance]| variance + (mean - factor).powi(2)).sum::<f64>() / n;
+    Ok(Some(SimulationWorth {
+        explained: squared_correlation(simulated, &responses),
+        ignored: 1.0 - factors.len() as f64 / particles.len() as f64,
+        factor,
+        factor_deviation: variance.sqrt(),
+    }))
 }
 
 /// 0 where either is constant.
@@ -324,71 +310,4 @@ fn contradiction(
     };
     let standing = standing(knowledge, readings, cell, recommended.cell, confidence)?;
     Ok(Some(Contradiction { standing, deviations }))
-}
-
-/// How far each reading is from what the others say, in standard deviations; those of equal settings share theirs.
-pub(crate) fn surprises(knowledge: &Knowledge<'_, '_>, readings: &[Reading]) -> Vec<f64> {
-    let places = knowledge.process.sites().places();
-    let of_sites = knowledge.process.standardized_leave_one_out();
-    let points: Vec<Vec<f64>> = (0..places.n_places()).map(|site| places.point(site)).collect();
-    let of_reading =
-        |reading: &Reading| points.iter().position(|point| *point == reading.coded).map(|site| of_sites[site]);
-    readings.iter().map(|reading| of_reading(reading).unwrap_or(0.0)).collect()
-}
-
-/// Readings that the others do not expect; where all readings of a setting are unexpected, each of them.
-fn outliers(
-    knowledge: &mut Knowledge<'_, '_>,
-    readings: &[Reading],
-    settings: &Settings,
-) -> Result<Vec<Outlier>, Error> {
-    let surprises = surprises(knowledge, readings);
-    let striking = surprises.iter().enumerate().filter(|(_, deviations)| deviations.abs() > STRIKING);
-    let outliers: Vec<Outlier> = striking.map(|(reading, &deviations)| Outlier { reading, deviations }).collect();
-    if !outliers.is_empty() {
-        return Ok(outliers);
-    }
-    let mut worst: Option<Outlier> = None;
-    for reading in suspects(&surprises, readings, knowledge.process.noise()) {
-        let deviations = knowledge.surprise_to_others(readings, reading, settings)?;
-        if deviations.abs() > worst.map_or(STRIKING_TO_OTHERS, |worst| worst.deviations.abs()) {
-            worst = Some(Outlier { reading, deviations });
-        }
-    }
-    Ok(worst.into_iter().collect())
-}
-
-/// Readings that may have made all seem noisy: among few the one that fits worst and the most extreme one, and those that agree
-/// least with others of their settings.
-fn suspects(surprises: &[f64], readings: &[Reading], noise: f64) -> BTreeSet<usize> {
-    let largest = |values: &[f64]| {
-        let order = |&a: &usize, &b: &usize| values[a].abs().total_cmp(&values[b].abs()).then(b.cmp(&a));
-        (0..values.len()).max_by(order)
-    };
-    let mut suspects = BTreeSet::new();
-    if FEW.contains(&readings.len()) {
-        suspects.extend(largest(surprises).filter(|&worst| surprises[worst].abs() >= WORST));
-        let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
-        let center = median(responses.clone());
-        let distances: Vec<f64> = responses.iter().map(|response| response - center).collect();
-        let usual = median(distances.iter().map(|distance| distance.abs()).collect());
-        suspects.extend(largest(&distances).filter(|&farthest| distances[farthest].abs() > EXTREME * usual));
-    }
-    let from_mates = |(index, one): (usize, &Reading)| {
-        let mates = readings.iter().enumerate().filter(|(other, mate)| *other != index && mate.coded == one.coded);
-        let (sum, n) = mates.fold((0.0, 0.0), |(sum, n), (_, mate)| (sum + mate.response, n + 1.0));
-        if n > 0.0 { one.response - sum / n } else { 0.0 }
-    };
-    let disagreements: Vec<f64> = readings.iter().enumerate().map(from_mates).collect();
-    if let Some(first) = largest(&disagreements).filter(|&first| disagreements[first].abs() > DISAGREEING * noise) {
-        let as_far = |index: &usize| disagreements[*index].abs() >= 0.999 * disagreements[first].abs();
-        suspects.extend((0..readings.len()).filter(as_far).take(MOST_SUSPECT));
-    }
-    suspects
-}
-
-/// The upper one of the two in the middle.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

@@ -7,10 +7,11 @@ use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use crate::global::trial::{NEAR_THE_REGION, far_setting};
-use crate::pooled::assessment::{Assessment, Expectation, Look, Standing, standing, surprises};
+use crate::pooled::assessment::{Assessment, Expectation, Look, Standing, standing};
 use crate::pooled::designs::Designs;
 use crate::pooled::first_batch::{first_batch, spread};
 use crate::pooled::knowledge::{Knowledge, Reading};
+use crate::pooled::outliers::{Readings, set_aside, surprises};
 use crate::pooled::pool::Pool;
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Emulator, Simulate, Simulated, Source};
@@ -40,8 +41,8 @@ pub type Record = crate::Record<Trial, Vec<f64>>;
 pub struct Earlier {
     /// Its settings, natural; not necessarily on the grid.
     pub point: Vec<f64>,
-    /// The response that it gave.
-    pub response: f64,
+    /// The response that it gave, or why it gave none.
+    pub outcome: Outcome,
     /// Where it comes from, in the experimenter's own words.
     pub source: String,
 }
@@ -90,7 +91,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::DesignSpace`] for 2⁶⁴ designs or more, and those of [`Settings::validate`].
+    /// [`Error::DesignSpace`] for 2⁶⁴ designs or more, by levels alone, and those of [`Settings::validate`].
     pub fn new(region: &Region, settings: Settings) -> Result<Self, Error> {
         settings.validate()?;
         let (records, earlier, due) = (Vec::new(), Vec::new(), Vec::new());
@@ -120,7 +121,8 @@ impl Loop {
         self.designs.region()
     }
 
-    /// The designs: every combination of levels, a continuous parameter having 1001 of them.
+    /// The designs: every combination of levels, a continuous parameter having 1001 of them, or as many fewer as it takes to
+    /// count the designs.
     #[must_use]
     pub fn grid(&self) -> &Grid {
         self.designs.grid()
@@ -205,7 +207,7 @@ impl Loop {
         } else {
             let pending = pending_cells(&self.records);
             let simulated = &mut self.simulated;
-            let mut knowledge = Knowledge::of(&readings, &failed, designs, settings, simulated, source)?;
+            let (mut knowledge, readings) = learnt(readings, &failed, designs, settings, simulated, source)?;
             let look = Look::at(&mut knowledge, &readings, settings, batch)?;
             if settings.worth.is_some_and(|worth| look.assessment.certificate.bound <= worth) {
                 return Ok(Ask::Stopped(StopReason::NotWorthIt));
@@ -292,15 +294,38 @@ impl Loop {
     /// [`Error::DesignSpace`] for a wrong number of settings, [`Error::EarlierSetting`] for one more than half a parameter's
     /// width outside of its bounds, [`Error::Setting`] for a response that is not finite or beyond 1e100.
     pub fn add_earlier(&mut self, point: &[f64], response: f64, source: impl Into<String>) -> Result<(), Error> {
-        if let Some((parameter, value)) = far_setting(point, self.region())? {
-            return Err(Error::EarlierSetting { parameter, value, expected: NEAR_THE_REGION });
-        }
+        self.check_earlier(point)?;
         if response.is_nan() || response.abs() > surface::Data::LARGEST {
             let expected = "a response of at most 1e100 in magnitude";
             return Err(Error::Setting { name: "response", value: response, expected });
         }
-        self.earlier.push(Earlier { point: point.to_vec(), response, source: source.into() });
+        self.earlier.push(Earlier { point: point.to_vec(), outcome: Outcome::Value(response), source: source.into() });
         Ok(())
+    }
+
+    /// An experiment made outside of the campaign that gave no response: it tells where others may fail.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DesignSpace`] for a wrong number of settings, [`Error::EarlierSetting`] for one more than half a parameter's
+    /// width outside of its bounds.
+    pub fn add_earlier_failure(
+        &mut self,
+        point: &[f64],
+        reason: impl Into<String>,
+        source: impl Into<String>,
+    ) -> Result<(), Error> {
+        self.check_earlier(point)?;
+        let outcome = Outcome::Failed { reason: reason.into() };
+        self.earlier.push(Earlier { point: point.to_vec(), outcome, source: source.into() });
+        Ok(())
+    }
+
+    fn check_earlier(&self, point: &[f64]) -> Result<(), Error> {
+        match far_setting(point, self.region())? {
+            Some((parameter, value)) => Err(Error::EarlierSetting { parameter, value, expected: NEAR_THE_REGION }),
+            None => Ok(()),
+        }
     }
 
     /// Takes back the [earlier](Self::add_earlier) experiments from this source. How many there were.
@@ -337,7 +362,7 @@ impl Loop {
             let recommended = crate::pooled::recommendation::lowest_mean(knowledge, &pool)?;
             cells
                 .iter()
-                .map(|&cell| standing(knowledge, readings, cell, recommended, settings.confidence))
+                .map(|&cell| standing(knowledge, &readings.kept, cell, recommended, settings.confidence))
                 .collect::<Result<Vec<_>, _>>()
         })
     }
@@ -372,13 +397,23 @@ impl Loop {
     ///
     /// [`Error::Surface`] if the responses cannot be fitted.
     pub fn surprises(&mut self, simulate: Option<&mut Simulate<'_>>) -> Result<Option<Vec<f64>>, Error> {
-        self.with_knowledge(simulate, |knowledge, readings, _, _| Ok(surprises(knowledge, readings)))
+        let n = self.readings()?.len();
+        self.with_knowledge(simulate, |knowledge, readings, _, _| {
+            let mut all = vec![0.0; n];
+            for (reading, surprise) in readings.kept.iter().zip(surprises(knowledge, &readings.kept)) {
+                all[reading.number] = surprise;
+            }
+            for outlier in &readings.set_aside {
+                all[outlier.reading] = outlier.deviations;
+            }
+            Ok(all)
+        })
     }
 
     fn with_knowledge<T>(
         &mut self,
         simulate: Option<&mut Simulate<'_>>,
-        read: impl FnOnce(&mut Knowledge<'_, '_>, &[Reading], &Settings, usize) -> Result<T, Error>,
+        read: impl FnOnce(&mut Knowledge<'_, '_>, &Readings, &Settings, usize) -> Result<T, Error>,
     ) -> Result<Option<T>, Error> {
         let readings = self.readings()?;
         if readings.is_empty() {
@@ -387,7 +422,7 @@ impl Loop {
         let (batch, failed) = (self.batch(), self.failed_cells()?);
         let (settings, designs) = (&self.settings, &self.designs);
         let source = source(settings, designs, &self.simulated, simulate)?;
-        let mut knowledge = Knowledge::of(&readings, &failed, designs, settings, &mut self.simulated, source)?;
+        let (mut knowledge, readings) = learnt(readings, &failed, designs, settings, &mut self.simulated, source)?;
         read(&mut knowledge, &readings, settings, batch).map(Some)
     }
 
@@ -442,27 +477,29 @@ impl Loop {
 
     /// All responses: earlier ones first, then those of the trials in their order.
     fn readings(&self) -> Result<Vec<Reading>, Error> {
-        let earlier = self.earlier.iter().map(|earlier| self.reading(&earlier.point, earlier.response));
+        let measured = |earlier: &Earlier| Some(self.reading(&earlier.point, earlier.outcome.cost()?));
+        let earlier = self.earlier.iter().filter_map(measured);
         let measured = self.records.iter().filter_map(|record| record.cost().map(|response| (record, response)));
         let own = measured.map(|(record, response)| match &record.actual {
             Some(actual) => self.reading(actual, response),
             None => {
                 let cell = record.trial.cell;
-                Ok(Reading { coded: self.designs.grid().coded(cell)?, cell, response })
+                Ok(Reading { coded: self.designs.grid().coded(cell)?, cell, response, number: 0 })
             }
         });
-        earlier.chain(own).collect()
+        let numbered = |(number, reading): (usize, Result<Reading, Error>)| Ok(Reading { number, ..reading? });
+        earlier.chain(own).enumerate().map(numbered).collect()
     }
 
     /// Where an experiment failed: at the settings really made, as far as they are known.
     fn failed_cells(&self) -> Result<BTreeSet<Cell>, Error> {
-        let failed = self.records.iter().filter(|record| record.is_failed());
-        failed
-            .map(|record| match &record.actual {
-                Some(actual) => Ok(self.designs.grid().nearest(&self.region().clamp(actual)?)?),
-                None => Ok(record.trial.cell),
-            })
-            .collect()
+        let nearest = |point: &[f64]| Ok(self.designs.grid().nearest(&self.region().clamp(point)?)?);
+        let earlier = self.earlier.iter().filter(|earlier| earlier.outcome.cost().is_none());
+        let own = self.records.iter().filter(|record| record.is_failed()).map(|record| match &record.actual {
+            Some(actual) => nearest(actual),
+            None => Ok(record.trial.cell),
+        });
+        earlier.map(|earlier| nearest(&earlier.point)).chain(own).collect()
     }
 
     /// A response at natural settings, on the grid or off it.
@@ -471,8 +508,25 @@ impl Loop {
         let (on_grid, here) = (self.designs.grid().coded(cell)?, self.region().coded(point)?);
         // Settings of the grid, however they were written, are those of the grid.
         let same = on_grid.iter().zip(&here).all(|(a, b)| (a - b).abs() < 1e-9);
-        Ok(Reading { coded: if same { on_grid } else { here }, cell, response })
+        Ok(Reading { coded: if same { on_grid } else { here }, cell, response, number: 0 })
     }
+}
+
+/// What follows from readings, but for those that are set aside.
+fn learnt<'a, 'b>(
+    mut readings: Vec<Reading>,
+    failed: &BTreeSet<Cell>,
+    designs: &'a Designs,
+    settings: &Settings,
+    simulated: &'a mut Simulated,
+    source: Source<'a, 'b>,
+) -> Result<(Knowledge<'a, 'b>, Readings), Error> {
+    let mut knowledge = Knowledge::of(&readings, failed, designs, settings, simulated, source)?;
+    let set_aside = set_aside(&mut knowledge, &mut readings, settings)?;
+    if !set_aside.is_empty() {
+        knowledge = knowledge.through(&readings, failed, settings)?;
+    }
+    Ok((knowledge, Readings { kept: readings, set_aside }))
 }
 
 /// Where simulated responses come from.

@@ -15,16 +15,22 @@ pub(crate) struct Designs {
 }
 
 impl Designs {
-    /// Levels along a continuous parameter: steps of a thousandth of its width.
-    pub(crate) const FINE: u32 = 1001;
+    /// Levels along a continuous parameter: steps of a thousandth of its width, or of the first of these shares with which all
+    /// designs can be counted.
+    pub(crate) const FINE: [u32; 7] = [1001, 501, 201, 101, 51, 21, 11];
 
     pub(crate) fn of(region: &Region) -> Result<Self, Error> {
-        let finely = |parameter: &Parameter| match parameter.levels() {
-            Levels::Count(_) => Ok(parameter.clone()),
-            Levels::Continuous => parameter.clone().with_levels(Self::FINE),
+        let with = |fine: u32| -> Result<Grid, Error> {
+            let finely = |parameter: &Parameter| match parameter.levels() {
+                Levels::Count(_) => Ok(parameter.clone()),
+                Levels::Continuous => parameter.clone().with_levels(fine),
+            };
+            let parameters = region.parameters().iter().map(finely).collect::<Result<_, _>>()?;
+            Ok(Grid::of(&Region::new(parameters)?)?)
         };
-        let parameters = region.parameters().iter().map(finely).collect::<Result<_, _>>()?;
-        let grid = Grid::of(&Region::new(parameters)?)?;
+        let [finest, coarser @ ..] = Self::FINE;
+        // The first refusal names what a person may change.
+        let grid = with(finest).or_else(|error| coarser.into_iter().find_map(|fine| with(fine).ok()).ok_or(error))?;
         Ok(Self { region: region.clone(), grid })
     }
 

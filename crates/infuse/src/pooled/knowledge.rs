@@ -20,6 +20,25 @@ pub(crate) struct Reading {
     pub(crate) coded: Vec<f64>,
     pub(crate) cell: Cell,
     pub(crate) response: f64,
+    /// Position among all readings.
+    pub(crate) number: usize,
+}
+
+/// What others say of a reading.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct View {
+    mean: f64,
+    /// Standard deviation of a reading there.
+    deviation: f64,
+    /// Standard deviation of the noise alone.
+    pub(crate) noise: f64,
+}
+
+impl View {
+    /// How far a reading is from that, in standard deviations.
+    pub(crate) fn of(&self, reading: &Reading) -> f64 {
+        (reading.response - self.mean) / self.deviation
+    }
 }
 
 /// Particles of the sceptic.
@@ -87,16 +106,16 @@ impl<'a, 'b> Knowledge<'a, 'b> {
         Ok(Self { designs, process, sceptic, simulated, feasibility, measured, failed, source })
     }
 
-    /// How far a reading is from what a surface says that was learnt from the others alone, in standard deviations of a reading.
-    pub(crate) fn surprise_to_others(
+    /// The settings of a reading, seen from a surface that was learnt without the readings that are `left_out`, of which
+    /// it must be one.
+    pub(crate) fn seen_from(
         &mut self,
         readings: &[Reading],
-        index: usize,
+        left_out: impl Fn(&Reading) -> bool,
+        one: &Reading,
         settings: &Settings,
-    ) -> Result<f64, Error> {
-        let one = &readings[index];
-        let others = readings.iter().enumerate().filter(|(other, _)| *other != index);
-        let others: Vec<&Reading> = others.map(|(_, reading)| reading).collect();
+    ) -> Result<View, Error> {
+        let others: Vec<&Reading> = readings.iter().filter(|reading| !left_out(reading)).collect();
         let cells: Vec<Cell> = others.iter().map(|other| other.cell).chain([one.cell]).collect();
         let places = self.places(&cells)?;
         let coordinates = others.iter().flat_map(|other| &other.coded).copied().collect();
@@ -111,8 +130,18 @@ impl<'a, 'b> Knowledge<'a, 'b> {
         if let Some(here) = here {
             place = place.with_simulated(vec![here])?;
         }
-        let marginals = process.marginals(&place);
-        Ok((one.response - marginals.means[0]) / (marginals.variances[0] + process.noise().powi(2)).sqrt())
+        let (marginals, noise) = (process.marginals(&place), process.noise());
+        Ok(View { mean: marginals.means[0], deviation: (marginals.variances[0] + noise.powi(2)).sqrt(), noise })
+    }
+
+    /// The same knowledge from other readings.
+    pub(crate) fn through(
+        self,
+        readings: &[Reading],
+        failed: &BTreeSet<Cell>,
+        settings: &Settings,
+    ) -> Result<Self, Error> {
+        Self::of(readings, failed, self.designs, settings, self.simulated, self.source)
     }
 
     /// Cells as places of the surface.

@@ -9,8 +9,8 @@
 //! 3. Draws from that average, and some from one that does not believe the simulation, tell how much better another design may
 //!    be: the [`Certificate`].
 //! 4. The next batch is what lowers the expected minimum most: a knowledge gradient, pick by pick, repeats allowed. One pick in
-//!    eight is for the one who does not believe the simulation, so that a simulation that misleads is found out sooner; a reading that is
-//!    far from all others is run again first.
+//!    six is for the one who does not believe the simulation, so that a simulation that misleads is found out sooner; a reading
+//!    that is far from all others is run again first, and set aside if that run says otherwise.
 //!
 //! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, half over the box and half over
 //! what the simulation likes. Nothing is dropped for good, and all of
@@ -46,14 +46,16 @@ mod designs;
 mod first_batch;
 mod knowledge;
 mod knowledge_gradient;
+mod outliers;
 mod pool;
 mod recommendation;
 mod settings;
 mod simulated;
 mod streams;
 
-pub use assessment::{Assessment, Contradiction, Expectation, Outlier, SimulationWorth, Standing};
+pub use assessment::{Assessment, Contradiction, Expectation, SimulationWorth, Standing};
 pub use campaign::{Ask, Earlier, Loop, Record, StopReason, Trial};
 pub use certificate::Certificate;
+pub use outliers::Outlier;
 pub use settings::Settings;
 pub use simulated::Simulate;

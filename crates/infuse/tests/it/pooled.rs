@@ -565,3 +565,71 @@ fn simulations_that_were_forgotten_are_asked_for_again() {
     };
     assert_eq!((again, campaign.n_simulated()), (simulations, 0));
 }
+
+/// Runs a campaign in which one reading of the first batch is spoilt by so much.
+fn with_a_spoilt_reading(seed: u64, slip: f64, max_batches: usize) -> Loop {
+    let mut campaign = campaign(2, 21, batches(10, max_batches, seed));
+    let mut experiment = noisy(seed, 0.02, truth);
+    let spoilt = TrialId::new(1 + seed % 10);
+    let mut spoiling =
+        |trial: &Trial| Ok::<f64, String>(experiment(trial)? + if trial.id == spoilt { slip } else { 0.0 });
+    campaign.run(&mut simulation, &mut spoiling).expect("it ends");
+    campaign
+}
+
+/// One reading in the first batch is a hundred standard deviations off, to either side: it is run again, that run says otherwise,
+/// and from then on it moves neither the recommendation nor the noise.
+#[test]
+fn a_spoilt_reading_is_set_aside_once_it_was_run_again() {
+    let mut n_aside = 0;
+    for (seed, slip) in (1..=12).flat_map(|seed| [(seed, 2.0), (seed, -2.0)]) {
+        let mut campaign = with_a_spoilt_reading(seed, slip, 3);
+        let found = assessed(&mut campaign);
+        let spoilt = usize::try_from(seed % 10).expect("a small number");
+        let cell = campaign.records()[spoilt].trial.cell;
+        let n_runs = campaign.records().iter().filter(|record| record.trial.cell == cell).count();
+        let aside: Vec<usize> =
+            found.outliers.iter().filter(|outlier| outlier.set_aside).map(|outlier| outlier.reading).collect();
+        let expected = if n_runs > 1 { vec![spoilt] } else { Vec::new() };
+        assert_eq!(aside, expected, "seed {seed}, {slip}: {:?}", found.outliers);
+        assert!((0.01..0.04).contains(&found.noise), "seed {seed}, {slip}: noise {}", found.noise);
+        let regret = truth(&found.recommended.point);
+        assert!(regret < 0.02 && regret <= found.certificate.bound, "seed {seed}, {slip}: regret {regret}");
+        n_aside += aside.len();
+    }
+    assert!(n_aside >= 20, "of 24 spoilt readings {n_aside} were found out");
+}
+
+/// Two spoilt readings of one setting that agree are believed: a well that nobody knew of looks the same.
+#[test]
+fn runs_that_agree_are_not_set_aside() {
+    let well = |point: &[f64]| {
+        let square: f64 = point.iter().map(|x| (x + 0.7).powi(2)).sum();
+        truth(point) - 4.0 * (-square / 0.02).exp()
+    };
+    let mut campaign = campaign(2, 21, batches(12, 1, 2));
+    campaign.run(&mut simulation, &mut noisy(2, 0.02, truth)).expect("it ends");
+    let bottom = [-0.7, -0.7];
+    for _ in 0..2 {
+        campaign.add_earlier(&bottom, well(&bottom), "a lucky day").expect("a point of the region");
+    }
+    let found = assessed(&mut campaign);
+    assert!(found.outliers.iter().all(|outlier| !outlier.set_aside), "{:?}", found.outliers);
+    assert!(found.recommended.mean < -1.0, "{:?}", found.recommended);
+}
+
+/// Many repeats, however noisy, and none of them is taken for spoilt.
+#[test]
+fn honest_repeats_are_not_set_aside() {
+    for (seed, noise) in (1..=10).flat_map(|seed| [(seed, 0.0), (seed, 0.02), (seed, 0.3)]) {
+        let mut campaign = campaign(2, 21, batches(12, 2, seed));
+        let mut experiment = noisy(seed, noise, truth);
+        campaign.run(&mut simulation, &mut experiment).expect("it ends");
+        let cells: Vec<Cell> = campaign.records().iter().take(12).map(|record| record.trial.cell).collect();
+        for trial in campaign.hand_out(&cells).expect("cells of the grid") {
+            campaign.tell(trial.id, experiment(&trial).into()).expect("an outstanding trial");
+        }
+        let outliers = assessed(&mut campaign).outliers;
+        assert!(outliers.iter().all(|outlier| !outlier.set_aside), "seed {seed}, noise {noise}: {outliers:?}");
+    }
+}

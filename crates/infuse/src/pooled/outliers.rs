@@ -1,0 +1,197 @@
+//! Readings that the others do not expect, and those that a repeat gives the lie to.
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::pooled::knowledge::{Knowledge, Reading};
+use crate::pooled::settings::Settings;
+
+/// A reading that the others do not expect.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Outlier {
+    /// Position among the readings.
+    pub reading: usize,
+    /// Distance from what the other readings say, in standard deviations; positive if it is above.
+    pub deviations: f64,
+    /// Whether it is left out of the surface: other runs of its settings gave something else, which the others do expect.
+    pub set_aside: bool,
+}
+
+/// The readings that make the surface, and those that do not.
+#[derive(Debug, Default)]
+pub(crate) struct Readings {
+    pub(crate) kept: Vec<Reading>,
+    pub(crate) set_aside: Vec<Outlier>,
+}
+
+/// Beyond so many standard deviations a reading is an outlier.
+const STRIKING: f64 = 4.0;
+/// One reading that is far off can make all seem noisy. Suspects are compared with a surface through the others alone, and are
+/// outliers beyond so many standard deviations of that.
+const STRIKING_TO_OTHERS: f64 = 8.0;
+/// Suspects are, among so many readings, the one that fits worst, from so many standard deviations on, and the most extreme one,
+/// from so many times the usual distance to the median on; and those that differ from others of their settings by so many
+/// standard deviations of the noise, at most so many.
+const FEW: std::ops::RangeInclusive<usize> = 8..=60;
+const WORST: f64 = 1.5;
+const EXTREME: f64 = 5.0;
+const DISAGREEING: f64 = 3.0;
+const MOST_SUSPECT: usize = 2;
+/// A repeat is looked into if it differs from its mates by so many times the usual difference of repeats, or, where there are
+/// fewer repeated settings than so many, by as much as readings usually differ from their median.
+const UNUSUAL: f64 = 6.0;
+const ENOUGH_REPEATED: usize = 3;
+/// At most so many settings are looked into.
+const MOST_LOOKED_INTO: usize = 8;
+/// The surface through other settings expects a reading that lies within so many of its standard deviations.
+const EXPECTED: f64 = 4.0;
+
+/// How far each reading is from what the others say, in standard deviations; those of equal settings share theirs.
+pub(crate) fn surprises(knowledge: &Knowledge<'_, '_>, readings: &[Reading]) -> Vec<f64> {
+    let places = knowledge.process.sites().places();
+    let of_sites = knowledge.process.standardized_leave_one_out();
+    let points: Vec<Vec<f64>> = (0..places.n_places()).map(|site| places.point(site)).collect();
+    let of_reading =
+        |reading: &Reading| points.iter().position(|point| *point == reading.coded).map(|site| of_sites[site]);
+    readings.iter().map(|reading| of_reading(reading).unwrap_or(0.0)).collect()
+}
+
+/// Readings that the others do not expect; where all readings of a setting are unexpected, each of them.
+pub(crate) fn outliers(
+    knowledge: &mut Knowledge<'_, '_>,
+    readings: &[Reading],
+    settings: &Settings,
+) -> Result<Vec<Outlier>, Error> {
+    let named = |at: usize, deviations: f64| Outlier { reading: readings[at].number, deviations, set_aside: false };
+    let surprises = surprises(knowledge, readings);
+    let striking = surprises.iter().enumerate().filter(|(_, deviations)| deviations.abs() > STRIKING);
+    let outliers: Vec<Outlier> = striking.map(|(at, &deviations)| named(at, deviations)).collect();
+    if !outliers.is_empty() {
+        return Ok(outliers);
+    }
+    let mut worst: Option<Outlier> = None;
+    for at in suspects(&surprises, readings, knowledge.process.noise()) {
+        let one = &readings[at];
+        let mut deviations = knowledge.seen_from(readings, |other| other.number == one.number, one, settings)?.of(one);
+        let is_mate = |other: &Reading| other.coded == one.coded;
+        let has_mates = readings.iter().filter(|other| is_mate(other)).count() > 1;
+        if has_mates && !readings.iter().all(is_mate) && deviations.abs() > STRIKING_TO_OTHERS {
+            // A mate that is far off itself is no witness.
+            let by_other_settings = knowledge.seen_from(readings, is_mate, one, settings)?.of(one);
+            if by_other_settings.abs() < deviations.abs() {
+                deviations = by_other_settings;
+            }
+        }
+        if deviations.abs() > worst.map_or(STRIKING_TO_OTHERS, |worst| worst.deviations.abs()) {
+            worst = Some(named(at, deviations));
+        }
+    }
+    Ok(worst.into_iter().collect())
+}
+
+/// Takes out of `readings` those that repeats give the lie to, and says which they were. Of two runs of the same settings that differ by
+/// far more than the noise, one is left out if the surface through all other settings expects the other one and not it. Nothing
+/// is left out that was run but once: it may be the well that nobody knew of.
+pub(crate) fn set_aside(
+    knowledge: &mut Knowledge<'_, '_>,
+    readings: &mut Vec<Reading>,
+    settings: &Settings,
+) -> Result<Vec<Outlier>, Error> {
+    let mut set_aside = Vec::new();
+    for suspect in quarrels(readings) {
+        let Some(at) = readings.iter().position(|reading| reading.number == suspect) else { continue };
+        let coded = readings[at].coded.clone();
+        let is_mate = |other: &Reading| other.coded == coded;
+        if readings.iter().all(is_mate) {
+            continue;
+        }
+        let view = knowledge.seen_from(readings, is_mate, &readings[at], settings)?;
+        let mut mates: Vec<usize> = (0..readings.len()).filter(|&mate| is_mate(&readings[mate])).collect();
+        mates.sort_by(|&a, &b| view.of(&readings[a]).abs().total_cmp(&view.of(&readings[b]).abs()));
+        let (Some(&nearest), Some(&farthest)) = (mates.first(), mates.last()) else { continue };
+        let apart = (readings[farthest].response - readings[nearest].response).abs();
+        let deviations = view.of(&readings[farthest]);
+        if deviations.abs() > STRIKING_TO_OTHERS
+            && view.of(&readings[nearest]).abs() < EXPECTED
+            && apart > STRIKING_TO_OTHERS * view.noise
+        {
+            let reading = readings.remove(farthest).number;
+            set_aside.push(Outlier { reading, deviations, set_aside: true });
+        }
+    }
+    set_aside.sort_by_key(|outlier| outlier.reading);
+    Ok(set_aside)
+}
+
+/// A reading of each setting whose runs differ unusually much, those first that differ most.
+fn quarrels(readings: &[Reading]) -> Vec<usize> {
+    let from_mates = disagreements(readings);
+    let mut of_settings: Vec<usize> = Vec::new();
+    for at in (0..readings.len()).filter(|&at| from_mates[at] != 0.0) {
+        match of_settings.iter_mut().find(|other| readings[**other].coded == readings[at].coded) {
+            Some(most) if from_mates[at].abs() > from_mates[*most].abs() => *most = at,
+            Some(_) => {}
+            None => of_settings.push(at),
+        }
+    }
+    of_settings.sort_by(|&a, &b| from_mates[b].abs().total_cmp(&from_mates[a].abs()).then(a.cmp(&b)));
+    let usual = if of_settings.len() > ENOUGH_REPEATED {
+        UNUSUAL * median(of_settings.iter().map(|&at| from_mates[at].abs()).collect())
+    } else {
+        usual_distance(readings)
+    };
+    let unusual = of_settings.into_iter().filter(|&at| from_mates[at].abs() > usual);
+    unusual.take(MOST_LOOKED_INTO).map(|at| readings[at].number).collect()
+}
+
+/// Readings that may have made all seem noisy: among few the one that fits worst and the most extreme one, and those that agree
+/// least with others of their settings.
+fn suspects(surprises: &[f64], readings: &[Reading], noise: f64) -> BTreeSet<usize> {
+    let mut suspects = BTreeSet::new();
+    if FEW.contains(&readings.len()) {
+        suspects.extend(largest(surprises).filter(|&worst| surprises[worst].abs() >= WORST));
+        let distances = distances_to_median(readings);
+        let usual = usual_distance(readings);
+        suspects.extend(largest(&distances).filter(|&farthest| distances[farthest].abs() > EXTREME * usual));
+    }
+    let disagreements = disagreements(readings);
+    if let Some(first) = largest(&disagreements).filter(|&first| disagreements[first].abs() > DISAGREEING * noise) {
+        let as_far = |index: &usize| disagreements[*index].abs() >= 0.999 * disagreements[first].abs();
+        suspects.extend((0..readings.len()).filter(as_far).take(MOST_SUSPECT));
+    }
+    suspects
+}
+
+/// Of each reading, the distance to the mean of the others of its settings; 0 where there is none.
+fn disagreements(readings: &[Reading]) -> Vec<f64> {
+    let from_mates = |(index, one): (usize, &Reading)| {
+        let mates = readings.iter().enumerate().filter(|(other, mate)| *other != index && mate.coded == one.coded);
+        let (sum, n) = mates.fold((0.0, 0.0), |(sum, n), (_, mate)| (sum + mate.response, n + 1.0));
+        if n > 0.0 { one.response - sum / n } else { 0.0 }
+    };
+    readings.iter().enumerate().map(from_mates).collect()
+}
+
+fn distances_to_median(readings: &[Reading]) -> Vec<f64> {
+    let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
+    let center = median(responses.clone());
+    responses.iter().map(|response| response - center).collect()
+}
+
+fn usual_distance(readings: &[Reading]) -> f64 {
+    median(distances_to_median(readings).iter().map(|distance| distance.abs()).collect())
+}
+
+/// Where the largest magnitude is; the first of several.
+fn largest(values: &[f64]) -> Option<usize> {
+    let order = |&a: &usize, &b: &usize| values[a].abs().total_cmp(&values[b].abs()).then(b.cmp(&a));
+    (0..values.len()).max_by(order)
+}
+
+/// The upper one of the two in the middle.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
