@@ -25,6 +25,21 @@ pub(crate) fn short(value: f64) -> String {
     plain(rounded)
 }
 
+/// A computed value that is known to about `resolution`: four digits, or as many as show that.
+pub(crate) fn resolved(value: f64, resolution: f64) -> String {
+    let exponent = resolution.log10().floor();
+    let can_be_shown = (1e-5..1e15).contains(&value.abs()) && (-12.0..15.0).contains(&exponent);
+    if !can_be_shown || value.abs() < 10_f64.powf(exponent + 3.0) {
+        return short(value);
+    }
+    if exponent >= 0.0 {
+        let unit = 10_f64.powf(exponent);
+        return format!("{:.0}", (value / unit).round() * unit);
+    }
+    let text = format!("{value:.*}", -exponent as usize);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// A setting for people to read: as many decimals as tell levels that are this far apart well from each other, if it has
 /// more than a person would type.
 pub(crate) fn setting(value: f64, step: f64) -> String {
@@ -116,6 +131,18 @@ mod tests {
         assert_eq!(plain(1.25e-9), "1.25e-9");
         assert_eq!(short(1.234_567), "1.235");
         assert_eq!(short(21_344.0), "21340");
+    }
+
+    #[test]
+    fn values_show_what_is_known_of_them() {
+        assert_eq!(resolved(12_345.678, 0.2), "12345.7");
+        assert_eq!(resolved(12_345.678, 30.0), "12350", "four digits at least");
+        assert_eq!(resolved(5_000.0, 0.01), "5000");
+        assert_eq!(resolved(2.206_4, 0.05), "2.206");
+        assert_eq!(resolved(1_000_000_000_003.25, 0.01), "1000000000003.25");
+        assert_eq!(resolved(-71.234_56, 0.001), "-71.235");
+        assert_eq!(resolved(3.0, 0.0), "3");
+        assert_eq!(resolved(21_344.0, f64::NAN), "21340");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use infuse::pooled::Trial;
 use page::Finding;
 use serde_json::Value;
 
-use crate::journal::{Event, Journal, Writer};
+use crate::journal::{Event, Journal, Measured, Writer};
 use crate::problem::Problem;
 pub(crate) use changes::changes;
 pub(crate) use experiments::Experiments;
@@ -55,7 +55,7 @@ pub(crate) struct Wish {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Imported {
     pub(crate) point: Vec<f64>,
-    pub(crate) value: f64,
+    pub(crate) result: Measured,
     pub(crate) source: String,
 }
 

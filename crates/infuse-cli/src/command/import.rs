@@ -21,9 +21,7 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     let in_use = campaign.imported();
     let is_known = |one: &sheet::Imported| {
         in_use.iter().any(|earlier| {
-            earlier.point == one.point
-                && earlier.value.to_bits() == one.value.to_bits()
-                && earlier.source == source_of(one, source)
+            earlier.point == one.point && earlier.result == one.result && earlier.source == source_of(one, source)
         })
     };
     if let Some(known) = found.iter().find(|one| is_known(one)) {
@@ -31,14 +29,14 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
             "{}: {} with {} is in the journal already, from the same source; nothing was taken",
             file.display(),
             campaign.problem().describe(&known.point),
-            plain(known.value)
+            known.result.value().map_or_else(|| "no value".to_owned(), plain)
         );
     }
     let (rows, at, from) = (found.len(), now(), file.display().to_string());
     let events = found.into_iter().enumerate().map(|(index, one)| {
         let source = source_of(&one, source);
-        let sheet::Imported { point, value, .. } = one;
-        Event::Imported { row: index + 1, rows, point, value, source, from: from.clone(), at: at.clone() }
+        let sheet::Imported { point, result, .. } = one;
+        Event::Imported { row: index + 1, rows, point, result, source, from: from.clone(), at: at.clone() }
     });
     let events: Vec<Event> = events.collect();
     campaign.record(&mut writer, events)?;

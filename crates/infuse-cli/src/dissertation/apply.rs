@@ -33,7 +33,10 @@ impl Campaign {
             Event::Discarded { .. } => self.memory.clear(),
             Event::Opened { batch, .. } => self.open_batch(batch)?,
             Event::Told(told) => self.tell(told)?,
-            Event::Imported { point, value, source, .. } => {
+            Event::Imported { point, result, source, .. } => {
+                let value = result.value().context(
+                    "an imported experiment without a value is of use with `method` = \"pooled\" only: leave it out",
+                )?;
                 let cost = self.problem.response.cost(value);
                 self.change_earlier(EarlierChange::Added { point, cost, source })?;
             }

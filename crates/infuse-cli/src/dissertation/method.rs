@@ -12,7 +12,7 @@ use super::campaign::{Campaign, Stage};
 use super::findings::{best, best_design, closed, left, lesson, prospects, reason_to_stop, why_dropped};
 use super::{hand_out, report};
 use crate::campaign::{self, Experiments, HandedOut, Imported, Wish};
-use crate::journal::{Event, Journal, Writer};
+use crate::journal::{Event, Journal, Measured, Writer};
 use crate::problem::Problem;
 
 impl campaign::Campaign for Campaign {
@@ -76,7 +76,7 @@ impl campaign::Campaign for Campaign {
         in_use
             .map(|earlier| Imported {
                 point: earlier.point.clone(),
-                value: self.problem.response.of_cost(earlier.cost),
+                result: Measured::Value(self.problem.response.of_cost(earlier.cost)),
                 source: earlier.source.clone(),
             })
             .collect()

@@ -1,11 +1,16 @@
 //! Values and differences of the response, with their unit.
 
-use crate::number::{short, with_unit};
+use crate::number::{resolved, short, with_unit};
 use crate::problem::Response;
 
 /// The value of a computed cost.
 pub(crate) fn value(response: &Response, cost: f64) -> String {
     with_unit(&short(response.of_cost(cost)), &response.unit)
+}
+
+/// The same, known to about `resolution`.
+pub(crate) fn value_to(response: &Response, cost: f64, resolution: f64) -> String {
+    with_unit(&resolved(response.of_cost(cost), resolution), &response.unit)
 }
 
 /// A difference of costs.

@@ -8,7 +8,7 @@ mod next;
 mod standing;
 mod taken;
 
-pub(crate) use amount::{amount, gain, value};
+pub(crate) use amount::{amount, gain, value, value_to};
 pub(crate) use batch::handed_out;
 pub(crate) use bounds::on_bounds;
 pub(crate) use next::{ended, next};

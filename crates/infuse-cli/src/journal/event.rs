@@ -42,7 +42,16 @@ pub(crate) enum Event {
     /// An experiment was told.
     Told(Told),
     /// An experiment from before the campaign.
-    Imported { row: usize, rows: usize, point: Vec<f64>, value: f64, source: String, from: String, at: String },
+    Imported {
+        row: usize,
+        rows: usize,
+        point: Vec<f64>,
+        #[serde(flatten)]
+        result: Measured,
+        source: String,
+        from: String,
+        at: String,
+    },
     /// Everything that was imported from this source is not to be used any longer.
     Withdrawn { source: String, at: String },
     /// What a closed batch taught; it follows from the lines before, and is here for people and as a check.

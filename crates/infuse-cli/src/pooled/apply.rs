@@ -86,7 +86,7 @@ impl Campaign {
                 // What is known now is to be said anew; what was known before stands.
                 self.history.remove(&self.batches.len());
             }
-            Event::Imported { point, value, source, .. } => self.imported.push(Imported { point, value, source }),
+            Event::Imported { point, result, source, .. } => self.imported.push(Imported { point, result, source }),
             Event::Withdrawn { source, .. } => {
                 let before = self.imported.len();
                 self.imported.retain(|imported| imported.source != source);

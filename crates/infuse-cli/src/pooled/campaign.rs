@@ -7,6 +7,7 @@ use std::rc::Rc;
 
 use anyhow::{Result, ensure};
 use design_space::{Cell, Grid};
+use infuse::global::PureError;
 use infuse::pooled::{Assessment, Loop, Settings, Simulate};
 use infuse::{Outcome, TrialId};
 
@@ -66,6 +67,16 @@ pub(super) enum Origin {
     Imported(usize),
     /// By its id.
     Own(u64),
+}
+
+/// What measured best.
+#[derive(Debug, Clone)]
+pub(super) struct BestMeasured {
+    pub(super) origin: Origin,
+    /// Of its runs, in the mean.
+    pub(super) cost: f64,
+    /// As they were made, natural.
+    pub(super) settings: Vec<f64>,
 }
 
 /// How the loop comes to know what the simulation says.
@@ -201,6 +212,45 @@ impl Campaign {
         Ok(best.map(|(&cell, _)| cell))
     }
 
+    /// How many designs were simulated, where those are not all.
+    pub(super) fn n_simulated_of_many(&self) -> Result<Option<usize>> {
+        let n = self.simulated()?.len();
+        Ok(((n as u64) < self.grid.n_cells()).then_some(n))
+    }
+
+    /// The experiment with the best mean of its runs, imported ones too, but for those named.
+    pub(super) fn best_measured(&self, but: &[Origin]) -> Option<BestMeasured> {
+        let response = &self.problem.response;
+        let imported = self.imported.iter().enumerate().filter_map(|(index, one)| {
+            let cost = response.cost(one.result.value()?);
+            Some(BestMeasured { origin: Origin::Imported(index), cost, settings: one.point.clone() })
+        });
+        let own = self.experiments.readings.iter().filter_map(|(&id, reading)| {
+            let cost = reading.outcome(response)?.cost()?;
+            Some(BestMeasured { origin: Origin::Own(id), cost, settings: self.experiments.settings_of(id) })
+        });
+        let meant = own.chain(imported).filter(|one| !but.contains(&one.origin));
+        meant.min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+
+    /// All costs that were measured.
+    pub(super) fn costs(&self) -> Vec<f64> {
+        let response = &self.problem.response;
+        let imported = self.imported.iter().filter_map(|one| one.result.value());
+        let own = self.experiments.readings.values().flat_map(|reading| reading.values());
+        imported.chain(own).map(|value| response.cost(value)).collect()
+    }
+
+    /// What all runs of equal settings tell of the noise.
+    pub(super) fn repeats(&self) -> Option<PureError> {
+        let imported = self.imported.iter().filter_map(|one| Some((one.point.clone(), one.result.value()?)));
+        let own = self.experiments.readings.iter().flat_map(|(&id, reading)| {
+            let settings = self.experiments.settings_of(id);
+            reading.values().map(move |value| (settings.clone(), value))
+        });
+        PureError::of_readings(imported.chain(own))
+    }
+
     /// Lets the loop answer, with all that was told.
     pub(super) fn with_loop<T>(
         &self,
@@ -245,7 +295,11 @@ impl Campaign {
         }
         let response = &self.problem.response;
         for imported in &self.imported {
-            now.add_earlier(&imported.point, response.cost(imported.value), imported.source.clone())?;
+            let source = imported.source.clone();
+            match &imported.result {
+                Measured::Value(value) => now.add_earlier(&imported.point, response.cost(*value), source)?,
+                Measured::Failed(reason) => now.add_earlier_failure(&imported.point, reason.clone(), source)?,
+            }
         }
         for (&id, reading) in &self.experiments.readings {
             for value in reading.again.values().filter_map(Measured::value) {
@@ -269,7 +323,8 @@ impl Campaign {
 
     /// Which experiment each reading of the loop is, in its order.
     pub(super) fn origins(&self) -> Vec<Origin> {
-        let imported = (0..self.imported.len()).map(Origin::Imported);
+        let has_value = |index: &usize| self.imported[*index].result.value().is_some();
+        let imported = (0..self.imported.len()).filter(has_value).map(Origin::Imported);
         let readings = &self.experiments.readings;
         let again = readings.iter().flat_map(|(&id, reading)| {
             reading.again.values().filter_map(Measured::value).map(move |_| Origin::Own(id))

@@ -6,7 +6,8 @@ use page::Finding;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
-use super::campaign::Campaign;
+use super::campaign::{Campaign, Origin};
+use super::findings::set_aside;
 use super::hand_out::plan;
 use crate::findings::{amount, value};
 use crate::journal::{Measured, Purpose, Writer};
@@ -49,8 +50,11 @@ pub(super) fn confirm(campaign: &mut Campaign, writer: &mut Writer, runs: usize)
     );
     let found = campaign.assessment()?.context("no experiment gave a result yet, so there is nothing to confirm")?;
     let mut cells = vec![found.recommended.cell];
-    if let Some((id, _)) = campaign.experiments.best_measured(&campaign.problem.response) {
-        cells.extend(campaign.experiments.trials.get(&id).map(|trial| trial.cell));
+    if let Some(measured) = campaign.best_measured(&set_aside(campaign, &found)) {
+        cells.push(match measured.origin {
+            Origin::Own(id) => campaign.experiments.trial(id)?.cell,
+            Origin::Imported(_) => campaign.nearest(&measured.settings)?.1,
+        });
     }
     cells.extend(campaign.choice_of_the_simulation()?.filter(|&cell| campaign.failure_at(cell).is_none()));
     let mut seen = std::collections::BTreeSet::new();
@@ -105,11 +109,13 @@ impl Confirmation {
         let (problem, response) = (&campaign.problem, &campaign.problem.response);
         let n_runs: usize = self.designs.iter().map(|design| design.n_runs).sum();
         let mut finding = Finding::new(format!("Confirmed by {} of batch {}:", count(n_runs, "run"), self.batch));
+        let n_simulated = campaign.n_simulated_of_many().ok().flatten();
         let alone = campaign.choice_of_the_simulation().ok().flatten();
         for (place, design) in self.designs.iter().enumerate() {
             let settings = campaign.grid.point(design.cell).map(|point| problem.describe(&point)).unwrap_or_default();
             let who = match place {
                 0 => "what was recommended",
+                _ if alone == Some(design.cell) && n_simulated.is_some() => "the best of the designs simulated",
                 _ if alone == Some(design.cell) => "the simulation's own choice",
                 _ => "what had measured best",
             };

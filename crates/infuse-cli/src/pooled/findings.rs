@@ -4,20 +4,18 @@ use anyhow::Result;
 use infuse::pooled::{Assessment, Certificate, SimulationWorth, Standing};
 use page::Finding;
 
-use super::campaign::Campaign;
-use crate::findings::{amount, on_bounds, value};
+use super::bands::{NINE_IN_TEN, resolution};
+use super::campaign::{Campaign, Origin};
+use super::warnings::warnings;
+use crate::findings::{amount, on_bounds, value_to};
 use crate::number::{count, percent, plain, short, with_unit};
 use crate::problem::Response;
 
-/// Standard deviations on either side of an expectation, within which the response lies with 90 % probability.
-pub(super) const NINE_IN_TEN: f64 = 1.645;
 /// Below this share of the variance explained, or from this probability that it is better ignored, a simulation is useless.
 const EXPLAINS_LITTLE: f64 = 0.1;
 const IGNORED: f64 = 0.9;
 /// Repeats from which on the noise is known: fewer tell it to no better than a factor of two.
 const ENOUGH_REPEATS: usize = 5;
-/// Outliers that are named.
-const MOST_NAMED: usize = 5;
 
 /// The recommended design in one sentence, with its settings.
 pub(super) fn recommendation(campaign: &Campaign, found: &Assessment) -> Finding {
@@ -40,35 +38,48 @@ pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<F
 /// The recommended design with all that is known of it.
 fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     let (problem, response, here) = (&campaign.problem, &campaign.problem.response, &found.recommended);
-    let mut best = recommendation(campaign, found).detail(expected(campaign, here));
-    best = best.detail(run_there(campaign, here));
+    let mut best = recommendation(campaign, found).detail(expected(campaign, found, here));
+    best = best.detail(run_there(campaign, found, here));
     for bound in on_bounds(problem, &here.point) {
         best = best.detail(bound);
     }
-    if let Some((id, measured)) = campaign.experiments.best_measured(response) {
-        let place = problem.describe(&campaign.experiments.settings_of(id));
-        let shown = with_unit(&short(measured), &response.unit);
-        let sentence = format!("Best measured: {shown}, experiment {id} at {place}.");
-        best = best.detail(Finding::new(sentence).with("best measured", measured, &response.unit));
+    if let Some(measured) = campaign.best_measured(&set_aside(campaign, found)) {
+        let shown = value_to(response, measured.cost, resolution(found));
+        let (name, place) = (campaign.name_of(measured.origin), problem.describe(&measured.settings));
+        let sentence = format!("Best measured: {shown}, {name} at {place}.");
+        best =
+            best.detail(Finding::new(sentence).with("best measured", response.of_cost(measured.cost), &response.unit));
     }
     if let Some(cell) = campaign.choice_of_the_simulation()? {
-        let point = campaign.grid.point(cell)?;
-        let standing = campaign.standing(cell)?;
-        let there =
-            standing.map_or_else(String::new, |there| format!(", where {} is expected", value(response, there.mean)));
-        let sentence = format!("The simulation alone would have chosen {}{there}.", problem.describe(&point));
+        let design = problem.describe(&campaign.grid.point(cell)?);
+        let there = campaign.standing(cell)?.map_or_else(String::new, |there| {
+            format!(", where {} is expected", value_to(response, there.mean, resolution(found)))
+        });
+        let sentence = match campaign.n_simulated_of_many()? {
+            Some(n) => {
+                format!("Of the {n} designs simulated so far, the simulation alone would choose {design}{there}.")
+            }
+            None => format!("The simulation alone would have chosen {design}{there}."),
+        };
         best = best.detail(Finding::new(sentence));
     }
     Ok(best)
 }
 
+/// The readings that the surface does without.
+pub(super) fn set_aside(campaign: &Campaign, found: &Assessment) -> Vec<Origin> {
+    let origins = campaign.origins();
+    let aside = found.outliers.iter().filter(|outlier| outlier.set_aside);
+    aside.filter_map(|outlier| origins.get(outlier.reading).copied()).collect()
+}
+
 /// What is expected at a design, with its band.
-fn expected(campaign: &Campaign, here: &Standing) -> Finding {
+fn expected(campaign: &Campaign, found: &Assessment, here: &Standing) -> Finding {
     let response = &campaign.problem.response;
     let sentence = format!(
         "{} there: {} expected, give or take {} (90 %).",
         response.name,
-        value(response, here.mean),
+        value_to(response, here.mean, resolution(found)),
         amount(response, NINE_IN_TEN * here.deviation)
     );
     Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit).with(
@@ -79,13 +90,13 @@ fn expected(campaign: &Campaign, here: &Standing) -> Finding {
 }
 
 /// How often a design was run, and with what result.
-fn run_there(campaign: &Campaign, here: &Standing) -> Finding {
+fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Finding {
     let response = &campaign.problem.response;
     let sentence = match here.measured {
         Some(mean) => {
             let runs = if here.n_readings == 1 { "once".to_owned() } else { format!("{} times", here.n_readings) };
             let mean_of = if here.n_readings == 1 { "" } else { "on average " };
-            format!("It was run {runs}: {mean_of}{} measured.", value(response, mean))
+            format!("It was run {runs}: {mean_of}{} measured.", value_to(response, mean, resolution(found)))
         }
         None => "It was never run: `infuse confirm` plans a few runs there.".to_owned(),
     };
@@ -113,9 +124,19 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
                     format!("That is no more than {of_worth}, but a measurement speaks against it: go on.")
                 }
                 (true, _) => format!("That is no more than {of_worth}: stop."),
-                (false, Some(batches)) if batches < 100 => {
+                (false, Some(batches)) if batches <= campaign.n_left() as u64 => {
                     let n = count(usize::try_from(batches).unwrap_or(usize::MAX), "more batch");
                     format!("That is more than {of_worth}: go on; {n} may do.")
+                }
+                (false, Some(_)) if campaign.n_left() > 0 => format!(
+                    "That is more than {of_worth}: go on, though {} that [loop] `batches` leaves may not do.",
+                    match campaign.n_left() {
+                        1 => "the one batch".to_owned(),
+                        n => format!("the {}", count(n, "batch")),
+                    }
+                ),
+                (false, _) if campaign.n_left() == 0 => {
+                    format!("That is more than {of_worth}, and [loop] `batches` leaves none.")
                 }
                 (false, _) => format!("That is more than {of_worth}: go on."),
             };
@@ -125,7 +146,11 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
 }
 
 fn left(found: &Assessment) -> Finding {
-    Finding::new(format!("Of all designs {} may still be the best.", percent(found.left))).with("left", found.left, "1")
+    let sentence = match found.left {
+        tiny if tiny < 1e-4 => "Less than 0.01 % of all designs may still be the best.".to_owned(),
+        share => format!("Of all designs {} may still be the best.", percent(share)),
+    };
+    Finding::new(sentence).with("left", found.left, "1")
 }
 
 /// "90 % probability no design is better than it by more than 0.2 mm".
@@ -151,8 +176,9 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
             Finding::new("The simulation gives the same value everywhere: it tells nothing.")
         }
         None => Finding::new("What the simulation is worth, too few experiments tell."),
-        Some(SimulationWorth { explained, ignored, factor }) => {
-            let mut sentence = format!("The simulation explains {} of what was measured", percent(explained));
+        Some(SimulationWorth { explained, ignored, factor, factor_deviation }) => {
+            let mut sentence =
+                format!("The simulation explains {} of the variance of what was measured", percent(explained));
             if is_useless(explained, ignored) {
                 sentence.push_str(if explained < EXPLAINS_LITTLE {
                     ": it is of little use, and is mostly left out"
@@ -160,12 +186,17 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
                     ", and as much is said without it: it is mostly left out"
                 });
             } else {
-                sentence.push_str(&format!("; differences that it predicts count {} times", short(factor)));
+                let band = short(NINE_IN_TEN * factor_deviation);
+                sentence.push_str(&format!(
+                    "; differences that it predicts count {} times, give or take {band} (90 %)",
+                    short(factor)
+                ));
             }
             Finding::new(format!("{sentence}."))
                 .with("explained", explained, "1")
                 .with("probability that it is better ignored", ignored, "1")
                 .with("factor", factor, "1")
+                .with("give or take", NINE_IN_TEN * factor_deviation, "1")
         }
     })
 }
@@ -178,7 +209,10 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
     let unit = &campaign.problem.response.unit;
     let deviation = amount(&campaign.problem.response, found.noise);
     let sentence = match (campaign.settings.noise, found.n_repeats) {
-        (Some(_), _) => format!("Noise of one run: {deviation} (standard deviation), as `noise` in [loop] says."),
+        (Some(given), _) => {
+            let given = amount(&campaign.problem.response, given);
+            format!("Noise of one run: {given} (standard deviation), as `noise` in [loop] says.")
+        }
         (None, 0) if campaign.origins().len() < 3 => "Noise of one run: too few runs to know it.".to_owned(),
         (None, 0) => {
             format!("Noise of one run: about {deviation} by the surface; it is not known, nothing was run twice.")
@@ -195,57 +229,13 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
     Finding::new(sentence).with("noise", found.noise, unit).with("repeats", found.n_repeats as f64, "1")
 }
 
-/// What speaks against what is recommended.
-pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Finding>> {
-    let (problem, response) = (&campaign.problem, &campaign.problem.response);
-    let mut warnings = Vec::new();
-    if let Some(contradiction) = &found.contradiction {
-        let there = &contradiction.standing;
-        let measured = value(response, there.measured.unwrap_or(there.mean));
-        let times = short(contradiction.deviations.abs());
-        let sentence = if there.cell == found.recommended.cell {
-            format!(
-                "Careful: the recommended design itself measured {measured}, {times} standard errors worse than the surface \
-                 expects of it."
-            )
-        } else {
-            format!(
-                "Careful: {} measured {measured}, {times} standard errors better than what is expected of the recommended \
-                 design. Run both again, with `infuse confirm`.",
-                problem.describe(&there.point)
-            )
-        };
-        warnings.push(Finding::new(sentence).with("standard errors", contradiction.deviations, "1"));
-    }
-    if !found.outliers.is_empty() {
-        let origins = campaign.origins();
-        let named = found.outliers.iter().take(MOST_NAMED).filter_map(|outlier| {
-            let side =
-                if outlier.deviations > 0.0 { response.worse_side() } else { better_side(response.worse_side()) };
-            let name = campaign.name_of(*origins.get(outlier.reading)?);
-            Some(format!("{name} ({} standard deviations {side})", short(outlier.deviations.abs())))
-        });
-        let named = named.collect::<Vec<_>>().join(", ");
-        let sentence = format!(
-            "Careful: far from what all others say: {named}. Look at the notes of those runs; `infuse tell --correct` puts a \
-             slip right, and a run that was spoilt is told as failed."
-        );
-        warnings.push(Finding::new(sentence).with("outliers", found.outliers.len() as f64, "1"));
-    }
-    Ok(warnings)
-}
-
-fn better_side(worse: &str) -> &'static str {
-    if worse == "above" { "below" } else { "above" }
-}
-
 /// What the last batch taught, in short.
 pub(super) fn lesson(campaign: &Campaign) -> Result<Vec<Finding>> {
     let Some(found) = campaign.assessment()? else {
         return Ok(vec![Finding::new("No experiment gave a result yet, so nothing is known.")]);
     };
     let mut lesson = vec![
-        recommendation(campaign, &found).detail(expected(campaign, &found.recommended)),
+        recommendation(campaign, &found).detail(expected(campaign, &found, &found.recommended)),
         certificate(campaign, &found),
     ];
     lesson.extend(warnings(campaign, &found)?);
@@ -259,7 +249,7 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
         "batch {}: {}; {} expected, none better by more than {} ({} %)",
         campaign.batches.len(),
         campaign.problem.describe(&here.point),
-        value(response, here.mean),
+        value_to(response, here.mean, resolution(found)),
         amount(response, found.certificate.bound),
         plain(100.0 * found.certificate.probability)
     );
@@ -296,10 +286,11 @@ pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Fi
     let mut finding = Finding::new(sentence)
         .with("probability to be better", there.probability_better, "1")
         .with("probability of a value", there.feasible, "1")
-        .detail(expected(campaign, &there));
+        .detail(expected(campaign, &found, &there));
     if let Some(measured) = there.measured {
         let runs = count(there.n_readings, "run");
-        finding = finding.detail(Finding::new(format!("{runs} there, mean {}.", value(response, measured))));
+        finding = finding
+            .detail(Finding::new(format!("{runs} there, mean {}.", value_to(response, measured, resolution(&found)))));
     }
     if let Some(reason) = campaign.failure_at(cell) {
         finding = finding.detail(Finding::new(format!("A run there failed: {reason}.")));

@@ -8,6 +8,7 @@ use infuse::pooled::Ask;
 use super::campaign::{Campaign, Origin};
 use crate::campaign::{Campaign as _, HandedOut, Stage, Wish, failed_in_words, simulate_missing};
 use crate::journal::{Event, Measured, Purpose, Writer, now};
+use crate::simulator::identity;
 
 /// Brings the campaign to the point where experiments are waited for, or to its end.
 pub(super) fn hand_out(campaign: &mut Campaign, writer: &mut Writer, wish: Wish) -> Result<HandedOut> {
@@ -64,10 +65,13 @@ fn simulate(campaign: &mut Campaign, writer: &mut Writer, anyway: bool, done: &m
         return Ok(());
     }
     let (folder, problem, grid) = (campaign.folder.clone(), campaign.problem.clone(), campaign.grid.clone());
+    // Who went on without it once was asked, and is not asked again.
+    let by = identity(&problem.simulator);
+    let went_on = campaign.memory.values().any(|known| known.by == by);
     let simulated =
         simulate_missing(&folder, &problem, &grid, &missing, |event| campaign.write_simulation(writer, event))?;
     done.n_simulated += simulated.n_done;
-    if simulated.n_failed == simulated.n_done && !anyway && campaign.simulated()?.is_empty() {
+    if simulated.n_failed == simulated.n_done && !anyway && !went_on && campaign.simulated()?.is_empty() {
         let of = |cell: &Cell| campaign.memory.get(cell).map(|known| known.result.clone());
         let reason = match missing.first().and_then(|(cell, _)| of(cell)) {
             Some(Measured::Failed(reason)) => reason,
@@ -89,6 +93,19 @@ impl Campaign {
     /// Whether every batch of the limit was handed out.
     pub(super) fn is_full(&self) -> bool {
         self.batches.len() - self.n_confirming() >= self.settings.max_batches
+    }
+
+    /// How many batches the limit leaves.
+    pub(super) fn n_left(&self) -> usize {
+        self.settings.max_batches.saturating_sub(self.batches.len() - self.n_confirming())
+    }
+
+    /// How an experiment is called where its settings are not said beside it.
+    pub(super) fn full_name_of(&self, origin: Origin) -> String {
+        let name = self.name_of(origin);
+        let Origin::Imported(index) = origin else { return name };
+        let at = self.imported.get(index).map(|imported| self.problem.describe(&imported.point));
+        at.map_or(name.clone(), |at| format!("{name} at {at}"))
     }
 
     /// How an experiment is called.

@@ -7,8 +7,9 @@ use infuse::pooled::Trial;
 use page::Finding;
 use serde_json::{Value, json};
 
-use super::campaign::Campaign;
-use super::findings::{closed, known, lesson, none_better, recommendation, standing_in_words, warnings};
+use super::campaign::{Campaign, Origin};
+use super::findings::{closed, known, lesson, none_better, recommendation, set_aside, standing_in_words};
+use super::warnings::{nothing_but_failures, warnings};
 use super::{confirm, hand_out, report, what_if};
 use crate::campaign::{self, Experiments, HandedOut, Imported, Stage, Wish};
 use crate::findings::amount;
@@ -99,7 +100,7 @@ impl campaign::Campaign for Campaign {
 
     fn status(&self) -> Result<(Vec<Vec<Finding>>, Value)> {
         let Some(found) = self.assessment()? else {
-            return Ok((Vec::new(), json!({})));
+            return Ok((vec![nothing_but_failures(self)], json!({})));
         };
         let mut blocks = known(self, &found)?;
         blocks.push(warnings(self, &found)?);
@@ -111,6 +112,13 @@ impl campaign::Campaign for Campaign {
                 "deviation": assessed.deviation, "bound": assessed.bound, "left_share": assessed.left,
                 "noise": assessed.noise,
             })
+        });
+        let best_measured = self.best_measured(&set_aside(self, &found)).map(|best| {
+            let id = match best.origin {
+                Origin::Own(id) => Some(id),
+                Origin::Imported(_) => None,
+            };
+            json!({ "id": id, "value": response.of_cost(best.cost), "settings": problem.named(&best.settings) })
         });
         let json = json!({
             "batches": batches.collect::<Vec<_>>(),
@@ -125,6 +133,7 @@ impl campaign::Campaign for Campaign {
             "noise": json!({ "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats }),
             "simulation": found.simulation,
             "simulation_alone": simulation_alone.map(|point| problem.named(&point)),
+            "best_measured": best_measured,
             "confirmed": self.confirmation()?,
         });
         Ok((blocks, json))

@@ -1,12 +1,14 @@
 //! Campaigns of the pooled loop: every experiment and the simulation in one surface, with a certificate.
 
 mod apply;
+mod bands;
 mod campaign;
 mod confirm;
 mod findings;
 mod hand_out;
 mod method;
 mod report;
+mod warnings;
 mod what_if;
 
 pub(crate) use campaign::Campaign;

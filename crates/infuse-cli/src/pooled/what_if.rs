@@ -8,11 +8,12 @@ use infuse::pooled::{Expectation, Standing};
 use page::Finding;
 use serde_json::{Value, json};
 
+use super::bands::NINE_IN_TEN;
 use super::campaign::Campaign;
-use super::findings::{NINE_IN_TEN, standing_in_words};
-use crate::findings::{amount, value};
+use super::findings::standing_in_words;
+use crate::findings::{amount, value_to};
 use crate::journal::Measured;
-use crate::number::{count, plain, short};
+use crate::number::{count, plain, resolved, short};
 use crate::problem::{Goal, heading};
 use crate::sheet::replace;
 
@@ -69,8 +70,8 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
     let low_and_high = costs.map(|cost| response.of_cost(cost));
     let sentence = format!(
         "One run there would read {} to {}, nine times in ten.",
-        value(response, costs[0]),
-        value(response, costs[1])
+        value_to(response, costs[0], half),
+        value_to(response, costs[1], half)
     );
     let one_run = Finding::new(sentence).with("give or take", half, &response.unit);
     let json = json!({
@@ -98,9 +99,11 @@ pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Fin
         let mut row: Vec<String> = campaign.grid.point(cell)?.into_iter().map(plain).collect();
         let half = NINE_IN_TEN * expectation.deviation;
         let ends = [-half, half].map(|by| response.of_cost(expectation.mean + by));
-        row.push(short(response.of_cost(expectation.mean)));
-        row.push(short(ends[0].min(ends[1])));
-        row.push(short(ends[0].max(ends[1])));
+        // A tenth of the band and less says nothing.
+        let known_to = half / 10.0;
+        row.push(resolved(response.of_cost(expectation.mean), known_to));
+        row.push(resolved(ends[0].min(ends[1]), known_to));
+        row.push(resolved(ends[0].max(ends[1]), known_to));
         row.push(short(expectation.feasible));
         table.write_record(&row)?;
     }

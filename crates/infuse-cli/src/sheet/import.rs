@@ -7,6 +7,7 @@ use anyhow::Result;
 use super::columns::point_columns;
 use super::read::setting_fault;
 use super::table::{Column, Fault, Table, none_of};
+use crate::journal::Measured;
 use crate::number::parse;
 use crate::problem::Problem;
 
@@ -14,17 +15,18 @@ use crate::problem::Problem;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Imported {
     pub(crate) point: Vec<f64>,
-    pub(crate) value: f64,
+    pub(crate) result: Measured,
     /// Its own, if the table has a column for it.
     pub(crate) source: String,
 }
 
-/// Reads a table with a column per parameter, one for the response, and possibly one named `source`.
+/// Reads a table with a column per parameter, one for the response, and possibly columns named `source` and `failed`; the latter
+/// says why there is no response.
 pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> {
     let parameters = problem.region.parameters();
     let k = parameters.len();
     let mut columns = point_columns(problem);
-    columns.push(Column::optional("source", ""));
+    columns.extend([Column::optional("source", ""), Column::optional("failed", "")]);
     let table = Table::read(path, &columns)?;
     let (mut found, mut faults): (Vec<Imported>, Vec<Fault>) = (Vec::new(), Vec::new());
     for row in table.rows() {
@@ -36,17 +38,25 @@ pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> 
             }
         };
         let point: Vec<Option<f64>> = (0..k).map(&mut number).collect();
-        let value = number(k);
+        let failed = table.cell(row, k + 2);
+        let result = match (table.cell(row, k).is_empty(), failed.is_empty()) {
+            (true, false) => Some(Measured::Failed(failed.to_owned())),
+            _ => number(k).map(Measured::Value),
+        };
+        if let (Some(Measured::Value(_)), false) = (&result, failed.is_empty()) {
+            faults.push(table.fault(row, k + 2, "nothing, as there is a value; or no value, if the run failed"));
+        }
         for (column, (parameter, setting)) in parameters.iter().zip(&point).enumerate() {
             if let Some(expected) = setting.and_then(|setting| setting_fault(parameter, setting)) {
                 faults.push(table.fault(row, column, expected));
             }
         }
+        let value = result.as_ref().and_then(Measured::value);
         if let Some(expected) = value.and_then(|value| problem.response.fault(value)) {
             faults.push(table.fault(row, k, expected));
         }
-        if let (Some(point), Some(value)) = (point.into_iter().collect(), value) {
-            found.push(Imported { point, value, source: table.cell(row, k + 1).to_owned() });
+        if let (Some(point), Some(result)) = (point.into_iter().collect(), result) {
+            found.push(Imported { point, result, source: table.cell(row, k + 1).to_owned() });
         }
     }
     none_of(&path.display().to_string(), &faults)?;

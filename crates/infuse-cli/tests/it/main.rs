@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, clippy::missing_assert_message, reason = "the helpers of tests fail like tests")]
 
 mod campaigns;
+mod careful;
 mod interruptions;
 mod journals;
 mod pooled;

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::rig::{Rig, truth};
 
 /// A problem of two parameters on 9 × 15 levels; the simulation is a table of this function.
-fn rig_of(simulated: impl Fn(f64, f64) -> f64, more: &str) -> Rig {
+pub(crate) fn rig_of(simulated: impl Fn(f64, f64) -> f64, more: &str) -> Rig {
     let rig = Rig::empty();
     let rows: String = (0..135)
         .map(|index| {
@@ -33,12 +33,12 @@ fn rig_of(simulated: impl Fn(f64, f64) -> f64, more: &str) -> Rig {
     rig
 }
 
-fn ask(rig: &Rig) -> Value {
+pub(crate) fn ask(rig: &Rig) -> Value {
     serde_json::from_str(&rig.infuse(&["ask", "--json"]).ok()).unwrap()
 }
 
 /// Runs a batch by a function of settings, in the order of their names, and id; false at the end of the campaign.
-fn batch(rig: &Rig, measure: impl Fn(f64, f64, u64) -> Result<f64, String>) -> bool {
+pub(crate) fn batch(rig: &Rig, measure: impl FnMut(f64, f64, u64) -> Result<f64, String>) -> bool {
     let asked = ask(rig);
     let Some(experiments) = asked["experiments"].as_array() else {
         return false;
@@ -47,7 +47,7 @@ fn batch(rig: &Rig, measure: impl Fn(f64, f64, u64) -> Result<f64, String>) -> b
     true
 }
 
-fn tell(rig: &Rig, experiments: &[Value], measure: impl Fn(f64, f64, u64) -> Result<f64, String>) {
+pub(crate) fn tell(rig: &Rig, experiments: &[Value], mut measure: impl FnMut(f64, f64, u64) -> Result<f64, String>) {
     let told = |experiment: &&Value| experiment["told"] != json!(true);
     for experiment in experiments.iter().filter(told) {
         let mut settings = experiment["settings"].as_object().unwrap().values().map(|value| value.as_f64().unwrap());
@@ -62,18 +62,18 @@ fn tell(rig: &Rig, experiments: &[Value], measure: impl Fn(f64, f64, u64) -> Res
 }
 
 /// Noise of an experiment, the same for the same number: about ± 1.
-fn wobble(id: u64) -> f64 {
+pub(crate) fn wobble(id: u64) -> f64 {
     (12.9898 * id as f64).sin() + (78.233 * id as f64).cos()
 }
 
 /// Two wells, of which the simulation has the wrong one deeper.
-fn wells(a: f64, b: f64, depths: [f64; 2]) -> f64 {
+pub(crate) fn wells(a: f64, b: f64, depths: [f64; 2]) -> f64 {
     let well =
         |at_a: f64, at_b: f64, depth: f64| -depth * (-((a - at_a) / 1.8).powi(2) - ((b - at_b) / 2.6).powi(2)).exp();
     100.0 + 1.5 * (a - 4.0).powi(2) + 0.4 * (b - 7.0).powi(2) + well(2.0, 3.0, depths[0]) + well(6.0, 11.0, depths[1])
 }
 
-fn best(rig: &Rig) -> (f64, f64) {
+pub(crate) fn best(rig: &Rig) -> (f64, f64) {
     let best = rig.status()["best"].clone();
     (best["a"].as_f64().unwrap(), best["b"].as_f64().unwrap())
 }

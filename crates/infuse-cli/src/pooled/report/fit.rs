@@ -6,8 +6,8 @@ use page::{Axis, Chart, Grid, Key, Mark, Page, Stroke};
 use super::view::{Run, View};
 use crate::findings::amount;
 use crate::number::percent;
+use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::Origin;
-use crate::pooled::findings::NINE_IN_TEN;
 
 const SIZE_PX: (f64, f64) = (292.0, 260.0);
 /// Ranges that differ by more than this share no line of equals.
@@ -23,12 +23,11 @@ pub(super) fn write(page: &mut Page, view: &View) {
         page.paragraph("Too few experiments gave a result to say how well the surface fits.");
         return;
     }
-    let fitted = points(&view.runs, |run| view.expected(run.cell));
     let simulated = points(&view.runs, |run| view.simulated.get(&run.cell).copied());
-    let mut charts = vec![against(view, "expected", &fitted)];
-    charts.extend(residuals(view));
+    let mut charts = vec![residuals_against_expected(view)];
+    charts.extend(residuals_over_runs(view));
     if !simulated.is_empty() {
-        charts.push(against(view, "simulated", &simulated));
+        charts.push(against_simulated(view, &simulated));
     }
     page.charts(&charts, &legend(view), &caption(view, !simulated.is_empty(), charts.len()));
 }
@@ -45,12 +44,39 @@ fn mark(run: &Run) -> Mark {
     }
 }
 
-/// What was measured against what was said of it; with the line on which both are equal, unless they are far apart.
-fn against(view: &View, said: &str, points: &Points) -> Chart {
+/// What was measured less what is expected, against what is expected, with the band of the noise.
+fn residuals_against_expected(view: &View) -> Chart {
+    let response = view.response();
+    let residual = |run: &Run| {
+        let expected = view.expected(run.cell)?;
+        Some(((expected, run.value - expected), mark(run)))
+    };
+    let points: Points = view.runs.iter().filter_map(residual).collect();
+    let xs = || points.iter().map(|((x, _), _)| *x);
+    let band = NINE_IN_TEN * view.found.noise;
+    let x = Axis::new(&format!("{} expected", response.name), &response.unit).around(xs());
+    let y = residual_axis(view).around(points.iter().map(|((_, y), _)| *y).chain([-band, band]));
+    let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Hidden);
+    let (low, high) = ends(xs());
+    chart.ribbon(&[(low, -band, band), (high, -band, band)], LIGHT_BLUE);
+    chart.line(&[(low, 0.0), (high, 0.0)], Stroke::Solid, BLUE);
+    chart.outline();
+    for &(point, mark) in &points {
+        chart.mark(point, mark, INK);
+    }
+    chart
+}
+
+fn residual_axis(view: &View) -> Axis {
+    Axis::new("measured less expected", &view.response().unit)
+}
+
+/// What was measured against what was simulated; with the line on which both are equal, unless they are far apart.
+fn against_simulated(view: &View, points: &Points) -> Chart {
     let response = view.response();
     let xs = || points.iter().map(|((x, _), _)| *x);
     let ys = || points.iter().map(|((_, y), _)| *y);
-    let (x, y) = (Axis::new(&format!("{} {said}", response.name), &response.unit), measured_axis(view));
+    let (x, y) = (Axis::new(&format!("{} simulated", response.name), &response.unit), measured_axis(view));
     let both = width(xs().chain(ys()));
     let are_near = both <= FAR * width(xs()).max(width(ys())) || both <= 0.0;
     let (low, high) = ends(xs().chain(ys()));
@@ -74,7 +100,7 @@ fn measured_axis(view: &View) -> Axis {
 }
 
 /// What was measured less what is expected, in the order in which the experiments were to be run.
-fn residuals(view: &View) -> Option<Chart> {
+fn residuals_over_runs(view: &View) -> Option<Chart> {
     let (experiments, seed) = (&view.campaign.experiments, view.campaign.problem.seed);
     let batches = 1..=experiments.last_batch()?;
     let order: Vec<(u64, usize)> = batches
@@ -88,8 +114,7 @@ fn residuals(view: &View) -> Option<Chart> {
         }
     }
     let band = NINE_IN_TEN * view.found.noise;
-    let y = Axis::new("measured less expected", &view.response().unit);
-    let y = y.around(points.iter().map(|point| point.1).chain([-band, band]));
+    let y = residual_axis(view).around(points.iter().map(|point| point.1).chain([-band, band]));
     let x = Axis::new("experiment, in the order of the runs", "1").counting(1, order.len());
     let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Hidden);
     let (first, last) = (0.5, order.len() as f64 + 0.5);
@@ -124,12 +149,12 @@ fn legend(view: &View) -> Vec<Key> {
 
 fn caption(view: &View, has_simulation: bool, n_charts: usize) -> String {
     let mut text =
-        "Left: what was measured against what is expected at the same settings; the surface has seen these runs."
+        "Left: what was measured less what is expected at the same settings, against that; the surface has seen these runs."
             .to_owned();
     if view.campaign.experiments.last_batch().is_some() {
         let middle = if n_charts > 2 { "Middle" } else { "Right" };
         text.push_str(&format!(
-            " {middle}: the difference of the two over the runs, where a trend would tell that something has drifted; the \
+            " {middle}: the same over the runs, where a trend would tell that something has drifted; the \
              noise of one run is {}.",
             amount(view.response(), view.found.noise)
         ));

@@ -9,8 +9,8 @@ use page::{Axis, Chart, Column, Grid, Key, Mark, Page, Stroke, Table};
 use super::NOTHING;
 use crate::journal::Assessed;
 use crate::number::{percent, short};
+use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::Campaign;
-use crate::pooled::findings::NINE_IN_TEN;
 
 const SIZE_PX: (f64, f64) = (292.0, 220.0);
 /// Below this share, in per cent, powers of ten tell more.

@@ -9,9 +9,9 @@ use page::{Column, Page, Table};
 
 use super::NOTHING;
 use super::view::{Run, View};
-use crate::number::{plain, setting, short};
+use crate::number::{resolved, setting, short};
+use crate::pooled::bands::{NINE_IN_TEN, resolution};
 use crate::pooled::campaign::Origin;
-use crate::pooled::findings::NINE_IN_TEN;
 use crate::problem::step;
 use crate::report::sheets::settings_columns;
 
@@ -49,7 +49,7 @@ fn best(view: &View) -> Result<Vec<Standing>> {
 }
 
 fn best_table(view: &View, best: &[Standing]) -> Table {
-    let (response, unit) = (view.response(), &view.response().unit);
+    let (response, unit, known_to) = (view.response(), &view.response().unit, resolution(&view.found));
     let mut columns: Vec<Column> = settings_columns(&view.campaign.problem).collect();
     columns.extend([
         Column::number("measured", unit),
@@ -66,9 +66,9 @@ fn best_table(view: &View, best: &[Standing]) -> Table {
             false => "no",
         };
         cells.extend([
-            there.measured.map_or_else(|| NOTHING.to_owned(), |cost| short(response.of_cost(cost))),
+            there.measured.map_or_else(|| NOTHING.to_owned(), |cost| resolved(response.of_cost(cost), known_to)),
             there.n_readings.to_string(),
-            short(response.of_cost(there.mean)),
+            resolved(response.of_cost(there.mean), known_to),
             short(NINE_IN_TEN * there.deviation),
             verdict.to_owned(),
         ]);
@@ -106,7 +106,7 @@ fn telling<'a>(view: &'a View) -> Result<Vec<Telling<'a>>> {
 }
 
 fn telling_table(view: &View, telling: &[Telling]) -> Result<Table> {
-    let unit = &view.response().unit;
+    let (unit, known_to) = (&view.response().unit, resolution(&view.found));
     let mut columns = vec![Column::words("experiment")];
     columns.extend(settings_columns(&view.campaign.problem));
     columns.extend([
@@ -118,12 +118,12 @@ fn telling_table(view: &View, telling: &[Telling]) -> Result<Table> {
     let row = |one: &Telling| {
         let mut cells = vec![names(view, &one.runs)];
         cells.extend(one.runs.first().map(|run| written(view, &run.settings)).unwrap_or_default());
-        let measured: Vec<String> = one.runs.iter().map(|run| plain(run.value)).collect();
+        let measured: Vec<String> = one.runs.iter().map(|run| resolved(run.value, known_to)).collect();
         let expected = one.runs.first().and_then(|run| view.expected(run.cell));
         let side = if one.deviations > 0.0 { "above" } else { "below" };
         cells.extend([
             measured.join(", "),
-            expected.map_or_else(|| NOTHING.to_owned(), short),
+            expected.map_or_else(|| NOTHING.to_owned(), |value| resolved(value, known_to)),
             format!("{:.1} {side}", one.deviations.abs()),
             notes(view, &one.runs),
         ]);

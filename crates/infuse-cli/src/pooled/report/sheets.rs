@@ -93,7 +93,10 @@ fn write_imported(page: &mut Page, campaign: &Campaign, view: Option<&View>) -> 
         let expected = view.and_then(|view| view.expected(cell));
         let mut row: Vec<String> = imported.point.iter().map(|&setting| plain(setting)).collect();
         row.extend([
-            plain(imported.value),
+            match &imported.result {
+                Measured::Value(value) => plain(*value),
+                Measured::Failed(reason) => format!("failed: {reason}"),
+            },
             expected.map_or_else(|| NOTHING.to_owned(), short),
             imported.source.clone(),
         ]);

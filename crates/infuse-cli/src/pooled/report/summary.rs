@@ -7,7 +7,8 @@ use super::view::View;
 use crate::campaign::Campaign as _;
 use crate::findings::{next, standing};
 use crate::pooled::campaign::Campaign;
-use crate::pooled::findings::{known, warnings};
+use crate::pooled::findings::known;
+use crate::pooled::warnings::warnings;
 
 /// Blocks of what is known.
 const BEST: usize = 0;

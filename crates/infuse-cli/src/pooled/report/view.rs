@@ -8,8 +8,8 @@ use infuse::pooled::{Assessment, Expectation};
 use page::Axis;
 
 use crate::journal::Measured;
+use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::{Access, Campaign, Origin};
-use crate::pooled::findings::NINE_IN_TEN;
 use crate::problem::Response;
 use crate::report::maps::{Maps, Plane};
 
@@ -165,7 +165,8 @@ pub(super) fn cell_of(campaign: &Campaign, settings: &[f64]) -> Result<Cell> {
 fn runs(campaign: &Campaign) -> Result<Vec<Run>> {
     let readings = &campaign.experiments.readings;
     let imported = campaign.imported.iter().enumerate();
-    let imported = imported.map(|(index, one)| (Origin::Imported(index), one.point.clone(), one.value));
+    let imported =
+        imported.filter_map(|(index, one)| Some((Origin::Imported(index), one.point.clone(), one.result.value()?)));
     let own = |id: u64, value: f64| (Origin::Own(id), campaign.experiments.settings_of(id), value);
     let again = readings
         .iter()
@@ -180,7 +181,8 @@ fn runs(campaign: &Campaign) -> Result<Vec<Run>> {
 fn failed(campaign: &Campaign) -> Vec<Vec<f64>> {
     let readings = campaign.experiments.readings.iter();
     let failed = readings.filter(|(_, reading)| reading.first.is_some() && reading.values().next().is_none());
-    failed.map(|(&id, _)| campaign.experiments.settings_of(id)).collect()
+    let imported = campaign.imported.iter().filter(|one| one.result.value().is_none()).map(|one| one.point.clone());
+    imported.chain(failed.map(|(&id, _)| campaign.experiments.settings_of(id))).collect()
 }
 
 /// The designs along a parameter, from lower to upper: its levels, thinned, and that of the recommended design.

@@ -1,0 +1,147 @@
+//! What speaks against a campaign or its recommendation: each in a sentence that says what to do about it.
+
+use anyhow::Result;
+use infuse::pooled::Assessment;
+use page::Finding;
+use statrs::distribution::{ChiSquared, ContinuousCDF as _};
+
+use super::bands::resolution;
+use super::campaign::{Campaign, Origin};
+
+use crate::findings::{amount, value_to};
+use crate::journal::Measured;
+use crate::number::{count, short};
+
+/// Outliers that are named.
+const MOST_NAMED: usize = 5;
+/// Repeats whose scatter is less likely than this speak against the noise that was given.
+const UNLIKELY: f64 = 1e-3;
+/// So many results that are all equal are no chance.
+const FEWEST_EQUAL: usize = 3;
+
+/// What speaks against what is recommended.
+pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Finding>> {
+    let (problem, response) = (&campaign.problem, &campaign.problem.response);
+    let mut warnings = Vec::new();
+    if let Some(contradiction) = &found.contradiction {
+        let there = &contradiction.standing;
+        let measured = value_to(response, there.measured.unwrap_or(there.mean), resolution(found));
+        let times = short(contradiction.deviations.abs());
+        let sentence = if there.cell == found.recommended.cell {
+            format!(
+                "Careful: the recommended design itself measured {measured}, {times} standard errors worse than the surface \
+                 expects of it."
+            )
+        } else {
+            format!(
+                "Careful: {} measured {measured}, {times} standard errors better than what is expected of the recommended \
+                 design. Run both again, with `infuse confirm`.",
+                problem.describe(&there.point)
+            )
+        };
+        warnings.push(Finding::new(sentence).with("standard errors", contradiction.deviations, "1"));
+    }
+    warnings.extend(outliers(campaign, found));
+    warnings.extend(given_noise(campaign));
+    warnings.extend(all_equal(campaign));
+    Ok(warnings)
+}
+
+/// That no experiment gave a value, though some were made.
+pub(super) fn nothing_but_failures(campaign: &Campaign) -> Vec<Finding> {
+    let n = campaign.experiments.n_failed();
+    let first = campaign.experiments.readings.values().find_map(|reading| match &reading.first {
+        Some(Measured::Failed(reason)) => Some(reason),
+        _ => None,
+    });
+    let said = first.filter(|_| n > 0).map(|reason| {
+        let sentence = format!(
+            "Careful: not one of {} gave a value; the first one: {reason}. Until one does, batches are spread over what was \
+             not tried yet.",
+            count(n, "experiment")
+        );
+        Finding::new(sentence).with("experiments without a result", n as f64, "1")
+    });
+    said.into_iter().collect()
+}
+
+/// That all results are the same number.
+fn all_equal(campaign: &Campaign) -> Option<Finding> {
+    let costs = campaign.costs();
+    let (first, n) = (costs.first()?, costs.len());
+    let is_equal = n >= FEWEST_EQUAL && costs.iter().all(|cost| cost.to_bits() == first.to_bits());
+    is_equal.then(|| {
+        let all = value_to(&campaign.problem.response, *first, f64::NAN);
+        Finding::new(format!(
+            "Careful: all {n} results are {all}: nothing can be learnt from them. Does the sensor read at all?"
+        ))
+    })
+}
+
+/// What was measured that the others do not expect, with what to do about it.
+fn outliers(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
+    let response = &campaign.problem.response;
+    let origins = campaign.origins();
+    let named = |aside: bool| {
+        let meant = found.outliers.iter().filter(move |outlier| outlier.set_aside == aside);
+        let named = meant.clone().take(MOST_NAMED).filter_map(|outlier| {
+            let side =
+                if outlier.deviations > 0.0 { response.worse_side() } else { better_side(response.worse_side()) };
+            let origin = *origins.get(outlier.reading)?;
+            let far = short(outlier.deviations.abs());
+            Some(format!("{} ({far} standard deviations {side})", campaign.full_name_of(origin)))
+        });
+        (meant.count(), named.collect::<Vec<_>>().join(", "))
+    };
+    let imported = found.outliers.iter().any(|one| matches!(origins.get(one.reading), Some(Origin::Imported(_))));
+    let remedy = match imported {
+        true => {
+            "`infuse tell --correct` puts a slip right, a run that was spoilt is told as failed, and what was imported is \
+             taken back with `infuse import --withdraw`"
+        }
+        false => "`infuse tell --correct` puts a slip right, and a run that was spoilt is told as failed",
+    };
+    let sentences = [
+        (
+            named(true),
+            "Set aside, because other runs of the same settings gave something else, which all others expect",
+            "",
+        ),
+        (
+            named(false),
+            "Careful: far from what all others say",
+            " Run it again before you believe what is recommended.",
+        ),
+    ];
+    let said = sentences.into_iter().filter(|((n, _), _, _)| *n > 0).map(|((n, named), what, advice)| {
+        let more = if n > MOST_NAMED { format!(" and {} more", n - MOST_NAMED) } else { String::new() };
+        let sentence = format!("{what}: {named}{more}. Look at the notes of those runs; {remedy}.{advice}");
+        Finding::new(sentence).with("outliers", n as f64, "1")
+    });
+    said.collect()
+}
+
+/// Whether repeats speak against the noise that was given.
+fn given_noise(campaign: &Campaign) -> Option<Finding> {
+    let (given, repeats) = (campaign.settings.noise?, campaign.repeats()?);
+    let (n, response) = (repeats.degrees_of_freedom, &campaign.problem.response);
+    let sum_of_squares = n as f64 * repeats.variance;
+    let is_contradicted = if given > 0.0 {
+        let below = ChiSquared::new(n as f64).ok()?.cdf(sum_of_squares / (given * given));
+        !(UNLIKELY..=1.0 - UNLIKELY).contains(&below)
+    } else {
+        sum_of_squares > 0.0
+    };
+    is_contradicted.then(|| {
+        let (measured, given) = (amount(response, repeats.standard_deviation()), amount(response, given));
+        let sentence = format!(
+            "Careful: `noise` in [loop] is {given}, but {} of equal settings have a standard deviation of {measured}.",
+            count(n, "repeat")
+        );
+        Finding::new(sentence).with("noise of repeats", repeats.standard_deviation(), &response.unit)
+    })
+}
+
+fn better_side(worse: &str) -> &'static str {
+    if worse == "above" { "below" } else { "above" }
+}

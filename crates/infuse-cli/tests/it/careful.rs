@@ -1,0 +1,156 @@
+//! What speaks against a campaign of the pooled loop is said: spoilt runs, wrong noise, dead sensors, nothing but failures.
+
+use serde_json::{Value, json};
+
+use crate::pooled::{ask, batch, best, rig_of, tell, wells, wobble};
+use crate::rig::Rig;
+
+const DEPTHS: [f64; 2] = [40.0, 60.0];
+
+fn measure(a: f64, b: f64, id: u64) -> Result<f64, String> {
+    Ok(wells(a, b, DEPTHS) + 0.2 * wobble(id))
+}
+
+#[test]
+fn a_spoilt_run_is_set_aside_once_it_was_run_again() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "");
+    let spoilt = 4;
+    let mut at = None;
+    for _ in 0..3 {
+        batch(&rig, |a, b, id| {
+            at = at.or((id == spoilt).then_some((a, b)));
+            if id == spoilt { Ok(5.0) } else { measure(a, b, id) }
+        });
+    }
+    let text = rig.infuse(&["status"]).ok();
+    assert!(
+        text.contains("Set aside, because other runs of the same settings") && text.contains("experiment 4 ("),
+        "{text}"
+    );
+    assert!(!text.contains("Best measured: 5 N"), "{text}");
+    assert_ne!(rig.status()["best_measured"]["id"], json!(spoilt));
+    let noise = rig.status()["noise"]["standard_deviation"].as_f64().unwrap();
+    assert!((0.05..1.0).contains(&noise), "{noise}");
+    let (a, b) = best(&rig);
+    assert!(wells(a, b, DEPTHS) < wells(6.0, 11.0, DEPTHS) + 1.0, "{a}, {b}");
+    // What is run to compare designs is not compared with a spoilt run.
+    let asked: Value = serde_json::from_str(&rig.infuse(&["confirm", "--json"]).ok()).unwrap();
+    let (a, b) = at.unwrap();
+    let is_there = |one: &Value| one["settings"] == json!({ "a": a, "b": b });
+    assert!(!asked["experiments"].as_array().unwrap().iter().any(is_there), "{asked}");
+}
+
+#[test]
+fn earlier_experiments_may_be_the_best_or_spoilt_or_failed() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "");
+    let row = |a: u32, b: u32| format!("{a},{b},{:.3},,\n", wells(f64::from(a), f64::from(b), DEPTHS));
+    let measured: String = (0..20).map(|index| row(2 * (index % 5), 3 * (index / 5))).collect();
+    let heading = "a [mm],b [mm],y [N],source,failed\n";
+    rig.write(
+        "old.csv",
+        &format!("{heading}{measured}6,11,30.5,page 7,\n8,14,,page 8,it fell over\n7,14,,page 8,it fell over\n"),
+    );
+    let said = rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    assert!(said.contains("Imported: 23 experiments"), "{said}");
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("Best measured: 30.5 N, an experiment of `notebook: page 7` at a 6 mm, b 11 mm"), "{text}");
+    let why = rig.infuse(&["status", "--why", "a=8,b=14"]).ok();
+    assert!(why.contains("it fell over") || why.contains("a run there gives a value with 0.0 %"), "{why}");
+    rig.infuse(&["report"]).ok();
+    assert!(rig.read("report.html").contains("failed: it fell over"));
+    let asked = ask(&rig);
+    let fell = |one: &Value| one["settings"] == json!({ "a": 8.0, "b": 14.0 });
+    assert!(!asked["experiments"].as_array().unwrap().iter().any(fell), "{asked}");
+    // A row says one thing.
+    rig.write("both.csv", &format!("{heading}1,1,3,page 9,it fell over\n"));
+    assert!(rig.infuse(&["import", "both.csv", "--source", "x"]).error().contains("nothing, as there is a value"));
+    rig.write("none.csv", &format!("{heading}1,1,,page 9,\n"));
+    assert!(rig.infuse(&["import", "none.csv", "--source", "x"]).error().contains("expected a number"));
+    // What is far off is named with its settings, and how it is taken back.
+    rig.write("spoilt.csv", &format!("{heading}4,6,-900,page 3,\n"));
+    rig.infuse(&["import", "spoilt.csv", "--source", "diary"]).ok();
+    let text = rig.infuse(&["status"]).ok();
+    assert!(
+        text.contains("an experiment of `diary: page 3` at a 4 mm, b 6 mm") && text.contains("--withdraw"),
+        "{text}"
+    );
+}
+
+#[test]
+fn noise_that_repeats_contradict_is_said() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "noise = 0\n");
+    let rows: String = (0..8).map(|k| format!("4,7,{:.3}\n", 95.0 + wobble(k))).collect();
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N]\n{rows}"));
+    rig.infuse(&["import", "old.csv", "--source", "repeats"]).ok();
+    let text = rig.infuse(&["status"]).ok();
+    assert!(
+        text.contains("`noise` in [loop] is 0 N, but 7 repeats of equal settings have a standard deviation of"),
+        "{text}"
+    );
+    assert!(text.contains("Noise of one run: 0 N (standard deviation), as `noise` in [loop] says."), "{text}");
+    for (noise, is_wrong) in [("0.8", false), ("0.01", true), ("50", true)] {
+        let now = rig.read("campaign.toml");
+        let line = now.lines().find(|line| line.starts_with("noise")).unwrap().to_owned();
+        rig.edit(&line, &format!("noise = {noise}"));
+        let text = rig.infuse(&["status"]).ok();
+        assert_eq!(text.contains("Careful: `noise` in [loop]"), is_wrong, "{noise}: {text}");
+    }
+}
+
+#[test]
+fn a_dead_sensor_and_nothing_but_failures_are_said() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "");
+    batch(&rig, |_, _, _| Ok(3.0));
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("Careful: all 10 results are 3 N: nothing can be learnt from them."), "{text}");
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "");
+    batch(&rig, |_, _, _| Err("no signal".to_owned()));
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("Careful: not one of 10 experiments gave a value; the first one: no signal."), "{text}");
+}
+
+#[test]
+fn who_goes_on_without_a_simulation_is_asked_once() {
+    let rig = Rig::pooled();
+    let broken = "command = [\"sh\", \"-c\", \"echo no license for {spring} {damper gain} >&2; exit 3\"]";
+    rig.edit("table = \"simulation.csv\"", broken);
+    rig.edit("experiments = 10", "experiments = 4\nsimulations = 5");
+    let error = rig.infuse(&["ask"]).error();
+    assert!(error.contains("simulations failed"), "{error}");
+    tell(&rig, anyway(&rig).as_array().unwrap(), measure);
+    assert!(rig.infuse(&["ask"]).ok().contains("Batch 2"));
+}
+
+fn anyway(rig: &Rig) -> Value {
+    let asked: Value = serde_json::from_str(&rig.infuse(&["ask", "--anyway", "--json"]).ok()).unwrap();
+    asked["experiments"].clone()
+}
+
+#[test]
+fn of_dear_simulations_the_best_so_far_is_not_called_the_choice_of_all() {
+    let rig = Rig::pooled();
+    rig.edit("table = \"simulation.csv\"", "command = [\"echo\", \"{spring}{damper gain}\"]");
+    rig.edit("experiments = 10", "experiments = 4\nsimulations = 5");
+    tell(&rig, ask(&rig)["experiments"].as_array().unwrap(), |a, b, _| Ok(a * b));
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("designs simulated so far, the simulation alone would choose"), "{text}");
+}
+
+/// The same campaign far from zero ends where it ends near zero, and its differences are shown.
+#[test]
+fn an_offset_changes_nothing_but_the_numbers() {
+    let run = |offset: f64| {
+        let rig = rig_of(|a, b| wells(a, b, DEPTHS) + offset, "");
+        for _ in 0..3 {
+            batch(&rig, |a, b, id| Ok(measure(a, b, id)? + offset));
+        }
+        (best(&rig), rig.infuse(&["status"]).ok())
+    };
+    let (near, _) = run(0.0);
+    for offset in [1e8, 1e12] {
+        let (far, text) = run(offset);
+        assert_eq!(near, far, "{text}");
+        let best = wells(near.0, near.1, DEPTHS).round();
+        assert!(text.contains(&format!("{}", offset + best)), "{best} {text}");
+    }
+}
