@@ -196,6 +196,24 @@ impl GaussianProcess {
         (means, whitened)
     }
 
+    /// K⁻¹ r of the sites, scaled.
+    pub(crate) fn solved(&self) -> &Mat<f64> {
+        &self.solved
+    }
+
+    /// Covariances of the sites (rows) with places (columns), scaled.
+    pub(crate) fn covariance_with_sites(&self, places: &Places) -> Mat<f64> {
+        self.parts(self.sites.places(), places).covariance(self.structure, &self.hyper)
+    }
+
+    /// K⁻¹ times a matrix with a row per site.
+    pub(crate) fn solve(&self, right: &Mat<f64>) -> Mat<f64> {
+        let mut solved = right.clone();
+        solve_lower_triangular_in_place(self.factor.as_ref(), solved.as_mut(), Par::Seq);
+        solve_upper_triangular_in_place(self.factor.transpose(), solved.as_mut(), Par::Seq);
+        solved
+    }
+
     /// Mean at each place, in the unit of the response.
     #[must_use]
     pub fn means(&self, places: &Places) -> Vec<f64> {
