@@ -233,6 +233,11 @@ impl Campaign {
         meant.min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
+    /// How many experiments from before the campaign gave a value.
+    pub(super) fn n_imported_values(&self) -> usize {
+        self.imported.iter().filter(|one| one.result.value().is_some()).count()
+    }
+
     /// All costs that were measured.
     pub(super) fn costs(&self) -> Vec<f64> {
         let response = &self.problem.response;

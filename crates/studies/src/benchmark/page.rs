@@ -185,7 +185,7 @@ fn markdown(kept: &[Results]) -> Result<String> {
     }
     text += "\n## Regret without learning\n\nNo reading changes these.\n\n";
     text += &regret_table(&methods, BATCHES, |method| method.is_blind).markdown();
-    for batch in [3, BATCHES] {
+    for batch in 2..=BATCHES {
         text += &format!(
             "\n## Paired with the others after batch {batch}\n\nMean over the seeds of log10(regret of the pooled loop / regret of the other) with its standard \
              error: negative where the pooled loop is better, and -0.30 is half the regret. {} % of the range is added to both, so \
