@@ -68,6 +68,8 @@ pub(crate) enum Command {
         #[arg(long)]
         resimulate: bool,
     },
+    /// Stop the simulations that are in the queue of a cluster; what was finished counts
+    Cancel,
     /// Take the results of experiments
     Tell(Tell),
     /// Take experiments that were made before the campaign, with where they come from

@@ -11,6 +11,7 @@ mod number;
 mod pooled;
 mod problem;
 mod program;
+mod queue;
 mod report;
 mod sheet;
 mod shell;

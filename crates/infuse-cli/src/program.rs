@@ -34,6 +34,28 @@ pub(crate) fn interrupt(exit_code: i32) {
     }
 }
 
+/// Whether a person wants to stop.
+pub(crate) fn is_interrupted() -> bool {
+    INTERRUPTED.load(Ordering::Relaxed)
+}
+
+/// Something that has to be told of an interrupt, as long as it lives.
+#[derive(Debug)]
+pub(crate) struct Running;
+
+impl Running {
+    pub(crate) fn new() -> Self {
+        RUNNING.fetch_add(1, Ordering::SeqCst);
+        Self
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        RUNNING.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
 /// What became of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Ran {
@@ -51,16 +73,16 @@ impl Program {
     ///
     /// The command could not be started at all: no such program, no temporary files.
     pub(crate) fn run(&self, folder: &Path, region: &Region, point: &[f64], run: Option<u64>) -> Result<Ran> {
-        let arguments: Vec<String> = self.command.iter().map(|argument| filled(argument, region, point, run)).collect();
-        let (program, arguments) = (executable(folder, &arguments[0]), &arguments[1..]);
+        let words = self.words(folder, region, point, run);
+        let (program, arguments) = (&words[0], &words[1..]);
         // Files and not pipes: whatever a program leaves behind when it is stopped, nobody waits for it.
         let temporary = || tempfile::tempfile().context("a temporary file for the output of a command");
         let (mut output, mut errors) = (temporary()?, temporary()?);
         let input = match self.input {
             Input::Arguments => Stdio::null(),
-            Input::Json => Stdio::from(standard_input(region, point, run)?),
+            Input::Json => Stdio::from(standard_input(&self.input_text(region, point, run))?),
         };
-        let mut command = CommandWrap::with_new(&program, |_| {});
+        let mut command = CommandWrap::with_new(program, |_| {});
         let inner = command.command_mut();
         inner.args(arguments).current_dir(folder).stdin(input);
         inner.stdout(output.try_clone().context("output")?).stderr(errors.try_clone().context("output")?);
@@ -68,10 +90,10 @@ impl Program {
         command.wrap(process_wrap::std::ProcessGroup::leader());
         #[cfg(windows)]
         command.wrap(process_wrap::std::JobObject);
-        let mut child = command.spawn().with_context(|| format!("cannot start `{}`", program.display()))?;
-        RUNNING.fetch_add(1, Ordering::SeqCst);
+        let mut child = command.spawn().with_context(|| format!("cannot start `{program}`"))?;
+        let running = Running::new();
         let waited = self.wait(child.as_mut());
-        RUNNING.fetch_sub(1, Ordering::SeqCst);
+        drop(running);
         let status = match waited? {
             Waited::Ended(status) => {
                 // What it has left behind in its group ends with it.
@@ -84,11 +106,34 @@ impl Program {
                 return Ok(Ran::Failed(format!("stopped after {seconds} s, see `timeout_seconds`")));
             }
         };
-        let (output, errors) = (all(&mut output)?, all(&mut errors)?);
-        if INTERRUPTED.load(Ordering::Relaxed) && !status.success() {
+        let (output, errors) = (tail(&mut output)?, tail(&mut errors)?);
+        if is_interrupted() && !status.success() {
             return Ok(Ran::Interrupted);
         }
-        Ok(if status.success() { value_of(&output) } else { Ran::Failed(failure(status, &errors, &output)) })
+        Ok(ended(status.success(), &status.to_string(), &output, &errors))
+    }
+
+    /// The command at a point, word by word; a program named with a folder is looked for from the folder of the campaign.
+    pub(crate) fn words(&self, folder: &Path, region: &Region, point: &[f64], run: Option<u64>) -> Vec<String> {
+        let mut words: Vec<String> = self.command.iter().map(|word| filled(word, region, point, run)).collect();
+        if let Some(program) = words.first_mut() {
+            *program = executable(folder, program).display().to_string();
+        }
+        words
+    }
+
+    /// What it finds on its standard input.
+    pub(crate) fn input_text(&self, region: &Region, point: &[f64], run: Option<u64>) -> String {
+        if self.input == Input::Arguments {
+            return String::new();
+        }
+        let pairs = region.parameters().iter().zip(point);
+        let mut object: Map<String, Value> =
+            pairs.map(|(parameter, &value)| (parameter.name().to_owned(), json!(rounded(value)))).collect();
+        if let Some(run) = run {
+            object.insert("run".to_owned(), json!(run));
+        }
+        format!("{}\n", Value::Object(object))
     }
 
     fn wait(&self, child: &mut dyn ChildWrapper) -> Result<Waited> {
@@ -98,7 +143,7 @@ impl Program {
             if let Some(status) = child.try_wait().context("waiting for a command")? {
                 return Ok(Waited::Ended(status));
             }
-            let is_interrupted = INTERRUPTED.load(Ordering::Relaxed);
+            let is_interrupted = is_interrupted();
             if is_interrupted || start.elapsed() >= self.timeout {
                 // It may have ended by itself in between.
                 let _ = child.kill();
@@ -134,22 +179,22 @@ fn filled(argument: &str, region: &Region, point: &[f64], run: Option<u64>) -> S
     })
 }
 
-fn standard_input(region: &Region, point: &[f64], run: Option<u64>) -> Result<File> {
-    let pairs = region.parameters().iter().zip(point);
-    let mut object: Map<String, Value> =
-        pairs.map(|(parameter, &value)| (parameter.name().to_owned(), json!(rounded(value)))).collect();
-    if let Some(run) = run {
-        object.insert("run".to_owned(), json!(run));
-    }
+fn standard_input(text: &str) -> Result<File> {
     let mut file = tempfile::tempfile().context("a temporary file for the input of a command")?;
-    writeln!(file, "{}", Value::Object(object)).and_then(|()| file.rewind()).context("input of a command")?;
+    write!(file, "{text}").and_then(|()| file.rewind()).context("input of a command")?;
     Ok(file)
+}
+
+/// What became of a command that has ended: its value if it succeeded, or what it said.
+pub(crate) fn ended(is_success: bool, status: &str, output: &str, errors: &str) -> Ran {
+    if is_success { value_of(output) } else { Ran::Failed(failure(status, errors, output)) }
 }
 
 /// Of what a command printed so much is read, from its end.
 const MOST_READ: u64 = 1 << 16;
 
-fn all(file: &mut File) -> Result<String> {
+/// The end of a file.
+pub(crate) fn tail(file: &mut File) -> Result<String> {
     let mut bytes = Vec::new();
     let n_bytes = file.seek(SeekFrom::End(0)).context("output of a command")?;
     let start = SeekFrom::Start(n_bytes.saturating_sub(MOST_READ));
@@ -185,11 +230,11 @@ fn finite(value: f64) -> Ran {
     }
 }
 
-fn failure(status: ExitStatus, errors: &str, output: &str) -> String {
+fn failure(status: &str, errors: &str, output: &str) -> String {
     let said = [errors, output].into_iter().map(str::trim).find(|text| !text.is_empty());
     match said {
         Some(said) => format!("{status}: {}", end_of(said)),
-        None => status.to_string(),
+        None => status.to_owned(),
     }
 }
 

@@ -52,7 +52,7 @@ pub(crate) fn simulate(
             }
             Ok(())
         }
-        Simulator::Program { program, jobs: n_workers } => {
+        Simulator::Program { program, jobs: n_workers, .. } => {
             run_all(folder, problem, program, (*n_workers).min(jobs.len()), jobs, done)
         }
     }

@@ -12,7 +12,7 @@ use infuse::pooled::Trial;
 use page::Finding;
 use serde_json::Value;
 
-use crate::journal::{Event, Journal, Measured, Writer};
+use crate::journal::{Event, Journal, Measured, Submitted, Writer};
 use crate::problem::Problem;
 pub(crate) use changes::changes;
 pub(crate) use experiments::Experiments;
@@ -76,6 +76,10 @@ pub(crate) trait Campaign {
     fn purpose(&self, batch: usize) -> &'static str;
     /// What is allowed instead, if the result of this experiment may not be told or replaced any more.
     fn refusal(&self, trial: &Trial) -> Option<String>;
+    /// Runs that were handed to a queue.
+    fn submitted(&self) -> &[Submitted];
+    /// How many simulations the campaign waits for.
+    fn waits_for_simulations(&self) -> Result<usize>;
     /// The experiments from before the campaign that are in use.
     fn imported(&self) -> Vec<Imported>;
     /// From when on, and for what, those count that are imported now.

@@ -1,6 +1,7 @@
 //! One module per command; each gives what to print, as text and as JSON.
 
 mod ask;
+mod cancel;
 mod confirm;
 mod import;
 mod new;
@@ -51,6 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
         }
         Command::WhatIf { settings, grid } => what_if::what_if(folder, settings.as_deref(), grid.as_deref()),
         Command::Confirm { runs, sheet } => confirm::confirm(folder, wait, *runs, sheet.as_deref()),
+        Command::Cancel => cancel::cancel(folder, wait),
         Command::Tell(tell) => tell::tell(folder, wait, tell),
         Command::Import { withdraw: Some(source), .. } => import::withdraw(folder, wait, source),
         Command::Import { file, source, .. } => {

@@ -11,7 +11,8 @@ use crate::campaign::{Campaign, Stage};
 use crate::findings::{next, standing};
 use crate::folder;
 use crate::journal::JOURNAL;
-use crate::shell::sheet_path;
+use crate::number::count;
+use crate::shell::{infuse, sheet_path};
 
 pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     let mut campaign = folder::read(folder)?;
@@ -20,6 +21,7 @@ pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     let stage = campaign.stage()?;
     let (known, for_machines) = campaign.status()?;
     let blocks: Vec<Vec<Finding>> = std::iter::once(vec![standing(&*campaign)])
+        .chain([in_the_queue(&*campaign)?])
         .chain(known)
         .chain([vec![next(&*campaign, &stage)]])
         .filter(|block| !block.is_empty())
@@ -41,6 +43,21 @@ pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     }
     json["notices"] = json!(notices);
     Ok(Output { text, json, notices })
+}
+
+/// What is waited for from a queue.
+fn in_the_queue(campaign: &dyn Campaign) -> Result<Vec<Finding>> {
+    let n = if campaign.submitted().is_empty() { 0 } else { campaign.waits_for_simulations()? };
+    let waiting = (n > 0).then(|| {
+        let infuse = infuse(campaign.folder());
+        let sentence = format!(
+            "{} in the queue or to be queued: `{infuse} ask` takes what has ended and waits for the others, `{infuse} cancel` \
+             stops them.",
+            count(n, "simulation")
+        );
+        Finding::new(sentence).with("simulations waited for", n as f64, "1")
+    });
+    Ok(waiting.into_iter().collect())
 }
 
 fn for_every_method(campaign: &dyn Campaign, stage: &Stage) -> Value {

@@ -30,7 +30,12 @@ impl Campaign {
             Event::Simulated { cell, result, by, .. } => {
                 self.memory.insert(cell, Remembered { by, result });
             }
-            Event::Discarded { .. } => self.memory.clear(),
+            Event::Submitted(submitted) => self.submitted.push(submitted),
+            Event::Discarded { .. } => {
+                self.memory.clear();
+                // Results of runs that were to be thrown away are not read again.
+                self.submitted.clear();
+            }
             Event::Opened { batch, .. } => self.open_batch(batch)?,
             Event::Told(told) => self.tell(told)?,
             Event::Imported { point, result, source, .. } => {

@@ -9,7 +9,7 @@ use design_space::Cell;
 use infuse::global::{self, Outlook, PureError, TrialUse};
 
 use crate::campaign::Experiments;
-use crate::journal::{Event, Journal, Learned, Measured, Writer, now};
+use crate::journal::{Event, Journal, Learned, Measured, Submitted, Writer, now};
 use crate::problem::Problem;
 
 /// Surfaces drawn to see what more experiments could bring.
@@ -31,6 +31,8 @@ pub(crate) struct Campaign {
     pub(crate) now: global::Loop,
     pub(super) plan: Option<Planned>,
     pub(super) memory: HashMap<Cell, Remembered>,
+    /// What was handed to a queue.
+    pub(super) submitted: Vec<Submitted>,
     /// The last batch whose lesson the journal has, as it stands.
     pub(super) n_learned: usize,
     /// Whether something was applied that `now` does not know.
@@ -90,6 +92,7 @@ impl Campaign {
             plan: None,
             uses: BTreeMap::new(),
             memory: HashMap::new(),
+            submitted: Vec::new(),
             n_learned: 0,
             is_stale: false,
             since_complete: Vec::new(),

@@ -29,8 +29,10 @@ pub(super) fn hand_out(campaign: &mut Campaign, writer: &mut Writer, anyway: boo
         let missing = campaign.missing_simulations(&identity(&campaign.problem.simulator))?;
         let (folder, problem) = (campaign.folder.clone(), campaign.problem.clone());
         let grid = campaign.now.grid().clone();
-        let simulated =
-            simulate_missing(&folder, &problem, &grid, &missing, |event| campaign.record_simulation(writer, event))?;
+        let submitted = campaign.submitted.clone();
+        let simulated = simulate_missing(&folder, &problem, &grid, &missing, &submitted, |event| {
+            campaign.record_simulation(writer, event)
+        })?;
         done.n_simulated += simulated.n_done;
         done.notices.extend(failed_in_words(simulated.n_failed));
         let batch = campaign.batch();

@@ -12,8 +12,9 @@ use super::campaign::{Campaign, Stage};
 use super::findings::{best, best_design, closed, left, lesson, prospects, reason_to_stop, why_dropped};
 use super::{hand_out, report};
 use crate::campaign::{self, Experiments, HandedOut, Imported, Wish};
-use crate::journal::{Event, Journal, Measured, Writer};
+use crate::journal::{Event, Journal, Measured, Submitted, Writer};
 use crate::problem::Problem;
+use crate::simulator::identity;
 
 impl campaign::Campaign for Campaign {
     fn folder(&self) -> &Path {
@@ -69,6 +70,14 @@ impl campaign::Campaign for Campaign {
         let last = self.experiments.last_batch().unwrap_or(0);
         let stands = trial.batch < last || self.is_settled(trial.batch);
         stands.then(|| format!("one of batch {last}: later batches rest on the results of the others"))
+    }
+
+    fn submitted(&self) -> &[Submitted] {
+        &self.submitted
+    }
+
+    fn waits_for_simulations(&self) -> Result<usize> {
+        Ok(self.missing_simulations(&identity(&self.problem.simulator))?.len())
     }
 
     fn imported(&self) -> Vec<Imported> {

@@ -34,6 +34,8 @@ pub(crate) enum Event {
         result: Measured,
         by: String,
     },
+    /// Runs are to be handed to a queue; written down before they are.
+    Submitted(Submitted),
     /// What was simulated before is not to be used in batches to come.
     #[serde(rename = "forgotten")]
     Discarded { at: String },
@@ -58,6 +60,26 @@ pub(crate) enum Event {
     Learned(Learned),
     /// What was known once a batch of the pooled loop was complete, for the history, with a checksum of all lines before.
     Assessed(Assessed),
+}
+
+/// Runs that were handed to a queue.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Submitted {
+    /// By which the queue knows it: that of the batch of runs, and which submission of it this is.
+    pub(crate) name: String,
+    /// All runs of the batch, numbered from 1 in this order, those with a result included.
+    pub(crate) cells: Vec<Cell>,
+    /// The simulator.
+    pub(crate) by: String,
+    pub(crate) at: String,
+}
+
+impl Submitted {
+    /// The name of the batch of runs.
+    pub(crate) fn stem(&self) -> &str {
+        self.name.rsplit_once('-').map_or(&*self.name, |(stem, _)| stem)
+    }
 }
 
 /// Why a batch was planned, if not by the loop.

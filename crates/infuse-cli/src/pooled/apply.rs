@@ -80,7 +80,12 @@ impl Campaign {
             Event::Simulated { cell, result, by, .. } => {
                 self.memory.insert(cell, Remembered { by, result });
             }
-            Event::Discarded { .. } => self.memory.clear(),
+            Event::Submitted(submitted) => self.submitted.push(submitted),
+            Event::Discarded { .. } => {
+                self.memory.clear();
+                // Results of runs that were to be thrown away are not read again.
+                self.submitted.clear();
+            }
             Event::Told(told) => {
                 self.experiments.tell(told)?;
                 // What is known now is to be said anew; what was known before stands.

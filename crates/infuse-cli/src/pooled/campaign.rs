@@ -12,7 +12,7 @@ use infuse::pooled::{Assessment, Loop, Settings, Simulate};
 use infuse::{Outcome, TrialId};
 
 use crate::campaign::{Experiments, Imported};
-use crate::journal::{Assessed, Journal, Measured, Purpose};
+use crate::journal::{Assessed, Journal, Measured, Purpose, Submitted};
 use crate::problem::{PROBLEM, Problem, Simulator};
 use crate::simulator::{Job, identity, table};
 
@@ -36,6 +36,8 @@ pub(crate) struct Campaign {
     /// Cells that were to be simulated.
     pub(super) planned: BTreeSet<Cell>,
     pub(super) memory: HashMap<Cell, Remembered>,
+    /// What was handed to a queue.
+    pub(super) submitted: Vec<Submitted>,
     pub(super) imported: Vec<Imported>,
     /// What was known after each batch.
     pub(super) history: BTreeMap<usize, Assessed>,
@@ -110,6 +112,7 @@ impl Campaign {
             batches: Vec::new(),
             planned: BTreeSet::new(),
             memory: HashMap::new(),
+            submitted: Vec::new(),
             imported: Vec::new(),
             history: BTreeMap::new(),
             rows: Rc::new(OnceCell::new()),

@@ -68,8 +68,10 @@ fn simulate(campaign: &mut Campaign, writer: &mut Writer, anyway: bool, done: &m
     // Who went on without it once was asked, and is not asked again.
     let by = identity(&problem.simulator);
     let went_on = campaign.memory.values().any(|known| known.by == by);
-    let simulated =
-        simulate_missing(&folder, &problem, &grid, &missing, |event| campaign.write_simulation(writer, event))?;
+    let submitted = campaign.submitted.clone();
+    let simulated = simulate_missing(&folder, &problem, &grid, &missing, &submitted, |event| {
+        campaign.write_simulation(writer, event)
+    })?;
     done.n_simulated += simulated.n_done;
     if simulated.n_failed == simulated.n_done && !anyway && !went_on && campaign.simulated()?.is_empty() {
         let of = |cell: &Cell| campaign.memory.get(cell).map(|known| known.result.clone());

@@ -13,7 +13,7 @@ use super::warnings::{nothing_but_failures, warnings};
 use super::{confirm, hand_out, report, what_if};
 use crate::campaign::{self, Experiments, HandedOut, Imported, Stage, Wish};
 use crate::findings::amount;
-use crate::journal::{Event, Journal, Writer};
+use crate::journal::{Event, Journal, Submitted, Writer};
 use crate::number::count;
 use crate::problem::Problem;
 
@@ -74,6 +74,14 @@ impl campaign::Campaign for Campaign {
     fn refusal(&self, _: &Trial) -> Option<String> {
         // All data count anew at every step, so a result may be put right at any time.
         None
+    }
+
+    fn submitted(&self) -> &[Submitted] {
+        &self.submitted
+    }
+
+    fn waits_for_simulations(&self) -> Result<usize> {
+        Ok(self.missing_simulations()?.len())
     }
 
     fn imported(&self) -> Vec<Imported> {

@@ -68,6 +68,31 @@ pub(crate) struct SimulatorEntry {
     pub(crate) input: Option<Input>,
     pub(crate) timeout_seconds: Option<f64>,
     pub(crate) jobs: Option<usize>,
+    pub(crate) queue: Option<QueueEntry>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct QueueEntry {
+    pub(crate) kind: Option<QueueKind>,
+    pub(crate) options: Option<Vec<String>>,
+    pub(crate) submit: Option<Vec<String>>,
+    pub(crate) list: Option<Vec<String>>,
+    pub(crate) cancel: Option<Vec<String>>,
+    pub(crate) poll_seconds: Option<f64>,
+    pub(crate) tries: Option<usize>,
+    pub(crate) runs_per_task: Option<usize>,
+}
+
+/// A scheduler whose commands are known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum QueueKind {
+    Slurm,
+    HyperQueue,
+    Pbs,
+    Lsf,
+    Parallel,
 }
 
 #[derive(Debug, Deserialize)]

@@ -2,6 +2,7 @@
 
 pub(crate) mod file;
 mod levels;
+mod queue;
 mod read;
 mod settings;
 
@@ -14,6 +15,7 @@ use serde_json::{Value, json};
 
 use file::LoopEntry;
 pub(crate) use file::{Goal, Input, Method};
+pub(crate) use queue::Queue;
 
 use crate::number::{plain, rounded, setting, with_unit};
 
@@ -110,7 +112,23 @@ pub(crate) fn step(parameter: &design_space::Parameter) -> f64 {
 #[derive(Debug, Clone)]
 pub(crate) enum Simulator {
     Table(PathBuf),
-    Program { program: Program, jobs: usize },
+    Program {
+        program: Program,
+        /// How many run side by side on this machine.
+        jobs: usize,
+        /// Where they run elsewhere.
+        queue: Option<Queue>,
+    },
+}
+
+impl Simulator {
+    /// The program and its queue, if it runs elsewhere.
+    pub(crate) fn queue(&self) -> Option<(&Program, &Queue)> {
+        match self {
+            Self::Program { program, queue: Some(queue), .. } => Some((program, queue)),
+            _ => None,
+        }
+    }
 }
 
 /// A command to run per point.

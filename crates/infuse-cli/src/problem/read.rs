@@ -8,7 +8,8 @@ use design_space::Region;
 
 use super::file::{Input, ProblemFile, ResponseEntry, SimulationsEntry, SimulatorEntry};
 use super::levels::parameter;
-use super::{PROBLEM, Problem, Program, RESERVED, Response, Simulator};
+use super::queue::submits_a_job;
+use super::{PROBLEM, Problem, Program, Queue, RESERVED, Response, Simulator};
 
 const TIMEOUT_SECONDS: f64 = 600.0;
 const LONGEST_TIMEOUT_SECONDS: f64 = 3.0e7;
@@ -102,8 +103,11 @@ fn simulator(entry: SimulatorEntry, region: &Region) -> Result<Simulator> {
     match (entry.table, entry.command) {
         (Some(table), None) => {
             ensure!(
-                entry.input.is_none() && entry.timeout_seconds.is_none() && entry.jobs.is_none(),
-                "a `table` is not run, expected neither `input` nor `timeout_seconds` nor `jobs` beside it"
+                entry.input.is_none()
+                    && entry.timeout_seconds.is_none()
+                    && entry.jobs.is_none()
+                    && entry.queue.is_none(),
+                "a `table` is not run, expected neither `input` nor `timeout_seconds` nor `jobs` nor [simulator.queue] beside it"
             );
             Ok(Simulator::Table(table))
         }
@@ -113,7 +117,16 @@ fn simulator(entry: SimulatorEntry, region: &Region) -> Result<Simulator> {
                 Some(jobs) => jobs,
                 None => std::thread::available_parallelism().map_or(1, usize::from),
             };
-            Ok(Simulator::Program { program: program(command, entry.input, entry.timeout_seconds, region)?, jobs })
+            ensure!(
+                entry.queue.is_none() || entry.jobs.is_none(),
+                "`jobs` is for runs on this machine, expected none beside [simulator.queue]: its `options` say how many run at once"
+            );
+            let queue = entry.queue.map(Queue::of).transpose().context("queue")?;
+            Ok(Simulator::Program {
+                program: program(command, entry.input, entry.timeout_seconds, region)?,
+                jobs,
+                queue,
+            })
         }
         (None, None) => bail!("needs `command` = [\"program\", \"argument\", ...] or `table` = \"file.csv\""),
         (Some(_), Some(_)) => bail!("has both `command` and `table`, expected one of them"),
@@ -125,6 +138,12 @@ fn program(command: Vec<String>, input: Option<Input>, timeout: Option<f64>, reg
         command.first().is_some_and(|program| !program.is_empty()),
         "`command` is {command:?}, expected a program and its arguments"
     );
+    if let Some(scheduler) = submits_a_job(&command) {
+        bail!(
+            "`command` begins with `{scheduler}`, which prints the number of a job and no value; put the program itself here, and \
+             `kind` of the scheduler under [simulator.queue]"
+        );
+    }
     let input = input.unwrap_or_default();
     let seconds = timeout.unwrap_or(TIMEOUT_SECONDS);
     ensure!(

@@ -3,7 +3,7 @@
 use design_space::Levels;
 use infuse::Role;
 
-use crate::journal::{Event, JOURNAL, Journal, Told};
+use crate::journal::{Event, JOURNAL, Journal, Submitted, Told};
 use crate::number::{count, plain, setting, with_unit};
 use crate::problem::{Goal, PROBLEM, Problem, Simulator, step};
 use page::{Column, Page, Table};
@@ -92,6 +92,7 @@ fn time(event: &Event) -> Option<&str> {
         Event::Campaign { at, .. }
         | Event::Planned { at, .. }
         | Event::Discarded { at }
+        | Event::Submitted(Submitted { at, .. })
         | Event::Opened { at, .. }
         | Event::Told(Told { at, .. })
         | Event::Imported { at, .. }

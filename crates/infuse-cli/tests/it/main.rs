@@ -11,6 +11,7 @@ mod pooled_report;
 mod problems;
 mod programs;
 mod quarter_car;
+mod queues;
 mod report;
 mod report_page;
 mod rig;

@@ -1,0 +1,147 @@
+//! How a simulator is queued: the commands of a scheduler, known ones or others.
+
+use std::time::Duration;
+
+use anyhow::{Result, ensure};
+
+use super::file::{QueueEntry, QueueKind};
+
+const POLL_SECONDS: f64 = 10.0;
+const LONGEST_POLL_SECONDS: f64 = 3600.0;
+const TRIES: usize = 3;
+const MOST_TRIES: usize = 100;
+const MOST_RUNS_PER_TASK: usize = 100_000;
+
+/// The commands of a scheduler, with placeholders, and how patient one is with it.
+#[derive(Debug, Clone)]
+pub(crate) struct Queue {
+    /// Hands a script to the scheduler, as an array of tasks.
+    pub(crate) submit: Vec<String>,
+    /// Prints the names of all that runs or waits.
+    pub(crate) list: Vec<String>,
+    /// Stops all tasks of a submission.
+    pub(crate) cancel: Vec<String>,
+    /// Take the place of `{options}`.
+    pub(crate) options: Vec<String>,
+    /// From one look at the queue to the next.
+    pub(crate) poll: Duration,
+    /// How often a run is submitted before it counts as failed.
+    pub(crate) tries: usize,
+    /// Simulations that a task runs one after the other.
+    pub(crate) runs_per_task: usize,
+}
+
+impl Queue {
+    pub(super) fn of(entry: QueueEntry) -> Result<Self> {
+        let usual = entry.kind.map(commands);
+        let or = |given: Option<Vec<String>>, index: usize| {
+            given.or_else(|| usual.map(|commands| commands[index].iter().map(|word| (*word).to_owned()).collect()))
+        };
+        let (submit, list, cancel) = (or(entry.submit, 0), or(entry.list, 1), or(entry.cancel, 2));
+        for (key, command) in [("submit", &submit), ("list", &list)] {
+            ensure!(
+                command.as_ref().is_some_and(|words| words.first().is_some_and(|word| !word.is_empty())),
+                "needs `{key}` = [\"program\", \"argument\", ...], or `kind` = \"slurm\", \"hyperqueue\", \"pbs\", \"lsf\" or \
+                 \"parallel\""
+            );
+        }
+        let (submit, list, cancel) = (submit.unwrap_or_default(), list.unwrap_or_default(), cancel.unwrap_or_default());
+        let has = |name: &str| submit.iter().any(|word| word.contains(name));
+        ensure!(has("{script}"), "`submit` has no {{script}}, so the scheduler cannot know what to run");
+        ensure!(has("{name}") || !list.is_empty() && has("{script}"), "`submit` has no {{name}}");
+        ensure!(
+            ["{tasks}", "{range}", "{first}"].iter().any(|name| has(name)),
+            "`submit` has none of {{tasks}} (\"1-4,7\"), {{range}} (\"1-7\"), {{first}} with {{last}}: the scheduler cannot know \
+             which tasks to run"
+        );
+        let options = entry.options.unwrap_or_default();
+        ensure!(
+            options.is_empty() || has("{options}"),
+            "`options` are given, but `submit` has no {{options}} where they belong"
+        );
+        let seconds = entry.poll_seconds.unwrap_or(POLL_SECONDS);
+        ensure!(
+            seconds > 0.0 && seconds <= LONGEST_POLL_SECONDS,
+            "`poll_seconds` is {seconds:?}, expected a positive number up to {LONGEST_POLL_SECONDS}"
+        );
+        let tries = entry.tries.unwrap_or(TRIES);
+        ensure!((1..=MOST_TRIES).contains(&tries), "`tries` is {tries}, expected 1 to {MOST_TRIES}");
+        let runs_per_task = entry.runs_per_task.unwrap_or(1);
+        ensure!(
+            (1..=MOST_RUNS_PER_TASK).contains(&runs_per_task),
+            "`runs_per_task` is {runs_per_task}, expected 1 to {MOST_RUNS_PER_TASK}"
+        );
+        let poll = Duration::from_secs_f64(seconds);
+        Ok(Self { submit, list, cancel, options, poll, tries, runs_per_task })
+    }
+}
+
+/// Submit, list and cancel of a scheduler.
+fn commands(kind: QueueKind) -> [&'static [&'static str]; 3] {
+    match kind {
+        QueueKind::Slurm => [
+            &[
+                "sbatch",
+                "--parsable",
+                "--job-name={name}",
+                "--output=/dev/null",
+                "--array={tasks}",
+                "{options}",
+                "{script}",
+            ],
+            &["squeue", "--me", "--noheader", "--format=%j"],
+            &["scancel", "--name={name}"],
+        ],
+        QueueKind::HyperQueue => [
+            &[
+                "hq",
+                "submit",
+                "--name={name}",
+                "--array={tasks}",
+                "--stdout=none",
+                "--stderr=none",
+                "{options}",
+                "sh",
+                "{script}",
+            ],
+            &["hq", "job", "list", "--output-mode=json"],
+            &["hq", "job", "cancel", "{job}"],
+        ],
+        QueueKind::Pbs => [
+            &["qsub", "-N", "{name}", "-J", "{range}", "-o", "/dev/null", "-e", "/dev/null", "{options}", "{script}"],
+            &["qstat", "-f"],
+            &["qdel", "{job}"],
+        ],
+        QueueKind::Lsf => [
+            &["bsub", "-J", "{name}[{tasks}]", "-o", "/dev/null", "-e", "/dev/null", "{options}", "sh", "{script}"],
+            &["bjobs", "-noheader", "-o", "job_name"],
+            &["bkill", "-J", "{name}"],
+        ],
+        QueueKind::Parallel => [
+            &[
+                "sh",
+                "-c",
+                "script=$1; first=$2; last=$3; shift 3; seq \"$first\" \"$last\" | nohup parallel \"$@\" sh \
+                 \"$script\" {} > /dev/null 2>&1 & echo $!",
+                "parallel",
+                "{script}",
+                "{first}",
+                "{last}",
+                "{options}",
+            ],
+            &["ps", "-e", "-o", "args="],
+            &["pkill", "-f", "{name}"],
+        ],
+    }
+}
+
+/// The scheduler's own command, if that is what a `command` begins with: it prints the number of a job and no value.
+pub(super) fn submits_a_job(command: &[String]) -> Option<&str> {
+    let program = command.first()?.rsplit('/').next()?;
+    let submits = match program {
+        "sbatch" | "qsub" | "bsub" => true,
+        "hq" => command.iter().any(|word| word == "submit"),
+        _ => false,
+    };
+    submits.then_some(program)
+}

@@ -1,0 +1,251 @@
+//! Simulations on a cluster, through whatever scheduler has a command to submit and one to list.
+//!
+//! A batch of runs is a folder, a result is a file in it, and the journal has a submission before the scheduler does. So whoever is
+//! killed, nothing is lost, and nothing is submitted twice: killed before the scheduler took it, its name is in no list and there
+//! is no result, and it is submitted again; killed after, its name is in the list, or its results are there.
+//! A list that cannot be had means that nobody knows, never that a job is gone.
+
+mod runs;
+mod scheduler;
+mod script;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result};
+use design_space::{Cell, Region};
+use sha2::{Digest as _, Sha256};
+
+use crate::journal::{Measured, Submitted, now};
+use crate::problem::{Program, Queue};
+use crate::program;
+use runs::Runs;
+use script::ranges;
+
+/// A point to simulate.
+type Job = (Cell, Vec<f64>);
+
+/// Tasks of one submission, at most: Slurm's own limit is 1001, and counts from 0.
+const MOST_TASKS: usize = 1000;
+/// A name that was not in the list so often in a row is not in the queue: what it left may come late over a network.
+const GONE: usize = 2;
+/// Pieces of a pause, so that an interrupt is noticed.
+const PIECE: Duration = Duration::from_millis(50);
+
+/// What a queue needs to know of a campaign.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Queued<'a> {
+    pub(crate) folder: &'a Path,
+    pub(crate) region: &'a Region,
+    pub(crate) program: &'a Program,
+    pub(crate) queue: &'a Queue,
+    /// The simulator, as remembered runs name it.
+    pub(crate) by: &'a str,
+    /// Every submission of the journal.
+    pub(crate) submitted: &'a [Submitted],
+}
+
+/// What happened, to be written down at once.
+pub(crate) enum Happened<'a> {
+    Submitted(Submitted),
+    Simulated(&'a Job, Measured),
+}
+
+/// Submissions of the same runs, one after the other.
+#[derive(Debug)]
+struct Batch {
+    stem: String,
+    cells: Vec<Cell>,
+    /// Submissions so far.
+    names: Vec<String>,
+    runs: Runs,
+    /// How often in a row its last submission was not listed.
+    n_absent: usize,
+}
+
+impl Batch {
+    /// Runs that are waited for, numbered from 1.
+    fn waiting<'a>(&'a self, jobs: &'a BTreeMap<Cell, &Job>) -> impl Iterator<Item = (usize, Cell)> + 'a {
+        let numbered = self.cells.iter().enumerate().map(|(index, &cell)| (index + 1, cell));
+        numbered.filter(|(_, cell)| jobs.contains_key(cell))
+    }
+
+    /// Submissions that the scheduler is known to have taken.
+    fn n_taken(&self) -> usize {
+        self.names.iter().filter(|name| self.runs.said(name).is_some()).count()
+    }
+}
+
+/// Queues these, and waits until each has a result, or a person wants to stop; `show` is told how many runs wait for theirs, and
+/// what is wrong with the queue.
+pub(crate) fn simulate<'a>(
+    of: Queued<'_>,
+    jobs: &'a [Job],
+    mut happened: impl FnMut(Happened<'a>) -> Result<()>,
+    mut show: impl FnMut(usize, &str),
+) -> Result<()> {
+    let mut waiting: BTreeMap<Cell, &Job> = jobs.iter().map(|job| (job.0, job)).collect();
+    let mut batches = batches(of);
+    let _running = program::Running::new();
+    loop {
+        take_results(&batches, &mut waiting, &mut happened)?;
+        batches.retain(|batch| batch.waiting(&waiting).next().is_some());
+        if waiting.is_empty() || program::is_interrupted() {
+            return Ok(());
+        }
+        let known: BTreeSet<Cell> = batches.iter().flat_map(|batch| &batch.cells).copied().collect();
+        let new: Vec<Cell> = waiting.keys().copied().filter(|cell| !known.contains(cell)).collect();
+        for cells in new.chunks(MOST_TASKS * of.queue.runs_per_task) {
+            let mut batch = begin(of, cells, batches.len());
+            submit(of, &mut batch, &waiting, &mut happened)?;
+            batches.push(batch);
+        }
+        show(waiting.len(), "");
+        pause(of.queue.poll);
+        // The list before the files: what ends in between is in both, and not in neither.
+        let listed = match scheduler::run(of.folder, of.queue, &of.queue.list, &[]) {
+            Ok(listed) => listed,
+            Err(error) => {
+                show(waiting.len(), &format!("{error:#}"));
+                continue;
+            }
+        };
+        take_results(&batches, &mut waiting, &mut happened)?;
+        for batch in &mut batches {
+            let is_listed = batch.names.last().is_some_and(|name| scheduler::is_listed(&listed, name));
+            batch.n_absent = if is_listed { 0 } else { batch.n_absent + 1 };
+            if batch.n_absent < GONE || batch.waiting(&waiting).next().is_none() {
+                continue;
+            }
+            if batch.n_taken() < of.queue.tries {
+                submit(of, batch, &waiting, &mut happened)?;
+            } else {
+                give_up(of, batch, &mut waiting, &mut happened)?;
+            }
+        }
+    }
+}
+
+/// Those of the journal that are of this simulator.
+fn batches(of: Queued<'_>) -> Vec<Batch> {
+    let mut batches: Vec<Batch> = Vec::new();
+    for one in of.submitted.iter().filter(|one| one.by == of.by) {
+        let stem = one.stem();
+        if let Some(batch) = batches.iter_mut().find(|batch| batch.stem == stem) {
+            batch.names.push(one.name.clone());
+            continue;
+        }
+        let (runs, names) = (Runs::of(of.folder, stem), vec![one.name.clone()]);
+        batches.push(Batch { stem: stem.to_owned(), cells: one.cells.clone(), names, runs, n_absent: 0 });
+    }
+    batches
+}
+
+fn begin(of: Queued<'_>, cells: &[Cell], n_before: usize) -> Batch {
+    // Another campaign in the same folder, or another beginning of this one, must not find these results.
+    let mut hash = Sha256::new();
+    for part in
+        [&of.folder.display().to_string(), of.by, &now(), &format!("{} {n_before} {cells:?}", std::process::id())]
+    {
+        hash.update(part.as_bytes());
+    }
+    let id: String = hash.finalize().iter().take(4).map(|byte| format!("{byte:02x}")).collect();
+    let stem = format!("infuse-{id}");
+    let runs = Runs::of(of.folder, &stem);
+    Batch { stem, cells: cells.to_vec(), names: Vec::new(), runs, n_absent: 0 }
+}
+
+fn take_results<'a>(
+    batches: &[Batch],
+    waiting: &mut BTreeMap<Cell, &'a Job>,
+    happened: &mut impl FnMut(Happened<'a>) -> Result<()>,
+) -> Result<()> {
+    for batch in batches {
+        let ended: Vec<(Cell, Measured)> =
+            batch.waiting(waiting).filter_map(|(number, cell)| Some((cell, batch.runs.result(number)?))).collect();
+        for (cell, result) in ended {
+            if let Some(job) = waiting.remove(&cell) {
+                happened(Happened::Simulated(job, result))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Submits what a batch waits for: written down first, so that a killed call knows the name.
+fn submit<'a>(
+    of: Queued<'_>,
+    batch: &mut Batch,
+    waiting: &BTreeMap<Cell, &'a Job>,
+    happened: &mut impl FnMut(Happened<'a>) -> Result<()>,
+) -> Result<()> {
+    let attempt = batch.names.len() + 1;
+    let name = format!("{}-{attempt}", batch.stem);
+    // A run that has its result is not run again, so its point may be anything.
+    let point = |cell: &Cell| waiting.get(cell).map_or_else(Vec::new, |job| job.1.clone());
+    let points: Vec<Vec<f64>> = batch.cells.iter().map(point).collect();
+    let script = batch.runs.write(of.folder, of.region, of.program, of.queue, &name, &points)?;
+    let per_task = of.queue.runs_per_task;
+    let mut tasks: Vec<usize> = batch.waiting(waiting).map(|(number, _)| (number - 1) / per_task + 1).collect();
+    tasks.dedup();
+    let (by, cells) = (of.by.to_owned(), batch.cells.clone());
+    happened(Happened::Submitted(Submitted { name: name.clone(), cells, by, at: now() }))?;
+    batch.names.push(name.clone());
+    batch.n_absent = 0;
+    let (first, last) = (tasks.first().copied().unwrap_or(1), tasks.last().copied().unwrap_or(1));
+    let filled = [
+        ("{name}", name.clone()),
+        ("{tasks}", ranges(&tasks)),
+        // Some schedulers know no array of one task; one that has nothing to run ends at once.
+        ("{range}", format!("{first}-{}", last.max(first + 1))),
+        ("{first}", first.to_string()),
+        ("{last}", last.to_string()),
+        ("{script}", script.display().to_string()),
+    ];
+    let said = scheduler::run(of.folder, of.queue, &of.queue.submit, &filled)
+        .context("[simulator.queue] `submit` failed: nothing is lost, ask again")?;
+    batch.runs.note_taken(&name, &said)
+}
+
+/// What the queue lost too often has failed.
+fn give_up<'a>(
+    of: Queued<'_>,
+    batch: &Batch,
+    waiting: &mut BTreeMap<Cell, &'a Job>,
+    happened: &mut impl FnMut(Happened<'a>) -> Result<()>,
+) -> Result<()> {
+    let lost: Vec<(usize, Cell)> = batch.waiting(waiting).collect();
+    for (number, cell) in lost {
+        if let Some(job) = waiting.remove(&cell) {
+            let reason = format!(
+                "the queue lost it {} times; {number}.sh in {} is what it was to run",
+                of.queue.tries,
+                batch.runs.path().display()
+            );
+            happened(Happened::Simulated(job, Measured::Failed(reason)))?;
+        }
+    }
+    Ok(())
+}
+
+/// Stops what is in the queue. How many submissions.
+pub(crate) fn cancel(folder: &Path, queue: &Queue, submitted: &[Submitted]) -> Result<usize> {
+    anyhow::ensure!(!queue.cancel.is_empty(), "[simulator.queue] has no `cancel`, so nothing can be stopped from here");
+    let listed = scheduler::run(folder, queue, &queue.list, &[])?;
+    let mut n = 0;
+    for one in submitted.iter().filter(|one| scheduler::is_listed(&listed, &one.name)) {
+        let said = Runs::of(folder, one.stem()).said(&one.name).unwrap_or_default();
+        let job = said.split_whitespace().next_back().unwrap_or_default().to_owned();
+        scheduler::run(folder, queue, &queue.cancel, &[("{name}", one.name.clone()), ("{job}", job)])?;
+        n += 1;
+    }
+    Ok(n)
+}
+
+fn pause(poll: Duration) {
+    let start = Instant::now();
+    while start.elapsed() < poll && !program::is_interrupted() {
+        std::thread::sleep(PIECE.min(poll));
+    }
+}

@@ -1,0 +1,93 @@
+//! The folder of a batch of runs in the queue: what is to be run, and what came of it.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use design_space::Region;
+
+use super::script::{of_a_run, of_a_task};
+use crate::journal::Measured;
+use crate::problem::{Program, Queue};
+use crate::program::{Ran, ended, tail};
+
+/// In the folder of a campaign.
+const RUNS: &str = "runs";
+
+/// A folder that the machines of the cluster see.
+#[derive(Debug)]
+pub(super) struct Runs {
+    path: PathBuf,
+}
+
+impl Runs {
+    pub(super) fn of(folder: &Path, stem: &str) -> Self {
+        let path = folder.join(RUNS).join(stem);
+        Self { path: std::path::absolute(&path).unwrap_or(path) }
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn file(&self, number: usize, kind: &str) -> PathBuf {
+        self.path.join(format!("{number}.{kind}"))
+    }
+
+    /// Writes what each run needs, numbered from 1, but for those without a point, and the script of a submission; again, if it was there before.
+    pub(super) fn write(
+        &self,
+        folder: &Path,
+        region: &Region,
+        program: &Program,
+        queue: &Queue,
+        name: &str,
+        points: &[Vec<f64>],
+    ) -> Result<PathBuf> {
+        let name_of = |path: &Path| path.display().to_string();
+        std::fs::create_dir_all(&self.path).with_context(|| name_of(&self.path))?;
+        let folder = std::path::absolute(folder).with_context(|| name_of(folder))?;
+        let put = |path: PathBuf, text: String| std::fs::write(&path, text).with_context(|| name_of(&path));
+        for (index, point) in points.iter().enumerate().filter(|(_, point)| !point.is_empty()) {
+            let words = program.words(&folder, region, point, None);
+            put(self.file(index + 1, "sh"), of_a_run(&folder, &words))?;
+            put(self.file(index + 1, "in"), program.input_text(region, point, None))?;
+        }
+        let script = self.path.join(format!("{name}.sh"));
+        let seconds = program.timeout.as_secs_f64();
+        put(script.clone(), of_a_task(&self.path, queue.runs_per_task, seconds))?;
+        Ok(script)
+    }
+
+    /// What came of a run, if it has ended.
+    pub(super) fn result(&self, number: usize) -> Option<Measured> {
+        let code = std::fs::read_to_string(self.file(number, "done")).ok()?;
+        let read = |kind: &str| -> Result<String> { tail(&mut File::open(self.file(number, kind))?) };
+        // Where it is done, both are there; a folder that is not seen yet as a whole is read again.
+        let (output, errors) = (read("out").ok()?, read("err").ok()?);
+        let status = match code.trim() {
+            "124" | "137" => "stopped, see `timeout_seconds` and the limits of the queue".to_owned(),
+            code => format!("exit status: {code}"),
+        };
+        Some(match ended(code.trim() == "0", &status, &output, &errors) {
+            Ran::Value(value) => Measured::Value(value),
+            Ran::Failed(reason) => Measured::Failed(reason),
+            Ran::Interrupted => Measured::Failed(status),
+        })
+    }
+
+    /// Notes that the scheduler took a submission, with what it said.
+    pub(super) fn note_taken(&self, name: &str, said: &str) -> Result<()> {
+        let path = self.taken(name);
+        std::fs::write(&path, said).with_context(|| path.display().to_string())
+    }
+
+    /// What the scheduler said when it took a submission; none if nobody knows whether it did.
+    pub(super) fn said(&self, name: &str) -> Option<String> {
+        std::fs::read_to_string(self.taken(name)).ok()
+    }
+
+    fn taken(&self, name: &str) -> PathBuf {
+        self.path.join(format!("{name}.taken"))
+    }
+}

@@ -1,0 +1,249 @@
+//! Simulations through a queue: nothing lost, nothing twice, whoever is killed.
+//!
+//! The scheduler here is a shell loop; `slurm.rs` does the same with a real one.
+#![cfg(unix)]
+
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::rig::Rig;
+
+/// Takes a submission, and runs its tasks in the background; what is in `jobs` is in the queue.
+const SUBMIT: &str = "\
+name=$1 script=$2 first=$3 last=$4
+mkdir -p jobs
+touch jobs/$name
+echo $name >> submissions.log
+(for task in $(seq $first $last); do [ -e jobs/$name ] && sh $script $task; done; rm -f jobs/$name) > /dev/null 2>&1 &
+echo job $name
+";
+
+/// A simulation that notes that it was run.
+const SIMULATE: &str = "\
+echo $1 $2 >> ran.log
+[ -e slow ] && sleep 0.1
+awk \"BEGIN { print ($1 - 30) ^ 2 / 100 + ($2 - 2) ^ 2 }\"
+";
+
+const KEYS: &str = "submit = [\"sh\", \"submit.sh\", \"{name}\", \"{script}\", \"{first}\", \"{last}\", \"{options}\"]\n\
+                    list = [\"sh\", \"list.sh\"]\ncancel = [\"rm\", \"jobs/{name}\"]\npoll_seconds = 0.05\n";
+
+/// The template with five dear simulations a batch of four experiments, in a queue.
+pub(crate) fn queued(keys: &str) -> Rig {
+    let rig = local();
+    rig.write("submit.sh", SUBMIT);
+    rig.write("list.sh", "mkdir -p jobs; ls jobs\n");
+    rig.edit("[loop]", &format!("[simulator.queue]\n{keys}\n[loop]"));
+    rig
+}
+
+/// The same, run here.
+pub(crate) fn local() -> Rig {
+    let rig = Rig::pooled();
+    rig.write("simulate.sh", SIMULATE);
+    let command = "command = [\"sh\", \"simulate.sh\", \"{spring}\", \"{damper gain}\"]";
+    rig.edit("table = \"simulation.csv\"", command);
+    rig.edit("experiments = 10", "experiments = 4\nsimulations = 9");
+    rig
+}
+
+pub(crate) fn lines(rig: &Rig, name: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(rig.path(name)).unwrap_or_default();
+    text.lines().map(str::to_owned).collect()
+}
+
+/// Every simulation was run once.
+pub(crate) fn check_each_once(rig: &Rig) {
+    let ran = lines(rig, "ran.log");
+    let different: std::collections::BTreeSet<&String> = ran.iter().collect();
+    assert_eq!(ran.len(), different.len(), "{ran:?}");
+    let simulated = rig.journal().iter().filter(|line| line["event"] == "simulated").count();
+    assert_eq!(ran.len(), simulated, "{ran:?}");
+}
+
+#[test]
+fn a_queue_gives_the_same_campaign_as_this_machine() {
+    let (here, there) = (local(), queued(KEYS));
+    for rig in [&here, &there] {
+        assert!(rig.batch() && rig.batch());
+        check_each_once(rig);
+    }
+    assert_eq!(here.status()["best"], there.status()["best"]);
+    assert_eq!(here.status()["bound"], there.status()["bound"]);
+    // Some before the first batch, and some with each.
+    assert!(lines(&there, "submissions.log").len() >= 2);
+    let per_task = queued(&format!("{KEYS}runs_per_task = 4\n"));
+    assert!(per_task.batch() && per_task.batch());
+    check_each_once(&per_task);
+    assert_eq!(here.status()["bound"], per_task.status()["bound"]);
+}
+
+/// Starts `infuse ask` and ends it as soon as so many simulations were begun.
+fn stopped_after(rig: &Rig, n_begun: usize, signal: &str) -> String {
+    let mut child = rig.command(&["ask"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let start = Instant::now();
+    while lines(rig, "ran.log").len() < n_begun && start.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(child.try_wait().unwrap().is_none(), "it is still at work");
+    Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+    let said = child.wait_with_output().unwrap();
+    String::from_utf8_lossy(&said.stderr).into_owned()
+}
+
+#[test]
+fn whoever_is_killed_nothing_is_lost_and_nothing_runs_twice() {
+    for n_begun in [1, 3, 6] {
+        let rig = queued(KEYS);
+        rig.write("slow", "");
+        stopped_after(&rig, n_begun, "-KILL");
+        let text = rig.infuse(&["status"]).ok();
+        assert!(text.contains("in the queue or to be queued: `infuse ask` takes what has ended"), "{text}");
+        let asked = rig.infuse(&["ask"]).ok();
+        assert!(asked.contains("Batch 1: 4 experiments"), "{asked}");
+        check_each_once(&rig);
+    }
+}
+
+#[test]
+fn an_interrupt_leaves_the_queue_at_work_and_says_so() {
+    let rig = queued(KEYS);
+    rig.write("slow", "");
+    let said = stopped_after(&rig, 2, "-INT");
+    assert!(said.contains("what is in the queue goes on") && said.contains("`infuse cancel`"), "{said}");
+    rig.infuse(&["ask"]).ok();
+    check_each_once(&rig);
+}
+
+#[test]
+fn what_is_cancelled_is_submitted_again_without_what_had_ended() {
+    let rig = queued(KEYS);
+    rig.write("slow", "");
+    stopped_after(&rig, 3, "-KILL");
+    let said = rig.infuse(&["cancel"]).ok();
+    assert!(said.contains("Stopped: 1 submission. What was finished counts"), "{said}");
+    assert!(rig.infuse(&["cancel"]).ok().contains("Nothing of this campaign is in the queue"));
+    // The run that was under way ends by itself.
+    std::thread::sleep(Duration::from_millis(400));
+    let n_before = lines(&rig, "submissions.log").len();
+    rig.infuse(&["ask"]).ok();
+    assert!(lines(&rig, "submissions.log").len() > n_before);
+    check_each_once(&rig);
+}
+
+#[test]
+fn a_list_that_cannot_be_had_means_that_nobody_knows() {
+    let rig = queued(KEYS);
+    rig.write("slow", "");
+    // The controller is down for the first looks.
+    rig.write(
+        "list.sh",
+        "echo x >> looks\n[ $(wc -l < looks) -gt 12 ] || { echo 'controller down' >&2; exit 1; }\nls jobs\n",
+    );
+    rig.infuse(&["ask"]).ok();
+    check_each_once(&rig);
+    assert!(lines(&rig, "looks").len() > 12);
+    let names = lines(&rig, "submissions.log");
+    assert!(names.iter().all(|name| name.ends_with("-1")), "no second try: {names:?}");
+}
+
+#[test]
+fn a_submission_that_is_refused_is_made_again_and_counts_as_no_try() {
+    let rig = queued(&format!("{KEYS}tries = 1\n"));
+    let working = rig.read("submit.sh");
+    rig.write("submit.sh", "echo 'sbatch: error: no partition' >&2; exit 1\n");
+    for _ in 0..3 {
+        let error = rig.infuse(&["ask"]).error();
+        assert!(
+            error.contains("`submit` failed: nothing is lost, ask again") && error.contains("no partition"),
+            "{error}"
+        );
+    }
+    rig.write("submit.sh", &working);
+    rig.infuse(&["ask"]).ok();
+    check_each_once(&rig);
+    assert_eq!(rig.journal().iter().filter(|line| line.get("failed").is_some()).count(), 0);
+}
+
+#[test]
+fn what_the_queue_loses_is_submitted_again_and_in_the_end_has_failed() {
+    let lossy = SUBMIT
+        .replace("sh $script $task;", "[ $((task % 2)) = 0 ] || case $name in LOST) ;; *) sh $script $task ;; esac;");
+    let rig = queued(&format!("{KEYS}tries = 2\n"));
+    rig.write("submit.sh", &lossy.replace("LOST", "*-1"));
+    rig.write("submit.sh", &rig.read("submit.sh").replace("[ $((task % 2)) = 0 ] ||", "true &&"));
+    rig.infuse(&["ask"]).ok();
+    check_each_once(&rig);
+    let names = lines(&rig, "submissions.log");
+    assert!(names.iter().any(|name| name.ends_with("-2")), "{names:?}");
+    // Even tasks are lost every time.
+    let rig = queued(&format!("{KEYS}tries = 2\n"));
+    rig.write("submit.sh", &lossy.replace("LOST", "never"));
+    rig.infuse(&["ask"]).ok();
+    let lost = rig
+        .journal()
+        .iter()
+        .filter(|line| line["failed"].as_str().is_some_and(|why| why.contains("the queue lost it 2 times")))
+        .count();
+    assert!(lost >= 3, "{lost}");
+}
+
+#[test]
+fn failing_and_hanging_runs_are_failures_with_their_reason() {
+    let rig = queued(KEYS);
+    let failing = "echo $1 $2 >> ran.log\n[ $1 -gt 30 ] && { echo 'no license' >&2; exit 3; }\n[ $1 -lt 20 ] && exec sleep 60\necho 5\n";
+    rig.write("simulate.sh", failing);
+    rig.edit("[simulator.queue]", "timeout_seconds = 0.3\n[simulator.queue]");
+    rig.infuse(&["ask"]).ok();
+    let reasons: Vec<String> =
+        rig.journal().iter().filter_map(|line| line["failed"].as_str().map(str::to_owned)).collect();
+    assert!(reasons.iter().any(|why| why == "exit status: 3: no license"), "{reasons:?}");
+    assert!(reasons.iter().any(|why| why.contains("see `timeout_seconds`")), "{reasons:?}");
+    check_each_once(&rig);
+}
+
+#[test]
+fn what_is_to_be_simulated_again_is_not_read_from_old_runs() {
+    let rig = queued(KEYS);
+    rig.batch();
+    let n = lines(&rig, "ran.log").len();
+    rig.infuse(&["ask", "--resimulate"]).ok();
+    assert!(lines(&rig, "ran.log").len() > n + 8, "all of them are run anew");
+}
+
+#[test]
+fn a_scheduler_as_the_simulator_is_refused_and_so_is_every_wrong_key() {
+    for command in
+        ["\"sbatch\", \"--wait\", \"--parsable\", \"x.sh\"", "\"/opt/hq\", \"submit\", \"--wait\"", "\"qsub\", \"x\""]
+    {
+        let rig = local();
+        rig.edit("command = [\"sh\", \"simulate.sh\"", &format!("command = [{command}"));
+        let error = rig.infuse(&["ask"]).error();
+        assert!(
+            error.contains("which prints the number of a job and no value") && error.contains("[simulator.queue]"),
+            "{error}"
+        );
+    }
+    let wrong = [
+        ("", "needs `submit`"),
+        ("kind = \"slurmy\"", "slurmy"),
+        ("kind = \"slurm\"\nsubmit = [\"sbatch\", \"{tasks}\"]", "no {script}"),
+        ("kind = \"slurm\"\nsubmit = [\"sbatch\", \"{script}\", \"{name}\"]", "which tasks to run"),
+        ("submit = [\"a\", \"{script}\", \"{tasks}\", \"{name}\"]\nlist = [\"b\"]\noptions = [\"-x\"]", "no {options}"),
+        ("kind = \"slurm\"\npoll_seconds = 0", "`poll_seconds` is 0.0, expected a positive number"),
+        ("kind = \"slurm\"\ntries = 0", "`tries` is 0, expected 1 to 100"),
+        ("kind = \"slurm\"\nruns_per_task = 0", "`runs_per_task` is 0"),
+        ("kind = \"slurm\"\npoll = 3", "unknown field `poll`"),
+    ];
+    for (keys, said) in wrong {
+        let error = queued(keys).infuse(&["ask"]).error();
+        assert!(error.contains(said), "{keys}: {error}");
+    }
+    let rig = queued(KEYS);
+    rig.edit("[simulator.queue]", "jobs = 2\n[simulator.queue]");
+    assert!(rig.infuse(&["ask"]).error().contains("`jobs` is for runs on this machine"));
+    let table = Rig::pooled();
+    table.edit("[loop]", "[simulator.queue]\nkind = \"slurm\"\n[loop]");
+    assert!(table.infuse(&["ask"]).error().contains("a `table` is not run"));
+    assert!(local().infuse(&["cancel"]).error().contains("no [simulator.queue]"));
+}
