@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn words_of_a_command_stay_whole_in_a_shell() {
         let words = ["./solve it.sh", "it's", "$HOME `x`", ""].map(str::to_owned);
-        let script = of_a_run(Path::new("/tmp"), &words).replace("exec", "printf '%s\\n'");
+        let script = of_a_run(&std::env::temp_dir(), &words).replace("exec", "printf '%s\\n'");
         let said = std::process::Command::new("sh").args(["-c", &script]).output().expect("a shell");
         assert_eq!(String::from_utf8_lossy(&said.stdout), "./solve it.sh\nit's\n$HOME `x`\n\n");
     }

@@ -16,3 +16,4 @@ mod report;
 mod report_page;
 mod rig;
 mod sheets;
+mod slurm;
