@@ -16,6 +16,7 @@ mod global_saved_state;
 mod global_screening;
 mod global_settings;
 mod global_small;
+mod identification;
 mod invariants;
 mod pooled;
 mod problems;
