@@ -18,6 +18,7 @@ mod global_settings;
 mod global_small;
 mod identification;
 mod invariants;
+mod mechanisms;
 mod pooled;
 mod problems;
 mod saved_state;
