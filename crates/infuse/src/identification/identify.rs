@@ -17,8 +17,6 @@ use crate::Error;
 const STIFFNESS: f64 = 1e4;
 /// Within this share of the range of a bound, and pushed outwards, an unknown is tried at the bound.
 const NEAR_BOUND: f64 = 1e-2;
-/// An unknown with a larger part in a direction that is held is left where that holds it.
-const HELD: f64 = 0.1;
 
 /// Finds the unknowns by bounded least squares on what was measured.
 ///
@@ -101,7 +99,7 @@ fn sigma(noise: Noise, residuals: &[f64], n_fitted: usize) -> f64 {
 }
 
 /// Puts unknowns that the search was driving into a bound onto it, one after the other, where that does not raise the sum of
-/// squares: the search itself never reaches one. The residuals there.
+/// squares with springs: the search itself never reaches one. The residuals there.
 fn at_bounds(
     residuals: &Residuals<'_>,
     shares: &mut Vec<f64>,
@@ -110,8 +108,14 @@ fn at_bounds(
 ) -> Result<Vec<f64>, Error> {
     let mut here = evaluated(residuals, shares)?.map_err(|reason| Error::FailsAtStart { reason })?;
     let slopes = jacobian(residuals, shares, &here, settings.difference_step, Sides::One)?;
+    let start = residuals.unknowns.start_shares();
+    let sum = |residuals: &[f64], shares: &[f64]| {
+        sum_of_squares(residuals) + sum_of_squares(held.springs(shares, &start).as_slice())
+    };
     for j in 0..shares.len() {
-        let slope: f64 = slopes.column(j).iter().zip(&here).map(|(slope, residual)| slope * residual).sum();
+        let measured: f64 = slopes.column(j).iter().zip(&here).map(|(slope, residual)| slope * residual).sum();
+        let springs = held.springs(shares, &start);
+        let slope = measured + held.stiffness * held.directions.column(j).dot(&springs);
         let bound = if shares[j] < NEAR_BOUND && slope > 0.0 {
             0.0
         } else if shares[j] > 1.0 - NEAR_BOUND && slope < 0.0 {
@@ -119,13 +123,10 @@ fn at_bounds(
         } else {
             continue;
         };
-        if held.directions.column(j).amax() > HELD {
-            continue;
-        }
         let mut moved = shares.clone();
         moved[j] = bound;
         if let Ok(there) = evaluated(residuals, &moved)?
-            && sum_of_squares(&there) <= sum_of_squares(&here)
+            && sum(&there, &moved) <= sum(&here, shares)
         {
             (*shares, here) = (moved, there);
         }

@@ -7,7 +7,7 @@ use basin::{
     BoxBounds, ConstraintDescription, ConstraintSet, ConstraintSolveError, Constraints, CostFunction, DenseMatrix,
     Executor, Jacobian, Residual, TerminationCode, TrustRegionReflective,
 };
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::found::FitStop;
 use super::jacobian::{Sides, jacobian};
@@ -28,6 +28,12 @@ pub(super) struct Held {
 impl Held {
     pub(super) fn nothing(n_unknowns: usize) -> Self {
         Self { directions: DMatrix::zeros(0, n_unknowns), stiffness: 0.0 }
+    }
+
+    /// The residuals of the springs.
+    pub(super) fn springs(&self, shares: &[f64], start: &[f64]) -> DVector<f64> {
+        let moved = shares.iter().zip(start).map(|(now, start)| now - start);
+        &self.directions * DVector::from_iterator(shares.len(), moved) * self.stiffness
     }
 }
 
@@ -132,10 +138,7 @@ impl Residual for Fit<'_, '_> {
 
     fn residual(&self, shares: &Vec<f64>) -> Result<Vec<f64>, Error> {
         let mut all = self.measured(shares)?;
-        all.extend(self.held.directions.row_iter().map(|direction| {
-            let along = direction.iter().zip(shares.iter().zip(&self.believed));
-            self.held.stiffness * along.map(|(v, (u, start))| v * (u - start)).sum::<f64>()
-        }));
+        all.extend(self.held.springs(shares, &self.believed).iter());
         Ok(all)
     }
 }
