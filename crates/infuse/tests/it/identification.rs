@@ -27,10 +27,11 @@ pub(crate) fn readings(pairs: &[(f64, f64)], deviation: f64) -> Measurements {
     measurements
 }
 
+/// For every vector of unknowns at every design.
+type Answers = Vec<Vec<Answer>>;
+
 /// A model of one design, for all unknowns and designs.
-pub(crate) fn each(
-    model: impl Fn(&[f64], &[f64]) -> Answer,
-) -> impl FnMut(&[Vec<f64>], &[Vec<f64>]) -> Vec<Vec<Answer>> {
+pub(crate) fn each(model: impl Fn(&[f64], &[f64]) -> Answer) -> impl FnMut(&[Vec<f64>], &[Vec<f64>]) -> Answers {
     move |unknowns, designs| {
         unknowns.iter().map(|theta| designs.iter().map(|design| model(theta, design)).collect()).collect()
     }

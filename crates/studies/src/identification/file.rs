@@ -21,6 +21,7 @@ const FILE: &str = "fixtures/bat/identification.toml";
 pub(super) struct StudyFile {
     title: String,
     study: String,
+    seeds: u64,
     #[serde(rename = "loop")]
     loops: Vec<LoopEntry>,
     fit: Settings,
@@ -63,6 +64,7 @@ struct HeldOutEntry {
 pub(super) struct Study {
     pub(super) title: String,
     pub(super) setup: Setup,
+    n_seeds: u64,
     pub(super) loops: Vec<LoopEntry>,
     pub(super) fit: Settings,
     /// Along center of mass and pitch set point.
@@ -92,6 +94,7 @@ impl Study {
             "held_out.positions = {:?}: each must be 2 to 50",
             file.held_out.positions
         );
+        study_file::check_seeds("seeds", file.seeds)?;
         file.fit.validate().context("fit")?;
         let free: Vec<Free> = file.unknown.into_iter().map(FreeEntry::check).collect::<Result<_>>()?;
         for one in &free {
@@ -106,6 +109,7 @@ impl Study {
         Ok(Self {
             title: file.title,
             setup,
+            n_seeds: file.seeds,
             loops: file.loops,
             fit: file.fit,
             positions: file.held_out.positions,
@@ -121,8 +125,7 @@ impl Study {
 
     /// Every loop without noise, and with it where it is to be.
     pub(super) fn campaigns(&self) -> Vec<Which> {
-        let noise = &self.setup.file.noise;
-        let seeds = noise.numbers(noise.seeds);
+        let seeds = self.setup.file.noise.numbers(self.n_seeds);
         let of_loop = |(index, entry): (usize, &LoopEntry)| {
             let noisy = seeds.iter().filter(|_| entry.with_noise).map(|seed| Some(*seed));
             std::iter::once(None).chain(noisy).map(move |seed| Which { index, seed }).collect::<Vec<_>>()
@@ -159,6 +162,7 @@ mod tests {
         refuses("scale = \"linear\"", "scale = \"log\"", &["plant.hull.drag_zero_lift", "linear"]);
         refuses("tolerance = 1e-4", "tolerence = 1e-4", &["tolerence"]);
         refuses("tolerance = 1e-4", "tolerance = 0.0", &["tolerance", "0.0"]);
+        refuses("seeds = 20", "seeds = 0", &["seeds", "0"]);
         refuses("positions = [5, 5]", "positions = [5, 1]", &["held_out.positions", "2 to 50"]);
         refuses("mechanism = \"both\"", "mechanism = \"all\"", &["both", "identification"]);
         refuses("label = \"both together\"", "label = \"identification alone\"", &["identification alone", "twice"]);
