@@ -8,14 +8,7 @@ use water_channel::BoundedNoise;
 use super::file::Study;
 use super::plant::{Doubted, readings};
 use super::store::{Found, Kept, KeptTurn, KeptUnknown};
-
-/// A loop by its place in the file, and its noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Which {
-    pub(super) index: usize,
-    /// None: no noise.
-    pub(super) seed: Option<u64>,
-}
+use super::which::Which;
 
 /// Runs a campaign from its start to its end.
 pub(super) fn run_campaign(study: &Study, which: Which) -> Result<Kept> {

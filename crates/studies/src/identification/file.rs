@@ -9,7 +9,7 @@ use infuse::identification::{Settings, Unknowns};
 use serde::Deserialize;
 use water_channel::N_TERMS;
 
-use super::campaign::Which;
+use super::which::Which;
 use crate::calibration::{Candidate, Free, FreeEntry};
 use crate::chapter4::Setup;
 use crate::study_file;

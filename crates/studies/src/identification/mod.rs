@@ -7,6 +7,7 @@ mod held_out;
 mod page;
 mod plant;
 mod store;
+mod which;
 
 use std::path::Path;
 
@@ -18,6 +19,7 @@ use campaign::run_campaign;
 use file::Study;
 use plant::Doubted;
 use store::{Kept, KeptTurn, Store};
+use which::Which;
 
 const KEPT: &str = "fixtures/bat/identification";
 /// Campaigns at once, so that a killed run loses no more than these.
@@ -34,7 +36,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     let bar = progress("campaigns", study.campaigns().len());
     bar.inc((study.campaigns().len() - missing.len()) as u64);
     for some in missing.chunks(AT_ONCE) {
-        let run = |which: &campaign::Which| run_campaign(&study, *which).inspect(|_| bar.inc(1));
+        let run = |which: &Which| run_campaign(&study, *which).inspect(|_| bar.inc(1));
         store.add(some.par_iter().map(run).collect::<Result<_>>()?)?;
     }
     bar.finish();

@@ -6,10 +6,10 @@ use anyhow::{Context as _, Result};
 use page::{Axis, Column, Group, Reference, SpreadFigure, Table, spread_figure};
 use rayon::prelude::*;
 
-use super::campaign::Which;
 use super::file::Study;
 use super::held_out::{HeldOut, Score};
 use super::store::{Found, Kept, Store};
+use super::which::Which;
 use crate::bat::STAND_IN;
 use crate::kept;
 use crate::words::{number, signed};
