@@ -33,6 +33,7 @@ const COMMANDS: &[(&[&str], Program)] = &[
     ),
     (&["benchmark"], studies("similarity,benchmark")),
     (&["calibrate"], studies("similarity,calibration")),
+    (&["identify"], studies("similarity,identification")),
     (&["ci", "tidy", "equations", "tutorials"], CHECKS),
 ];
 

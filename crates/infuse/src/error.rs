@@ -254,4 +254,39 @@ pub enum Error {
         /// The batch, from 1.
         iteration: usize,
     },
+    /// Names of measured responses that cannot be told apart.
+    #[error("the measured response `{name}` is not usable, expected {expected}")]
+    Responses {
+        /// The name at fault.
+        name: String,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// Nothing to identify anything from.
+    #[error(
+        "there is no measurement (experiments that failed: {n_failed}), expected at least one experiment with readings"
+    )]
+    NoMeasurement {
+        /// Experiments that had failed.
+        n_failed: usize,
+    },
+    /// Noise that is to be estimated from readings that leave no degree of freedom.
+    #[error(
+        "{n_readings} readings of {n_unknowns} unknowns leave nothing to estimate the noise from, expected more readings, or \
+         noise that is known"
+    )]
+    TooFewReadings {
+        /// Readings of all experiments.
+        n_readings: usize,
+        /// Numbers that are sought.
+        n_unknowns: usize,
+    },
+    /// A model without an answer where the search for unknowns begins.
+    #[error(
+        "the model fails at the start of the unknowns, {reason}; expected an answer at every design that was measured"
+    )]
+    FailsAtStart {
+        /// Where and why, in the model's own words.
+        reason: String,
+    },
 }

@@ -8,6 +8,8 @@ mod error;
 #[cfg(feature = "global")]
 pub mod global;
 pub mod gradient;
+#[cfg(feature = "identification")]
+pub mod identification;
 mod ledger;
 #[cfg(feature = "global")]
 pub mod pooled;

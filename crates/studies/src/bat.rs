@@ -150,6 +150,24 @@ impl Bat {
         requests.iter().zip(flown).map(|(request, flight)| self.value(&request.rig, flight)).collect()
     }
 
+    /// The costs, term by term, of these flights, all flown and none remembered.
+    #[cfg(feature = "identification")]
+    pub(crate) fn breakdowns(&self, requests: &[FlightRequest]) -> Vec<std::result::Result<CostBreakdown, String>> {
+        let flown = fly_all(requests, &self.profile, &self.settings, |_| {});
+        let both = requests.iter().zip(flown);
+        both.map(|(request, flight)| match flight {
+            Ok(flight) => Ok(self.breakdown(&request.rig, &flight)),
+            Err(error) => Err(error.to_string()),
+        })
+        .collect()
+    }
+
+    /// What rig and weights are before a design is written into them.
+    #[cfg(feature = "identification")]
+    pub(crate) fn rig_and_weights(&self) -> (&Rig, &CostWeights) {
+        (&self.rig, &self.weights)
+    }
+
     /// A flight of a reported design.
     pub(crate) fn logged(&self, point: &[f64], fidelity: Fidelity) -> Result<Logged> {
         let request = self.request(point, fidelity);

@@ -29,6 +29,8 @@ mod first_screen;
 #[cfg(feature = "global")]
 mod gridded;
 mod handover;
+#[cfg(feature = "identification")]
+mod identification;
 #[cfg(any(feature = "benchmark", feature = "calibration"))]
 mod kept;
 mod logged;
@@ -96,6 +98,12 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         (None, ["calibrate", "--page"]) => Box::new(|| calibration::write_page(root)),
         #[cfg(feature = "calibration")]
         (None, ["calibrate", "--check"]) => Box::new(|| calibration::check(root)),
+        #[cfg(feature = "identification")]
+        (None, ["identify"]) => Box::new(|| identification::run(root)),
+        #[cfg(feature = "identification")]
+        (None, ["identify", "--page"]) => Box::new(|| identification::write_page(root)),
+        #[cfg(feature = "identification")]
+        (None, ["identify", "--check"]) => Box::new(|| identification::check(root)),
         #[cfg(feature = "benchmark")]
         (None, ["benchmark"]) => Box::new(|| benchmark::run(root)),
         #[cfg(feature = "benchmark")]

@@ -86,6 +86,11 @@
 //!
 //! [`Form::AsPrinted`](crate::correction::Form::AsPrinted) is (27) to the letter, for those who want to see it fail.
 //!
+//! # Unknown numbers of the plant
+//!
+//! With the feature `identification`, `IdentifyingLoop` is the same loop on a model with unknowns, which every turn finds anew from
+//! all that was measured, alone or together with (27).
+//!
 //! # A saved campaign
 //!
 //! When it is read, every closed iteration must follow from its optimum and the outcomes of its trials, number for number:
@@ -94,6 +99,8 @@
 
 mod ask_tell;
 mod campaign;
+#[cfg(feature = "identification")]
+mod identifying;
 mod numerical;
 mod report;
 mod settings;
@@ -104,6 +111,8 @@ mod turn;
 
 pub use ask_tell::Ask;
 pub use campaign::Loop;
+#[cfg(feature = "identification")]
+pub use identifying::{IdentifyingLoop, Mechanism, Reading, Turn, UncertainModel};
 pub use numerical::NumericalOptimum;
 pub use report::{Report, StopReason};
 pub use settings::{BoundPolicy, Settings};

@@ -56,27 +56,9 @@ pub(crate) fn numerical_optimum(
     let stop = optimize(&in_reach, &settings.optimizer, &start, &mut evaluator)?;
     let best = evaluator.best()?;
 
-    let mut model_gradient = Vec::with_capacity(start.len());
-    for (index, step) in settings.model_steps().into_iter().enumerate() {
-        let parameter = &region.parameters()[index];
-        let may_leave = settings.bound_policy == BoundPolicy::StepOutside;
-        let mut side = |offset: f64| {
-            let mut point = best.point.clone();
-            point[index] += offset;
-            let distance = (point[index] - best.point[index]).abs();
-            if !may_leave && !parameter.contains(point[index]) {
-                return None;
-            }
-            evaluator.simulate(&point).map(|cost| Side { distance, cost })
-        };
-        let center = best.model_cost;
-        let slope = match (side(step), side(-step)) {
-            (plus, None) => slope_away(center, plus, side(2.0 * step)),
-            (None, minus) => slope_away(center, minus, side(-2.0 * step)).map(|slope| -slope),
-            (plus, minus) => slope(Some(center), plus, minus),
-        };
-        model_gradient.push(slope.map(|slope| slope + correction.slope()[index]));
-    }
+    let slopes = slopes(region, settings, &best.point, best.model_cost, &mut |point| evaluator.simulate(point));
+    let with_correction = slopes.into_iter().zip(correction.slope());
+    let model_gradient = with_correction.map(|(slope, own)| slope.map(|slope| slope + own)).collect();
     Ok(NumericalOptimum {
         point: best.point,
         model_cost: best.model_cost,
@@ -87,6 +69,37 @@ pub(crate) fn numerical_optimum(
         failures: evaluator.failures,
         stop,
     })
+}
+
+/// Slopes of the simulation at a point with the cost `center`, by the steps for the model; unknown where too many simulations
+/// fail.
+pub(crate) fn slopes(
+    region: &Region,
+    settings: &Settings,
+    point: &[f64],
+    center: f64,
+    simulate: &mut dyn FnMut(&[f64]) -> Option<f64>,
+) -> Vec<Option<f64>> {
+    let may_leave = settings.bound_policy == BoundPolicy::StepOutside;
+    let steps = settings.model_steps().into_iter().enumerate();
+    steps
+        .map(|(index, step)| {
+            let mut side = |offset: f64| {
+                let mut moved = point.to_vec();
+                moved[index] += offset;
+                let distance = (moved[index] - point[index]).abs();
+                if !may_leave && !region.parameters()[index].contains(moved[index]) {
+                    return None;
+                }
+                simulate(&moved).map(|cost| Side { distance, cost })
+            };
+            match (side(step), side(-step)) {
+                (plus, None) => slope_away(center, plus, side(2.0 * step)),
+                (None, minus) => slope_away(center, minus, side(-2.0 * step)).map(|slope| -slope),
+                (plus, minus) => slope(Some(center), plus, minus),
+            }
+        })
+        .collect()
 }
 
 /// The problem on that part of its region which the move limits allow from the last optimum.

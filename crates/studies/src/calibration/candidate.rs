@@ -9,10 +9,10 @@ use crate::variable::Variable;
 pub(super) const STUDIES: [&str; 2] = ["chapter4", "chapter7"];
 
 #[derive(Debug, Clone)]
-pub(super) struct Candidate {
-    pub(super) rig: Rig,
+pub(crate) struct Candidate {
+    pub(crate) rig: Rig,
     /// One for each of [`STUDIES`].
-    pub(super) weights: [CostWeights; 2],
+    pub(crate) weights: [CostWeights; 2],
 }
 
 /// A design in a fidelity: center of mass in per cent of chord, pitch set point in degrees, factors of the stabilizers' areas.

@@ -15,7 +15,7 @@ const WEIGHT_UNITS: [&str; 7] = ["1/rad^2", "1/rad^2", "1/rad^2", "1/m^2", "s^2/
 /// A `[[free]]` entry.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct FreeEntry {
+pub(crate) struct FreeEntry {
     key: String,
     unit: String,
     lower: f64,
@@ -59,18 +59,18 @@ enum Place {
 
 /// A number within its range.
 #[derive(Debug, Clone)]
-pub(super) struct Free {
-    pub(super) key: String,
-    pub(super) unit: String,
-    pub(super) lower: f64,
-    pub(super) upper: f64,
-    pub(super) reason: String,
+pub(crate) struct Free {
+    pub(crate) key: String,
+    pub(crate) unit: String,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    pub(crate) reason: String,
     scale: Scale,
     places: Vec<Place>,
 }
 
 impl FreeEntry {
-    pub(super) fn check(self) -> Result<Free> {
+    pub(crate) fn check(self) -> Result<Free> {
         let Self { key, unit, lower, upper, scale, reason, also } = self;
         let range = || format!("`{key}` goes from {lower} to {upper}");
         ensure!(lower.is_finite() && upper.is_finite() && lower < upper, "{}: lower must be below upper", range());
@@ -201,16 +201,22 @@ impl Free {
         }
     }
 
-    pub(super) fn value(&self, candidate: &Candidate) -> f64 {
+    pub(crate) fn value(&self, candidate: &Candidate) -> f64 {
         self.places.first().map_or(f64::NAN, |place| place.get(candidate))
     }
 
-    pub(super) fn set(&self, candidate: &mut Candidate, value: f64) -> Result<()> {
+    pub(crate) fn set(&self, candidate: &mut Candidate, value: f64) -> Result<()> {
         self.places.iter().try_for_each(|place| place.set(candidate, value))
     }
 
+    /// Whether its range is divided evenly.
+    #[cfg(feature = "identification")]
+    pub(crate) fn is_linear(&self) -> bool {
+        self.scale == Scale::Linear
+    }
+
     /// Whether flights do not depend on it.
-    pub(super) fn is_weight(&self) -> bool {
+    pub(crate) fn is_weight(&self) -> bool {
         matches!(self.places[..], [Place::Weight(..)])
     }
 }

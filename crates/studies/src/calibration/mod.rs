@@ -17,10 +17,14 @@ use anyhow::{Context as _, Result, ensure};
 use rayon::prelude::*;
 
 use crate::reproduction::progress;
+#[cfg(feature = "identification")]
+pub(crate) use candidate::Candidate;
 use candidate::{Flown, fly};
 use evidence::Aims;
 use file::Calibration;
 use fit::worst;
+#[cfg(feature = "identification")]
+pub(crate) use free::{Free, FreeEntry};
 use store::Store;
 
 const ENSEMBLE: &str = "fixtures/bat/ensemble";

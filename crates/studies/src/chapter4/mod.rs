@@ -13,4 +13,6 @@ mod run;
 mod seeds;
 mod tables;
 
+#[cfg(feature = "identification")]
+pub(crate) use file::Setup;
 pub(crate) use run::CHAPTER;

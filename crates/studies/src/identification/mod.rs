@@ -1,0 +1,78 @@
+//! `cargo xtask identify`: the loop of Chapter 4 with numbers of the plant identified from its experiments, alone and together with the
+//! correction (27).
+
+mod campaign;
+mod file;
+mod held_out;
+mod page;
+mod plant;
+mod store;
+mod which;
+
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+use rayon::prelude::*;
+
+use crate::reproduction::progress;
+use campaign::run_campaign;
+use file::Study;
+use plant::Doubted;
+use store::{Kept, KeptTurn, Store};
+use which::Which;
+
+const KEPT: &str = "fixtures/bat/identification";
+/// Campaigns at once, so that a killed run loses no more than these.
+const AT_ONCE: usize = 4;
+
+/// Runs the campaigns that are missing, and writes the page.
+pub(crate) fn run(root: &Path) -> Result<()> {
+    let study = Study::read(root)?;
+    let mut store = Store::read(&root.join(KEPT), &study)?;
+    let mut missing: Vec<_> =
+        study.campaigns().into_iter().filter(|campaign| store.find(*campaign).is_none()).collect();
+    // A run that is killed leaves as many of one loop as of another.
+    missing.sort_by_key(|campaign| campaign.seed);
+    let bar = progress("campaigns", study.campaigns().len());
+    bar.inc((study.campaigns().len() - missing.len()) as u64);
+    for some in missing.chunks(AT_ONCE) {
+        let run = |which: &Which| run_campaign(&study, *which).inspect(|_| bar.inc(1));
+        store.add(some.par_iter().map(run).collect::<Result<_>>()?)?;
+    }
+    bar.finish();
+    page::write(root, &study, &store)
+}
+
+/// Writes the page of the campaigns that are kept.
+pub(crate) fn write_page(root: &Path) -> Result<()> {
+    let study = Study::read(root)?;
+    page::write(root, &study, &Store::read(&root.join(KEPT), &study)?)
+}
+
+/// That a campaign run anew is the one that is kept, that every kept number is what its flight says, and that the page follows.
+pub(crate) fn check(root: &Path) -> Result<()> {
+    let study = Study::read(root)?;
+    let store = Store::read(&root.join(KEPT), &study)?;
+    let all = study.campaigns();
+    let missing = all.iter().filter(|campaign| store.find(**campaign).is_none()).count();
+    ensure!(missing == 0, "{KEPT}: {missing} of {} campaigns are missing: run `cargo xtask identify`", all.len());
+    let again = run_campaign(&study, study.quick())?;
+    ensure!(
+        store.find(study.quick()).is_some_and(|kept: &Kept| kept.agrees(&again)),
+        "{KEPT}: `{}` without noise is no longer what is kept: remove its rows and run `cargo xtask identify`",
+        study.loops[study.quick().index].label
+    );
+    flights_agree(&study, &store)?;
+    page::check(root, &study, &store)
+}
+
+/// That the model with the unknowns of each kept iteration costs what is kept.
+fn flights_agree(study: &Study, store: &Store) -> Result<()> {
+    let turns: Vec<&KeptTurn> = store.campaigns().iter().flat_map(|kept| &kept.turns).collect();
+    let pairs: Vec<(&[f64], &[f64])> = turns.iter().map(|turn| (&turn.unknowns[..], &turn.design[..])).collect();
+    for (turn, flown) in turns.iter().zip(Doubted(study).fly(&pairs)) {
+        let is_same = flown.is_ok_and(|cost| (cost.total / turn.model_cost - 1.0).abs() < 1e-9);
+        ensure!(is_same, "{KEPT}: the model no longer costs {} at {:?}: remove it", turn.model_cost, turn.design);
+    }
+    Ok(())
+}

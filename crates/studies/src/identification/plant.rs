@@ -1,0 +1,90 @@
+//! The numerical model with unknown numbers, and the stand-in as it is read.
+
+use infuse::gradient::{Reading, Trial, UncertainModel};
+use infuse::identification::Answer;
+use water_channel::{BoundedNoise, CostBreakdown, FlightRequest, N_TERMS};
+
+use super::file::{Study, Weights};
+use crate::bat::{MODEL, STAND_IN};
+use crate::calibration::Candidate;
+use crate::costs::Cost;
+
+/// The numerical model of a plant of which some numbers are unknown.
+pub(super) struct Doubted<'a>(pub(super) &'a Study);
+
+impl Doubted<'_> {
+    fn request(&self, unknowns: &[f64], design: &[f64]) -> Result<FlightRequest, String> {
+        let bat = &self.0.setup.bat;
+        let mut request = bat.request(design, MODEL);
+        let (_, weights) = bat.rig_and_weights();
+        let mut candidate = Candidate { rig: request.rig, weights: [*weights; 2] };
+        for (free, value) in self.0.free.iter().zip(unknowns) {
+            free.set(&mut candidate, *value).map_err(|error| error.to_string())?;
+        }
+        request.rig = candidate.rig;
+        Ok(request)
+    }
+
+    /// The cost, term by term, of every pair of unknowns and a design, flown side by side.
+    pub(super) fn fly(&self, pairs: &[(&[f64], &[f64])]) -> Vec<Result<CostBreakdown, String>> {
+        let requests: Result<Vec<_>, String> =
+            pairs.iter().map(|(unknowns, design)| self.request(unknowns, design)).collect();
+        match requests {
+            Ok(requests) => self.0.setup.bat.breakdowns(&requests),
+            Err(reason) => vec![Err(reason); pairs.len()],
+        }
+    }
+}
+
+impl UncertainModel for Doubted<'_> {
+    fn cost(&mut self, unknowns: &[f64], design: &[f64]) -> Cost {
+        if unknowns == self.0.unknowns.start() {
+            return self.0.setup.bat.cost(design, MODEL);
+        }
+        let flown = self.fly(&[(unknowns, design)]).pop();
+        flown.unwrap_or_else(|| Err("no flight".to_owned())).map(|cost| cost.total)
+    }
+
+    fn responses(&mut self, unknowns: &[Vec<f64>], designs: &[Vec<f64>]) -> Vec<Vec<Answer>> {
+        let pairs: Vec<(&[f64], &[f64])> =
+            unknowns.iter().flat_map(|theta| designs.iter().map(move |design| (&theta[..], &design[..]))).collect();
+        let terms = |flown: Result<CostBreakdown, String>| flown.map(|cost| cost.terms[..N_TERMS].to_vec());
+        let mut answers = self.fly(&pairs).into_iter().map(terms);
+        unknowns.iter().map(|_| answers.by_ref().take(designs.len()).collect()).collect()
+    }
+}
+
+/// Numbers of draws for terms begin here, above those of trials.
+const TERMS_FROM: u64 = 1000;
+
+/// The stand-in at a batch of designs, flown side by side and read with noise; without a seed there is none.
+pub(super) fn readings(
+    study: &Study,
+    weights: Weights,
+    noise: Option<&BoundedNoise>,
+    trials: &[Trial],
+) -> Vec<Result<Reading, String>> {
+    let bat = &study.setup.bat;
+    let requests: Vec<FlightRequest> = trials.iter().map(|trial| bat.request(&trial.point, STAND_IN)).collect();
+    let flown = bat.breakdowns(&requests);
+    let both = trials.iter().zip(flown);
+    both.map(|(trial, flown)| {
+        let flown = flown?;
+        let read = |value, number| noise.map_or(value, |noise| noise.measured(value, number));
+        let number = trial.id.number();
+        let term = |k: usize| read(flown.terms[k], TERMS_FROM + number * N_TERMS as u64 + k as u64);
+        let responses: Vec<f64> = (0..N_TERMS).map(term).collect();
+        let cost = read(flown.total, number);
+        // Of noise that is uniform within a share.
+        let deviation = study.setup.file.noise.share / 3.0_f64.sqrt();
+        let standard_deviations = responses.iter().map(|response| {
+            deviation
+                * match weights {
+                    Weights::Cost => cost,
+                    Weights::Reading => response.abs(),
+                }
+        });
+        Ok(Reading { cost, standard_deviations: standard_deviations.collect(), responses })
+    })
+    .collect()
+}
