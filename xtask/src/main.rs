@@ -28,9 +28,10 @@ const COMMANDS: &[(&[&str], Program)] = &[
     (&["reproduce-chapter2"], studies("similarity")),
     (&["reproduce-chapter3", "reproduce-chapter4"], studies("")),
     (
-        &["reproduce-chapter6", "reproduce-chapter7", "reproduce-all", "doe-records", "design-page"],
+        &["reproduce-chapter6", "reproduce-chapter7", "doe-records", "design-page"],
         studies("similarity,global"),
     ),
+    (&["reproduce-all"], studies("similarity,ensemble")),
     (&["benchmark"], studies("similarity,benchmark")),
     (&["calibrate"], studies("similarity,calibration")),
     (&["ci", "tidy", "equations", "tutorials"], CHECKS),

@@ -23,6 +23,8 @@ mod costs;
 mod design_page;
 #[cfg(feature = "global")]
 mod doe_records;
+#[cfg(feature = "ensemble")]
+mod ensemble;
 #[cfg(feature = "global")]
 mod exemptions;
 mod first_screen;
@@ -90,6 +92,12 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         (None, ["reproduce-all"]) => Box::new(|| reproduce_all::run(root, STUDIES, false)),
         #[cfg(feature = "global")]
         (None, ["reproduce-all", "--check"]) => Box::new(|| reproduce_all::run(root, STUDIES, true)),
+        #[cfg(feature = "ensemble")]
+        (None, ["reproduce-all", "--ensemble"]) => Box::new(|| ensemble::run(root)),
+        #[cfg(feature = "ensemble")]
+        (None, ["reproduce-all", "--ensemble", "--page"]) => Box::new(|| ensemble::write_page(root)),
+        #[cfg(feature = "ensemble")]
+        (None, ["reproduce-all", "--ensemble", "--check"]) => Box::new(|| ensemble::check(root)),
         #[cfg(feature = "calibration")]
         (None, ["calibrate"]) => Box::new(|| calibration::run(root)),
         #[cfg(feature = "calibration")]

@@ -14,3 +14,5 @@ mod seeds;
 mod tables;
 
 pub(crate) use run::CHAPTER;
+#[cfg(feature = "ensemble")]
+pub(crate) use {file::Setup, lattice::Lattice};

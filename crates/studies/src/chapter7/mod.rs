@@ -20,3 +20,5 @@ mod wrong;
 #[cfg(feature = "calibration")]
 pub(crate) use file::table_6;
 pub(crate) use run::CHAPTER;
+#[cfg(feature = "ensemble")]
+pub(crate) use file::{Case, Setup};
