@@ -1,7 +1,8 @@
 //! Numbers that belong to a plant: what its model is worth, what strategies of co-design cost, what surfaces and pulls do.
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use design_space::{Model, Region};
+use doe::{Criterion, Problem};
 use infuse::codesign::{OptimizerSettings, Strategy, codesign as optimize};
 use infuse::{CodesignProblem, Role};
 use surface::{Confounded, Data, InverseDistance, Regression, SquaredExponential, Surface};
@@ -195,4 +196,40 @@ impl Effect {
             left: (end.iter().sum::<f64>() / end.len() as f64).sqrt() / heading,
         }
     }
+}
+
+/// Searches for designs of experiments, each with another seed.
+const N_SEARCHES: u64 = 5;
+
+/// How the first batch of Chapter 7 with two parameters fills the space by the criteria G and D: how many of its runs differ, and how far
+/// the cell is that is farthest from any, in coded units.
+pub(super) fn designs(setup: &Setup) -> Result<Vec<Fact>> {
+    let case = setup.chapter7.cases.first().context("chapter7.toml has no case")?;
+    let space = &case.space;
+    let mut facts = Vec::new();
+    for (name, criterion) in [("g", Criterion::G), ("d", Criterion::D)] {
+        for seed in 1..=N_SEARCHES {
+            let model = Model::additive_quadratic(space.variables.len())?;
+            let problem =
+                Problem::new(model, doe::Space::of_region(space.region())?, case.entry.batch.experiments, criterion)?;
+            let mut settings = doe::Settings::default();
+            settings.seed = seed;
+            let mut cells = doe::search(&problem, &settings)?.cells;
+            cells.sort();
+            cells.dedup();
+            let runs = cells.iter().map(|cell| space.coded(*cell)).collect::<Result<Vec<_>>>()?;
+            let mut farthest = 0.0_f64;
+            for cell in space.cells() {
+                let coded = space.coded(cell)?;
+                let distance = |run: &Vec<f64>| run.iter().zip(&coded).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+                farthest = farthest.max(runs.iter().map(distance).fold(f64::INFINITY, f64::min));
+            }
+            for (what, value) in [("distinct", runs.len() as f64), ("farthest", farthest)] {
+                facts.push(Fact { study: Study::Two, world: World::Still, name: format!("{name}_{what}/{seed}"), value });
+            }
+        }
+    }
+    let value = case.entry.batch.experiments as f64;
+    facts.push(Fact { study: Study::Two, world: World::Still, name: "runs".to_owned(), value });
+    Ok(facts)
 }

@@ -11,23 +11,32 @@
 //! All that is written on the page follows from these tables: claims are judged from them ([`judge`]), and `--check` says whether the
 //! page is what they say.
 
+mod cameras;
+mod claims;
+mod decides;
 mod facts;
+mod figures;
 mod file;
+mod judge;
+mod kept;
 mod loops;
+mod page;
 mod row;
 mod site;
 mod store;
+mod tables;
 mod unit;
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 
+use crate::calibration::Plant;
 use crate::gridded::Designs;
 use crate::reproduction::{DESIGNS, progress};
 use file::Setup;
 use row::{Study, Unit};
-use store::Store;
+use store::{Found, Store};
 
 const FOLDER: &str = "fixtures/bat/ensemble";
 
@@ -35,35 +44,78 @@ const FOLDER: &str = "fixtures/bat/ensemble";
 pub(crate) fn run(root: &Path) -> Result<()> {
     let setup = Setup::read(root)?;
     let mut store = open(root, &setup)?;
+    if store.mend()? {
+        eprintln!("{FOLDER}: what an interrupted run had left of a unit was dropped");
+    }
     let designs = Designs::keep_in(&root.join(DESIGNS))?;
-    let units: Vec<(Study, usize)> =
-        Study::ALL.into_iter().flat_map(|study| (0..setup.plants.len()).map(move |plant| (study, plant))).collect();
-    let bar = progress("claims over the ensemble: studies of a plant", units.len());
-    for (study, plant) in units {
-        let plant = &setup.plants[plant];
-        let unit: Unit = (study.name().to_owned(), plant.number);
+    let works = works(&setup);
+    let bar = progress("claims over the ensemble: studies of a plant", works.len());
+    for work in works {
+        let unit = work.unit();
         if !store.has(&unit) {
-            let (found, n_flights) = unit::run(&setup, study, plant, &designs)?;
+            let (found, n_flights) = work.run(&setup, &store, &designs)?;
             store.add(unit, found, n_flights)?;
         }
         bar.inc(1);
     }
     bar.finish();
-    Ok(())
+    page::write(root, &setup, &store)
+}
+
+/// One unit of work.
+enum Work<'a> {
+    Study(Study, &'a Plant),
+    /// The designs of a plant seen by cameras.
+    Cameras(&'a Plant),
+    /// Designs of experiments, which know no plant.
+    Designs,
+}
+
+/// All of them, in the order in which they are done: studies of four parameters last, which take longest.
+fn works(setup: &Setup) -> Vec<Work<'_>> {
+    let studies = Study::ALL.into_iter().flat_map(|study| setup.plants.iter().map(move |plant| Work::Study(study, plant)));
+    let mut works: Vec<Work<'_>> = studies.collect();
+    works.push(Work::Designs);
+    works.extend(setup.plants.iter().map(Work::Cameras));
+    works
+}
+
+impl Work<'_> {
+    fn unit(&self) -> Unit {
+        match self {
+            Self::Study(study, plant) => (study.name().to_owned(), plant.number),
+            Self::Cameras(plant) => ("cameras".to_owned(), plant.number),
+            Self::Designs => ("designs".to_owned(), 0),
+        }
+    }
+
+    fn run(&self, setup: &Setup, store: &Store, designs: &Designs) -> Result<(Found, usize)> {
+        match self {
+            Self::Study(study, plant) => unit::run(setup, *study, plant, designs),
+            Self::Cameras(plant) => cameras::run(setup, &store.done, plant),
+            Self::Designs => Ok((Found { facts: facts::designs(setup)?, ..Found::default() }, 0)),
+        }
+    }
 }
 
 fn open(root: &Path, setup: &Setup) -> Result<Store> {
-    let store = Store::open(&root.join(FOLDER), &setup.key)?;
-    if store.was_cut {
-        eprintln!("{FOLDER}: what an interrupted run had left of a unit was dropped");
+    Store::read(&root.join(FOLDER), &setup.key)
+}
+
+/// Writes the page from what is kept, and runs nothing.
+pub(crate) fn write_page(root: &Path) -> Result<()> {
+    let setup = Setup::read(root)?;
+    let store = open(root, &setup)?;
+    page::write(root, &setup, &store)
+}
+
+/// That the page follows from what is kept, and that a plant flies as it did when that was kept.
+pub(crate) fn check(root: &Path) -> Result<()> {
+    let setup = Setup::read(root)?;
+    let store = open(root, &setup)?;
+    for work in works(&setup) {
+        ensure!(store.has(&work.unit()), "{FOLDER}: nothing of {:?}: run `cargo xtask reproduce-all --ensemble`", work.unit());
     }
-    Ok(store)
-}
-
-pub(crate) fn write_page(_root: &Path) -> Result<()> {
-    Ok(())
-}
-
-pub(crate) fn check(_root: &Path) -> Result<()> {
-    Ok(())
+    cameras::fly_again(&setup, &store.done)?;
+    page::check(root, &setup, &store)
 }
