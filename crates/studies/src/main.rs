@@ -25,7 +25,7 @@ mod design_page;
 mod doe_records;
 #[cfg(feature = "ensemble")]
 mod ensemble;
-#[cfg(feature = "global")]
+#[cfg(feature = "ensemble")]
 mod exemptions;
 mod first_screen;
 #[cfg(feature = "global")]
@@ -35,7 +35,7 @@ mod handover;
 mod kept;
 mod logged;
 mod provenance;
-#[cfg(feature = "global")]
+#[cfg(feature = "ensemble")]
 mod reproduce_all;
 mod reproduction;
 mod study_file;
@@ -88,9 +88,11 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         (Some(study), [_]) => Box::new(|| study.run(root, Extent::Default)),
         (Some(study), [_, "--full"]) => Box::new(|| study.run(root, Extent::Full)),
         (Some(study), [_, "--check"]) => Box::new(|| study.check(root)),
-        #[cfg(feature = "global")]
+        #[cfg(feature = "ensemble")]
         (None, ["reproduce-all"]) => Box::new(|| reproduce_all::run(root, STUDIES, false)),
-        #[cfg(feature = "global")]
+        #[cfg(feature = "ensemble")]
+        (None, ["reproduce-all", "--page"]) => Box::new(|| reproduce_all::write_page(root, STUDIES, false)),
+        #[cfg(feature = "ensemble")]
         (None, ["reproduce-all", "--check"]) => Box::new(|| reproduce_all::run(root, STUDIES, true)),
         #[cfg(feature = "ensemble")]
         (None, ["reproduce-all", "--ensemble"]) => Box::new(|| ensemble::run(root)),

@@ -174,7 +174,8 @@ fn of_text() -> Vec<Claim> {
             Study::Chapter4,
             "each of three pulls: roll and heading by 1 deg, pitch by 0.1, altitude by 1 mm; a tenth of the heading left after 70 s",
             Test::Plant(Box::new(pulls)),
-        ),
+        )
+        .still(),
         claim(
             "5",
             "Experiments near the optimum alone may miss the global optimum",

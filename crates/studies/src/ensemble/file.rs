@@ -54,6 +54,7 @@ struct FilesEntry {
 pub(super) struct Campaigns {
     pub(super) seeds: u64,
     pub(super) seeds_of_four: u64,
+    pub(super) plants_of_four: usize,
     pub(super) truth_seeds: u64,
     pub(super) random_designs: u64,
     pub(super) coarser: f64,
@@ -186,9 +187,10 @@ impl Setup {
     }
 }
 
-/// A text whose comments may change without changing what it says.
+/// What rows follow from in a text: neither comments nor how many plants there are.
 fn without_comments(text: &str) -> String {
-    text.lines().filter(|line| !line.trim_start().starts_with('#')).collect::<Vec<_>>().join("\n")
+    let counts = |line: &&str| !["#", "plants_of_four"].iter().any(|start| line.trim_start().starts_with(start));
+    text.lines().filter(counts).collect::<Vec<_>>().join("\n")
 }
 
 fn set(rig: &mut Rig, key: &str, value: f64) {
@@ -230,6 +232,50 @@ impl HullEntry {
             ensure!(value.is_finite() && value >= 0.0, "hull: `{key}` is {value}: it must be finite and not negative");
             ensure!(!source.trim().is_empty(), "hull: `{key}` has no source: every number must have one");
         }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(file: StudyFile, folder: &Path) -> Result<Setup> {
+        Setup::of(file, folder, Vec::new(), Vec::new(), String::new())
+    }
+
+    fn refuses(from: &str, to: &str, words: &[&str]) {
+        study_file::assert_refused(FILE, of, [from, to], words);
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        refuses("seeds = 5", "seed = 5", &["unknown field `seed`"]);
+        refuses("seeds = 5", "seeds = 0", &["campaigns.seeds = 0", "1 to 1000"]);
+        refuses("random_designs = 64", "random_designs = 1", &["random_designs = 1", "from 2"]);
+        refuses("coarser = 2.0", "coarser = 0.5", &["coarser = 0.5", "1 or more"]);
+        refuses("key = \"line_port\"", "key = \"line_left\"", &["no asymmetry `line_left`", "line_port"]);
+        refuses("unit = \"1/rad\"", "unit = \"1/deg\"", &["lift_slope_difference", "1/deg", "1/rad"]);
+        refuses("largest = 0.3", "largest = -0.3", &["lift_slope_difference", "-0.3", "not negative"]);
+        refuses("water = \"moving-water.toml\"", "water = \"rig.toml\"", &["rig.toml", "no [water]"]);
+    }
+
+    #[test]
+    fn what_rows_follow_from_has_neither_comments_nor_counts() {
+        let text = "# why\nseeds = 5\n  # more\nplants_of_four = 20\ncoarser = 2.0";
+        assert_eq!(without_comments(text), "seeds = 5\ncoarser = 2.0");
+    }
+
+    /// Sides differ by what the number of a plant draws, within the ranges; the plant itself stays as it is.
+    #[test]
+    fn hulls_are_drawn_by_the_number_of_the_plant() -> Result<()> {
+        let setup = Setup::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))?;
+        let hulls: Vec<_> = setup.plants.iter().map(|plant| setup.lopsided(plant).plant.asymmetry).collect();
+        assert!(hulls.iter().all(|hull| hull.center_of_mass_y_m.abs() <= 0.0005 && hull.offset_lateral_m == 0.05));
+        assert!(hulls.windows(2).all(|pair| pair[0].line_port_m != pair[1].line_port_m));
+        assert!(hulls.iter().any(|hull| hull.line_port_m < 0.0) && hulls.iter().any(|hull| hull.line_port_m > 0.0));
+        assert_eq!(hulls[3], setup.lopsided(&setup.plants[3]).plant.asymmetry);
+        assert_eq!(setup.lopsided(&setup.plants[3]).plant.body, setup.plants[3].rig.plant.body);
         Ok(())
     }
 }

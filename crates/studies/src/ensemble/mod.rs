@@ -32,6 +32,7 @@ use std::path::Path;
 use anyhow::{Result, ensure};
 
 use crate::calibration::Plant;
+use crate::claims::Place;
 use crate::gridded::Designs;
 use crate::reproduction::{DESIGNS, progress};
 use file::Setup;
@@ -73,10 +74,12 @@ enum Work<'a> {
 
 /// All of them, in the order in which they are done: studies of four parameters last, which take longest.
 fn works(setup: &Setup) -> Vec<Work<'_>> {
-    let studies = Study::ALL.into_iter().flat_map(|study| setup.plants.iter().map(move |plant| Work::Study(study, plant)));
+    let of_four = setup.campaigns.plants_of_four.min(setup.plants.len());
+    let plants = |study: Study| if study == Study::Four { &setup.plants[..of_four] } else { &setup.plants[..] };
+    let studies = Study::ALL.into_iter().flat_map(|study| plants(study).iter().map(move |plant| Work::Study(study, plant)));
     let mut works: Vec<Work<'_>> = studies.collect();
     works.push(Work::Designs);
-    works.extend(setup.plants.iter().map(Work::Cameras));
+    works.extend(plants(Study::Four).iter().map(Work::Cameras));
     works
 }
 
@@ -100,6 +103,28 @@ impl Work<'_> {
 
 fn open(root: &Path, setup: &Setup) -> Result<Store> {
     Store::read(&root.join(FOLDER), &setup.key)
+}
+
+/// What became of a claim over the ensemble, for the page over all chapters.
+pub(crate) struct OverEnsemble {
+    pub(crate) place: Place,
+    pub(crate) says: String,
+    pub(crate) words: String,
+}
+
+/// All claims that were judged, and how many became what in each world, from what is kept.
+pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
+    let setup = Setup::read(root)?;
+    let store = open(root, &setup)?;
+    let cases = kept::cases(&store.done);
+    let all = page::judged(&setup, &cases);
+    let counts = page::counts(&all);
+    let claims = all.into_iter().map(|both| OverEnsemble {
+        words: both.words(),
+        place: both.claim.place,
+        says: both.claim.says.to_owned(),
+    });
+    Ok((claims.collect(), counts))
 }
 
 /// Writes the page from what is kept, and runs nothing.

@@ -157,6 +157,11 @@ fn decided(setup: &Setup, cases: &[Case<'_>], all: &[Both]) -> String {
     text
 }
 
+/// How many claims became what, world by world.
+pub(super) fn counts(all: &[Both]) -> Vec<String> {
+    (0..World::OF_CAMPAIGNS.len()).map(|k| count_words(all, k)).collect()
+}
+
 fn count_words(all: &[Both], k: usize) -> String {
     let of = |verdict: Verdict| all.iter().filter(|both| both.judged[k].verdict == verdict).count();
     let judged = all.iter().filter(|both| both.judged[k].verdict != Verdict::NotJudged).count();
@@ -179,7 +184,7 @@ fn listed(all: &[Both], k: usize, verdict: Verdict) -> String {
 
 /// The first screen.
 fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> Vec<String> {
-    let mut findings = vec![count_words(all, 0), count_words(all, 1)];
+    let mut findings = counts(all);
     let in_kind = listed(all, 1, Verdict::InKind);
     if !in_kind.is_empty() {
         findings.push(format!("In kind in moving water: {in_kind}."));

@@ -199,4 +199,28 @@ mod tests {
         assert!((found[Reading::CostSd as usize] - 2f64.sqrt()).abs() < 1e-12, "sd of 1 and 3 by n - 1");
         assert!(mean(&[flight(1.0), None]).iter().all(|reading| reading.is_nan()));
     }
+
+    /// Two worlds of one plant: what designs show and what experiments read have the same bits on any number of threads, and each
+    /// experiment of a campaign meets water of its own.
+    #[test]
+    fn flights_do_not_depend_on_threads() -> Result<()> {
+        let setup = Setup::read(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))?;
+        let (plant, case) = (&setup.plants[0], &setup.chapter7.cases[0]);
+        let points = [vec![47.0, 5.0], vec![50.0, 9.0], vec![47.0, 5.0]];
+        let experiments = [(1, points[0].clone()), (2, points[0].clone())];
+        let fly = |world: World, threads: usize| -> Result<(Vec<Readings>, Vec<Cost>)> {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+            let site = Site::new(&setup, &case.bat, plant, plant.weights[1], world)?;
+            Ok(pool.install(|| (site.observe(&points), site.read(1, &experiments, Noise::OfCost(0.01)))))
+        };
+        for world in World::OF_CAMPAIGNS {
+            let (seen, read) = fly(world, 1)?;
+            let (again, read_again) = fly(world, 3)?;
+            let bits = |all: &[Readings]| all.iter().flatten().map(|x| x.to_bits()).collect::<Vec<u64>>();
+            assert_eq!((bits(&seen), &read), (bits(&again), &read_again), "{world:?}");
+            assert_eq!(bits(&seen[..1]), bits(&seen[2..]), "one design is one design");
+            assert_ne!(read[0], read[1], "two experiments on it are two");
+        }
+        Ok(())
+    }
 }

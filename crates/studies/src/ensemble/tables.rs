@@ -4,7 +4,7 @@ use page::{Column, Summary, Table};
 
 use super::claims::Claim;
 use super::decides::Decided;
-use super::judge::Judged;
+use super::judge::{Judged, Verdict};
 use super::kept::Case;
 use super::row::{Method, Reading, Study, World};
 use crate::words::number;
@@ -13,6 +13,16 @@ use crate::words::number;
 pub(super) struct Both {
     pub(super) claim: Claim,
     pub(super) judged: [Judged; 2],
+}
+
+impl Both {
+    /// In one cell.
+    pub(super) fn words(&self) -> String {
+        let each = World::OF_CAMPAIGNS.into_iter().zip(&self.judged).filter(|(_, judged)| judged.verdict != Verdict::NotJudged);
+        let each = each.map(|(world, judged)| format!("{}: {}, {}", world.name(), judged.verdict, judged.words()));
+        let words = each.collect::<Vec<_>>().join("; ");
+        if words.is_empty() { "–".to_owned() } else { words }
+    }
 }
 
 fn per_cent(share: f64) -> String {
