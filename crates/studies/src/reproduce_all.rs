@@ -28,9 +28,11 @@ const WORDS: &str = "Reproduced: it comes out, and nothing was fitted to it. In 
 
 const CLAIM_CAPTION: &str = "Every contribution, section, table and figure that says something of results, with what the latest run found. \
     Commands go after `cargo xtask`. Over the ensemble: in how many plants that meet the published numbers, and in how many of their \
-    campaigns, in still and in moving water; its rules and its words are on [its page](results-ensemble.md).";
+    campaigns, in still and in moving water.";
+const OF_ENSEMBLE: &str = "The rules and the words of the ensemble are on [its page](results-ensemble.md).";
 
-const EXEMPT_CAPTION: &str = "Sections and figures without a claim, and why; equations are on [a page of their own](equations.md).";
+const EXEMPT_CAPTION: &str =
+    "Sections and figures without a claim, and why; equations have a page of their own, `docs/equations.md`.";
 
 /// A study with what its latest run handed on.
 struct Chapter<'a> {
@@ -144,7 +146,9 @@ fn first_screen<'a>(listed: &[Listed<'_>], over: &Over, picture: &'a Picture) ->
     let contributions = listed.iter().filter(|one| matches!(one.claim.place, Place::Contribution(_)));
     let contributions = contributions.map(|one| claims::finding(one.claim));
     let head = Finding::new("The contributions that the dissertation names:");
-    let head_over = Finding::new("The same over an ensemble of plants that meet the published numbers, the one plant of the chapters being one of many:");
+    let head_over = Finding::new(
+        "The same over an ensemble of plants that meet the published numbers, the one plant of the chapters being one of many:",
+    );
     let over = over.counts.iter().map(|words| Finding::new(words.clone())).fold(head_over, Finding::detail);
     FirstScreen { findings: vec![counts(listed), over, contributions.fold(head, Finding::detail)], picture }
 }
@@ -268,7 +272,7 @@ fn markdown(listed: &[Listed<'_>], over: &Over, first: &str) -> String {
     format!(
         "# What of the dissertation comes out\n\n{first}\n\
          Written by `cargo xtask reproduce-all`; `cargo xtask ci` fails when this page is not what the command finds.\n\n\
-         {NOTE}\n\n{WORDS}\n\n{CLAIM_CAPTION}\n\n{}\n{}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
+         {NOTE}\n\n{WORDS}\n\n{CLAIM_CAPTION} {OF_ENSEMBLE}\n\n{}\n{}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
         table(listed, over).markdown(),
         claims::FOUND,
         markdown_list(&claims::found(listed.iter().map(|one| one.claim))),

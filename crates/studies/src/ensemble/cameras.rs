@@ -52,7 +52,8 @@ pub(super) fn fly_again(setup: &Setup, done: &[Done]) -> Result<()> {
         for world in World::OF_CAMPAIGNS {
             let site = Site::new(setup, &case.bat, plant, plant.weights[1], world)?;
             let mine = done.iter().filter(|done| done.unit == (Study::Two.name().to_owned(), plant.number));
-            let kept = mine.flat_map(|done| &done.found.rows).find(|row| row.world == world && row.method == Method::Center);
+            let kept =
+                mine.flat_map(|done| &done.found.rows).find(|row| row.world == world && row.method == Method::Center);
             let kept = kept.with_context(|| format!("plant {}: its center was not kept", plant.number))?;
             let readings = site.observe(&[case.space.region().center()]);
             let again = Row { readings: *readings.first().context("one design")?, ..kept.clone() };

@@ -5,18 +5,27 @@ use super::kept::Case;
 use super::row::{Method, Reading, Row, Study, World};
 use crate::claims::Place;
 
+/// Of a design beside the one before.
+type OfTwo = Box<dyn Fn(&Row, &Row) -> bool>;
+/// Of a campaign, step by step, in its case.
+type OfPath = Box<dyn Fn(&Case<'_>, &[&Row]) -> bool>;
+/// Of a campaign by the number of its seed; none where nothing is known.
+type OfSeed = Box<dyn Fn(&Case<'_>, u64) -> Option<bool>>;
+/// Of a plant; none where nothing is known.
+type OfPlant = Box<dyn Fn(&Case<'_>) -> Option<bool>>;
+
 /// What is looked at.
 pub(super) enum Test {
     /// The last design of a campaign beside the optimum of the model: designs that nobody chose can be held against it, too.
-    End(Box<dyn Fn(&Row, &Row) -> bool>),
+    End(OfTwo),
     /// The same beside the first design of the campaign.
-    SinceFirst(Box<dyn Fn(&Row, &Row) -> bool>),
+    SinceFirst(OfTwo),
     /// A campaign step by step, in its case.
-    Path(Box<dyn Fn(&Case<'_>, &[&Row]) -> bool>),
+    Path(OfPath),
     /// A campaign by the number of its seed; none where nothing is known.
-    Seed(Box<dyn Fn(&Case<'_>, u64) -> Option<bool>>),
+    Seed(OfSeed),
     /// The plant itself: each counts as one campaign.
-    Plant(Box<dyn Fn(&Case<'_>) -> Option<bool>>),
+    Plant(OfPlant),
 }
 
 /// A claim with what counts as holding.
@@ -48,7 +57,7 @@ const STEADY_DEG: f64 = 0.1;
 /// A cost is not sensitive that changes by no more than this share.
 const INSENSITIVE: f64 = 0.05;
 
-fn lower(reading: Reading, factor: f64) -> Box<dyn Fn(&Row, &Row) -> bool> {
+fn lower(reading: Reading, factor: f64) -> OfTwo {
     Box::new(move |before, after| after.of(reading) < factor * before.of(reading))
 }
 
@@ -96,11 +105,15 @@ fn of_chapter4() -> Vec<Claim> {
     let claim = |place, says, rule, test| Claim::new(place, says, Study::Chapter4, rule, test).fitted();
     let cheaper = || Test::End(lower(Reading::Cost, 1.0));
     let figure = |number, says, reading| {
-        claim(Place::Figure(number), says, "lower at the end than at the model's optimum", Test::End(lower(reading, 1.0)))
+        claim(
+            Place::Figure(number),
+            says,
+            "lower at the end than at the model's optimum",
+            Test::End(lower(reading, 1.0)),
+        )
     };
-    let moved = |before: &Row, after: &Row| {
-        (0..2).all(|k| after.point[k] > before.point[k]) && after.cost() < before.cost()
-    };
+    let moved =
+        |before: &Row, after: &Row| (0..2).all(|k| after.point[k] > before.point[k]) && after.cost() < before.cost();
     vec![
         claim(
             Place::Contribution(1),
@@ -284,9 +297,15 @@ fn of_two(setup: &Setup) -> Vec<Claim> {
             "S of (39) smaller than at the first",
             path(|_, path| path.get(1).is_some_and(|second| second.spread < path[0].spread)),
         ),
-        claim(section("5.5"), "The z-test at 90 % keeps what may be the optimum, with the settings of Chapter 7", KEPT, path(keeps_best)),
+        claim(
+            section("5.5"),
+            "The z-test at 90 % keeps what may be the optimum, with the settings of Chapter 7",
+            KEPT,
+            path(keeps_best),
+        ),
         claim(Place::Table(5), "2 parameters: the design space shrinks at every iteration", SHRINKS, path(shrinks)),
-        claim(Place::Table(5), "2 parameters: infusion moves the center of mass aft", AFT, Test::End(Box::new(aft))).fitted(),
+        claim(Place::Table(5), "2 parameters: infusion moves the center of mass aft", AFT, Test::End(Box::new(aft)))
+            .fitted(),
         claim(
             Place::Table(5),
             "2 parameters: the loop ends at the last printed row",
@@ -300,8 +319,20 @@ fn of_two(setup: &Setup) -> Vec<Claim> {
             "the first two iterations drop cells",
             path(|_, path| path.len() >= 2 && shares(path).windows(2).take(2).all(|pair| pair[1] < pair[0])),
         ),
-        claim(Place::Figure(24), "2 parameters: heading squared improves significantly", HALVED, Test::End(lower(Reading::Heading, MUCH))).fitted(),
-        claim(Place::Figure(24), "2 parameters: pitch error squared improves significantly", HALVED, Test::End(lower(Reading::Pitch, MUCH))).fitted(),
+        claim(
+            Place::Figure(24),
+            "2 parameters: heading squared improves significantly",
+            HALVED,
+            Test::End(lower(Reading::Heading, MUCH)),
+        )
+        .fitted(),
+        claim(
+            Place::Figure(24),
+            "2 parameters: pitch error squared improves significantly",
+            HALVED,
+            Test::End(lower(Reading::Pitch, MUCH)),
+        )
+        .fitted(),
     ]
 }
 
@@ -361,8 +392,18 @@ fn of_four(setup: &Setup) -> Vec<Claim> {
                 })),
             )
         },
-        claim(Place::Figure(26), "4 parameters: the heading is significantly improved", HALVED, end(Reading::Heading, MUCH)),
-        claim(Place::Figure(27), "4 parameters: the roll offset is greatly reduced", HALVED, end(Reading::RollOffset, MUCH)),
+        claim(
+            Place::Figure(26),
+            "4 parameters: the heading is significantly improved",
+            HALVED,
+            end(Reading::Heading, MUCH),
+        ),
+        claim(
+            Place::Figure(27),
+            "4 parameters: the roll offset is greatly reduced",
+            HALVED,
+            end(Reading::RollOffset, MUCH),
+        ),
         claim(Place::Figure(27), "4 parameters: the zenith angle is slightly lower", better, end(Reading::Zenith, 1.0)),
         claim(Place::Figure(28), "4 parameters: altitude tracking improves", better, end(Reading::Altitude, 1.0)),
         claim(Place::Figure(28), "4 parameters: pitch tracking improves", better, end(Reading::Pitch, 1.0)),
@@ -377,9 +418,7 @@ fn of_convergence() -> Vec<Claim> {
             Place::Figure(20),
             "The design space shrinks monotonically, and much",
             "each of five iterations of Chapter 7 drops cells, and at most half is left",
-            Test::Path(Box::new(|case, path| {
-                shrinks(case, path) && path.last().is_some_and(|row| row.share <= MUCH)
-            })),
+            Test::Path(Box::new(|case, path| shrinks(case, path) && path.last().is_some_and(|row| row.share <= MUCH))),
         ),
         claim(
             Place::Figure(22),

@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use design_space::{Model, Region};
-use doe::{Criterion, Problem};
+use doe::{Criterion, Problem, Replicates};
 use infuse::codesign::{OptimizerSettings, Strategy, codesign as optimize};
 use infuse::{CodesignProblem, Role};
 use surface::{Confounded, Data, InverseDistance, Regression, SquaredExponential, Surface};
@@ -62,7 +62,8 @@ pub(super) fn descend(
     mut cost: impl FnMut(&[f64]) -> Result<f64, String>,
 ) -> Result<Vec<f64>> {
     let is_controller = |name: &str| name == Variable::PitchSetPoint.name();
-    let roles = region.parameters().iter().map(|p| if is_controller(p.name()) { Role::Controller } else { Role::Plant });
+    let roles =
+        region.parameters().iter().map(|p| if is_controller(p.name()) { Role::Controller } else { Role::Plant });
     let problem = CodesignProblem::new(region.clone(), roles.collect())?;
     let mut settings = OptimizerSettings::default();
     (settings.strategy, settings.n_starts, settings.final_radius) = (Strategy::Simultaneous, 0, 5e-3);
@@ -186,8 +187,9 @@ impl Effect {
             within(from, from + EFFECT_S).map(of).fold(f64::NEG_INFINITY, f64::max)
         };
         let heading = most(&|row| (row.heading_rad - start.heading_rad).abs());
-        let end: Vec<f64> =
-            within(from + 80.0 - BACK_S, from + 80.0).map(|row| (row.heading_rad - start.heading_rad).powi(2)).collect();
+        let end: Vec<f64> = within(from + 80.0 - BACK_S, from + 80.0)
+            .map(|row| (row.heading_rad - start.heading_rad).powi(2))
+            .collect();
         Self {
             roll: most(&|row| (row.roll_rad - start.roll_rad).abs()).to_degrees(),
             pitch: most(&|row| row.pitch_rad - start.pitch_rad).to_degrees(),
@@ -211,7 +213,8 @@ pub(super) fn designs(setup: &Setup) -> Result<Vec<Fact>> {
         for seed in 1..=N_SEARCHES {
             let model = Model::additive_quadratic(space.variables.len())?;
             let problem =
-                Problem::new(model, doe::Space::of_region(space.region())?, case.entry.batch.experiments, criterion)?;
+                Problem::new(model, doe::Space::of_region(space.region())?, case.entry.batch.experiments, criterion)?
+                    .with_replicates(Replicates::Allowed)?;
             let mut settings = doe::Settings::default();
             settings.seed = seed;
             let mut cells = doe::search(&problem, &settings)?.cells;
@@ -221,11 +224,17 @@ pub(super) fn designs(setup: &Setup) -> Result<Vec<Fact>> {
             let mut farthest = 0.0_f64;
             for cell in space.cells() {
                 let coded = space.coded(cell)?;
-                let distance = |run: &Vec<f64>| run.iter().zip(&coded).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+                let distance =
+                    |run: &Vec<f64>| run.iter().zip(&coded).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
                 farthest = farthest.max(runs.iter().map(distance).fold(f64::INFINITY, f64::min));
             }
             for (what, value) in [("distinct", runs.len() as f64), ("farthest", farthest)] {
-                facts.push(Fact { study: Study::Two, world: World::Still, name: format!("{name}_{what}/{seed}"), value });
+                facts.push(Fact {
+                    study: Study::Two,
+                    world: World::Still,
+                    name: format!("{name}_{what}/{seed}"),
+                    value,
+                });
             }
         }
     }

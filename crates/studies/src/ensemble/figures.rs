@@ -24,8 +24,7 @@ pub(super) fn verdicts(all: &[Both]) -> String {
     let bars = Study::ALL.into_iter().flat_map(|study| worlds.clone().map(move |(k, world)| (study, k, world)));
     let bars = bars.map(|(study, k, world)| {
         let mine = all.iter().filter(|both| both.claim.study == study);
-        let count =
-            |verdict: Verdict| mine.clone().filter(|both| both.judged[k].verdict == verdict).count();
+        let count = |verdict: Verdict| mine.clone().filter(|both| both.judged[k].verdict == verdict).count();
         (format!("{}, {} water", study.words(), world.name()), Verdict::COUNTED.iter().map(|v| count(*v)).collect())
     });
     count_figure(&CountFigure {
@@ -36,13 +35,17 @@ pub(super) fn verdicts(all: &[Both]) -> String {
     })
 }
 
+/// Designs that are nearer to the best are drawn as if they were so far above it: the axis has no zero.
+const LEAST_DRAWN_PCT: f64 = 0.1;
+
 /// A reading of a way after a batch, over all plants and seeds.
 type Curve<'a> = dyn Fn(usize) -> Vec<f64> + 'a;
 
 /// Median, solid, and quartiles, dashed.
 fn band(label: &str, x: &[f64], curve: &Curve<'_>) -> Vec<Series> {
+    let drawn = |value: f64| if value.is_finite() { value.max(LEAST_DRAWN_PCT) } else { f64::NAN };
     let at = |share: f64| -> Vec<f64> {
-        (0..x.len()).map(|step| quantile(&curve(step), share).filter(|value| value.is_finite()).unwrap_or(f64::NAN)).collect()
+        (0..x.len()).map(|step| quantile(&curve(step), share).map_or(f64::NAN, drawn)).collect()
     };
     let quartiles = format!("{label}, quartiles");
     let line = |share: f64| Series::line(&quartiles, x, &at(share)).dashed();
@@ -63,7 +66,11 @@ pub(super) fn regret(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) 
                         // In Chapter 4 the first iteration is the optimum of the model.
                         let before = batch == 0;
                         let rows = case.rows.iter().filter(move |row| {
-                            if before { row.method == Method::Numerical } else { row.method == method && row.step == batch }
+                            if before {
+                                row.method == Method::Numerical
+                            } else {
+                                row.method == method && row.step == batch
+                            }
                         });
                         rows.map(|row| 100.0 * case.regret(row))
                     })
@@ -75,14 +82,17 @@ pub(super) fn regret(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) 
         let of_all = |method: Method| -> Vec<f64> {
             mine.iter().flat_map(|case| case.ends(method).into_iter().map(|row| 100.0 * case.regret(row))).collect()
         };
-        for (label, method) in [("random design, median", Method::Random), ("center of the box, median", Method::Center)] {
+        for (label, method) in
+            [("random design, median", Method::Random), ("center of the box, median", Method::Center)]
+        {
             let level = quantile(&of_all(method), 0.5).unwrap_or(f64::NAN);
             series.push(Series::line(label, &x, &vec![level; x.len()]));
         }
         let step = experiments as f64;
         Panel {
             x_axis: Some(Axis::new("experiments", "1").with_range(0.0, step * last as f64).with_step(step)),
-            y_axis: Axis::new(&format!("{}, {}", study.words(), world.name()), "%"),
+            y_axis: Axis::new(&format!("{}, {}", study.words(), world.name()), "%")
+                .in_decades([LEAST_DRAWN_PCT, 100.0]),
             series,
         }
     };

@@ -271,8 +271,12 @@ mod tests {
     fn hulls_are_drawn_by_the_number_of_the_plant() -> Result<()> {
         let setup = Setup::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))?;
         let hulls: Vec<_> = setup.plants.iter().map(|plant| setup.lopsided(plant).plant.asymmetry).collect();
-        assert!(hulls.iter().all(|hull| hull.center_of_mass_y_m.abs() <= 0.0005 && hull.offset_lateral_m == 0.05));
-        assert!(hulls.windows(2).all(|pair| pair[0].line_port_m != pair[1].line_port_m));
+        assert!(
+            hulls
+                .iter()
+                .all(|hull| hull.center_of_mass_y_m.abs() <= 0.0005 && (hull.offset_lateral_m - 0.05).abs() < 1e-12)
+        );
+        assert!(hulls.windows(2).all(|pair| pair[0].line_port_m.to_bits() != pair[1].line_port_m.to_bits()));
         assert!(hulls.iter().any(|hull| hull.line_port_m < 0.0) && hulls.iter().any(|hull| hull.line_port_m > 0.0));
         assert_eq!(hulls[3], setup.lopsided(&setup.plants[3]).plant.asymmetry);
         assert_eq!(setup.lopsided(&setup.plants[3]).plant.body, setup.plants[3].rig.plant.body);

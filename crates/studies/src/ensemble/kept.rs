@@ -88,7 +88,9 @@ impl<'a> Case<'a> {
     /// Share of the designs that nobody chose that cost less than this one.
     pub(super) fn random_better(&self, row: &Row) -> f64 {
         let random = self.random();
-        let better = random.iter().filter(|other| other.cost() < row.cost() || (other.cost().is_finite() && !row.cost().is_finite()));
+        let better = random
+            .iter()
+            .filter(|other| other.cost() < row.cost() || (other.cost().is_finite() && !row.cost().is_finite()));
         better.count() as f64 / random.len().max(1) as f64
     }
 

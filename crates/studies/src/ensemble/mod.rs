@@ -76,7 +76,8 @@ enum Work<'a> {
 fn works(setup: &Setup) -> Vec<Work<'_>> {
     let of_four = setup.campaigns.plants_of_four.min(setup.plants.len());
     let plants = |study: Study| if study == Study::Four { &setup.plants[..of_four] } else { &setup.plants[..] };
-    let studies = Study::ALL.into_iter().flat_map(|study| plants(study).iter().map(move |plant| Work::Study(study, plant)));
+    let studies =
+        Study::ALL.into_iter().flat_map(|study| plants(study).iter().map(move |plant| Work::Study(study, plant)));
     let mut works: Vec<Work<'_>> = studies.collect();
     works.push(Work::Designs);
     works.extend(plants(Study::Four).iter().map(Work::Cameras));
@@ -139,7 +140,11 @@ pub(crate) fn check(root: &Path) -> Result<()> {
     let setup = Setup::read(root)?;
     let store = open(root, &setup)?;
     for work in works(&setup) {
-        ensure!(store.has(&work.unit()), "{FOLDER}: nothing of {:?}: run `cargo xtask reproduce-all --ensemble`", work.unit());
+        ensure!(
+            store.has(&work.unit()),
+            "{FOLDER}: nothing of {:?}: run `cargo xtask reproduce-all --ensemble`",
+            work.unit()
+        );
     }
     cameras::fly_again(&setup, &store.done)?;
     page::check(root, &setup, &store)

@@ -252,7 +252,11 @@ impl Row {
             spread: at(6)?,
             keeps_best: at(7)?,
             bound: at(8)?,
-            point: coordinates.iter().filter(|text| !text.is_empty()).map(|text| number(text)).collect::<Result<_>>()?,
+            point: coordinates
+                .iter()
+                .filter(|text| !text.is_empty())
+                .map(|text| number(text))
+                .collect::<Result<_>>()?,
             readings,
         })
     }

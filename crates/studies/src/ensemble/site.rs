@@ -152,10 +152,12 @@ fn steady(logged: &Logged, of: fn(&LogRow) -> f64) -> f64 {
     (values.iter().sum::<f64>() / values.len() as f64).abs()
 }
 
-/// Share of the samples at which the cameras had no new pose; not finite without cameras.
+/// Share of the samples at which the cameras had no new pose; not finite without cameras. The first second does not count: there is no
+/// image yet.
 fn held(logged: &Logged) -> f64 {
+    let rows = logged.log.rows.iter().filter(|row| row.time_s > 1.0);
     let estimates: Vec<bool> =
-        logged.log.rows.iter().filter_map(|row| row.estimate.as_ref().map(|estimate| estimate.hold.is_some())).collect();
+        rows.filter_map(|row| row.estimate.as_ref().map(|estimate| estimate.hold.is_some())).collect();
     estimates.iter().filter(|held| **held).count() as f64 / estimates.len() as f64
 }
 
@@ -178,8 +180,9 @@ mod tests {
 
     #[test]
     fn absolute_noise_stays_within_its_bound_and_follows_its_number() {
-        let errors: Vec<f64> =
-            (1..500).filter_map(|id| noisy(Ok(10.0), Noise::Absolute(3.0), 1, id).ok().map(|cost| cost - 10.0)).collect();
+        let errors: Vec<f64> = (1..500)
+            .filter_map(|id| noisy(Ok(10.0), Noise::Absolute(3.0), 1, id).ok().map(|cost| cost - 10.0))
+            .collect();
         assert_eq!(errors.len(), 499);
         assert!(errors.iter().all(|error| error.abs() <= 3.0));
         assert!(errors.iter().any(|error| *error > 2.5) && errors.iter().any(|error| *error < -2.5));

@@ -92,7 +92,8 @@ impl Lines {
     }
 }
 
-const OTHER: &str = "its first line does not name the study, the plants and the rig of today: remove it to run all campaigns anew";
+const OTHER: &str =
+    "its first line does not name the study, the plants and the rig of today: remove it to run all campaigns anew";
 
 fn text_of(unit: &Unit, cells: &[String]) -> String {
     format!("{},{},{}\n", unit.0, unit.1, cells.join(","))
@@ -252,7 +253,7 @@ mod tests {
         assert_eq!(store.done.len(), 3);
         let (own, read) = (&found(1), &store.done[1].found);
         assert_eq!(own.rows[2].cells(), read.rows[2].cells());
-        assert_eq!(read.rows[0].point[1], 0.333_333);
+        assert_eq!(read.rows[0].point[1].to_bits(), 0.333_333_f64.to_bits());
         assert_eq!((read.facts.len(), read.facts[1].name.as_str(), read.seconds), (2, LAST, 1.5));
     }
 

@@ -18,7 +18,10 @@ pub(super) struct Both {
 impl Both {
     /// In one cell.
     pub(super) fn words(&self) -> String {
-        let each = World::OF_CAMPAIGNS.into_iter().zip(&self.judged).filter(|(_, judged)| judged.verdict != Verdict::NotJudged);
+        let each = World::OF_CAMPAIGNS
+            .into_iter()
+            .zip(&self.judged)
+            .filter(|(_, judged)| judged.verdict != Verdict::NotJudged);
         let each = each.map(|(world, judged)| format!("{}: {}, {}", world.name(), judged.verdict, judged.words()));
         let words = each.collect::<Vec<_>>().join("; ");
         if words.is_empty() { "–".to_owned() } else { words }
@@ -90,7 +93,7 @@ pub(super) fn baselines(cases: &[Case<'_>]) -> Table {
                 for end in case.ends(method) {
                     regrets.push(case.regret(end));
                     better.push(case.random_better(end));
-                    worse += usize::from(!(end.cost() <= center));
+                    worse += usize::from(end.cost() > center || end.cost().is_nan());
                 }
             }
             if regrets.is_empty() {
@@ -135,9 +138,19 @@ pub(super) fn noise(cases: &[Case<'_>]) -> Table {
             }
         }
         let Some(own) = Summary::of(&seconds) else { continue };
-        let seconds =
-            format!("{} ({} to {})", number(own.median, 3), number(own.lower_quartile, 3), number(own.upper_quartile, 3));
-        table.push(vec![study.words().to_owned(), own.count.to_string(), seconds, quartiles(&of_cost), quartiles(&of_range)]);
+        let seconds = format!(
+            "{} ({} to {})",
+            number(own.median, 3),
+            number(own.lower_quartile, 3),
+            number(own.upper_quartile, 3)
+        );
+        table.push(vec![
+            study.words().to_owned(),
+            own.count.to_string(),
+            seconds,
+            quartiles(&of_cost),
+            quartiles(&of_range),
+        ]);
     }
     table
 }
@@ -193,9 +206,8 @@ pub(super) fn flights(cases: &[Case<'_>]) -> Table {
         ("footprint, cm²", Reading::Footprint),
     ];
     for (study, world) in Study::ALL.into_iter().flat_map(|study| World::OF_CAMPAIGNS.map(|world| (study, world))) {
-        let rows = |method: Method| -> Vec<_> {
-            cases_of(cases, study, world).flat_map(|case| case.ends(method)).collect()
-        };
+        let rows =
+            |method: Method| -> Vec<_> { cases_of(cases, study, world).flat_map(|case| case.ends(method)).collect() };
         let all = [Method::Numerical, Method::Dissertation, Method::Random].map(rows);
         if all[0].is_empty() {
             continue;
@@ -204,13 +216,66 @@ pub(super) fn flights(cases: &[Case<'_>]) -> Table {
             let summary = |rows: &Vec<&super::row::Row>| {
                 let values: Vec<f64> = rows.iter().map(|row| row.of(reading)).collect();
                 Summary::of(&values).map_or("–".to_owned(), |s| {
-                    format!("{} ({} to {})", number(s.median, 2), number(s.lower_quartile, 2), number(s.upper_quartile, 2))
+                    format!(
+                        "{} ({} to {})",
+                        number(s.median, 2),
+                        number(s.lower_quartile, 2),
+                        number(s.upper_quartile, 2)
+                    )
                 })
             };
             let mut row = vec![study.words().to_owned(), world.name().to_owned(), words.to_owned()];
             row.extend(all.iter().map(summary));
             table.push(row);
         }
+    }
+    table
+}
+
+/// What cameras see of designs in moving water, and what that does to their heading.
+pub(super) fn cameras(cases: &[Case<'_>]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Study", ""),
+        Column::new("Design", ""),
+        Column::new("Designs", "1"),
+        Column::new("cannot fly with cameras", "1"),
+        Column::new("with poses that are held", "1"),
+        Column::new("Share of samples held", "%"),
+        Column::new("Heading squared, state known", "deg²"),
+        Column::new("with cameras", "deg²"),
+    ]);
+    for (study, method) in
+        [Study::Two, Study::Four].into_iter().flat_map(|s| [(s, Method::Numerical), (s, Method::Dissertation)])
+    {
+        let (mut held, mut with, mut known, mut n) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        for case in cases_of(cases, study, World::Cameras) {
+            let Some(seen) = case.ends(method).pop() else { continue };
+            n += 1;
+            let mut same = cases_of(cases, study, World::Moving).filter(|other| other.plant == case.plant);
+            let own = same.next().and_then(|other| {
+                other.rows.iter().find(|row| row.method == method && row.seed == seen.seed && row.step == seen.step)
+            });
+            if seen.cost().is_finite() {
+                held.push(seen.of(Reading::Held));
+                with.push(seen.of(Reading::Heading));
+                known.extend(own.map(|row| row.of(Reading::Heading)));
+            }
+        }
+        if n == 0 {
+            continue;
+        }
+        let median = |values: &[f64]| page::quantile(values, 0.5).map_or("–".to_owned(), |value| number(value, 2));
+        let name = if method == Method::Numerical { "model's optimum" } else { "end of the loop, first seed" };
+        table.push(vec![
+            study.words().to_owned(),
+            name.to_owned(),
+            n.to_string(),
+            (n - held.len()).to_string(),
+            held.iter().filter(|share| **share > 0.0).count().to_string(),
+            quartiles(&held),
+            median(&known),
+            median(&with),
+        ]);
     }
     table
 }

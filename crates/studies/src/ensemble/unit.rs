@@ -116,12 +116,18 @@ fn of_chapter4(setup: &Setup, plant: &Plant) -> Result<Vec<InWorld>> {
 
 /// The box of Chapter 4 in levels.
 fn space_of(study: &chapter4::Setup) -> Result<Space> {
-    let entries: Vec<ParameterEntry> = study.problem.region().parameters().iter().map(|parameter| ParameterEntry {
-        name: parameter.name().to_owned(),
-        unit: parameter.unit().to_owned(),
-        lower: parameter.lower(),
-        upper: parameter.upper(),
-    }).collect();
+    let entries: Vec<ParameterEntry> = study
+        .problem
+        .region()
+        .parameters()
+        .iter()
+        .map(|parameter| ParameterEntry {
+            name: parameter.name().to_owned(),
+            unit: parameter.unit().to_owned(),
+            lower: parameter.lower(),
+            upper: parameter.upper(),
+        })
+        .collect();
     let names: Vec<String> = entries.iter().map(|entry| entry.name.clone()).collect();
     Space::of(&entries, &names, LEVELS)
 }
@@ -216,7 +222,7 @@ impl Ground<'_> {
         world: World,
         (random, seen): (&[Vec<f64>], &[Readings]),
         regressor: &Model,
-        read: &(dyn Fn(u64, &[(u64, Vec<f64>)]) -> Vec<crate::costs::Cost> + Sync),
+        read: &Read<'_>,
         campaign: &Run<'_>,
     ) -> Result<InWorld> {
         let task = Task { space: &self.space, model: self.model, read, budget: self.budget };
@@ -230,8 +236,11 @@ impl Ground<'_> {
         steps.extend((0..).zip(random).map(|(number, point)| Step::new(Method::Random, number, 0, point.clone())));
         steps.extend(campaigns.iter().flat_map(|one| one.steps.iter().cloned()));
         let points: Vec<Vec<f64>> = steps.iter().map(|step| step.point.clone()).collect();
-        let mut rows: Vec<Row> =
-            steps.into_iter().zip(site.observe(&points)).map(|(step, readings)| self.row(world, step, readings)).collect();
+        let mut rows: Vec<Row> = steps
+            .into_iter()
+            .zip(site.observe(&points))
+            .map(|(step, readings)| self.row(world, step, readings))
+            .collect();
         self.note_kept(&mut rows, &campaigns)?;
         let n_failed = campaigns.iter().map(|one| one.n_failed).sum::<usize>();
         let mut facts = self.diagnostics(world, regressor, random, seen)?;
@@ -253,7 +262,19 @@ impl Ground<'_> {
 
     fn row(&self, world: World, step: Step, readings: Readings) -> Row {
         let Step { method, seed, step, point, share, spread, bound } = step;
-        Row { study: self.study, world, method, seed, step, point, share, spread, keeps_best: f64::NAN, bound, readings }
+        Row {
+            study: self.study,
+            world,
+            method,
+            seed,
+            step,
+            point,
+            share,
+            spread,
+            keeps_best: f64::NAN,
+            bound,
+            readings,
+        }
     }
 
     /// Whether the best design known is still there after each step.
@@ -270,7 +291,13 @@ impl Ground<'_> {
     }
 
     /// What the model is worth, by designs that nobody chose.
-    fn diagnostics(&self, world: World, regressor: &Model, random: &[Vec<f64>], seen: &[Readings]) -> Result<Vec<Fact>> {
+    fn diagnostics(
+        &self,
+        world: World,
+        regressor: &Model,
+        random: &[Vec<f64>],
+        seen: &[Readings],
+    ) -> Result<Vec<Fact>> {
         let cells = random.iter().map(|point| self.space.nearest(point)).collect::<Result<Vec<_>>>()?;
         let model: Vec<f64> = self.model.costs(&cells).into_iter().map(|cost| cost.unwrap_or(f64::NAN)).collect();
         let truth: Vec<f64> = seen.iter().map(|readings| readings[0]).collect();
