@@ -91,9 +91,12 @@ fn section(number: &str) -> Place {
 
 pub(super) fn all(setup: &Setup) -> Vec<Claim> {
     let mut claims = of_chapter4();
-    claims.extend(of_text());
-    claims.extend(of_two(setup));
+    claims.extend(of_plants());
+    claims.extend(of_surfaces());
+    claims.extend(steps_of_two());
+    claims.extend(ends_of_two(setup));
     claims.extend(of_four(setup));
+    claims.extend(figures_of_four());
     claims.extend(of_convergence());
     claims.sort_by(|a, b| a.place.cmp(&b.place));
     claims
@@ -134,27 +137,34 @@ fn of_chapter4() -> Vec<Claim> {
     ]
 }
 
-/// Statements of the text about the plant, its strategies and its surfaces.
-fn of_text() -> Vec<Claim> {
+/// Whether a strategy of co-design ends above the others.
+fn fails(name: &'static str) -> Test {
+    Test::Plant(Box::new(move |case: &Case<'_>| {
+        let cost = |name: &str| case.fact(&format!("{name}_cost_s"));
+        let least = cost("nested")?.min(cost("simultaneous")?);
+        Some(cost(name)? > (1.0 + FAILED) * least)
+    }))
+}
+
+/// Whether the nested strategy takes fewer simulations to the same cost.
+fn nested(case: &Case<'_>) -> Option<bool> {
+    let of = |name: &str| Some((case.fact(&format!("{name}_simulations"))?, case.fact(&format!("{name}_cost_s"))?));
+    let ((n, cost), (m, other)) = (of("nested")?, of("simultaneous")?);
+    Some(n < m && cost <= (1.0 + FAILED) * other)
+}
+
+/// Whether the pulls do all that is said of them.
+fn pulls(case: &Case<'_>) -> Option<bool> {
+    let (roll, pitch) = (case.fact("pull_roll_deg")?, case.fact("pull_pitch_up_deg")?);
+    let (lower, heading) = (case.fact("pull_lower_cm")?, case.fact("pull_heading_deg")?);
+    Some(roll > 1.0 && pitch > 0.1 && lower > 0.1 && heading > 1.0 && case.fact("pull_left")? < 0.1)
+}
+
+/// Statements of the text about the plant and about strategies.
+fn of_plants() -> Vec<Claim> {
     let claim = |number: &str, says, study, rule, test| Claim::new(section(number), says, study, rule, test);
-    let strategy = |name: &'static str| {
-        Test::Plant(Box::new(move |case: &Case<'_>| {
-            let cost = |name: &str| case.fact(&format!("{name}_cost_s"));
-            let least = cost("nested")?.min(cost("simultaneous")?);
-            Some(cost(name)? > (1.0 + FAILED) * least)
-        }))
-    };
-    let nested = |case: &Case<'_>| {
-        let of = |name: &str| Some((case.fact(&format!("{name}_simulations"))?, case.fact(&format!("{name}_cost_s"))?));
-        let ((n, cost), (m, other)) = (of("nested")?, of("simultaneous")?);
-        Some(n < m && cost <= (1.0 + FAILED) * other)
-    };
-    let pulls = |case: &Case<'_>| {
-        let (roll, pitch) = (case.fact("pull_roll_deg")?, case.fact("pull_pitch_up_deg")?);
-        let (lower, heading) = (case.fact("pull_lower_cm")?, case.fact("pull_heading_deg")?);
-        Some(roll > 1.0 && pitch > 0.1 && lower > 0.1 && heading > 1.0 && case.fact("pull_left")? < 0.1)
-    };
     let steady = |case: &Case<'_>| Some(case.center()?.of(Reading::SteadyPitch) < STEADY_DEG);
+    let strategy = |says, name| claim("1.1", says, Study::Chapter4, FAILS, fails(name)).still();
     vec![
         claim(
             "1.1",
@@ -164,8 +174,8 @@ fn of_text() -> Vec<Claim> {
             Test::Plant(Box::new(nested)),
         )
         .still(),
-        claim("1.1", "Sequential optimization may fail where plant and controller are coupled", Study::Chapter4, FAILS, strategy("sequential")).still(),
-        claim("1.1", "Iterative optimization may fail where plant and controller are coupled", Study::Chapter4, FAILS, strategy("iterative")).still(),
+        strategy("Sequential optimization may fail where plant and controller are coupled", "sequential"),
+        strategy("Iterative optimization may fail where plant and controller are coupled", "iterative"),
         claim(
             "2.3",
             "No integral action is needed for steady tracking",
@@ -185,10 +195,17 @@ fn of_text() -> Vec<Claim> {
             "3.2",
             "A pull rolls, pitches up, lowers and turns the body until the controller brings it back",
             Study::Chapter4,
-            "each of three pulls: roll and heading by 1 deg, pitch by 0.1, altitude by 1 mm; a tenth of the heading left after 70 s",
+            "each of three: roll, heading by 1 deg, pitch by 0.1, 1 mm; a tenth of the heading left after 70 s",
             Test::Plant(Box::new(pulls)),
         )
         .still(),
+    ]
+}
+
+/// Statements of the text about experiments and surfaces.
+fn of_surfaces() -> Vec<Claim> {
+    let claim = |number: &str, says, study, rule, test| Claim::new(section(number), says, study, rule, test);
+    vec![
         claim(
             "5",
             "Experiments near the optimum alone may miss the global optimum",
@@ -200,7 +217,7 @@ fn of_text() -> Vec<Claim> {
             "5.1",
             "G-optimal designs fill the space without repeats, D-optimal ones repeat experiments",
             Study::Two,
-            "no plant, but five searches for a first batch: all runs by G differ, not all by D, and by G no cell is as far from a run",
+            "no plant, five searches: all runs by G differ, not all by D, and by G no cell is as far from a run",
             Test::Seed(Box::new(|case, seed| {
                 let of = |name: &str| case.fact(&format!("{name}/{seed}"));
                 let runs = case.fact("runs")?;
@@ -267,72 +284,67 @@ fn aft(before: &Row, after: &Row) -> bool {
     after.point[0] > before.point[0]
 }
 
-fn of_two(setup: &Setup) -> Vec<Claim> {
-    let claim = |place, says, rule, test| Claim::new(place, says, Study::Two, rule, test);
-    let path = |of: fn(&Case<'_>, &[&Row]) -> bool| Test::Path(Box::new(of));
-    let is_near = near(setup, 0, last_row(setup, 0));
+/// Of a campaign with two parameters, step by step.
+fn steps_of_two() -> Vec<Claim> {
+    let claim = |place, says, rule, test: fn(&Case<'_>, &[&Row]) -> bool| {
+        Claim::new(place, says, Study::Two, rule, Test::Path(Box::new(test)))
+    };
     vec![
-        claim(
-            Place::Contribution(6),
-            "2 parameters: infusion gives a better system than the numerical model alone",
-            COST_LOWER,
-            Test::End(lower(Reading::Cost, 1.0)),
-        )
-        .fitted(),
         claim(
             section("7.1"),
             "2 parameters: the first iteration shrinks the space less than the second, because the model is not corrected yet",
             "the first drops fewer cells than the second",
-            path(|_, path| drops(path, 1) < drops(path, 2)),
+            |_, path| drops(path, 1) < drops(path, 2),
         ),
         claim(
             section("7.1"),
             "2 parameters: from the third iteration on noise limits further reduction",
             "the third drops less than half of what the second does",
-            path(|_, path| drops(path, 3) < 0.5 * drops(path, 2)),
+            |_, path| drops(path, 3) < 0.5 * drops(path, 2),
         ),
         claim(
             section("7.1"),
             "2 parameters: the corrected model gives a better fit at the second iteration",
             "S of (39) smaller than at the first",
-            path(|_, path| path.get(1).is_some_and(|second| second.spread < path[0].spread)),
+            |_, path| path.get(1).is_some_and(|second| second.spread < path[0].spread),
         ),
         claim(
             section("5.5"),
             "The z-test at 90 % keeps what may be the optimum, with the settings of Chapter 7",
             KEPT,
-            path(keeps_best),
+            keeps_best,
         ),
-        claim(Place::Table(5), "2 parameters: the design space shrinks at every iteration", SHRINKS, path(shrinks)),
-        claim(Place::Table(5), "2 parameters: infusion moves the center of mass aft", AFT, Test::End(Box::new(aft)))
-            .fitted(),
-        claim(
-            Place::Table(5),
-            "2 parameters: the loop ends at the last printed row",
-            REACHED,
-            Test::End(Box::new(move |_, after| is_near(after))),
-        )
-        .fitted(),
+        claim(Place::Table(5), "2 parameters: the design space shrinks at every iteration", SHRINKS, shrinks),
         claim(
             Place::Figure(23),
             "2 parameters: the runs of every iteration are G-optimal in a space that has shrunk since the iteration before",
             "the first two iterations drop cells",
-            path(|_, path| path.len() >= 2 && shares(path).windows(2).take(2).all(|pair| pair[1] < pair[0])),
+            |_, path| path.len() >= 2 && shares(path).windows(2).take(2).all(|pair| pair[1] < pair[0]),
         ),
+    ]
+}
+
+/// Of the last design of a campaign with two parameters.
+fn ends_of_two(setup: &Setup) -> Vec<Claim> {
+    let claim = |place, says, rule, test| Claim::new(place, says, Study::Two, rule, Test::End(test)).fitted();
+    let is_near = near(setup, 0, last_row(setup, 0));
+    let figure_24 = |says, reading| claim(Place::Figure(24), says, HALVED, lower(reading, MUCH));
+    vec![
         claim(
-            Place::Figure(24),
-            "2 parameters: heading squared improves significantly",
-            HALVED,
-            Test::End(lower(Reading::Heading, MUCH)),
-        )
-        .fitted(),
+            Place::Contribution(6),
+            "2 parameters: infusion gives a better system than the numerical model alone",
+            COST_LOWER,
+            lower(Reading::Cost, 1.0),
+        ),
+        claim(Place::Table(5), "2 parameters: infusion moves the center of mass aft", AFT, Box::new(aft)),
         claim(
-            Place::Figure(24),
-            "2 parameters: pitch error squared improves significantly",
-            HALVED,
-            Test::End(lower(Reading::Pitch, MUCH)),
-        )
-        .fitted(),
+            Place::Table(5),
+            "2 parameters: the loop ends at the last printed row",
+            REACHED,
+            Box::new(move |_, after| is_near(after)),
+        ),
+        figure_24("2 parameters: heading squared improves significantly", Reading::Heading),
+        figure_24("2 parameters: pitch error squared improves significantly", Reading::Pitch),
     ]
 }
 
@@ -343,7 +355,6 @@ fn of_four(setup: &Setup) -> Vec<Claim> {
     let is_near = near(setup, 1, last_row(setup, 1));
     let first = setup.chapter7.cases.get(1).and_then(|case| Some(case.published.first()?.point.clone()));
     let is_first = near(setup, 1, first);
-    let better = "lower than at the model's optimum";
     vec![
         claim(
             Place::Contribution(2),
@@ -379,12 +390,21 @@ fn of_four(setup: &Setup) -> Vec<Claim> {
             REACHED,
             Test::End(Box::new(move |_, after| is_near(after))),
         ),
+    ]
+}
+
+/// Of what the last design of a campaign with four parameters shows in its flights.
+fn figures_of_four() -> Vec<Claim> {
+    let claim = |place, says, rule, test| Claim::new(place, says, Study::Four, rule, test);
+    let end = |reading, factor| Test::End(lower(reading, factor));
+    let better = "lower than at the model's optimum";
+    vec![
         Claim {
             by_cameras: true,
             ..claim(
                 section("7.2.4"),
                 "4 parameters: at the numerical optimum dots leave the view for moments, at the infused one they do not",
-                "the pose is held at times at the model's optimum, and less than half as often at the last design of the first seed",
+                "the pose is held at times at the model's optimum, less than half as often at a last design",
                 Test::Plant(Box::new(|case| {
                     let end = case.ends(JUDGED).first()?.of(Reading::Held);
                     let before = case.numerical()?.of(Reading::Held);
