@@ -202,6 +202,17 @@ fn of_plants() -> Vec<Claim> {
     ]
 }
 
+/// A claim about designs of experiments: by how many runs there are, how many differ by the criteria G and D, and how far the farthest cell
+/// is from a run by either.
+fn searches(says: &'static str, rule: &'static str, holds: fn(f64, [f64; 2], [f64; 2]) -> bool) -> Claim {
+    let test = move |case: &Case<'_>, seed: u64| {
+        let of = |name: &str| case.fact(&format!("{name}/{seed}"));
+        let distinct = [of("g_distinct")?, of("d_distinct")?];
+        Some(holds(case.fact("runs")?, distinct, [of("g_farthest")?, of("d_farthest")?]))
+    };
+    Claim::new(section("5.1"), says, Study::Two, rule, Test::Seed(Box::new(test))).still()
+}
+
 /// Statements of the text about experiments and surfaces.
 fn of_surfaces() -> Vec<Claim> {
     let claim = |number: &str, says, study, rule, test| Claim::new(section(number), says, study, rule, test);
@@ -213,19 +224,16 @@ fn of_surfaces() -> Vec<Claim> {
             "the last design costs more than 2 % above the best known",
             Test::Path(Box::new(|case, path| path.last().is_some_and(|end| case.regret(end) > MISSED))),
         ),
-        claim(
-            "5.1",
-            "G-optimal designs fill the space without repeats, D-optimal ones repeat experiments",
-            Study::Two,
-            "no plant, five searches: all runs by G differ, not all by D, and by G no cell is as far from a run",
-            Test::Seed(Box::new(|case, seed| {
-                let of = |name: &str| case.fact(&format!("{name}/{seed}"));
-                let runs = case.fact("runs")?;
-                let fills = of("g_farthest")? < of("d_farthest")?;
-                Some(of("g_distinct")? >= runs && of("d_distinct")? < runs && fills)
-            })),
-        )
-        .still(),
+        searches(
+            "D-optimal designs repeat experiments, G-optimal ones do not",
+            "five searches for a first batch, no plant: all runs by G differ, not all by D",
+            |runs, [g, d], _| g >= runs && d < runs,
+        ),
+        searches(
+            "G-optimal designs fill the space",
+            "the same searches: no cell is as far from a run by G as some are by D",
+            |_, _, [g, d]| g < d,
+        ),
         claim(
             "5.3.2",
             "Distance-weighted surfaces are more realistic than a regressor that is not known",

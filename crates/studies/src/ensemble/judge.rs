@@ -87,7 +87,13 @@ impl Judged {
         }
         let [holding, campaigns] = self.campaigns();
         let plants = format!("{} of {} plants", self.n_holding(), self.shares.len());
-        if campaigns == self.shares.len() { plants } else { format!("{plants}, {holding} of {campaigns} campaigns") }
+        if self.shares.len() == 1 {
+            format!("{holding} of {campaigns} cases")
+        } else if campaigns == self.shares.len() {
+            plants
+        } else {
+            format!("{plants}, {holding} of {campaigns} campaigns")
+        }
     }
 }
 

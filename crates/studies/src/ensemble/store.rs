@@ -48,7 +48,7 @@ impl Lines {
         if text.len() < first.len() {
             // Killed while it was begun, or another file.
             ensure!(first.starts_with(&text), "{}: {}", path.display(), OTHER);
-            return Ok(Self { path, torn: !text.is_empty(), first, lines: Vec::new() });
+            return Ok(Self { torn: path.exists(), path, first, lines: Vec::new() });
         }
         let rest = text.strip_prefix(&first).with_context(|| format!("{}: {OTHER}", path.display()))?;
         let whole = rest.rfind('\n').map_or(0, |end| end + 1);
