@@ -89,10 +89,12 @@ pub(super) fn regret(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) 
             series.push(Series::line(label, &x, &vec![level; x.len()]));
         }
         let step = experiments as f64;
+        let highest = (0..=last).filter_map(|batch| quantile(&of(Method::Dissertation)(batch), 0.75));
+        let highest = highest.filter(|value| value.is_finite()).fold(10.0, f64::max);
         Panel {
             x_axis: Some(Axis::new("experiments", "1").with_range(0.0, step * last as f64).with_step(step)),
             y_axis: Axis::new(&format!("{}, {}", study.words(), world.name()), "%")
-                .in_decades([LEAST_DRAWN_PCT, 100.0]),
+                .in_decades([LEAST_DRAWN_PCT, highest]),
             series,
         }
     };

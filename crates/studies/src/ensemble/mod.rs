@@ -4,7 +4,7 @@
 //! claims can neither hold nor fail. Here campaigns are run on all plants of `fixtures/bat/ensemble`, each in two worlds ([`row`]),
 //! by the loops of the dissertation and by those who know less, with equal numbers of experiments ([`loops`]).
 //!
-//! A unit of work is a study on a plant in both worlds ([`unit`]). What it finds are rows, one for each design that somebody chose, with
+//! A unit of work is a study on a plant in both worlds ([`mod@unit`]). What it finds are rows, one for each design that somebody chose, with
 //! what that design truly shows in its flights ([`site`]), and facts about the plant ([`facts`]). They are appended to the tables of
 //! `fixtures/bat/ensemble` when the unit is done ([`store`]); nothing else remembers anything, so that a run that is killed goes on.
 //!
