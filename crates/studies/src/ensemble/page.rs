@@ -75,10 +75,10 @@ const WORLDS: &str = "**Still water**: the stand-in as it was calibrated, its st
     flight, and no noise is added. What a design truly costs there is the mean over a few flights whose seeds are the same for all designs. \
     The numerical model knows nothing of either: it stays still and symmetric. Nothing was fitted in moving water.";
 
-fn rule() -> String {
+fn rule(n_random: u64) -> String {
     format!(
         "One rule for all. **In kind**: it holds in at least {:.0} % of the campaigns; **in part**: in at least {:.0} %; **not**: in fewer. \
-         **Not discriminating**: a design that nobody chose would meet it too, in more than {:.0} % of the cases (64 Sobol points, mean over \
+         **Not discriminating**: a design that nobody chose would meet it too, in more than {:.0} % of the cases ({n_random} Sobol points, mean over \
          plants); it does not count. **Partly calibrated**: both ends were fitted in still water; it does not count either. A plant is counted \
          where more than half of its campaigns are. Significantly, greatly, much: at most half of what was there before. A statement about \
          a plant counts each plant once, and no design can meet it by chance, nor one about the steps of a campaign.",
@@ -94,7 +94,7 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
         text += &format!("- {finding}\n");
     }
     text += "\n![What became of the claims](results-ensemble.svg)\n\nA box for each claim; gray ones do not count.\n\n";
-    text += &format!("{HOW}\n\n{WORLDS}\n\n{}\n\n", rule());
+    text += &format!("{HOW}\n\n{WORLDS}\n\n{}\n\n", rule(setup.campaigns.random_designs));
     text += "## Claim by claim\n\n";
     text += &tables::claims(all).markdown();
     text += "\n## Who chooses how well\n\nWith equal numbers of experiments, except for those who make none. Medians over plants and seeds with \
@@ -113,8 +113,10 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
     text += &tables::spaces(cases, &published).markdown();
     text += &format!(
         "\n## Noise that has a cause\n\nIn moving water the same design costs something else in every flight: over {} flights of each \
-         random design. In still water the files add at most 2 % of the cost (Chapter 4) and 1 % of its range (Chapter 7).\n\n",
-        setup.campaigns.truth_seeds
+         random design. In still water the files add at most {:.0} % of the cost (Chapter 4) and {:.0} % of its range (Chapter 7).\n\n",
+        setup.campaigns.truth_seeds,
+        100.0 * setup.chapter4.file.noise.share,
+        100.0 * setup.chapter7.file.noise.share
     );
     text += &tables::noise(cases).markdown();
     text += "\n## Seen by cameras\n\nWith cameras a flight takes several times as long, so that in campaigns the state is known. Here the model's optimum and one last design of \
