@@ -27,10 +27,8 @@ const CHECKS: Program = Program { package: "xtask", name: "checks", features: "c
 const COMMANDS: &[(&[&str], Program)] = &[
     (&["reproduce-chapter2"], studies("similarity")),
     (&["reproduce-chapter3", "reproduce-chapter4"], studies("")),
-    (
-        &["reproduce-chapter6", "reproduce-chapter7", "reproduce-all", "doe-records", "design-page"],
-        studies("similarity,global"),
-    ),
+    (&["reproduce-chapter6", "reproduce-chapter7", "doe-records", "design-page"], studies("similarity,global")),
+    (&["reproduce-all"], studies("similarity,ensemble")),
     (&["benchmark"], studies("similarity,benchmark")),
     (&["calibrate"], studies("similarity,calibration")),
     (&["identify"], studies("similarity,identification")),

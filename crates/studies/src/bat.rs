@@ -13,6 +13,9 @@ use water_channel::{
     RigFile, TestProfile, fly, fly_all, fly_logged,
 };
 
+#[cfg(feature = "ensemble")]
+use water_channel::fly_seeded;
+
 #[cfg(feature = "global")]
 use crate::costs::key::Key;
 use crate::costs::{Cost, Store};
@@ -179,6 +182,33 @@ impl Bat {
     /// How many different points are known in a fidelity.
     pub(crate) fn n_known(&self, fidelity: Fidelity) -> usize {
         self.costs.len(fidelity)
+    }
+}
+
+/// On other plants.
+#[cfg(feature = "ensemble")]
+impl Bat {
+    /// The same variables on another rig with other weights, in another test: nothing is remembered of any other. Reported
+    /// designs have the steps of all others.
+    pub(crate) fn on(&self, rig: Rig, weights: CostWeights, profile: TestProfile) -> Self {
+        Self {
+            rig,
+            profile,
+            weights,
+            settings: self.settings,
+            report_settings: self.settings,
+            variables: self.variables.clone(),
+            costs: Store::default(),
+            texts: self.texts.clone(),
+            records: Vec::new(),
+        }
+    }
+
+    /// The costs at many points, each flown in the water of a seed of its own.
+    pub(crate) fn seeded_costs(&self, points: &[Vec<f64>], seeds: &[u64], fidelity: Fidelity) -> Vec<Cost> {
+        let requests: Vec<FlightRequest> = points.iter().map(|point| self.request(point, fidelity)).collect();
+        let flown = fly_seeded(&requests, seeds, &self.profile, &self.settings, |_| {});
+        requests.iter().zip(flown).map(|(request, flight)| self.value(&request.rig, flight)).collect()
     }
 }
 

@@ -181,8 +181,6 @@ pub(crate) const FOUND: &str = "What the latest run found, claim by claim:";
 
 /// How a page divides its width among the columns of [`table`], in per cent.
 pub(crate) const WIDTHS_PCT: [u32; 3] = [16, 64, 20];
-/// The same with the command.
-pub(crate) const WIDTHS_WITH_COMMANDS_PCT: [u32; 4] = [14, 52, 16, 18];
 
 /// Claims of several studies, each with the command that gives it.
 pub(crate) fn table_with_commands<'a>(claims: impl IntoIterator<Item = (&'a Claim, &'a str)>) -> Table {

@@ -23,7 +23,9 @@ mod costs;
 mod design_page;
 #[cfg(feature = "global")]
 mod doe_records;
-#[cfg(feature = "global")]
+#[cfg(feature = "ensemble")]
+mod ensemble;
+#[cfg(feature = "ensemble")]
 mod exemptions;
 mod first_screen;
 #[cfg(feature = "global")]
@@ -35,7 +37,7 @@ mod identification;
 mod kept;
 mod logged;
 mod provenance;
-#[cfg(feature = "global")]
+#[cfg(feature = "ensemble")]
 mod reproduce_all;
 mod reproduction;
 mod study_file;
@@ -88,10 +90,18 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         (Some(study), [_]) => Box::new(|| study.run(root, Extent::Default)),
         (Some(study), [_, "--full"]) => Box::new(|| study.run(root, Extent::Full)),
         (Some(study), [_, "--check"]) => Box::new(|| study.check(root)),
-        #[cfg(feature = "global")]
+        #[cfg(feature = "ensemble")]
         (None, ["reproduce-all"]) => Box::new(|| reproduce_all::run(root, STUDIES, false)),
-        #[cfg(feature = "global")]
+        #[cfg(feature = "ensemble")]
+        (None, ["reproduce-all", "--page"]) => Box::new(|| reproduce_all::write_page(root, STUDIES, false)),
+        #[cfg(feature = "ensemble")]
         (None, ["reproduce-all", "--check"]) => Box::new(|| reproduce_all::run(root, STUDIES, true)),
+        #[cfg(feature = "ensemble")]
+        (None, ["reproduce-all", "--ensemble"]) => Box::new(|| ensemble::run(root)),
+        #[cfg(feature = "ensemble")]
+        (None, ["reproduce-all", "--ensemble", "--page"]) => Box::new(|| ensemble::write_page(root)),
+        #[cfg(feature = "ensemble")]
+        (None, ["reproduce-all", "--ensemble", "--check"]) => Box::new(|| ensemble::check(root)),
         #[cfg(feature = "calibration")]
         (None, ["calibrate"]) => Box::new(|| calibration::run(root)),
         #[cfg(feature = "calibration")]

@@ -5,11 +5,12 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 
 use crate::claims::{self, Claim, ORDER, Place, Verdict};
+use crate::ensemble::{self, OverEnsemble};
 use crate::exemptions;
 use crate::first_screen::FirstScreen;
 use crate::handover::Handover;
 use crate::reproduction::{self, Extent, Picture, Reproduction, markdown_list};
-use page::{Axis, CountFigure, Finding, Link, Page, Table, count_figure, palette};
+use page::{Axis, Column, CountFigure, Finding, Link, Page, Table, count_figure, palette};
 
 const DIRECTORY: &str = "target/reproduction";
 const NAME: &str = "reproduction.md";
@@ -25,10 +26,13 @@ const WORDS: &str = "Reproduced: it comes out, and nothing was fitted to it. In 
     fitted; that the loop goes from the one towards the other is all that came out. Calibrated: it was fitted. Taken over: it says what is \
     put in. Flights between fitted ends (Figures 16 to 18 and 24) were not fitted one by one, but the cost that they add up to was.";
 
-const CLAIM_CAPTION: &str = "Every contribution, table and figure that says something of results, with what the latest run found. \
-    Commands go after `cargo xtask`.";
+const CLAIM_CAPTION: &str = "Every contribution, section, table and figure that says something of results, with what the latest run found. \
+    Commands go after `cargo xtask`. Over the ensemble: in how many plants that meet the published numbers, and in how many of their \
+    campaigns, in still and in moving water.";
+const OF_ENSEMBLE: &str = "The rules and the words of the ensemble are on [its page](results-ensemble.md).";
 
-const EXEMPT_CAPTION: &str = "Figures without a claim, and why.";
+const EXEMPT_CAPTION: &str =
+    "Sections and figures without a claim, and why; equations have a page of their own, `docs/equations.md`.";
 
 /// A study with what its latest run handed on.
 struct Chapter<'a> {
@@ -42,6 +46,26 @@ struct Listed<'a> {
     chapter: &'a Chapter<'a>,
 }
 
+/// What is on the page over all beside the chapters, from what is kept.
+struct Over {
+    claims: Vec<OverEnsemble>,
+    counts: Vec<String>,
+}
+
+impl Over {
+    fn of(&self, claim: &Claim) -> Option<&OverEnsemble> {
+        self.claims.iter().find(|over| over.place == claim.place && over.says == claim.says)
+    }
+
+    /// Those that no chapter has.
+    fn alone<'a>(&'a self, listed: &'a [Listed<'_>]) -> impl Iterator<Item = &'a OverEnsemble> {
+        let has = |over: &&OverEnsemble| {
+            listed.iter().any(|one| one.claim.place == over.place && one.claim.says == over.says)
+        };
+        self.claims.iter().filter(move |over| !has(over))
+    }
+}
+
 /// Runs every study of a chapter and writes the page over all; with `check` the committed pages must say the same.
 pub(crate) fn run(root: &Path, studies: &[Reproduction], check: bool) -> Result<()> {
     let chosen: Vec<&Reproduction> = studies.iter().filter(|study| is_chapter(study)).collect();
@@ -49,6 +73,14 @@ pub(crate) fn run(root: &Path, studies: &[Reproduction], check: bool) -> Result<
         eprintln!("\n[{}/{}] {}", number + 1, chosen.len(), study.command);
         if check { study.check(root) } else { study.run(root, Extent::Default) }.context(study.command)?;
     }
+    write_page(root, studies, check)
+}
+
+/// Writes the page over all from what the latest run of each study found.
+pub(crate) fn write_page(root: &Path, studies: &[Reproduction], check: bool) -> Result<()> {
+    let chosen: Vec<&Reproduction> = studies.iter().filter(|study| is_chapter(study)).collect();
+    let (claims, counts) = ensemble::over(root)?;
+    let over = Over { claims, counts };
     let read = |study| Ok(Chapter { study, handover: Handover::read(&root.join(study.out()))? });
     let chapters = chosen.into_iter().map(read).collect::<Result<Vec<_>>>()?;
     let mut listed: Vec<Listed<'_>> = chapters
@@ -56,12 +88,13 @@ pub(crate) fn run(root: &Path, studies: &[Reproduction], check: bool) -> Result<
         .flat_map(|chapter| chapter.handover.claims.iter().map(move |claim| Listed { claim, chapter }))
         .collect();
     listed.sort_by(|a, b| a.claim.place.cmp(&b.claim.place));
-    exemptions::check(listed.iter().map(|one| one.claim))?;
+    let places = listed.iter().map(|one| &one.claim.place).chain(over.claims.iter().map(|over| &over.place));
+    exemptions::check(places)?;
     let out = root.join(DIRECTORY);
     let picture = verdicts(&chapters);
-    let first = first_screen(&listed, &picture);
-    reproduction::save(&out, "index.html", &page(root, studies, &chapters, &listed, &first)?.html())?;
-    reproduction::save(&out, NAME, &markdown(&listed, &first.markdown(PICTURE)))?;
+    let first = first_screen(&listed, &over, &picture);
+    reproduction::save(&out, "index.html", &page(root, studies, &chapters, (&listed, &over), &first)?.html())?;
+    reproduction::save(&out, NAME, &markdown(&listed, &over, &first.markdown(PICTURE)))?;
     reproduction::save_kept_picture(&out, PICTURE, &picture)?;
     print(&listed);
     if check {
@@ -109,11 +142,15 @@ fn verdicts(chapters: &[Chapter<'_>]) -> Picture {
 }
 
 /// What the pages begin with: how many claims came out, the contributions with their numbers, and all verdicts at once.
-fn first_screen<'a>(listed: &[Listed<'_>], picture: &'a Picture) -> FirstScreen<'a> {
+fn first_screen<'a>(listed: &[Listed<'_>], over: &Over, picture: &'a Picture) -> FirstScreen<'a> {
     let contributions = listed.iter().filter(|one| matches!(one.claim.place, Place::Contribution(_)));
     let contributions = contributions.map(|one| claims::finding(one.claim));
     let head = Finding::new("The contributions that the dissertation names:");
-    FirstScreen { findings: vec![counts(listed), contributions.fold(head, Finding::detail)], picture }
+    let head_over = Finding::new(
+        "The same over an ensemble of plants that meet the published numbers, the one plant of the chapters being one of many:",
+    );
+    let over = over.counts.iter().map(|words| Finding::new(words.clone())).fold(head_over, Finding::detail);
+    FirstScreen { findings: vec![counts(listed), over, contributions.fold(head, Finding::detail)], picture }
 }
 
 /// Whether a study has claims of the dissertation.
@@ -121,9 +158,26 @@ fn is_chapter(study: &Reproduction) -> bool {
     study.has_claims
 }
 
-fn table(listed: &[Listed<'_>]) -> Table {
-    claims::table_with_commands(listed.iter().map(|one| (one.claim, one.chapter.study.command)))
+/// All claims of the chapters with what became of each over the ensemble, and those of the ensemble alone, by place.
+fn table(listed: &[Listed<'_>], over: &Over) -> Table {
+    let mut table = claims::table_with_commands(listed.iter().map(|one| (one.claim, one.chapter.study.command)));
+    table.columns.push(Column::new("Over the ensemble", ""));
+    let words = listed.iter().map(|one| over.of(one.claim).map_or("–".to_owned(), |over| over.words.clone()));
+    table.rows.iter_mut().zip(words).for_each(|(row, words)| row.push(words));
+    let mut rows: Vec<(Place, Vec<String>)> =
+        listed.iter().map(|one| one.claim.place.clone()).zip(std::mem::take(&mut table.rows)).collect();
+    rows.extend(over.alone(listed).map(|over| {
+        let [command, none] = [COMMAND_OF_ENSEMBLE, "–"].map(str::to_owned);
+        (over.place.clone(), vec![over.place.to_string(), over.says.clone(), none, command, over.words.clone()])
+    }));
+    rows.sort_by(|a, b| a.0.cmp(&b.0));
+    table.rows = rows.into_iter().map(|(_, row)| row).collect();
+    table
 }
+
+const COMMAND_OF_ENSEMBLE: &str = "`reproduce-all --ensemble`";
+/// How a page divides its width among the columns of [`table`], in per cent.
+const WIDTHS_PCT: [u32; 5] = [12, 33, 12, 16, 27];
 
 fn count_words<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
     let count = |verdict: Verdict| claims.clone().filter(|claim| claim.verdict == verdict).count();
@@ -167,7 +221,7 @@ fn page(
     root: &Path,
     studies: &[Reproduction],
     chapters: &[Chapter<'_>],
-    listed: &[Listed<'_>],
+    (listed, over): (&[Listed<'_>], &Over),
     first: &FirstScreen<'_>,
 ) -> Result<Page> {
     let mut page = Page::new("What of the dissertation comes out");
@@ -185,7 +239,7 @@ fn page(
     page.heading("The pages");
     page.links(&studies.iter().map(|study| link(root, study)).collect::<Vec<_>>());
     page.heading("Claim by claim");
-    page.prose_table(&table(listed), CLAIM_CAPTION, &claims::WIDTHS_WITH_COMMANDS_PCT);
+    page.prose_table(&table(listed, over), CLAIM_CAPTION, &WIDTHS_PCT);
     page.paragraph(claims::FOUND);
     page.list(&claims::found(listed.iter().map(|one| one.claim)));
     page.prose_table(&exemptions::table(), EXEMPT_CAPTION, &exemptions::WIDTHS_PCT);
@@ -214,12 +268,12 @@ fn pictures<'a>(listed: &[Listed<'a>]) -> Vec<(&'a Chapter<'a>, &'a String)> {
     pictures
 }
 
-fn markdown(listed: &[Listed<'_>], first: &str) -> String {
+fn markdown(listed: &[Listed<'_>], over: &Over, first: &str) -> String {
     format!(
         "# What of the dissertation comes out\n\n{first}\n\
          Written by `cargo xtask reproduce-all`; `cargo xtask ci` fails when this page is not what the command finds.\n\n\
-         {NOTE}\n\n{WORDS}\n\n{CLAIM_CAPTION}\n\n{}\n{}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
-        table(listed).markdown(),
+         {NOTE}\n\n{WORDS}\n\n{CLAIM_CAPTION} {OF_ENSEMBLE}\n\n{}\n{}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
+        table(listed, over).markdown(),
         claims::FOUND,
         markdown_list(&claims::found(listed.iter().map(|one| one.claim))),
         exemptions::table().markdown()

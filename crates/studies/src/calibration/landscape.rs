@@ -183,7 +183,7 @@ fn diagnostics(pairs: &[([f64; 2], f64, f64)], bounds: Bounds) -> Result<Diagnos
 }
 
 /// Ranks from 0, equal values with their mean rank.
-fn ranks(values: &[f64]) -> Vec<f64> {
+pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
     let mut ranks = vec![0.0; values.len()];
@@ -197,7 +197,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
 }
 
 /// Pearson's; 0 where one does not vary.
-pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let (ma, mb) = (mean(a), mean(b));
     let sum = |of: &dyn Fn(f64, f64) -> f64| a.iter().zip(b).map(|(x, y)| of(x - ma, y - mb)).sum::<f64>();

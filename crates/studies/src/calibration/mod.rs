@@ -19,6 +19,9 @@ use rayon::prelude::*;
 use crate::reproduction::progress;
 #[cfg(feature = "identification")]
 pub(crate) use candidate::Candidate;
+#[cfg(feature = "ensemble")]
+pub(crate) use landscape::{correlation, ranks};
+
 use candidate::{Flown, fly};
 use evidence::Aims;
 use file::Calibration;
@@ -56,6 +59,32 @@ pub(crate) fn write_page(root: &Path) -> Result<()> {
     let calibration = Calibration::read(root)?;
     let store = Store::read(&root.join(ENSEMBLE), calibration.keys())?;
     page::write(root, &calibration, &store)
+}
+
+/// A plant of the ensemble.
+#[cfg(feature = "ensemble")]
+#[derive(Debug, Clone)]
+pub(crate) struct Plant {
+    /// Of the start that it came of.
+    pub(crate) number: u64,
+    pub(crate) rig: water_channel::Rig,
+    /// Of Chapter 4 and of Chapter 7.
+    pub(crate) weights: [water_channel::CostWeights; 2],
+    /// Its numbers that were free, in their order.
+    pub(crate) values: Vec<f64>,
+}
+
+/// The plants that are kept, in their order, after the names of the numbers that were free.
+#[cfg(feature = "ensemble")]
+pub(crate) fn plants(root: &Path) -> Result<(Vec<String>, Vec<Plant>)> {
+    let calibration = Calibration::read(root)?;
+    let store = Store::read(&root.join(ENSEMBLE), calibration.keys())?;
+    let plants = store.members.iter().map(|member| {
+        let candidate = calibration.with(&member.values)?;
+        let values = member.values.clone();
+        Ok(Plant { number: member.start, rig: candidate.rig, weights: candidate.weights, values })
+    });
+    Ok((calibration.keys(), plants.collect::<Result<_>>()?))
 }
 
 /// That each plant that is kept still flies and meets its evidence, and that there are enough.

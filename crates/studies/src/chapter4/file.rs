@@ -125,6 +125,14 @@ impl Setup {
         Ok(setup)
     }
 
+    /// The same study on another plant, `coarser` times fewer simulations along each axis of a lattice.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn on(&self, bat: Bat, coarser: f64) -> Self {
+        let mut file = self.file.clone();
+        file.parameter.iter_mut().for_each(|parameter| parameter.table_step *= coarser);
+        Self { file, bat, problem: self.problem.clone() }
+    }
+
     /// The loop's settings in a variant.
     pub(crate) fn loop_settings(&self, variant: &Variant) -> gradient::Settings {
         let each = |f: fn(&LoopParameter) -> f64| self.file.parameter.iter().map(f).collect::<Vec<_>>();

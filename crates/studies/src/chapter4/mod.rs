@@ -13,6 +13,8 @@ mod run;
 mod seeds;
 mod tables;
 
-#[cfg(feature = "identification")]
+#[cfg(any(feature = "identification", feature = "ensemble"))]
 pub(crate) use file::Setup;
+#[cfg(feature = "ensemble")]
+pub(crate) use lattice::Lattice;
 pub(crate) use run::CHAPTER;

@@ -19,4 +19,6 @@ mod wrong;
 
 #[cfg(feature = "calibration")]
 pub(crate) use file::table_6;
+#[cfg(feature = "ensemble")]
+pub(crate) use file::{Case, Setup};
 pub(crate) use run::CHAPTER;

@@ -27,8 +27,8 @@ impl FlownGrid {
     }
 
     /// Costs that were not flown.
-    #[cfg(test)]
-    pub(super) fn of_costs(costs: Vec<Cost>) -> Self {
+    #[cfg(any(test, feature = "ensemble"))]
+    pub(crate) fn of_costs(costs: Vec<Cost>) -> Self {
         Self { costs: costs.into_iter().collect() }
     }
 

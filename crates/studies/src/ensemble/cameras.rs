@@ -1,0 +1,71 @@
+//! Designs of kept campaigns flown again: as cameras see them, and to see that this program still flies as it did.
+
+use std::time::Instant;
+
+use anyhow::{Context as _, Result, ensure};
+
+use super::file::Setup;
+use super::row::{Method, Row, Study, World};
+use super::site::Site;
+use super::store::{Done, Found};
+use crate::calibration::Plant;
+
+/// The seed whose last design is flown.
+const SEED: u64 = 1;
+
+/// The kept rows of a plant in moving water: the optimum of the model, and where the loop ended.
+fn before_and_after(done: &[Done], study: Study, plant: u64) -> Vec<&Row> {
+    let rows = || {
+        let mine = done.iter().filter(move |done| done.unit == (study.name().to_owned(), plant));
+        mine.flat_map(|done| &done.found.rows).filter(|row| row.world == World::Moving)
+    };
+    let before = rows().find(|row| row.method == Method::Numerical);
+    let path = rows().filter(|row| row.method == Method::Dissertation && row.seed == SEED);
+    before.into_iter().chain(path.max_by_key(|row| row.step)).collect()
+}
+
+/// The designs of Figures 24 and 26 to 28 seen by cameras.
+pub(super) fn run(setup: &Setup, done: &[Done], plant: &Plant) -> Result<(Found, usize)> {
+    let start = Instant::now();
+    let mut found = Found::default();
+    let mut n_flights = 0;
+    for (study, case) in [Study::Two, Study::Four].into_iter().zip(&setup.chapter7.cases) {
+        let kept = before_and_after(done, study, plant.number);
+        let site = Site::new(setup, &case.bat, plant, plant.weights[1], World::Cameras)?;
+        let points: Vec<Vec<f64>> = kept.iter().map(|row| row.point.clone()).collect();
+        for (row, readings) in kept.into_iter().zip(site.observe(&points)) {
+            found.rows.push(Row { world: World::Cameras, readings, ..row.clone() });
+        }
+        n_flights += site.n_flights();
+    }
+    found.seconds = start.elapsed().as_secs_f64();
+    Ok((found, n_flights))
+}
+
+/// How many plants are flown again by a check.
+const CHECKED: usize = 2;
+
+/// That the center of the box still shows what was kept of it, in both worlds, on some plants.
+pub(super) fn fly_again(setup: &Setup, done: &[Done]) -> Result<()> {
+    let case = setup.chapter7.cases.first().context("chapter7.toml has no case")?;
+    for plant in setup.plants.iter().take(CHECKED) {
+        for world in World::OF_CAMPAIGNS {
+            let site = Site::new(setup, &case.bat, plant, plant.weights[1], world)?;
+            let mine = done.iter().filter(|done| done.unit == (Study::Two.name().to_owned(), plant.number));
+            let kept =
+                mine.flat_map(|done| &done.found.rows).find(|row| row.world == world && row.method == Method::Center);
+            let kept = kept.with_context(|| format!("plant {}: its center was not kept", plant.number))?;
+            let readings = site.observe(&[case.space.region().center()]);
+            let again = Row { readings: *readings.first().context("one design")?, ..kept.clone() };
+            ensure!(
+                again.cells() == kept.cells(),
+                "plant {} in {} water flies otherwise than when it was kept: {} s, {} s then",
+                plant.number,
+                world.name(),
+                again.cost(),
+                kept.cost()
+            );
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,285 @@
+//! The file of the ensemble, checked.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result, ensure};
+use bat_dynamics::OPTIONAL_FIELDS;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
+use water_channel::{ProfileFile, Rig, Sensing, SensingFile, TestProfile};
+
+use crate::costs::key::Key;
+use crate::study_file::{self, check_seeds};
+use crate::{calibration, chapter4, chapter7};
+
+const FOLDER: &str = "fixtures/bat";
+const FILE: &str = "ensemble.toml";
+/// What all rows follow from, beside this program.
+const TEXTS: [&str; 11] = [
+    FILE,
+    "calibration.toml",
+    "ensemble/members.csv",
+    "rig.toml",
+    "test-profile.toml",
+    "cost-chapter4.toml",
+    "cost-chapter7.toml",
+    "chapter4.toml",
+    "chapter7.toml",
+    "moving-water.toml",
+    "sensing.toml",
+];
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StudyFile {
+    title: String,
+    files: FilesEntry,
+    campaigns: Campaigns,
+    hull: HullEntry,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FilesEntry {
+    chapter4: String,
+    chapter7: String,
+    water: String,
+    sensing: String,
+}
+
+/// How many of everything.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Campaigns {
+    pub(super) seeds: u64,
+    pub(super) seeds_of_four: u64,
+    pub(super) plants_of_four: usize,
+    pub(super) truth_seeds: u64,
+    pub(super) random_designs: u64,
+    pub(super) coarser: f64,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HullEntry {
+    seed: u64,
+    asymmetry: Vec<AsymmetryEntry>,
+    given: Vec<GivenEntry>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AsymmetryEntry {
+    key: String,
+    largest: f64,
+    unit: String,
+    source: String,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GivenEntry {
+    key: String,
+    value: f64,
+    unit: String,
+    source: String,
+}
+
+/// The study ready to run.
+#[derive(Debug)]
+pub(super) struct Setup {
+    pub(super) title: String,
+    pub(super) campaigns: Campaigns,
+    /// Names of the numbers that were free in the plants.
+    pub(super) keys: Vec<String>,
+    pub(super) plants: Vec<calibration::Plant>,
+    pub(super) chapter4: chapter4::Setup,
+    pub(super) chapter7: chapter7::Setup,
+    pub(super) still: TestProfile,
+    /// The same test in water that moves, for its first seed.
+    moving: ProfileFile,
+    pub(super) sensing: Sensing,
+    hull: HullEntry,
+    /// Names all that rows follow from.
+    pub(super) key: String,
+}
+
+impl Setup {
+    pub(super) fn read(root: &Path) -> Result<Self> {
+        let folder = root.join(FOLDER);
+        let (keys, plants) = calibration::plants(root)?;
+        let mut key = Key::default();
+        for name in TEXTS {
+            let path = folder.join(name);
+            let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+            key = key.with(without_comments(&text));
+        }
+        let of = |file: StudyFile, folder: &Path| Self::of(file, folder, keys, plants, key.name());
+        study_file::read(&folder.join(FILE), of)
+    }
+
+    fn of(
+        file: StudyFile,
+        folder: &Path,
+        keys: Vec<String>,
+        plants: Vec<calibration::Plant>,
+        key: String,
+    ) -> Result<Self> {
+        file.campaigns.check()?;
+        file.hull.check()?;
+        let profile_text = std::fs::read_to_string(folder.join("test-profile.toml")).context("test-profile.toml")?;
+        let water = &file.files.water;
+        let water_text = std::fs::read_to_string(folder.join(water)).with_context(|| water.clone())?;
+        let tables = water_text.find("[water]").with_context(|| format!("{water}: it has no [water]"))?;
+        let moving = ProfileFile::parse(&format!("{profile_text}\n{}", &water_text[tables..]));
+        Ok(Self {
+            title: file.title,
+            campaigns: file.campaigns,
+            keys,
+            plants,
+            chapter4: chapter4::Setup::read(&folder.join(&file.files.chapter4))?,
+            chapter7: chapter7::Setup::read(&folder.join(&file.files.chapter7))?,
+            still: ProfileFile::parse(&profile_text).context("test-profile.toml")?.profile,
+            moving: moving.with_context(|| water.clone())?,
+            sensing: SensingFile::read(folder.join(&file.files.sensing))?.sensing,
+            hull: file.hull,
+            key,
+        })
+    }
+
+    /// The test in moving water.
+    pub(super) fn moving(&self) -> &TestProfile {
+        &self.moving.profile
+    }
+
+    /// The rig of a plant with sides that differ, drawn by its number.
+    pub(super) fn lopsided(&self, plant: &calibration::Plant) -> Rig {
+        let mut rig = plant.rig.clone();
+        let mut rng = ChaCha8Rng::seed_from_u64(self.hull.seed);
+        rng.set_stream(plant.number);
+        for entry in &self.hull.asymmetry {
+            let share = 2.0 * rng.random::<f64>() - 1.0;
+            set(&mut rig, &entry.key, share * entry.largest);
+        }
+        for entry in &self.hull.given {
+            set(&mut rig, &entry.key, entry.value);
+        }
+        rig
+    }
+
+    /// What was estimated of the moving world, number by number: key, value with unit, source.
+    pub(super) fn estimates(&self) -> Vec<[String; 3]> {
+        let water = self.moving.records.iter().filter(|record| record.key.starts_with("water"));
+        let water = water.map(|record| {
+            let value = format!("{} {}", record.value, record.unit);
+            let provenance = format!("{:?}", record.provenance).to_lowercase();
+            [record.key.clone(), value, format!("{provenance}: {}", record.source)]
+        });
+        let drawn = self.hull.asymmetry.iter().map(|entry| {
+            let value = format!("up to ±{} {}", entry.largest, entry.unit);
+            [entry.key.clone(), value, entry.source.clone()]
+        });
+        let given = self.hull.given.iter();
+        let given =
+            given.map(|entry| [entry.key.clone(), format!("{} {}", entry.value, entry.unit), entry.source.clone()]);
+        water.chain(drawn).chain(given).collect()
+    }
+}
+
+/// What rows follow from in a text: neither comments nor how many plants there are.
+fn without_comments(text: &str) -> String {
+    let counts = |line: &&str| !["#", "plants_of_four"].iter().any(|start| line.trim_start().starts_with(start));
+    text.lines().filter(counts).collect::<Vec<_>>().join("\n")
+}
+
+fn set(rig: &mut Rig, key: &str, value: f64) {
+    for field in OPTIONAL_FIELDS.iter().filter(|field| field.section == "asymmetry" && field.name == key) {
+        (field.set)(&mut rig.plant, value);
+    }
+}
+
+impl Campaigns {
+    fn check(&self) -> Result<()> {
+        check_seeds("campaigns.seeds", self.seeds)?;
+        check_seeds("campaigns.seeds_of_four", self.seeds_of_four)?;
+        check_seeds("campaigns.truth_seeds", self.truth_seeds)?;
+        ensure!(
+            (2..=1024).contains(&self.random_designs),
+            "campaigns.random_designs = {}: it must be from 2 to 1024",
+            self.random_designs
+        );
+        ensure!(
+            self.coarser.is_finite() && self.coarser >= 1.0,
+            "campaigns.coarser = {}: it must be 1 or more",
+            self.coarser
+        );
+        Ok(())
+    }
+}
+
+impl HullEntry {
+    fn check(&self) -> Result<()> {
+        let drawn = self.asymmetry.iter().map(|entry| (&entry.key, entry.largest, &entry.unit, &entry.source));
+        let given = self.given.iter().map(|entry| (&entry.key, entry.value, &entry.unit, &entry.source));
+        for (key, value, unit, source) in drawn.chain(given) {
+            let field = OPTIONAL_FIELDS.iter().find(|field| field.section == "asymmetry" && field.name == key);
+            let field = field.with_context(|| {
+                let known: Vec<&str> = OPTIONAL_FIELDS.iter().map(|field| field.name).collect();
+                format!("hull: no asymmetry `{key}`: it must be one of {}", known.join(", "))
+            })?;
+            ensure!(unit == field.unit, "hull: `{key}` has the unit `{unit}`: it must be `{}`", field.unit);
+            ensure!(value.is_finite() && value >= 0.0, "hull: `{key}` is {value}: it must be finite and not negative");
+            ensure!(!source.trim().is_empty(), "hull: `{key}` has no source: every number must have one");
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(file: StudyFile, folder: &Path) -> Result<Setup> {
+        Setup::of(file, folder, Vec::new(), Vec::new(), String::new())
+    }
+
+    fn refuses(from: &str, to: &str, words: &[&str]) {
+        study_file::assert_refused(FILE, of, [from, to], words);
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        refuses("seeds = 5", "seed = 5", &["unknown field `seed`"]);
+        refuses("seeds = 5", "seeds = 0", &["campaigns.seeds = 0", "1 to 1000"]);
+        refuses("random_designs = 64", "random_designs = 1", &["random_designs = 1", "from 2"]);
+        refuses("coarser = 2.0", "coarser = 0.5", &["coarser = 0.5", "1 or more"]);
+        refuses("key = \"line_port\"", "key = \"line_left\"", &["no asymmetry `line_left`", "line_port"]);
+        refuses("unit = \"1/rad\"", "unit = \"1/deg\"", &["lift_slope_difference", "1/deg", "1/rad"]);
+        refuses("largest = 0.3", "largest = -0.3", &["lift_slope_difference", "-0.3", "not negative"]);
+        refuses("water = \"moving-water.toml\"", "water = \"rig.toml\"", &["rig.toml", "no [water]"]);
+    }
+
+    #[test]
+    fn what_rows_follow_from_has_neither_comments_nor_counts() {
+        let text = "# why\nseeds = 5\n  # more\nplants_of_four = 20\ncoarser = 2.0";
+        assert_eq!(without_comments(text), "seeds = 5\ncoarser = 2.0");
+    }
+
+    /// Sides differ by what the number of a plant draws, within the ranges; the plant itself stays as it is.
+    #[test]
+    fn hulls_are_drawn_by_the_number_of_the_plant() -> Result<()> {
+        let setup = Setup::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))?;
+        let hulls: Vec<_> = setup.plants.iter().map(|plant| setup.lopsided(plant).plant.asymmetry).collect();
+        assert!(
+            hulls
+                .iter()
+                .all(|hull| hull.center_of_mass_y_m.abs() <= 0.0005 && (hull.offset_lateral_m - 0.05).abs() < 1e-12)
+        );
+        assert!(hulls.windows(2).all(|pair| pair[0].line_port_m.to_bits() != pair[1].line_port_m.to_bits()));
+        assert!(hulls.iter().any(|hull| hull.line_port_m < 0.0) && hulls.iter().any(|hull| hull.line_port_m > 0.0));
+        assert_eq!(hulls[3], setup.lopsided(&setup.plants[3]).plant.asymmetry);
+        assert_eq!(setup.lopsided(&setup.plants[3]).plant.body, setup.plants[3].rig.plant.body);
+        Ok(())
+    }
+}

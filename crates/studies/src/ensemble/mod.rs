@@ -1,0 +1,151 @@
+//! `cargo xtask reproduce-all --ensemble`: the claims of Chapters 4 and 7 on every plant that the published numbers allow.
+//!
+//! The one plant of the other studies is one that was fitted, in still water, with equal sides and a state that is known: on it most
+//! claims can neither hold nor fail. Here campaigns are run on all plants of `fixtures/bat/ensemble`, each in two worlds ([`row`]),
+//! by the loops of the dissertation and by those who know less, with equal numbers of experiments ([`loops`]).
+//!
+//! A unit of work is a study on a plant in both worlds ([`mod@unit`]). What it finds are rows, one for each design that somebody chose, with
+//! what that design truly shows in its flights ([`site`]), and facts about the plant ([`facts`]). They are appended to the tables of
+//! `fixtures/bat/ensemble` when the unit is done ([`store`]); nothing else remembers anything, so that a run that is killed goes on.
+//!
+//! All that is written on the page follows from these tables: claims are judged from them ([`judge`]), and `--check` says whether the
+//! page is what they say.
+
+mod cameras;
+mod claims;
+mod decides;
+mod facts;
+mod figures;
+mod file;
+mod judge;
+mod kept;
+mod loops;
+mod page;
+mod row;
+mod site;
+mod store;
+mod tables;
+mod unit;
+
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+
+use crate::calibration::Plant;
+use crate::claims::Place;
+use crate::gridded::Designs;
+use crate::reproduction::{DESIGNS, progress};
+use file::Setup;
+use row::{Study, Unit};
+use store::{Found, Store};
+
+const FOLDER: &str = "fixtures/bat/ensemble";
+
+/// Runs what is missing, and writes the page.
+pub(crate) fn run(root: &Path) -> Result<()> {
+    let setup = Setup::read(root)?;
+    let mut store = open(root, &setup)?;
+    if store.mend()? {
+        eprintln!("{FOLDER}: what an interrupted run had left of a unit was dropped");
+    }
+    let designs = Designs::keep_in(&root.join(DESIGNS))?;
+    let works = works(&setup);
+    let bar = progress("claims over the ensemble: studies of a plant", works.len());
+    for work in works {
+        let unit = work.unit();
+        if !store.has(&unit) {
+            let (found, n_flights) = work.run(&setup, &store, &designs)?;
+            store.add(unit, found, n_flights)?;
+        }
+        bar.inc(1);
+    }
+    bar.finish();
+    page::write(root, &setup, &store)
+}
+
+/// One unit of work.
+enum Work<'a> {
+    Study(Study, &'a Plant),
+    /// The designs of a plant seen by cameras.
+    Cameras(&'a Plant),
+    /// Designs of experiments, which know no plant.
+    Designs,
+}
+
+/// All of them, in the order in which they are done: studies of four parameters last, which take longest.
+fn works(setup: &Setup) -> Vec<Work<'_>> {
+    let of_four = setup.campaigns.plants_of_four.min(setup.plants.len());
+    let plants = |study: Study| if study == Study::Four { &setup.plants[..of_four] } else { &setup.plants[..] };
+    let studies =
+        Study::ALL.into_iter().flat_map(|study| plants(study).iter().map(move |plant| Work::Study(study, plant)));
+    let mut works: Vec<Work<'_>> = studies.collect();
+    works.push(Work::Designs);
+    works.extend(plants(Study::Four).iter().map(Work::Cameras));
+    works
+}
+
+impl Work<'_> {
+    fn unit(&self) -> Unit {
+        match self {
+            Self::Study(study, plant) => (study.name().to_owned(), plant.number),
+            Self::Cameras(plant) => ("cameras".to_owned(), plant.number),
+            Self::Designs => ("designs".to_owned(), 0),
+        }
+    }
+
+    fn run(&self, setup: &Setup, store: &Store, designs: &Designs) -> Result<(Found, usize)> {
+        match self {
+            Self::Study(study, plant) => unit::run(setup, *study, plant, designs),
+            Self::Cameras(plant) => cameras::run(setup, &store.done, plant),
+            Self::Designs => Ok((Found { facts: facts::designs(setup)?, ..Found::default() }, 0)),
+        }
+    }
+}
+
+fn open(root: &Path, setup: &Setup) -> Result<Store> {
+    Store::read(&root.join(FOLDER), &setup.key)
+}
+
+/// What became of a claim over the ensemble, for the page over all chapters.
+pub(crate) struct OverEnsemble {
+    pub(crate) place: Place,
+    pub(crate) says: String,
+    pub(crate) words: String,
+}
+
+/// All claims that were judged, and how many became what in each world, from what is kept.
+pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
+    let setup = Setup::read(root)?;
+    let store = open(root, &setup)?;
+    let cases = kept::cases(&store.done);
+    let all = page::judged(&setup, &cases);
+    let counts = page::counts(&all);
+    let claims = all.into_iter().map(|both| OverEnsemble {
+        words: both.words(),
+        place: both.claim.place,
+        says: both.claim.says.to_owned(),
+    });
+    Ok((claims.collect(), counts))
+}
+
+/// Writes the page from what is kept, and runs nothing.
+pub(crate) fn write_page(root: &Path) -> Result<()> {
+    let setup = Setup::read(root)?;
+    let store = open(root, &setup)?;
+    page::write(root, &setup, &store)
+}
+
+/// That the page follows from what is kept, and that a plant flies as it did when that was kept.
+pub(crate) fn check(root: &Path) -> Result<()> {
+    let setup = Setup::read(root)?;
+    let store = open(root, &setup)?;
+    for work in works(&setup) {
+        ensure!(
+            store.has(&work.unit()),
+            "{FOLDER}: nothing of {:?}: run `cargo xtask reproduce-all --ensemble`",
+            work.unit()
+        );
+    }
+    cameras::fly_again(&setup, &store.done)?;
+    page::check(root, &setup, &store)
+}

@@ -1,0 +1,256 @@
+//! `docs/results-ensemble.md`, from what is kept and from nothing else.
+
+use std::path::Path;
+
+use anyhow::Result;
+use page::quantile;
+
+use super::claims;
+use super::decides::{self, Decided, Property};
+use super::figures;
+use super::file::Setup;
+use super::judge::{BY_CHANCE, FEW, MOST, Verdict, judge};
+use super::kept::{Case, cases};
+use super::row::{Method, Reading, Study, World};
+use super::store::Store;
+use super::tables::{self, Both};
+use crate::kept;
+
+const PAGE: &str = "docs/results-ensemble.md";
+const VERDICTS: &str = "docs/results-ensemble.svg";
+const REGRET: &str = "docs/results-ensemble-regret.svg";
+
+pub(super) fn write(root: &Path, setup: &Setup, store: &Store) -> Result<()> {
+    kept::write(root, &texts(setup, store))
+}
+
+/// That the committed page follows from what is kept.
+pub(super) fn check(root: &Path, setup: &Setup, store: &Store) -> Result<()> {
+    let remedy = "does not follow from the campaigns kept: run `cargo xtask reproduce-all --ensemble --page`";
+    kept::check(root, &texts(setup, store), remedy)
+}
+
+/// What became of every claim.
+pub(super) fn judged(setup: &Setup, cases: &[Case<'_>]) -> Vec<Both> {
+    let both = |claim| {
+        let judged = World::OF_CAMPAIGNS.map(|world| judge(&claim, world, cases));
+        Both { claim, judged }
+    };
+    claims::all(setup).into_iter().map(both).collect()
+}
+
+fn texts(setup: &Setup, store: &Store) -> [(&'static str, String); 3] {
+    let cases = cases(&store.done);
+    let all = judged(setup, &cases);
+    let batches = |study: Study| batches(setup, study);
+    let regret = figures::regret(&cases, &batches);
+    [
+        (PAGE, markdown(setup, store, &cases, &all)),
+        (VERDICTS, format!("{}\n", figures::verdicts(&all))),
+        (REGRET, format!("{regret}\n")),
+    ]
+}
+
+/// Experiments of a batch, and batches.
+fn batches(setup: &Setup, study: Study) -> [usize; 2] {
+    let of_case = |k: usize| {
+        setup.chapter7.cases.get(k).map_or([0, 0], |case| [case.entry.batch.experiments, case.entry.iterations])
+    };
+    match study {
+        Study::Chapter4 => {
+            let settings = setup.chapter4.loop_settings(&setup.chapter4.file.variant[0]);
+            [2 * settings.experiment_steps.len() + 1, settings.max_iterations]
+        }
+        Study::Two => of_case(0),
+        Study::Four => of_case(1),
+    }
+}
+
+const HOW: &str = "Written by `cargo xtask reproduce-all --ensemble` from what is kept in `fixtures/bat/ensemble`: a row for each design that \
+    somebody chose, with what it truly shows. A run that is killed goes on where it was, `--page` writes this page alone, and `--check`, a \
+    part of `cargo xtask ci`, holds it against what is kept and runs a little of it again.";
+
+const WORLDS: &str = "**Still water**: the stand-in as it was calibrated, its state known, and bounded noise added to the cost as the files of \
+    the chapters say. **Moving water**: turbulence, vortex shedding and a hull whose sides differ, drawn plant by plant; an experiment is one \
+    flight, and no noise is added. What a design truly costs there is the mean over a few flights whose seeds are the same for all designs. \
+    The numerical model knows nothing of either: it stays still and symmetric. Nothing was fitted in moving water.";
+
+fn rule(n_random: u64) -> String {
+    format!(
+        "One rule for all. **In kind**: it holds in at least {:.0} % of the campaigns; **in part**: in at least {:.0} %; **not**: in fewer. \
+         **Not discriminating**: a design that nobody chose would meet it too, in more than {:.0} % of the cases ({n_random} Sobol points, mean over \
+         plants); it does not count. **Partly calibrated**: both ends were fitted in still water; it does not count either. A plant is counted \
+         where more than half of its campaigns are. Significantly, greatly, much: at most half of what was there before. A statement about \
+         a plant counts each plant once, and no design can meet it by chance, nor one about the steps of a campaign.",
+        100.0 * MOST,
+        100.0 * FEW,
+        100.0 * BY_CHANCE
+    )
+}
+
+fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> String {
+    let mut text = format!("# {}\n\n", setup.title);
+    for finding in findings(setup, store, cases, all) {
+        text += &format!("- {finding}\n");
+    }
+    text += "\n![What became of the claims](results-ensemble.svg)\n\nA box for each claim; gray ones do not count.\n\n";
+    text += &format!("{HOW}\n\n{WORLDS}\n\n{}\n\n", rule(setup.campaigns.random_designs));
+    text += "## Claim by claim\n\n";
+    text += &tables::claims(all).markdown();
+    text += "\n## Who chooses how well\n\nWith equal numbers of experiments, except for those who make none. Medians over plants and seeds with \
+             quartiles; the best design known is the cheapest that any of them, or a search in still water, came upon.\n\n";
+    text += &tables::baselines(cases).markdown();
+    text += "\n![Cost above the best known against experiments](results-ensemble-regret.svg)\n\nMedians over all plants and seeds, and \
+             quartiles; what is less than 0.1 % is drawn there. At 0 experiments: the optimum of the numerical model. In Chapter 4 the loop's design of an \
+             iteration is the one around which its experiments are made, so that the first is the same.\n\n";
+    text += "## What designs show\n\nMedians over plants and seeds with quartiles.\n\n";
+    text += &tables::flights(cases).markdown();
+    text += "\n## What is left of the space\n\nAfter each iteration of the dissertation's loop, median over plants and seeds with quartiles.\n\n";
+    let published = |study: Study, step: usize| {
+        let case = setup.chapter7.cases.get(usize::from(study == Study::Four))?;
+        Some(case.published.get(step)?.share)
+    };
+    text += &tables::spaces(cases, &published).markdown();
+    text += &format!(
+        "\n## Noise that has a cause\n\nIn moving water the same design costs something else in every flight: over {} flights of each \
+         random design. In still water the files add at most {:.0} % of the cost (Chapter 4) and {:.0} % of its range (Chapter 7).\n\n",
+        setup.campaigns.truth_seeds,
+        100.0 * setup.chapter4.file.noise.share,
+        100.0 * setup.chapter7.file.noise.share
+    );
+    text += &tables::noise(cases).markdown();
+    text += "\n## Seen by cameras\n\nWith cameras a flight takes several times as long, so that in campaigns the state is known. Here the model's optimum and one last design of \
+             each plant are flown again with the three cameras of `sensing.toml`, whose dots may leave the view: then the pose is held. Medians \
+             over plants.\n\n";
+    text += &tables::cameras(cases).markdown();
+    text += &decided(setup, cases, all);
+    text += "\n## What was estimated\n\nOf the moving world the dissertation says nothing.\n\n";
+    text += &tables::estimates(&setup.estimates()).markdown();
+    text
+}
+
+/// The section on what goes with claims that hold in some plants only.
+fn decided(setup: &Setup, cases: &[Case<'_>], all: &[Both]) -> String {
+    let mut entries: Vec<(&Both, usize, Vec<Property>)> = Vec::new();
+    for both in all {
+        for (k, world) in World::OF_CAMPAIGNS.into_iter().enumerate() {
+            if both.judged[k].verdict != Verdict::NotJudged {
+                entries.push((both, k, decides::properties(setup, cases, both.claim.study, world)));
+            }
+        }
+    }
+    let judged: Vec<_> =
+        entries.iter().map(|(both, k, properties)| (&both.judged[*k], properties.as_slice())).collect();
+    let found = decides::decide(setup, &judged);
+    let looked = found.iter().flatten().count();
+    let n_properties = entries.first().map_or(0, |(.., properties)| properties.len());
+    let decided: Vec<(&Both, usize, Decided)> =
+        entries.iter().zip(found).filter_map(|((both, k, _), found)| Some((*both, *k, found?))).collect();
+    let count = |p: fn(&Decided) -> f64| decided.iter().filter(|(.., one)| p(one) <= tables::SIGNIFICANT).count();
+    let [own, of_all] = [count(|one| one.p), count(|one| one.p_of_all)];
+    let mut text = format!(
+        "\n## What decides\n\n{looked} claims, still and moving water counted apart, hold in at least three plants and fail in at least three. For \
+         each, the property of the plants that goes with it most closely by rank correlation, out of {n_properties}: the numbers that were free \
+         in the calibration, and what the model is worth. p is the share of {} random orders of the plants that give a correlation as large with \
+         any property of the same claim; then the share of orders in which any of these claims has a p as small. {own} reach {} for their own properties, {} would by chance; {of_all} for all \
+         claims.",
+        decides::N_ORDERS,
+        tables::SIGNIFICANT,
+        crate::words::number(tables::SIGNIFICANT * looked as f64, 1),
+    );
+    if own == 0 {
+        text += " Nothing stands out.\n";
+    } else {
+        text += "\n\n";
+        text += &tables::decides(&decided).markdown();
+    }
+    text
+}
+
+/// How many claims became what, world by world.
+pub(super) fn counts(all: &[Both]) -> Vec<String> {
+    (0..World::OF_CAMPAIGNS.len()).map(|k| count_words(all, k)).collect()
+}
+
+fn count_words(all: &[Both], k: usize) -> String {
+    let of = |verdict: Verdict| all.iter().filter(|both| both.judged[k].verdict == verdict).count();
+    let judged = all.iter().filter(|both| both.judged[k].verdict != Verdict::NotJudged).count();
+    format!(
+        "In {} water, of {judged} claims {} hold in kind, {} in part, {} do not; {} do not discriminate and {} were partly calibrated, which \
+         do not count.",
+        World::OF_CAMPAIGNS[k].name(),
+        of(Verdict::InKind),
+        of(Verdict::InPart),
+        of(Verdict::Not),
+        of(Verdict::NotDiscriminating),
+        of(Verdict::PartlyCalibrated)
+    )
+}
+
+fn listed(all: &[Both], k: usize, verdict: Verdict) -> String {
+    let mine = all.iter().filter(|both| both.judged[k].verdict == verdict);
+    mine.map(|both| format!("{} ({})", both.claim.says, both.claim.place)).collect::<Vec<_>>().join("; ")
+}
+
+/// The first screen.
+fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> Vec<String> {
+    let mut findings = counts(all);
+    let in_kind = listed(all, 1, Verdict::InKind);
+    if !in_kind.is_empty() {
+        findings.push(format!("In kind in moving water: {in_kind}."));
+    }
+    findings.extend(World::OF_CAMPAIGNS.map(|world| regrets(cases, world)));
+    findings.push(noise_words(cases));
+    let flights: f64 = cases.iter().filter_map(|case| case.fact(super::store::LAST)).sum();
+    let seconds: f64 = store.done.iter().map(|done| done.found.seconds).sum();
+    let plants = |study: Study| cases.iter().filter(|case| case.study == study && case.world == World::Still).count();
+    let words = Study::ALL.map(|study| format!("{} ({})", plants(study), study.words()));
+    findings.push(format!(
+        "{} plants, {} seeds ({} with four parameters), two worlds: {flights:.0} flights in {:.0} minutes. Plants by study: {}. No experiment was \
+         made in water.",
+        setup.plants.len(),
+        setup.campaigns.seeds,
+        setup.campaigns.seeds_of_four,
+        seconds / 60.0,
+        words.join(", ")
+    ));
+    findings
+}
+
+fn noise_words(cases: &[Case<'_>]) -> String {
+    let random = cases.iter().filter(|case| case.world == World::Moving).flat_map(|case| case.ends(Method::Random));
+    let shares: Vec<f64> =
+        random.map(|row| row.of(Reading::CostSd) / row.cost()).filter(|share| share.is_finite()).collect();
+    let median = quantile(&shares, 0.5).unwrap_or(f64::NAN);
+    format!(
+        "In moving water one flight differs from the next of the same design by {:.1} % of the cost (standard deviation, median over plants and \
+         random designs).",
+        100.0 * median
+    )
+}
+
+fn regrets(cases: &[Case<'_>], world: World) -> String {
+    let median = |study: Study, method: Method| {
+        let mine = cases.iter().filter(|case| case.study == study && case.world == world);
+        let regrets: Vec<f64> =
+            mine.flat_map(|case| case.ends(method).into_iter().map(|row| case.regret(row))).collect();
+        quantile(&regrets, 0.5)
+    };
+    let has = |study: &Study| median(*study, Method::Numerical).is_some();
+    let each = |method: Method| {
+        let all = Study::ALL.into_iter().filter(has).filter_map(|study| median(study, method));
+        all.map(|regret| format!("{:.1}", 100.0 * regret)).collect::<Vec<_>>().join(", ")
+    };
+    let studies = Study::ALL.into_iter().filter(has).map(Study::words).collect::<Vec<_>>().join("; ");
+    format!(
+        "Cost above the best design known in {} water, median in % ({studies}): dissertation's loop {}; pooled loop {}; Sobol points and a Gaussian \
+         process {}; optimum of the model {}; center of the box {}; random design {}.",
+        world.name(),
+        each(Method::Dissertation),
+        each(Method::Pooled),
+        each(Method::Process),
+        each(Method::Numerical),
+        each(Method::Center),
+        each(Method::Random)
+    )
+}

@@ -1,0 +1,314 @@
+//! The tables of the page.
+
+use page::{Column, Summary, Table};
+
+use super::claims::Claim;
+use super::decides::Decided;
+use super::judge::{Judged, Verdict};
+use super::kept::Case;
+use super::row::{Method, Reading, Study, World};
+use crate::words::number;
+
+/// A claim with what became of it in still and in moving water.
+pub(super) struct Both {
+    pub(super) claim: Claim,
+    pub(super) judged: [Judged; 2],
+}
+
+impl Both {
+    /// In one cell.
+    pub(super) fn words(&self) -> String {
+        let each = World::OF_CAMPAIGNS
+            .into_iter()
+            .zip(&self.judged)
+            .filter(|(_, judged)| judged.verdict != Verdict::NotJudged);
+        let each = each.map(|(world, judged)| format!("{}: {}, {}", world.name(), judged.verdict, judged.words()));
+        let words = each.collect::<Vec<_>>().join("; ");
+        if words.is_empty() { "–".to_owned() } else { words }
+    }
+}
+
+fn per_cent(share: f64) -> String {
+    if share.is_finite() { format!("{:.0} %", 100.0 * share) } else { "–".to_owned() }
+}
+
+/// What became of the claims.
+pub(super) fn claims(all: &[Both]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Where", ""),
+        Column::new("The dissertation says", ""),
+        Column::new("Here it holds where", ""),
+        Column::new("Still water", ""),
+        Column::new("Moving water", ""),
+    ]);
+    for Both { claim, judged } in all {
+        let mut row = vec![claim.place.to_string(), claim.says.to_owned(), claim.rule.to_owned()];
+        row.extend(judged.iter().map(|judged| {
+            let chance = judged.by_chance.map_or(String::new(), |chance| format!("; by chance {}", per_cent(chance)));
+            let words = judged.words();
+            if words == "–" { words } else { format!("**{}**: {words}{chance}", judged.verdict) }
+        }));
+        table.push(row);
+    }
+    table
+}
+
+const WAYS: [(Method, &str); 7] = [
+    (Method::Dissertation, "dissertation's loop"),
+    (Method::Pooled, "pooled loop"),
+    (Method::Process, "Sobol points, Gaussian process"),
+    (Method::Alone, "its experiments, regression without simulation"),
+    (Method::Numerical, "optimum of the model, no experiment"),
+    (Method::Center, "center of the box, no experiment"),
+    (Method::Random, "random design"),
+];
+
+fn cases_of<'a, 'b>(cases: &'b [Case<'a>], study: Study, world: World) -> impl Iterator<Item = &'b Case<'a>> {
+    cases.iter().filter(move |case| case.study == study && case.world == world)
+}
+
+/// Median with quartiles, in per cent.
+fn quartiles(values: &[f64]) -> String {
+    let at = |share: f64| page::quantile(values, share).unwrap_or(f64::NAN);
+    let words = |value: f64| if value.is_finite() { number(100.0 * value, 1) } else { "∞".to_owned() };
+    format!("{} ({} to {})", words(at(0.5)), words(at(0.25)), words(at(0.75)))
+}
+
+/// Who ends how far above the best design known.
+pub(super) fn baselines(cases: &[Case<'_>]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Study", ""),
+        Column::new("Water", ""),
+        Column::new("Way", ""),
+        Column::new("Designs", "1"),
+        Column::new("Cost above the best known", "%"),
+        Column::new("Random designs that are better", "%"),
+        Column::new("Worse than the center", "%"),
+    ]);
+    for (study, world) in Study::ALL.into_iter().flat_map(|study| World::OF_CAMPAIGNS.map(|world| (study, world))) {
+        for (method, words) in WAYS {
+            let (mut regrets, mut better, mut worse) = (Vec::new(), Vec::new(), 0);
+            for case in cases_of(cases, study, world) {
+                let center = case.center().map_or(f64::NAN, |row| row.cost());
+                for end in case.ends(method) {
+                    regrets.push(case.regret(end));
+                    better.push(case.random_better(end));
+                    worse += usize::from(end.cost() > center || end.cost().is_nan());
+                }
+            }
+            if regrets.is_empty() {
+                continue;
+            }
+            let share = worse as f64 / regrets.len() as f64;
+            let worse = if method == Method::Center { "–".to_owned() } else { number(100.0 * share, 0) };
+            table.push(vec![
+                study.words().to_owned(),
+                world.name().to_owned(),
+                words.to_owned(),
+                regrets.len().to_string(),
+                quartiles(&regrets),
+                quartiles(&better),
+                worse,
+            ]);
+        }
+    }
+    table
+}
+
+/// What an experiment in moving water differs by from flight to flight.
+pub(super) fn noise(cases: &[Case<'_>]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Study", ""),
+        Column::new("Designs", "1"),
+        Column::new("Standard deviation of the cost", "s"),
+        Column::new("as a share of the cost", "%"),
+        Column::new("as a share of its range over random designs", "%"),
+    ]);
+    for study in Study::ALL {
+        let (mut seconds, mut of_cost, mut of_range) = (Vec::new(), Vec::new(), Vec::new());
+        for case in cases_of(cases, study, World::Moving) {
+            let random = case.random();
+            let costs: Vec<f64> = random.iter().map(|row| row.cost()).filter(|cost| cost.is_finite()).collect();
+            let range = Summary::of(&costs).map_or(f64::NAN, |summary| summary.maximum - summary.minimum);
+            for row in random.iter().filter(|row| row.cost().is_finite()) {
+                let sd = row.of(Reading::CostSd);
+                seconds.push(sd);
+                of_cost.push(sd / row.cost());
+                of_range.push(sd / range);
+            }
+        }
+        let Some(own) = Summary::of(&seconds) else { continue };
+        let seconds = format!(
+            "{} ({} to {})",
+            number(own.median, 3),
+            number(own.lower_quartile, 3),
+            number(own.upper_quartile, 3)
+        );
+        table.push(vec![
+            study.words().to_owned(),
+            own.count.to_string(),
+            seconds,
+            quartiles(&of_cost),
+            quartiles(&of_range),
+        ]);
+    }
+    table
+}
+
+/// What is left of the space after each iteration of the dissertation's loop.
+pub(super) fn spaces(cases: &[Case<'_>], published: &dyn Fn(Study, usize) -> Option<f64>) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Study", ""),
+        Column::new("Iteration", "1"),
+        Column::new("Still water", "%"),
+        Column::new("Moving water", "%"),
+        Column::new("Published", "%"),
+    ]);
+    for study in [Study::Two, Study::Four] {
+        for step in 1..=5 {
+            let of = |world: World| {
+                let rows = cases_of(cases, study, world).flat_map(|case| case.rows.iter());
+                let shares: Vec<f64> = rows
+                    .filter(|row| row.method == Method::Dissertation && row.step == step)
+                    .map(|row| row.share)
+                    .collect();
+                if shares.is_empty() { "–".to_owned() } else { quartiles(&shares) }
+            };
+            let own = [of(World::Still), of(World::Moving)];
+            if own.iter().all(|words| words == "–") {
+                continue;
+            }
+            let theirs = published(study, step).map_or("–".to_owned(), |share| number(share, 1));
+            let [still, moving] = own;
+            table.push(vec![study.words().to_owned(), step.to_string(), still, moving, theirs]);
+        }
+    }
+    table
+}
+
+/// Median and quartiles over plants of what the designs show at the model's optimum and at the end of the loop.
+pub(super) fn flights(cases: &[Case<'_>]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Study", ""),
+        Column::new("Water", ""),
+        Column::new("Mean over the test", ""),
+        Column::new("At the model's optimum", "1"),
+        Column::new("At the end of the loop", "1"),
+        Column::new("Random design", "1"),
+    ]);
+    let readings = [
+        ("heading squared, deg²", Reading::Heading),
+        ("pitch error squared, deg²", Reading::Pitch),
+        ("roll error squared, deg²", Reading::Roll),
+        ("roll offset, deg", Reading::RollOffset),
+        ("zenith angle, deg", Reading::Zenith),
+        ("altitude error squared, cm²", Reading::Altitude),
+        ("footprint, cm²", Reading::Footprint),
+    ];
+    for (study, world) in Study::ALL.into_iter().flat_map(|study| World::OF_CAMPAIGNS.map(|world| (study, world))) {
+        let rows =
+            |method: Method| -> Vec<_> { cases_of(cases, study, world).flat_map(|case| case.ends(method)).collect() };
+        let all = [Method::Numerical, Method::Dissertation, Method::Random].map(rows);
+        if all[0].is_empty() {
+            continue;
+        }
+        for (words, reading) in readings {
+            let summary = |rows: &Vec<&super::row::Row>| {
+                let values: Vec<f64> = rows.iter().map(|row| row.of(reading)).collect();
+                Summary::of(&values).map_or("–".to_owned(), |s| {
+                    format!(
+                        "{} ({} to {})",
+                        number(s.median, 2),
+                        number(s.lower_quartile, 2),
+                        number(s.upper_quartile, 2)
+                    )
+                })
+            };
+            let mut row = vec![study.words().to_owned(), world.name().to_owned(), words.to_owned()];
+            row.extend(all.iter().map(summary));
+            table.push(row);
+        }
+    }
+    table
+}
+
+/// What cameras see of designs in moving water, and what that does to their heading.
+pub(super) fn cameras(cases: &[Case<'_>]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Study", ""),
+        Column::new("Design", ""),
+        Column::new("Designs", "1"),
+        Column::new("cannot fly with cameras", "1"),
+        Column::new("with poses that are held", "1"),
+        Column::new("Share of samples held", "%"),
+        Column::new("Heading squared, state known", "deg²"),
+        Column::new("with cameras", "deg²"),
+    ]);
+    for (study, method) in
+        [Study::Two, Study::Four].into_iter().flat_map(|s| [(s, Method::Numerical), (s, Method::Dissertation)])
+    {
+        let (mut held, mut with, mut known, mut n) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        for case in cases_of(cases, study, World::Cameras) {
+            let Some(seen) = case.ends(method).pop() else { continue };
+            n += 1;
+            let mut same = cases_of(cases, study, World::Moving).filter(|other| other.plant == case.plant);
+            let own = same.next().and_then(|other| {
+                other.rows.iter().find(|row| row.method == method && row.seed == seen.seed && row.step == seen.step)
+            });
+            if seen.cost().is_finite() {
+                held.push(seen.of(Reading::Held));
+                with.push(seen.of(Reading::Heading));
+                known.extend(own.map(|row| row.of(Reading::Heading)));
+            }
+        }
+        if n == 0 {
+            continue;
+        }
+        let median = |values: &[f64]| page::quantile(values, 0.5).map_or("–".to_owned(), |value| number(value, 2));
+        let name = if method == Method::Numerical { "model's optimum" } else { "end of the loop, first seed" };
+        table.push(vec![
+            study.words().to_owned(),
+            name.to_owned(),
+            n.to_string(),
+            (n - held.len()).to_string(),
+            held.iter().filter(|share| **share > 0.0).count().to_string(),
+            quartiles(&held),
+            median(&known),
+            median(&with),
+        ]);
+    }
+    table
+}
+
+/// What goes with claims that hold in some plants only: those with a p-value of at most this.
+pub(super) const SIGNIFICANT: f64 = 0.05;
+
+pub(super) fn decides(all: &[(&Both, usize, Decided)]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Claim", ""),
+        Column::new("Water", ""),
+        Column::new("Property", ""),
+        Column::new("Rank correlation", "1"),
+        Column::new("p, its properties", "1"),
+        Column::new("p, all claims", "1"),
+    ]);
+    for (both, world, decided) in all.iter().filter(|(.., decided)| decided.p <= SIGNIFICANT) {
+        table.push(vec![
+            format!("{}, {}", both.claim.place, both.claim.says),
+            World::OF_CAMPAIGNS[*world].name().to_owned(),
+            decided.property.clone(),
+            number(decided.correlation, 2),
+            number(decided.p, 3),
+            number(decided.p_of_all, 3),
+        ]);
+    }
+    table
+}
+
+pub(super) fn estimates(all: &[[String; 3]]) -> Table {
+    let mut table = Table::new(vec![Column::new("Number", ""), Column::new("Value", ""), Column::new("Source", "")]);
+    for [key, value, source] in all {
+        table.push(vec![format!("`{key}`"), value.clone(), source.clone()]);
+    }
+    table
+}

@@ -1,0 +1,348 @@
+//! One unit of work: a study on a plant, in both worlds, by all methods.
+
+use std::time::Instant;
+
+use anyhow::{Context as _, Result};
+use design_space::Model;
+use infuse::global;
+use rayon::prelude::*;
+
+use super::facts;
+use super::file::Setup;
+use super::loops::{self, Measured, Read, Step, Task, sobol_points};
+use super::row::{Fact, Method, Readings, Row, Study, World};
+use super::site::{Noise, Site};
+use super::store::Found;
+use crate::bat::{Bat, MODEL, STAND_IN};
+use crate::calibration::Plant;
+use crate::chapter4::{self, Lattice};
+use crate::chapter7::Case;
+use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space};
+use crate::study_file::ParameterEntry;
+
+/// Levels of the grid on which methods choose in Chapter 4, which has none.
+const LEVELS: u32 = 24;
+/// Designs among which the search for the optimum of a model of four parameters starts.
+const STARTS: usize = 256;
+/// The scramble of the designs that nobody chose.
+const RANDOM: u32 = 0;
+
+/// A study on a plant with what all worlds share.
+struct Ground<'a> {
+    setup: &'a Setup,
+    plant: &'a Plant,
+    study: Study,
+    space: Space,
+    model: &'a dyn CellCosts,
+    /// The optimum of the numerical model.
+    numerical: Vec<f64>,
+    /// The best in still water, where it was looked for.
+    best: Option<Vec<f64>>,
+    /// Experiments and simulations of a batch, and batches.
+    budget: [usize; 3],
+    seeds: u64,
+}
+
+/// What a campaign leaves: its steps, what it measured, and the loop itself where cells are dropped.
+struct Campaign {
+    steps: Vec<Step>,
+    measured: Vec<Measured>,
+    global: Option<global::Loop>,
+}
+
+/// One world of a unit.
+#[derive(Default)]
+struct InWorld {
+    rows: Vec<Row>,
+    facts: Vec<Fact>,
+    n_flights: usize,
+}
+
+/// Runs a study on a plant.
+pub(super) fn run(setup: &Setup, study: Study, plant: &Plant, designs: &Designs) -> Result<(Found, usize)> {
+    let start = Instant::now();
+    let worlds = match study {
+        Study::Chapter4 => of_chapter4(setup, plant),
+        Study::Two => of_chapter7(setup, plant, Study::Two, 0, designs),
+        Study::Four => of_chapter7(setup, plant, Study::Four, 1, designs),
+    };
+    let mut found = Found::default();
+    let mut n_flights = 0;
+    for world in worlds.with_context(|| format!("{}, plant {}", study.words(), plant.number))? {
+        found.rows.extend(world.rows);
+        found.facts.extend(world.facts);
+        n_flights += world.n_flights;
+    }
+    found.seconds = start.elapsed().as_secs_f64();
+    Ok((found, n_flights))
+}
+
+fn of_chapter4(setup: &Setup, plant: &Plant) -> Result<Vec<InWorld>> {
+    let on = |coarser: f64| {
+        let bat = setup.chapter4.bat.on(plant.rig.clone(), plant.weights[0], setup.still.clone());
+        setup.chapter4.on(bat, coarser)
+    };
+    let study = on(setup.campaigns.coarser);
+    let lattice = Lattice::fly(&study, MODEL, |_| {});
+    let rough = on(2.0 * setup.campaigns.coarser);
+    let best = Lattice::fly(&rough, STAND_IN, |_| {}).lowest().0.to_vec();
+    let simulate = lattice.interpolant()?;
+    let space = space_of(&study)?;
+    let grid = FlownGrid::of_costs(space.points()?.iter().map(|point| simulate(point)).collect());
+    let mut shared = facts::codesign(&study, &simulate)?;
+    let iterations = study.loop_settings(&study.file.variant[0]).max_iterations;
+    let ground = Ground {
+        setup,
+        plant,
+        study: Study::Chapter4,
+        model: &grid,
+        numerical: facts::numerical(&study, &simulate)?,
+        best: Some(best),
+        budget: [2 * space.variables.len() + 1, 4 * space.variables.len(), iterations],
+        seeds: setup.campaigns.seeds,
+        space,
+    };
+    let noise = |_: &[Readings]| Noise::OfCost(study.file.noise.share);
+    let campaign = |read: &Read<'_>, seed: u64| {
+        let (steps, measured) = loops::gradient_loop(&study, &simulate, read, seed)?;
+        Ok(Campaign { steps, measured, global: None })
+    };
+    let model = Model::additive_quadratic(2)?;
+    let mut worlds = ground.all_worlds(&setup.chapter4.bat, 0, &model, &noise, &campaign)?;
+    worlds[0].facts.append(&mut shared);
+    worlds[0].n_flights += study.bat.n_known(MODEL) + rough.bat.n_known(STAND_IN);
+    Ok(worlds)
+}
+
+/// The box of Chapter 4 in levels.
+fn space_of(study: &chapter4::Setup) -> Result<Space> {
+    let entries: Vec<ParameterEntry> = study
+        .problem
+        .region()
+        .parameters()
+        .iter()
+        .map(|parameter| ParameterEntry {
+            name: parameter.name().to_owned(),
+            unit: parameter.unit().to_owned(),
+            lower: parameter.lower(),
+            upper: parameter.upper(),
+        })
+        .collect();
+    let names: Vec<String> = entries.iter().map(|entry| entry.name.clone()).collect();
+    Space::of(&entries, &names, LEVELS)
+}
+
+fn of_chapter7(setup: &Setup, plant: &Plant, study: Study, case: usize, designs: &Designs) -> Result<Vec<InWorld>> {
+    let case = setup.chapter7.cases.get(case).context("chapter7.toml has too few cases")?;
+    let variant = setup.chapter7.file.variant.first().context("no variant")?;
+    let settings = setup.chapter7.settings(case, variant)?;
+    let bat = case.bat.on(plant.rig.clone(), plant.weights[1], setup.still.clone());
+    let flown = if case.is_flown_whole() {
+        let fly = |fidelity| FlownGrid::fly(&bat, &case.space, fidelity, |_| {});
+        Some((fly(MODEL)?, fly(STAND_IN)?))
+    } else {
+        None
+    };
+    let demand = OnDemand { bat: &bat, space: &case.space, fidelity: MODEL, range: f64::NAN };
+    let model: &dyn CellCosts = flown.as_ref().map_or(&demand, |(model, _)| model);
+    let lowest = |grid: &FlownGrid| case.space.point(grid.lowest()?.0);
+    let ground = Ground {
+        setup,
+        plant,
+        study,
+        space: case.space.clone(),
+        model,
+        numerical: match &flown {
+            Some((model, _)) => lowest(model)?,
+            None => lowest_of(&bat, case)?,
+        },
+        best: flown.as_ref().map(|(_, truth)| lowest(truth)).transpose()?,
+        budget: [settings.n_experiments, settings.n_simulations, settings.max_iterations],
+        seeds: if study == Study::Four { setup.campaigns.seeds_of_four } else { setup.campaigns.seeds },
+    };
+    let share = setup.chapter7.file.noise.share;
+    let range = flown.as_ref().map(|(_, truth)| truth.range());
+    let noise = |random: &[Readings]| Noise::Absolute(share * range.unwrap_or_else(|| range_of(random)));
+    let campaign = |read: &Read<'_>, seed: u64| {
+        let task = Task { space: &ground.space, model: ground.model, read, budget: ground.budget };
+        let campaign = loops::global_loop(&task, &settings, designs, seed)?;
+        let steps = loops::steps_of(&campaign, &ground.space, seed);
+        Ok(Campaign { steps, measured: loops::measured_by(&campaign), global: Some(campaign) })
+    };
+    let mut worlds = ground.all_worlds(&case.bat, 1, &settings.model, &noise, &campaign)?;
+    if study == Study::Two {
+        worlds[0].facts.extend(facts::line_mass(setup, &case.bat, plant, &ground.space.region().center()));
+    }
+    worlds[0].n_flights += bat.n_known(MODEL) + bat.n_known(STAND_IN);
+    Ok(worlds)
+}
+
+/// Highest less lowest cost.
+fn range_of(readings: &[Readings]) -> f64 {
+    let costs = readings.iter().map(|readings| readings[0]).filter(|cost| cost.is_finite());
+    let [low, high] =
+        costs.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], cost| [low.min(cost), high.max(cost)]);
+    if high > low { high - low } else { 0.0 }
+}
+
+/// The lowest cost of a model that is not flown in whole: the end of a search from the best of many.
+fn lowest_of(bat: &Bat, case: &Case) -> Result<Vec<f64>> {
+    let starts = sobol_points(&case.space, STARTS, RANDOM);
+    let costs = bat.costs(&starts, MODEL, |_| {});
+    let flown = starts.into_iter().zip(costs).filter_map(|(point, cost)| Some((cost.ok()?, point)));
+    let (_, start) = flown.min_by(|a, b| a.0.total_cmp(&b.0)).context("no design of the model flies")?;
+    facts::descend(case.space.region(), &start, |point| bat.cost(point, MODEL))
+}
+
+type Run<'a> = dyn Fn(&Read<'_>, u64) -> Result<Campaign> + Sync + 'a;
+
+impl Ground<'_> {
+    fn all_worlds(
+        &self,
+        base: &Bat,
+        weights: usize,
+        regressor: &Model,
+        noise: &dyn Fn(&[Readings]) -> Noise,
+        campaign: &Run<'_>,
+    ) -> Result<Vec<InWorld>> {
+        let in_world = |world: World| {
+            let site = Site::new(self.setup, base, self.plant, self.plant.weights[weights], world)?;
+            let random = sobol_points(&self.space, self.setup.campaigns.random_designs as usize, RANDOM);
+            let seen = site.observe(&random);
+            let noise = noise(&seen);
+            let read = |seed: u64, experiments: &[(u64, Vec<f64>)]| site.read(seed, experiments, noise);
+            self.in_world(&site, world, (&random, &seen), regressor, &read, campaign)
+        };
+        World::OF_CAMPAIGNS.into_iter().map(in_world).collect()
+    }
+
+    fn in_world(
+        &self,
+        site: &Site,
+        world: World,
+        (random, seen): (&[Vec<f64>], &[Readings]),
+        regressor: &Model,
+        read: &Read<'_>,
+        campaign: &Run<'_>,
+    ) -> Result<InWorld> {
+        let task = Task { space: &self.space, model: self.model, read, budget: self.budget };
+        let of_seed = |seed: u64| self.of_seed(&task, regressor, seed, campaign);
+        let campaigns: Vec<OfSeed> = (1..=self.seeds).into_par_iter().map(of_seed).collect();
+        let mut steps = vec![
+            Step::new(Method::Numerical, 0, 0, self.numerical.clone()),
+            Step::new(Method::Center, 0, 0, self.space.region().center()),
+        ];
+        steps.extend(self.best.iter().map(|point| Step::new(Method::Best, 0, 0, point.clone())));
+        steps.extend((0..).zip(random).map(|(number, point)| Step::new(Method::Random, number, 0, point.clone())));
+        steps.extend(campaigns.iter().flat_map(|one| one.steps.iter().cloned()));
+        let points: Vec<Vec<f64>> = steps.iter().map(|step| step.point.clone()).collect();
+        let mut rows: Vec<Row> = steps
+            .into_iter()
+            .zip(site.observe(&points))
+            .map(|(step, readings)| self.row(world, step, readings))
+            .collect();
+        self.note_kept(&mut rows, &campaigns)?;
+        let n_failed = campaigns.iter().map(|one| one.n_failed).sum::<usize>();
+        let mut facts = self.diagnostics(world, regressor, random, seen)?;
+        facts.push(self.fact(world, "failed_campaigns", n_failed as f64));
+        for (seed, one) in (1..).zip(&campaigns) {
+            let of = |(name, value): (&str, f64)| self.fact(world, &format!("{name}/{seed}"), value);
+            facts.extend(facts::surfaces(&self.space, regressor, &one.first_batch, random, seen)?.into_iter().map(of));
+        }
+        if self.study == Study::Chapter4 {
+            let pulls = facts::pulls(site.rig(), &self.numerical);
+            facts.extend(pulls.into_iter().map(|(name, value)| self.fact(world, name, value)));
+        }
+        Ok(InWorld { rows, facts, n_flights: site.n_flights() })
+    }
+
+    fn fact(&self, world: World, name: &str, value: f64) -> Fact {
+        Fact { study: self.study, world, name: name.to_owned(), value }
+    }
+
+    fn row(&self, world: World, step: Step, readings: Readings) -> Row {
+        let Step { method, seed, step, point, share, spread, bound } = step;
+        Row {
+            study: self.study,
+            world,
+            method,
+            seed,
+            step,
+            point,
+            share,
+            spread,
+            keeps_best: f64::NAN,
+            bound,
+            readings,
+        }
+    }
+
+    /// Whether the best design known is still there after each step.
+    fn note_kept(&self, rows: &mut [Row], campaigns: &[OfSeed]) -> Result<()> {
+        let flown = rows.iter().filter(|row| row.cost().is_finite());
+        let Some(best) = flown.min_by(|a, b| a.cost().total_cmp(&b.cost())) else { return Ok(()) };
+        let best = self.space.nearest(&best.point)?;
+        for row in rows.iter_mut().filter(|row| row.method == Method::Dissertation) {
+            let campaign = campaigns.get(row.seed as usize - 1).and_then(|one| one.global.as_ref());
+            let left = campaign.and_then(|campaign| campaign.retained_at(row.step + 1));
+            row.keeps_best = left.map_or(f64::NAN, |left| f64::from(u8::from(left.contains(best))));
+        }
+        Ok(())
+    }
+
+    /// What the model is worth, by designs that nobody chose.
+    fn diagnostics(
+        &self,
+        world: World,
+        regressor: &Model,
+        random: &[Vec<f64>],
+        seen: &[Readings],
+    ) -> Result<Vec<Fact>> {
+        let cells = random.iter().map(|point| self.space.nearest(point)).collect::<Result<Vec<_>>>()?;
+        let model: Vec<f64> = self.model.costs(&cells).into_iter().map(|cost| cost.unwrap_or(f64::NAN)).collect();
+        let truth: Vec<f64> = seen.iter().map(|readings| readings[0]).collect();
+        let found = facts::worth(&self.space, regressor, random, &model, &truth)?;
+        Ok(found.into_iter().map(|(name, value)| self.fact(world, name, value)).collect())
+    }
+}
+
+/// All methods with one seed.
+struct OfSeed {
+    steps: Vec<Step>,
+    first_batch: Vec<Measured>,
+    global: Option<global::Loop>,
+    n_failed: usize,
+}
+
+impl Ground<'_> {
+    /// Runs them; a method that cannot go on, because too much failed, is told and left out.
+    fn of_seed(&self, task: &Task<'_>, regressor: &Model, seed: u64, campaign: &Run<'_>) -> OfSeed {
+        let mut found = OfSeed { steps: Vec::new(), first_batch: Vec::new(), global: None, n_failed: 0 };
+        match campaign(task.read, seed) {
+            Ok(one) => {
+                let last = one.steps.last().map_or(0, |step| step.step);
+                found.first_batch = one.measured.iter().take(self.budget[0]).cloned().collect();
+                found.steps.extend(one.steps);
+                found.global = one.global;
+                let alone = loops::alone(task.space, regressor, &one.measured, seed, last).map(|step| vec![step]);
+                found.note(self, seed, alone);
+            }
+            Err(error) => found.note(self, seed, Err(error)),
+        }
+        found.note(self, seed, loops::pooled_loop(task, seed));
+        found.note(self, seed, loops::process(task, seed).map(|step| vec![step]));
+        found
+    }
+}
+
+impl OfSeed {
+    fn note(&mut self, ground: &Ground<'_>, seed: u64, steps: Result<Vec<Step>>) {
+        match steps {
+            Ok(steps) => self.steps.extend(steps),
+            Err(error) => {
+                self.n_failed += 1;
+                eprintln!("{}, plant {}, seed {seed}: {error:#}", ground.study.words(), ground.plant.number);
+            }
+        }
+    }
+}
