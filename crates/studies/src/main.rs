@@ -1,7 +1,10 @@
 //! Runs the studies: `studies <command>`, from the root of the workspace.
 #![cfg_attr(
-    not(feature = "global"),
-    expect(dead_code, reason = "some of what the chapters share is for those with the global loop alone")
+    not(feature = "ensemble"),
+    expect(
+        dead_code,
+        reason = "some of what the studies share is for those with the global loop, or for the page over all"
+    )
 )]
 
 mod bat;
