@@ -23,6 +23,16 @@ pub(crate) enum Extent {
     Full,
 }
 
+impl Extent {
+    /// What names of files end with.
+    fn suffix(self) -> &'static str {
+        match self {
+            Self::Default => "",
+            Self::Full => "-full",
+        }
+    }
+}
+
 /// A study that writes a page and keeps its short form in `docs/`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reproduction {
@@ -55,8 +65,7 @@ impl Reproduction {
 
     /// Where it writes what it finds in this extent.
     pub(crate) fn out_of(&self, extent: Extent) -> PathBuf {
-        let suffix = if extent == Extent::Full { "-full" } else { "" };
-        PathBuf::from(format!("target/reproduction/{}{suffix}", self.name))
+        PathBuf::from(format!("target/reproduction/{}{}", self.name, extent.suffix()))
     }
 
     /// Runs the study.
@@ -84,7 +93,12 @@ impl Reproduction {
 
     /// What the picture on its page in `docs/` is called there.
     pub(crate) fn kept_picture(&self) -> String {
-        format!("results-{}.svg", self.name)
+        self.kept_picture_of(Extent::Default)
+    }
+
+    /// The same of a study in this extent.
+    pub(crate) fn kept_picture_of(&self, extent: Extent) -> String {
+        format!("results-{}{}.svg", self.name, extent.suffix())
     }
 }
 

@@ -211,16 +211,29 @@ pub(crate) fn page(
     Ok(page)
 }
 
+fn written_by(extent: Extent) -> &'static str {
+    match extent {
+        Extent::Default => {
+            "Written by `cargo xtask reproduce-chapter6`; `cargo xtask ci` fails when this page is not what the command finds."
+        }
+        Extent::Full => {
+            "Written by `cargo xtask reproduce-chapter6 --full`, which `cargo xtask ci` does not run: this page is kept from a run \
+             to its end. It names no claim of its own: what counts is the [page with fewer levels](results-chapter6.md)."
+        }
+    }
+}
+
 /// The results as a page of `docs/`, without anything that differs from run to run.
 pub(crate) fn markdown(findings: &Findings, claims: &[Claim], first: &str) -> Result<String> {
     Ok(format!(
-        "# Chapter 6: results\n\n{first}\n\
-         Written by `cargo xtask reproduce-chapter6`; `cargo xtask ci` fails when this page is not what the command finds.\n\
+        "# Chapter 6: results{}\n\n{first}\n{}\n\
          See [departures](departures.md) for what is built instead of what is printed.\n\n{}\n{NO_EXPERIMENT}\n\n{OURS}\n\n{}\n\n{}\n\n\
          ## Campaigns with the first gain\n\n{CAMPAIGN_CAPTION}\n\n{}\n## Other gains, laws and regressors\n\n{VARIANT_CAPTION}\n\n{}\n\
          ## One campaign, iteration by iteration\n\n{}.\n{NORM_CAPTION}\n\n{}\n## How many iterations\n\n{HOW_MANY_CAPTION}\n\n{}\n\
          ## Before and after\n\n{FLIGHT_CAPTION}\n\n{}\n## The fields\n\n{FIELD_CAPTION}\n\n{}\n\
          ## {DECIDED}\n\n{CLAIM_CAPTION}\n\n{}",
+        if findings.extent == Extent::Full { ", with all levels" } else { "" },
+        written_by(findings.extent),
         claims::by_verdict_markdown(claims),
         extent_words(findings),
         loop_words(findings),

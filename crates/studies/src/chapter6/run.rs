@@ -57,7 +57,7 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let claims = claims::claims(&findings);
     let first = page::first_screen(&findings, &claims, &pictures)?;
     let page = page::page(&findings, &claims, &pictures, &first)?;
-    let results = page::markdown(&findings, &claims, &first.markdown(&CHAPTER.kept_picture()))?;
+    let results = page::markdown(&findings, &claims, &first.markdown(&CHAPTER.kept_picture_of(extent)))?;
     reproduction::save_page(&out, &pictures, &page, &results, first.picture)?;
     tables::iterations(&findings).write_csv(&out.join("iterations.csv"))?;
     tables::campaigns(&findings).write_csv(&out.join("campaigns.csv"))?;
