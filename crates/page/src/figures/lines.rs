@@ -44,6 +44,8 @@ pub struct Shaded {
 #[derive(Clone, Debug)]
 pub struct Series {
     label: String,
+    /// By which its color is known.
+    family: String,
     points: Vec<(f64, f64)>,
     shape: Shape,
     dashed: bool,
@@ -69,7 +71,12 @@ impl Series {
     fn new(label: &str, x: &[f64], y: &[f64], shape: Shape) -> Self {
         debug_assert_eq!(x.len(), y.len(), "series `{label}`");
         let points = x.iter().copied().zip(y.iter().copied()).collect();
-        Self { label: label.to_owned(), points, shape, dashed: false }
+        Self { label: label.to_owned(), family: label.to_owned(), points, shape, dashed: false }
+    }
+
+    /// The same in the color of the series of another label.
+    pub fn colored_as(self, label: &str) -> Self {
+        Self { family: label.to_owned(), ..self }
     }
 
     /// The same with gaps, through which a line that it covers can be seen.
@@ -124,8 +131,8 @@ const SHADE: &str = "#ececec";
 
 /// Draws a figure of series.
 pub fn line_figure(figure: &LineFigure) -> String {
-    let labels = labels(figure);
-    let legend = legend(figure, &labels);
+    let families = different(figure, |series| &series.family);
+    let legend = legend(figure, &families);
     let count = figure.panels.len();
     let panel_px = |panel: &Panel| match count {
         1 => SINGLE_PANEL_PX,
@@ -152,11 +159,11 @@ pub fn line_figure(figure: &LineFigure) -> String {
         frame.draw(&mut canvas, &text);
         frame.draw_inside(&mut canvas, |canvas| {
             for series in &panel.series {
-                series.draw(canvas, &frame, color_of(&series.label, &labels));
+                series.draw(canvas, &frame, color_of(series, &families));
             }
         });
         for series in &panel.series {
-            series.draw_points(&mut canvas, &frame, color_of(&series.label, &labels));
+            series.draw_points(&mut canvas, &frame, color_of(series, &families));
         }
         top += panel_px(panel) + gap_px(panel);
     }
@@ -193,31 +200,33 @@ fn shade(canvas: &mut Canvas, frame: &Frame, shaded: Option<&Shaded>) {
     }
 }
 
-/// The different labels, in the order in which they appear.
-fn labels(figure: &LineFigure) -> Vec<&str> {
-    let mut labels: Vec<&str> = Vec::new();
+/// The different words of the series, in the order in which they appear.
+fn different<'a>(figure: &'a LineFigure, word: impl Fn(&'a Series) -> &'a String) -> Vec<&'a str> {
+    let mut words: Vec<&str> = Vec::new();
     for series in figure.panels.iter().flat_map(|panel| &panel.series) {
-        if !labels.contains(&series.label.as_str()) {
-            labels.push(&series.label);
+        if !words.contains(&word(series).as_str()) {
+            words.push(word(series));
         }
     }
-    labels
+    words
 }
 
-fn color_of(label: &str, labels: &[&str]) -> &'static str {
-    color(labels.iter().position(|known| *known == label).unwrap_or(0))
+fn color_of(series: &Series, families: &[&str]) -> &'static str {
+    color(families.iter().position(|known| *known == series.family).unwrap_or(0))
 }
 
-fn legend(figure: &LineFigure, labels: &[&str]) -> Vec<LegendEntry> {
+fn legend(figure: &LineFigure, families: &[&str]) -> Vec<LegendEntry> {
     let series = || figure.panels.iter().flat_map(|panel| &panel.series);
     let is_dashed = |label: &str| series().any(|series| series.label == label && series.dashed);
-    let mut entries: Vec<LegendEntry> = labels
-        .iter()
+    let color =
+        |label: &str| series().find(|series| series.label == label).map_or("none", |one| color_of(one, families));
+    let mut entries: Vec<LegendEntry> = different(figure, |series| &series.label)
+        .into_iter()
         .map(|label| LegendEntry {
             mark: if is_dashed(label) { Mark::Dashes } else { Mark::Line },
-            fill: color_of(label, labels).into(),
-            outline: color_of(label, labels).into(),
-            text: (*label).to_owned(),
+            fill: color(label).into(),
+            outline: color(label).into(),
+            text: label.to_owned(),
         })
         .collect();
     if let Some(shaded) = &figure.shaded {

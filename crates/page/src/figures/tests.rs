@@ -50,6 +50,25 @@ fn line_figure_names_what_it_shows() {
 }
 
 #[test]
+fn series_of_a_family_share_a_color_and_not_a_name() {
+    let (x, y) = ([0.0, 1.0], [1.0, 2.0]);
+    let series = vec![
+        Series::line("a, median", &x, &y).colored_as("a"),
+        Series::line("a, quartiles", &x, &y).dashed().colored_as("a"),
+        Series::line("b", &x, &y),
+    ];
+    let panel = Panel { x_axis: None, y_axis: Axis::new("cost", "s"), series };
+    let figure =
+        LineFigure { title: "Bands".into(), x_axis: Axis::new("batch", "1"), panels: vec![panel], shaded: None };
+    let svg = line_figure(&figure);
+    check(&svg, &["a, median", "a, quartiles", "b"]);
+    // Two points of each line, and its two in the legend.
+    let count = |color: &str| svg.matches(&format!("fill=\"{color}\"")).count();
+    assert_eq!([count(canvas::color(0)), count(canvas::color(2))], [4, 0], "{svg}");
+    assert_eq!(count(canvas::color(1)), 2, "{svg}");
+}
+
+#[test]
 fn same_figure_is_the_same_text() {
     let (first, second) = (line_figure(&errors()), line_figure(&errors()));
     assert!(first == second, "drawn twice");

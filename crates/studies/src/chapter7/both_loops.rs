@@ -262,7 +262,7 @@ fn panel(case: &Case, found: &Found) -> Panel {
         for (name, reading) in readings {
             let values = drawn(costs, *reading);
             shown.extend(values.iter().copied().filter(|value| value.is_finite()));
-            let line = Series::line(&format!("{way}, {name}"), &x, &values);
+            let line = Series::line(&format!("{way}, {name}"), &x, &values).colored_as(way);
             series.push(if *name == "median" { line } else { line.dashed() });
         }
     };

@@ -47,9 +47,9 @@ fn band(label: &str, x: &[f64], curve: &Curve<'_>) -> Vec<Series> {
     let at = |share: f64| -> Vec<f64> {
         (0..x.len()).map(|step| quantile(&curve(step), share).map_or(f64::NAN, drawn)).collect()
     };
-    let quartiles = format!("{label}, quartiles");
-    let line = |share: f64| Series::line(&quartiles, x, &at(share)).dashed();
-    vec![Series::line(&format!("{label}, median"), x, &at(0.5)), line(0.25), line(0.75)]
+    let (median, quartiles) = (format!("{label}, median"), format!("{label}, quartiles"));
+    let line = |share: f64| Series::line(&quartiles, x, &at(share)).dashed().colored_as(&median);
+    vec![Series::line(&median, x, &at(0.5)), line(0.25), line(0.75)]
 }
 
 /// Cost above that of the best design known against the number of experiments, in per cent.
