@@ -307,6 +307,19 @@ fn continuous_parameters_need_no_levels() {
     assert!(truth(&found.point) < 0.02, "{found:?}");
 }
 
+/// Continuous parameters get as many levels as can be counted; levels that a person set are not touched.
+#[test]
+fn many_continuous_parameters_get_coarser_levels() {
+    for (n_factors, levels) in
+        [(2_u32, 1001_u64), (6, 1001), (7, 501), (8, 201), (9, 101), (11, 51), (14, 21), (18, 11)]
+    {
+        let campaign =
+            Loop::new(&region(n_factors as usize, None), Settings::new(8)).expect("designs that can be counted");
+        assert_eq!(campaign.grid().n_cells(), levels.pow(n_factors), "{n_factors} parameters");
+    }
+    assert!(matches!(Loop::new(&region(14, Some(24)), Settings::new(8)), Err(Error::DesignSpace(_))));
+}
+
 #[test]
 fn outlier_of_a_hundred_deviations_is_named() {
     let mut campaign = campaign(2, 21, batches(12, 3, 1));
