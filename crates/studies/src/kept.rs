@@ -1,5 +1,7 @@
-//! Pages that are written straight into `docs/`, from results that are kept.
+//! Results that are kept, and pages that are written straight into `docs/` from them.
 
+use std::fs::{self, File};
+use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
@@ -11,6 +13,20 @@ pub(crate) fn write(root: &Path, texts: &[(&str, String)]) -> Result<()> {
     }
     eprintln!("{}", texts.iter().map(|(path, _)| *path).collect::<Vec<_>>().join(", "));
     Ok(())
+}
+
+/// Puts a whole file in the place of another: a kill leaves the one or the other.
+pub(crate) fn replace(path: &Path, text: &[u8]) -> Result<()> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".part");
+    let beside = Path::new(&name);
+    let words = || beside.display().to_string();
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    }
+    let mut file = File::create(beside).with_context(words)?;
+    file.write_all(text).and_then(|()| file.sync_all()).with_context(words)?;
+    fs::rename(beside, path).with_context(|| path.display().to_string())
 }
 
 /// That each place holds its text; else `remedy` follows its name.

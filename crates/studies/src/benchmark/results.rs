@@ -1,10 +1,11 @@
 //! Rows of campaigns, kept in files so that a run goes on where the last one ended.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
+
+use crate::kept;
 
 /// An optimizer of others, whose rows a person with Python can write anew: `fixtures/peers/README.md`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,21 +97,16 @@ impl Results {
 
     /// Adds rows, in memory and in the file, which is written anew beside itself: what was kept stays whole if that fails.
     pub(super) fn append(&mut self, rows: Vec<Row>) -> Result<()> {
-        if let Some(folder) = self.path.parent() {
-            fs::create_dir_all(folder)?;
-        }
         let rounded = |seconds: f64| (1e3 * seconds).round() / 1e3;
         self.rows.extend(rows.into_iter().map(|row| {
             let (ask_seconds, tell_seconds) = (rounded(row.ask_seconds), rounded(row.tell_seconds));
             Row { ask_seconds, tell_seconds, ..row }
         }));
-        let new = self.path.with_extension("new");
-        let mut writer = csv::Writer::from_path(&new)?;
+        let mut writer = csv::Writer::from_writer(Vec::new());
         for row in &self.rows {
             writer.serialize(row)?;
         }
-        writer.flush()?;
-        drop(writer);
-        fs::rename(&new, &self.path).with_context(|| format!("cannot write {}", self.path.display()))
+        let text = writer.into_inner().map_err(|error| error.into_error())?;
+        kept::replace(&self.path, &text)
     }
 }

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use crate::reproduction::progress;
 #[cfg(feature = "identification")]
 pub(crate) use candidate::Candidate;
-#[cfg(feature = "ensemble")]
+#[cfg(any(feature = "identification", feature = "ensemble"))]
 pub(crate) use landscape::{correlation, ranks};
 
 use candidate::{Flown, fly};

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, ensure};
 
 use super::outcome::{Member, Refusal, Start};
+use crate::kept;
 
 /// Both tables of a folder.
 #[derive(Debug)]
@@ -89,18 +90,15 @@ impl Store {
 
     /// Replaces a table as a whole.
     fn write(&self, name: &str, head: &[String], rows: impl Iterator<Item = Vec<String>>) -> Result<()> {
-        std::fs::create_dir_all(&self.folder).with_context(|| self.folder.display().to_string())?;
         let path = self.folder.join(name);
-        let beside = path.with_extension("csv.part");
-        let words = || beside.display().to_string();
-        let mut writer = csv::Writer::from_path(&beside).with_context(words)?;
+        let words = || path.display().to_string();
+        let mut writer = csv::Writer::from_writer(Vec::new());
         writer.write_record(head).with_context(words)?;
         for row in rows {
             writer.write_record(&row).with_context(words)?;
         }
-        let file = writer.into_inner().map_err(|error| error.into_error()).with_context(words)?;
-        file.sync_all().with_context(words)?;
-        std::fs::rename(&beside, &path).with_context(|| path.display().to_string())
+        let text = writer.into_inner().map_err(|error| error.into_error()).with_context(words)?;
+        kept::replace(&path, &text)
     }
 }
 

@@ -136,11 +136,7 @@ pub(super) fn pooled_loop(task: &Task<'_>, seed: u64) -> Result<Vec<Step>> {
         if trials.is_empty() {
             continue;
         }
-        let points = trials.iter().map(|trial| Ok((trial.id.number(), task.space.point(trial.cell)?)));
-        let points = points.collect::<Result<Vec<_>>>()?;
-        for (trial, cost) in trials.iter().zip((task.read)(seed, &points)) {
-            campaign.tell(trial.id, cost.into())?;
-        }
+        tell(&mut campaign, task, &trials, seed)?;
         let assessment = campaign.assess(None)?.context("no experiment gave a response")?;
         let point = task.space.point(assessment.recommended.cell)?;
         let step = Step::new(Method::Pooled, seed, steps.len() + 1, point);
@@ -148,6 +144,16 @@ pub(super) fn pooled_loop(task: &Task<'_>, seed: u64) -> Result<Vec<Step>> {
         campaign.set_settings(settings.clone())?;
     }
     Ok(steps)
+}
+
+/// Makes experiments and tells what they read.
+fn tell(campaign: &mut pooled::Loop, task: &Task<'_>, trials: &[pooled::Trial], seed: u64) -> Result<()> {
+    let points = trials.iter().map(|trial| Ok((trial.id.number(), task.space.point(trial.cell)?)));
+    let points = points.collect::<Result<Vec<_>>>()?;
+    for (trial, cost) in trials.iter().zip((task.read)(seed, &points)) {
+        campaign.tell(trial.id, cost.into())?;
+    }
+    Ok(())
 }
 
 /// All experiments at Sobol points, and a Gaussian process through them.
@@ -160,11 +166,7 @@ pub(super) fn process(task: &Task<'_>, seed: u64) -> Result<Step> {
     let cells = sobol_points(task.space, experiments * batches, seed as u32);
     let cells = cells.iter().map(|point| task.space.nearest(point)).collect::<Result<Vec<_>>>()?;
     let trials = campaign.hand_out(&cells)?;
-    let points = trials.iter().map(|trial| Ok((trial.id.number(), task.space.point(trial.cell)?)));
-    let points = points.collect::<Result<Vec<_>>>()?;
-    for (trial, cost) in trials.iter().zip((task.read)(seed, &points)) {
-        campaign.tell(trial.id, cost.into())?;
-    }
+    tell(&mut campaign, task, &trials, seed)?;
     let Some(assessment) = campaign.assess(None)? else { bail!("no experiment gave a response") };
     Ok(Step::new(Method::Process, seed, batches, task.space.point(assessment.recommended.cell)?))
 }

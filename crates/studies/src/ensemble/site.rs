@@ -11,7 +11,7 @@ use water_channel::{BoundedNoise, CostWeights, LogRow, MovingWater, Rig, Sensing
 
 use super::file::Setup;
 use super::row::{N_READINGS, Reading, Readings, World};
-use crate::bat::{Bat, MODEL, STAND_IN};
+use crate::bat::{Bat, STAND_IN};
 use crate::calibration::Plant;
 use crate::costs::Cost;
 use crate::logged::Logged;
@@ -36,8 +36,6 @@ pub(super) enum Noise {
 #[derive(Debug)]
 pub(super) struct Site {
     world: World,
-    /// Symmetric, in still water, with a known state: what the numerical model knows.
-    pub(super) model: Bat,
     /// What experiments are made on.
     rig: Bat,
     /// The same in the water of each of the flights that are the truth.
@@ -49,7 +47,6 @@ pub(super) struct Site {
 impl Site {
     /// A plant with these weights; `base` has the variables.
     pub(super) fn new(setup: &Setup, base: &Bat, plant: &Plant, weights: CostWeights, world: World) -> Result<Self> {
-        let model = base.on(plant.rig.clone(), weights, setup.still.clone());
         let (rig, truths) = if world == World::Still {
             let on = || base.on(plant.rig.clone(), weights, setup.still.clone());
             (on(), vec![on()])
@@ -62,7 +59,7 @@ impl Site {
             });
             (base.on(rig.clone(), weights, setup.moving().clone()), truths.collect::<Result<_>>()?)
         };
-        Ok(Self { world, model, rig, truths, seen: Mutex::default(), n_seeded: AtomicUsize::new(0) })
+        Ok(Self { world, rig, truths, seen: Mutex::default(), n_seeded: AtomicUsize::new(0) })
     }
 
     /// What experiments read, each by its number within the campaign of a seed.
@@ -95,9 +92,9 @@ impl Site {
         points.iter().map(|point| seen.get(&bits(point)).copied().unwrap_or([f64::NAN; N_READINGS])).collect()
     }
 
-    /// How many flights were made of simulations and experiments.
+    /// How many flights were made of experiments and of what designs truly show.
     pub(super) fn n_flights(&self) -> usize {
-        self.model.n_known(MODEL) + self.rig.n_known(STAND_IN) + self.n_seeded.load(Ordering::Relaxed)
+        self.rig.n_known(STAND_IN) + self.n_seeded.load(Ordering::Relaxed)
     }
 
     /// The rig of the experiments.

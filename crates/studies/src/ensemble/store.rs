@@ -4,13 +4,14 @@
 //! store is opened, with a word. The first line of each table names what its rows follow from.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 
 use super::row::{Fact, Row, Unit, fact_head, row_head};
+use crate::kept;
 
 /// What a unit of work found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,7 +75,7 @@ impl Lines {
     fn mend(&self) -> Result<bool> {
         if self.torn || !self.path.exists() {
             let text: String = self.lines.iter().map(|(unit, cells)| text_of(unit, cells)).collect();
-            replace(&self.path, &(self.first.clone() + &text))?;
+            kept::replace(&self.path, (self.first.clone() + &text).as_bytes())?;
         }
         Ok(self.torn)
     }
@@ -97,15 +98,6 @@ const OTHER: &str =
 
 fn text_of(unit: &Unit, cells: &[String]) -> String {
     format!("{},{},{}\n", unit.0, unit.1, cells.join(","))
-}
-
-fn replace(path: &Path, text: &str) -> Result<()> {
-    let beside = path.with_extension("csv.part");
-    let words = || beside.display().to_string();
-    let mut file = File::create(&beside).with_context(words)?;
-    file.write_all(text.as_bytes()).with_context(words)?;
-    file.sync_all().with_context(words)?;
-    fs::rename(&beside, path).with_context(|| path.display().to_string())
 }
 
 /// The tables of a folder.

@@ -74,6 +74,13 @@ fn quartiles(values: &[f64]) -> String {
     format!("{} ({} to {})", words(at(0.5)), words(at(0.25)), words(at(0.75)))
 }
 
+/// Median with quartiles.
+fn with_quartiles(summary: &Summary, decimals: usize) -> String {
+    let words = |value: f64| number(value, decimals);
+    let Summary { median, lower_quartile, upper_quartile, .. } = *summary;
+    format!("{} ({} to {})", words(median), words(lower_quartile), words(upper_quartile))
+}
+
 /// Who ends how far above the best design known.
 pub(super) fn baselines(cases: &[Case<'_>]) -> Table {
     let mut table = Table::new(vec![
@@ -138,12 +145,7 @@ pub(super) fn noise(cases: &[Case<'_>]) -> Table {
             }
         }
         let Some(own) = Summary::of(&seconds) else { continue };
-        let seconds = format!(
-            "{} ({} to {})",
-            number(own.median, 3),
-            number(own.lower_quartile, 3),
-            number(own.upper_quartile, 3)
-        );
+        let seconds = with_quartiles(&own, 3);
         table.push(vec![
             study.words().to_owned(),
             own.count.to_string(),
@@ -215,14 +217,7 @@ pub(super) fn flights(cases: &[Case<'_>]) -> Table {
         for (words, reading) in readings {
             let summary = |rows: &Vec<&super::row::Row>| {
                 let values: Vec<f64> = rows.iter().map(|row| row.of(reading)).collect();
-                Summary::of(&values).map_or("–".to_owned(), |s| {
-                    format!(
-                        "{} ({} to {})",
-                        number(s.median, 2),
-                        number(s.lower_quartile, 2),
-                        number(s.upper_quartile, 2)
-                    )
-                })
+                Summary::of(&values).map_or("–".to_owned(), |summary| with_quartiles(&summary, 2))
             };
             let mut row = vec![study.words().to_owned(), world.name().to_owned(), words.to_owned()];
             row.extend(all.iter().map(summary));

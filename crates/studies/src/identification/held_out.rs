@@ -4,6 +4,7 @@ use super::file::Study;
 use super::plant::Doubted;
 use super::store::Kept;
 use crate::bat::STAND_IN;
+use crate::calibration::{correlation, ranks};
 
 /// What is known of the designs that are held out.
 pub(super) struct HeldOut {
@@ -69,13 +70,8 @@ impl HeldOut {
 
 /// Spearman's.
 fn rank_correlation(both: &[(f64, f64)]) -> f64 {
-    let ranks = |values: Vec<f64>| -> Vec<f64> {
-        values.iter().map(|value| values.iter().filter(|other| *other < value).count() as f64).collect()
-    };
-    let (a, b) = (ranks(both.iter().map(|pair| pair.0).collect()), ranks(both.iter().map(|pair| pair.1).collect()));
-    let mean = (both.len() as f64 - 1.0) / 2.0;
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>();
-    product(&a, &b) / (product(&a, &a) * product(&b, &b)).sqrt()
+    let (a, b): (Vec<f64>, Vec<f64>) = both.iter().copied().unzip();
+    correlation(&ranks(&a), &ranks(&b))
 }
 
 #[cfg(test)]

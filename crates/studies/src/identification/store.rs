@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::file::Study;
 use super::which::Which;
+use crate::kept;
 
 /// One iteration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -131,12 +132,6 @@ impl Store {
             Ok(serde_json::to_string(&line)? + "\n")
         });
         let text = lines.collect::<Result<String>>()?;
-        let words = || self.path.display().to_string();
-        if let Some(folder) = self.path.parent() {
-            std::fs::create_dir_all(folder).with_context(words)?;
-        }
-        let beside = self.path.with_extension("jsonl.part");
-        std::fs::write(&beside, text).with_context(words)?;
-        std::fs::rename(&beside, &self.path).with_context(words)
+        kept::replace(&self.path, text.as_bytes())
     }
 }
