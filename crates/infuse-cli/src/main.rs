@@ -19,7 +19,6 @@ mod simulator;
 
 use std::io::Write as _;
 use std::process::ExitCode;
-use std::sync::atomic::Ordering;
 
 use clap::Parser as _;
 
@@ -43,7 +42,7 @@ fn main() -> ExitCode {
         Err(error) => writeln!(std::io::stderr(), "error: {error:#}"),
     };
     match outcome {
-        _ if program::INTERRUPTED.load(Ordering::Relaxed) => ExitCode::from(INTERRUPTED),
+        _ if program::is_interrupted() => ExitCode::from(INTERRUPTED),
         Ok(_) if written.is_ok() => ExitCode::SUCCESS,
         _ => ExitCode::FAILURE,
     }

@@ -21,7 +21,7 @@ const PAUSES: (Duration, Duration) = (Duration::from_micros(200), Duration::from
 const SHOWN: usize = 300;
 
 /// Set when a person wants to stop.
-pub(crate) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// How many programs run.
 static RUNNING: AtomicUsize = AtomicUsize::new(0);
 

@@ -24,5 +24,10 @@ pub(crate) fn tell_with(folder: &Path, sheet: &Path) -> String {
 fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let is_plain = text.chars().all(|c| c.is_alphanumeric() || "._-/\\:".contains(c));
-    if is_plain { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
+    if is_plain { text } else { in_quotes(&text) }
+}
+
+/// One word of a shell, whatever is in it.
+pub(crate) fn in_quotes(word: &str) -> String {
+    format!("'{}'", word.replace('\'', "'\\''"))
 }

@@ -48,7 +48,6 @@ impl Queue {
         let (submit, list, cancel) = (submit.unwrap_or_default(), list.unwrap_or_default(), cancel.unwrap_or_default());
         let has = |name: &str| submit.iter().any(|word| word.contains(name));
         ensure!(has("{script}"), "`submit` has no {{script}}, so the scheduler cannot know what to run");
-        ensure!(has("{name}") || !list.is_empty() && has("{script}"), "`submit` has no {{name}}");
         ensure!(
             ["{tasks}", "{range}", "{first}"].iter().any(|name| has(name)),
             "`submit` has none of {{tasks}} (\"1-4,7\"), {{range}} (\"1-7\"), {{first}} with {{last}}: the scheduler cannot know \

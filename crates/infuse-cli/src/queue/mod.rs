@@ -20,11 +20,9 @@ use sha2::{Digest as _, Sha256};
 use crate::journal::{Measured, Submitted, now};
 use crate::problem::{Program, Queue};
 use crate::program;
+use crate::simulator::Job;
 use runs::Runs;
 use script::ranges;
-
-/// A point to simulate.
-type Job = (Cell, Vec<f64>);
 
 /// Tasks of one submission, at most: Slurm's own limit is 1001, and counts from 0.
 const MOST_TASKS: usize = 1000;
@@ -88,8 +86,8 @@ pub(crate) fn simulate<'a>(
     let mut waiting: BTreeMap<Cell, &Job> = jobs.iter().map(|job| (job.0, job)).collect();
     let mut batches = batches(of);
     let _running = program::Running::new();
+    take_results(&batches, &mut waiting, &mut happened)?;
     loop {
-        take_results(&batches, &mut waiting, &mut happened)?;
         batches.retain(|batch| batch.waiting(&waiting).next().is_some());
         if waiting.is_empty() || program::is_interrupted() {
             return Ok(());
@@ -104,14 +102,15 @@ pub(crate) fn simulate<'a>(
         show(waiting.len(), "");
         pause(of.queue.poll);
         // The list before the files: what ends in between is in both, and not in neither.
-        let listed = match scheduler::run(of.folder, of.queue, &of.queue.list, &[]) {
+        let listed = scheduler::run(of.folder, of.queue, &of.queue.list, &[]);
+        take_results(&batches, &mut waiting, &mut happened)?;
+        let listed = match listed {
             Ok(listed) => listed,
             Err(error) => {
                 show(waiting.len(), &format!("{error:#}"));
                 continue;
             }
         };
-        take_results(&batches, &mut waiting, &mut happened)?;
         for batch in &mut batches {
             let is_listed = batch.names.last().is_some_and(|name| scheduler::is_listed(&listed, name));
             batch.n_absent = if is_listed { 0 } else { batch.n_absent + 1 };

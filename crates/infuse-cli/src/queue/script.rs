@@ -2,10 +2,7 @@
 
 use std::path::Path;
 
-/// A word of a shell.
-pub(super) fn quoted(word: &str) -> String {
-    format!("'{}'", word.replace('\'', "'\\''"))
-}
+use crate::shell::in_quotes as quoted;
 
 /// The script of a submission: task k runs `runs_per_task` simulations from number (k − 1) `runs_per_task` + 1 on, those that
 /// have a result excepted.
