@@ -195,6 +195,22 @@ pub enum Error {
         /// Number of terms.
         n_terms: usize,
     },
+    /// Choices that cannot be told apart, or are too few.
+    #[error("parameter `{parameter}`: the choice `{choice}` is not usable, expected {expected}")]
+    Choices {
+        /// The parameter.
+        parameter: String,
+        /// The choice at fault, empty if it is their number.
+        choice: String,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// A choice where only numbers will do.
+    #[error("parameter `{parameter}` is a choice, expected a number with bounds")]
+    Categorical {
+        /// The parameter.
+        parameter: String,
+    },
     /// Too few or too many of something.
     #[error("number of {name}: {found}, expected {least} to {most}")]
     Count {

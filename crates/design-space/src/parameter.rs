@@ -25,6 +25,9 @@ pub struct Parameter {
     lower: f64,
     upper: f64,
     levels: Levels,
+    /// Names of what can be chosen, in order; level i is choice i. None for a number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    choices: Option<Vec<String>>,
 }
 
 impl Parameter {
@@ -57,16 +60,95 @@ impl Parameter {
         if lower >= upper {
             return Err(Error::ZeroWidth { parameter: name, value: lower });
         }
-        Ok(Self { name, unit, lower, upper, levels: Levels::Continuous })
+        Ok(Self { name, unit, lower, upper, levels: Levels::Continuous, choices: None })
+    }
+
+    /// A parameter that is no number but a choice: a material, a supplier, a shape. Its natural coordinate is the place of the
+    /// choice in this list, from 0, and its levels are the choices; their order means nothing.
+    ///
+    /// ```
+    /// use design_space::Parameter;
+    /// let hull = Parameter::categorical("hull", ["foam", "film", "wood"])?;
+    /// assert_eq!(hull.choice(1.0), Some("film"));
+    /// assert_eq!(hull.choices().map(<[_]>::len), Some(3));
+    /// # Ok::<(), design_space::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::EmptyName`], [`Error::Choices`] unless there are two choices or more, all named and all different.
+    pub fn categorical(
+        name: impl Into<String>,
+        choices: impl IntoIterator<Item = impl Into<String>>,
+    ) -> Result<Self, Error> {
+        let choices: Vec<String> = choices.into_iter().map(Into::into).collect();
+        let name = name.into();
+        if name.trim().is_empty() {
+            return Err(Error::EmptyName { unit: String::new(), lower: 0.0, upper: choices.len() as f64 });
+        }
+        let count = u32::try_from(choices.len()).unwrap_or(u32::MAX);
+        let fault = |choice: &str, expected| {
+            Err(Error::Choices { parameter: name.clone(), choice: choice.to_owned(), expected })
+        };
+        if !(2..=Self::MOST_CHOICES).contains(&count) {
+            return fault("", "2 to 1000 choices");
+        }
+        for (place, choice) in choices.iter().enumerate() {
+            if choice.trim().is_empty() || choice.trim() != choice {
+                return fault(choice, "names without blanks around them");
+            }
+            if choices[..place].contains(choice) {
+                return fault(choice, "each choice once");
+            }
+        }
+        Ok(Self {
+            choices: Some(choices),
+            ..Self::continuous(name, "", 0.0, f64::from(count - 1))?.with_levels(count)?
+        })
+    }
+
+    /// More choices than these are a slip.
+    const MOST_CHOICES: u32 = 1000;
+
+    /// What can be chosen, if it is a choice and no number.
+    #[must_use]
+    pub fn choices(&self) -> Option<&[String]> {
+        self.choices.as_deref()
+    }
+
+    /// The name of the choice at this natural coordinate; none for a number, or between two choices.
+    #[must_use]
+    pub fn choice(&self, natural: f64) -> Option<&str> {
+        let mut choices = (0_u32..).zip(self.choices()?);
+        choices.find(|(place, _)| (f64::from(*place) - natural).abs() < 0.5e-9).map(|(_, choice)| choice.as_str())
+    }
+
+    /// The natural coordinate of the choice of this name.
+    #[must_use]
+    pub fn of_choice(&self, name: &str) -> Option<f64> {
+        self.choices()?.iter().position(|choice| choice == name).map(|place| place as f64)
+    }
+
+    /// An error for a choice, where only numbers will do.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Categorical`].
+    pub fn check_number(&self) -> Result<(), Error> {
+        match self.choices {
+            Some(_) => Err(Error::Categorical { parameter: self.name.clone() }),
+            None => Ok(()),
+        }
     }
 
     /// The same parameter restricted to `count` equally spaced levels, both bounds included.
     ///
     /// # Errors
     ///
-    /// [`Error::TooFewLevels`] below two, [`Error::IndistinctLevels`] when neighboring levels would
+    /// [`Error::Categorical`], [`Error::TooFewLevels`] below two, [`Error::IndistinctLevels`] when neighboring levels would
     /// be within a few roundings of each other.
     pub fn with_levels(mut self, count: u32) -> Result<Self, Error> {
+        self.check_number()?;
         if count < 2 {
             return Err(Error::TooFewLevels { parameter: self.name, count });
         }
@@ -258,13 +340,23 @@ struct UncheckedParameter {
     upper: f64,
     #[serde(default)]
     levels: Levels,
+    #[serde(default)]
+    choices: Option<Vec<String>>,
 }
 
 impl TryFrom<UncheckedParameter> for Parameter {
     type Error = Error;
 
     fn try_from(unchecked: UncheckedParameter) -> Result<Self, Error> {
-        let UncheckedParameter { name, unit, lower, upper, levels } = unchecked;
+        let UncheckedParameter { name, unit, lower, upper, levels, choices } = unchecked;
+        if let Some(choices) = choices {
+            let parameter = Self::categorical(name, choices)?;
+            if (unit.as_str(), lower, upper, levels) == ("", 0.0, parameter.upper, parameter.levels) {
+                return Ok(parameter);
+            }
+            let expected = "no unit, and the places of the choices as levels, from 0";
+            return Err(Error::Choices { parameter: parameter.name, choice: String::new(), expected });
+        }
         let parameter = Self::continuous(name, unit, lower, upper)?;
         match levels {
             Levels::Continuous => Ok(parameter),

@@ -75,8 +75,10 @@ impl Space {
     ///
     /// # Errors
     ///
-    /// [`Error::Count`] for more parameters than [`Model::MOST_FACTORS`].
+    /// [`Error::Count`] for more parameters than [`Model::MOST_FACTORS`], [`Error::DesignSpace`] for a choice: its order means
+    /// nothing.
     pub fn of_region(region: &Region) -> Result<Self, Error> {
+        region.parameters().iter().try_for_each(crate::Parameter::check_number)?;
         let axis = |parameter: &crate::Parameter| match parameter.levels() {
             Levels::Continuous => Ok(Axis::Continuous),
             Levels::Count(count) => Axis::equally_spaced(count),

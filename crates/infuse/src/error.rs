@@ -262,6 +262,34 @@ pub enum Error {
         /// What is allowed.
         expected: &'static str,
     },
+    /// A constraint that cannot be used.
+    #[error("constraint `{constraint}`: `{field}` is {value}, expected {expected}")]
+    Constraint {
+        /// Its name, or number.
+        constraint: String,
+        /// The field at fault.
+        field: &'static str,
+        /// The value given.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// Constraints on the settings that no design keeps to.
+    #[error("no design that was found keeps to all {n_constraints} linear constraints, expected some that do")]
+    NoDesignAllowed {
+        /// How many constraints there are.
+        n_constraints: usize,
+    },
+    /// A value of a constrained response that cannot be used.
+    #[error("trial {id}: `{constraint}` is {value}, expected a number of at most 1e100 in magnitude")]
+    ConstrainedValue {
+        /// The trial.
+        id: TrialId,
+        /// The name of the constraint.
+        constraint: String,
+        /// The value given.
+        value: f64,
+    },
     /// Nothing to identify anything from.
     #[error(
         "there is no measurement (experiments that failed: {n_failed}), expected at least one experiment with readings"

@@ -33,9 +33,10 @@ impl CodesignProblem {
     ///
     /// # Errors
     ///
-    /// [`Error::WrongLength`].
+    /// [`Error::WrongLength`], [`Error::DesignSpace`] for a parameter that is a choice: nothing is between two of them.
     pub fn new(region: Region, roles: Vec<Role>) -> Result<Self, Error> {
         check_length("roles", region.n_parameters(), roles.len())?;
+        region.parameters().iter().try_for_each(design_space::Parameter::check_number)?;
         Ok(Self { region, roles })
     }
 

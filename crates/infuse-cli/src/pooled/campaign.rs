@@ -262,7 +262,7 @@ impl Campaign {
     /// Lets the loop answer, with all that was told.
     pub(super) fn with_loop<T>(
         &self,
-        read: impl FnOnce(&mut Loop, Option<&mut Simulate<'_>>) -> Result<T, infuse::Error>,
+        read: impl FnOnce(&mut Loop, Option<&mut dyn Simulate>) -> Result<T, infuse::Error>,
     ) -> Result<T> {
         let access = self.access()?;
         let mut now = self.now.borrow_mut();

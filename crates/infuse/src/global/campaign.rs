@@ -44,6 +44,7 @@ impl Loop {
     /// [`Settings::validate`].
     pub fn new(region: &Region, settings: Settings) -> Result<Self, Error> {
         settings.validate(region)?;
+        region.parameters().iter().try_for_each(design_space::Parameter::check_number)?;
         let cells = Cells::of(region)?;
         let retained = RetainedSet::full(cells.n_cells());
         let (history, surfaces) = (Vec::new(), Vec::new());

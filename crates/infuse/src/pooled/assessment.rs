@@ -7,10 +7,11 @@ use surface::process::SimulationUse;
 
 use crate::Error;
 use crate::pooled::certificate::{Certificate, Draws};
+use crate::pooled::held::{Expected, FEASIBLE, UNKNOWN};
 use crate::pooled::knowledge::{Knowledge, Reading};
 use crate::pooled::knowledge_gradient::{Picks, pick};
 use crate::pooled::outliers::{Outlier, Readings, outliers};
-use crate::pooled::pool::{FEASIBLE, Pool};
+use crate::pooled::pool::Pool;
 use crate::pooled::recommendation::lowest_mean;
 use crate::pooled::settings::Settings;
 use crate::pooled::streams::{Purpose, stream};
@@ -32,15 +33,31 @@ pub struct Standing {
     pub measured: Option<f64>,
     /// Probability that an experiment there gives a response.
     pub feasible: f64,
-    /// Probability that it is better than the recommended design; 0 for that one.
+    /// Probability that it is better than the recommended design and keeps to every constraint; 0 for that one.
     pub probability_better: f64,
     /// Whether it may still be the best: it is better than the recommended one with a probability of at least 1 − the
     /// certificate's, and an experiment there gives a response with a probability of at least 0.75.
     pub may_be_best: bool,
+    /// Each constrained response there, in the order of the constraints.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constrained: Vec<Constrained>,
+    /// Whether it keeps to every constraint with the probability that is asked for, and gives a response with 0.75.
+    pub suffices: bool,
+}
+
+/// What is known of a constrained response at one design.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Constrained {
+    /// What is expected, and the standard deviation of that without the noise of a reading; none before its first reading.
+    pub expected: Option<(f64, f64)>,
+    /// Probability that the design keeps to the bounds.
+    pub within: f64,
+    /// Mean of its readings there.
+    pub measured: Option<f64>,
 }
 
 /// What is expected at one design.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Expectation {
     /// The response.
     pub mean: f64,
@@ -48,6 +65,9 @@ pub struct Expectation {
     pub deviation: f64,
     /// Probability that an experiment there gives a response.
     pub feasible: f64,
+    /// Each constrained response there, in the order of the constraints; `measured` is not looked up.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constrained: Vec<Constrained>,
 }
 
 /// The lowest mean of readings at one design, where it contradicts the recommendation.
@@ -117,22 +137,22 @@ impl Look {
         settings: &Settings,
         batch: usize,
     ) -> Result<Self, Error> {
-        let (set_aside, readings) = (&readings.set_aside, &readings.kept[..]);
+        let (constrained, set_aside, readings) = (&readings.constrained, &readings.set_aside, &readings.kept[..]);
         let open = outliers(knowledge, readings, settings)?;
         let n_runs = |cell: Cell| readings.iter().filter(|reading| reading.cell == cell).count();
         let suspects = readings.iter().filter(|reading| open.iter().any(|outlier| outlier.reading == reading.number));
         let again = suspects.map(|reading| reading.cell).filter(|&cell| n_runs(cell) <= MOST_RUNS).collect();
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
-        let cell = lowest_mean(knowledge, &pool)?;
+        let cell = lowest_mean(knowledge, &pool, settings.seed, batch)?;
         let draws = Draws::of(knowledge, &pool, cell, readings, settings.seed, batch)?;
         let certificate = draws.certificate(settings.confidence);
-        let recommended = standing(knowledge, readings, cell, cell, settings.confidence)?;
+        let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
         let assessment = Assessment {
             noise: knowledge.process.noise(),
             n_repeats: knowledge.process.sites().n_repeats(),
             left: share_left(knowledge, &pool, cell, settings.confidence)?,
             simulation: simulation_worth(knowledge, readings)?,
-            contradiction: contradiction(knowledge, readings, &recommended, settings.confidence)?,
+            contradiction: contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?,
             outliers: set_aside.iter().copied().chain(open).collect(),
             recommended,
             certificate,
@@ -148,14 +168,14 @@ impl Look {
         settings: &Settings,
         pending: &[Cell],
         batch: usize,
-    ) -> Picks {
+    ) -> Result<Picks, Error> {
         let scramble = stream(settings.seed, Purpose::KnowledgeGradient, batch).random();
-        let mut picks = pick(knowledge, &self.pool, pending, settings.n_experiments, scramble);
+        let mut picks = pick(knowledge, &self.pool, pending, settings.n_experiments, scramble)?;
         // What is far from all others is run again first.
         for (pick, again) in picks.cells.iter_mut().zip(&self.again) {
             *pick = *again;
         }
-        picks
+        Ok(picks)
     }
 
     /// The assessment with the batches that it still takes, where it is said what one is worth.
@@ -165,12 +185,15 @@ impl Look {
         settings: &Settings,
         pending: &[Cell],
         batch: usize,
-    ) -> Assessment {
-        let further_batches = settings.worth.map(|worth| match self.assessment.certificate.bound {
-            bound if bound <= worth => 0,
-            bound => further(bound, worth, self.picks(knowledge, settings, pending, batch).remaining),
-        });
-        Assessment { further_batches, ..self.assessment }
+    ) -> Result<Assessment, Error> {
+        let further_batches = match (settings.worth, self.assessment.certificate.bound) {
+            (None, _) => None,
+            (Some(worth), bound) if bound <= worth => Some(0),
+            (Some(worth), bound) => {
+                Some(further(bound, worth, self.picks(knowledge, settings, pending, batch)?.remaining))
+            }
+        };
+        Ok(Assessment { further_batches, ..self.assessment })
     }
 }
 
@@ -184,18 +207,28 @@ fn further(bound: f64, worth: f64, remaining: f64) -> u64 {
 pub(crate) fn standing(
     knowledge: &mut Knowledge<'_, '_>,
     readings: &[Reading],
+    constrained: &[Vec<Reading>],
     cell: Cell,
     recommended: Cell,
     confidence: f64,
 ) -> Result<Standing, Error> {
-    let places = knowledge.places(&[recommended, cell])?;
+    let cells = [recommended, cell];
+    let places = knowledge.places(&cells)?;
     let marginals = knowledge.marginals(&places);
-    let feasible = knowledge.feasible(&[recommended, cell], &places)[1];
-    let probability_better = if cell == recommended { 0.0 } else { better(knowledge, &places)[1] };
+    let chances = knowledge.chances(&cells, &places)?;
+    let feasible = chances.responding[1];
+    let better = || better(knowledge, &places)[1] * chances.within[1];
+    let probability_better = if cell == recommended { 0.0 } else { better() };
     let here: Vec<f64> =
         readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response).collect();
     let n_readings = here.len();
     let may_be_best = cell == recommended || (feasible >= FEASIBLE && probability_better >= 1.0 - confidence);
+    let mut of_constraints = constrained_at(knowledge, &[cell])?.remove(0);
+    for (one, readings) in of_constraints.iter_mut().zip(constrained) {
+        let here = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response);
+        let n = here.clone().count() as f64;
+        one.measured = (n > 0.0).then(|| here.sum::<f64>() / n);
+    }
     Ok(Standing {
         cell,
         point: knowledge.designs.grid().point(cell)?,
@@ -206,7 +239,23 @@ pub(crate) fn standing(
         feasible,
         probability_better,
         may_be_best,
+        constrained: of_constraints,
+        suffices: chances.suffices[1],
     })
+}
+
+/// What is known of each constrained response at each of the cells.
+pub(crate) fn constrained_at(knowledge: &Knowledge<'_, '_>, cells: &[Cell]) -> Result<Vec<Vec<Constrained>>, Error> {
+    let of_each = knowledge.expected_of_each(cells)?;
+    let at = |place: usize| {
+        let one = |expected: &Option<Expected>| Constrained {
+            expected: expected.as_ref().map(|expected| (expected.means[place], expected.deviations[place])),
+            within: expected.as_ref().map_or(UNKNOWN, |expected| expected.within[place]),
+            measured: None,
+        };
+        of_each.iter().map(one).collect()
+    };
+    Ok((0..cells.len()).map(at).collect())
 }
 
 /// Probability of each place to be better than the first, over all particles.
@@ -226,18 +275,16 @@ fn share_left(
     recommended: Cell,
     confidence: f64,
 ) -> Result<f64, Error> {
-    let cells: Vec<Cell> = if knowledge.designs.n_cells() <= COUNTED {
-        knowledge.designs.grid().cells().collect()
-    } else {
-        pool.random.clone()
-    };
+    let cells: Vec<Cell> =
+        if knowledge.designs.n_cells() <= COUNTED { knowledge.designs.cells().collect() } else { pool.random.clone() };
     let n = cells.len();
     let with_recommended: Vec<Cell> = std::iter::once(recommended).chain(cells).collect();
     let places = knowledge.places(&with_recommended)?;
-    let feasible = knowledge.feasible(&with_recommended, &places);
+    let chances = knowledge.chances(&with_recommended, &places)?;
     let better = better(knowledge, &places);
     let left = |row: &usize| {
-        with_recommended[*row] == recommended || (better[*row] >= 1.0 - confidence && feasible[*row] >= FEASIBLE)
+        let is_better = better[*row] * chances.within[*row] >= 1.0 - confidence;
+        with_recommended[*row] == recommended || (is_better && chances.responding[*row] >= FEASIBLE)
     };
     let counted = (1..=n).filter(left).count();
     Ok((counted as f64 / n as f64).max(1.0 / knowledge.designs.n_cells() as f64))
@@ -284,6 +331,7 @@ fn squared_correlation(a: &[f64], b: &[f64]) -> f64 {
 fn contradiction(
     knowledge: &mut Knowledge<'_, '_>,
     readings: &[Reading],
+    constrained: &[Vec<Reading>],
     recommended: &Standing,
     confidence: f64,
 ) -> Result<Option<Contradiction>, Error> {
@@ -296,7 +344,7 @@ fn contradiction(
         }
     }
     let mut most: Option<(f64, Cell)> = None;
-    for &cell in &knowledge.measured {
+    for &cell in knowledge.measured.iter().filter(|&&cell| keeps(knowledge, constrained, cell)) {
         let here = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response);
         let n = here.clone().count() as f64;
         let error = (noise * noise / n + recommended.deviation.powi(2)).sqrt();
@@ -308,6 +356,15 @@ fn contradiction(
     let Some((deviations, cell)) = most else {
         return Ok(None);
     };
-    let standing = standing(knowledge, readings, cell, recommended.cell, confidence)?;
+    let standing = standing(knowledge, readings, constrained, cell, recommended.cell, confidence)?;
     Ok(Some(Contradiction { standing, deviations }))
+}
+
+/// Whether what was measured at a cell, if anything, keeps to every constraint in the mean.
+fn keeps(knowledge: &Knowledge<'_, '_>, constrained: &[Vec<Reading>], cell: Cell) -> bool {
+    knowledge.held.iter().zip(constrained).all(|(held, readings)| {
+        let here = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response);
+        let n = here.clone().count();
+        n == 0 || held.constraint.allows(here.sum::<f64>() / n as f64)
+    })
 }

@@ -1,20 +1,21 @@
 //! A campaign of the pooled loop, as ask and tell.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use design_space::{Cell, Grid, Region};
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
 use crate::global::trial::{NEAR_THE_REGION, far_setting};
-use crate::pooled::assessment::{Assessment, Expectation, Look, Standing, standing};
+use crate::pooled::assessment::{Assessment, Constrained, Expectation, Look, Standing, constrained_at, standing};
 use crate::pooled::designs::Designs;
 use crate::pooled::first_batch::{first_batch, spread};
-use crate::pooled::knowledge::{Knowledge, Reading};
+use crate::pooled::knowledge::{Knowledge, Measurements, Reading};
 use crate::pooled::outliers::{Readings, set_aside, surprises};
 use crate::pooled::pool::Pool;
+use crate::pooled::recommendation::lowest_mean;
 use crate::pooled::settings::Settings;
-use crate::pooled::simulated::{Emulator, Simulate, Simulated, Source};
+use crate::pooled::simulated::{Emulator, Responses, Simulate, Simulated, Source};
 use crate::pooled::streams::{Purpose, stream};
 use crate::{Error, Outcome, TrialId};
 
@@ -43,6 +44,9 @@ pub struct Earlier {
     pub point: Vec<f64>,
     /// The response that it gave, or why it gave none.
     pub outcome: Outcome,
+    /// Its constrained responses, in the order of the constraints, as far as they were measured.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constrained: Vec<Option<f64>>,
     /// Where it comes from, in the experimenter's own words.
     pub source: String,
 }
@@ -84,6 +88,10 @@ pub struct Loop {
     simulated: Simulated,
     /// Cells to simulate before the next batch.
     due: Vec<Cell>,
+    /// The constrained responses of trials, as far as they were measured.
+    constrained: BTreeMap<TrialId, Vec<Option<f64>>>,
+    /// Designs that nobody can build.
+    refused: BTreeSet<Cell>,
 }
 
 impl Loop {
@@ -91,11 +99,21 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::DesignSpace`] for 2⁶⁴ designs or more, by levels alone, and those of [`Settings::validate`].
+    /// [`Error::DesignSpace`] for 2⁶⁴ designs or more, by levels alone, [`Error::NoDesignAllowed`], and those of
+    /// [`Settings::validate`].
     pub fn new(region: &Region, settings: Settings) -> Result<Self, Error> {
         settings.validate()?;
-        let (records, earlier, due) = (Vec::new(), Vec::new(), Vec::new());
-        Ok(Self { designs: Designs::of(region)?, settings, records, earlier, simulated: Simulated::default(), due })
+        let mut rng = stream(settings.seed, Purpose::Designs, 0);
+        Ok(Self {
+            designs: Designs::of(region, &settings.linear_constraints, &mut rng)?,
+            settings,
+            records: Vec::new(),
+            earlier: Vec::new(),
+            simulated: Simulated::default(),
+            due: Vec::new(),
+            constrained: BTreeMap::new(),
+            refused: BTreeSet::new(),
+        })
     }
 
     /// The settings.
@@ -108,9 +126,13 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// Those of [`Settings::validate`]; the settings are then as before.
+    /// Those of [`Settings::validate`], [`Error::NoDesignAllowed`]; the settings are then as before.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
+        if settings.linear_constraints != self.settings.linear_constraints {
+            let mut rng = stream(settings.seed, Purpose::Designs, 0);
+            self.designs.keep_to(&settings.linear_constraints, &mut rng)?;
+        }
         self.settings = settings;
         Ok(())
     }
@@ -166,7 +188,7 @@ impl Loop {
     /// # Errors
     ///
     /// [`Error::Surface`] if the responses cannot be fitted. The state is then as before.
-    pub fn ask(&mut self, simulate: Option<&mut Simulate<'_>>) -> Result<Ask, Error> {
+    pub fn ask(&mut self, simulate: Option<&mut dyn Simulate>) -> Result<Ask, Error> {
         let trials = self.outstanding();
         if trials.is_empty() && self.due.is_empty() {
             return self.ask_more(simulate);
@@ -180,7 +202,7 @@ impl Loop {
     /// # Errors
     ///
     /// Those of [`ask`](Self::ask).
-    pub fn ask_more(&mut self, simulate: Option<&mut Simulate<'_>>) -> Result<Ask, Error> {
+    pub fn ask_more(&mut self, simulate: Option<&mut dyn Simulate>) -> Result<Ask, Error> {
         let batch = self.batch();
         if batch >= self.settings.max_batches {
             return Ok(Ask::Stopped(StopReason::MaxBatches));
@@ -192,13 +214,13 @@ impl Loop {
             self.due.dedup();
             return Ok(Ask::Run { trials: self.outstanding(), simulations: self.due.clone() });
         }
-        let (readings, failed) = (self.readings()?, self.failed_cells()?);
+        let measurements = self.measurements()?;
         let (settings, designs) = (&self.settings, &self.designs);
         let mut source = source(settings, designs, &self.simulated, simulate)?;
         // Too few to tell even a plane from its noise.
-        let (cells, due) = if readings.len() < designs.n_factors() + 2 {
+        let (cells, due) = if measurements.readings.len() < designs.n_factors() + 2 {
             let simulated = &mut self.simulated;
-            let mut tested = failed;
+            let Measurements { readings, failed: mut tested, .. } = measurements;
             tested.extend(readings.iter().map(|reading| reading.cell).chain(pending_cells(&self.records)));
             let cells = first_batch(designs, settings, &tested, simulated, &mut source)?;
             let due = cells.iter().copied().filter(|&cell| settings.simulations.is_some() && !simulated.contains(cell));
@@ -207,12 +229,12 @@ impl Loop {
         } else {
             let pending = pending_cells(&self.records);
             let simulated = &mut self.simulated;
-            let (mut knowledge, readings) = learnt(readings, &failed, designs, settings, simulated, source)?;
+            let (mut knowledge, readings) = learnt(measurements, designs, settings, simulated, source)?;
             let look = Look::at(&mut knowledge, &readings, settings, batch)?;
             if settings.worth.is_some_and(|worth| look.assessment.certificate.bound <= worth) {
                 return Ok(Ask::Stopped(StopReason::NotWorthIt));
             }
-            let cells = look.picks(&knowledge, settings, &pending, batch).cells;
+            let cells = look.picks(&knowledge, settings, &pending, batch)?.cells;
             let due = match settings.simulations {
                 Some(budget) => simulations_of_a_batch(&knowledge, &look.pool, &cells, budget)?,
                 None => Vec::new(),
@@ -276,9 +298,73 @@ impl Loop {
     /// [`Error::DesignSpace`] for a cell that does not exist.
     pub fn tell_simulation(&mut self, cell: Cell, outcome: &Outcome) -> Result<(), Error> {
         self.designs.grid().digits(cell)?;
-        self.simulated.insert(cell, outcome);
+        self.simulated.insert(cell, outcome.cost().map(Responses::from));
         self.due.retain(|&due| due != cell);
         Ok(())
+    }
+
+    /// The responses of a simulation, the constrained ones among them, handed out or not.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DesignSpace`] for a cell that does not exist, [`Error::WrongLength`] for more values than constraints.
+    pub fn tell_simulated(&mut self, cell: Cell, responses: Responses) -> Result<(), Error> {
+        self.designs.grid().digits(cell)?;
+        self.check_constrained(&responses.constrained)?;
+        self.simulated.insert(cell, Some(responses));
+        self.due.retain(|&due| due != cell);
+        Ok(())
+    }
+
+    /// The constrained responses of a trial, in the order of the [constraints](Settings::constraints), none where one was not
+    /// measured. Before or after its [outcome](Self::tell), and as often as there is something to put right.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownTrial`], [`Error::WrongLength`] for more values than constraints, [`Error::ConstrainedValue`]. The state
+    /// is then as before.
+    pub fn tell_constrained(&mut self, id: TrialId, values: &[Option<f64>]) -> Result<(), Error> {
+        if !self.records.iter().any(|record| record.trial.id == id) {
+            return Err(Error::UnknownTrial { id });
+        }
+        self.check_constrained(values)?;
+        let unusable = |value: &f64| value.is_nan() || value.abs() > surface::Data::LARGEST;
+        for (constraint, value) in self.settings.constraints.iter().zip(values) {
+            if let Some(value) = value.filter(unusable) {
+                return Err(Error::ConstrainedValue { id, constraint: constraint.name.clone(), value });
+            }
+        }
+        self.constrained.insert(id, values.to_vec());
+        Ok(())
+    }
+
+    /// The constrained responses of a trial, in the order of the constraints, as far as they were measured.
+    #[must_use]
+    pub fn constrained(&self, id: TrialId) -> &[Option<f64>] {
+        self.constrained.get(&id).map_or(&[], Vec::as_slice)
+    }
+
+    fn check_constrained(&self, values: &[Option<f64>]) -> Result<(), Error> {
+        let (expected, found) = (self.settings.constraints.len(), values.len());
+        if found <= expected { Ok(()) } else { Err(Error::WrongLength { name: "constrained", expected, found }) }
+    }
+
+    /// A design that nobody can build: it is neither asked for nor recommended, and its neighbors are suspected. Trials of it that
+    /// are outstanding stay.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DesignSpace`] for a cell that does not exist.
+    pub fn refuse(&mut self, cell: Cell) -> Result<(), Error> {
+        self.designs.grid().digits(cell)?;
+        self.refused.insert(cell);
+        Ok(())
+    }
+
+    /// Whether a cell keeps to the linear constraints, and was not refused.
+    #[must_use]
+    pub fn allows(&self, cell: Cell) -> bool {
+        self.designs.allows(cell) && !self.refused.contains(&cell)
     }
 
     /// Forgets every simulation: the simulator was changed.
@@ -292,14 +378,24 @@ impl Loop {
     /// # Errors
     ///
     /// [`Error::DesignSpace`] for a wrong number of settings, [`Error::EarlierSetting`] for one more than half a parameter's
-    /// width outside of its bounds, [`Error::Setting`] for a response that is not finite or beyond 1e100.
-    pub fn add_earlier(&mut self, point: &[f64], response: f64, source: impl Into<String>) -> Result<(), Error> {
+    /// width outside of its bounds, [`Error::Setting`] for a response that is not finite or beyond 1e100,
+    /// [`Error::WrongLength`] for more constrained responses than constraints.
+    pub fn add_earlier(
+        &mut self,
+        point: &[f64],
+        responses: impl Into<Responses>,
+        source: impl Into<String>,
+    ) -> Result<(), Error> {
         self.check_earlier(point)?;
-        if response.is_nan() || response.abs() > surface::Data::LARGEST {
+        let Responses { objective, constrained } = responses.into();
+        self.check_constrained(&constrained)?;
+        let values = constrained.iter().flatten().chain([&objective]);
+        if let Some(&value) = values.into_iter().find(|value| value.is_nan() || value.abs() > surface::Data::LARGEST) {
             let expected = "a response of at most 1e100 in magnitude";
-            return Err(Error::Setting { name: "response", value: response, expected });
+            return Err(Error::Setting { name: "response", value, expected });
         }
-        self.earlier.push(Earlier { point: point.to_vec(), outcome: Outcome::Value(response), source: source.into() });
+        let (point, outcome) = (point.to_vec(), Outcome::Value(objective));
+        self.earlier.push(Earlier { point, outcome, constrained, source: source.into() });
         Ok(())
     }
 
@@ -317,7 +413,8 @@ impl Loop {
     ) -> Result<(), Error> {
         self.check_earlier(point)?;
         let outcome = Outcome::Failed { reason: reason.into() };
-        self.earlier.push(Earlier { point: point.to_vec(), outcome, source: source.into() });
+        let (point, constrained) = (point.to_vec(), Vec::new());
+        self.earlier.push(Earlier { point, outcome, constrained, source: source.into() });
         Ok(())
     }
 
@@ -340,10 +437,10 @@ impl Loop {
     /// # Errors
     ///
     /// [`Error::Surface`] if the responses cannot be fitted.
-    pub fn assess(&mut self, simulate: Option<&mut Simulate<'_>>) -> Result<Option<Assessment>, Error> {
+    pub fn assess(&mut self, simulate: Option<&mut dyn Simulate>) -> Result<Option<Assessment>, Error> {
         let pending = pending_cells(&self.records);
         self.with_knowledge(simulate, |knowledge, readings, settings, batch| {
-            Ok(Look::at(knowledge, readings, settings, batch)?.with_prospect(knowledge, settings, &pending, batch))
+            Look::at(knowledge, readings, settings, batch)?.with_prospect(knowledge, settings, &pending, batch)
         })
     }
 
@@ -355,14 +452,15 @@ impl Loop {
     pub fn standings(
         &mut self,
         cells: &[Cell],
-        simulate: Option<&mut Simulate<'_>>,
+        simulate: Option<&mut dyn Simulate>,
     ) -> Result<Option<Vec<Standing>>, Error> {
         self.with_knowledge(simulate, |knowledge, readings, settings, batch| {
             let pool = Pool::gather(knowledge, settings.seed, batch)?;
-            let recommended = crate::pooled::recommendation::lowest_mean(knowledge, &pool)?;
+            let recommended = lowest_mean(knowledge, &pool, settings.seed, batch)?;
+            let constrained = &readings.constrained;
             cells
                 .iter()
-                .map(|&cell| standing(knowledge, &readings.kept, cell, recommended, settings.confidence))
+                .map(|&cell| standing(knowledge, &readings.kept, constrained, cell, recommended, settings.confidence))
                 .collect::<Result<Vec<_>, _>>()
         })
     }
@@ -375,16 +473,15 @@ impl Loop {
     pub fn expectations(
         &mut self,
         cells: &[Cell],
-        simulate: Option<&mut Simulate<'_>>,
+        simulate: Option<&mut dyn Simulate>,
     ) -> Result<Option<Vec<Expectation>>, Error> {
         self.with_knowledge(simulate, |knowledge, _, _, _| {
             let places = knowledge.places(cells)?;
-            let (marginals, feasible) = (knowledge.marginals(&places), knowledge.feasible(cells, &places));
-            let pairs = marginals.means.into_iter().zip(marginals.variances).zip(feasible);
-            let expectation = |((mean, variance), feasible): ((f64, f64), f64)| Expectation {
-                mean,
-                deviation: variance.sqrt(),
-                feasible,
+            let (marginals, chances) = (knowledge.marginals(&places), knowledge.chances(cells, &places)?);
+            let pairs = marginals.means.into_iter().zip(marginals.variances).zip(chances.responding);
+            let pairs = pairs.zip(constrained_at(knowledge, cells)?);
+            let expectation = |(((mean, variance), feasible), constrained): (((f64, f64), f64), Vec<Constrained>)| {
+                Expectation { mean, deviation: variance.sqrt(), feasible, constrained }
             };
             Ok(pairs.map(expectation).collect())
         })
@@ -396,7 +493,7 @@ impl Loop {
     /// # Errors
     ///
     /// [`Error::Surface`] if the responses cannot be fitted.
-    pub fn surprises(&mut self, simulate: Option<&mut Simulate<'_>>) -> Result<Option<Vec<f64>>, Error> {
+    pub fn surprises(&mut self, simulate: Option<&mut dyn Simulate>) -> Result<Option<Vec<f64>>, Error> {
         let n = self.readings()?.len();
         self.with_knowledge(simulate, |knowledge, readings, _, _| {
             let mut all = vec![0.0; n];
@@ -412,17 +509,17 @@ impl Loop {
 
     fn with_knowledge<T>(
         &mut self,
-        simulate: Option<&mut Simulate<'_>>,
+        simulate: Option<&mut dyn Simulate>,
         read: impl FnOnce(&mut Knowledge<'_, '_>, &Readings, &Settings, usize) -> Result<T, Error>,
     ) -> Result<Option<T>, Error> {
-        let readings = self.readings()?;
-        if readings.is_empty() {
+        let measurements = self.measurements()?;
+        if measurements.readings.is_empty() {
             return Ok(None);
         }
-        let (batch, failed) = (self.batch(), self.failed_cells()?);
+        let batch = self.batch();
         let (settings, designs) = (&self.settings, &self.designs);
         let source = source(settings, designs, &self.simulated, simulate)?;
-        let (mut knowledge, readings) = learnt(readings, &failed, designs, settings, &mut self.simulated, source)?;
+        let (mut knowledge, readings) = learnt(measurements, designs, settings, &mut self.simulated, source)?;
         read(&mut knowledge, &readings, settings, batch).map(Some)
     }
 
@@ -433,7 +530,7 @@ impl Loop {
     /// Those of [`ask`](Self::ask) and [`tell`](Self::tell).
     pub fn run(
         &mut self,
-        simulate: &mut Simulate<'_>,
+        simulate: &mut dyn Simulate,
         experiment: &mut impl FnMut(&Trial) -> Result<f64, String>,
     ) -> Result<StopReason, Error> {
         loop {
@@ -442,8 +539,9 @@ impl Loop {
                 Ask::Run { trials, simulations } => (trials, simulations),
             };
             for cell in simulations {
-                let outcome = simulate(cell, &self.designs.grid().point(cell)?).into();
-                self.tell_simulation(cell, &outcome)?;
+                let said = simulate.simulate(cell, &self.designs.grid().point(cell)?);
+                self.simulated.insert(cell, said.ok());
+                self.due.retain(|&due| due != cell);
             }
             for trial in trials {
                 self.tell(trial.id, experiment(&trial).into())?;
@@ -484,8 +582,28 @@ impl Loop {
             Some(actual) => self.reading(actual, response),
             None => {
                 let cell = record.trial.cell;
-                Ok(Reading { coded: self.designs.grid().coded(cell)?, cell, response, number: 0 })
+                Ok(Reading { coded: self.designs.coded_of(cell)?, cell, response, number: 0 })
             }
+        });
+        let numbered = |(number, reading): (usize, Result<Reading, Error>)| Ok(Reading { number, ..reading? });
+        earlier.chain(own).enumerate().map(numbered).collect()
+    }
+
+    /// All that was measured.
+    fn measurements(&self) -> Result<Measurements, Error> {
+        let mut failed = self.failed_cells()?;
+        failed.extend(&self.refused);
+        let constrained = (0..self.settings.constraints.len()).map(|index| self.constrained_readings(index));
+        Ok(Measurements { readings: self.readings()?, constrained: constrained.collect::<Result<_, _>>()?, failed })
+    }
+
+    /// All readings of a constrained response: earlier ones first.
+    fn constrained_readings(&self, index: usize) -> Result<Vec<Reading>, Error> {
+        let value = |values: &[Option<f64>]| values.get(index).copied().flatten();
+        let earlier = self.earlier.iter().filter_map(|one| Some(self.reading(&one.point, value(&one.constrained)?)));
+        let own = self.records.iter().filter_map(|record| {
+            let response = value(self.constrained(record.trial.id))?;
+            Some(self.reading(record.actual.as_ref().unwrap_or(&record.trial.point), response))
         });
         let numbered = |(number, reading): (usize, Result<Reading, Error>)| Ok(Reading { number, ..reading? });
         earlier.chain(own).enumerate().map(numbered).collect()
@@ -505,7 +623,7 @@ impl Loop {
     /// A response at natural settings, on the grid or off it.
     fn reading(&self, point: &[f64], response: f64) -> Result<Reading, Error> {
         let cell = self.designs.grid().nearest(&self.region().clamp(point)?)?;
-        let (on_grid, here) = (self.designs.grid().coded(cell)?, self.region().coded(point)?);
+        let (on_grid, here) = (self.designs.coded_of(cell)?, self.designs.coded_point(point)?);
         // Settings of the grid, however they were written, are those of the grid.
         let same = on_grid.iter().zip(&here).all(|(a, b)| (a - b).abs() < 1e-9);
         Ok(Reading { coded: if same { on_grid } else { here }, cell, response, number: 0 })
@@ -513,31 +631,31 @@ impl Loop {
 }
 
 /// What follows from readings, but for those that are set aside.
-fn learnt<'a, 'b>(
-    mut readings: Vec<Reading>,
-    failed: &BTreeSet<Cell>,
+fn learnt<'a, 's>(
+    mut measurements: Measurements,
     designs: &'a Designs,
     settings: &Settings,
     simulated: &'a mut Simulated,
-    source: Source<'a, 'b>,
-) -> Result<(Knowledge<'a, 'b>, Readings), Error> {
-    let mut knowledge = Knowledge::of(&readings, failed, designs, settings, simulated, source)?;
-    let set_aside = set_aside(&mut knowledge, &mut readings, settings)?;
+    source: Source<'s>,
+) -> Result<(Knowledge<'a, 's>, Readings), Error> {
+    let mut knowledge = Knowledge::of(&measurements, designs, settings, simulated, source)?;
+    let set_aside = set_aside(&mut knowledge, &mut measurements.readings, settings)?;
     if !set_aside.is_empty() {
-        knowledge = knowledge.through(&readings, failed, settings)?;
+        knowledge = knowledge.through(&measurements, settings)?;
     }
-    Ok((knowledge, Readings { kept: readings, set_aside }))
+    let Measurements { readings: kept, constrained, .. } = measurements;
+    Ok((knowledge, Readings { kept, constrained, set_aside }))
 }
 
 /// Where simulated responses come from.
-fn source<'a, 'b>(
+fn source<'a>(
     settings: &Settings,
     designs: &Designs,
     simulated: &Simulated,
-    simulate: Option<&'a mut Simulate<'b>>,
-) -> Result<Source<'a, 'b>, Error> {
+    simulate: Option<&'a mut dyn Simulate>,
+) -> Result<Source<'a>, Error> {
     Ok(match (settings.simulations, simulate) {
-        (Some(_), _) => Emulator::of(simulated, designs, settings.seed)?.map_or(Source::Nothing, Source::Emulated),
+        (Some(_), _) => Emulator::of(simulated, designs, settings)?.map_or(Source::Nothing, Source::Emulated),
         (None, Some(simulate)) => Source::Cheap(simulate),
         (None, None) => Source::Nothing,
     })

@@ -90,12 +90,13 @@ impl Draws {
         cells.retain(|&cell| cell != recommended);
         cells.insert(0, recommended);
         let places = knowledge.places(&cells)?;
+        let kept = Kept::of(knowledge, &cells, seed, batch)?;
         let of_each = knowledge.joint_of_each(&places);
         let doubts = knowledge.sceptic.as_ref().map(|sceptic| sceptic.joint_of_each(&places)).unwrap_or_default();
         let trust = Trust::after(readings.len(), knowledge.designs.n_factors());
         let first = of_each.len() as u128;
-        let believed = gains(&of_each, DRAWS, seed, batch, 0);
-        let doubted = gains(&doubts, DOUBTED, seed, batch, first);
+        let believed = gains(&of_each, DRAWS, seed, batch, 0, &kept);
+        let doubted = gains(&doubts, DOUBTED, seed, batch, first, &kept);
         let all = if doubted.is_empty() {
             Gains::of(vec![(believed.clone(), 1.0)])
         } else {
@@ -151,23 +152,73 @@ impl Gains {
     }
 }
 
+/// Which cells keep to their bounds, drawn from what is known of the constrained responses.
+struct Kept {
+    /// One list per draw; none where nothing is constrained.
+    draws: Vec<Vec<bool>>,
+}
+
+/// Draws of each constrained response.
+const KEPT: usize = 1080;
+
+impl Kept {
+    fn of(knowledge: &Knowledge<'_, '_>, cells: &[Cell], seed: u64, batch: usize) -> Result<Self, Error> {
+        if knowledge.held.is_empty() {
+            return Ok(Self { draws: Vec::new() });
+        }
+        let mut draws = vec![vec![true; cells.len()]; KEPT];
+        let joints = knowledge.constrained_joints(cells)?;
+        for (number, (held, joints)) in knowledge.held.iter().zip(joints).enumerate() {
+            // What nobody has measured may keep to its bounds or not.
+            let Some(joints) = joints else { continue };
+            let per_process = KEPT.div_ceil(joints.len().max(1));
+            let tasks: Vec<(u128, &Joint)> = (0..).zip(&joints).collect();
+            let drawn: Vec<Vec<Vec<f64>>> = tasks
+                .into_par_iter()
+                .map(|(process, joint)| {
+                    let mut rng = stream(seed, Purpose::Constraints, batch);
+                    rng.set_word_pos(((number as u128) << 60) | (process << 40));
+                    joint.draws(per_process, &mut rng)
+                })
+                .collect();
+            // Neighbors come from different processes, so that each meets each of the objective.
+            for (index, kept) in draws.iter_mut().enumerate() {
+                let (process, draw) = (index % drawn.len(), index / drawn.len());
+                kept.iter_mut()
+                    .zip(&drawn[process][draw])
+                    .for_each(|(kept, &value)| *kept &= held.constraint.allows(value));
+            }
+        }
+        Ok(Self { draws })
+    }
+
+    fn draw(&self, index: usize) -> Option<&[bool]> {
+        if self.draws.is_empty() { None } else { Some(&self.draws[index % self.draws.len()]) }
+    }
+}
+
 /// As many gains of each process, altogether at least `count`; the random numbers are those of the processes from `first` on.
-fn gains(of_each: &[Joint], count: usize, seed: u64, batch: usize, first: u128) -> Vec<f64> {
+fn gains(of_each: &[Joint], count: usize, seed: u64, batch: usize, first: u128, kept: &Kept) -> Vec<f64> {
     let per_process = count.div_ceil(of_each.len().max(1));
-    let tasks: Vec<_> = of_each.iter().zip(first..).collect();
+    let tasks: Vec<_> = of_each.iter().enumerate().zip(first..).collect();
     tasks
         .into_par_iter()
-        .flat_map_iter(|(joint, process)| {
+        .flat_map_iter(|((place, joint), process)| {
             let mut rng = stream(seed, Purpose::Certificate, batch);
             rng.set_word_pos(process << 40);
-            joint.draws(per_process, &mut rng).into_iter().map(|draw| gain(&draw))
+            let draws = joint.draws(per_process, &mut rng).into_iter().enumerate();
+            draws.map(move |(index, draw)| gain(&draw, kept.draw(place * per_process + index)))
         })
         .collect()
 }
 
-/// What the best of the cells is better by than the first.
-fn gain(draw: &[f64]) -> f64 {
-    draw[0] - draw.iter().copied().fold(f64::INFINITY, f64::min)
+/// What the best of the cells is better by than the first, of those that keep to their bounds.
+fn gain(draw: &[f64], kept: Option<&[bool]>) -> f64 {
+    let best = match kept {
+        None => draw.iter().copied().fold(f64::INFINITY, f64::min),
+        Some(kept) => draw.iter().zip(kept).filter(|(_, kept)| **kept).map(|(value, _)| *value).fold(draw[0], f64::min),
+    };
+    draw[0] - best
 }
 
 #[cfg(test)]

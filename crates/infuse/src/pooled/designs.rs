@@ -6,20 +6,32 @@ use rand_chacha::ChaCha8Rng;
 use surface::process::Places;
 
 use crate::Error;
+use crate::pooled::constraint::LinearConstraint;
 
-/// All designs: combinations of levels. A parameter without levels has as many as make no difference.
+/// All designs: combinations of levels that keep to the linear constraints. A parameter without levels has as many as make no
+/// difference.
 #[derive(Debug, Clone)]
 pub(crate) struct Designs {
     region: Region,
     grid: Grid,
+    constraints: Vec<LinearConstraint>,
+    /// A design that keeps to them.
+    allowed: Cell,
 }
+
+/// A design that keeps to the constraints is drawn so many times before one is built.
+const DRAWN: usize = 50;
+/// So many are built at most: the nearest point that keeps to them, and a level below or above.
+const BUILT: usize = 2000;
+/// Steps from constraint to constraint.
+const PROJECTIONS: usize = 200;
 
 impl Designs {
     /// Levels along a continuous parameter: steps of a thousandth of its width, or of the first of these shares with which all
     /// designs can be counted.
     pub(crate) const FINE: [u32; 7] = [1001, 501, 201, 101, 51, 21, 11];
 
-    pub(crate) fn of(region: &Region) -> Result<Self, Error> {
+    pub(crate) fn of(region: &Region, constraints: &[LinearConstraint], rng: &mut ChaCha8Rng) -> Result<Self, Error> {
         let with = |fine: u32| -> Result<Grid, Error> {
             let finely = |parameter: &Parameter| match parameter.levels() {
                 Levels::Count(_) => Ok(parameter.clone()),
@@ -31,7 +43,29 @@ impl Designs {
         let [finest, coarser @ ..] = Self::FINE;
         // The first refusal names what a person may change.
         let grid = with(finest).or_else(|error| coarser.into_iter().find_map(|fine| with(fine).ok()).ok_or(error))?;
-        Ok(Self { region: region.clone(), grid })
+        let mut designs = Self { region: region.clone(), grid, constraints: Vec::new(), allowed: Cell::new(0) };
+        designs.keep_to(constraints, rng)?;
+        Ok(designs)
+    }
+
+    /// The same designs but for those that break one of these constraints.
+    pub(crate) fn keep_to(&mut self, constraints: &[LinearConstraint], rng: &mut ChaCha8Rng) -> Result<(), Error> {
+        for (index, constraint) in constraints.iter().enumerate() {
+            constraint.validate(index + 1, self.region.n_parameters())?;
+            for (parameter, coefficient) in self.region.parameters().iter().zip(&constraint.coefficients) {
+                if *coefficient != 0.0 {
+                    parameter.check_number()?;
+                }
+            }
+        }
+        let next = Self { constraints: constraints.to_vec(), ..self.clone() };
+        let small = self.n_cells() <= 100_000;
+        let found = if small { next.cells().next() } else { next.draw(rng).or_else(|| next.build(rng)) };
+        let Some(allowed) = found else {
+            return Err(Error::NoDesignAllowed { n_constraints: constraints.len() });
+        };
+        *self = Self { allowed, ..next };
+        Ok(())
     }
 
     pub(crate) fn region(&self) -> &Region {
@@ -42,8 +76,9 @@ impl Designs {
         &self.grid
     }
 
+    /// Coordinates of a place: one per number, and for a choice one for each way to choose, where there are more than two.
     pub(crate) fn n_factors(&self) -> usize {
-        self.region.n_parameters()
+        self.region.parameters().iter().map(n_axes).sum()
     }
 
     pub(crate) fn n_cells(&self) -> u64 {
@@ -54,11 +89,53 @@ impl Designs {
         self.grid.combinations()
     }
 
-    /// Coded coordinates of cells, row by row.
+    /// Whether a cell keeps to the linear constraints.
+    pub(crate) fn allows(&self, cell: Cell) -> bool {
+        self.constraints.is_empty() || self.grid.point(cell).is_ok_and(|point| self.allows_point(&point))
+    }
+
+    fn allows_point(&self, point: &[f64]) -> bool {
+        self.constraints.iter().all(|constraint| constraint.allows(point))
+    }
+
+    /// All cells that keep to the linear constraints, in order.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
+        self.grid.cells().filter(|&cell| self.allows(cell))
+    }
+
+    /// Coordinates of a cell.
+    pub(crate) fn coded_of(&self, cell: Cell) -> Result<Vec<f64>, Error> {
+        let coded = self.grid.coded(cell)?;
+        if !self.has_choices() {
+            return Ok(coded);
+        }
+        Ok(self.apart(&self.grid.point(cell)?, coded))
+    }
+
+    /// Coordinates of a natural point, on the grid or off it.
+    pub(crate) fn coded_point(&self, point: &[f64]) -> Result<Vec<f64>, Error> {
+        Ok(self.apart(point, self.region.coded(point)?))
+    }
+
+    /// A choice has no order: each of more than two lies as far from any other as from the next.
+    fn apart(&self, point: &[f64], coded: Vec<f64>) -> Vec<f64> {
+        let of_each = self.region.parameters().iter().zip(point.iter().zip(coded));
+        let axes = of_each.flat_map(|(parameter, (&natural, coded))| match n_axes(parameter) {
+            1 => vec![coded],
+            count => (0..count).map(|place| if (place as f64 - natural).abs() < 0.5 { 1.0 } else { -1.0 }).collect(),
+        });
+        axes.collect()
+    }
+
+    fn has_choices(&self) -> bool {
+        self.region.parameters().iter().any(|parameter| parameter.choices().is_some())
+    }
+
+    /// Coordinates of cells, row by row.
     pub(crate) fn coded(&self, cells: &[Cell]) -> Result<Vec<f64>, Error> {
         let mut coordinates = Vec::with_capacity(cells.len() * self.n_factors());
         for &cell in cells {
-            coordinates.extend(self.grid.coded(cell)?);
+            coordinates.extend(self.coded_of(cell)?);
         }
         Ok(coordinates)
     }
@@ -80,27 +157,79 @@ impl Designs {
         Cell::new(self.combinations().index(&digits))
     }
 
-    /// A cell drawn evenly.
+    /// A cell drawn evenly; where few keep to the constraints, one that does.
     pub(crate) fn random(&self, rng: &mut ChaCha8Rng) -> Cell {
-        Cell::new(rng.random_range(0..self.n_cells()))
+        self.draw(rng).or_else(|| self.build(rng)).unwrap_or(self.allowed)
     }
 
-    /// A cell some steps away: every digit moves by up to `share` of its axis, at least one step for some.
+    /// A cell drawn evenly, unless most break a constraint.
+    fn draw(&self, rng: &mut ChaCha8Rng) -> Option<Cell> {
+        let drawn = (0..DRAWN).map(|_| Cell::new(rng.random_range(0..self.n_cells())));
+        drawn.into_iter().find(|&cell| self.allows(cell))
+    }
+
+    /// A cell at a point that was moved onto the constraints that it broke (Kaczmarz' projections).
+    fn build(&self, rng: &mut ChaCha8Rng) -> Option<Cell> {
+        let widths: Vec<f64> = self.region.parameters().iter().map(Parameter::width).collect();
+        (0..BUILT).find_map(|_| {
+            let mut point: Vec<f64> =
+                self.region.parameters().iter().map(|p| p.lower() + p.width() * rng.random::<f64>()).collect();
+            for step in 0..PROJECTIONS {
+                let constraint = &self.constraints[step % self.constraints.len()];
+                let excess = constraint.excess(&point);
+                let square: f64 = constraint.coefficients.iter().zip(&widths).map(|(c, w)| (c * w).powi(2)).sum();
+                if excess > 0.0 && square > 0.0 {
+                    for ((x, c), (w, p)) in
+                        point.iter_mut().zip(&constraint.coefficients).zip(widths.iter().zip(self.region.parameters()))
+                    {
+                        *x = (*x - excess * c * w * w / square).clamp(p.lower(), p.upper());
+                    }
+                }
+            }
+            let middle = self.combinations().digits(self.grid.nearest(&point).ok()?.index());
+            let near = (0..DRAWN).map(|_| {
+                let step = |(&digit, &count): (&u64, &u64)| {
+                    (digit + rng.random_range(0..3_u64)).saturating_sub(1).min(count - 1)
+                };
+                let digits: Vec<u64> = middle.iter().zip(self.combinations().counts()).map(step).collect();
+                Cell::new(self.combinations().index(&digits))
+            });
+            near.collect::<Vec<_>>().into_iter().find(|&cell| self.allows(cell))
+        })
+    }
+
+    /// A cell some steps away: every digit moves by up to `share` of its axis, at least one step for some; one choice in three is
+    /// made anew.
     pub(crate) fn near(&self, cell: Cell, share: f64, rng: &mut ChaCha8Rng) -> Cell {
-        let mut digits = self.combinations().digits(cell.index());
-        for (digit, &count) in digits.iter_mut().zip(self.combinations().counts()) {
-            let reach = ((count - 1) as f64 * share).max(1.0);
-            let step = (reach * (2.0 * rng.random::<f64>() - 1.0)).round();
-            *digit = (*digit as f64 + step).clamp(0.0, (count - 1) as f64) as u64;
+        for _ in 0..DRAWN {
+            let mut digits = self.combinations().digits(cell.index());
+            let counts = self.combinations().counts().iter().zip(self.region.parameters());
+            for (digit, (&count, parameter)) in digits.iter_mut().zip(counts) {
+                if parameter.choices().is_some() {
+                    if rng.random::<f64>() < 1.0 / 3.0 {
+                        *digit = rng.random_range(0..count);
+                    }
+                    continue;
+                }
+                let reach = ((count - 1) as f64 * share).max(1.0);
+                let step = (reach * (2.0 * rng.random::<f64>() - 1.0)).round();
+                *digit = (*digit as f64 + step).clamp(0.0, (count - 1) as f64) as u64;
+            }
+            let near = Cell::new(self.combinations().index(&digits));
+            if self.allows(near) {
+                return near;
+            }
         }
-        Cell::new(self.combinations().index(&digits))
+        cell
     }
 
-    /// The cells that differ from this one by `stride` steps along one axis, for each axis and both directions.
+    /// The cells that differ from this one by `stride` steps along one axis, for each axis and both directions, or by any other
+    /// choice; those that keep to the constraints.
     pub(crate) fn star(&self, cell: Cell, shares: f64) -> Vec<Cell> {
         let digits = self.combinations().digits(cell.index());
         let mut star = Vec::with_capacity(2 * digits.len());
-        for (axis, &count) in self.combinations().counts().iter().enumerate() {
+        let counts = self.combinations().counts().iter().zip(self.region.parameters());
+        for (axis, (&count, parameter)) in counts.enumerate() {
             let stride = (((count - 1) as f64 * shares).round() as u64).max(1);
             let mut push = |digit: u64| {
                 if digit != digits[axis] {
@@ -109,9 +238,27 @@ impl Designs {
                     star.push(Cell::new(self.combinations().index(&moved)));
                 }
             };
-            push(digits[axis].saturating_sub(stride));
-            push((digits[axis] + stride).min(count - 1));
+            if parameter.choices().is_some() {
+                (0..count).for_each(push);
+            } else {
+                push(digits[axis].saturating_sub(stride));
+                push((digits[axis] + stride).min(count - 1));
+            }
         }
+        star.retain(|&cell| self.allows(cell));
         star
+    }
+
+    /// Whether designs are confined by more than their bounds.
+    pub(crate) fn is_confined(&self) -> bool {
+        !self.constraints.is_empty()
+    }
+}
+
+/// A choice of more than two has an axis for each.
+fn n_axes(parameter: &Parameter) -> usize {
+    match parameter.choices().map(<[String]>::len) {
+        None | Some(2) => 1,
+        Some(count) => count,
     }
 }

@@ -8,7 +8,7 @@ use rand::RngExt;
 use crate::Error;
 use crate::pooled::designs::Designs;
 use crate::pooled::settings::Settings;
-use crate::pooled::simulated::{Simulated, Source};
+use crate::pooled::simulated::{Column, Simulated, Source};
 use crate::pooled::streams::{Purpose, stream};
 
 /// Share of the screened cells among which the second half is spread.
@@ -22,7 +22,7 @@ pub(crate) fn first_batch(
     settings: &Settings,
     tested: &BTreeSet<Cell>,
     simulated: &mut Simulated,
-    source: &mut Source<'_, '_>,
+    source: &mut Source<'_>,
 ) -> Result<Vec<Cell>, Error> {
     let n_experiments = settings.n_experiments;
     let mut rng = stream(settings.seed, Purpose::FirstBatch, 0);
@@ -35,17 +35,15 @@ pub(crate) fn first_batch(
     if matches!(source, Source::Nothing) {
         return Ok(evenly(n_experiments));
     }
-    let screened: Vec<Cell> = if designs.n_cells() <= SCREENED as u64 {
-        designs.grid().cells().collect()
-    } else {
-        spread(designs, SCREENED, other)
-    };
+    let screened: Vec<Cell> =
+        if designs.n_cells() <= SCREENED as u64 { designs.cells().collect() } else { spread(designs, SCREENED, other) };
     let places = source.places(designs, &screened, simulated)?;
     let Some(responses) = places.simulated() else {
         return Ok(evenly(n_experiments));
     };
+    let within = within_constraints(designs, settings, simulated, source, &screened)?;
     let mut order: Vec<usize> = (0..screened.len()).collect();
-    order.sort_by(|&a, &b| responses[a].total_cmp(&responses[b]).then(a.cmp(&b)));
+    order.sort_by(|&a, &b| within[b].cmp(&within[a]).then(responses[a].total_cmp(&responses[b])).then(a.cmp(&b)));
     order.truncate(((screened.len() as f64 * PROMISING) as usize).max(n_experiments));
     let promising = order.into_iter().map(|row| screened[row]).filter(|cell| !tested.contains(cell));
     let promising: Vec<Cell> = promising.collect();
@@ -55,19 +53,49 @@ pub(crate) fn first_batch(
     Ok(cells)
 }
 
-/// Cells spread evenly over the box: a scrambled Sobol sequence.
+/// Whether cells keep to all constraints, as far as the simulation knows.
+fn within_constraints(
+    designs: &Designs,
+    settings: &Settings,
+    simulated: &Simulated,
+    source: &Source<'_>,
+    cells: &[Cell],
+) -> Result<Vec<bool>, Error> {
+    let mut within = vec![true; cells.len()];
+    for (index, constraint) in settings.constraints.iter().enumerate() {
+        let places = source.known_places(designs, cells, simulated, Column::Constrained(index))?;
+        let Some(values) = places.simulated() else { continue };
+        within.iter_mut().zip(values).for_each(|(within, &value)| *within &= constraint.allows(value));
+    }
+    Ok(within)
+}
+
+/// Of so many cells of the sequence one is to keep to the linear constraints; else any that does is taken.
+const THINNED: u32 = 64;
+
+/// Cells spread evenly over the box: a scrambled Sobol sequence, those that keep to the linear constraints.
 pub(crate) fn spread(designs: &Designs, count: usize, scramble: u32) -> Vec<Cell> {
     let coordinate = |index: u32, axis: u32| {
         let round = scramble.wrapping_add(axis / sobol_burley::NUM_DIMENSIONS);
         f64::from(sobol_burley::sample(index, axis % sobol_burley::NUM_DIMENSIONS, round))
     };
-    let n_factors = designs.n_factors() as u32;
-    (0..count as u32).map(|index| designs.cell_of_unit((0..n_factors).map(|axis| coordinate(index, axis)))).collect()
+    let n_parameters = designs.region().n_parameters() as u32;
+    let cell = |index: u32| designs.cell_of_unit((0..n_parameters).map(|axis| coordinate(index, axis)));
+    if !designs.is_confined() {
+        return (0..count as u32).map(cell).collect();
+    }
+    let tried = (count as u32).saturating_mul(THINNED);
+    let mut cells: Vec<Cell> = (0..tried).map(cell).filter(|&cell| designs.allows(cell)).take(count).collect();
+    let mut rng = stream(scramble.into(), Purpose::FirstBatch, 0);
+    while cells.len() < count {
+        cells.push(designs.random(&mut rng));
+    }
+    cells
 }
 
 /// The first of the cells, and then always the one that is farthest from all chosen so far.
 fn far_apart(designs: &Designs, cells: &[Cell], count: usize) -> Result<Vec<Cell>, Error> {
-    let coded: Vec<Vec<f64>> = cells.iter().map(|&cell| designs.grid().coded(cell)).collect::<Result<_, _>>()?;
+    let coded: Vec<Vec<f64>> = cells.iter().map(|&cell| designs.coded_of(cell)).collect::<Result<_, _>>()?;
     let mut distances = vec![f64::INFINITY; cells.len()];
     let (mut chosen, mut next) = (Vec::with_capacity(count), 0);
     while chosen.len() < count && !cells.is_empty() {

@@ -10,9 +10,11 @@ use surface::process::{
 };
 
 use crate::Error;
+use crate::pooled::constraint::Constraint;
 use crate::pooled::designs::Designs;
+use crate::pooled::held::{Chances, Expected, Held};
 use crate::pooled::settings::Settings;
-use crate::pooled::simulated::{Simulated, Source};
+use crate::pooled::simulated::{Column, Simulated, Source};
 
 /// One experiment that gave a response.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +24,16 @@ pub(crate) struct Reading {
     pub(crate) response: f64,
     /// Position among all readings.
     pub(crate) number: usize,
+}
+
+/// All that was measured.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Measurements {
+    pub(crate) readings: Vec<Reading>,
+    /// Readings of each constrained response.
+    pub(crate) constrained: Vec<Vec<Reading>>,
+    /// Where experiments failed.
+    pub(crate) failed: BTreeSet<Cell>,
 }
 
 /// What others say of a reading.
@@ -51,7 +63,7 @@ fn sceptical(sampler: &SamplerSettings) -> SamplerSettings {
     SamplerSettings { structures, particles: SCEPTICAL, ..sampler.clone() }
 }
 
-fn sampler(settings: &Settings) -> SamplerSettings {
+pub(crate) fn sampler(settings: &Settings) -> SamplerSettings {
     SamplerSettings {
         structures: settings.structures.clone(),
         noise: settings.noise,
@@ -62,7 +74,7 @@ fn sampler(settings: &Settings) -> SamplerSettings {
 }
 
 /// The surface, and what it takes to evaluate it elsewhere.
-pub(crate) struct Knowledge<'a, 'b> {
+pub(crate) struct Knowledge<'a, 's> {
     pub(crate) designs: &'a Designs,
     pub(crate) process: AveragedProcess,
     /// The same measurements by one who does not believe the simulation; none where nobody does, or there is none.
@@ -73,18 +85,20 @@ pub(crate) struct Knowledge<'a, 'b> {
     pub(crate) measured: Vec<Cell>,
     /// Cells where every experiment failed, ascending: neither asked for again nor recommended.
     pub(crate) failed: Vec<Cell>,
-    source: Source<'a, 'b>,
+    /// The responses that have to stay within bounds.
+    pub(crate) held: Vec<Held>,
+    source: Source<'s>,
 }
 
-impl<'a, 'b> Knowledge<'a, 'b> {
+impl<'a, 's> Knowledge<'a, 's> {
     pub(crate) fn of(
-        readings: &[Reading],
-        failed: &BTreeSet<Cell>,
+        measurements: &Measurements,
         designs: &'a Designs,
         settings: &Settings,
         simulated: &'a mut Simulated,
-        mut source: Source<'a, 'b>,
+        mut source: Source<'s>,
     ) -> Result<Self, Error> {
+        let Measurements { readings, constrained, failed } = measurements;
         let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
         let coordinates = readings.iter().flat_map(|reading| &reading.coded).copied().collect();
         let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
@@ -103,7 +117,14 @@ impl<'a, 'b> Knowledge<'a, 'b> {
         let tested: Vec<Cell> = measured.iter().chain(&failed).copied().collect();
         let succeeded: Vec<bool> = (0..tested.len()).map(|index| index < measured.len()).collect();
         let feasibility = Feasibility::of(designs.places(&tested)?, &succeeded)?;
-        Ok(Self { designs, process, sceptic, simulated, feasibility, measured, failed, source })
+        for readings in constrained {
+            // Runs the simulation there, where that is cheap.
+            source.places(designs, &readings.iter().map(|reading| reading.cell).collect::<Vec<_>>(), simulated)?;
+        }
+        let of_each = constrained.iter().enumerate();
+        let held = of_each.map(|(index, readings)| Held::of(index, readings, designs, settings, simulated, &source));
+        let held = held.collect::<Result<_, _>>()?;
+        Ok(Self { designs, process, sceptic, simulated, feasibility, measured, failed, held, source })
     }
 
     /// The settings of a reading, seen from a surface that was learnt without the readings that are `left_out`, of which
@@ -135,13 +156,8 @@ impl<'a, 'b> Knowledge<'a, 'b> {
     }
 
     /// The same knowledge from other readings.
-    pub(crate) fn through(
-        self,
-        readings: &[Reading],
-        failed: &BTreeSet<Cell>,
-        settings: &Settings,
-    ) -> Result<Self, Error> {
-        Self::of(readings, failed, self.designs, settings, self.simulated, self.source)
+    pub(crate) fn through(self, measurements: &Measurements, settings: &Settings) -> Result<Self, Error> {
+        Self::of(measurements, self.designs, settings, self.simulated, self.source)
     }
 
     /// Cells as places of the surface.
@@ -160,7 +176,7 @@ impl<'a, 'b> Knowledge<'a, 'b> {
     /// Mean and variance of the response, that of an uncertain simulation included.
     pub(crate) fn marginals(&self, places: &Places) -> Marginals {
         let mut marginals = self.process.marginals(places);
-        if let Some(simulated) = self.source.variances(places) {
+        if let Some(simulated) = self.source.variances(places, Column::Objective) {
             let factor = self.process.squared_simulation_factor();
             marginals.variances.iter_mut().zip(simulated).for_each(|(variance, own)| *variance += factor * own);
         }
@@ -170,7 +186,7 @@ impl<'a, 'b> Knowledge<'a, 'b> {
     /// What each particle says of places together, an uncertain simulation included.
     pub(crate) fn joint_of_each(&self, places: &Places) -> Vec<Joint> {
         let mut of_each = self.process.joint_of_each(places);
-        if let Some(simulated) = self.source.joint(places) {
+        if let Some(simulated) = self.source.joint(places, Column::Objective) {
             for (joint, particle) in of_each.iter_mut().zip(self.process.particles()) {
                 joint.add_covariance(&simulated, particle.squared_simulation_factor());
             }
@@ -191,7 +207,7 @@ impl<'a, 'b> Knowledge<'a, 'b> {
     }
 
     /// Probability that an experiment gives a response; 0 where it was seen to fail.
-    pub(crate) fn feasible(&self, cells: &[Cell], places: &Places) -> Vec<f64> {
+    fn responding(&self, cells: &[Cell], places: &Places) -> Vec<f64> {
         let mut probabilities = match &self.feasibility {
             Some(feasibility) => feasibility.probabilities(places),
             None => vec![1.0; cells.len()],
@@ -204,5 +220,33 @@ impl<'a, 'b> Knowledge<'a, 'b> {
             }
         }
         probabilities
+    }
+
+    /// How likely the designs are to be of use; `places` are theirs.
+    pub(crate) fn chances(&self, cells: &[Cell], places: &Places) -> Result<Chances, Error> {
+        let mut within: Vec<(&Constraint, Vec<f64>)> = Vec::with_capacity(self.held.len());
+        for held in &self.held {
+            let places = held.places(self.designs, cells, self.simulated, &self.source)?;
+            within.push((&held.constraint, held.within(&places, &self.source)));
+        }
+        Ok(Chances::of(self.responding(cells, places), &within))
+    }
+
+    /// What is expected of each constrained response at the cells; nothing before its first reading.
+    pub(crate) fn expected_of_each(&self, cells: &[Cell]) -> Result<Vec<Option<Expected>>, Error> {
+        let expected = |held: &Held| {
+            let places = held.places(self.designs, cells, self.simulated, &self.source)?;
+            Ok(held.expected(&places, &self.source))
+        };
+        self.held.iter().map(expected).collect()
+    }
+
+    /// Of each constrained response what its particles say of the cells together; nothing before its first reading.
+    pub(crate) fn constrained_joints(&self, cells: &[Cell]) -> Result<Vec<Option<Vec<Joint>>>, Error> {
+        let joints = |held: &Held| {
+            let places = held.places(self.designs, cells, self.simulated, &self.source)?;
+            Ok(held.joint_of_each(&places, &self.source))
+        };
+        self.held.iter().map(joints).collect()
     }
 }

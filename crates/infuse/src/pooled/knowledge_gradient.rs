@@ -5,11 +5,12 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 use surface::process::Joint;
 
+use crate::Error;
+use crate::pooled::admission::{Admission, Step};
+use crate::pooled::held::FEASIBLE;
 use crate::pooled::knowledge::Knowledge;
-use crate::pooled::pool::{FEASIBLE, Pool};
-
-/// Common random numbers: how the surface may turn out after the batch.
-const OUTCOMES: u32 = 48;
+use crate::pooled::outcomes::{OUTCOMES, outcomes};
+use crate::pooled::pool::Pool;
 
 /// Below this probability of a response a cell is not worth learning about.
 const HOPELESS: f64 = 0.25;
@@ -31,9 +32,23 @@ const FEWEST: usize = 4;
 /// single pick can, those before it and the pending experiments counted in. A cell where experiments may fail counts as much
 /// less as they are likely to (Frazier et al. 2009; Wu and Frazier 2016 for batches). The last pick in six goes to
 /// where the sceptic sees least of what may still be best, so that a simulation that misleads is found out sooner.
-pub(crate) fn pick(knowledge: &Knowledge<'_, '_>, pool: &Pool, pending: &[Cell], count: usize, scramble: u32) -> Picks {
+///
+/// Where responses have to stay within bounds, a design is worth its mean as far as it is likely to keep to them, and the highest
+/// mean of all otherwise; so a run is worth what it teaches of either (Ungredda and Branke 2024).
+///
+/// # Errors
+///
+/// [`Error::Surface`] if a constrained response cannot be evaluated.
+pub(crate) fn pick(
+    knowledge: &Knowledge<'_, '_>,
+    pool: &Pool,
+    pending: &[Cell],
+    count: usize,
+    scramble: u32,
+) -> Result<Picks, Error> {
     let noise = knowledge.process.noise().powi(2);
     let mut believed = Gradient::of(&knowledge.joint_of_each(&pool.places), pool, noise);
+    believed.admissions = admissions(knowledge, pool, scramble)?;
     let mut doubted = knowledge.sceptic.as_ref().map(|sceptic| {
         let noise = sceptic.noise().powi(2);
         Gradient { least_feasible: FEASIBLE, ..Gradient::of(&sceptic.joint_of_each(&pool.places), pool, noise) }
@@ -48,18 +63,28 @@ pub(crate) fn pick(knowledge: &Knowledge<'_, '_>, pool: &Pool, pending: &[Cell],
         let row = match (pending.get(step), &doubted) {
             (Some(&row), _) => row,
             (None, Some(doubted)) if cells.len() >= count - n_doubted => doubted.clearest(),
-            (None, _) => believed.most_telling(&normals),
+            (None, _) => believed.most_telling(&normals, step as u32),
         };
         if step >= pending.len() {
             cells.push(pool.cells[row]);
         }
-        believed.measure(row, &normals);
+        believed.measure(row, &normals, step as u32);
         if let Some(doubted) = &mut doubted {
-            doubted.measure(row, &normals);
+            doubted.measure(row, &normals, step as u32);
         }
     }
     let remaining = if before > 0.0 { spread(&believed.joint) / before } else { 0.0 };
-    Picks { cells, remaining }
+    Ok(Picks { cells, remaining })
+}
+
+/// What is known of each constrained response that was measured.
+fn admissions(knowledge: &Knowledge<'_, '_>, pool: &Pool, scramble: u32) -> Result<Vec<Admission>, Error> {
+    let joints = knowledge.constrained_joints(&pool.cells)?;
+    let known = knowledge.held.iter().zip(joints).zip(0..);
+    let known = known.filter_map(|((held, joint), number)| {
+        Some(Admission::of(&held.constraint, Joint::of_mixture(&joint?), held.noise()?, number, scramble))
+    });
+    Ok(known.collect())
 }
 
 /// What one surface says of the pool, and how it may turn out after the picks so far.
@@ -70,6 +95,8 @@ struct Gradient<'a> {
     futures: Vec<Vec<f64>>,
     /// Cells that are less likely to give a response are not picked.
     least_feasible: f64,
+    /// The responses that have to stay within bounds.
+    admissions: Vec<Admission>,
 }
 
 impl<'a> Gradient<'a> {
@@ -77,24 +104,30 @@ impl<'a> Gradient<'a> {
         let joint = Joint::of_mixture(of_each);
         // A cell that will hardly ever be recommended is not the lowest.
         let mut now = joint.means().to_vec();
-        if pool.feasible.iter().any(|&feasible| feasible >= HOPELESS) {
-            let hopeless = now.iter_mut().zip(&pool.feasible).filter(|(_, feasible)| **feasible < HOPELESS);
+        let responding = &pool.chances.responding;
+        if responding.iter().any(|&feasible| feasible >= HOPELESS) {
+            let hopeless = now.iter_mut().zip(responding).filter(|(_, feasible)| **feasible < HOPELESS);
             hopeless.for_each(|(mean, _)| *mean = f64::INFINITY);
         }
-        Self { pool, joint, noise, futures: vec![now; OUTCOMES as usize], least_feasible: 0.0 }
+        let futures = vec![now; OUTCOMES as usize];
+        Self { pool, joint, noise, futures, least_feasible: 0.0, admissions: Vec::new() }
     }
 
     /// An experiment at this row, as it may turn out.
-    fn measure(&mut self, row: usize, normals: &[f64]) {
+    fn measure(&mut self, row: usize, normals: &[f64], number: u32) {
         let effect = self.joint.effect(row, self.noise);
         for (future, z) in self.futures.iter_mut().zip(normals) {
             future.iter_mut().zip(&effect).for_each(|(value, effect)| *value += z * effect);
         }
         self.joint.measure(&effect);
+        for admission in &mut self.admissions {
+            let step = admission.step(row, number);
+            admission.measure(&step);
+        }
     }
 
     fn weight(&self, row: usize) -> f64 {
-        let feasible = self.pool.feasible[row];
+        let feasible = self.pool.chances.responding[row];
         if feasible < self.least_feasible { 0.0 } else { feasible }
     }
 
@@ -107,7 +140,8 @@ impl<'a> Gradient<'a> {
         let normal = Normal::standard();
         let better = |row: usize| {
             let sd = self.joint.variance(row).max(0.0).sqrt();
-            if sd > 0.0 { normal.cdf((best - means[row]) / sd) } else { 0.0 }
+            let share = if sd > 0.0 { normal.cdf((best - means[row]) / sd) } else { 0.0 };
+            share * self.pool.chances.within[row]
         };
         let shares: Vec<f64> = (0..n).map(better).collect();
         let learnt = |row: usize| {
@@ -120,13 +154,16 @@ impl<'a> Gradient<'a> {
 
     /// The row that lowers the expected minimum most; of equals the one that is least certain, so that nothing to gain still
     /// teaches.
-    fn most_telling(&self, normals: &[f64]) -> usize {
+    fn most_telling(&self, normals: &[f64], number: u32) -> usize {
         let n = self.pool.cells.len();
-        let least = |future: &Vec<f64>| future.iter().copied().fold(f64::INFINITY, f64::min);
-        let now: f64 = self.futures.iter().map(least).sum();
+        let (still, stay): (Vec<f64>, Vec<Step>) =
+            (vec![0.0; n], self.admissions.iter().map(Admission::stay).collect());
+        let reserve = self.reserve();
+        let now = self.lowest_of_each(&still, normals, &stay, reserve);
         let gain = |row: usize| {
             let effect = self.joint.effect(row, self.noise);
-            let then: f64 = self.futures.iter().zip(normals).map(|(future, z)| lowest(future, &effect, *z)).sum();
+            let steps: Vec<Step> = self.admissions.iter().map(|admission| admission.step(row, number)).collect();
+            let then = self.lowest_of_each(&effect, normals, &steps, reserve);
             self.weight(row) * (now - then).max(0.0)
         };
         let gains: Vec<f64> = (0..n).into_par_iter().map(gain).collect();
@@ -135,6 +172,32 @@ impl<'a> Gradient<'a> {
             gains[a].total_cmp(&gains[b]).then(uncertain(a).total_cmp(&uncertain(b))).then(b.cmp(&a))
         };
         (0..n).max_by(order).unwrap_or(0)
+    }
+}
+
+impl Gradient<'_> {
+    /// The highest mean: worth as much as a design that breaks a bound.
+    fn reserve(&self) -> f64 {
+        self.joint.means().iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// What the best design is worth after a run of this effect, summed over the outcomes.
+    fn lowest_of_each(&self, effect: &[f64], normals: &[f64], steps: &[Step], reserve: f64) -> f64 {
+        if self.admissions.is_empty() {
+            return self.futures.iter().zip(normals).map(|(future, z)| lowest(future, effect, *z)).sum();
+        }
+        let mut chances = vec![1.0; effect.len()];
+        let mut of_outcome = |(outcome, (future, z)): (usize, (&Vec<f64>, &f64))| {
+            chances.fill(1.0);
+            for (admission, step) in self.admissions.iter().zip(steps) {
+                admission.multiply(&mut chances, step, outcome);
+            }
+            let worth = |((mean, effect), chance): ((&f64, &f64), &f64)| {
+                reserve + chance * (mean + z * effect - reserve).min(0.0)
+            };
+            future.iter().zip(effect).zip(&chances).map(worth).fold(reserve, f64::min)
+        };
+        self.futures.iter().zip(normals).enumerate().map(&mut of_outcome).sum()
     }
 }
 
@@ -157,13 +220,4 @@ fn lowest(means: &[f64], effect: &[f64], z: f64) -> f64 {
     }
     let rest = rest.iter().zip(rest_of_effects).map(|(mean, effect)| mean + z * effect);
     lanes.into_iter().chain(rest).fold(f64::INFINITY, f64::min)
-}
-
-/// Standard normals, evenly spread: a scrambled Sobol sequence, one dimension for each pick.
-fn outcomes(dimension: u32, scramble: u32) -> Vec<f64> {
-    let normal = Normal::standard();
-    // Beyond the dimensions that the sequence has, they are used again with another scramble.
-    let (round, dimension) = (dimension / sobol_burley::NUM_DIMENSIONS, dimension % sobol_burley::NUM_DIMENSIONS);
-    let sample = |index| f64::from(sobol_burley::sample(index, dimension, scramble.wrapping_add(round)));
-    (0..OUTCOMES).map(|index| normal.inverse_cdf(sample(index).clamp(1e-7, 1.0 - 1e-7))).collect()
 }

@@ -39,13 +39,17 @@
 //! # Ok::<(), infuse::Error>(())
 //! ```
 
+mod admission;
 mod assessment;
 mod campaign;
 mod certificate;
+mod constraint;
 mod designs;
 mod first_batch;
+mod held;
 mod knowledge;
 mod knowledge_gradient;
+mod outcomes;
 mod outliers;
 mod pool;
 mod recommendation;
@@ -53,9 +57,10 @@ mod settings;
 mod simulated;
 mod streams;
 
-pub use assessment::{Assessment, Contradiction, Expectation, SimulationWorth, Standing};
+pub use assessment::{Assessment, Constrained, Contradiction, Expectation, SimulationWorth, Standing};
 pub use campaign::{Ask, Earlier, Loop, Record, StopReason, Trial};
 pub use certificate::Certificate;
+pub use constraint::{Constraint, LinearConstraint};
 pub use outliers::Outlier;
 pub use settings::Settings;
-pub use simulated::Simulate;
+pub use simulated::{Responses, Simulate};

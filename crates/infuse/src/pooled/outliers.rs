@@ -23,6 +23,8 @@ pub struct Outlier {
 #[derive(Debug, Default)]
 pub(crate) struct Readings {
     pub(crate) kept: Vec<Reading>,
+    /// Readings of each constrained response.
+    pub(crate) constrained: Vec<Vec<Reading>>,
     pub(crate) set_aside: Vec<Outlier>,
 }
 

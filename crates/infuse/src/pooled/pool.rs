@@ -7,6 +7,7 @@ use rand::RngExt;
 use surface::process::{Marginals, Places};
 
 use crate::Error;
+use crate::pooled::held::Chances;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::streams::{Purpose, stream};
 
@@ -19,17 +20,13 @@ const AROUND: usize = 40;
 const PROMISING: usize = 375;
 const OTHERS: usize = 125;
 
-/// A design may be recommended if an experiment there gives a response with this probability.
-pub(crate) const FEASIBLE: f64 = 0.75;
-
 /// Cells with their places, and what the surface says of each.
 #[derive(Debug, Clone)]
 pub(crate) struct Pool {
     pub(crate) cells: Vec<Cell>,
     pub(crate) places: Places,
     pub(crate) marginals: Marginals,
-    /// Probability of a response.
-    pub(crate) feasible: Vec<f64>,
+    pub(crate) chances: Chances,
     /// Those of a large grid that were drawn evenly.
     pub(crate) random: Vec<Cell>,
 }
@@ -38,8 +35,8 @@ impl Pool {
     fn of(knowledge: &mut Knowledge<'_, '_>, cells: Vec<Cell>) -> Result<Self, Error> {
         let places = knowledge.places(&cells)?;
         let marginals = knowledge.marginals(&places);
-        let feasible = knowledge.feasible(&cells, &places);
-        Ok(Self { cells, places, marginals, feasible, random: Vec::new() })
+        let chances = knowledge.chances(&cells, &places)?;
+        Ok(Self { cells, places, marginals, chances, random: Vec::new() })
     }
 
     fn select(&self, rows: &[usize]) -> Self {
@@ -48,17 +45,12 @@ impl Pool {
             cells: rows.iter().map(|&row| self.cells[row]).collect(),
             places: self.places.select(rows),
             marginals: Marginals { means: pick(&self.marginals.means), variances: pick(&self.marginals.variances) },
-            feasible: pick(&self.feasible),
+            chances: self.chances.select(rows),
             random: Vec::new(),
         }
     }
 
-    /// Whether a row may be recommended.
-    pub(crate) fn may_be_best(&self, row: usize) -> bool {
-        self.feasible[row] >= FEASIBLE
-    }
-
-    /// Rows that may be recommended, by growing mean − z standard deviations; all rows if none may.
+    /// Rows that may come to be recommended, by growing mean − z standard deviations; all rows if none may.
     pub(crate) fn by_lower_bound(&self, z: f64) -> Vec<usize> {
         self.by_lower_bound_of(&self.marginals, z)
     }
@@ -66,7 +58,7 @@ impl Pool {
     /// The same for what another surface says of the cells.
     pub(crate) fn by_lower_bound_of(&self, marginals: &Marginals, z: f64) -> Vec<usize> {
         let bound = |row: usize| marginals.means[row] - z * marginals.variances[row].sqrt();
-        let mut rows: Vec<usize> = (0..self.cells.len()).filter(|&row| self.may_be_best(row)).collect();
+        let mut rows: Vec<usize> = (0..self.cells.len()).filter(|&row| self.chances.possible[row]).collect();
         if rows.is_empty() {
             rows = (0..self.cells.len()).collect();
         }
@@ -83,7 +75,7 @@ impl Pool {
     /// those around the lowest found by descent.
     pub(crate) fn gather(knowledge: &mut Knowledge<'_, '_>, seed: u64, batch: usize) -> Result<Self, Error> {
         if knowledge.designs.n_cells() <= SMALL {
-            let cells = knowledge.designs.grid().cells().collect();
+            let cells = knowledge.designs.cells().collect();
             return Self::of(knowledge, cells);
         }
         let mut rng = stream(seed, Purpose::Pool, batch);
@@ -92,6 +84,7 @@ impl Pool {
         let mut cells: BTreeSet<Cell> = random.iter().copied().collect();
         cells.extend(knowledge.simulated.lowest(LOWEST_SIMULATED));
         cells.extend(&knowledge.measured);
+        cells.retain(|&cell| designs.allows(cell));
         let coarse = Self::of(knowledge, cells.iter().copied().collect())?;
         let mut starts: Vec<Cell> = coarse.first(&coarse.by_lower_bound(0.0), STARTS).cells;
         starts.extend(coarse.first(&coarse.by_lower_bound(2.0), STARTS).cells);
@@ -114,8 +107,8 @@ impl Pool {
             means: chain(&self.marginals.means, &other.marginals.means),
             variances: chain(&self.marginals.variances, &other.marginals.variances),
         };
-        let feasible = chain(&self.feasible, &other.feasible);
-        Self { cells, places: self.places.followed_by(&other.places), marginals, feasible, random: Vec::new() }
+        let (places, chances) = (self.places.followed_by(&other.places), self.chances.followed_by(other.chances));
+        Self { cells, places, marginals, chances, random: Vec::new() }
     }
 
     /// The part of it on which joint distributions are affordable: the promising cells, and others at random.

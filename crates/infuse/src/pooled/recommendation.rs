@@ -1,52 +1,86 @@
-//! The feasible design with the lowest mean.
+//! The design with the lowest mean, of those that may be recommended.
 
 use std::collections::BTreeMap;
 
 use design_space::Cell;
 
 use crate::Error;
+use crate::pooled::held::Chances;
 use crate::pooled::knowledge::Knowledge;
-use crate::pooled::pool::{FEASIBLE, Pool};
+use crate::pooled::pool::Pool;
+use crate::pooled::streams::{Purpose, stream};
 
 /// Grids of up to this many cells are searched in full.
 const FULL: u64 = 5_000;
 const STARTS: usize = 5;
+/// Cells looked at around each start, where there is more to keep to than the bounds.
+const AROUND: usize = 40;
+
+/// How a cell stands: whether it does not suffice, and its mean; the lower the better.
+#[derive(Debug, Clone, Copy)]
+struct Rank(bool, f64);
+
+impl Rank {
+    const LAST: Self = Self(true, f64::INFINITY);
+
+    fn of(chances: &Chances, row: usize, mean: f64) -> Self {
+        let (fails, value) = chances.rank(row, mean);
+        Self(fails, value)
+    }
+
+    fn total_cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.cmp(&other.0).then(self.1.total_cmp(&other.1))
+    }
+}
 
 /// The cell of the lowest mean, and that mean. By descent along the axes from the lowest of the pool, with steps that halve.
-pub(crate) fn lowest_mean(knowledge: &mut Knowledge<'_, '_>, pool: &Pool) -> Result<Cell, Error> {
+pub(crate) fn lowest_mean(
+    knowledge: &mut Knowledge<'_, '_>,
+    pool: &Pool,
+    seed: u64,
+    batch: usize,
+) -> Result<Cell, Error> {
     let designs = knowledge.designs;
     if designs.n_cells() <= FULL {
-        let cells: Vec<Cell> = designs.grid().cells().collect();
+        let cells: Vec<Cell> = designs.cells().collect();
         let places = knowledge.places(&cells)?;
         let means = knowledge.process.means(&places);
-        let feasible = knowledge.feasible(&cells, &places);
-        let value = |row: usize| if feasible[row] >= FEASIBLE { means[row] } else { f64::INFINITY };
-        let best = (0..cells.len()).min_by(|&a, &b| value(a).total_cmp(&value(b)).then(a.cmp(&b)));
+        let chances = knowledge.chances(&cells, &places)?;
+        let rank = |row: usize| Rank::of(&chances, row, means[row]);
+        let best = (0..cells.len()).min_by(|&a, &b| rank(a).total_cmp(&rank(b)).then(a.cmp(&b)));
         return Ok(cells[best.unwrap_or(0)]);
     }
-    let value = |row: usize| if pool.may_be_best(row) { pool.marginals.means[row] } else { f64::INFINITY };
-    let mut known: BTreeMap<Cell, f64> = pool.cells.iter().copied().zip((0..pool.cells.len()).map(value)).collect();
+    let rank = |row: usize| Rank::of(&pool.chances, row, pool.marginals.means[row]);
+    let mut known: BTreeMap<Cell, Rank> = pool.cells.iter().copied().zip((0..pool.cells.len()).map(rank)).collect();
     let mut fronts: Vec<Cell> = pool.first(&pool.by_lower_bound(0.0), STARTS).cells;
     let longest = designs.combinations().counts().iter().max().copied().unwrap_or(2);
     let mut share = 0.125;
+    let is_confined = designs.is_confined() || !knowledge.held.is_empty();
+    let mut rng = stream(seed, Purpose::Recommendation, batch);
     loop {
         loop {
             fronts.sort_unstable();
             fronts.dedup();
-            let stars: Vec<Vec<Cell>> = fronts.iter().map(|&front| designs.star(front, share)).collect();
+            let mut stars: Vec<Vec<Cell>> = fronts.iter().map(|&front| designs.star(front, share)).collect();
+            if is_confined {
+                // Along a bound that lies across the axes no single step leads on.
+                for (star, &front) in stars.iter_mut().zip(&fronts) {
+                    star.extend((0..AROUND).map(|_| designs.near(front, share, &mut rng)));
+                }
+            }
             let mut new: Vec<Cell> = stars.iter().flatten().copied().filter(|cell| !known.contains_key(cell)).collect();
             new.sort_unstable();
             new.dedup();
             let places = knowledge.places(&new)?;
-            let feasible = knowledge.feasible(&new, &places);
-            let means = knowledge.process.means(&places).into_iter().zip(feasible);
-            let values = means.map(|(mean, feasible)| if feasible >= FEASIBLE { mean } else { f64::INFINITY });
-            known.extend(new.iter().copied().zip(values));
+            let chances = knowledge.chances(&new, &places)?;
+            let ranks = knowledge.process.means(&places).into_iter().enumerate();
+            let ranks = ranks.map(|(row, mean)| Rank::of(&chances, row, mean));
+            known.extend(new.iter().copied().zip(ranks));
             let mut moved = false;
             for (front, star) in fronts.iter_mut().zip(&stars) {
-                let value = |cell: &Cell| known.get(cell).copied().unwrap_or(f64::INFINITY);
-                let best = star.iter().copied().min_by(|a, b| value(a).total_cmp(&value(b)).then(a.cmp(b)));
-                if let Some(best) = best.filter(|best| value(best) < value(front)) {
+                let rank = |cell: &Cell| known.get(cell).copied().unwrap_or(Rank::LAST);
+                let best = star.iter().copied().min_by(|a, b| rank(a).total_cmp(&rank(b)).then(a.cmp(b)));
+                if let Some(best) = best.filter(|best| rank(best).total_cmp(&rank(front)).is_lt()) {
                     (*front, moved) = (best, true);
                 }
             }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use surface::process::Structure;
 
 use crate::Error;
+use crate::pooled::constraint::{Constraint, LinearConstraint};
 
 /// The settings of a pooled loop.
 #[non_exhaustive]
@@ -30,6 +31,12 @@ pub struct Settings {
     /// Probability of the certificate, 0.5 to 0.99. Default 0.9.
     #[serde(default = "default_confidence")]
     pub confidence: f64,
+    /// Responses that have to stay within bounds, besides the one that is minimized. Default: none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constraints: Vec<Constraint>,
+    /// Settings that go together. Default: all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub linear_constraints: Vec<LinearConstraint>,
     /// Number of structures and hyperparameters that are averaged. Default 18.
     #[serde(default = "default_particles")]
     pub particles: usize,
@@ -72,6 +79,8 @@ impl Settings {
             noise: None,
             worth: None,
             confidence: default_confidence(),
+            constraints: Vec::new(),
+            linear_constraints: Vec::new(),
             particles: default_particles(),
             structures: default_structures(),
             seed: default_seed(),
@@ -82,7 +91,7 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`Error::Setting`], [`Error::SettingCount`].
+    /// [`Error::Setting`], [`Error::SettingCount`], [`Error::Constraint`].
     pub fn validate(&self) -> Result<(), Error> {
         count("n_experiments", self.n_experiments, 1..=1000, "1 to 1000")?;
         if let Some(simulations) = self.simulations {
@@ -91,6 +100,9 @@ impl Settings {
         count("max_batches", self.max_batches, 1..=100_000, "1 to 100000")?;
         count("particles", self.particles, 2..=1024, "2 to 1024")?;
         count("structures", self.structures.len(), 1..=1000, "at least one structure")?;
+        for constraint in &self.constraints {
+            constraint.validate()?;
+        }
         for (name, value) in [("noise", self.noise), ("worth", self.worth)] {
             if let Some(value) = value.filter(|value| !(0.0..=1e100).contains(value)) {
                 return Err(Error::Setting { name, value, expected: "a number from 0 to 1e100" });

@@ -3,25 +3,83 @@
 use std::collections::BTreeMap;
 
 use design_space::Cell;
+use serde::{Deserialize, Serialize};
 use surface::Data;
 use surface::process::{AveragedProcess, Joint, Places, Residual, SamplerSettings, SimulationUse, Sites, Structure};
 
+use crate::Error;
 use crate::pooled::designs::Designs;
-use crate::{Error, Outcome};
+use crate::pooled::settings::Settings;
 
-/// A simulation that may be asked at every cell: the cell and its natural point to a response, or to the reason why there is
-/// none.
-pub type Simulate<'a> = dyn FnMut(Cell, &[f64]) -> Result<f64, String> + 'a;
+/// What one run gives: the response that is to be made small, and those on which there are constraints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Responses {
+    /// What is to be made small.
+    pub objective: f64,
+    /// One per constraint, in the order of [`Settings::constraints`](crate::pooled::Settings::constraints); none where it was not
+    /// measured. Missing ones at the end may be left out.
+    #[serde(default)]
+    pub constrained: Vec<Option<f64>>,
+}
+
+impl From<f64> for Responses {
+    fn from(objective: f64) -> Self {
+        Self { objective, constrained: Vec::new() }
+    }
+}
+
+/// A simulation that may be asked at every cell. Any function of a cell and its natural point to a number, or to [`Responses`],
+/// or else to the reason why there is none, is one.
+pub trait Simulate {
+    /// What it says of a cell, whose natural point is this.
+    ///
+    /// # Errors
+    ///
+    /// Why there is no response.
+    fn simulate(&mut self, cell: Cell, point: &[f64]) -> Result<Responses, String>;
+}
+
+impl<F, R> Simulate for F
+where
+    F: FnMut(Cell, &[f64]) -> Result<R, String>,
+    R: Into<Responses>,
+{
+    fn simulate(&mut self, cell: Cell, point: &[f64]) -> Result<Responses, String> {
+        self(cell, point).map(Into::into)
+    }
+}
+
+/// Which response of a run is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Column {
+    Objective,
+    /// By its place among the constraints.
+    Constrained(usize),
+}
+
+impl Column {
+    fn of(self, responses: &Responses) -> Option<f64> {
+        match self {
+            Self::Objective => Some(responses.objective),
+            Self::Constrained(index) => responses.constrained.get(index).copied().flatten(),
+        }
+    }
+}
 
 /// Every simulation so far, with its outcome.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Simulated {
-    responses: BTreeMap<Cell, Option<f64>>,
+    responses: BTreeMap<Cell, Option<Responses>>,
 }
 
 impl Simulated {
-    pub(crate) fn insert(&mut self, cell: Cell, outcome: &Outcome) {
-        let usable = outcome.cost().filter(|response| response.abs() <= Data::LARGEST);
+    pub(crate) fn insert(&mut self, cell: Cell, outcome: Option<Responses>) {
+        let is_usable = |value: f64| value.abs() <= Data::LARGEST;
+        let usable = outcome.filter(|responses| is_usable(responses.objective)).map(|mut responses| {
+            responses.constrained.iter_mut().for_each(|value| *value = value.filter(|value| is_usable(*value)));
+            responses
+        });
         self.responses.insert(cell, usable);
     }
 
@@ -34,39 +92,43 @@ impl Simulated {
         self.responses.len()
     }
 
-    /// The cells where it gave a response, with that response.
-    pub(crate) fn known(&self) -> impl Iterator<Item = (Cell, f64)> + '_ {
-        self.responses.iter().filter_map(|(&cell, response)| response.map(|response| (cell, response)))
+    fn at(&self, cell: Cell, column: Column) -> Option<f64> {
+        column.of(self.responses.get(&cell)?.as_ref()?)
+    }
+
+    /// The cells where it gave this response, with that response.
+    pub(crate) fn known(&self, column: Column) -> impl Iterator<Item = (Cell, f64)> + '_ {
+        self.responses.iter().filter_map(move |(&cell, responses)| Some((cell, column.of(responses.as_ref()?)?)))
     }
 
     /// The cells with the lowest responses, lowest first.
     pub(crate) fn lowest(&self, count: usize) -> Vec<Cell> {
-        let mut known: Vec<(Cell, f64)> = self.known().collect();
+        let mut known: Vec<(Cell, f64)> = self.known(Column::Objective).collect();
         known.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         known.truncate(count);
         known.into_iter().map(|(cell, _)| cell).collect()
     }
 
     /// Runs the simulation at those of the cells where it was not run before.
-    pub(crate) fn run(&mut self, designs: &Designs, cells: &[Cell], simulate: &mut Simulate<'_>) -> Result<(), Error> {
+    pub(crate) fn run(&mut self, designs: &Designs, cells: &[Cell], simulate: &mut dyn Simulate) -> Result<(), Error> {
         for &cell in cells {
             if !self.contains(cell) {
-                let outcome = simulate(cell, &designs.grid().point(cell)?).into();
-                self.insert(cell, &outcome);
+                let said = simulate.simulate(cell, &designs.grid().point(cell)?);
+                self.insert(cell, said.ok());
             }
         }
         Ok(())
     }
 
     /// The response at a cell; where the simulation failed, that at the nearest cell where it did not.
-    fn at_or_near(&self, designs: &Designs, cell: Cell) -> Result<Option<f64>, Error> {
-        if let Some(response) = self.responses.get(&cell).copied().flatten() {
+    fn at_or_near(&self, designs: &Designs, cell: Cell, column: Column) -> Result<Option<f64>, Error> {
+        if let Some(response) = self.at(cell, column) {
             return Ok(Some(response));
         }
-        let here = designs.grid().coded(cell)?;
+        let here = designs.coded_of(cell)?;
         let mut best: Option<(f64, f64)> = None;
-        for (other, response) in self.known() {
-            let there = designs.grid().coded(other)?;
+        for (other, response) in self.known(column) {
+            let there = designs.coded_of(other)?;
             let square: f64 = here.iter().zip(there).map(|(a, b)| (a - b) * (a - b)).sum();
             if best.is_none_or(|(least, _)| square < least) {
                 best = Some((square, response));
@@ -77,16 +139,16 @@ impl Simulated {
 }
 
 /// Where simulated responses come from.
-pub(crate) enum Source<'a, 'b> {
+pub(crate) enum Source<'a> {
     /// There is no simulation.
     Nothing,
     /// It is run wherever it is needed.
-    Cheap(&'a mut Simulate<'b>),
+    Cheap(&'a mut dyn Simulate),
     /// It is run at few cells, and a surface through those tells the others.
     Emulated(Emulator),
 }
 
-impl Source<'_, '_> {
+impl Source<'_> {
     /// Cells with what the simulation says at each; nothing is said if it never gave a response.
     pub(crate) fn places(
         &mut self,
@@ -94,18 +156,31 @@ impl Source<'_, '_> {
         cells: &[Cell],
         simulated: &mut Simulated,
     ) -> Result<Places, Error> {
+        if let Self::Cheap(simulate) = self {
+            simulated.run(designs, cells, &mut **simulate)?;
+        }
+        self.known_places(designs, cells, simulated, Column::Objective)
+    }
+
+    /// The same for any response, of cells that were simulated if that is cheap.
+    pub(crate) fn known_places(
+        &self,
+        designs: &Designs,
+        cells: &[Cell],
+        simulated: &Simulated,
+        column: Column,
+    ) -> Result<Places, Error> {
         let places = designs.places(cells)?;
         let responses: Option<Vec<f64>> = match self {
             Self::Nothing => None,
-            Self::Cheap(simulate) => {
-                simulated.run(designs, cells, &mut **simulate)?;
-                cells.iter().map(|&cell| simulated.at_or_near(designs, cell)).collect::<Result<_, _>>()?
+            Self::Cheap(_) => {
+                let said = |&cell: &Cell| simulated.at_or_near(designs, cell, column);
+                cells.iter().map(said).collect::<Result<_, _>>()?
             }
-            Self::Emulated(emulator) => {
-                let means = emulator.process.means(&places);
-                let known = |(&cell, mean)| simulated.responses.get(&cell).copied().flatten().unwrap_or(mean);
-                Some(cells.iter().zip(means).map(known).collect())
-            }
+            Self::Emulated(emulator) => emulator.process(column).map(|process| {
+                let means = process.means(&places);
+                cells.iter().zip(means).map(|(&cell, mean)| simulated.at(cell, column).unwrap_or(mean)).collect()
+            }),
         };
         match responses {
             Some(responses) => Ok(places.with_simulated(responses)?),
@@ -114,42 +189,40 @@ impl Source<'_, '_> {
     }
 
     /// The simulated responses at places together; nothing where they are known.
-    pub(crate) fn joint(&self, places: &Places) -> Option<Joint> {
-        match self {
-            Self::Emulated(emulator) => Some(emulator.process.joint(places)),
-            _ => None,
-        }
+    pub(crate) fn joint(&self, places: &Places, column: Column) -> Option<Joint> {
+        Some(self.emulated(column)?.joint(places))
     }
 
     /// The variances of the differences of simulated responses to the first; nothing where they are known.
     pub(crate) fn variances_from_first(&self, places: &Places) -> Option<Vec<f64>> {
-        match self {
-            Self::Emulated(emulator) => {
-                let mut sum = vec![0.0; places.n_places()];
-                let of_each = emulator.process.contrasts(places);
-                for contrast in &of_each {
-                    let pairs = sum.iter_mut().zip(&contrast.variances);
-                    pairs.for_each(|(sum, variance)| *sum += variance / of_each.len() as f64);
-                }
-                Some(sum)
-            }
-            _ => None,
+        let mut sum = vec![0.0; places.n_places()];
+        let of_each = self.emulated(Column::Objective)?.contrasts(places);
+        for contrast in &of_each {
+            let pairs = sum.iter_mut().zip(&contrast.variances);
+            pairs.for_each(|(sum, variance)| *sum += variance / of_each.len() as f64);
         }
+        Some(sum)
     }
 
     /// The variances of the simulated responses; nothing where they are known.
-    pub(crate) fn variances(&self, places: &Places) -> Option<Vec<f64>> {
+    pub(crate) fn variances(&self, places: &Places, column: Column) -> Option<Vec<f64>> {
+        Some(self.emulated(column)?.marginals(places).variances)
+    }
+
+    fn emulated(&self, column: Column) -> Option<&AveragedProcess> {
         match self {
-            Self::Emulated(emulator) => Some(emulator.process.marginals(places).variances),
+            Self::Emulated(emulator) => emulator.process(column),
             _ => None,
         }
     }
 }
 
-/// A surface through the simulations, free of noise.
+/// A surface through the simulations of each response, free of noise.
 #[derive(Debug)]
 pub(crate) struct Emulator {
-    process: AveragedProcess,
+    objective: AveragedProcess,
+    /// None for what was never simulated.
+    constrained: Vec<Option<AveragedProcess>>,
 }
 
 impl Emulator {
@@ -157,8 +230,22 @@ impl Emulator {
     const PARTICLES: usize = 6;
 
     /// Through all simulations that gave a response; nothing for fewer than two.
-    pub(crate) fn of(simulated: &Simulated, designs: &Designs, seed: u64) -> Result<Option<Self>, Error> {
-        let (cells, responses): (Vec<Cell>, Vec<f64>) = simulated.known().unzip();
+    pub(crate) fn of(simulated: &Simulated, designs: &Designs, settings: &Settings) -> Result<Option<Self>, Error> {
+        let through = |column| Self::through(simulated, designs, settings.seed, column);
+        let Some(objective) = through(Column::Objective)? else {
+            return Ok(None);
+        };
+        let constrained = (0..settings.constraints.len()).map(|index| through(Column::Constrained(index)));
+        Ok(Some(Self { objective, constrained: constrained.collect::<Result<_, _>>()? }))
+    }
+
+    fn through(
+        simulated: &Simulated,
+        designs: &Designs,
+        seed: u64,
+        column: Column,
+    ) -> Result<Option<AveragedProcess>, Error> {
+        let (cells, responses): (Vec<Cell>, Vec<f64>) = simulated.known(column).unzip();
         if cells.len() < 2 {
             return Ok(None);
         }
@@ -172,13 +259,20 @@ impl Emulator {
             seed,
             ..SamplerSettings::default()
         };
-        Ok(Some(Self { process: AveragedProcess::new(Sites::new(&data, None)?, &settings)? }))
+        Ok(Some(AveragedProcess::new(Sites::new(&data, None)?, &settings)?))
+    }
+
+    fn process(&self, column: Column) -> Option<&AveragedProcess> {
+        match column {
+            Column::Objective => Some(&self.objective),
+            Column::Constrained(index) => self.constrained.get(index)?.as_ref(),
+        }
     }
 
     /// Which of the cells to simulate next, most uncertain first, each pick counted in: at most `count`.
     pub(crate) fn most_uncertain(&self, designs: &Designs, cells: &[Cell], count: usize) -> Result<Vec<Cell>, Error> {
         let places = designs.places(cells)?;
-        let mut joint = self.process.joint(&places);
+        let mut joint = self.objective.joint(&places);
         let mut chosen = Vec::new();
         for _ in 0..count.min(cells.len()) {
             let order = |&a: &usize, &b: &usize| joint.variance(a).total_cmp(&joint.variance(b)).then(b.cmp(&a));

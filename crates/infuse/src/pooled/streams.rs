@@ -11,6 +11,9 @@ pub(crate) enum Purpose {
     KnowledgeGradient = 4,
     Certificate = 5,
     Simulations = 6,
+    Recommendation = 7,
+    Constraints = 8,
+    Designs = 9,
 }
 
 /// An independent stream of the generator for a purpose in a batch.

@@ -20,6 +20,7 @@ mod identification;
 mod invariants;
 mod mechanisms;
 mod pooled;
+mod pooled_constraints;
 mod problems;
 mod saved_state;
 mod strategies;

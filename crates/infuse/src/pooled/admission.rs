@@ -1,0 +1,107 @@
+//! Whether designs keep to their bounds, as it may turn out after a batch.
+
+use std::sync::LazyLock;
+
+use statrs::distribution::{ContinuousCDF, Normal};
+use surface::process::Joint;
+
+use crate::pooled::constraint::Constraint;
+use crate::pooled::outcomes::{OUTCOMES, outcomes};
+
+/// One constrained response over a pool: what is known of it, and how that may turn out after the picks so far.
+pub(crate) struct Admission {
+    lower: f64,
+    upper: f64,
+    joint: Joint,
+    /// Variance of one reading.
+    noise: f64,
+    /// Its means, as each outcome would have them.
+    futures: Vec<Vec<f64>>,
+    scramble: u32,
+}
+
+/// How one more run moves it.
+pub(crate) struct Step {
+    effect: Vec<f64>,
+    /// 1 over the standard deviation that each row then has.
+    precision: Vec<f64>,
+    normals: Vec<f64>,
+}
+
+impl Admission {
+    /// Of the constraint with this number.
+    pub(crate) fn of(constraint: &Constraint, joint: Joint, noise: f64, number: u32, scramble: u32) -> Self {
+        let futures = vec![joint.means().to_vec(); OUTCOMES as usize];
+        let scramble = scramble.wrapping_add(0x9E37_79B9_u32.wrapping_mul(number + 1));
+        let lower = constraint.lower.unwrap_or(f64::NEG_INFINITY);
+        let upper = constraint.upper.unwrap_or(f64::INFINITY);
+        Self { lower, upper, joint, noise: noise * noise, futures, scramble }
+    }
+
+    /// No run at all.
+    pub(crate) fn stay(&self) -> Step {
+        let n = self.joint.n_places();
+        Step { effect: vec![0.0; n], precision: self.precisions(&vec![0.0; n]), normals: vec![0.0; OUTCOMES as usize] }
+    }
+
+    /// A run at this row, the so-many-th of the batch.
+    pub(crate) fn step(&self, row: usize, number: u32) -> Step {
+        let effect = self.joint.effect(row, self.noise);
+        Step { precision: self.precisions(&effect), effect, normals: outcomes(number, self.scramble) }
+    }
+
+    fn precisions(&self, effect: &[f64]) -> Vec<f64> {
+        let left = |(row, effect): (usize, &f64)| (self.joint.variance(row) - effect * effect).max(0.0).sqrt();
+        effect.iter().enumerate().map(left).map(|deviation| 1.0 / deviation.max(f64::MIN_POSITIVE)).collect()
+    }
+
+    /// Multiplies each row's chance by its probability to keep to the bounds, in one outcome.
+    pub(crate) fn multiply(&self, chances: &mut [f64], step: &Step, outcome: usize) {
+        let (z, means) = (step.normals[outcome], &self.futures[outcome]);
+        let rows = chances.iter_mut().zip(means).zip(step.effect.iter().zip(&step.precision));
+        for ((chance, mean), (effect, precision)) in rows {
+            let mean = mean + z * effect;
+            *chance *= below((self.upper - mean) * precision) - below((self.lower - mean) * precision);
+        }
+    }
+
+    /// The run is part of the batch.
+    pub(crate) fn measure(&mut self, step: &Step) {
+        for (future, z) in self.futures.iter_mut().zip(&step.normals) {
+            future.iter_mut().zip(&step.effect).for_each(|(mean, effect)| *mean += z * effect);
+        }
+        self.joint.measure(&step.effect);
+    }
+}
+
+const MOST: f64 = 5.0;
+const PER_UNIT: usize = 64;
+
+/// The standard normal distribution at so many steps from −5 to 5.
+static BELOW: LazyLock<Vec<f64>> = LazyLock::new(|| {
+    let normal = Normal::standard();
+    (0..=2 * MOST as usize * PER_UNIT + 1).map(|step| normal.cdf(step as f64 / PER_UNIT as f64 - MOST)).collect()
+});
+
+/// Probability of a standard normal number below this, to 1e-4: the table is read millions of times.
+fn below(x: f64) -> f64 {
+    let at = (x.clamp(-MOST, MOST) + MOST) * PER_UNIT as f64;
+    let step = at as usize;
+    let share = at - step as f64;
+    BELOW[step] * (1.0 - share) + BELOW[step + 1] * share
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_is_the_normal_distribution() {
+        let normal = Normal::standard();
+        for step in -800..=800 {
+            let x = f64::from(step) / 97.0;
+            assert!((below(x) - normal.cdf(x)).abs() < 1e-4, "{x}");
+        }
+        assert!(below(f64::INFINITY) > 0.999_999 && below(f64::NEG_INFINITY) < 1e-6);
+    }
+}
