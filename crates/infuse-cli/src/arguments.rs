@@ -133,7 +133,8 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 #[command(override_usage = "infuse tell <SHEET> [--correct]\n       \
-    infuse tell --id <ID> <--value <VALUE>|--failed <REASON>> [--actual <NAME=VALUE,...>] [--again] [--correct]")]
+    infuse tell --id <ID> <--value <VALUE>|--failed <REASON>> [--constrained <NAME=VALUE,...>]\n         \
+    [--actual <NAME=VALUE,...>] [--again] [--correct]")]
 pub(crate) struct Tell {
     /// A filled sheet; rows without a value and without a reason are left for later
     #[arg(conflicts_with = "id", required_unless_present = "id")]
@@ -147,6 +148,9 @@ pub(crate) struct Tell {
     /// Or that it gave none, and why
     #[arg(long, requires = "id", value_name = "REASON")]
     pub(crate) failed: Option<String>,
+    /// The responses that have to stay within bounds: "travel=11.2"
+    #[arg(long, requires = "id", value_name = "NAME=VALUE,...")]
+    pub(crate) constrained: Option<String>,
     /// Settings that were made otherwise: "spring=21010,damper=1500"
     #[arg(long, requires = "id", value_name = "NAME=VALUE,...")]
     pub(crate) actual: Option<String>,

@@ -1,5 +1,6 @@
 //! A command that turns a point into a value.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
@@ -12,8 +13,8 @@ use design_space::Region;
 use process_wrap::std::{ChildWrapper, CommandWrap};
 use serde_json::{Map, Value, json};
 
-use crate::number::{number_fault, plain, rounded};
-use crate::problem::{Input, Program};
+use crate::number::{number_fault, plain};
+use crate::problem::{Input, Program, said, written};
 
 /// How often a running program is looked at: at first, and at most.
 const PAUSES: (Duration, Duration) = (Duration::from_micros(200), Duration::from_millis(20));
@@ -59,7 +60,8 @@ impl Drop for Running {
 /// What became of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Ran {
-    Value(f64),
+    /// With every other number that it gave, by name.
+    Value(f64, BTreeMap<String, f64>),
     /// The point has no value, and the reason is worth writing down.
     Failed(String),
     /// Stopped from outside: it says nothing about the point.
@@ -129,7 +131,7 @@ impl Program {
         }
         let pairs = region.parameters().iter().zip(point);
         let mut object: Map<String, Value> =
-            pairs.map(|(parameter, &value)| (parameter.name().to_owned(), json!(rounded(value)))).collect();
+            pairs.map(|(parameter, &value)| (parameter.name().to_owned(), said(parameter, value))).collect();
         if let Some(run) = run {
             object.insert("run".to_owned(), json!(run));
         }
@@ -175,7 +177,7 @@ fn filled(argument: &str, region: &Region, point: &[f64], run: Option<u64>) -> S
     let argument = argument.replace("{run}", &run);
     let pairs = region.parameters().iter().zip(point);
     pairs.fold(argument, |argument, (parameter, &value)| {
-        argument.replace(&format!("{{{}}}", parameter.name()), &plain(value))
+        argument.replace(&format!("{{{}}}", parameter.name()), &written(parameter, value))
     })
 }
 
@@ -208,13 +210,17 @@ fn value_of(output: &str) -> Ran {
         return Ran::Failed("it printed nothing, expected a number on its last line".to_owned());
     };
     if let Ok(value) = line.parse::<f64>() {
-        return finite(value);
+        return finite(value, BTreeMap::new());
     }
     if let Ok(Value::Object(object)) = serde_json::from_str(line) {
         let value = object.get("value").and_then(Value::as_f64);
         let failed = object.get("failed").and_then(Value::as_str);
         match (value, failed) {
-            (Some(value), None) => return finite(value),
+            (Some(value), None) => {
+                let others = object.iter().filter(|(name, _)| *name != "value");
+                let others = others.filter_map(|(name, other)| Some((name.clone(), other.as_f64()?)));
+                return finite(value, others.collect());
+            }
             (None, Some(reason)) => return Ran::Failed(reason.to_owned()),
             _ => {}
         }
@@ -223,9 +229,9 @@ fn value_of(output: &str) -> Ran {
     Ran::Failed(format!("its last line is `{}`, {expected}", end_of(line)))
 }
 
-fn finite(value: f64) -> Ran {
+fn finite(value: f64, others: BTreeMap<String, f64>) -> Ran {
     match number_fault(value) {
-        None => Ran::Value(value),
+        None => Ran::Value(value, others),
         Some(expected) => Ran::Failed(format!("it returned {value:?}, expected {expected}")),
     }
 }

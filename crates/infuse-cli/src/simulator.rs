@@ -1,6 +1,6 @@
 //! Simulations: looked up, or run side by side.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,9 +9,9 @@ use std::sync::mpsc;
 use anyhow::{Result, bail};
 use design_space::{Cell, Grid};
 
-use crate::journal::Measured;
+use crate::journal::{Constrained, Measured};
 use crate::number::{parse, plain, with_unit};
-use crate::problem::{Problem, Program, Simulator};
+use crate::problem::{Problem, Program, Simulator, parse_setting};
 use crate::program::Ran;
 use crate::sheet::{Fault, Table, none_of, point_columns};
 
@@ -22,10 +22,13 @@ pub(crate) type Job = (Cell, Vec<f64>);
 pub(crate) fn identity(simulator: &Simulator) -> String {
     match simulator {
         Simulator::Table(path) => format!("table {}", path.display()),
-        Simulator::Program { program, .. } => {
-            program.command.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
-        }
+        Simulator::Program { program, .. } => identity_of(program),
     }
+}
+
+/// A command as it stands in the file.
+pub(crate) fn identity_of(program: &Program) -> String {
+    program.command.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
 }
 
 /// A word of a command, in quotes where it could be taken for several: so two commands never read the same.
@@ -41,14 +44,16 @@ pub(crate) fn simulate(
     problem: &Problem,
     grid: &Grid,
     jobs: &[Job],
-    mut done: impl FnMut(&Job, Measured) -> Result<()>,
+    mut done: impl FnMut(&Job, Measured, Constrained) -> Result<()>,
 ) -> Result<()> {
     match &problem.simulator {
         Simulator::Table(path) => {
             let values = table(&folder.join(path), problem, grid)?;
             for job in jobs {
-                let found = values.get(&job.0).copied().map(Measured::Value);
-                done(job, found.unwrap_or_else(|| Measured::Failed(format!("no row in {}", path.display()))))?;
+                match values.get(&job.0) {
+                    Some(row) => done(job, Measured::Value(row.value), row.named(problem))?,
+                    None => done(job, Measured::Failed(format!("no row in {}", path.display())), BTreeMap::new())?,
+                }
             }
             Ok(())
         }
@@ -64,7 +69,7 @@ fn run_all(
     program: &Program,
     n_workers: usize,
     jobs: &[Job],
-    mut done: impl FnMut(&Job, Measured) -> Result<()>,
+    mut done: impl FnMut(&Job, Measured, Constrained) -> Result<()>,
 ) -> Result<()> {
     let (waiting, stop) = (Mutex::new(jobs.iter()), AtomicBool::new(false));
     let (sender, receiver) = mpsc::channel();
@@ -86,8 +91,8 @@ fn run_all(
         let mut outcome = Ok(());
         for (job, ran) in receiver {
             let handed = match ran {
-                Ok(Ran::Value(value)) => done(job, Measured::Value(value)),
-                Ok(Ran::Failed(reason)) => done(job, Measured::Failed(reason)),
+                Ok(Ran::Value(value, others)) => done(job, Measured::Value(value), problem.of_constraints(others)),
+                Ok(Ran::Failed(reason)) => done(job, Measured::Failed(reason), BTreeMap::new()),
                 Ok(Ran::Interrupted) => {
                     stop.store(true, Ordering::Relaxed);
                     Ok(())
@@ -103,16 +108,31 @@ fn run_all(
     })
 }
 
+/// What a table says of a design.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Simulated {
+    pub(crate) value: f64,
+    /// One per constraint, if the table has a column for it.
+    pub(crate) constrained: Vec<Option<f64>>,
+}
+
+impl Simulated {
+    fn named(&self, problem: &Problem) -> Constrained {
+        let pairs = problem.constraints.iter().zip(&self.constrained);
+        pairs.filter_map(|(held, value)| Some((held.name().to_owned(), (*value)?))).collect()
+    }
+}
+
 /// The values of a table, by cell.
-pub(crate) fn table(path: &Path, problem: &Problem, grid: &Grid) -> Result<HashMap<Cell, f64>> {
+pub(crate) fn table(path: &Path, problem: &Problem, grid: &Grid) -> Result<HashMap<Cell, Simulated>> {
     let parameters = problem.region.parameters();
     let k = parameters.len();
     let table = Table::read(path, &point_columns(problem))?;
-    let (mut values, mut faults): (HashMap<Cell, f64>, Vec<Fault>) = (HashMap::new(), Vec::new());
+    let (mut values, mut faults): (HashMap<Cell, Simulated>, Vec<Fault>) = (HashMap::new(), Vec::new());
     for row in table.rows() {
         let mut point = Vec::with_capacity(k);
         for (column, parameter) in parameters.iter().enumerate() {
-            match parse(table.cell(row, column)) {
+            match parse_setting(parameter, table.cell(row, column)) {
                 Err(expected) => faults.push(table.fault(row, column, expected)),
                 Ok(value) => match parameter.snap(value) {
                     Ok(level) if (level - value).abs() <= 1e-6 * parameter.width() => point.push(level),
@@ -128,11 +148,21 @@ pub(crate) fn table(path: &Path, problem: &Problem, grid: &Grid) -> Result<HashM
                 },
             }
         }
+        let constrained = (0..problem.constraints.len()).map(|index| {
+            let column = k + 1 + index;
+            let text = table.cell(row, column);
+            if text.is_empty() {
+                return None;
+            }
+            parse(text).map_err(|expected| faults.push(table.fault(row, column, expected))).ok()
+        });
+        let constrained: Vec<Option<f64>> = constrained.collect();
         match parse(table.cell(row, k)) {
             Err(expected) => faults.push(table.fault(row, k, expected)),
             Ok(value) if point.len() == k => {
-                let earlier = values.insert(grid.nearest(&point)?, value);
-                if earlier.is_some_and(|earlier| earlier.to_bits() != value.to_bits()) {
+                let simulated = Simulated { value, constrained };
+                let earlier = values.insert(grid.nearest(&point)?, simulated.clone());
+                if earlier.is_some_and(|earlier| earlier != simulated) {
                     faults.push(table.fault(row, k, "the value that an earlier row has for the same settings"));
                 }
             }

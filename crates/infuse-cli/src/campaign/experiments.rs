@@ -37,7 +37,7 @@ impl Experiments {
 
     /// Writes down what was told; an error says why it cannot be.
     pub(crate) fn tell(&mut self, told: Told) -> Result<()> {
-        let Told { id, result, actual, repeat, corrects, note, .. } = told;
+        let Told { id, result, constrained, actual, repeat, corrects, note, .. } = told;
         ensure!(self.trials.contains_key(&id), "experiment {id} was never asked for");
         if let Some(name) = actual.keys().find(|name| self.region.index_of(name).is_none()) {
             bail!("experiment {id}: `actual` has `{name}`, expected names of parameters");
@@ -49,10 +49,12 @@ impl Experiments {
                 "repeat {repeat} of experiment {id} has a result"
             );
             reading.again.insert(repeat, result);
+            reading.constrained.insert(repeat, constrained);
             return Ok(());
         }
         ensure!(reading.first.is_none() || corrects, "experiment {id} has a result");
         reading.first = Some(result);
+        reading.constrained.insert(0, constrained);
         reading.actual = actual;
         reading.note = note;
         Ok(())

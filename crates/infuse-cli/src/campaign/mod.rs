@@ -12,7 +12,7 @@ use infuse::pooled::Trial;
 use page::Finding;
 use serde_json::Value;
 
-use crate::journal::{Event, Journal, Measured, Submitted, Writer};
+use crate::journal::{Constrained, Event, Journal, Measured, Submitted, Writer};
 use crate::problem::Problem;
 pub(crate) use changes::changes;
 pub(crate) use experiments::Experiments;
@@ -56,6 +56,8 @@ pub(crate) struct Wish {
 pub(crate) struct Imported {
     pub(crate) point: Vec<f64>,
     pub(crate) result: Measured,
+    /// Of the responses that have to stay within bounds.
+    pub(crate) constrained: Constrained,
     pub(crate) source: String,
 }
 

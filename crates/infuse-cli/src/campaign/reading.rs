@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use infuse::Outcome;
 
-use crate::journal::Measured;
+use crate::journal::{Constrained, Measured};
 use crate::problem::Response;
 
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -14,6 +14,8 @@ pub(crate) struct Reading {
     /// Of further runs at the same settings.
     pub(crate) again: BTreeMap<usize, Measured>,
     pub(crate) actual: BTreeMap<String, f64>,
+    /// Of the responses that have to stay within bounds, run by run, the one that was asked for being 0.
+    pub(crate) constrained: BTreeMap<usize, Constrained>,
     pub(crate) note: String,
 }
 
@@ -21,6 +23,13 @@ impl Reading {
     /// Of the run that was asked for, 0, or of a further one.
     pub(crate) fn result(&self, repeat: usize) -> Option<&Measured> {
         if repeat == 0 { self.first.as_ref() } else { self.again.get(&repeat) }
+    }
+
+    /// The mean of a constrained response over all runs that measured it.
+    pub(crate) fn mean_of(&self, name: &str) -> Option<f64> {
+        let values = || self.constrained.values().filter_map(|of_a_run| of_a_run.get(name));
+        let n = values().count();
+        (n > 0).then(|| values().sum::<f64>() / n as f64)
     }
 
     /// All values, as measured.

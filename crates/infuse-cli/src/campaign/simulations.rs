@@ -40,10 +40,11 @@ pub(crate) fn simulate_missing(
     let by = identity(&problem.simulator);
     let mut happened = |happened: Happened<'_>| match happened {
         Happened::Submitted(submitted) => remember(Event::Submitted(submitted)),
-        Happened::Simulated((cell, point), result) => {
+        Happened::Simulated((cell, point), result, others) => {
             done.n_failed += usize::from(matches!(result, Measured::Failed(_)));
             let point = point.iter().copied().map(rounded).collect();
-            remember(Event::Simulated { cell: *cell, point, result, by: by.clone() })?;
+            let constrained = problem.of_constraints(others);
+            remember(Event::Simulated { cell: *cell, point, result, constrained, by: by.clone() })?;
             done.n_done += 1;
             bar.inc(1);
             Ok(())
@@ -65,7 +66,9 @@ pub(crate) fn simulate_missing(
             };
             queue::simulate(of, jobs, &mut happened, show)
         }
-        None => simulate(folder, problem, grid, jobs, |job, result| happened(Happened::Simulated(job, result))),
+        None => simulate(folder, problem, grid, jobs, |job, result, others| {
+            happened(Happened::Simulated(job, result, others))
+        }),
     };
     bar.finish_and_clear();
     outcome?;

@@ -21,7 +21,10 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     let in_use = campaign.imported();
     let is_known = |one: &sheet::Imported| {
         in_use.iter().any(|earlier| {
-            earlier.point == one.point && earlier.result == one.result && earlier.source == source_of(one, source)
+            earlier.point == one.point
+                && earlier.result == one.result
+                && earlier.constrained == one.constrained
+                && earlier.source == source_of(one, source)
         })
     };
     if let Some(known) = found.iter().find(|one| is_known(one)) {
@@ -35,8 +38,8 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     let (rows, at, from) = (found.len(), now(), file.display().to_string());
     let events = found.into_iter().enumerate().map(|(index, one)| {
         let source = source_of(&one, source);
-        let sheet::Imported { point, result, .. } = one;
-        Event::Imported { row: index + 1, rows, point, result, source, from: from.clone(), at: at.clone() }
+        let sheet::Imported { point, result, constrained, .. } = one;
+        Event::Imported { row: index + 1, rows, point, result, constrained, source, from: from.clone(), at: at.clone() }
     });
     let events: Vec<Event> = events.collect();
     campaign.record(&mut writer, events)?;

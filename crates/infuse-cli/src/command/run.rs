@@ -1,5 +1,6 @@
 //! `infuse run`: the loop, closed by itself.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
@@ -80,17 +81,20 @@ fn experiment(campaign: &mut dyn Campaign, writer: &mut Writer) -> Result<usize>
             continue;
         }
         let id = trial.id.number();
-        let result = match program.run(&folder, &problem.region, &trial.point, Some(id))? {
-            Ran::Value(value) => match problem.response.fault(value) {
-                Some(expected) => Measured::Failed(format!("it returned {value}, expected {expected}")),
-                None => Measured::Value(value),
+        let (result, constrained) = match program.run(&folder, &problem.region, &trial.point, Some(id))? {
+            Ran::Value(value, others) => match problem.response.fault(value) {
+                Some(expected) => {
+                    (Measured::Failed(format!("it returned {value}, expected {expected}")), BTreeMap::new())
+                }
+                None => (Measured::Value(value), problem.of_constraints(others)),
             },
-            Ran::Failed(reason) => Measured::Failed(reason),
+            Ran::Failed(reason) => (Measured::Failed(reason), BTreeMap::new()),
             Ran::Interrupted => bail!("interrupted: the results so far are written down, run again to go on"),
         };
-        let (actual, note) = (std::collections::BTreeMap::new(), String::new());
+        let (actual, note) = (BTreeMap::new(), String::new());
         let (from, at) = ("infuse run".to_owned(), now());
-        let told = Told { row: 1, rows: 1, id, result, actual, repeat: 0, corrects: false, note, from, at };
+        let told =
+            Told { row: 1, rows: 1, id, result, constrained, actual, repeat: 0, corrects: false, note, from, at };
         campaign.record(writer, vec![Event::Told(told)])?;
         n_made += 1;
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::{Result, anyhow, bail, ensure};
 use design_space::Region;
 
-use crate::number::parse;
+use crate::problem::parse_setting;
 
 /// The settings that are named, each at most once.
 pub(crate) fn some(text: &str, region: &Region) -> Result<BTreeMap<String, f64>> {
@@ -16,8 +16,12 @@ pub(crate) fn some(text: &str, region: &Region) -> Result<BTreeMap<String, f64>>
             bail!("`{part}` is no setting, expected name=value");
         };
         let name = name.trim();
-        ensure!(region.index_of(name).is_some(), "no parameter is called `{name}`, expected one of {}", names());
-        let value = parse(value.trim()).map_err(|expected| anyhow!("`{name}` is `{value}`, expected {expected}"))?;
+        let index = region
+            .index_of(name)
+            .ok_or_else(|| anyhow!("no parameter is called `{name}`, expected one of {}", names()))?;
+        let parameter = &region.parameters()[index];
+        let value = parse_setting(parameter, value.trim())
+            .map_err(|expected| anyhow!("`{name}` is `{value}`, expected {expected}"))?;
         ensure!(settings.insert(name.to_owned(), value).is_none(), "`{name}` comes twice");
     }
     Ok(settings)

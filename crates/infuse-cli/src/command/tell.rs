@@ -15,6 +15,7 @@ use crate::findings::{outstanding, taken};
 use crate::folder;
 use crate::journal::{Event, Measured, Told, now};
 use crate::number::{number_fault, plain};
+use crate::problem::Problem;
 use crate::sheet::{Answer, Fault, answers, none_of};
 use crate::shell::infuse;
 
@@ -33,9 +34,9 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
     let rows = fresh.len();
     let at = now();
     let event = |(index, (answer, corrects)): (usize, (Answer, bool))| {
-        let Answer { id, result, actual, repeat, note, .. } = answer;
+        let Answer { id, result, constrained, actual, repeat, note, .. } = answer;
         let (from, at) = (from.clone(), at.clone());
-        Event::Told(Told { row: index + 1, rows, id, result, actual, repeat, corrects, note, from, at })
+        Event::Told(Told { row: index + 1, rows, id, result, constrained, actual, repeat, corrects, note, from, at })
     };
     let events: Vec<Event> = fresh.into_iter().enumerate().map(event).collect();
     campaign.record(&mut writer, events)?;
@@ -101,7 +102,31 @@ fn single(tell: &Tell, campaign: &dyn Campaign) -> Result<Answer> {
         .and_then(|reading| reading.again.keys().next_back().copied())
         .unwrap_or(0);
     let repeat = if tell.again { n_repeats + 1 } else { 0 };
-    Ok(Answer { id, result, actual, repeat, note: tell.note.clone(), row: 0 })
+    let constrained = match &tell.constrained {
+        Some(text) => constrained(text, problem).context("--constrained")?,
+        None => BTreeMap::new(),
+    };
+    Ok(Answer { id, result, constrained, actual, repeat, note: tell.note.clone(), row: 0 })
+}
+
+/// "travel=11.2,force=300", by the names of constraints.
+fn constrained(text: &str, problem: &Problem) -> Result<BTreeMap<String, f64>> {
+    let named: Vec<String> = problem.constraints.iter().map(|held| format!("`{}`", held.name())).collect();
+    let mut all = BTreeMap::new();
+    for part in text.split(',').filter(|part| !part.trim().is_empty()) {
+        let (name, value) =
+            part.split_once('=').with_context(|| format!("`{part}` is no value, expected name=value"))?;
+        let name = name.trim();
+        ensure!(
+            problem.constraints.iter().any(|held| held.name() == name),
+            "no constraint is called `{name}`, expected {}",
+            if named.is_empty() { "none: there is no [[constraint]]".to_owned() } else { named.join(", ") }
+        );
+        let value = crate::number::parse(value.trim())
+            .map_err(|expected| anyhow!("`{name}` is `{}`, expected {expected}", value.trim()))?;
+        ensure!(all.insert(name.to_owned(), value).is_none(), "`{name}` comes twice");
+    }
+    Ok(all)
 }
 
 /// What is new, each with whether it replaces a result, and how much was known.
@@ -123,8 +148,10 @@ fn fresh(
         };
         // A sheet that is told twice does not make runs twice.
         let told = campaign.experiments().readings.get(&id).and_then(|reading| reading.result(answer.repeat));
+        let reading = campaign.experiments().readings.get(&id);
+        let same_constrained = reading.and_then(|r| r.constrained.get(&answer.repeat)) == Some(&answer.constrained);
         let same_settings =
-            answer.repeat > 0 || campaign.experiments().readings.get(&id).is_some_and(|r| r.actual == answer.actual);
+            same_constrained && (answer.repeat > 0 || reading.is_some_and(|reading| reading.actual == answer.actual));
         if told == Some(&answer.result) && same_settings {
             n_known += 1;
             continue;

@@ -50,7 +50,7 @@ impl Campaign {
             }
             Event::Learned(learned) => self.check_learned(&learned)?,
             Event::Campaign { .. } => bail!("expected the event `campaign` on the first line only"),
-            Event::Assessed(_) => bail!("the event `assessed` belongs to `method` = \"pooled\""),
+            Event::Assessed(_) | Event::Checked { .. } => bail!("the event belongs to `method` = \"pooled\""),
         }
         Ok(())
     }

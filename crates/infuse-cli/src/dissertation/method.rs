@@ -12,7 +12,7 @@ use super::campaign::{Campaign, Stage};
 use super::findings::{best, best_design, closed, left, lesson, prospects, reason_to_stop, why_dropped};
 use super::{hand_out, report};
 use crate::campaign::{self, Experiments, HandedOut, Imported, Wish};
-use crate::journal::{Event, Journal, Measured, Submitted, Writer};
+use crate::journal::{Constrained, Event, Journal, Measured, Submitted, Writer};
 use crate::problem::Problem;
 use crate::simulator::identity;
 
@@ -86,6 +86,7 @@ impl campaign::Campaign for Campaign {
             .map(|earlier| Imported {
                 point: earlier.point.clone(),
                 result: Measured::Value(self.problem.response.of_cost(earlier.cost)),
+                constrained: Constrained::new(),
                 source: earlier.source.clone(),
             })
             .collect()

@@ -10,7 +10,7 @@ pub(crate) fn on_bounds(problem: &Problem, point: &[f64]) -> Vec<Finding> {
     let mut found = Vec::new();
     for (parameter, &setting) in problem.region.parameters().iter().zip(point) {
         let word = match setting {
-            _ if parameter.width() <= 0.0 => continue,
+            _ if parameter.choices().is_some() => continue,
             at if at <= parameter.lower() => "lower",
             at if at >= parameter.upper() => "upper",
             _ => continue,

@@ -32,8 +32,13 @@ pub(crate) enum Event {
         point: Vec<f64>,
         #[serde(flatten)]
         result: Measured,
+        /// Of the responses that have to stay within bounds.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        constrained: Constrained,
         by: String,
     },
+    /// It was asked whether a design can be built.
+    Checked { cell: Cell, point: Vec<f64>, can_be_built: bool, by: String, at: String },
     /// Runs are to be handed to a queue; written down before they are.
     Submitted(Submitted),
     /// What was simulated before is not to be used in batches to come.
@@ -50,6 +55,9 @@ pub(crate) enum Event {
         point: Vec<f64>,
         #[serde(flatten)]
         result: Measured,
+        /// Of the responses that have to stay within bounds.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        constrained: Constrained,
         source: String,
         from: String,
         at: String,
@@ -100,6 +108,9 @@ pub(crate) struct Told {
     pub(crate) id: u64,
     #[serde(flatten)]
     pub(crate) result: Measured,
+    /// Of the responses that have to stay within bounds.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) constrained: Constrained,
     /// Settings really made, where they are not those asked for.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(crate) actual: BTreeMap<String, f64>,
@@ -114,6 +125,9 @@ pub(crate) struct Told {
     pub(crate) from: String,
     pub(crate) at: String,
 }
+
+/// What was measured or simulated of the responses that have to stay within bounds, by their names.
+pub(crate) type Constrained = BTreeMap<String, f64>;
 
 /// A value, or why there is none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -13,7 +13,7 @@ use std::time::Duration;
 use anyhow::{Context as _, Result, anyhow};
 
 use checksum::Checksum;
-pub(crate) use event::{Assessed, Event, FORMAT, Learned, Measured, Purpose, Submitted, Told, now};
+pub(crate) use event::{Assessed, Constrained, Event, FORMAT, Learned, Measured, Purpose, Submitted, Told, now};
 use lock::Lock;
 
 /// The name of the file in the folder of a campaign.

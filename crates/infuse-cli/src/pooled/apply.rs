@@ -5,7 +5,8 @@ use design_space::Cell;
 use infuse::TrialId;
 use infuse::pooled::Trial;
 
-use super::campaign::{Batch, Campaign, Remembered};
+use super::buildable::some_are_refused;
+use super::campaign::{Batch, Campaign, Checked, Remembered};
 use crate::campaign::Imported;
 use crate::journal::{Assessed, Event, JOURNAL, Purpose, Writer};
 
@@ -22,9 +23,21 @@ impl Campaign {
         for event in &events {
             next.apply(event.clone())?;
         }
-        if let Some(assessed) = next.taught()? {
-            next.apply(assessed.clone())?;
-            events.push(assessed);
+        while let Some(assessed) = next.taught()? {
+            // What nobody can build is not recommended.
+            let checks = match &assessed {
+                Event::Assessed(assessed) => next.check(&[next.grid.nearest(&assessed.recommended)?])?,
+                _ => Vec::new(),
+            };
+            let is_refused = some_are_refused(&checks);
+            for event in checks {
+                next.apply(event.clone())?;
+                events.push(event);
+            }
+            if !is_refused {
+                next.apply(assessed.clone())?;
+                events.push(assessed);
+            }
         }
         if !events.is_empty() {
             writer.add(&events)?;
@@ -77,8 +90,12 @@ impl Campaign {
             Event::Planned { batch, experiments, simulations, purpose, .. } => {
                 self.plan(batch, experiments, &simulations, purpose)?;
             }
-            Event::Simulated { cell, result, by, .. } => {
-                self.memory.insert(cell, Remembered { by, result });
+            Event::Simulated { cell, result, constrained, by, .. } => {
+                self.memory.insert(cell, Remembered { by, result, constrained });
+            }
+            Event::Checked { cell, can_be_built, by, .. } => {
+                self.grid.point(cell)?;
+                self.checked.insert(cell, Checked { by, can_be_built });
             }
             Event::Submitted(submitted) => self.submitted.push(submitted),
             Event::Discarded { .. } => {
@@ -91,7 +108,9 @@ impl Campaign {
                 // What is known now is to be said anew; what was known before stands.
                 self.history.remove(&self.batches.len());
             }
-            Event::Imported { point, result, source, .. } => self.imported.push(Imported { point, result, source }),
+            Event::Imported { point, result, constrained, source, .. } => {
+                self.imported.push(Imported { point, result, constrained, source });
+            }
             Event::Withdrawn { source, .. } => {
                 let before = self.imported.len();
                 self.imported.retain(|imported| imported.source != source);

@@ -8,13 +8,13 @@ use std::rc::Rc;
 use anyhow::{Result, ensure};
 use design_space::{Cell, Grid};
 use infuse::global::PureError;
-use infuse::pooled::{Assessment, Loop, Settings, Simulate};
+use infuse::pooled::{Assessment, Loop, Responses, Settings, Simulate};
 use infuse::{Outcome, TrialId};
 
-use crate::campaign::{Experiments, Imported};
-use crate::journal::{Assessed, Journal, Measured, Purpose, Submitted};
+use crate::campaign::{Experiments, Imported, Reading};
+use crate::journal::{Assessed, Constrained, Journal, Measured, Purpose, Submitted};
 use crate::problem::{PROBLEM, Problem, Simulator};
-use crate::simulator::{Job, identity, table};
+use crate::simulator::{Job, Simulated, identity, table};
 
 /// Designs of which a command simulates all.
 const MOST_SIMULATED: u64 = 20_000;
@@ -39,10 +39,14 @@ pub(crate) struct Campaign {
     /// What was handed to a queue.
     pub(super) submitted: Vec<Submitted>,
     pub(super) imported: Vec<Imported>,
+    /// Whether designs can be built.
+    pub(super) checked: BTreeMap<Cell, Checked>,
     /// What was known after each batch.
     pub(super) history: BTreeMap<usize, Assessed>,
     /// The rows of a simulator that is a table, once they were read.
-    rows: Rc<OnceCell<HashMap<Cell, f64>>>,
+    rows: Rc<OnceCell<HashMap<Cell, Simulated>>>,
+    /// The loop before anything was told.
+    empty: Loop,
     /// The loop with all that was told, once it was asked for.
     now: RefCell<Option<Loop>>,
     assessed: OnceCell<Option<Assessment>>,
@@ -60,6 +64,14 @@ pub(super) struct Batch {
 pub(super) struct Remembered {
     pub(super) by: String,
     pub(super) result: Measured,
+    pub(super) constrained: Constrained,
+}
+
+/// Whether a design can be built, and which command said so.
+#[derive(Debug, Clone)]
+pub(super) struct Checked {
+    pub(super) by: String,
+    pub(super) can_be_built: bool,
 }
 
 /// Which experiment a reading of the loop is.
@@ -95,7 +107,8 @@ pub(super) enum Access {
 impl Campaign {
     pub(crate) fn of(folder: &Path, problem: Problem, journal: Journal) -> Result<Self> {
         let (settings, unused) = problem.pooled_settings()?;
-        let grid = Loop::new(&problem.region, settings.clone())?.grid().clone();
+        let empty = Loop::new(&problem.region, settings.clone())?;
+        let grid = empty.grid().clone();
         let mut notices = journal.notices;
         if !unused.is_empty() {
             let keys = unused.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ");
@@ -114,6 +127,8 @@ impl Campaign {
             memory: HashMap::new(),
             submitted: Vec::new(),
             imported: Vec::new(),
+            checked: BTreeMap::new(),
+            empty,
             history: BTreeMap::new(),
             rows: Rc::new(OnceCell::new()),
             now: RefCell::new(None),
@@ -122,7 +137,22 @@ impl Campaign {
         for (line, event) in journal.events {
             campaign.apply_line(line, event)?;
         }
+        campaign.notice_unknown_constraints();
         Ok(campaign)
+    }
+
+    /// Says of which responses there are measurements that no constraint of the file uses.
+    fn notice_unknown_constraints(&mut self) {
+        let of_runs = self.experiments.readings.values().flat_map(|reading| reading.constrained.values());
+        let measured = of_runs.chain(self.imported.iter().map(|one| &one.constrained));
+        let names: BTreeSet<&String> = measured.flat_map(BTreeMap::keys).collect();
+        let is_known = |name: &str| self.problem.constraints.iter().any(|held| held.name() == name);
+        let unknown: Vec<String> =
+            names.into_iter().filter(|name| !is_known(name)).map(|name| format!("`{name}`")).collect();
+        if !unknown.is_empty() {
+            let names = unknown.join(", ");
+            self.notices.push(format!("{names} was measured, but {PROBLEM} has no [[constraint]] of that name"));
+        }
     }
 
     /// Something has changed that the loop does not know.
@@ -175,7 +205,7 @@ impl Campaign {
     }
 
     /// The rows of the table that is the simulator.
-    pub(super) fn rows(&self) -> Result<&HashMap<Cell, f64>> {
+    pub(super) fn rows(&self) -> Result<&HashMap<Cell, Simulated>> {
         if let (Simulator::Table(path), None) = (&self.problem.simulator, self.rows.get()) {
             let rows = table(&self.folder.join(path), &self.problem, &self.grid)?;
             let _ = self.rows.set(rows);
@@ -189,7 +219,7 @@ impl Campaign {
         let is_missing = |cell: &Cell| self.memory.get(cell).is_none_or(|known| known.by != by);
         let cells: Vec<Cell> = match (self.access()?, &self.problem.simulator) {
             (_, Simulator::Table(_)) | (Access::LookedUp, _) => Vec::new(),
-            (Access::All, _) => self.grid.cells().filter(is_missing).collect(),
+            (Access::All, _) => self.grid.cells().filter(|&cell| self.empty.allows(cell)).filter(is_missing).collect(),
             (Access::Budget, _) => self.planned.iter().copied().filter(is_missing).collect(),
         };
         cells.into_iter().map(|cell| Ok((cell, self.grid.point(cell)?))).collect()
@@ -199,7 +229,10 @@ impl Campaign {
     pub(super) fn simulated(&self) -> Result<BTreeMap<Cell, f64>> {
         let response = &self.problem.response;
         Ok(match &self.problem.simulator {
-            Simulator::Table(_) => self.rows()?.iter().map(|(&cell, &value)| (cell, response.cost(value))).collect(),
+            Simulator::Table(_) => {
+                let rows = self.rows()?.iter().filter(|(cell, _)| self.empty.allows(**cell));
+                rows.map(|(&cell, row)| (cell, response.cost(row.value))).collect()
+            }
             Simulator::Program { .. } => {
                 let by = identity(&self.problem.simulator);
                 let of_it = self.memory.iter().filter(|(_, known)| known.by == by);
@@ -208,9 +241,39 @@ impl Campaign {
         })
     }
 
-    /// The design that the simulation likes best, of those that were simulated.
+    /// What was simulated of the responses that have to stay within bounds, in the order of the constraints.
+    fn simulated_constraints(&self, cell: Cell) -> Result<Vec<Option<f64>>> {
+        Ok(match &self.problem.simulator {
+            Simulator::Table(_) => self.rows()?.get(&cell).map(|row| row.constrained.clone()).unwrap_or_default(),
+            Simulator::Program { .. } => {
+                self.memory.get(&cell).map(|known| self.problem.in_order(&known.constrained)).unwrap_or_default()
+            }
+        })
+    }
+
+    /// Whether a design keeps to the linear constraints, and nobody said that it cannot be built.
+    pub(super) fn is_allowed(&self, cell: Cell) -> bool {
+        self.empty.allows(cell) && !self.refused().contains(&cell)
+    }
+
+    /// Whether a design keeps to every bound, as far as the simulation says.
+    fn is_within_by_simulation(&self, cell: Cell) -> Result<bool> {
+        if self.problem.constraints.is_empty() {
+            return Ok(true);
+        }
+        let values = self.simulated_constraints(cell)?;
+        let mut pairs = self.problem.constraints.iter().zip(values);
+        Ok(pairs.all(|(held, value)| value.is_none_or(|value| held.constraint.allows(value))))
+    }
+
+    /// The design that the simulation likes best, of those that were simulated and keep to the bounds, as it says.
     pub(super) fn choice_of_the_simulation(&self) -> Result<Option<Cell>> {
-        let simulated = self.simulated()?;
+        let mut simulated = self.simulated()?;
+        if !self.problem.constraints.is_empty() {
+            let kept = simulated.into_iter().map(|(cell, cost)| Ok((cell, cost, self.is_within_by_simulation(cell)?)));
+            let kept = kept.collect::<Result<Vec<_>>>()?;
+            simulated = kept.into_iter().filter(|(_, _, within)| *within).map(|(cell, cost, _)| (cell, cost)).collect();
+        }
         let best = simulated.iter().min_by(|a, b| a.1.total_cmp(b.1).then(a.0.cmp(b.0)));
         Ok(best.map(|(&cell, _)| cell))
     }
@@ -221,15 +284,26 @@ impl Campaign {
         Ok(((n as u64) < self.grid.n_cells()).then_some(n))
     }
 
-    /// The experiment with the best mean of its runs, imported ones too, but for those named.
+    /// Whether what an experiment measured, in the mean of its runs, keeps to every bound.
+    pub(super) fn keeps_to_bounds(&self, reading: &Reading) -> bool {
+        self.problem.allows(|name| reading.mean_of(name))
+    }
+
+    /// The experiment with the best mean of its runs, imported ones too, but for those named and those that broke a bound.
     pub(super) fn best_measured(&self, but: &[Origin]) -> Option<BestMeasured> {
         let response = &self.problem.response;
         let imported = self.imported.iter().enumerate().filter_map(|(index, one)| {
             let cost = response.cost(one.result.value()?);
+            if !self.problem.allows(|name| one.constrained.get(name).copied()) {
+                return None;
+            }
             Some(BestMeasured { origin: Origin::Imported(index), cost, settings: one.point.clone() })
         });
         let own = self.experiments.readings.iter().filter_map(|(&id, reading)| {
             let cost = reading.outcome(response)?.cost()?;
+            if !self.keeps_to_bounds(reading) {
+                return None;
+            }
             Some(BestMeasured { origin: Origin::Own(id), cost, settings: self.experiments.settings_of(id) })
         });
         let meant = own.chain(imported).filter(|one| !but.contains(&one.origin));
@@ -275,14 +349,20 @@ impl Campaign {
         }
         let response = &self.problem.response;
         let rows = self.rows()?;
-        let remembered = |cell: Cell| match self.memory.get(&cell).map(|known| &known.result) {
-            Some(Measured::Value(value)) => Ok(response.cost(*value)),
-            Some(Measured::Failed(reason)) => Err(reason.clone()),
+        let remembered = |cell: Cell| match self.memory.get(&cell).map(|known| (&known.result, &known.constrained)) {
+            Some((Measured::Value(value), constrained)) => {
+                Ok(Responses { objective: response.cost(*value), constrained: self.problem.in_order(constrained) })
+            }
+            Some((Measured::Failed(reason), _)) => Err(reason.clone()),
             None => Err("it was never simulated".to_owned()),
+        };
+        let looked_up = |cell: Cell| {
+            let row = rows.get(&cell).ok_or_else(|| "no row".to_owned())?;
+            Ok(Responses { objective: response.cost(row.value), constrained: row.constrained.clone() })
         };
         let mut look_up = |cell: Cell, _: &[f64]| match access {
             Access::All => remembered(cell),
-            _ => rows.get(&cell).map(|&value| response.cost(value)).ok_or_else(|| "no row".to_owned()),
+            _ => looked_up(cell),
         };
         Ok(read(now, Some(&mut look_up))?)
     }
@@ -301,17 +381,31 @@ impl Campaign {
         for batch in &self.batches {
             now.hand_out(&batch.cells)?;
         }
+        for cell in self.refused() {
+            now.refuse(cell)?;
+        }
         let response = &self.problem.response;
+        let responses = |value: f64, constrained: &Constrained| Responses {
+            objective: response.cost(value),
+            constrained: self.problem.in_order(constrained),
+        };
         for imported in &self.imported {
             let source = imported.source.clone();
             match &imported.result {
-                Measured::Value(value) => now.add_earlier(&imported.point, response.cost(*value), source)?,
+                Measured::Value(value) => {
+                    now.add_earlier(&imported.point, responses(*value, &imported.constrained), source)?;
+                }
                 Measured::Failed(reason) => now.add_earlier_failure(&imported.point, reason.clone(), source)?,
             }
         }
         for (&id, reading) in &self.experiments.readings {
-            for value in reading.again.values().filter_map(Measured::value) {
-                now.add_earlier(&self.experiments.settings_of(id), response.cost(value), format!("experiment {id}"))?;
+            let none = Constrained::new();
+            let of_run = |run: usize| reading.constrained.get(&run).unwrap_or(&none);
+            for (&run, result) in &reading.again {
+                if let Some(value) = result.value() {
+                    let (settings, source) = (self.experiments.settings_of(id), format!("experiment {id}"));
+                    now.add_earlier(&settings, responses(value, of_run(run)), source)?;
+                }
             }
             let outcome = match &reading.first {
                 Some(Measured::Value(value)) => Outcome::Value(response.cost(*value)),
@@ -322,6 +416,7 @@ impl Campaign {
                 true => now.tell(TrialId::new(id), outcome)?,
                 false => now.tell_at(TrialId::new(id), &self.experiments.settings_of(id), outcome)?,
             }
+            now.tell_constrained(TrialId::new(id), &self.problem.in_order(of_run(0)))?;
         }
         if access == Access::Budget {
             self.tell_simulations(&mut now)?;
@@ -348,18 +443,22 @@ impl Campaign {
     fn tell_simulations(&self, now: &mut Loop) -> Result<()> {
         let response = &self.problem.response;
         if let Simulator::Table(_) = self.problem.simulator {
-            for (cell, cost) in some_rows(&self.simulated()?, &self.planned) {
-                now.tell_simulation(cell, &Outcome::Value(cost))?;
+            for (cell, objective) in some_rows(&self.simulated()?, &self.planned) {
+                now.tell_simulated(cell, Responses { objective, constrained: self.simulated_constraints(cell)? })?;
             }
             return Ok(());
         }
         let by = identity(&self.problem.simulator);
         for (&cell, known) in self.memory.iter().filter(|(_, known)| known.by == by) {
-            let outcome = match &known.result {
-                Measured::Value(value) => Outcome::Value(response.cost(*value)),
-                Measured::Failed(reason) => Outcome::Failed { reason: reason.clone() },
-            };
-            now.tell_simulation(cell, &outcome)?;
+            match &known.result {
+                Measured::Value(value) => {
+                    let constrained = self.problem.in_order(&known.constrained);
+                    now.tell_simulated(cell, Responses { objective: response.cost(*value), constrained })?;
+                }
+                Measured::Failed(reason) => {
+                    now.tell_simulation(cell, &Outcome::Failed { reason: reason.clone() })?;
+                }
+            }
         }
         Ok(())
     }

@@ -5,11 +5,12 @@ use infuse::pooled::{Assessment, Certificate, SimulationWorth, Standing};
 use page::Finding;
 
 use super::bands::{NINE_IN_TEN, resolution};
+use super::bounds::{constrained_there, likely_to_keep};
 use super::campaign::{Campaign, Origin};
 use super::warnings::warnings;
 use crate::findings::{amount, on_bounds, value_to};
 use crate::number::{count, percent, plain, short, with_unit};
-use crate::problem::Response;
+use crate::problem::Problem;
 
 /// Below this share of the variance explained, or from this probability that it is better ignored, a simulation is useless.
 const EXPLAINS_LITTLE: f64 = 0.1;
@@ -39,6 +40,7 @@ pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<F
 fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     let (problem, response, here) = (&campaign.problem, &campaign.problem.response, &found.recommended);
     let mut best = recommendation(campaign, found).detail(expected(campaign, found, here));
+    best = constrained_there(campaign, here).into_iter().fold(best, Finding::detail);
     best = best.detail(run_there(campaign, found, here));
     for bound in on_bounds(problem, &here.point) {
         best = best.detail(bound);
@@ -53,7 +55,8 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     if let Some(cell) = campaign.choice_of_the_simulation()? {
         let design = problem.describe(&campaign.grid.point(cell)?);
         let there = campaign.standing(cell)?.map_or_else(String::new, |there| {
-            format!(", where {} is expected", value_to(response, there.mean, resolution(found)))
+            let chance = likely_to_keep(campaign, &there);
+            format!(", where {} is expected{chance}", value_to(response, there.mean, resolution(found)))
         });
         let sentence = match campaign.n_simulated_of_many()? {
             Some(n) => {
@@ -106,7 +109,7 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
 /// How much better another design may be, and what follows for the stop.
 fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
     let (response, certificate) = (&campaign.problem.response, &found.certificate);
-    let sentence = format!("With {}.", none_better(response, certificate));
+    let sentence = format!("With {}.", none_better(&campaign.problem, certificate));
     let rests = "It rests on the measurements, on the simulation as far as these agree with it, and on a response as smooth as \
                  the surface assumes.";
     let finding = Finding::new(sentence)
@@ -154,13 +157,15 @@ fn left(found: &Assessment) -> Finding {
 }
 
 /// "90 % probability no design is better than it by more than 0.2 mm".
-pub(super) fn none_better(response: &Response, certificate: &Certificate) -> String {
+pub(super) fn none_better(problem: &Problem, certificate: &Certificate) -> String {
+    let response = &problem.response;
+    let is_confined = if problem.constraints.is_empty() { "" } else { "that keeps to the bounds " };
     let probability = with_unit(&plain(100.0 * certificate.probability), "%");
     let by = match certificate.bound {
         bound if bound > 0.0 => format!(" by more than {}", amount(response, bound)),
         _ => String::new(),
     };
-    format!("{probability} probability no design is better than the recommended one{by}")
+    format!("{probability} probability no design {is_confined}is better than the recommended one{by}")
 }
 
 /// What the simulation is worth.
@@ -287,6 +292,10 @@ pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Fi
         .with("probability to be better", there.probability_better, "1")
         .with("probability of a value", there.feasible, "1")
         .detail(expected(campaign, &found, &there));
+    finding = constrained_there(campaign, &there).into_iter().fold(finding, Finding::detail);
+    if !campaign.is_allowed(cell) {
+        finding = finding.detail(Finding::new("A [[linear_constraint]] or [can_be_built] does not allow it."));
+    }
     if let Some(measured) = there.measured {
         let runs = count(there.n_readings, "run");
         finding = finding

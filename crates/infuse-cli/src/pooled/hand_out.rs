@@ -5,6 +5,7 @@ use design_space::Cell;
 use indicatif::ProgressBar;
 use infuse::pooled::Ask;
 
+use super::buildable::some_are_refused;
 use super::campaign::{Campaign, Origin};
 use crate::campaign::{Campaign as _, HandedOut, Stage, Wish, failed_in_words, simulate_missing};
 use crate::journal::{Event, Measured, Purpose, Writer, now};
@@ -27,7 +28,7 @@ pub(super) fn hand_out(campaign: &mut Campaign, writer: &mut Writer, wish: Wish)
             Stage::Ended { may_go_on: true, .. } if wish.anyway => {}
             _ => return Ok(done),
         }
-        let (cells, simulations) = choose(campaign)?;
+        let (cells, simulations) = choose(campaign, writer)?;
         is_new = !cells.is_empty();
         ensure!(is_new || !simulations.is_empty(), "the loop asked for nothing");
         plan(campaign, writer, cells, simulations, None)?;
@@ -47,7 +48,27 @@ pub(super) fn plan(
 }
 
 /// The cells of the next batch, and those to simulate.
-fn choose(campaign: &Campaign) -> Result<(Vec<Cell>, Vec<Cell>)> {
+fn choose(campaign: &mut Campaign, writer: &mut Writer) -> Result<(Vec<Cell>, Vec<Cell>)> {
+    for _ in 0..MOST_ROUNDS {
+        let (cells, simulations) = choose_of_all(campaign)?;
+        let checks = campaign.check(&cells)?;
+        let is_refused = some_are_refused(&checks);
+        if !checks.is_empty() {
+            campaign.write_down(writer, checks)?;
+        }
+        if !is_refused {
+            return Ok((cells, simulations));
+        }
+    }
+    bail!(
+        "{MOST_ROUNDS} times a batch was chosen of which [can_be_built] refused a design; ask again to go on, or confine the settings with [[linear_constraint]]"
+    )
+}
+
+/// So often a batch is chosen anew because some of it cannot be built.
+const MOST_ROUNDS: usize = 200;
+
+fn choose_of_all(campaign: &Campaign) -> Result<(Vec<Cell>, Vec<Cell>)> {
     let choosing = ProgressBar::new_spinner().with_message(format!("choosing batch {}", campaign.batches.len() + 1));
     choosing.enable_steady_tick(std::time::Duration::from_millis(200));
     let asked = campaign.with_loop(|now, simulate| now.clone().ask_more(simulate));

@@ -7,6 +7,7 @@ use infuse::pooled::Trial;
 use page::Finding;
 use serde_json::{Value, json};
 
+use super::bounds::as_json;
 use super::campaign::{Campaign, Origin};
 use super::findings::{closed, known, lesson, none_better, recommendation, set_aside, standing_in_words};
 use super::warnings::{nothing_but_failures, warnings};
@@ -139,6 +140,8 @@ impl campaign::Campaign for Campaign {
             "further_batches": found.further_batches,
             "left_share": found.left,
             "noise": json!({ "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats }),
+            "constraints": as_json(self, &found.recommended.constrained),
+            "keeps_to_the_constraints": found.recommended.suffices,
             "simulation": found.simulation,
             "simulation_alone": simulation_alone.map(|point| problem.named(&point)),
             "best_measured": best_measured,
@@ -178,7 +181,10 @@ impl Campaign {
         Ok(is_reached.then(|| {
             let response = &self.problem.response;
             let enough = amount(response, worth);
-            format!("with {}, and another batch is worth it from {enough}", none_better(response, &found.certificate))
+            format!(
+                "with {}, and another batch is worth it from {enough}",
+                none_better(&self.problem, &found.certificate)
+            )
         }))
     }
 }

@@ -2,6 +2,8 @@
 
 mod apply;
 mod bands;
+mod bounds;
+mod buildable;
 mod campaign;
 mod confirm;
 mod findings;

@@ -9,12 +9,13 @@ use page::Finding;
 use serde_json::{Value, json};
 
 use super::bands::NINE_IN_TEN;
+use super::bounds::as_json;
 use super::campaign::Campaign;
 use super::findings::standing_in_words;
 use crate::findings::{amount, value_to};
 use crate::journal::Measured;
 use crate::number::{count, plain, resolved, short};
-use crate::problem::{Goal, heading};
+use crate::problem::{Goal, heading, written};
 use crate::sheet::replace;
 
 /// Rows of a table over the grid, at most.
@@ -77,7 +78,7 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
     let json = json!({
         "settings": problem.named(&standing.point), "expected": response.of_cost(standing.mean),
         "deviation": standing.deviation, "one_run": low_and_high, "probability_better": standing.probability_better,
-        "probability_of_a_value": standing.feasible, "runs": standing.n_readings,
+        "probability_of_a_value": standing.feasible, "constraints": as_json(campaign, &standing.constrained), "runs": standing.n_readings,
         "measured": standing.measured.map(|cost| response.of_cost(cost)),
     });
     Ok((vec![standing_in_words(campaign, asked)?, one_run], json))
@@ -94,9 +95,15 @@ pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Fin
         ["expected", "lowest", "highest"].map(|word| heading(&format!("{word} {}", response.name), &response.unit));
     headings.extend(of_response);
     headings.push("probability of a value".to_owned());
+    for held in &problem.constraints {
+        headings.push(heading(&format!("expected {}", held.name()), &held.unit));
+        headings.push(format!("probability of {} {}", held.name(), held.bounds()));
+    }
     table.write_record(&headings)?;
     for (&cell, expectation) in cells.iter().zip(&found) {
-        let mut row: Vec<String> = campaign.grid.point(cell)?.into_iter().map(plain).collect();
+        let point = campaign.grid.point(cell)?;
+        let settings = problem.region.parameters().iter().zip(&point);
+        let mut row: Vec<String> = settings.map(|(parameter, &value)| written(parameter, value)).collect();
         let half = NINE_IN_TEN * expectation.deviation;
         let ends = [-half, half].map(|by| response.of_cost(expectation.mean + by));
         // A tenth of the band and less says nothing.
@@ -105,6 +112,10 @@ pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Fin
         row.push(resolved(ends[0].min(ends[1]), known_to));
         row.push(resolved(ends[0].max(ends[1]), known_to));
         row.push(short(expectation.feasible));
+        for there in &expectation.constrained {
+            row.push(there.expected.map_or_else(String::new, |(mean, deviation)| resolved(mean, deviation / 10.0)));
+            row.push(short(there.within));
+        }
         table.write_record(&row)?;
     }
     let bytes = table.into_inner().map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;

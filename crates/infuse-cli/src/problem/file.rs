@@ -21,6 +21,11 @@ pub(crate) struct ProblemFile {
     pub(crate) response: ResponseEntry,
     pub(crate) simulator: SimulatorEntry,
     pub(crate) experiment: Option<ProgramEntry>,
+    #[serde(default, rename = "constraint")]
+    pub(crate) constraints: Vec<ConstraintEntry>,
+    #[serde(default, rename = "linear_constraint")]
+    pub(crate) linear_constraints: Vec<LinearEntry>,
+    pub(crate) can_be_built: Option<ProgramEntry>,
     #[serde(default, rename = "loop")]
     pub(crate) rule: LoopEntry,
     #[serde(default)]
@@ -35,12 +40,36 @@ fn one() -> u64 {
 #[serde(deny_unknown_fields)]
 pub(crate) struct ParameterEntry {
     pub(crate) name: String,
-    pub(crate) unit: String,
-    pub(crate) lower: f64,
-    pub(crate) upper: f64,
+    /// As bounds, levels and step: of a number.
+    pub(crate) unit: Option<String>,
+    pub(crate) lower: Option<f64>,
+    pub(crate) upper: Option<f64>,
     pub(crate) levels: Option<u32>,
     pub(crate) step: Option<f64>,
+    /// In place of bounds, of what is no number.
+    pub(crate) choices: Option<Vec<String>>,
     pub(crate) role: Role,
+}
+
+/// A response that has to stay within bounds.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ConstraintEntry {
+    pub(crate) name: String,
+    pub(crate) unit: String,
+    pub(crate) lower: Option<f64>,
+    pub(crate) upper: Option<f64>,
+    pub(crate) probability: Option<f64>,
+    pub(crate) noise: Option<f64>,
+}
+
+/// Settings that go together: a sum of parameters, each with its factor.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LinearEntry {
+    pub(crate) sum: BTreeMap<String, f64>,
+    pub(crate) lower: Option<f64>,
+    pub(crate) upper: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

@@ -1,6 +1,6 @@
 //! How many levels an instrument's step makes.
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context as _, Result, bail, ensure};
 use design_space::Parameter;
 
 use crate::number::plain;
@@ -11,18 +11,21 @@ const ROUNDING: f64 = 1e-9;
 
 /// The parameter with the levels that its entry asks for.
 pub(crate) fn parameter(entry: &ParameterEntry) -> Result<Parameter> {
-    let parameter = Parameter::continuous(&entry.name, &entry.unit, entry.lower, entry.upper)?;
+    let parameter = match &entry.choices {
+        Some(choices) => categorical(entry, choices)?,
+        None => number(entry)?,
+    };
     ensure!(
         !entry.name.contains(['{', '}', '[', ']', '"', '\n', ';', ',', '=']) && entry.name.trim() == entry.name,
         "parameter `{}`: expected a name without braces, brackets, quotes, commas, semicolons, equals signs or spaces at its ends",
         entry.name
     );
-    let is_plain = entry.unit.trim() == entry.unit && !entry.unit.contains(['[', ']', '"', '\n', ';', ',']);
+    let unit = parameter.unit();
+    let is_plain = unit.trim() == unit && !unit.contains(['[', ']', '"', '\n', ';', ',']);
     ensure!(
         is_plain,
-        "parameter `{}`: `unit` is {:?}, expected one without brackets, quotes, commas, semicolons or spaces at its ends",
+        "parameter `{}`: `unit` is {unit:?}, expected one without brackets, quotes, commas, semicolons or spaces at its ends",
         entry.name,
-        entry.unit
     );
     let count = match (entry.levels, entry.step) {
         (Some(count), None) => count,
@@ -31,6 +34,39 @@ pub(crate) fn parameter(entry: &ParameterEntry) -> Result<Parameter> {
         (Some(_), Some(_)) => bail!("parameter `{}` has both `levels` and `step`, expected one of them", entry.name),
     };
     Ok(parameter.with_levels(count)?)
+}
+
+fn number(entry: &ParameterEntry) -> Result<Parameter> {
+    let needed = |key: &str| {
+        format!("parameter `{}` has no `{key}`, expected one; or `choices` = [...], if it is no number", entry.name)
+    };
+    let unit = entry.unit.as_ref().with_context(|| needed("unit"))?;
+    let lower = entry.lower.with_context(|| needed("lower"))?;
+    let upper = entry.upper.with_context(|| needed("upper"))?;
+    Ok(Parameter::continuous(&entry.name, unit, lower, upper)?)
+}
+
+fn categorical(entry: &ParameterEntry, choices: &[String]) -> Result<Parameter> {
+    let of_a_number = [
+        ("unit", entry.unit.is_some()),
+        ("lower", entry.lower.is_some()),
+        ("upper", entry.upper.is_some()),
+        ("levels", entry.levels.is_some()),
+        ("step", entry.step.is_some()),
+    ];
+    if let Some((key, _)) = of_a_number.iter().find(|(_, is_set)| *is_set) {
+        bail!("parameter `{}` has `{key}` beside `choices`, expected one of them: a choice is no number", entry.name);
+    }
+    for choice in choices {
+        let is_plain = !choice.contains(['{', '}', '[', ']', '"', '\n', ';', ',', '=']);
+        ensure!(
+            is_plain && choice.parse::<f64>().is_err(),
+            "parameter `{}`: the choice {choice:?} is not usable, expected a word that is no number, without braces, brackets, \
+             quotes, commas, semicolons or equals signs",
+            entry.name
+        );
+    }
+    Ok(Parameter::categorical(&entry.name, choices.iter().cloned())?)
 }
 
 fn count(parameter: &Parameter, step: f64) -> Result<u32> {
@@ -65,8 +101,9 @@ mod tests {
     use super::*;
 
     fn entry(lower: f64, upper: f64, levels: Option<u32>, step: Option<f64>) -> ParameterEntry {
-        let (name, unit) = ("pitch".to_owned(), "deg".to_owned());
-        ParameterEntry { name, unit, lower, upper, levels, step, role: Role::Plant }
+        let (name, unit) = ("pitch".to_owned(), Some("deg".to_owned()));
+        let (lower, upper) = (Some(lower), Some(upper));
+        ParameterEntry { name, unit, lower, upper, levels, step, choices: None, role: Role::Plant }
     }
 
     #[test]

@@ -1,29 +1,33 @@
 //! A campaign's problem: what `campaign.toml` says, checked.
 
+mod constraints;
 pub(crate) mod file;
 mod levels;
 mod queue;
 mod read;
+mod reserved;
+mod setting;
 mod settings;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use design_space::Region;
 use infuse::Role;
+use infuse::pooled::LinearConstraint;
 use serde_json::{Value, json};
 
+pub(crate) use constraints::Held;
 use file::LoopEntry;
 pub(crate) use file::{Goal, Input, Method};
 pub(crate) use queue::Queue;
+pub(crate) use setting::{parse_setting, said, shown, step, written};
 
-use crate::number::{plain, rounded, setting, with_unit};
+use crate::number::{plain, with_unit};
 
 /// The name of the file in the folder of a campaign.
 pub(crate) const PROBLEM: &str = "campaign.toml";
-
-/// Headings of sheets, which no parameter may have.
-pub(crate) const RESERVED: [&str; 7] = ["run", "id", "repeats", "failed", "note", "source", "actual"];
 
 /// What a campaign is about.
 #[derive(Debug, Clone)]
@@ -34,6 +38,12 @@ pub(crate) struct Problem {
     pub(crate) response: Response,
     pub(crate) simulator: Simulator,
     pub(crate) experiment: Option<Program>,
+    /// Responses that have to stay within bounds.
+    pub(crate) constraints: Vec<Held>,
+    /// Settings that go together.
+    pub(crate) linear_constraints: Vec<LinearConstraint>,
+    /// Says whether a design can be built.
+    pub(crate) can_be_built: Option<Program>,
     pub(crate) seed: u64,
     /// As it stands in the file.
     pub(crate) rule: LoopEntry,
@@ -100,14 +110,6 @@ pub(crate) fn heading(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
 }
 
-/// The distance between neighboring levels; 0 without levels.
-pub(crate) fn step(parameter: &design_space::Parameter) -> f64 {
-    match parameter.levels() {
-        design_space::Levels::Count(count) => parameter.width() / f64::from(count.saturating_sub(1).max(1)),
-        design_space::Levels::Continuous => 0.0,
-    }
-}
-
 /// Where simulated values come from.
 #[derive(Debug, Clone)]
 pub(crate) enum Simulator {
@@ -146,26 +148,49 @@ impl Problem {
 
     /// Settings by the names of their parameters.
     pub(crate) fn named(&self, point: &[f64]) -> Value {
-        let pairs = self.names().zip(point);
-        Value::Object(pairs.map(|(name, &value)| (name.to_owned(), json!(rounded(value)))).collect())
+        let pairs = self.region.parameters().iter().zip(point);
+        Value::Object(pairs.map(|(parameter, &value)| (parameter.name().to_owned(), said(parameter, value))).collect())
     }
 
     /// "spring 21000 N/m, damper 1450 N s/m".
     pub(crate) fn describe(&self, point: &[f64]) -> String {
         let pairs = self.region.parameters().iter().zip(point);
         let parts = pairs.map(|(parameter, &value)| {
-            format!("{} {}", parameter.name(), with_unit(&setting(value, step(parameter)), parameter.unit()))
+            format!("{} {}", parameter.name(), with_unit(&shown(parameter, value), parameter.unit()))
         });
         parts.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Those numbers that belong to constraints.
+    pub(crate) fn of_constraints(&self, mut others: BTreeMap<String, f64>) -> BTreeMap<String, f64> {
+        others.retain(|name, value| {
+            self.constraints.iter().any(|held| held.name() == name) && crate::number::number_fault(*value).is_none()
+        });
+        others
+    }
+
+    /// Whether values keep to every constraint, as far as they were measured.
+    pub(crate) fn allows(&self, value_of: impl Fn(&str) -> Option<f64>) -> bool {
+        let mut constraints = self.constraints.iter();
+        constraints.all(|held| value_of(held.name()).is_none_or(|value| held.constraint.allows(value)))
+    }
+
+    /// Values by the names of constraints, in their order.
+    pub(crate) fn in_order(&self, constrained: &BTreeMap<String, f64>) -> Vec<Option<f64>> {
+        self.constraints.iter().map(|held| constrained.get(held.name()).copied()).collect()
     }
 
     /// What every journal rests on: parameters and response. Once it has begun, none of this may change.
     pub(crate) fn core(&self) -> Value {
         let parameters = self.region.parameters().iter().zip(&self.roles).map(|(parameter, role)| {
-            json!({
+            let mut core = json!({
                 "name": parameter.name(), "unit": parameter.unit(),
                 "lower": parameter.lower(), "upper": parameter.upper(), "levels": parameter.levels(), "role": role,
-            })
+            });
+            if let Some(choices) = parameter.choices() {
+                core["choices"] = json!(choices);
+            }
+            core
         });
         let response = &self.response;
         json!({

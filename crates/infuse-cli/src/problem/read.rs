@@ -6,10 +6,12 @@ use std::time::Duration;
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use design_space::Region;
 
+use super::constraints::{held, linear};
 use super::file::{Input, ProblemFile, ResponseEntry, SimulationsEntry, SimulatorEntry};
 use super::levels::parameter;
 use super::queue::submits_a_job;
-use super::{PROBLEM, Problem, Program, Queue, RESERVED, Response, Simulator};
+use super::reserved::is_reserved;
+use super::{PROBLEM, Problem, Program, Queue, Response, Simulator};
 
 const TIMEOUT_SECONDS: f64 = 600.0;
 const LONGEST_TIMEOUT_SECONDS: f64 = 3.0e7;
@@ -33,10 +35,9 @@ impl Problem {
         ensure!(!file.parameters.is_empty(), "no [[parameter]], expected at least one");
         let parameters = file.parameters.iter().map(parameter).collect::<Result<Vec<_>>>()?;
         let region = Region::new(parameters)?;
-        let reserved = |name: &str| RESERVED.contains(&name) || name.starts_with("actual ");
         for name in region.parameters().iter().map(design_space::Parameter::name).chain([&*file.response.name]) {
             ensure!(
-                !reserved(name),
+                !is_reserved(name),
                 "`{name}` is a heading of sheets, expected another name for a parameter or response"
             );
         }
@@ -52,6 +53,11 @@ impl Problem {
         }
         let experiment =
             file.experiment.map(|entry| program(entry.command, entry.input, entry.timeout_seconds, &region));
+        let constraints = held(file.constraints, &region, &response.name)?;
+        let linear_constraints = linear(file.linear_constraints, &region)?;
+        let can_be_built = file
+            .can_be_built
+            .map(|entry| program(entry.command, entry.input, entry.timeout_seconds, &region).context("[can_be_built]"));
         let worth = file.stop.worth;
         if let Some(worth) = worth {
             let is_usable = worth > 0.0 && worth.is_finite();
@@ -64,6 +70,9 @@ impl Problem {
             response,
             simulator,
             experiment: experiment.transpose().context("[experiment]")?,
+            constraints,
+            linear_constraints,
+            can_be_built: can_be_built.transpose()?,
             seed: file.seed,
             rule: file.rule,
             worth,

@@ -14,6 +14,20 @@ use super::{Problem, Simulator};
 impl Problem {
     /// The settings of the dissertation's loop.
     pub(crate) fn dissertation_settings(&self, careful: bool) -> Result<global::Settings> {
+        let of_the_pooled_loop = [
+            ("constraint", !self.constraints.is_empty()),
+            ("linear_constraint", !self.linear_constraints.is_empty()),
+            ("can_be_built", self.can_be_built.is_some()),
+        ];
+        if let Some((key, _)) = of_the_pooled_loop.iter().find(|(_, is_set)| *is_set) {
+            bail!("`{key}` belongs to `method` = \"pooled\", expected none with `method` = \"dissertation\"");
+        }
+        if let Some(choice) = self.region.parameters().iter().find(|parameter| parameter.choices().is_some()) {
+            bail!(
+                "parameter `{}` has `choices`, which `method` = \"dissertation\" cannot use, expected numbers",
+                choice.name()
+            );
+        }
         let mut settings = dissertation(&self.rule, &self.region, self.seed).context("[loop]")?;
         settings.careful = careful;
         Ok(settings)
@@ -43,6 +57,8 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
     settings.confidence = entry.confidence.unwrap_or(settings.confidence);
     settings.noise = entry.noise;
     settings.worth = problem.worth;
+    settings.constraints = problem.constraints.iter().map(|held| held.constraint.clone()).collect();
+    settings.linear_constraints.clone_from(&problem.linear_constraints);
     settings.seed = problem.seed;
     settings.validate()?;
     Ok(settings)

@@ -47,7 +47,8 @@ pub(crate) struct Queued<'a> {
 /// What happened, to be written down at once.
 pub(crate) enum Happened<'a> {
     Submitted(Submitted),
-    Simulated(&'a Job, Measured),
+    /// With every other number that it gave, by name.
+    Simulated(&'a Job, Measured, BTreeMap<String, f64>),
 }
 
 /// Submissions of the same runs, one after the other.
@@ -161,11 +162,11 @@ fn take_results<'a>(
     happened: &mut impl FnMut(Happened<'a>) -> Result<()>,
 ) -> Result<()> {
     for batch in batches {
-        let ended: Vec<(Cell, Measured)> =
+        let ended: Vec<(Cell, _)> =
             batch.waiting(waiting).filter_map(|(number, cell)| Some((cell, batch.runs.result(number)?))).collect();
-        for (cell, result) in ended {
+        for (cell, (result, others)) in ended {
             if let Some(job) = waiting.remove(&cell) {
-                happened(Happened::Simulated(job, result))?;
+                happened(Happened::Simulated(job, result, others))?;
             }
         }
     }
@@ -222,7 +223,7 @@ fn give_up<'a>(
                 of.queue.tries,
                 batch.runs.path().display()
             );
-            happened(Happened::Simulated(job, Measured::Failed(reason)))?;
+            happened(Happened::Simulated(job, Measured::Failed(reason), BTreeMap::new()))?;
         }
     }
     Ok(())

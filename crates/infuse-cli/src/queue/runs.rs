@@ -1,5 +1,6 @@
 //! The folder of a batch of runs in the queue: what is to be run, and what came of it.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -60,7 +61,7 @@ impl Runs {
     }
 
     /// What came of a run, if it has ended.
-    pub(super) fn result(&self, number: usize) -> Option<Measured> {
+    pub(super) fn result(&self, number: usize) -> Option<(Measured, BTreeMap<String, f64>)> {
         let code = std::fs::read_to_string(self.file(number, "done")).ok()?;
         let read = |kind: &str| -> Result<String> { tail(&mut File::open(self.file(number, kind))?) };
         // Where it is done, both are there; a folder that is not seen yet as a whole is read again.
@@ -70,9 +71,9 @@ impl Runs {
             code => format!("exit status: {code}"),
         };
         Some(match ended(code.trim() == "0", &status, &output, &errors) {
-            Ran::Value(value) => Measured::Value(value),
-            Ran::Failed(reason) => Measured::Failed(reason),
-            Ran::Interrupted => Measured::Failed(status),
+            Ran::Value(value, others) => (Measured::Value(value), others),
+            Ran::Failed(reason) => (Measured::Failed(reason), BTreeMap::new()),
+            Ran::Interrupted => (Measured::Failed(status), BTreeMap::new()),
         })
     }
 

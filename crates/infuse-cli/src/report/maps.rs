@@ -137,7 +137,7 @@ impl Maps<'_> {
         let parameter = &self.parameters[side.parameter];
         let settings = self.marks.iter().map(|(settings, _)| settings[side.parameter]);
         let (first, last) = (side.sides(0).0, side.sides(side.levels.len() - 1).1);
-        Axis::new(parameter.name(), parameter.unit()).covering(first, last, settings)
+        axis_of(parameter).covering(first, last, settings)
     }
 
     fn draw_cells(&self, map: &Map, chart: &mut Chart, bands: &Bands) {
@@ -243,4 +243,13 @@ pub(crate) fn most_varied(maps: Vec<Map>) -> Vec<Map> {
     ranked.truncate(MOST_MAPS);
     ranked.sort_by_key(|&(index, _)| index);
     ranked.into_iter().map(|(_, map)| map).collect()
+}
+
+/// An axis of a parameter, without a range; of a choice it says which number is which.
+pub(crate) fn axis_of(parameter: &Parameter) -> Axis {
+    let Some(choices) = parameter.choices() else {
+        return Axis::new(parameter.name(), parameter.unit());
+    };
+    let numbered: Vec<String> = (0..).zip(choices).map(|(place, choice)| format!("{place} {choice}")).collect();
+    Axis::new(&format!("{}: {}", parameter.name(), numbered.join(", ")), "")
 }

@@ -2,6 +2,7 @@
 
 use design_space::Levels;
 use infuse::Role;
+use infuse::pooled::LinearConstraint;
 
 use crate::journal::{Event, JOURNAL, Journal, Submitted, Told};
 use crate::number::{count, plain, setting, with_unit};
@@ -32,6 +33,10 @@ fn parameters(problem: &Problem) -> Table {
         };
         let name = parameter.name().to_owned();
         let unit = parameter.unit().to_owned();
+        if let Some(choices) = parameter.choices() {
+            let [first, last] = [choices.first(), choices.last()].map(|choice| choice.cloned().unwrap_or_default());
+            return vec![name, unit, first, last, "choice".to_owned(), levels, role.to_owned()];
+        }
         vec![name, unit, plain(parameter.lower()), plain(parameter.upper()), step, levels, role.to_owned()]
     };
     Table {
@@ -69,9 +74,22 @@ fn from_problem(problem: &Problem) -> Vec<Row> {
         Some(program) => ("experiment", format!("the command {}", program.command.join(" "))),
         None => ("experiment", "by people".to_owned()),
     });
+    rows.extend(problem.constraints.iter().map(|held| ("constraint", held.in_words())));
+    let names: Vec<&str> = problem.names().collect();
+    rows.extend(problem.linear_constraints.iter().map(|linear| ("linear constraint", sum_in_words(&names, linear))));
+    if let Some(program) = &problem.can_be_built {
+        rows.push(("can be built", format!("the command {}", program.command.join(" "))));
+    }
     let worth = problem.worth.map_or_else(|| "not said".to_owned(), |w| with_unit(&plain(w), &response.unit));
     rows.push(("least gain that another batch is worth", worth));
     rows
+}
+
+/// "1 x + 2 y at most 5".
+fn sum_in_words(names: &[&str], linear: &LinearConstraint) -> String {
+    let terms = linear.coefficients.iter().zip(names).filter(|(coefficient, _)| **coefficient != 0.0);
+    let terms: Vec<String> = terms.map(|(coefficient, name)| format!("{} {name}", plain(*coefficient))).collect();
+    format!("{} at most {}", terms.join(" + "), plain(linear.upper))
 }
 
 fn from_files(journal: &Journal) -> Vec<Row> {
@@ -96,6 +114,7 @@ fn time(event: &Event) -> Option<&str> {
         | Event::Opened { at, .. }
         | Event::Told(Told { at, .. })
         | Event::Imported { at, .. }
+        | Event::Checked { at, .. }
         | Event::Withdrawn { at, .. } => Some(at),
         Event::Simulated { .. } | Event::Learned(_) | Event::Assessed(_) => None,
     }

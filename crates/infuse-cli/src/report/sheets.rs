@@ -5,8 +5,8 @@ use page::{Column, Table};
 
 use crate::campaign::{Experiments, Reading};
 use crate::journal::Measured;
-use crate::number::{self, plain};
-use crate::problem::{Problem, step};
+use crate::number::plain;
+use crate::problem::{Problem, shown};
 
 /// A column and its cells.
 pub(crate) type Filled = (Column, Vec<String>);
@@ -34,6 +34,11 @@ pub(crate) fn sheet(
     let reading = |trial: &Trial| experiments.readings.get(&trial.id.number());
     let told = trials().map(|trial| reading(trial).map_or_else(|| "no result yet".to_owned(), told));
     filled.push((Column::number(&response.name, &response.unit), told.collect()));
+    for held in &problem.constraints {
+        let measured = |trial: &Trial| reading(trial).and_then(|reading| reading.mean_of(held.name()));
+        let cells = trials().map(|trial| measured(trial).map(plain).unwrap_or_default());
+        filled.push((Column::number(held.name(), &held.unit), cells.collect()));
+    }
     filled.extend(more);
     let notes = trials().map(|trial| reading(trial).map(|reading| reading.note.clone()).unwrap_or_default());
     filled.extend(unless_empty(Column::words("note"), notes.collect()));
@@ -56,9 +61,9 @@ pub(crate) fn settings_columns(problem: &Problem) -> impl Iterator<Item = Column
 
 /// What was set, and what should have been if that was something else.
 fn setting(problem: &Problem, experiments: &Experiments, trial: &Trial, parameter: usize) -> String {
-    let step = step(&problem.region.parameters()[parameter]);
-    let asked = number::setting(trial.point[parameter], step);
-    let made = experiments.settings_of(trial.id.number()).get(parameter).map(|&made| number::setting(made, step));
+    let of = &problem.region.parameters()[parameter];
+    let asked = shown(of, trial.point[parameter]);
+    let made = experiments.settings_of(trial.id.number()).get(parameter).map(|&made| shown(of, made));
     let made = made.unwrap_or_else(|| asked.clone());
     if asked == made { made } else { format!("{made} (asked: {asked})") }
 }

@@ -7,15 +7,17 @@ use anyhow::Result;
 use super::columns::point_columns;
 use super::read::setting_fault;
 use super::table::{Column, Fault, Table, none_of};
-use crate::journal::Measured;
+use crate::journal::{Constrained, Measured};
 use crate::number::parse;
-use crate::problem::Problem;
+use crate::problem::{Problem, parse_setting};
 
 /// An experiment of an older table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Imported {
     pub(crate) point: Vec<f64>,
     pub(crate) result: Measured,
+    /// Of the responses that have to stay within bounds.
+    pub(crate) constrained: Constrained,
     /// Its own, if the table has a column for it.
     pub(crate) source: String,
 }
@@ -26,25 +28,32 @@ pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> 
     let parameters = problem.region.parameters();
     let k = parameters.len();
     let mut columns = point_columns(problem);
+    let source = columns.len();
     columns.extend([Column::optional("source", ""), Column::optional("failed", "")]);
     let table = Table::read(path, &columns)?;
     let (mut found, mut faults): (Vec<Imported>, Vec<Fault>) = (Vec::new(), Vec::new());
     for row in table.rows() {
-        let mut number = |column: usize| match parse(table.cell(row, column)) {
-            Ok(value) => Some(value),
-            Err(expected) => {
-                faults.push(table.fault(row, column, expected));
-                None
-            }
+        let mut usable = |column: usize, read: Result<f64, String>| {
+            read.map_err(|expected| faults.push(table.fault(row, column, expected))).ok()
         };
-        let point: Vec<Option<f64>> = (0..k).map(&mut number).collect();
-        let failed = table.cell(row, k + 2);
+        let settings = parameters.iter().enumerate();
+        let settings = settings.map(|(column, p)| usable(column, parse_setting(p, table.cell(row, column))));
+        let point: Vec<Option<f64>> = settings.collect();
+        let mut number = |column: usize| usable(column, parse(table.cell(row, column)).map_err(str::to_owned));
+        let mut constrained = Constrained::new();
+        for (index, held) in problem.constraints.iter().enumerate() {
+            let column = k + 1 + index;
+            if !table.cell(row, column).is_empty() {
+                constrained.extend(number(column).map(|value| (held.name().to_owned(), value)));
+            }
+        }
+        let failed = table.cell(row, source + 1);
         let result = match (table.cell(row, k).is_empty(), failed.is_empty()) {
             (true, false) => Some(Measured::Failed(failed.to_owned())),
             _ => number(k).map(Measured::Value),
         };
         if let (Some(Measured::Value(_)), false) = (&result, failed.is_empty()) {
-            faults.push(table.fault(row, k + 2, "nothing, as there is a value; or no value, if the run failed"));
+            faults.push(table.fault(row, source + 1, "nothing, as there is a value; or no value, if the run failed"));
         }
         for (column, (parameter, setting)) in parameters.iter().zip(&point).enumerate() {
             if let Some(expected) = setting.and_then(|setting| setting_fault(parameter, setting)) {
@@ -56,7 +65,7 @@ pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> 
             faults.push(table.fault(row, k, expected));
         }
         if let (Some(point), Some(result)) = (point.into_iter().collect(), result) {
-            found.push(Imported { point, result, source: table.cell(row, k + 1).to_owned() });
+            found.push(Imported { point, result, constrained, source: table.cell(row, source).to_owned() });
         }
     }
     none_of(&path.display().to_string(), &faults)?;

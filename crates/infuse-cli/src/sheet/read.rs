@@ -10,15 +10,17 @@ use infuse::pooled::Trial;
 use super::columns::Columns;
 use super::table::Row;
 use super::table::{Fault, Table, none_of};
-use crate::journal::Measured;
+use crate::journal::{Constrained, Measured};
 use crate::number::{parse, plain, with_unit};
-use crate::problem::Problem;
+use crate::problem::{Problem, parse_setting, written};
 
 /// What a row says about a trial.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Answer {
     pub(crate) id: u64,
     pub(crate) result: Measured,
+    /// Of the responses that have to stay within bounds.
+    pub(crate) constrained: Constrained,
     pub(crate) actual: BTreeMap<String, f64>,
     /// Of a run besides the one that was asked for, its number from 1; otherwise 0.
     pub(crate) repeat: usize,
@@ -58,7 +60,9 @@ pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, Tri
     for (index, answer) in filled.iter().enumerate() {
         let is_same = |other: &&Answer| other.id == answer.id && other.repeat == 0 && answer.repeat == 0;
         if let Some(other) = filled[..index].iter().find(is_same)
-            && (other.result != answer.result || other.actual != answer.actual)
+            && (other.result != answer.result
+                || other.actual != answer.actual
+                || other.constrained != answer.constrained)
         {
             let (id, first) = (answer.id, other.row);
             let value = id.to_string();
@@ -103,9 +107,10 @@ impl Reader<'_> {
                 Err(fault) => faults.push(fault),
             }
         }
+        let constrained = self.constrained(row, faults);
         let result = match (value.is_empty(), failed.is_empty()) {
             (true, true) => {
-                let is_bare = actual.is_empty() && !again;
+                let is_bare = actual.is_empty() && constrained.is_empty() && !again;
                 if !is_bare {
                     let expected = "a value, or a reason under `failed`, as the row is filled in otherwise";
                     faults.push(table.fault(row, columns.response(), expected));
@@ -141,9 +146,24 @@ impl Reader<'_> {
         let note = table.cell(row, columns.note()).to_owned();
         let answer = |(trial, result): (&Trial, Measured)| {
             let id = trial.id.number();
-            Answer { id, result, actual, repeat: usize::from(again), note, row: row.number }
+            Answer { id, result, constrained, actual, repeat: usize::from(again), note, row: row.number }
         };
         Some(trial.zip(result).map(answer))
+    }
+
+    /// The responses that have to stay within bounds; an empty cell was not measured.
+    fn constrained(&self, row: &Row, faults: &mut Vec<Fault>) -> Constrained {
+        let mut constrained = Constrained::new();
+        for (index, held) in self.problem.constraints.iter().enumerate() {
+            let column = self.columns.constrained(index);
+            let text = self.table.cell(row, column);
+            match parse(text) {
+                _ if text.is_empty() => {}
+                Ok(value) => drop(constrained.insert(held.name().to_owned(), value)),
+                Err(expected) => faults.push(self.table.fault(row, column, expected)),
+            }
+        }
+        constrained
     }
 
     fn trial(&self, row: &Row, faults: &mut Vec<Fault>) -> Option<&Trial> {
@@ -174,13 +194,13 @@ impl Reader<'_> {
             // Sheets hold twelve digits.
             let is_same =
                 |value: f64| (value - asked).abs() <= 1e-9 * parameter.width() || plain(value) == plain(asked);
-            let is_asked = parse(text).is_ok_and(is_same);
+            let is_asked = parse_setting(parameter, text).is_ok_and(is_same);
             if !text.is_empty() && !is_asked {
-                if let Err(expected) = parse(text) {
+                if let Err(expected) = parse_setting(parameter, text) {
                     faults.push(self.table.fault(row, column, expected));
                     continue;
                 }
-                let asked = with_unit(&plain(asked), parameter.unit());
+                let asked = with_unit(&written(parameter, asked), parameter.unit());
                 let expected = format!(
                     "{asked}, as it was asked for; a setting that was made otherwise goes under `actual {}`",
                     parameter.name()
@@ -196,7 +216,7 @@ impl Reader<'_> {
         if text.is_empty() {
             return Ok(None);
         }
-        let value = parse(text).map_err(|expected| self.table.fault(row, column, expected))?;
+        let value = parse_setting(parameter, text).map_err(|expected| self.table.fault(row, column, expected))?;
         match setting_fault(parameter, value) {
             Some(expected) => Err(self.table.fault(row, column, expected)),
             None => Ok(Some(value)),
@@ -214,6 +234,9 @@ fn actual_columns<'a>(
 
 /// What is allowed of a setting that was really made, unless this is.
 pub(crate) fn setting_fault(parameter: &Parameter, value: f64) -> Option<String> {
+    if parameter.choices().is_some() {
+        return parameter.choice(value).is_none().then(|| "one of the choices".to_owned());
+    }
     let (lower, upper) = (parameter.lower() - 0.5 * parameter.width(), parameter.upper() + 0.5 * parameter.width());
     if (lower..=upper).contains(&value) {
         return None;

@@ -8,8 +8,7 @@ use infuse::pooled::Trial;
 
 use super::columns::Columns;
 use super::table::Column;
-use crate::number::plain;
-use crate::problem::Problem;
+use crate::problem::{Problem, written};
 
 /// Writes these trials, in the order in which they are to be run. The file is there whole or not at all.
 pub(crate) fn write(path: &Path, problem: &Problem, trials: &[(Trial, Option<u64>)]) -> Result<()> {
@@ -22,8 +21,8 @@ pub(crate) fn write(path: &Path, problem: &Problem, trials: &[(Trial, Option<u64
         cells[Columns::RUN] = (index + 1).to_string();
         cells[Columns::ID] = trial.id.to_string();
         cells[Columns::REPEATS] = repeats.map(|id| id.to_string()).unwrap_or_default();
-        for (parameter, &value) in trial.point.iter().enumerate() {
-            cells[columns.setting(parameter)] = plain(value);
+        for (index, (parameter, &value)) in problem.region.parameters().iter().zip(&trial.point).enumerate() {
+            cells[columns.setting(index)] = written(parameter, value);
         }
         table.write_record(&cells).with_context(name)?;
     }

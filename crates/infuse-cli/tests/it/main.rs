@@ -4,6 +4,7 @@
 
 mod campaigns;
 mod careful;
+mod constraints;
 mod interruptions;
 mod journals;
 mod pooled;

@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use surface::process::Joint;
 
 use crate::Error;
-use crate::pooled::knowledge::{Knowledge, Reading};
+use crate::pooled::knowledge::Knowledge;
+use crate::pooled::measurements::Reading;
 use crate::pooled::pool::Pool;
 use crate::pooled::streams::{Purpose, stream};
 

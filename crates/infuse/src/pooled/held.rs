@@ -8,7 +8,7 @@ use surface::process::{AveragedProcess, Joint, Marginals, Places, Sites};
 use crate::Error;
 use crate::pooled::constraint::Constraint;
 use crate::pooled::designs::Designs;
-use crate::pooled::knowledge::{Reading, sampler};
+use crate::pooled::measurements::Reading;
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Column, Simulated, Source};
 
@@ -52,7 +52,7 @@ impl Held {
         let responses = readings.iter().map(|reading| reading.response).collect();
         let data = Data::new(designs.n_factors(), coordinates, responses)?;
         let places = source.known_places(designs, &cells, simulated, column)?;
-        let of_it = sampler(&Settings { noise: constraint.noise, ..settings.clone() });
+        let of_it = Settings { noise: constraint.noise, ..settings.clone() }.sampler();
         let process = AveragedProcess::new(Sites::new(&data, places.simulated())?, &of_it)?;
         Ok(Self { constraint, column, process: Some(process) })
     }

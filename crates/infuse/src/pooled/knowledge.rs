@@ -13,28 +13,9 @@ use crate::Error;
 use crate::pooled::constraint::Constraint;
 use crate::pooled::designs::Designs;
 use crate::pooled::held::{Chances, Expected, Held};
+use crate::pooled::measurements::{Measurements, Reading};
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Column, Simulated, Source};
-
-/// One experiment that gave a response.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Reading {
-    pub(crate) coded: Vec<f64>,
-    pub(crate) cell: Cell,
-    pub(crate) response: f64,
-    /// Position among all readings.
-    pub(crate) number: usize,
-}
-
-/// All that was measured.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Measurements {
-    pub(crate) readings: Vec<Reading>,
-    /// Readings of each constrained response.
-    pub(crate) constrained: Vec<Vec<Reading>>,
-    /// Where experiments failed.
-    pub(crate) failed: BTreeSet<Cell>,
-}
 
 /// What others say of a reading.
 #[derive(Debug, Clone, Copy)]
@@ -61,16 +42,6 @@ fn sceptical(sampler: &SamplerSettings) -> SamplerSettings {
     let structures = [Residual::Smooth, Residual::Rough];
     let structures = structures.map(|residual| Structure { simulation: SimulationUse::Ignored, residual }).to_vec();
     SamplerSettings { structures, particles: SCEPTICAL, ..sampler.clone() }
-}
-
-pub(crate) fn sampler(settings: &Settings) -> SamplerSettings {
-    SamplerSettings {
-        structures: settings.structures.clone(),
-        noise: settings.noise,
-        particles: settings.particles,
-        seed: settings.seed,
-        ..SamplerSettings::default()
-    }
 }
 
 /// The surface, and what it takes to evaluate it elsewhere.
@@ -105,7 +76,7 @@ impl<'a, 's> Knowledge<'a, 's> {
         let data = Data::new(designs.n_factors(), coordinates, responses)?;
         let places = source.places(designs, &cells, simulated)?;
         let sites = Sites::new(&data, places.simulated())?;
-        let sampler = sampler(settings);
+        let sampler = settings.sampler();
         let sceptic = match sites.places().simulated() {
             Some(_) => Some(AveragedProcess::new(sites.clone(), &sceptical(&sampler))?),
             None => None,
@@ -146,7 +117,7 @@ impl<'a, 's> Knowledge<'a, 's> {
             Some(simulated) => (Some(&simulated[..others.len()]), Some(simulated[others.len()])),
             None => (None, None),
         };
-        let process = AveragedProcess::new(Sites::new(&data, simulated)?, &sampler(settings))?;
+        let process = AveragedProcess::new(Sites::new(&data, simulated)?, &settings.sampler())?;
         let mut place = Places::new(self.designs.n_factors(), &one.coded)?;
         if let Some(here) = here {
             place = place.with_simulated(vec![here])?;

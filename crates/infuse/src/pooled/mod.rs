@@ -49,6 +49,7 @@ mod first_batch;
 mod held;
 mod knowledge;
 mod knowledge_gradient;
+mod measurements;
 mod outcomes;
 mod outliers;
 mod pool;

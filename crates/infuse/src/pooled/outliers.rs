@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::pooled::knowledge::{Knowledge, Reading};
+use crate::pooled::knowledge::Knowledge;
+use crate::pooled::measurements::Reading;
 use crate::pooled::settings::Settings;
 
 /// A reading that the others do not expect.

@@ -1,7 +1,7 @@
 //! The numbers and choices of the pooled loop.
 
 use serde::{Deserialize, Serialize};
-use surface::process::Structure;
+use surface::process::{SamplerSettings, Structure};
 
 use crate::Error;
 use crate::pooled::constraint::{Constraint, LinearConstraint};
@@ -84,6 +84,17 @@ impl Settings {
             particles: default_particles(),
             structures: default_structures(),
             seed: default_seed(),
+        }
+    }
+
+    /// How hyperparameters are drawn.
+    pub(crate) fn sampler(&self) -> SamplerSettings {
+        SamplerSettings {
+            structures: self.structures.clone(),
+            noise: self.noise,
+            particles: self.particles,
+            seed: self.seed,
+            ..SamplerSettings::default()
         }
     }
 

@@ -44,11 +44,11 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
     Ok(())
 }
 
-/// The best mean of an experiment of each batch.
+/// The best mean of an experiment of each batch that kept to its bounds.
 fn best_of_batches(campaign: &Campaign) -> BTreeMap<usize, f64> {
     let (experiments, response) = (&campaign.experiments, &campaign.problem.response);
     let mut best: BTreeMap<usize, f64> = BTreeMap::new();
-    for (id, reading) in &experiments.readings {
+    for (id, reading) in experiments.readings.iter().filter(|(_, reading)| campaign.keeps_to_bounds(reading)) {
         let cost = reading.outcome(response).and_then(|outcome| outcome.cost());
         if let (Some(trial), Some(cost)) = (experiments.trials.get(id), cost) {
             let known = best.entry(trial.batch).or_insert(cost);

@@ -9,10 +9,10 @@ use page::{Column, Page, Table};
 
 use super::NOTHING;
 use super::view::{Run, View};
-use crate::number::{resolved, setting, short};
+use crate::number::{resolved, short};
 use crate::pooled::bands::{NINE_IN_TEN, resolution};
 use crate::pooled::campaign::Origin;
-use crate::problem::step;
+use crate::problem::shown;
 use crate::report::sheets::settings_columns;
 
 /// Rows of each table.
@@ -80,7 +80,7 @@ fn best_table(view: &View, best: &[Standing]) -> Table {
 /// Settings as a table has them.
 fn written(view: &View, point: &[f64]) -> Vec<String> {
     let pairs = point.iter().zip(view.parameters());
-    pairs.map(|(&value, parameter)| setting(value, step(parameter))).collect()
+    pairs.map(|(&value, parameter)| shown(parameter, value)).collect()
 }
 
 /// Runs of equal settings, and how far they are from what all others say: as measured, above or below.

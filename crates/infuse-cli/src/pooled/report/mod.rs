@@ -1,5 +1,6 @@
 //! One HTML page about a campaign that stands alone. The same campaign gives the same bytes.
 
+mod bounds;
 mod curves;
 mod fit;
 mod history;
@@ -33,6 +34,7 @@ pub(super) fn page(campaign: &Campaign, journal: &Journal) -> Result<String> {
     match &view {
         Some(view) => {
             curves::write(&mut page, view);
+            bounds::write(&mut page, view);
             maps::write(&mut page, view)?;
         }
         None => page.paragraph(NO_RESULT),

@@ -8,7 +8,7 @@ use super::view::{View, cell_of};
 use crate::journal::{Measured, Purpose};
 use crate::number::{count, plain, short};
 use crate::pooled::campaign::Campaign;
-use crate::problem::Simulator;
+use crate::problem::{Simulator, written};
 use crate::report::sheets::{Filled, settings_columns, sheet};
 use crate::simulator::identity;
 
@@ -91,7 +91,8 @@ fn write_imported(page: &mut Page, campaign: &Campaign, view: Option<&View>) -> 
     for imported in &campaign.imported {
         let cell = cell_of(campaign, &imported.point)?;
         let expected = view.and_then(|view| view.expected(cell));
-        let mut row: Vec<String> = imported.point.iter().map(|&setting| plain(setting)).collect();
+        let settings = campaign.problem.region.parameters().iter().zip(&imported.point);
+        let mut row: Vec<String> = settings.map(|(parameter, &setting)| written(parameter, setting)).collect();
         row.extend([
             match &imported.result {
                 Measured::Value(value) => plain(*value),

@@ -11,7 +11,7 @@ use crate::journal::Measured;
 use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::{Access, Campaign, Origin};
 use crate::problem::Response;
-use crate::report::maps::{Maps, Plane};
+use crate::report::maps::{Maps, Plane, axis_of};
 
 /// Levels at which a curve is evaluated, at most.
 const MOST_LEVELS: u32 = 121;
@@ -117,7 +117,7 @@ impl<'a> View<'a> {
     /// An axis of the settings of a parameter.
     pub(super) fn axis(&self, parameter: usize) -> Axis {
         let parameter = &self.parameters()[parameter];
-        Axis::new(parameter.name(), parameter.unit())
+        axis_of(parameter)
     }
 
     /// An axis of the response.
@@ -148,6 +148,22 @@ impl<'a> View<'a> {
             half: NINE_IN_TEN * expected.deviation,
             feasible: expected.feasible,
         })
+    }
+
+    /// What is expected of a constrained response at a design that appears on the page, and the standard deviation of that.
+    pub(super) fn constrained(&self, cell: Cell, constraint: usize) -> Option<(f64, f64)> {
+        self.expected.get(&cell)?.constrained.get(constraint)?.expected
+    }
+
+    /// Settings of every run that measured a constrained response, with what it gave in the mean.
+    pub(super) fn measured<'b>(&'b self, name: &'b str) -> impl Iterator<Item = (Vec<f64>, f64)> + 'b {
+        let imported = self.campaign.imported.iter();
+        let imported = imported.filter_map(move |one| Some((one.point.clone(), *one.constrained.get(name)?)));
+        let readings = self.campaign.experiments.readings.iter();
+        let own = readings.filter_map(move |(&id, reading)| {
+            Some((self.campaign.experiments.settings_of(id), reading.mean_of(name)?))
+        });
+        imported.chain(own)
     }
 
     /// The middle of that.

@@ -1,0 +1,40 @@
+//! A setting as it is written and read: a number, or the name of a choice.
+
+use design_space::{Levels, Parameter};
+use serde_json::{Value, json};
+
+use crate::number::{parse, plain, rounded, setting};
+
+/// With all its digits, as sheets and programs get it.
+pub(crate) fn written(parameter: &Parameter, value: f64) -> String {
+    parameter.choice(value).map_or_else(|| plain(value), str::to_owned)
+}
+
+/// For people to read.
+pub(crate) fn shown(parameter: &Parameter, value: f64) -> String {
+    parameter.choice(value).map_or_else(|| setting(value, step(parameter)), str::to_owned)
+}
+
+/// For programs.
+pub(crate) fn said(parameter: &Parameter, value: f64) -> Value {
+    parameter.choice(value).map_or_else(|| json!(rounded(value)), |choice| json!(choice))
+}
+
+/// What [`written`] wrote, or what is wrong with it.
+pub(crate) fn parse_setting(parameter: &Parameter, text: &str) -> Result<f64, String> {
+    match parameter.choices() {
+        None => parse(text).map_err(str::to_owned),
+        Some(choices) => {
+            let named: Vec<String> = choices.iter().map(|choice| format!("`{choice}`")).collect();
+            parameter.of_choice(text).ok_or_else(|| format!("one of {}", named.join(", ")))
+        }
+    }
+}
+
+/// The distance between neighboring levels; 0 without levels.
+pub(crate) fn step(parameter: &Parameter) -> f64 {
+    match parameter.levels() {
+        Levels::Count(count) => parameter.width() / f64::from(count.saturating_sub(1).max(1)),
+        Levels::Continuous => 0.0,
+    }
+}
