@@ -441,10 +441,8 @@ impl Loop {
                 Ask::Stopped(reason) => return Ok(reason),
                 Ask::Run { trials, simulations } => (trials, simulations),
             };
-            for cell in simulations {
-                let outcome = simulate(cell, &self.designs.grid().point(cell)?).into();
-                self.tell_simulation(cell, &outcome)?;
-            }
+            self.simulated.run(&self.designs, &simulations, &mut *simulate)?;
+            self.due.retain(|&due| !self.simulated.contains(due));
             for trial in trials {
                 self.tell(trial.id, experiment(&trial).into())?;
             }

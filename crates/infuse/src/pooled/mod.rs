@@ -58,4 +58,4 @@ pub use campaign::{Ask, Earlier, Loop, Record, StopReason, Trial};
 pub use certificate::Certificate;
 pub use outliers::Outlier;
 pub use settings::Settings;
-pub use simulated::Simulate;
+pub use simulated::{Simulate, Simulator};

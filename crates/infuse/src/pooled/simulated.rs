@@ -1,6 +1,6 @@
 //! What the simulation said, cell by cell, and what it would say elsewhere.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use design_space::Cell;
 use surface::Data;
@@ -9,9 +9,21 @@ use surface::process::{AveragedProcess, Joint, Places, Residual, SamplerSettings
 use crate::pooled::designs::Designs;
 use crate::{Error, Outcome};
 
-/// A simulation that may be asked at every cell: the cell and its natural point to a response, or to the reason why there is
-/// none.
-pub type Simulate<'a> = dyn FnMut(Cell, &[f64]) -> Result<f64, String> + 'a;
+/// A simulation that may be asked at every cell.
+pub type Simulate<'a> = dyn Simulator + 'a;
+
+/// What can simulate many designs at once; every function from a cell and its natural point to a response, or to the reason why
+/// there is none, is one.
+pub trait Simulator {
+    /// One response, or the reason why there is none, for each of the cells, whose natural points are in the same order.
+    fn responses(&mut self, cells: &[Cell], points: &[Vec<f64>]) -> Vec<Result<f64, String>>;
+}
+
+impl<F: FnMut(Cell, &[f64]) -> Result<f64, String>> Simulator for F {
+    fn responses(&mut self, cells: &[Cell], points: &[Vec<f64>]) -> Vec<Result<f64, String>> {
+        cells.iter().zip(points).map(|(&cell, point)| self(cell, point)).collect()
+    }
+}
 
 /// Every simulation so far, with its outcome.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -49,11 +61,17 @@ impl Simulated {
 
     /// Runs the simulation at those of the cells where it was not run before.
     pub(crate) fn run(&mut self, designs: &Designs, cells: &[Cell], simulate: &mut Simulate<'_>) -> Result<(), Error> {
-        for &cell in cells {
-            if !self.contains(cell) {
-                let outcome = simulate(cell, &designs.grid().point(cell)?).into();
-                self.insert(cell, &outcome);
-            }
+        let mut seen = BTreeSet::new();
+        let new = cells.iter().copied().filter(|&cell| !self.contains(cell) && seen.insert(cell));
+        let new: Vec<Cell> = new.collect();
+        if new.is_empty() {
+            return Ok(());
+        }
+        let points = new.iter().map(|&cell| designs.grid().point(cell)).collect::<Result<Vec<_>, _>>()?;
+        let mut responses = simulate.responses(&new, &points).into_iter();
+        for &cell in &new {
+            let missing = || Err("the simulation gave fewer responses than designs".to_owned());
+            self.insert(cell, &responses.next().unwrap_or_else(missing).into());
         }
         Ok(())
     }
