@@ -61,7 +61,7 @@ fn clippy() -> Result<()> {
     let deny = ["--", "-D", "warnings"];
     let all = ["clippy", "--release", "--workspace", "--exclude", python::PACKAGE, "--all-targets"];
     run_cargo(&[all.as_slice(), &deny].concat())?;
-    let packages = ["--package", "infuse", "--package", "scaling", "--package", "studies"];
+    let packages = ["--package", "infuse-loop", "--package", "infuse-scaling", "--package", "studies"];
     let command = ["clippy", "--release", "--no-default-features"];
     run_cargo(&[command.as_slice(), &packages, &deny].concat())
 }
