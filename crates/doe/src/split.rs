@@ -88,7 +88,7 @@ impl Split {
 /// `Alternating` reads it as a chain from the run farthest from the mean of all runs to the nearest run that is left, and so on; `AlternatingFromMean` as the distance from the mean.
 ///
 /// `Balanced`, the default, makes the mean prediction variance that the training runs give small, and keeps the validation runs as hard to predict as the space on average.
-/// `cargo run -p doe --example split_study` compares them on quadratics and on responses that no quadratic fits (8 repetitions; 2 without an argument):
+/// `cargo run -p infuse-doe --example split_study` compares them on quadratics and on responses that no quadratic fits (8 repetitions; 2 without an argument):
 ///
 /// ```text
 /// G-optimal designs

@@ -129,6 +129,17 @@ pub(crate) enum Command {
         #[arg(long)]
         anyway: bool,
     },
+    /// Print what makes a shell complete `infuse` and its options
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page, in the form that `man` reads
+    Man {
+        /// Write it and the page of each command to this folder instead
+        #[arg(long, value_name = "FOLDER")]
+        folder: Option<PathBuf>,
+    },
 }
 
 #[derive(Debug, Args)]

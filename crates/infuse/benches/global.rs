@@ -1,4 +1,4 @@
-//! One iteration of the global loop, and what of it is the scan over the cells: `cargo bench -p infuse`.
+//! One iteration of the global loop, and what of it is the scan over the cells: `cargo bench -p infuse-loop`.
 
 use design_space::Cell;
 use divan::Bencher;

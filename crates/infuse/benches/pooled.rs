@@ -1,4 +1,4 @@
-//! Asking for a batch of the pooled loop, and assessing all experiments so far: `cargo bench -p infuse --bench pooled`, with
+//! Asking for a batch of the pooled loop, and assessing all experiments so far: `cargo bench -p infuse-loop --bench pooled`, with
 //! `RAYON_NUM_THREADS=1` on one thread.
 
 use design_space::{Cell, Parameter, Region};

@@ -1,6 +1,6 @@
 //! One page with a finding, a table, series over time and a landscape, and the landscape as a picture of its own.
 //!
-//! `cargo run --release -p page --example one_page -- page.html landscape.svg`
+//! `cargo run --release -p infuse-page --example one_page -- page.html landscape.svg`
 #![expect(clippy::print_stdout, reason = "an example talks")]
 
 use page::{

@@ -72,7 +72,7 @@ def main():
         fastest = min(timed(function, part) for _ in range(300))
         print(f"{function.__name__:20} {'2048 points':14} fastest {1e6 * fastest:7.1f} us, {2048 / fastest / 1e6:6.2f} Mpoint/s")
     sys.stdout.flush()
-    subprocess.run(["cargo", "bench", "-p", "surface", "--bench", "batch"], check=True)
+    subprocess.run(["cargo", "bench", "-p", "infuse-surface", "--bench", "batch"], check=True)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 
 use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly};
-use crate::{tidy, tutorials};
+use crate::{python, tidy, tutorials};
 
 /// One heading of the output.
 struct Step {
@@ -23,11 +23,15 @@ const STEPS: &[Step] = &[
     Step { heading: "tidy", run: tidy::check },
     Step { heading: "clippy", run: clippy },
     Step { heading: "tests", run: tests },
-    Step { heading: "tests in the documentation", run: || run_cargo(&["test", "--release", "--workspace", "--doc"]) },
+    Step {
+        heading: "tests in the documentation",
+        run: || run_cargo(&["test", "--release", "--workspace", "--exclude", python::PACKAGE, "--doc"]),
+    },
     Step { heading: "documentation", run: documentation },
     Step { heading: "examples", run: examples },
     Step { heading: "tutorials", run: tutorials::check },
     Step { heading: "packages", run: packages },
+    Step { heading: "python", run: python::check },
     Step { heading: "optimal designs", run: || study(&["doe-records", "--check"]) },
     Step { heading: "calibrated plants", run: || study(&["calibrate", "--check"]) },
     Step { heading: "identified plants", run: || study(&["identify", "--check"]) },
@@ -55,19 +59,22 @@ pub(crate) fn run() -> Result<()> {
 /// a feature of another, and what they share is then checked once.
 fn clippy() -> Result<()> {
     let deny = ["--", "-D", "warnings"];
-    run_cargo(&[&["clippy", "--release", "--workspace", "--all-targets"], deny.as_slice()].concat())?;
-    let packages = ["--package", "infuse", "--package", "scaling", "--package", "studies"];
+    let all = ["clippy", "--release", "--workspace", "--exclude", python::PACKAGE, "--all-targets"];
+    run_cargo(&[all.as_slice(), &deny].concat())?;
+    let packages = ["--package", "infuse-loop", "--package", "infuse-scaling", "--package", "studies"];
     let command = ["clippy", "--release", "--no-default-features"];
     run_cargo(&[command.as_slice(), &packages, &deny].concat())
 }
 
 /// The examples are compiled with the tests, whose dependencies they share.
 fn tests() -> Result<()> {
-    run_cargo(&["test", "--release", "--workspace", "--lib", "--bins", "--tests", "--examples"])
+    let all = ["test", "--release", "--workspace", "--exclude", python::PACKAGE];
+    run_cargo(&[all.as_slice(), &["--lib", "--bins", "--tests", "--examples"]].concat())
 }
 
 fn documentation() -> Result<()> {
-    let mut command = workspace::cargo(&["doc", "--release", "--workspace", "--no-deps"])?;
+    let mut command =
+        workspace::cargo(&["doc", "--release", "--workspace", "--exclude", python::PACKAGE, "--no-deps"])?;
     run_quietly(command.env("RUSTDOCFLAGS", "-D warnings"))
 }
 
@@ -104,6 +111,8 @@ fn packages() -> Result<()> {
         "xtask",
         "--exclude",
         "studies",
+        "--exclude",
+        python::PACKAGE,
         "--allow-dirty",
         "--offline",
         "--no-verify",
@@ -115,7 +124,8 @@ fn packages() -> Result<()> {
         fs::remove_dir_all(&unpacked).with_context(|| unpacked.display().to_string())?;
     }
     fs::create_dir_all(&unpacked).with_context(|| unpacked.display().to_string())?;
-    let packed = metadata.packages.iter().filter(|package| !["studies", "xtask"].contains(&&*package.name));
+    let packed =
+        metadata.packages.iter().filter(|package| !["studies", "xtask", python::PACKAGE].contains(&&*package.name));
     let packed: Vec<(&str, String)> =
         packed.map(|package| (&*package.name, format!("{}-{}", package.name, package.version))).collect();
     for (_, stem) in &packed {
@@ -143,7 +153,8 @@ fn workspace_of(packed: &[(&str, String)], root_manifest: &str) -> String {
 
 /// The examples of all packages. No two may share a name: they are built into one folder.
 fn example_names(metadata: &Metadata) -> Result<Vec<&str>> {
-    let targets = metadata.packages.iter().flat_map(|package| &package.targets);
+    let packages = metadata.packages.iter().filter(|package| package.name != python::PACKAGE);
+    let targets = packages.flat_map(|package| &package.targets);
     let examples = targets.filter(|target| target.kind.iter().any(|kind| kind == "example"));
     let mut names: Vec<&str> = Vec::new();
     for example in examples {

@@ -2,6 +2,7 @@
 #![expect(clippy::print_stdout, reason = "a program of the command line talks")]
 
 mod ci;
+mod python;
 mod tidy;
 mod tutorials;
 mod workspace;
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
+        ["python"] => python::check(),
         ["equations"] => tidy::write_equations(),
         ["tutorials"] => tutorials::run(Texts::Compare),
         ["tutorials", "--write"] => tutorials::run(Texts::Write),

@@ -33,7 +33,7 @@ pub(crate) fn cargo(arguments: &[&str]) -> Result<Command> {
 /// Builds what users run, optimized, with the examples. All at once: one package at a time, each would have the features
 /// of its own, and the large dependencies would be compiled anew for many of them.
 pub(crate) fn build_programs() -> Result<()> {
-    run_cargo(&["build", "--release", "--workspace", "--bins", "--examples"])
+    run_cargo(&["build", "--release", "--workspace", "--exclude", "infuse-python", "--bins", "--examples"])
 }
 
 /// Where cargo puts what it builds.

@@ -4,6 +4,7 @@ mod ask;
 mod cancel;
 mod confirm;
 mod import;
+mod manual;
 mod new;
 mod report;
 mod run;
@@ -61,6 +62,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
         }
         Command::Status { why } => status::status(folder, why.as_deref()),
         Command::Report { output } => report::report(folder, output.as_deref()),
+        Command::Completions { shell } => manual::completions(*shell),
+        Command::Man { folder } => manual::manual(folder.as_deref()),
         Command::Run { batches, anyway } => run::run(folder, wait, *batches, *anyway),
     }
 }

@@ -539,11 +539,8 @@ impl Loop {
                 Ask::Stopped(reason) => return Ok(reason),
                 Ask::Run { trials, simulations } => (trials, simulations),
             };
-            for cell in simulations {
-                let said = simulate.simulate(cell, &self.designs.grid().point(cell)?);
-                self.simulated.insert(cell, said.ok());
-                self.due.retain(|&due| due != cell);
-            }
+            self.simulated.run(&self.designs, &simulations, &mut *simulate)?;
+            self.due.retain(|&due| !self.simulated.contains(due));
             for trial in trials {
                 self.tell(trial.id, experiment(&trial).into())?;
             }

@@ -1,6 +1,6 @@
 //! What the simulation said, cell by cell, and what it would say elsewhere.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use design_space::Cell;
 use serde::{Deserialize, Serialize};
@@ -29,15 +29,11 @@ impl From<f64> for Responses {
     }
 }
 
-/// A simulation that may be asked at every cell. Any function of a cell and its natural point to a number, or to [`Responses`],
-/// or else to the reason why there is none, is one.
+/// A simulation that may be asked at every cell, many at once. Any function of a cell and its natural point to a number, or to
+/// [`Responses`], or else to the reason why there is none, is one.
 pub trait Simulate {
-    /// What it says of a cell, whose natural point is this.
-    ///
-    /// # Errors
-    ///
-    /// Why there is no response.
-    fn simulate(&mut self, cell: Cell, point: &[f64]) -> Result<Responses, String>;
+    /// What it says of each of the cells, whose natural points are in the same order.
+    fn responses(&mut self, cells: &[Cell], points: &[Vec<f64>]) -> Vec<Result<Responses, String>>;
 }
 
 impl<F, R> Simulate for F
@@ -45,8 +41,8 @@ where
     F: FnMut(Cell, &[f64]) -> Result<R, String>,
     R: Into<Responses>,
 {
-    fn simulate(&mut self, cell: Cell, point: &[f64]) -> Result<Responses, String> {
-        self(cell, point).map(Into::into)
+    fn responses(&mut self, cells: &[Cell], points: &[Vec<f64>]) -> Vec<Result<Responses, String>> {
+        cells.iter().zip(points).map(|(&cell, point)| self(cell, point).map(Into::into)).collect()
     }
 }
 
@@ -111,11 +107,17 @@ impl Simulated {
 
     /// Runs the simulation at those of the cells where it was not run before.
     pub(crate) fn run(&mut self, designs: &Designs, cells: &[Cell], simulate: &mut dyn Simulate) -> Result<(), Error> {
-        for &cell in cells {
-            if !self.contains(cell) {
-                let said = simulate.simulate(cell, &designs.grid().point(cell)?);
-                self.insert(cell, said.ok());
-            }
+        let mut seen = BTreeSet::new();
+        let new = cells.iter().copied().filter(|&cell| !self.contains(cell) && seen.insert(cell));
+        let new: Vec<Cell> = new.collect();
+        if new.is_empty() {
+            return Ok(());
+        }
+        let points = new.iter().map(|&cell| designs.grid().point(cell)).collect::<Result<Vec<_>, _>>()?;
+        let mut responses = simulate.responses(&new, &points).into_iter();
+        for &cell in &new {
+            // One that gave fewer responses than there are designs has failed at the others.
+            self.insert(cell, responses.next().and_then(Result::ok));
         }
         Ok(())
     }

@@ -32,6 +32,7 @@ const ROOMS: &[Room] = &[
         ],
     ),
     room(5, "infuse-cli", &["design-space", "infuse", "page", "surface"]),
+    room(5, "infuse-python", &["bat-dynamics", "design-space", "doe", "infuse", "surface", "water-channel"]),
     room(4, "infuse", &["design-space", "doe", "surface"]),
     room(4, "page", &[]),
     room(3, "surface", &["design-space", "doe"]),

@@ -1,0 +1,225 @@
+"""The loop of Deodhar's dissertation: surfaces, a correction, and a test that drops what is worse beyond doubt."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Union
+
+from numpy.typing import ArrayLike
+
+from infuse import _native
+from infuse._parameters import Designs, Parameter, Settings, Simulate, batched, numbers, rows, tuples_of
+from infuse.pooled import as_json, replace
+from infuse.trials import Outcome, Record, Trial, frame, named, outcome, records, settings_row, told, trials
+
+if TYPE_CHECKING:
+    import pandas
+
+
+@dataclass(frozen=True)
+class RegretBound:
+    """How much worse than the best design left the optimum can be, with errors of the surfaces as they were observed."""
+
+    regret: float
+    """The bound, in the unit of the response."""
+    eps: float
+    """The bound on the error of the corrected model that it rests on."""
+    simulation: float
+    """Largest error of a simulation surface at a run that was left out."""
+    experiment: float
+    """The same of an experiment surface."""
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What more experiments could still bring."""
+
+    mean_gain: float
+    upper_gain: float
+    misfit_gain: Optional[float]
+
+
+@dataclass(frozen=True)
+class GlobalAssessment:
+    """What the last closed batch came to."""
+
+    batch: int
+    optimum: Settings
+    """The design with the smallest combined surface."""
+    optimum_value: float
+    simulation_optimum: Settings
+    """What the simulation alone would have chosen."""
+    spread: Optional[float]
+    """S of (40), in the unit of the response."""
+    n_left: int
+    """Designs that are left."""
+    left: float
+    """Their share of all."""
+    noise: Optional[float]
+    """Standard deviation of experiments at equal settings, if any were repeated."""
+    certificate: Optional[RegretBound]
+    outlook: Optional[Outlook]
+
+
+class GlobalLoop:
+    """The global loop over every combination of levels, as ask and tell.
+
+    `model` is `"linear"`, `"additive quadratic"`, `"quadratic"`, or a list with the exponents of each term. Other
+    settings of the Rust library, such as `replicates`, `confidence`, `first_screening`, `careful` or `correction`, go by
+    their names.
+
+    >>> loop = GlobalLoop([Parameter("x", "mm", 0.0, 10.0, levels=21)], "quadratic", 5, 8, max_iterations=2)
+    >>> loop.run(lambda points: (points[:, 0] - 3) ** 2, lambda settings: (settings["x"] - 4) ** 2 + 1)
+    'the limit on the batches was reached'
+    >>> loop.assess().optimum
+    {'x': 4.0}
+    """
+
+    def __init__(
+        self,
+        parameters: Sequence[Parameter],
+        model: Union[str, Sequence[Sequence[int]]],
+        n_experiments: int,
+        n_simulations: int,
+        *,
+        seed: int = 1,
+        max_iterations: int = 10,
+        **settings: Any,
+    ) -> None:
+        every = {
+            "n_experiments": n_experiments,
+            "n_simulations": n_simulations,
+            "seed": seed,
+            "max_iterations": max_iterations,
+            **settings,
+        }
+        self._loop = _native.GlobalLoop(tuples_of(parameters), model_of(model), as_json(every))
+        self._parameters = list(parameters)
+
+    @classmethod
+    def _around(cls, loop: _native.GlobalLoop) -> "GlobalLoop":
+        self = cls.__new__(cls)
+        self._loop = loop
+        self._parameters = [Parameter(*parameter) for parameter in loop.parameters()]
+        return self
+
+    @property
+    def parameters(self) -> List[Parameter]:
+        """What can be set."""
+        return list(self._parameters)
+
+    @property
+    def _names(self) -> List[str]:
+        return [parameter.name for parameter in self._parameters]
+
+    @property
+    def settings(self) -> Dict[str, Any]:
+        """The settings it was begun with."""
+        found: Dict[str, Any] = json.loads(self._loop.settings())
+        return found
+
+    @property
+    def batch(self) -> int:
+        """Number of closed batches."""
+        return self._loop.batch()
+
+    @property
+    def stopped(self) -> Optional[str]:
+        """Why the campaign has ended, as a sentence."""
+        reason = self._loop.stopped()
+        return None if reason is None else reason[1]
+
+    def ask(self, simulate: Simulate) -> List[Trial]:
+        """The experiments to run now; none after the end. A new batch is simulated first, all designs in one call."""
+        call = batched(simulate)
+        assert call is not None, "there is a simulation"
+        return trials(self._names, self._loop.ask(call))
+
+    def outstanding(self) -> List[Trial]:
+        """The trials without an outcome."""
+        return trials(self._names, self._loop.outstanding())
+
+    def tell(self, id: int, value: Outcome = None, *, failed: Optional[str] = None) -> None:
+        """The outcome of a trial; the last one of a batch closes it. NaN and an exception are failures."""
+        number, reason = outcome(value, failed)
+        self._loop.tell(id, number, reason, None)
+
+    def tell_at(self, id: int, settings: Designs, value: Outcome = None, *, failed: Optional[str] = None) -> None:
+        """The outcome of a trial that was made at other settings than those asked for."""
+        number, reason = outcome(value, failed)
+        self._loop.tell(id, number, reason, settings_row(self._parameters, settings))
+
+    def tell_frame(self, table: "pandas.DataFrame", value: str = "value") -> int:
+        """Takes results from a data frame with `id`, `value` and perhaps `failed`, all or nothing. How many there were."""
+        results = told(self._names, self.outstanding(), table, value)
+        changed = self._loop.copy()
+        for one in results:
+            changed.tell(one.id, one.value, one.failed, one.actual)
+        self._loop = changed
+        return len(results)
+
+    def add_earlier(self, designs: Designs, values: ArrayLike, *, source: str = "") -> None:
+        """Experiments made outside of the campaign: they train from the next batch on, and never validate."""
+        points, responses = rows(self._names, designs), numbers(values)
+        if len(responses) != len(points):
+            raise _native.Error(f"`values` has {len(responses)} entries, expected {len(points)}: one per design")
+        changed = self._loop.copy()
+        for point, response in zip(points.tolist(), responses):
+            changed.add_earlier(point, response, source)
+        self._loop = changed
+
+    def withdraw_earlier(self, source: str) -> int:
+        """Takes back the earlier experiments from this source. How many there were."""
+        return self._loop.withdraw_earlier(source)
+
+    def assess(self) -> Optional[GlobalAssessment]:
+        """What the last closed batch came to; nothing before the first."""
+        text = self._loop.assess()
+        if text is None:
+            return None
+        found = json.loads(text)
+        for name in ("optimum", "simulation_optimum"):
+            found[name] = named(self._names, found[name])
+        found["certificate"] = found["certificate"] and RegretBound(**found["certificate"])
+        found["outlook"] = found["outlook"] and Outlook(**found["outlook"])
+        return GlobalAssessment(**found)
+
+    def reports(self) -> List[Dict[str, Any]]:
+        """The closed batches with all their numbers, as in a saved campaign."""
+        found: List[Dict[str, Any]] = json.loads(self._loop.reports())
+        return found
+
+    def records(self) -> List[Record]:
+        """Every trial of the closed batches with its outcome."""
+        return records(self._names, (entry for report in self.reports() for entry in report["trials"]))
+
+    def frame(self) -> "pandas.DataFrame":
+        """The trials to run, or if there are none those of the closed batches, as a data frame."""
+        found: Sequence[Union[Trial, Record]] = self.outstanding() or self.records()
+        return frame(self._names, found)
+
+    def run(self, simulate: Simulate, experiment: Callable[[Settings], Outcome]) -> str:
+        """Asks and tells until the campaign ends, and says why."""
+        while self.stopped is None:
+            for trial in self.ask(simulate):
+                self.tell(trial.id, experiment(trial.settings))
+        return self.stopped
+
+    def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes the campaign to a JSON file, which `load` reads."""
+        replace(path, self._loop.to_json())
+
+    @classmethod
+    def load(cls, path: Union[str, "os.PathLike[str]"]) -> "GlobalLoop":
+        """A campaign from its file. All but the outcomes and the choice of designs is computed again and must agree."""
+        return cls._around(_native.GlobalLoop.from_json(Path(path).read_text(encoding="utf-8")))
+
+    def __repr__(self) -> str:
+        return f"GlobalLoop({', '.join(self._names)}: {self.batch} batches closed)"
+
+
+def model_of(model: Union[str, Sequence[Sequence[int]]]) -> Union[str, List[List[int]]]:
+    return model if isinstance(model, str) else [list(term) for term in model]

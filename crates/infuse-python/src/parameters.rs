@@ -1,0 +1,93 @@
+//! Parameters and models as Python gives them.
+
+use design_space::{Model, Parameter, Region};
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::arrays::{Matrix, matrix};
+use crate::error::refusal;
+
+/// Name, unit, lower and upper bound, number of levels if there are any.
+pub(crate) type ParameterTuple = (String, String, f64, f64, Option<u32>);
+
+/// The region of these parameters.
+pub(crate) fn region(parameters: Vec<ParameterTuple>) -> PyResult<Region> {
+    let one = |(name, unit, lower, upper, levels): ParameterTuple| {
+        let parameter = Parameter::continuous(name, unit, lower, upper)?;
+        match levels {
+            Some(count) => parameter.with_levels(count),
+            None => Ok(parameter),
+        }
+    };
+    let parameters = parameters.into_iter().map(one).collect::<Result<Vec<_>, _>>().map_err(refusal)?;
+    Region::new(parameters).map_err(refusal)
+}
+
+/// A region as Python sees it.
+pub(crate) fn tuples(region: &Region) -> Vec<ParameterTuple> {
+    let one = |parameter: &Parameter| {
+        let levels = match parameter.levels() {
+            design_space::Levels::Count(count) => Some(count),
+            design_space::Levels::Continuous => None,
+        };
+        (parameter.name().to_owned(), parameter.unit().to_owned(), parameter.lower(), parameter.upper(), levels)
+    };
+    region.parameters().iter().map(one).collect()
+}
+
+/// A model by its name, or by the exponents of its terms.
+#[derive(FromPyObject, Debug)]
+pub(crate) enum ModelChoice {
+    Name(String),
+    Terms(Vec<Vec<u8>>),
+}
+
+impl ModelChoice {
+    pub(crate) fn model(self, n_factors: usize) -> PyResult<Model> {
+        match self {
+            Self::Name(name) => Model::named(&name, n_factors),
+            Self::Terms(terms) => Model::new(n_factors, terms.into_iter().map(design_space::Term::new).collect()),
+        }
+        .map_err(refusal)
+    }
+}
+
+/// Refuses parameters that make no region.
+#[pyfunction]
+pub(crate) fn check_parameters(parameters: Vec<ParameterTuple>) -> PyResult<()> {
+    region(parameters).map(drop)
+}
+
+/// Natural settings, coded to the box of the parameters.
+#[pyfunction]
+pub(crate) fn coded<'py>(
+    py: Python<'py>,
+    parameters: Vec<ParameterTuple>,
+    points: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    turned(py, parameters, &points, Region::coded)
+}
+
+/// Coded settings, natural.
+#[pyfunction]
+pub(crate) fn natural<'py>(
+    py: Python<'py>,
+    parameters: Vec<ParameterTuple>,
+    points: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    turned(py, parameters, &points, Region::natural)
+}
+
+fn turned<'py>(
+    py: Python<'py>,
+    parameters: Vec<ParameterTuple>,
+    points: &PyReadonlyArray2<'py, f64>,
+    turn: impl Fn(&Region, &[f64]) -> Result<Vec<f64>, design_space::Error>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (region, points) = (region(parameters)?, Matrix::of(points));
+    let mut numbers = Vec::with_capacity(points.numbers.len());
+    for row in points.rows() {
+        numbers.extend(turn(&region, row).map_err(refusal)?);
+    }
+    matrix(py, region.n_parameters(), numbers)
+}

@@ -1,0 +1,334 @@
+//! The pooled loop.
+
+use std::collections::BTreeMap;
+
+use design_space::{Cell, Grid, Region};
+use infuse::pooled::{Ask, Assessment, Earlier, Loop, Record, Settings, Simulate, StopReason, Trial};
+use infuse::{Outcome, TrialId};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::arrays::{Matrix, matrix};
+use crate::error::{Error, refusal};
+use crate::parameters::{ParameterTuple, region, tuples};
+use crate::saved::saved_as;
+use crate::simulator::PythonSimulator;
+
+const FORMAT: u32 = 1;
+
+/// A campaign in a file: all that the loop was told. What it thinks of that follows.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Saved {
+    format: u32,
+    kind: String,
+    region: Region,
+    settings: Settings,
+    records: Vec<Record>,
+    earlier: Vec<Earlier>,
+    /// The response at each simulated cell, nothing where there was none.
+    simulated: BTreeMap<u64, Option<f64>>,
+    due: Vec<Cell>,
+    stopped: Option<StopReason>,
+}
+
+const KIND: &str = "pooled";
+
+/// `infuse::pooled::Loop`.
+#[pyclass(module = "infuse._native")]
+#[derive(Debug, Clone)]
+pub(crate) struct PooledLoop {
+    campaign: Loop,
+    simulated: BTreeMap<u64, Option<f64>>,
+    due: Vec<Cell>,
+    stopped: Option<StopReason>,
+}
+
+#[pymethods]
+impl PooledLoop {
+    #[new]
+    fn new(parameters: Vec<ParameterTuple>, settings: &str) -> PyResult<Self> {
+        Self::begin(&region(parameters)?, settings_of(settings)?)
+    }
+
+    #[staticmethod]
+    fn from_json(text: &str) -> PyResult<Self> {
+        let saved = saved_as(KIND, FORMAT, text)?;
+        let saved: Saved = serde_json::from_value(saved).map_err(refusal)?;
+        Self::replayed(saved)
+    }
+
+    fn to_json(&self) -> PyResult<String> {
+        let saved = Saved {
+            format: FORMAT,
+            kind: KIND.to_owned(),
+            region: self.campaign.region().clone(),
+            settings: self.campaign.settings().clone(),
+            records: self.campaign.records().to_vec(),
+            earlier: self.campaign.earlier().to_vec(),
+            simulated: self.simulated.clone(),
+            due: self.due.clone(),
+            stopped: self.stopped,
+        };
+        serde_json::to_string_pretty(&saved).map_err(refusal)
+    }
+
+    fn copy(&self) -> Self {
+        self.clone()
+    }
+
+    fn parameters(&self) -> Vec<ParameterTuple> {
+        tuples(self.campaign.region())
+    }
+
+    fn settings(&self) -> PyResult<String> {
+        serde_json::to_string(self.campaign.settings()).map_err(refusal)
+    }
+
+    fn set_settings(&mut self, settings: &str) -> PyResult<()> {
+        self.campaign.set_settings(settings_of(settings)?).map_err(refusal)?;
+        self.stopped = None;
+        Ok(())
+    }
+
+    fn batch(&self) -> usize {
+        self.campaign.batch()
+    }
+
+    fn n_simulated(&self) -> usize {
+        self.campaign.n_simulated()
+    }
+
+    fn stopped(&self) -> PyResult<Option<String>> {
+        Ok(match self.stopped.map(serde_json::to_value).transpose().map_err(refusal)? {
+            Some(serde_json::Value::String(word)) => Some(word),
+            _ => None,
+        })
+    }
+
+    /// Outstanding trials as JSON; new ones if there are none, or with `more`.
+    fn ask(&mut self, py: Python<'_>, simulate: Option<Py<PyAny>>, more: bool) -> PyResult<String> {
+        let waits = !self.campaign.outstanding().is_empty() || !self.due.is_empty();
+        if more || !waits {
+            match self.with(py, simulate, |campaign, simulate| campaign.ask_more(simulate))? {
+                Ask::Run { simulations, .. } => {
+                    self.due.extend(simulations);
+                    self.due.sort_unstable();
+                    self.due.dedup();
+                    self.stopped = None;
+                }
+                Ask::Stopped(reason) => self.stopped = Some(reason),
+            }
+        }
+        self.outstanding()
+    }
+
+    fn outstanding(&self) -> PyResult<String> {
+        serde_json::to_string(&self.campaign.outstanding()).map_err(refusal)
+    }
+
+    fn records(&self) -> PyResult<String> {
+        serde_json::to_string(self.campaign.records()).map_err(refusal)
+    }
+
+    /// Experiments that the experimenter wants, at the designs nearest to these settings.
+    fn hand_out(&mut self, points: PyReadonlyArray2<'_, f64>) -> PyResult<String> {
+        let cells = self.cells(&points)?;
+        let trials: Vec<Trial> = self.campaign.hand_out(&cells).map_err(refusal)?;
+        serde_json::to_string(&trials).map_err(refusal)
+    }
+
+    /// The settings to simulate before the next batch.
+    fn due<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let grid = self.campaign.grid();
+        let points = self.due.iter().map(|&cell| grid.point(cell)).collect::<Result<Vec<_>, _>>().map_err(refusal)?;
+        matrix(py, self.campaign.region().n_parameters(), points.concat())
+    }
+
+    #[pyo3(signature = (id, value, failed, actual, again))]
+    fn tell(
+        &mut self,
+        id: u64,
+        value: Option<f64>,
+        failed: Option<String>,
+        actual: Option<Vec<f64>>,
+        again: bool,
+    ) -> PyResult<()> {
+        let (id, outcome) = (TrialId::new(id), outcome(value, failed));
+        match (again, actual) {
+            (true, actual) => self.campaign.correct(id, actual.as_deref(), outcome),
+            (false, Some(actual)) => self.campaign.tell_at(id, &actual, outcome),
+            (false, None) => self.campaign.tell(id, outcome),
+        }
+        .map_err(refusal)
+    }
+
+    fn tell_simulations(&mut self, points: PyReadonlyArray2<'_, f64>, values: Vec<f64>) -> PyResult<()> {
+        let cells = self.cells(&points)?;
+        if cells.len() != values.len() {
+            let (found, expected) = (values.len(), cells.len());
+            return Err(Error::new_err(format!("`values` has {found} entries, expected {expected}: one per design")));
+        }
+        for (cell, value) in cells.into_iter().zip(values) {
+            let outcome = crate::simulator::result(value).into();
+            self.campaign.tell_simulation(cell, &outcome).map_err(refusal)?;
+            self.simulated.insert(cell.index(), outcome.cost());
+            self.due.retain(|&due| due != cell);
+        }
+        Ok(())
+    }
+
+    fn forget_simulations(&mut self) {
+        self.campaign.forget_simulations();
+        self.simulated.clear();
+        self.due.clear();
+    }
+
+    fn add_earlier(
+        &mut self,
+        point: Vec<f64>,
+        value: Option<f64>,
+        failed: Option<String>,
+        source: String,
+    ) -> PyResult<()> {
+        match outcome(value, failed) {
+            Outcome::Value(value) => self.campaign.add_earlier(&point, value, source),
+            Outcome::Failed { reason } => self.campaign.add_earlier_failure(&point, reason, source),
+        }
+        .map_err(refusal)
+    }
+
+    fn withdraw_earlier(&mut self, source: &str) -> usize {
+        self.campaign.withdraw_earlier(source)
+    }
+
+    fn earlier(&self) -> PyResult<String> {
+        serde_json::to_string(self.campaign.earlier()).map_err(refusal)
+    }
+
+    fn assess(&mut self, py: Python<'_>, simulate: Option<Py<PyAny>>) -> PyResult<Option<String>> {
+        let assessment: Option<Assessment> = self.with(py, simulate, |campaign, simulate| campaign.assess(simulate))?;
+        assessment.map(|assessment| serde_json::to_string(&assessment).map_err(refusal)).transpose()
+    }
+
+    /// Standings of the designs nearest to these settings, as JSON.
+    fn standings(
+        &mut self,
+        py: Python<'_>,
+        points: PyReadonlyArray2<'_, f64>,
+        simulate: Option<Py<PyAny>>,
+    ) -> PyResult<Option<String>> {
+        let cells = self.cells(&points)?;
+        let standings = self.with(py, simulate, |campaign, simulate| campaign.standings(&cells, simulate))?;
+        standings.map(|standings| serde_json::to_string(&standings).map_err(refusal)).transpose()
+    }
+
+    /// n × 3: mean, deviation and probability to give a response, at the designs nearest to these settings.
+    fn expectations<'py>(
+        &mut self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'py, f64>,
+        simulate: Option<Py<PyAny>>,
+    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let cells = self.cells(&points)?;
+        let found = self.with(py, simulate, |campaign, simulate| campaign.expectations(&cells, simulate))?;
+        let numbers = found.map(|all| all.iter().flat_map(|one| [one.mean, one.deviation, one.feasible]).collect());
+        numbers.map(|numbers| matrix(py, 3, numbers)).transpose()
+    }
+
+    fn surprises<'py>(
+        &mut self,
+        py: Python<'py>,
+        simulate: Option<Py<PyAny>>,
+    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let found = self.with(py, simulate, |campaign, simulate| campaign.surprises(simulate))?;
+        Ok(found.map(|surprises| PyArray1::from_vec(py, surprises)))
+    }
+}
+
+impl PooledLoop {
+    fn begin(region: &Region, settings: Settings) -> PyResult<Self> {
+        let campaign = Loop::new(region, settings).map_err(refusal)?;
+        Ok(Self { campaign, simulated: BTreeMap::new(), due: Vec::new(), stopped: None })
+    }
+
+    /// The campaign that was told all this.
+    fn replayed(saved: Saved) -> PyResult<Self> {
+        let Saved { region, settings, records, earlier, simulated, due, stopped, .. } = saved;
+        let mut read = Self::begin(&region, settings)?;
+        for batch in records.chunk_by(|a, b| a.trial.batch == b.trial.batch) {
+            let cells: Vec<Cell> = batch.iter().map(|record| record.trial.cell).collect();
+            let trials = read.campaign.hand_out(&cells).map_err(refusal)?;
+            if trials.iter().zip(batch).any(|(found, saved)| *found != saved.trial) {
+                return Err(Error::new_err("the saved state is not usable: its trials do not follow from their cells"));
+            }
+            for Record { trial, actual, outcome } in batch {
+                match (outcome.clone(), actual) {
+                    (Some(outcome), Some(actual)) => read.campaign.tell_at(trial.id, actual, outcome),
+                    (Some(outcome), None) => read.campaign.tell(trial.id, outcome),
+                    (None, _) => Ok(()),
+                }
+                .map_err(refusal)?;
+            }
+        }
+        for Earlier { point, outcome, source, .. } in earlier {
+            match outcome {
+                Outcome::Value(value) => read.campaign.add_earlier(&point, value, source),
+                Outcome::Failed { reason } => read.campaign.add_earlier_failure(&point, reason, source),
+            }
+            .map_err(refusal)?;
+        }
+        for (&cell, &response) in &simulated {
+            let outcome = response.ok_or_else(|| "it failed".to_owned()).into();
+            read.campaign.tell_simulation(Cell::new(cell), &outcome).map_err(refusal)?;
+        }
+        for &cell in &due {
+            read.campaign.grid().digits(cell).map_err(refusal)?;
+        }
+        Ok(Self { simulated, due, stopped, ..read })
+    }
+
+    /// Lets the loop work while other Python threads run. Where the simulation raises, the campaign stays as it was.
+    fn with<T: Send>(
+        &mut self,
+        py: Python<'_>,
+        simulate: Option<Py<PyAny>>,
+        work: impl FnOnce(&mut Loop, Option<&mut dyn Simulate>) -> Result<T, infuse::Error> + Send,
+    ) -> PyResult<T> {
+        let mut simulator = simulate.map(PythonSimulator::new);
+        let mut campaign = self.campaign.clone();
+        let outcome = py.detach(|| {
+            let simulate = simulator.as_mut().map(|simulator| simulator as &mut dyn Simulate);
+            work(&mut campaign, simulate)
+        });
+        let answers = simulator.map_or(Ok(Vec::new()), PythonSimulator::finish)?;
+        let usable = answers.into_iter().map(|(cell, value)| (cell.index(), value.is_finite().then_some(value)));
+        self.simulated.extend(usable);
+        self.campaign = campaign;
+        outcome.map_err(refusal)
+    }
+
+    /// The designs nearest to these settings.
+    fn cells(&self, points: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Cell>> {
+        nearest(self.campaign.grid(), &Matrix::of(points))
+    }
+}
+
+/// The cells nearest to these settings, which must be within the bounds.
+fn nearest(grid: &Grid, points: &Matrix) -> PyResult<Vec<Cell>> {
+    points.rows().map(|point| grid.nearest(point)).collect::<Result<Vec<_>, _>>().map_err(refusal)
+}
+
+fn settings_of(text: &str) -> PyResult<Settings> {
+    let settings: serde_json::Value = serde_json::from_str(text).map_err(refusal)?;
+    serde_json::from_value(settings).map_err(refusal)
+}
+
+/// A failure with its reason, or a response; one that is not finite is refused by the loop.
+fn outcome(value: Option<f64>, failed: Option<String>) -> Outcome {
+    match (value, failed) {
+        (Some(value), None) => Outcome::Value(value),
+        (_, reason) => Outcome::Failed { reason: reason.unwrap_or_default() },
+    }
+}

@@ -1,0 +1,146 @@
+//! `cargo xtask python`: the Python package as its users get it: a wheel in an environment of its own, with all its tests.
+
+use std::env;
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context as _, Result, bail, ensure};
+use toml::{Table, Value};
+
+use crate::workspace::{self, run_cargo, run_quietly};
+
+const FOLDER: &str = "crates/infuse-python";
+/// The library that Python loads, and which only this step compiles.
+pub(crate) const PACKAGE: &str = "infuse-python";
+
+/// Where the wheel is built, installed and tested.
+struct Place {
+    root: PathBuf,
+    /// Everything that is written, in the target directory.
+    folder: PathBuf,
+    venv: PathBuf,
+}
+
+/// Builds the wheel and runs everything there is to run; says so, and nothing else, where there is no Python.
+pub(crate) fn check() -> Result<()> {
+    match interpreter() {
+        Some(python) => check_with(&python),
+        None => {
+            println!("NOT CHECKED: there is no python3 with venv and pip (or none of the name in PYTHON)");
+            Ok(())
+        }
+    }
+}
+
+/// A Python that can make an environment with pip.
+fn interpreter() -> Option<PathBuf> {
+    let python = PathBuf::from(env::var_os("PYTHON").unwrap_or_else(|| "python3".into()));
+    let found = Command::new(&python).args(["-c", "import venv, ensurepip"]).output();
+    found.is_ok_and(|output| output.status.success()).then_some(python)
+}
+
+fn check_with(python: &Path) -> Result<()> {
+    let root = workspace::root()?;
+    let folder = workspace::target_directory()?.join("python");
+    let place = Place { venv: folder.join("venv"), root, folder };
+    if !place.prepare(python)? {
+        println!("NOT CHECKED: pip cannot get what the tests of the Python package need");
+        return Ok(());
+    }
+    let start = Instant::now();
+    run_cargo(&["clippy", "--release", "--package", PACKAGE, "--all-targets", "--", "-D", "warnings"])?;
+    run_cargo(&["build", "--release", "--package", PACKAGE, "--example", "same_bits"])?;
+    place.install()?;
+    let wheel = start.elapsed().as_secs_f64();
+    place.test()?;
+    println!("wheel {wheel:.0} s, tests {:.0} s", start.elapsed().as_secs_f64() - wheel);
+    Ok(())
+}
+
+impl Place {
+    /// An environment with what the package is built with and tested by; `false` where pip cannot get it. One that is
+    /// there is used again, as long as the list is the same.
+    fn prepare(&self, python: &Path) -> Result<bool> {
+        let text = fs::read_to_string(self.root.join(FOLDER).join("pyproject.toml")).context("pyproject.toml")?;
+        let needed = needed(&text)?;
+        let list = self.folder.join("installed.txt");
+        if fs::read_to_string(&list).is_ok_and(|installed| installed == needed.join("\n")) {
+            return Ok(true);
+        }
+        run_quietly(Command::new(python).args(["-m", "venv", "--clear"]).arg(&self.venv))?;
+        if run_quietly(self.python(["-m", "pip", "install", "--quiet"]).args(&needed)).is_err() {
+            return Ok(false);
+        }
+        fs::write(&list, needed.join("\n")).with_context(|| list.display().to_string())?;
+        Ok(true)
+    }
+
+    /// The Python of the environment, which writes nothing into the tree.
+    fn python<const N: usize>(&self, arguments: [&str; N]) -> Command {
+        let bin = self.venv.join(if cfg!(windows) { "Scripts" } else { "bin" });
+        let mut command = Command::new(bin.join("python"));
+        command.args(arguments).env("PYTHONDONTWRITEBYTECODE", "1").current_dir(self.root.join(FOLDER));
+        command
+    }
+
+    /// Builds the wheel as `pip install` does, and installs it.
+    fn install(&self) -> Result<()> {
+        let wheels = self.folder.join("wheels");
+        if wheels.exists() {
+            fs::remove_dir_all(&wheels).with_context(|| wheels.display().to_string())?;
+        }
+        run_quietly(self.python(["-m", "maturin", "build", "--release", "--out"]).arg(&wheels))?;
+        let found = fs::read_dir(&wheels).with_context(|| wheels.display().to_string())?;
+        let found: Vec<PathBuf> = found.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
+        let [wheel] = found.as_slice() else { bail!("{} wheels, expected one", found.len()) };
+        ensure!(wheel.extension() == Some(OsStr::new("whl")), "{} is no wheel", wheel.display());
+        let install = ["-m", "pip", "install", "--quiet", "--no-deps", "--force-reinstall"];
+        run_quietly(self.python(install).arg(wheel))
+    }
+
+    /// Tests, examples in docstrings and pages, types, stubs.
+    fn test(&self) -> Result<()> {
+        let example = workspace::target_directory()?.join("release/examples/same_bits");
+        let example = example.with_extension(env::consts::EXE_EXTENSION);
+        run_quietly(self.python(["-m", "pytest", "-q"]).env("SAME_BITS", example))?;
+        run_quietly(&mut self.python(["-m", "pytest", "-q", "--doctest-modules", "--pyargs", "infuse"]))?;
+        // They write files.
+        let mut pages = self.python(["-m", "pytest", "-q", "-p", "no:cacheprovider", "--doctest-glob=*.md"]);
+        pages.args(["crates/infuse-python/README.md", "docs/python.md"].map(|page| self.root.join(page)));
+        run_quietly(pages.current_dir(&self.folder))?;
+        run_quietly(&mut self.python(["examples/campaign.py"]))?;
+        let cache = self.folder.join("mypy");
+        run_quietly(self.python(["-m", "mypy", "--cache-dir"]).arg(cache).args(["python", "tests", "examples"]))?;
+        let mut stubs = self.python(["-m", "mypy.stubtest", "infuse", "--mypy-config-file"]);
+        run_quietly(stubs.arg(self.root.join(FOLDER).join("pyproject.toml")).current_dir(&self.folder))
+    }
+}
+
+/// What the manifest says that the package is built with, runs with and is tested with.
+fn needed(manifest: &str) -> Result<Vec<String>> {
+    let manifest: Table = manifest.parse().context("pyproject.toml")?;
+    let list = |path: &[&str]| {
+        let found = path.iter().try_fold(&Value::Table(manifest.clone()), |value, key| value.get(key)).cloned();
+        let list = found.and_then(|found| found.try_into::<Vec<String>>().ok());
+        list.with_context(|| format!("pyproject.toml: no list `{}`", path.join(".")))
+    };
+    let build = list(&["build-system", "requires"])?;
+    Ok([build, list(&["project", "dependencies"])?, list(&["project", "optional-dependencies", "test"])?].concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_needed_is_read_from_the_manifest() {
+        let manifest = "[build-system]\nrequires = [\"maturin\"]\n[project]\ndependencies = [\"numpy\"]\n\
+                        [project.optional-dependencies]\ntest = [\"pytest\"]\n";
+        assert_eq!(needed(manifest).expect("all lists"), ["maturin", "numpy", "pytest"]);
+        let error = needed("[project]\n").expect_err("no lists");
+        assert_eq!(error.to_string(), "pyproject.toml: no list `build-system.requires`");
+    }
+}
