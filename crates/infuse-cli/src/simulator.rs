@@ -10,7 +10,7 @@ use anyhow::{Result, bail};
 use design_space::{Cell, Grid};
 
 use crate::journal::Measured;
-use crate::number::{parse, plain, with_unit};
+use crate::number::{plain, with_unit};
 use crate::problem::{Problem, Program, Simulator};
 use crate::program::Ran;
 use crate::sheet::{Fault, Table, none_of, point_columns};
@@ -112,7 +112,7 @@ pub(crate) fn table(path: &Path, problem: &Problem, grid: &Grid) -> Result<HashM
     for row in table.rows() {
         let mut point = Vec::with_capacity(k);
         for (column, parameter) in parameters.iter().enumerate() {
-            match parse(table.cell(row, column)) {
+            match table.number(row, column) {
                 Err(expected) => faults.push(table.fault(row, column, expected)),
                 Ok(value) => match parameter.snap(value) {
                     Ok(level) if (level - value).abs() <= 1e-6 * parameter.width() => point.push(level),
@@ -128,7 +128,7 @@ pub(crate) fn table(path: &Path, problem: &Problem, grid: &Grid) -> Result<HashM
                 },
             }
         }
-        match parse(table.cell(row, k)) {
+        match table.number(row, k) {
             Err(expected) => faults.push(table.fault(row, k, expected)),
             Ok(value) if point.len() == k => {
                 let earlier = values.insert(grid.nearest(&point)?, value);

@@ -14,7 +14,7 @@ use infuse::Role;
 use serde_json::{Value, json};
 
 use file::LoopEntry;
-pub(crate) use file::{Goal, Input, Method};
+pub(crate) use file::{Goal, Input, Method, SheetFormat};
 pub(crate) use queue::Queue;
 
 use crate::number::{plain, rounded, setting, with_unit};
@@ -35,6 +35,7 @@ pub(crate) struct Problem {
     pub(crate) simulator: Simulator,
     pub(crate) experiment: Option<Program>,
     pub(crate) seed: u64,
+    pub(crate) sheets: SheetFormat,
     /// As it stands in the file.
     pub(crate) rule: LoopEntry,
     /// The smallest improvement that another batch is worth, in the unit of the response.

@@ -65,6 +65,7 @@ impl Problem {
             simulator,
             experiment: experiment.transpose().context("[experiment]")?,
             seed: file.seed,
+            sheets: file.sheets,
             rule: file.rule,
             worth,
         })

@@ -8,7 +8,6 @@ use super::columns::point_columns;
 use super::read::setting_fault;
 use super::table::{Column, Fault, Table, none_of};
 use crate::journal::Measured;
-use crate::number::parse;
 use crate::problem::Problem;
 
 /// An experiment of an older table.
@@ -30,7 +29,7 @@ pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> 
     let table = Table::read(path, &columns)?;
     let (mut found, mut faults): (Vec<Imported>, Vec<Fault>) = (Vec::new(), Vec::new());
     for row in table.rows() {
-        let mut number = |column: usize| match parse(table.cell(row, column)) {
+        let mut number = |column: usize| match table.number(row, column) {
             Ok(value) => Some(value),
             Err(expected) => {
                 faults.push(table.fault(row, column, expected));

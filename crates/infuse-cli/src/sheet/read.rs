@@ -11,7 +11,7 @@ use super::columns::Columns;
 use super::table::Row;
 use super::table::{Fault, Table, none_of};
 use crate::journal::Measured;
-use crate::number::{parse, plain, with_unit};
+use crate::number::{plain, with_unit};
 use crate::problem::Problem;
 
 /// What a row says about a trial.
@@ -118,7 +118,7 @@ impl Reader<'_> {
                 faults.push(table.fault(row, columns.failed(), expected));
                 None
             }
-            (false, true) => match parse(value) {
+            (false, true) => match table.number(row, columns.response()) {
                 Ok(value) => {
                     if let Some(expected) = self.problem.response.fault(value) {
                         faults.push(table.fault(row, columns.response(), expected));
@@ -174,9 +174,10 @@ impl Reader<'_> {
             // Sheets hold twelve digits.
             let is_same =
                 |value: f64| (value - asked).abs() <= 1e-9 * parameter.width() || plain(value) == plain(asked);
-            let is_asked = parse(text).is_ok_and(is_same);
+            let there = self.table.number(row, column);
+            let is_asked = there.as_ref().is_ok_and(|&there| is_same(there));
             if !text.is_empty() && !is_asked {
-                if let Err(expected) = parse(text) {
+                if let Err(expected) = there {
                     faults.push(self.table.fault(row, column, expected));
                     continue;
                 }
@@ -196,7 +197,7 @@ impl Reader<'_> {
         if text.is_empty() {
             return Ok(None);
         }
-        let value = parse(text).map_err(|expected| self.table.fault(row, column, expected))?;
+        let value = self.table.number(row, column).map_err(|expected| self.table.fault(row, column, expected))?;
         match setting_fault(parameter, value) {
             Some(expected) => Err(self.table.fault(row, column, expected)),
             None => Ok(Some(value)),
@@ -214,10 +215,15 @@ fn actual_columns<'a>(
 
 /// What is allowed of a setting that was really made, unless this is.
 pub(crate) fn setting_fault(parameter: &Parameter, value: f64) -> Option<String> {
-    let (lower, upper) = (parameter.lower() - 0.5 * parameter.width(), parameter.upper() + 0.5 * parameter.width());
+    let (lower, upper) = made_range(parameter);
     if (lower..=upper).contains(&value) {
         return None;
     }
     let range = format!("{} to {}", plain(lower), with_unit(&plain(upper), parameter.unit()));
     Some(format!("{range}: at most half the width outside the bounds of the parameter"))
+}
+
+/// Between which settings one that was really made is taken.
+pub(super) fn made_range(parameter: &Parameter) -> (f64, f64) {
+    (parameter.lower() - 0.5 * parameter.width(), parameter.upper() + 0.5 * parameter.width())
 }

@@ -17,3 +17,5 @@ mod report_page;
 mod rig;
 mod sheets;
 mod slurm;
+mod tables;
+mod workbooks;
