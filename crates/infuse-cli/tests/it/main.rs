@@ -4,6 +4,7 @@
 
 mod campaigns;
 mod careful;
+mod checking;
 mod interruptions;
 mod journals;
 mod pooled;
@@ -18,4 +19,5 @@ mod rig;
 mod sheets;
 mod slurm;
 mod tables;
+mod undoing;
 mod workbooks;
