@@ -22,6 +22,7 @@ const FIRST_STEPS: &str = "\
 First steps:
   infuse new my-rig        make a folder with a campaign.toml that works; edit it until it describes your rig
   cd my-rig
+  infuse check             is it right, and what will it cost?
   infuse ask               run the simulations, and write sheet-1.csv with the experiments to run
                            ... run them, and fill in the column of the response ...
   infuse tell sheet-1.csv  take the sheet back, wholly or partly filled
@@ -50,6 +51,10 @@ pub(crate) enum Command {
         /// The folder to make; it must not hold a campaign yet
         folder: PathBuf,
     },
+    /// Say whether campaign.toml is right, try one simulation, and say what the campaign will cost
+    ///
+    /// It writes nothing down, and submits nothing to a queue.
+    Check,
     /// Say which experiments to run now, and write them to a sheet
     ///
     /// Begins the next batch if none is waited for: designs it, and runs its simulations. Asking again gives the same
@@ -87,6 +92,13 @@ pub(crate) enum Command {
         #[arg(long, value_name = "SOURCE", conflicts_with_all = ["file", "source"])]
         withdraw: Option<String>,
     },
+    /// Take the last thing back that was done: a tell, an import, a confirm, or an ask of which nothing was told
+    ///
+    /// Nothing is erased: a line of the journal says that what it names does not count. Called again it takes back what was
+    /// done before that. What was simulated stays known.
+    Undo,
+    /// Say what happened and when, in order
+    Log,
     /// Say where the campaign stands: the best design, what was learned, what is left, and whether to go on
     Status {
         /// Say why a design may still be the best, or why not: "spring=21000,damper=1500"

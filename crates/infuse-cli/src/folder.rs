@@ -13,7 +13,12 @@ use crate::{dissertation, pooled};
 
 /// The campaign of a folder, for reading.
 pub(crate) fn read(folder: &Path) -> Result<Box<dyn Campaign>> {
-    let (problem, mut journal) = (Problem::read(folder)?, Journal::read(folder)?);
+    replay(folder, Journal::read(folder)?)
+}
+
+/// The campaign that follows from a journal.
+pub(crate) fn replay(folder: &Path, mut journal: Journal) -> Result<Box<dyn Campaign>> {
+    let problem = Problem::read(folder)?;
     let method = method_of(&problem, &journal)?;
     if !begins(&journal, &core(&problem, method, &journal)?) {
         journal.events.clear();
@@ -33,7 +38,7 @@ pub(crate) fn open(folder: &Path, wait: Duration) -> Result<(Box<dyn Campaign>, 
     if !begins(&journal, &core) {
         let begin = Event::Campaign { format: FORMAT, at: now(), problem: core };
         writer.add(std::slice::from_ref(&begin))?;
-        let line = journal.events.last().map_or(1, |(line, _)| line + 1);
+        let line = journal.all.last().map_or(1, |(line, _)| line + 1);
         journal.events.push((line, begin));
     }
     Ok((of(folder, problem, method, journal)?, writer))

@@ -4,6 +4,7 @@ mod arguments;
 mod campaign;
 mod command;
 mod dissertation;
+mod echo;
 mod findings;
 mod folder;
 mod journal;

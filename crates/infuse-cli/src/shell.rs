@@ -2,13 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-/// Where the sheet of a batch is.
-pub(crate) fn sheet_path(folder: &Path, batch: usize, given: Option<&Path>) -> PathBuf {
-    match given {
-        Some(path) => path.to_path_buf(),
-        None if folder == Path::new(".") => PathBuf::from(format!("sheet-{batch}.csv")),
-        None => folder.join(format!("sheet-{batch}.csv")),
+use crate::problem::SheetFormat;
+
+/// Where the sheet of a batch is: as it is there, or else as it is to be written.
+pub(crate) fn sheet_path(folder: &Path, format: SheetFormat, batch: usize, given: Option<&Path>) -> PathBuf {
+    if let Some(path) = given {
+        return path.to_path_buf();
     }
+    let of = |ending: &str| {
+        let name = format!("sheet-{batch}.{ending}");
+        if folder == Path::new(".") { PathBuf::from(name) } else { folder.join(name) }
+    };
+    let (path, other) = match format {
+        SheetFormat::Csv => (of("csv"), of("xlsx")),
+        SheetFormat::Xlsx => (of("xlsx"), of("csv")),
+    };
+    if !path.exists() && other.exists() { other } else { path }
 }
 
 /// The program, with the folder of the campaign if that is another.

@@ -10,8 +10,8 @@ use anyhow::{Result, bail};
 use design_space::{Cell, Grid};
 
 use crate::journal::{Constrained, Measured};
-use crate::number::{parse, plain, with_unit};
-use crate::problem::{Problem, Program, Simulator, parse_setting};
+use crate::number::{plain, with_unit};
+use crate::problem::{Problem, Program, Simulator};
 use crate::program::Ran;
 use crate::sheet::{Fault, Table, none_of, point_columns};
 
@@ -132,7 +132,7 @@ pub(crate) fn table(path: &Path, problem: &Problem, grid: &Grid) -> Result<HashM
     for row in table.rows() {
         let mut point = Vec::with_capacity(k);
         for (column, parameter) in parameters.iter().enumerate() {
-            match parse_setting(parameter, table.cell(row, column)) {
+            match table.setting(row, column, parameter) {
                 Err(expected) => faults.push(table.fault(row, column, expected)),
                 Ok(value) => match parameter.snap(value) {
                     Ok(level) if (level - value).abs() <= 1e-6 * parameter.width() => point.push(level),
@@ -150,14 +150,13 @@ pub(crate) fn table(path: &Path, problem: &Problem, grid: &Grid) -> Result<HashM
         }
         let constrained = (0..problem.constraints.len()).map(|index| {
             let column = k + 1 + index;
-            let text = table.cell(row, column);
-            if text.is_empty() {
+            if table.cell(row, column).is_empty() {
                 return None;
             }
-            parse(text).map_err(|expected| faults.push(table.fault(row, column, expected))).ok()
+            table.number(row, column).map_err(|expected| faults.push(table.fault(row, column, expected))).ok()
         });
         let constrained: Vec<Option<f64>> = constrained.collect();
-        match parse(table.cell(row, k)) {
+        match table.number(row, k) {
             Err(expected) => faults.push(table.fault(row, k, expected)),
             Ok(value) if point.len() == k => {
                 let simulated = Simulated { value, constrained };

@@ -8,6 +8,7 @@ mod simulations;
 use std::path::Path;
 
 use anyhow::{Result, bail};
+use design_space::Grid;
 use infuse::pooled::Trial;
 use page::Finding;
 use serde_json::Value;
@@ -51,6 +52,19 @@ pub(crate) struct Wish {
     pub(crate) more: bool,
 }
 
+/// What a campaign costs at most.
+#[derive(Debug, Clone)]
+pub(crate) struct Budget {
+    /// Of the model, if the method has one.
+    pub(crate) terms: Option<usize>,
+    /// Per batch.
+    pub(crate) experiments: usize,
+    pub(crate) batches: usize,
+    /// Per batch; nothing where every design is simulated before the first.
+    pub(crate) simulations: Option<usize>,
+    pub(crate) grid: Grid,
+}
+
 /// An experiment from before the campaign that is in use.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Imported {
@@ -78,6 +92,8 @@ pub(crate) trait Campaign {
     fn purpose(&self, batch: usize) -> &'static str;
     /// What is allowed instead, if the result of this experiment may not be told or replaced any more.
     fn refusal(&self, trial: &Trial) -> Option<String>;
+    /// What it costs at most.
+    fn budget(&self) -> Result<Budget>;
     /// Runs that were handed to a queue.
     fn submitted(&self) -> &[Submitted];
     /// How many simulations the campaign waits for.

@@ -43,7 +43,7 @@ pub(super) fn waiting(
     let (problem, experiments) = (campaign.problem(), campaign.experiments());
     let batch = experiments.last_batch().context("no experiment was handed out")?;
     let trials = experiments.in_run_order(batch, problem.seed);
-    let path = sheet_path(campaign.folder(), batch, sheet);
+    let path = sheet_path(campaign.folder(), problem.sheets, batch, sheet);
     let is_new = !path.exists();
     if is_new {
         sheet::write(&path, problem, &trials)?;

@@ -2,8 +2,10 @@
 
 mod ask;
 mod cancel;
+mod check;
 mod confirm;
 mod import;
+mod log;
 mod manual;
 mod new;
 mod report;
@@ -11,6 +13,7 @@ mod run;
 mod settings;
 mod status;
 mod tell;
+mod undo;
 mod what_if;
 
 use std::time::Duration;
@@ -53,6 +56,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
         }
         Command::WhatIf { settings, grid } => what_if::what_if(folder, settings.as_deref(), grid.as_deref()),
         Command::Confirm { runs, sheet } => confirm::confirm(folder, wait, *runs, sheet.as_deref()),
+        Command::Check => check::check(folder),
+        Command::Undo => undo::undo(folder, wait),
+        Command::Log => log::log(folder),
         Command::Cancel => cancel::cancel(folder, wait),
         Command::Tell(tell) => tell::tell(folder, wait, tell),
         Command::Import { withdraw: Some(source), .. } => import::withdraw(folder, wait, source),

@@ -69,7 +69,7 @@ fn experiment(campaign: &mut dyn Campaign, writer: &mut Writer) -> Result<usize>
     for batch in 1..=last {
         let of_batch = campaign.experiments().in_run_order(batch, problem.seed);
         let waits = of_batch.iter().any(|(trial, _)| !campaign.experiments().is_told(trial.id));
-        let path = sheet_path(&folder, batch, None);
+        let path = sheet_path(&folder, problem.sheets, batch, None);
         if waits && !path.exists() {
             crate::sheet::write(&path, &problem, &of_batch)?;
         }

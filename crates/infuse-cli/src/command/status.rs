@@ -17,7 +17,7 @@ use crate::shell::{infuse, sheet_path};
 pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     let mut campaign = folder::read(folder)?;
     let mut notices = campaign.take_notices();
-    notices.extend(sheets_without_a_journal(folder));
+    notices.extend(sheets_without_a_journal(&*campaign));
     let stage = campaign.stage()?;
     let (known, for_machines) = campaign.status()?;
     let blocks: Vec<Vec<Finding>> = std::iter::once(vec![standing(&*campaign)])
@@ -81,8 +81,9 @@ fn for_every_method(campaign: &dyn Campaign, stage: &Stage) -> Value {
 }
 
 /// Sheets of a campaign whose journal is gone: nothing of them is known.
-fn sheets_without_a_journal(folder: &Path) -> Option<String> {
-    let first = sheet_path(folder, 1, None);
+fn sheets_without_a_journal(campaign: &dyn Campaign) -> Option<String> {
+    let folder = campaign.folder();
+    let first = sheet_path(folder, campaign.problem().sheets, 1, None);
     (first.exists() && !folder.join(JOURNAL).exists()).then(|| {
         format!(
             "there is {}, but no {JOURNAL}: if it was moved, put it back; nothing of the sheets is known without it",

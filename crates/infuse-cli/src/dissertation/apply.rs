@@ -49,6 +49,7 @@ impl Campaign {
                 self.change_earlier(EarlierChange::Withdrawn { source })?;
             }
             Event::Learned(learned) => self.check_learned(&learned)?,
+            Event::Undone { .. } => bail!("what was taken back is left out before"),
             Event::Campaign { .. } => bail!("expected the event `campaign` on the first line only"),
             Event::Assessed(_) | Event::Checked { .. } => bail!("the event belongs to `method` = \"pooled\""),
         }

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use super::campaign::{Campaign, Stage};
 use super::findings::{best, best_design, closed, left, lesson, prospects, reason_to_stop, why_dropped};
 use super::{hand_out, report};
-use crate::campaign::{self, Experiments, HandedOut, Imported, Wish};
+use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Wish};
 use crate::journal::{Constrained, Event, Journal, Measured, Submitted, Writer};
 use crate::problem::Problem;
 use crate::simulator::identity;
@@ -70,6 +70,17 @@ impl campaign::Campaign for Campaign {
         let last = self.experiments.last_batch().unwrap_or(0);
         let stands = trial.batch < last || self.is_settled(trial.batch);
         stands.then(|| format!("one of batch {last}: later batches rest on the results of the others"))
+    }
+
+    fn budget(&self) -> Result<Budget> {
+        let settings = self.now.settings();
+        Ok(Budget {
+            terms: Some(settings.model.n_terms()),
+            experiments: settings.n_experiments,
+            batches: settings.max_iterations,
+            simulations: Some(settings.n_simulations),
+            grid: self.now.grid().clone(),
+        })
     }
 
     fn submitted(&self) -> &[Submitted] {

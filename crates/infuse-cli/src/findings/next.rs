@@ -12,7 +12,12 @@ pub(crate) fn next(campaign: &dyn Campaign, stage: &Stage) -> Finding {
         Stage::Ended { reason, .. } => return ended(reason),
         Stage::Ready => format!("Next: {} ask", infuse(folder)),
         Stage::Pending => {
-            let sheet = sheet_path(folder, campaign.experiments().open_batches().first().copied().unwrap_or(1), None);
+            let sheet = sheet_path(
+                folder,
+                campaign.problem().sheets,
+                campaign.experiments().open_batches().first().copied().unwrap_or(1),
+                None,
+            );
             if sheet.exists() {
                 format!("Next: run what is left in {}, then: {}", sheet.display(), tell_with(folder, &sheet))
             } else {

@@ -6,6 +6,8 @@ use design_space::Cell;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::deed::Deed;
+
 /// The format of the lines below.
 pub(crate) const FORMAT: u32 = 1;
 
@@ -64,6 +66,8 @@ pub(crate) enum Event {
     },
     /// Everything that was imported from this source is not to be used any longer.
     Withdrawn { source: String, at: String },
+    /// The last thing that a person did before does not count, whatever it was; so many lines.
+    Undone { deed: Deed, lines: usize, at: String },
     /// What a closed batch taught; it follows from the lines before, and is here for people and as a check.
     Learned(Learned),
     /// What was known once a batch of the pooled loop was complete, for the history, with a checksum of all lines before.
@@ -186,6 +190,23 @@ impl Event {
         match *self {
             Self::Told(Told { row, rows, .. }) | Self::Imported { row, rows, .. } => (row, rows),
             _ => (1, 1),
+        }
+    }
+
+    /// When it was written down, of those that say.
+    pub(crate) fn time(&self) -> Option<&str> {
+        match self {
+            Self::Campaign { at, .. }
+            | Self::Planned { at, .. }
+            | Self::Discarded { at }
+            | Self::Submitted(Submitted { at, .. })
+            | Self::Opened { at, .. }
+            | Self::Told(Told { at, .. })
+            | Self::Imported { at, .. }
+            | Self::Checked { at, .. }
+            | Self::Withdrawn { at, .. }
+            | Self::Undone { at, .. } => Some(at),
+            Self::Simulated { .. } | Self::Learned(_) | Self::Assessed(_) => None,
         }
     }
 }

@@ -1,10 +1,13 @@
 //! The journal of a campaign: what happened, line by line, only ever added to.
 
 mod checksum;
+mod deed;
 mod event;
 mod lock;
 mod text;
+mod undo;
 
+use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -13,8 +16,11 @@ use std::time::Duration;
 use anyhow::{Context as _, Result, anyhow};
 
 use checksum::Checksum;
+pub(crate) use deed::Deed;
 pub(crate) use event::{Assessed, Constrained, Event, FORMAT, Learned, Measured, Purpose, Submitted, Told, now};
 use lock::Lock;
+pub(crate) use undo::Last;
+use undo::Standing;
 
 /// The name of the file in the folder of a campaign.
 pub(crate) const JOURNAL: &str = "journal.jsonl";
@@ -24,13 +30,26 @@ const TORN: &str = "journal.torn";
 /// The journal of a folder, for reading.
 #[derive(Debug)]
 pub(crate) struct Journal {
-    /// With the numbers of their lines.
+    /// Those that count, with the numbers of their lines.
     pub(crate) events: Vec<(usize, Event)>,
+    /// All of them.
+    pub(crate) all: Vec<(usize, Event)>,
+    /// The numbers of the lines that were taken back.
+    pub(crate) taken_back: BTreeSet<usize>,
+    /// What could be taken back.
+    pub(crate) last: Option<Last>,
     /// What a person should know about the file.
     pub(crate) notices: Vec<String>,
 }
 
 impl Journal {
+    /// From all lines.
+    pub(crate) fn of(all: Vec<(usize, Event)>, notices: Vec<String>) -> Result<Self> {
+        let standing = Standing::of(all.clone())?;
+        let last = standing.last();
+        Ok(Self { events: standing.events, all, taken_back: standing.taken_back, last, notices })
+    }
+
     /// Reads without taking hold of the folder: others may be writing.
     pub(crate) fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(JOURNAL);
@@ -46,7 +65,7 @@ impl Journal {
                 "the last {rest} bytes of {JOURNAL} are what an interrupted call has left (or one that is writing now); they are not used"
             ));
         }
-        Ok(Self { events: text.events, notices })
+        Self::of(text.events, notices)
     }
 }
 
@@ -85,7 +104,7 @@ impl Writer {
         if text.is_open {
             writer.write(b"\n")?;
         }
-        Ok((writer, Journal { events: text.events, notices }))
+        Ok((writer, Journal::of(text.events, notices)?))
     }
 
     fn set_aside(&mut self, folder: &Path, rest: &[u8]) -> Result<()> {
@@ -103,7 +122,7 @@ impl Writer {
     pub(crate) fn add(&mut self, events: &[Event]) -> Result<()> {
         let (mut lines, mut checksum) = (Vec::new(), self.checksum.clone());
         for event in events {
-            let line = serde_json::to_vec(&checksum.sign(event)?).context("cannot write an event")?;
+            let line = checksum.line(event)?;
             checksum.add(&line);
             lines.extend(line);
             lines.push(b'\n');

@@ -1,9 +1,9 @@
 //! What the bytes of a journal say, however they came to be.
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
 
 use super::JOURNAL;
-use super::checksum::Checksum;
+use super::checksum::{Checksum, Fault};
 use super::event::Event;
 
 /// A journal as read.
@@ -43,13 +43,13 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Text> {
             }
             continue;
         }
-        let event = match serde_json::from_slice::<Event>(line) {
+        let event = match checksum.event(line) {
             Ok(event) => event,
             // A line without its end that is no event was cut short.
-            Err(_) if end.is_none() => break,
-            Err(error) => bail!("{JOURNAL}, line {number}: {error}\n  {}", excerpt(line)),
+            Err(Fault::Unreadable(_)) if end.is_none() => break,
+            Err(Fault::Unreadable(error)) => bail!("{JOURNAL}, line {number}: {error}\n  {}", excerpt(line)),
+            Err(Fault::Changed(error)) => return Err(error.context(format!("{JOURNAL}, line {number}"))),
         };
-        checksum.check(&event).with_context(|| format!("{JOURNAL}, line {number}"))?;
         checksum.add(line);
         let (row, rows) = event.group();
         if row != group.len() + 1 || group.last().is_some_and(|(_, first)| first.group().1 != rows) || row > rows {

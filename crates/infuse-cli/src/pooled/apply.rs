@@ -124,6 +124,7 @@ impl Campaign {
                 );
                 self.history.insert(assessed.batch, assessed);
             }
+            Event::Undone { .. } => bail!("what was taken back is left out before"),
             Event::Campaign { .. } => bail!("expected the event `campaign` on the first line only"),
             Event::Opened { .. } | Event::Learned(_) => bail!("the event belongs to `method` = \"dissertation\""),
         }

@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use anyhow::Result;
-use infuse::pooled::Trial;
+use infuse::pooled::{Settings, Trial};
 use page::Finding;
 use serde_json::{Value, json};
 
 use super::bounds::as_json;
-use super::campaign::{Campaign, Origin};
+use super::campaign::{Access, Campaign, Origin};
 use super::findings::{closed, known, lesson, none_better, recommendation, set_aside, standing_in_words};
 use super::warnings::{nothing_but_failures, warnings};
 use super::{confirm, hand_out, report, what_if};
-use crate::campaign::{self, Experiments, HandedOut, Imported, Stage, Wish};
+use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Stage, Wish};
 use crate::findings::amount;
 use crate::journal::{Event, Journal, Submitted, Writer};
 use crate::number::count;
@@ -75,6 +75,16 @@ impl campaign::Campaign for Campaign {
     fn refusal(&self, _: &Trial) -> Option<String> {
         // All data count anew at every step, so a result may be put right at any time.
         None
+    }
+
+    fn budget(&self) -> Result<Budget> {
+        let simulations = match self.access()? {
+            Access::LookedUp => Some(0),
+            Access::All => None,
+            Access::Budget => self.settings.simulations.or(Some(0)),
+        };
+        let Settings { n_experiments: experiments, max_batches: batches, .. } = self.settings;
+        Ok(Budget { terms: None, experiments, batches, simulations, grid: self.grid.clone() })
     }
 
     fn submitted(&self) -> &[Submitted] {

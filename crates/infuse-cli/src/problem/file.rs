@@ -16,6 +16,8 @@ pub(crate) struct ProblemFile {
     pub(crate) title: String,
     #[serde(default = "one")]
     pub(crate) seed: u64,
+    #[serde(default)]
+    pub(crate) sheets: SheetFormat,
     #[serde(rename = "parameter")]
     pub(crate) parameters: Vec<ParameterEntry>,
     pub(crate) response: ResponseEntry,
@@ -30,6 +32,15 @@ pub(crate) struct ProblemFile {
     pub(crate) rule: LoopEntry,
     #[serde(default)]
     pub(crate) stop: StopEntry,
+}
+
+/// As what the sheets are written.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum SheetFormat {
+    #[default]
+    Csv,
+    Xlsx,
 }
 
 fn one() -> u64 {

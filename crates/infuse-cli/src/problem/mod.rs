@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 
 pub(crate) use constraints::Held;
 use file::LoopEntry;
-pub(crate) use file::{Goal, Input, Method};
+pub(crate) use file::{Goal, Input, Method, SheetFormat};
 pub(crate) use queue::Queue;
 pub(crate) use setting::{parse_setting, said, shown, step, written};
 
@@ -45,6 +45,7 @@ pub(crate) struct Problem {
     /// Says whether a design can be built.
     pub(crate) can_be_built: Option<Program>,
     pub(crate) seed: u64,
+    pub(crate) sheets: SheetFormat,
     /// As it stands in the file.
     pub(crate) rule: LoopEntry,
     /// The smallest improvement that another batch is worth, in the unit of the response.

@@ -74,6 +74,7 @@ impl Problem {
             linear_constraints,
             can_be_built: can_be_built.transpose()?,
             seed: file.seed,
+            sheets: file.sheets,
             rule: file.rule,
             worth,
         })

@@ -4,7 +4,7 @@ use design_space::Levels;
 use infuse::Role;
 use infuse::pooled::LinearConstraint;
 
-use crate::journal::{Event, JOURNAL, Journal, Submitted, Told};
+use crate::journal::{JOURNAL, Journal};
 use crate::number::{count, plain, setting, with_unit};
 use crate::problem::{Goal, PROBLEM, Problem, Simulator, step};
 use page::{Column, Page, Table};
@@ -93,8 +93,8 @@ fn sum_in_words(names: &[&str], linear: &LinearConstraint) -> String {
 }
 
 fn from_files(journal: &Journal) -> Vec<Row> {
-    let lines = journal.events.last().map_or(0, |(line, _)| *line);
-    let times: Vec<&str> = journal.events.iter().filter_map(|(_, event)| time(event)).collect();
+    let lines = journal.all.last().map_or(0, |(line, _)| *line);
+    let times: Vec<&str> = journal.all.iter().filter_map(|(_, event)| event.time()).collect();
     let span = match (times.first(), times.last()) {
         (Some(first), Some(last)) => format!(", from {first} to {last}"),
         _ => String::new(),
@@ -103,19 +103,4 @@ fn from_files(journal: &Journal) -> Vec<Row> {
         ("journal", format!("{JOURNAL}, {}{span}", count(lines, "line"))),
         ("made by", format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION"))),
     ]
-}
-
-fn time(event: &Event) -> Option<&str> {
-    match event {
-        Event::Campaign { at, .. }
-        | Event::Planned { at, .. }
-        | Event::Discarded { at }
-        | Event::Submitted(Submitted { at, .. })
-        | Event::Opened { at, .. }
-        | Event::Told(Told { at, .. })
-        | Event::Imported { at, .. }
-        | Event::Checked { at, .. }
-        | Event::Withdrawn { at, .. } => Some(at),
-        Event::Simulated { .. } | Event::Learned(_) | Event::Assessed(_) => None,
-    }
 }

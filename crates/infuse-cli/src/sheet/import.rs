@@ -8,8 +8,7 @@ use super::columns::point_columns;
 use super::read::setting_fault;
 use super::table::{Column, Fault, Table, none_of};
 use crate::journal::{Constrained, Measured};
-use crate::number::parse;
-use crate::problem::{Problem, parse_setting};
+use crate::problem::Problem;
 
 /// An experiment of an older table.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,9 +36,9 @@ pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> 
             read.map_err(|expected| faults.push(table.fault(row, column, expected))).ok()
         };
         let settings = parameters.iter().enumerate();
-        let settings = settings.map(|(column, p)| usable(column, parse_setting(p, table.cell(row, column))));
+        let settings = settings.map(|(column, p)| usable(column, table.setting(row, column, p)));
         let point: Vec<Option<f64>> = settings.collect();
-        let mut number = |column: usize| usable(column, parse(table.cell(row, column)).map_err(str::to_owned));
+        let mut number = |column: usize| usable(column, table.number(row, column));
         let mut constrained = Constrained::new();
         for (index, held) in problem.constraints.iter().enumerate() {
             let column = k + 1 + index;

@@ -1,10 +1,15 @@
 //! Sheets: the experiments of a batch, as a table that goes to the rig and comes back.
 
+mod book;
+mod cells;
 mod columns;
+mod decimal;
 mod import;
 mod read;
 mod same;
 mod table;
+mod text;
+mod workbook;
 mod write;
 
 pub(crate) use columns::point_columns;

@@ -11,8 +11,8 @@ use super::columns::Columns;
 use super::table::Row;
 use super::table::{Fault, Table, none_of};
 use crate::journal::{Constrained, Measured};
-use crate::number::{parse, plain, with_unit};
-use crate::problem::{Problem, parse_setting, written};
+use crate::number::{plain, with_unit};
+use crate::problem::{Problem, written};
 
 /// What a row says about a trial.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,7 +123,7 @@ impl Reader<'_> {
                 faults.push(table.fault(row, columns.failed(), expected));
                 None
             }
-            (false, true) => match parse(value) {
+            (false, true) => match table.number(row, columns.response()) {
                 Ok(value) => {
                     if let Some(expected) = self.problem.response.fault(value) {
                         faults.push(table.fault(row, columns.response(), expected));
@@ -156,9 +156,8 @@ impl Reader<'_> {
         let mut constrained = Constrained::new();
         for (index, held) in self.problem.constraints.iter().enumerate() {
             let column = self.columns.constrained(index);
-            let text = self.table.cell(row, column);
-            match parse(text) {
-                _ if text.is_empty() => {}
+            match self.table.number(row, column) {
+                _ if self.table.cell(row, column).is_empty() => {}
                 Ok(value) => drop(constrained.insert(held.name().to_owned(), value)),
                 Err(expected) => faults.push(self.table.fault(row, column, expected)),
             }
@@ -194,9 +193,10 @@ impl Reader<'_> {
             // Sheets hold twelve digits.
             let is_same =
                 |value: f64| (value - asked).abs() <= 1e-9 * parameter.width() || plain(value) == plain(asked);
-            let is_asked = parse_setting(parameter, text).is_ok_and(is_same);
+            let there = self.table.setting(row, column, parameter);
+            let is_asked = there.as_ref().is_ok_and(|&there| is_same(there));
             if !text.is_empty() && !is_asked {
-                if let Err(expected) = parse_setting(parameter, text) {
+                if let Err(expected) = there {
                     faults.push(self.table.fault(row, column, expected));
                     continue;
                 }
@@ -216,7 +216,8 @@ impl Reader<'_> {
         if text.is_empty() {
             return Ok(None);
         }
-        let value = parse_setting(parameter, text).map_err(|expected| self.table.fault(row, column, expected))?;
+        let value =
+            self.table.setting(row, column, parameter).map_err(|expected| self.table.fault(row, column, expected))?;
         match setting_fault(parameter, value) {
             Some(expected) => Err(self.table.fault(row, column, expected)),
             None => Ok(Some(value)),
@@ -237,10 +238,15 @@ pub(crate) fn setting_fault(parameter: &Parameter, value: f64) -> Option<String>
     if parameter.choices().is_some() {
         return parameter.choice(value).is_none().then(|| "one of the choices".to_owned());
     }
-    let (lower, upper) = (parameter.lower() - 0.5 * parameter.width(), parameter.upper() + 0.5 * parameter.width());
+    let (lower, upper) = made_range(parameter);
     if (lower..=upper).contains(&value) {
         return None;
     }
     let range = format!("{} to {}", plain(lower), with_unit(&plain(upper), parameter.unit()));
     Some(format!("{range}: at most half the width outside the bounds of the parameter"))
+}
+
+/// Between which settings one that was really made is taken.
+pub(super) fn made_range(parameter: &Parameter) -> (f64, f64) {
+    (parameter.lower() - 0.5 * parameter.width(), parameter.upper() + 0.5 * parameter.width())
 }

@@ -8,7 +8,7 @@ use infuse::pooled::Trial;
 use super::columns::Columns;
 use super::table::Table;
 use crate::number::{plain, with_unit};
-use crate::problem::{Problem, parse_setting, written};
+use crate::problem::{Problem, written};
 
 /// An error if it holds other experiments, or other settings, than these trials; whatever else stands in it is a person's.
 pub(crate) fn check_same(path: &Path, problem: &Problem, trials: &[(Trial, Option<u64>)]) -> Result<()> {
@@ -31,7 +31,8 @@ pub(crate) fn check_same(path: &Path, problem: &Problem, trials: &[(Trial, Optio
         };
         for (index, parameter) in problem.region.parameters().iter().enumerate() {
             let (asked, text) = (trial.point[index], table.cell(row, columns.setting(index)));
-            let is_same = parse_setting(parameter, text).map_or(text.is_empty(), |there| plain(there) == plain(asked));
+            let there = table.setting(row, columns.setting(index), parameter);
+            let is_same = there.map_or(text.is_empty(), |there| plain(there) == plain(asked));
             ensure!(
                 is_same,
                 "{} is there already with {} {text} for experiment {id}, which is to be made at {}; {advice}",

@@ -4,6 +4,16 @@ use std::fmt;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail, ensure};
+use design_space::Parameter;
+
+use super::cells::{Cell, Records, Separator};
+use super::decimal::Commas;
+use super::{text, workbook};
+use crate::echo::{echo, echo_all};
+use crate::problem::parse_setting;
+
+/// Columns that hold whatever people write.
+const TEXTS: [&str; 3] = ["failed", "note", "source"];
 
 /// More faults than this are counted, not shown.
 const MOST_SHOWN: usize = 20;
@@ -21,7 +31,8 @@ pub(crate) struct Fault {
 impl fmt::Display for Fault {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { row, column, value, expected } = self;
-        let value = if value.is_empty() { "is empty".to_owned() } else { format!("is `{value}`") };
+        let value = if value.is_empty() { "is empty".to_owned() } else { format!("is `{}`", echo(value)) };
+        let column = echo(column);
         // Not from a table.
         if *row == 0 {
             return write!(formatter, "`{column}` {value}, expected {expected}");
@@ -69,74 +80,89 @@ impl Column {
 #[derive(Debug)]
 pub(crate) struct Table {
     headings: Vec<String>,
+    /// Of each known column.
+    units: Vec<String>,
     /// Where each known column stands in the file.
     places: Vec<Option<usize>>,
     rows: Vec<Row>,
+    commas: Commas,
 }
 
 /// A row that is not empty.
 #[derive(Debug)]
 pub(crate) struct Row {
     pub(crate) number: usize,
-    cells: Vec<String>,
+    cells: Vec<Cell>,
 }
 
 impl Table {
-    /// Reads a file whose columns are among these, in any order. Commas, semicolons or tabs separate cells.
+    /// Reads a file whose columns are among these, in any order: a text with commas, semicolons or tabs, or a workbook.
     pub(crate) fn read(path: &Path, columns: &[Column]) -> Result<Self> {
         let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-        Self::parse(bytes, columns).with_context(|| path.display().to_string())
+        Self::parse(&bytes, columns).with_context(|| path.display().to_string())
     }
 
     pub(crate) fn parse(bytes: &[u8], columns: &[Column]) -> Result<Self> {
-        let text = std::str::from_utf8(bytes).map_err(|error| {
-            anyhow::anyhow!("byte {} is no UTF-8: save the table as CSV in UTF-8", error.valid_up_to())
-        })?;
-        ensure!(!text.trim().is_empty(), "the file is empty, expected headings and rows");
-        let first = text.lines().next().unwrap_or_default();
-        let separator = [b',', b';', b'\t'].into_iter().max_by_key(|&separator| {
-            // Of equals the last wins, so commas count a little more.
-            2 * first.bytes().filter(|&byte| byte == separator).count() + usize::from(separator == b',')
-        });
-        let mut reader = csv::ReaderBuilder::new();
-        reader.has_headers(false).flexible(true).trim(csv::Trim::All).delimiter(separator.unwrap_or(b','));
-        let mut records: Vec<(usize, Vec<String>)> = Vec::new();
-        let mut n_breaks = 0;
-        for record in reader.from_reader(text.as_bytes()).records() {
-            let record = record?;
-            // Rows as a spreadsheet counts them: empty ones, too, and one with a line break in a cell once.
-            let (start, line) = record.position().map_or((0, 0), |at| (at.byte(), at.line()));
-            // The position is that of the empty lines before the record.
-            let before = text.as_bytes().get(usize::try_from(start).unwrap_or(usize::MAX)..).unwrap_or_default();
-            let n_empty =
-                before.iter().take_while(|byte| b"\r\n".contains(byte)).filter(|&&byte| byte == b'\n').count();
-            let line = usize::try_from(line).unwrap_or(usize::MAX).saturating_add(n_empty);
-            records.push((line.saturating_sub(n_breaks), record.iter().map(str::to_owned).collect()));
-            n_breaks += record.iter().map(|cell| cell.matches('\n').count()).sum::<usize>();
-        }
-        if let Some((number, _)) =
-            records.iter().find(|(_, cells)| cells.iter().any(|cell| holds_rows(cell, separator)))
-        {
-            bail!("row {number}: a cell holds whole rows, expected a second quote (\") where its text ends");
-        }
-        let headings = records.first().map(|(_, headings)| headings.clone()).unwrap_or_default();
+        let Records { rows: records, separator } = match workbook::records(bytes)? {
+            Some(records) => records,
+            None => text::records(bytes)?,
+        };
+        let mut records = records.into_iter().filter(|(_, cells)| cells.iter().any(|cell| !cell.text.is_empty()));
+        let headings = records.next().map(|(_, headings)| headings).unwrap_or_default();
+        let headings: Vec<String> = headings.into_iter().map(|cell| cell.text).collect();
         let places = places(&headings, columns)?;
         let mut rows = Vec::new();
-        for (number, cells) in records.into_iter().skip(1) {
-            if cells.iter().all(String::is_empty) {
-                continue;
-            }
+        for (number, cells) in records {
+            // A workbook has no cells too many, but empty ones.
+            let n = cells.iter().rposition(|cell| !cell.text.is_empty()).map_or(0, |last| last + 1);
+            let n = if separator == Separator::Workbook { n } else { cells.len() };
             ensure!(
-                cells.len() <= headings.len(),
-                "row {number} has {} cells, expected {}, one per heading{}",
-                cells.len(),
+                n <= headings.len(),
+                "row {number} has {n} cells, expected {}, one per heading{}",
                 headings.len(),
-                if separator == Some(b',') { "; a comma for a decimal point makes two cells of one" } else { "" }
+                if separator == Separator::Comma { "; a comma for a decimal point makes two cells of one" } else { "" }
             );
             rows.push(Row { number, cells });
         }
-        Ok(Self { headings, places, rows })
+        let numbers = columns.iter().zip(&places).filter(|(column, _)| !TEXTS.contains(&&*column.name));
+        let numbers: Vec<usize> = numbers.filter_map(|(_, place)| *place).collect();
+        let cells = rows.iter().flat_map(|row| {
+            let cells = numbers.iter().filter_map(|&place| row.cells.get(place));
+            cells.map(|cell| (row.number, &*cell.text))
+        });
+        let commas = Commas::of(separator, cells);
+        let table =
+            Self { units: columns.iter().map(|column| column.unit.clone()).collect(), headings, places, rows, commas };
+        none_of("the table", &table.broken_cells(columns))?;
+        Ok(table)
+    }
+
+    /// Cells that are to be a text and cannot be one.
+    fn broken_cells(&self, columns: &[Column]) -> Vec<Fault> {
+        let texts = (0..columns.len()).filter(|&column| TEXTS.contains(&&*columns[column].name));
+        let cells = self.rows.iter().flat_map(|row| texts.clone().map(move |column| (row, column)));
+        let fault = |(row, column): (&Row, usize)| Some(self.fault(row, column, self.at(row, column)?.is_no_text()?));
+        cells.filter_map(fault).collect()
+    }
+
+    fn at<'a>(&self, row: &'a Row, column: usize) -> Option<&'a Cell> {
+        row.cells.get(self.places[column]?)
+    }
+
+    /// The number in a known column of a row, or what was expected instead.
+    pub(crate) fn number(&self, row: &Row, column: usize) -> Result<f64, String> {
+        match self.at(row, column).and_then(Cell::is_no_number) {
+            Some(expected) => Err(expected.to_owned()),
+            None => self.commas.number(self.cell(row, column), &self.units[column]),
+        }
+    }
+
+    /// The setting in a known column of a row: a number, or the name of a choice.
+    pub(crate) fn setting(&self, row: &Row, column: usize, parameter: &Parameter) -> Result<f64, String> {
+        match parameter.choices() {
+            Some(_) => parse_setting(parameter, self.cell(row, column)),
+            None => self.number(row, column),
+        }
     }
 
     pub(crate) fn rows(&self) -> &[Row] {
@@ -145,7 +171,7 @@ impl Table {
 
     /// The text of a known column in a row; empty if the file has no such column.
     pub(crate) fn cell<'a>(&self, row: &'a Row, column: usize) -> &'a str {
-        self.places[column].and_then(|place| row.cells.get(place)).map_or("", String::as_str)
+        self.at(row, column).map_or("", |cell| &*cell.text)
     }
 
     pub(crate) fn fault(&self, row: &Row, column: usize, expected: impl Into<String>) -> Fault {
@@ -155,36 +181,42 @@ impl Table {
     }
 }
 
-/// Whether a cell goes on over lines that are rows of their own: a quote that was opened and never closed.
-fn holds_rows(cell: &str, separator: Option<u8>) -> bool {
-    let separator = char::from(separator.unwrap_or(b','));
-    cell.lines().skip(1).any(|line| line.matches(separator).count() >= 3)
-}
-
 /// Finds each known column among the headings.
 fn places(headings: &[String], columns: &[Column]) -> Result<Vec<Option<usize>>> {
-    let known: Vec<String> = columns.iter().map(|column| format!("`{}`", column.heading())).collect();
     let mut places = vec![None; columns.len()];
-    for (place, heading) in headings.iter().enumerate() {
-        if heading.is_empty() {
-            continue;
-        }
-        let at = format!("heading of column {}", place + 1);
-        let name = heading.split(" [").next().unwrap_or_default();
-        match columns.iter().position(|column| column.heading() == *heading) {
-            Some(column) if places[column].is_some() => bail!("{at}: `{heading}` comes twice"),
-            Some(column) => places[column] = Some(place),
-            None => match columns.iter().find(|column| column.name == name) {
-                Some(column) if heading.contains('[') => {
-                    bail!("{at}: `{heading}` has another unit, expected `{}`", column.heading())
-                }
-                Some(column) => bail!("{at}: `{heading}` has no unit, expected `{}`", column.heading()),
-                None => bail!("{at}: `{heading}` is not known, expected one of {}", known.join(", ")),
-            },
-        }
+    for (place, heading) in headings.iter().enumerate().filter(|(_, heading)| !heading.is_empty()) {
+        let at = || format!("heading of column {}", place + 1);
+        let column = find(heading, columns).with_context(at)?;
+        ensure!(places[column].is_none(), "{}: `{}` comes twice", at(), echo(heading));
+        places[column] = Some(place);
     }
     if let Some(missing) = (0..columns.len()).find(|&index| columns[index].is_required && places[index].is_none()) {
-        bail!("no column `{}`; the headings are {}", columns[missing].heading(), headings.join(", "));
+        let headings = echo_all(headings.iter().map(String::as_str));
+        bail!("no column `{}`; the headings are {headings}", columns[missing].heading());
     }
     Ok(places)
+}
+
+/// The column with this heading: its name in any case, and its unit as it is.
+fn find(heading: &str, columns: &[Column]) -> Result<usize> {
+    let (name, unit) = match heading.strip_suffix(']').and_then(|heading| heading.rsplit_once('[')) {
+        Some((name, unit)) => (name.trim(), Some(unit.trim())),
+        None => (heading.trim(), None),
+    };
+    let exact = columns.iter().position(|column| column.name == name);
+    let alike = || {
+        let mut alike = (0..columns.len()).filter(|&at| columns[at].name.to_lowercase() == name.to_lowercase());
+        alike.next().filter(|_| alike.next().is_none())
+    };
+    match exact.or_else(alike) {
+        Some(column) if unit.unwrap_or_default() == columns[column].unit => Ok(column),
+        Some(column) if unit.is_some() => {
+            bail!("`{}` has another unit, expected `{}`", echo(heading), columns[column].heading())
+        }
+        Some(column) => bail!("`{}` has no unit, expected `{}`", echo(heading), columns[column].heading()),
+        None => {
+            let known: Vec<String> = columns.iter().map(|column| format!("`{}`", column.heading())).collect();
+            bail!("`{}` is not known, expected one of {}", echo(heading), known.join(", "))
+        }
+    }
 }

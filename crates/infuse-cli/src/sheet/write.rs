@@ -13,6 +13,9 @@ use crate::problem::{Problem, written};
 /// Writes these trials, in the order in which they are to be run. The file is there whole or not at all.
 pub(crate) fn write(path: &Path, problem: &Problem, trials: &[(Trial, Option<u64>)]) -> Result<()> {
     let name = || path.display().to_string();
+    if is_workbook(path) {
+        return replace(path, &super::book::bytes(problem, trials).with_context(name)?);
+    }
     let columns = Columns::of(problem);
     let mut table = csv::Writer::from_writer(Vec::new());
     table.write_record(columns.all.iter().map(Column::heading)).with_context(name)?;
@@ -28,6 +31,10 @@ pub(crate) fn write(path: &Path, problem: &Problem, trials: &[(Trial, Option<u64
     }
     let bytes = table.into_inner().map_err(|error| anyhow::anyhow!("{}: {error}", path.display()))?;
     replace(path, &bytes)
+}
+
+fn is_workbook(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xlsx"))
 }
 
 /// Puts a whole file in its place, so that nobody ever sees half of it.

@@ -4,6 +4,7 @@
 
 mod campaigns;
 mod careful;
+mod checking;
 mod constraints;
 mod interruptions;
 mod journals;
@@ -18,3 +19,6 @@ mod report_page;
 mod rig;
 mod sheets;
 mod slurm;
+mod tables;
+mod undoing;
+mod workbooks;

@@ -32,7 +32,8 @@ fn cells_that_cannot_be_are_named_by_row_column_and_value() {
     assert_refused(11, response, "inf", &[&at(11, response), "finite number"]);
     assert_refused(2, response, "1e300", &["`1e300`", "at most 1e100"]);
     assert_refused(2, "spring [N/mm]", "0,5", &["`0,5`", "decimal point, not a comma"]);
-    assert_refused(2, response, "7.5 mm/s", &["`7.5 mm/s`", "without its unit"]);
+    assert_refused(2, response, "7.5 m/s", &["`7.5 m/s`", "a number in `mm/s`", "not in `m/s`"]);
+    assert_refused(2, response, "1,234", &["`1,234`", "may be 1.234 or 1234"]);
     assert_refused(2, response, "-1", &["`-1`", "at least 0 mm/s"]);
     assert_refused(5, "id", "77", &[&at(5, "id"), "`77`", "1 to 10"]);
     assert_refused(5, "id", "x", &["`x`", "1 to 10"]);

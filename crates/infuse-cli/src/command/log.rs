@@ -1,0 +1,187 @@
+//! `infuse log`: what happened, and when.
+
+use std::path::Path;
+
+use anyhow::Result;
+use serde_json::{Value, json};
+
+use super::Output;
+use super::undo::{in_words, told};
+use crate::campaign::{Campaign, Stage, changes};
+use crate::echo::echo;
+use crate::folder;
+use crate::journal::{Assessed, Deed, Event, Journal, Last, Learned, Measured, Submitted, Told};
+use crate::number::{count, short, with_unit};
+
+/// One line of the log.
+#[derive(Debug)]
+struct Entry {
+    /// Of its first line in the journal; 0 for what follows from all of them.
+    line: usize,
+    at: String,
+    what: &'static str,
+    sentence: String,
+    is_taken_back: bool,
+}
+
+pub(crate) fn log(folder: &Path) -> Result<Output> {
+    let mut campaign = folder::read(folder)?;
+    let journal = Journal::read(folder)?;
+    let mut entries = entries(&*campaign, &journal);
+    if let Stage::Ended { reason, .. } = campaign.stage()? {
+        let (at, sentence) = (String::new(), format!("{reason}."));
+        entries.push(Entry { line: 0, at, what: "stopped", sentence, is_taken_back: false });
+    }
+    let line = |entry: &Entry| {
+        let taken_back = if entry.is_taken_back { " (taken back)" } else { "" };
+        format!("{:20}  {:9}  {}{taken_back}\n", entry.at, entry.what, entry.sentence)
+    };
+    let mut text: String = entries.iter().map(line).collect();
+    if entries.is_empty() {
+        "Nothing happened yet.".clone_into(&mut text);
+    }
+    let for_machines = |entry: &Entry| {
+        json!({
+            "line": (entry.line > 0).then_some(entry.line), "at": (!entry.at.is_empty()).then_some(&entry.at), "what": entry.what,
+            "sentence": entry.sentence, "taken_back": entry.is_taken_back,
+        })
+    };
+    let notices = campaign.take_notices();
+    let json = json!({ "log": entries.iter().map(for_machines).collect::<Vec<_>>(), "notices": notices });
+    Ok(Output { text, json, notices })
+}
+
+fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    let events = &journal.all;
+    let (mut at, mut settings, mut core): (&str, Option<&Value>, Option<&Value>) = ("", None, None);
+    let mut index = 0;
+    while let Some((line, event)) = events.get(index) {
+        // What was written at once is one thing, and so are simulations one after the other.
+        let n = match event {
+            Event::Simulated { .. } => {
+                events[index..].iter().take_while(|(_, event)| matches!(event, Event::Simulated { .. })).count()
+            }
+            event => event.group().1.max(1),
+        };
+        let group = &events[index..events.len().min(index + n)];
+        index += n;
+        at = event.time().unwrap_or(at);
+        let mut add = |what: &'static str, sentence: String| {
+            let is_taken_back = journal.taken_back.contains(line);
+            entries.push(Entry { line: *line, at: at.to_owned(), what, sentence, is_taken_back });
+        };
+        match event {
+            Event::Campaign { problem, .. } => {
+                match core.replace(problem) {
+                    None => add("begun", begun(campaign)),
+                    Some(then) => {
+                        add("changed", format!("campaign.toml, before the first result: {}.", changed(then, problem)))
+                    }
+                }
+                continue;
+            }
+            Event::Assessed(Assessed { settings: now, .. }) => {
+                if let Some(then) = settings.replace(now).filter(|then| *then != now) {
+                    add("changed", format!("[loop]: {}.", changed(then, now)));
+                }
+            }
+            _ => {}
+        }
+        if let Some((what, sentence)) = said(campaign, event, group) {
+            add(what, sentence);
+        }
+    }
+    entries
+}
+
+fn begun(campaign: &dyn Campaign) -> String {
+    let problem = campaign.problem();
+    let n = problem.region.n_parameters();
+    format!(
+        "{}: {}; {} {} is better.",
+        echo(&problem.title),
+        count(n, "parameter"),
+        problem.response.better(),
+        problem.response.name
+    )
+}
+
+fn changed(then: &Value, now: &Value) -> String {
+    let changes = changes(then, now);
+    changes.join("; ")
+}
+
+/// What a line says, or the lines that were written at once.
+fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Option<(&'static str, String)> {
+    let problem = campaign.problem();
+    let unit = &problem.response.unit;
+    let as_deed = |deed: Deed| in_words(&Last { deed, events: group.to_vec() });
+    Some(match event {
+        Event::Planned { experiments, simulations, batch, .. } if experiments.is_empty() => {
+            ("planned", format!("{} for batch {batch}.", count(simulations.len(), "simulation")))
+        }
+        Event::Planned { batch, experiments, purpose, .. } => {
+            let why = if purpose.is_some() { ", to confirm" } else { "" };
+            ("asked", format!("batch {batch}{why}: {}.", count(experiments.len(), "experiment")))
+        }
+        Event::Simulated { .. } => {
+            let is_failed = |event: &Event| matches!(event, Event::Simulated { result: Measured::Failed(_), .. });
+            let n_failed = group.iter().filter(|(_, event)| is_failed(event)).count();
+            let failed = if n_failed > 0 { format!(", {n_failed} of them without a value") } else { String::new() };
+            ("simulated", format!("{}{failed}.", count(group.len(), "design")))
+        }
+        Event::Submitted(Submitted { name, cells, .. }) => {
+            ("submitted", format!("{} to the queue, as {name}.", count(cells.len(), "simulation")))
+        }
+        Event::Checked { .. } => {
+            let is_refused = |event: &Event| matches!(event, Event::Checked { can_be_built: false, .. });
+            let n_refused = group.iter().filter(|(_, event)| is_refused(event)).count();
+            let refused = if n_refused > 0 { format!(", {n_refused} of them cannot be built") } else { String::new() };
+            ("checked", format!("{}{refused}.", count(group.len(), "design")))
+        }
+        Event::Discarded { .. } => ("forgotten", "all simulations so far: the next batch makes them anew.".to_owned()),
+        Event::Told(_) => {
+            let of_group =
+                group.iter().filter_map(|(_, event)| if let Event::Told(told) = event { Some(told) } else { None });
+            ("told", format!("{}{}.", told(of_group), value_of(event, unit)))
+        }
+        Event::Imported { .. } => ("imported", format!("{}.", as_deed(Deed::Import).replacen("imported ", "", 1))),
+        Event::Withdrawn { source, .. } => ("withdrawn", format!("what was imported from `{}`.", echo(source))),
+        Event::Undone { deed, lines, .. } => (
+            "undone",
+            format!("{}: {} of the journal, marked above, count no longer.", deed.in_words(), count(*lines, "line")),
+        ),
+        Event::Assessed(found) => {
+            let expected = with_unit(&short(found.expected), unit);
+            let bound = with_unit(&short(found.bound), unit);
+            let at = problem.describe(&found.recommended);
+            (
+                "learned",
+                format!(
+                    "after batch {}: {at} is best, with {expected}; none better by more than {bound}.",
+                    found.batch
+                ),
+            )
+        }
+        Event::Learned(Learned { batch, optimum, predicted, .. }) => {
+            let predicted = with_unit(&short(*predicted), unit);
+            (
+                "learned",
+                format!("from batch {batch}: {} is best, with {predicted} predicted.", problem.describe(optimum)),
+            )
+        }
+        Event::Campaign { .. } | Event::Opened { .. } => return None,
+    })
+}
+
+/// Of a single result, what it was.
+fn value_of(event: &Event, unit: &str) -> String {
+    match event {
+        Event::Told(Told { rows: 1, result: Measured::Value(value), .. }) => {
+            format!(": {}", with_unit(&crate::number::plain(*value), unit))
+        }
+        Event::Told(Told { rows: 1, result: Measured::Failed(reason), .. }) => format!(": {}", echo(reason)),
+        _ => String::new(),
+    }
+}

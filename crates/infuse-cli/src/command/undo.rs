@@ -1,0 +1,116 @@
+//! `infuse undo`: takes the last thing back that was done.
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Context as _, Result};
+use page::Finding;
+use serde_json::json;
+
+use super::Output;
+use crate::campaign::Campaign;
+use crate::findings::next;
+use crate::folder;
+use crate::journal::{Deed, Event, JOURNAL, Journal, Last, Measured, Submitted, Told, now};
+use crate::number::count;
+use crate::shell::sheet_path;
+
+pub(crate) fn undo(folder: &Path, wait: Duration) -> Result<Output> {
+    // A campaign that has not begun is not begun by this.
+    last_of(folder)?;
+    let (campaign, mut writer) = folder::open(folder, wait)?;
+    let (Journal { all, notices, .. }, last) = last_of(folder)?;
+    let undone = Event::Undone { deed: last.deed, lines: last.events.len(), at: now() };
+    let mut after = all;
+    after.push((after.last().map_or(1, |(line, _)| line + 1), undone.clone()));
+    let mut after = folder::replay(folder, Journal::of(after, notices)?)
+        .context("it cannot be taken back, as what is left would be no campaign")?;
+    writer.add(std::slice::from_ref(&undone))?;
+    let mut notices = after.take_notices();
+    notices.extend(sheet_left(&*campaign, &last));
+    notices.extend(runs_left(&*campaign, &last));
+    let sentence = format!("Taken back: {}.", in_words(&last));
+    let findings = [
+        Finding::new(sentence).with("lines taken back", last.events.len() as f64, "1"),
+        next(&*after, &after.stage()?),
+    ];
+    let json = json!({ "undone": last.deed, "lines": last.events.iter().map(|(line, _)| line).collect::<Vec<_>>() });
+    Ok(Output::new(&findings, json, notices))
+}
+
+/// The journal, and what can be taken back.
+fn last_of(folder: &Path) -> Result<(Journal, Last)> {
+    let mut journal = Journal::read(folder)?;
+    let last = journal.last.take();
+    let last = last.with_context(|| {
+        format!("nothing can be taken back: {JOURNAL} has no `ask`, `tell`, `import` or `confirm` that counts")
+    })?;
+    Ok((journal, last))
+}
+
+/// The sheet of a batch that does not count any more is a person's, and stays.
+fn sheet_left(campaign: &dyn Campaign, last: &Last) -> Option<String> {
+    let batch = last.events.iter().rev().find_map(|(_, event)| match event {
+        Event::Planned { batch, experiments, .. } if !experiments.is_empty() => Some(*batch),
+        _ => None,
+    })?;
+    let path = sheet_path(campaign.folder(), campaign.problem().sheets, batch, None);
+    path.exists()
+        .then(|| format!("{} belongs to what was taken back: move or remove it before the next ask", path.display()))
+}
+
+fn runs_left(campaign: &dyn Campaign, last: &Last) -> Option<String> {
+    let is_planned = last.events.iter().any(|(_, event)| matches!(event, Event::Planned { .. }));
+    let n = campaign.submitted().iter().map(|Submitted { cells, .. }| cells.len()).sum::<usize>();
+    (is_planned && n > 0).then(|| "runs of it that are in the queue go on: `infuse cancel` stops them".to_owned())
+}
+
+/// What was done, with its numbers.
+pub(super) fn in_words(last: &Last) -> String {
+    let events = || last.events.iter().map(|(_, event)| event);
+    match last.deed {
+        Deed::Tell => told(events().filter_map(|event| if let Event::Told(told) = event { Some(told) } else { None })),
+        Deed::Import => {
+            let n = events().filter(|event| matches!(event, Event::Imported { .. })).count();
+            let from =
+                events().find_map(|event| if let Event::Imported { from, .. } = event { Some(from) } else { None });
+            format!("{} imported from {}", count(n, "experiment"), from.map_or("", String::as_str))
+        }
+        Deed::Withdraw => {
+            let source = events()
+                .find_map(|event| if let Event::Withdrawn { source, .. } = event { Some(source) } else { None });
+            format!("the withdrawal of `{}`", source.map_or("", String::as_str))
+        }
+        Deed::Ask | Deed::Confirm => {
+            let planned = events().filter_map(|event| match event {
+                Event::Planned { batch, experiments, .. } => Some((*batch, experiments.len())),
+                _ => None,
+            });
+            let (batch, n) = planned.last().unwrap_or_default();
+            let why = if last.deed == Deed::Confirm { " that was to confirm" } else { "" };
+            format!("batch {batch}{why}, of {} none of which was told", count(n, "experiment"))
+        }
+    }
+}
+
+/// Results, where they come from and what of them is special.
+pub(super) fn told<'a>(told: impl Iterator<Item = &'a Told>) -> String {
+    let told: Vec<&Told> = told.collect();
+    let n_failed = told.iter().filter(|told| matches!(told.result, Measured::Failed(_))).count();
+    let n_corrected = told.iter().filter(|told| told.corrects).count();
+    let from = told.first().map_or("", |told| &*told.from);
+    let mut ids: Vec<String> = told.iter().map(|told| told.id.to_string()).collect();
+    if ids.len() > 12 {
+        ids.truncate(12);
+        ids.push("...".to_owned());
+    }
+    let more = |n: usize, word: &str| if n > 0 { format!(", {n} {word}") } else { String::new() };
+    format!(
+        "{} from {from} (of {} {}{}{})",
+        count(told.len(), "result"),
+        if told.len() == 1 { "experiment" } else { "experiments" },
+        ids.join(", "),
+        more(n_failed, "without a value"),
+        more(n_corrected, "in the place of an earlier one")
+    )
+}

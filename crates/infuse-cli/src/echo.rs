@@ -1,0 +1,32 @@
+//! What people wrote, said back to them.
+
+/// Of a text of somebody else's so many characters are said back.
+const LONGEST: usize = 60;
+
+/// The text on one line, cut where it is longer than anyone reads.
+pub(crate) fn echo(text: &str) -> String {
+    let mut characters = text.chars().map(|c| if c.is_control() { ' ' } else { c });
+    let short: String = characters.by_ref().take(LONGEST).collect();
+    if characters.next().is_none() { short } else { format!("{short}...") }
+}
+
+/// Several of them, as many as fit on a few lines.
+pub(crate) fn echo_all<'a>(texts: impl IntoIterator<Item = &'a str>) -> String {
+    const MOST: usize = 20;
+    let all: Vec<&str> = texts.into_iter().collect();
+    let shown = all.iter().take(MOST).map(|text| echo(text)).collect::<Vec<_>>().join(", ");
+    if all.len() > MOST { format!("{shown} and {} more", all.len() - MOST) } else { shown }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_texts_are_cut_and_stay_on_one_line() {
+        assert_eq!(echo("two\nlines"), "two lines");
+        assert_eq!(echo(&"x".repeat(60)), "x".repeat(60));
+        assert_eq!(echo(&"é".repeat(10_000_000)), format!("{}...", "é".repeat(60)));
+        assert_eq!(echo_all(["a"; 22]), format!("{}a and 2 more", "a, ".repeat(19)));
+    }
+}

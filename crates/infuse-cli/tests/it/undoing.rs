@@ -1,0 +1,187 @@
+//! What was done is taken back, one thing after the other, and nothing is erased.
+
+use serde_json::{Value, json};
+
+use crate::rig::Rig;
+
+fn undo(rig: &Rig) -> Value {
+    serde_json::from_str(&rig.infuse(&["undo", "--json"]).ok()).unwrap()
+}
+
+/// Does one thing after the other, and takes all of them back: each time everything is as it was.
+fn assert_there_and_back(rig: &Rig, deeds: &[(&str, &dyn Fn(&Rig))]) {
+    let mut before = Vec::new();
+    for (_, deed) in deeds {
+        before.push((rig.status(), rig.infuse(&["status"]).ok()));
+        deed(rig);
+    }
+    for ((name, _), (status, text)) in deeds.iter().zip(&before).rev() {
+        let journal = rig.read("journal.jsonl");
+        assert_eq!(undo(rig)["undone"], json!(name));
+        assert!(rig.read("journal.jsonl").starts_with(&journal), "nothing is erased");
+        assert_eq!(rig.read("journal.jsonl").lines().count(), journal.lines().count() + 1);
+        assert_eq!(&rig.status(), status, "{name}");
+        assert_eq!(&rig.infuse(&["status"]).ok(), text, "{name}");
+        rig.infuse(&["report"]).ok();
+    }
+    let error = rig.infuse(&["undo"]).error();
+    assert!(error.contains("nothing can be taken back"), "{error}");
+}
+
+fn ask(rig: &Rig) {
+    rig.infuse(&["ask", "--anyway"]).ok();
+}
+
+fn tell(rig: &Rig, batch: usize) {
+    let sheet = format!("sheet-{batch}.csv");
+    rig.fill(&sheet, |_| true);
+    rig.infuse(&["tell", &sheet]).ok();
+}
+
+fn correct(rig: &Rig) {
+    rig.infuse(&["tell", "--id", "12", "--value", "11", "--correct"]).ok();
+}
+
+fn import(rig: &Rig) {
+    rig.write("old.csv", "spring [N/mm],damper gain [N s/mm],vibration [mm/s]\n21,1.8,7.5\n24,1.8,7.8\n");
+    rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+}
+
+fn withdraw(rig: &Rig) {
+    rig.infuse(&["import", "--withdraw", "notebook"]).ok();
+}
+
+#[test]
+fn a_pooled_campaign_is_taken_back_to_its_beginning() {
+    let rig = Rig::pooled();
+    let deeds: [(&str, &dyn Fn(&Rig)); 9] = [
+        ("ask", &ask),
+        ("tell", &|rig| tell(rig, 1)),
+        ("import", &import),
+        ("ask", &ask),
+        ("tell", &|rig| tell(rig, 2)),
+        ("tell", &correct),
+        ("withdraw", &withdraw),
+        ("confirm", &|rig| drop(rig.infuse(&["confirm"]).ok())),
+        ("tell", &|rig| tell(rig, 3)),
+    ];
+    assert_there_and_back(&rig, &deeds);
+}
+
+#[test]
+fn a_campaign_of_the_dissertation_is_taken_back_to_its_beginning() {
+    let rig = Rig::new();
+    let deeds: [(&str, &dyn Fn(&Rig)); 7] = [
+        ("ask", &ask),
+        ("tell", &|rig| tell(rig, 1)),
+        ("ask", &ask),
+        ("tell", &|rig| tell(rig, 2)),
+        ("tell", &correct),
+        ("import", &import),
+        ("withdraw", &withdraw),
+    ];
+    assert_there_and_back(&rig, &deeds);
+}
+
+#[test]
+fn what_was_taken_back_may_be_done_otherwise() {
+    let (rig, other) = (Rig::pooled(), Rig::pooled());
+    ask(&rig);
+    rig.infuse(&["tell", "--id", "1", "--value", "99"]).ok();
+    undo(&rig);
+    assert_eq!(rig.status()["told"], 0);
+    // Nothing counts that was told, so that the file may be put right, as before the first result.
+    rig.edit("goal = \"minimize\"", "goal = \"maximize\"");
+    rig.infuse(&["status"]).ok();
+    rig.edit("goal = \"maximize\"", "goal = \"minimize\"");
+    for rig in [&rig, &other] {
+        ask(rig);
+        tell(rig, 1);
+    }
+    assert_eq!(rig.status(), other.status());
+}
+
+#[test]
+fn what_was_simulated_stays_known() {
+    let rig = Rig::pooled();
+    rig.edit("table = \"simulation.csv\"", "command = [\"sh\", \"-c\", \"echo x >> ran; echo {spring}{damper gain}\"]");
+    rig.edit("experiments = 10", "experiments = 4\nsimulations = 6");
+    ask(&rig);
+    let n = rig.read("ran").len();
+    let said = rig.infuse(&["undo"]);
+    assert!(said.stderr.contains("sheet-1.csv belongs to what was taken back"), "{}", said.stderr);
+    assert!(said.ok().contains("Taken back: batch 1, of 4 experiments none of which was told."));
+    std::fs::remove_file(rig.path("sheet-1.csv")).unwrap();
+    ask(&rig);
+    assert!(rig.read("ran").len() <= n + 8, "{} after {n}", rig.read("ran").len());
+}
+
+#[test]
+fn a_line_that_takes_back_what_was_not_last_is_refused() {
+    let rig = Rig::pooled();
+    ask(&rig);
+    tell(&rig, 1);
+    undo(&rig);
+    let journal = rig.read("journal.jsonl");
+    let (before, last) = journal.trim_end().rsplit_once('\n').unwrap();
+    let bare = last.split(",\"check\"").next().unwrap();
+    for (from, to) in [("\"tell\"", "\"import\""), ("\"lines\":11", "\"lines\":10")] {
+        assert!(bare.contains(from), "{bare}");
+        rig.write("journal.jsonl", &format!("{before}\n{}}}\n", bare.replace(from, to)));
+        let error = rig.infuse(&["status"]).error();
+        assert!(error.contains("journal.jsonl, line 14") && error.contains("not the last thing"), "{error}");
+    }
+}
+
+#[test]
+fn the_log_says_what_happened_in_order() {
+    let rig = Rig::pooled();
+    ask(&rig);
+    tell(&rig, 1);
+    undo(&rig);
+    rig.infuse(&["tell", "--id", "3", "--value", "8.25"]).ok();
+    rig.infuse(&["tell", "--id", "4", "--failed", "it fell over"]).ok();
+    import(&rig);
+    withdraw(&rig);
+    let sheet = rig.read("sheet-1.csv");
+    let is_left = |line: &&str| !["3", "4"].contains(&line.split(',').nth(1).unwrap());
+    rig.write("left.csv", &sheet.lines().filter(is_left).map(|line| format!("{line}\n")).collect::<String>());
+    rig.infuse(&["tell", "left.csv"]).ok();
+    let log: Value = serde_json::from_str(&rig.infuse(&["log", "--json"]).ok()).unwrap();
+    let log = log["log"].as_array().unwrap();
+    let what: Vec<(&str, bool)> =
+        log.iter().map(|entry| (entry["what"].as_str().unwrap(), entry["taken_back"].as_bool().unwrap())).collect();
+    let expected = [
+        ("begun", false),
+        ("asked", false),
+        ("told", true),
+        ("learned", true),
+        ("undone", false),
+        ("told", false),
+        ("told", false),
+        ("imported", false),
+        ("withdrawn", false),
+        ("told", false),
+        ("learned", false),
+    ];
+    assert_eq!(what, expected);
+    let text = rig.infuse(&["log"]).ok();
+    for words in [
+        "8.25 mm/s",
+        "it fell over",
+        "2 experiments from old.csv",
+        "`notebook`",
+        "(taken back)",
+        "batch 1: 10 experiments",
+    ] {
+        assert!(text.contains(words), "{words} is not in {text}");
+    }
+    assert_eq!(text.lines().count(), expected.len());
+    // Settings that changed between batches, and the end.
+    rig.edit("batches = 6", "batches = 2\nconfidence = 0.95");
+    ask(&rig);
+    tell(&rig, 2);
+    let text = rig.infuse(&["log"]).ok();
+    assert!(text.contains("changed    [loop]: ") && text.contains("`confidence` was 0.9 and is 0.95"), "{text}");
+    assert!(text.trim_end().lines().last().unwrap().contains("stopped    all 2 batches"), "{text}");
+}
