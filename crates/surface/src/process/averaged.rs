@@ -113,6 +113,13 @@ impl AveragedProcess {
         self.particles.iter().map(|particle| particle.squared_simulation_factor() / n).sum()
     }
 
+    /// Root of the mean variance of the error that the measurements of an assembly share; 0 where assemblies are not told apart.
+    #[must_use]
+    pub fn assembly_deviation(&self) -> f64 {
+        let n = self.particles.len() as f64;
+        self.particles.iter().map(|particle| particle.assembly_deviation().powi(2) / n).sum::<f64>().sqrt()
+    }
+
     /// Root of the mean variance of a measurement of weight 1.
     #[must_use]
     pub fn noise(&self) -> f64 {

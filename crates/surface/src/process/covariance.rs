@@ -76,6 +76,9 @@ pub struct Hyperparameters {
     pub lengths: Vec<f64>,
     /// σ², of a measurement of weight 1.
     pub noise: f64,
+    /// Of the error that all measurements of one assembly share; 0 where assemblies are not told apart.
+    #[serde(default)]
+    pub assembly: f64,
 }
 
 /// The covariance of a process before anything was measured, for those who build on it.

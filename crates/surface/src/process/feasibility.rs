@@ -50,6 +50,7 @@ impl Feasibility {
             residual: 4.0,
             lengths: vec![LENGTH; places.n_factors()],
             noise: 0.0,
+            assembly: 0.0,
         };
         let covariance = Covariance::of(STRUCTURE, &hyper).without_constant().between(&places, &places);
         let labels: Vec<f64> = succeeded.iter().map(|succeeded| if *succeeded { 1.0 } else { -1.0 }).collect();

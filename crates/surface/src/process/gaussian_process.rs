@@ -16,11 +16,11 @@ use crate::process::sites::Sites;
 /// The response as a Gaussian process, given measurements and hyperparameters.
 ///
 /// ```text
-/// y(x) = c + q(x)'b + ρ s(x) + f(x) + ε
+/// y(x) = c + q(x)'b + ρ s(x) + f(x) + a + ε
 /// ```
 ///
-/// with q the linear and quadratic regressors, s the simulation, f of a Matérn-5/2 covariance with a length per axis, and ε
-/// of the variance σ²/w. All of them have normal priors, so that everything follows from one matrix (Rasmussen and
+/// with q the linear and quadratic regressors, s the simulation, f of a Matérn-5/2 covariance with a length per axis, a the error
+/// of an assembly where these are told apart, and ε of the variance σ²/w. All of them have normal priors, so that everything follows from one matrix (Rasmussen and
 /// Williams 2006, Section 2.7; Kennedy and O'Hagan 2000 for ρ).
 #[derive(Debug, Clone)]
 pub struct GaussianProcess {
@@ -57,6 +57,13 @@ impl<'a> Problem<'a> {
         let mut matrix = self.parts.lower_half(structure, hyper);
         for (site, weight) in self.sites.weights().iter().enumerate() {
             matrix[(site, site)] += hyper.noise.max(LEAST_NOISE) / weight;
+        }
+        if let Some(assemblies) = self.sites.assemblies() {
+            for (column, of_column) in assemblies.iter().enumerate() {
+                for row in (column..assemblies.len()).filter(|&row| assemblies[row] == *of_column) {
+                    matrix[(row, column)] += hyper.assembly;
+                }
+            }
         }
         matrix.llt(Side::Lower).ok().map(|llt| llt.L().to_owned())
     }
@@ -161,6 +168,12 @@ impl GaussianProcess {
     #[must_use]
     pub fn noise(&self) -> f64 {
         self.hyper.noise.max(LEAST_NOISE).sqrt() * self.scale()
+    }
+
+    /// Standard deviation of the error that the measurements of an assembly share, in the unit of the response.
+    #[must_use]
+    pub fn assembly_deviation(&self) -> f64 {
+        self.hyper.assembly.sqrt() * self.scale()
     }
 
     fn parts<'a>(&self, rows: &'a Places, columns: &Places) -> Parts<'a> {

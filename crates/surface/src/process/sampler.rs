@@ -26,6 +26,8 @@ impl LogNormal {
 
 const RESIDUAL: LogNormal = LogNormal { center: 0.1, spread: 2.0 };
 const NOISE: LogNormal = LogNormal { center: 0.01, spread: 1.5 };
+/// Of the error that an assembly shares, where assemblies are told apart.
+const ASSEMBLY: LogNormal = LogNormal { center: 0.01, spread: 1.5 };
 const TREND: LogNormal = LogNormal { center: 0.5, spread: 1.5 };
 const SIMULATION: LogNormal = LogNormal { center: 0.25, spread: 1.5 };
 /// In coded units, of which an axis has two.
@@ -70,7 +72,12 @@ struct Particle {
 /// sampling (Del Moral et al. 2006; Murray et al. 2010). The same for any number of threads.
 pub(crate) fn sample(sites: &Sites, settings: &SamplerSettings) -> Vec<(Structure, Hyperparameters)> {
     let problem = Problem::of(sites);
-    let decode = Decoder { n_factors: sites.places().n_factors(), noise: settings.noise, scale: sites.units().scale };
+    let decode = Decoder {
+        n_factors: sites.places().n_factors(),
+        noise: settings.noise,
+        has_assemblies: sites.assemblies().is_some(),
+        scale: sites.units().scale,
+    };
     let likelihood = |structure, normals: &[f64]| problem.log_likelihood(structure, &decode.hyperparameters(normals));
     let n = settings.particles.max(2);
     let mut streams = Streams { seed: settings.seed, next: 0 };
@@ -123,18 +130,23 @@ impl Streams {
 struct Decoder {
     n_factors: usize,
     noise: Option<f64>,
+    has_assemblies: bool,
     scale: f64,
 }
 
 impl Decoder {
     fn n_normals(self) -> usize {
-        self.n_factors + 4
+        self.n_factors + 4 + usize::from(self.has_assemblies)
     }
 
     fn hyperparameters(self, normals: &[f64]) -> Hyperparameters {
+        let (normals, of_assembly) = match normals.split_last() {
+            Some((last, others)) if self.has_assemblies => (others, Some(*last)),
+            _ => (normals, None),
+        };
         let prior = Hyperparameters::of_prior(normals);
         let noise = self.noise.map_or(prior.noise, |noise| (noise / self.scale).powi(2));
-        Hyperparameters { noise, ..prior }
+        Hyperparameters { noise, assembly: of_assembly.map_or(0.0, |normal| ASSEMBLY.at(normal)), ..prior }
     }
 }
 
@@ -155,6 +167,7 @@ impl Hyperparameters {
             residual: RESIDUAL.at(others[2]),
             lengths: lengths.iter().map(|&normal| LENGTH.at(normal)).collect(),
             noise: NOISE.at(others[3]),
+            assembly: 0.0,
         }
     }
 }

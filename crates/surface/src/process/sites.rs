@@ -17,6 +17,8 @@ pub struct Sites {
     scatter: f64,
     n_repeats: usize,
     units: Units,
+    /// Which assembly each entry belongs to, where that matters.
+    assemblies: Option<Vec<usize>>,
 }
 
 /// Where zero and one lie for a process.
@@ -44,11 +46,32 @@ impl Sites {
     ///
     /// [`Error::Length`] unless there is one simulated response per point, [`Error::Value`].
     pub fn new(data: &Data, simulated: Option<&[f64]>) -> Result<Self, Error> {
+        Self::grouped(data, simulated, None)
+    }
+
+    /// The same where measurements come in assemblies: whatever was put together anew has an error of its own, which all
+    /// measurements share that were made before it was taken apart (a whole plot of a split-plot design). `assemblies` names
+    /// that of each point by any number.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new), [`Error::Length`] unless there is one assembly per point.
+    pub fn in_assemblies(data: &Data, simulated: Option<&[f64]>, assemblies: &[usize]) -> Result<Self, Error> {
+        if assemblies.len() != data.n_points() {
+            return Err(Error::Length { name: "assemblies", expected: data.n_points(), found: assemblies.len() });
+        }
+        Self::grouped(data, simulated, Some(assemblies))
+    }
+
+    fn grouped(data: &Data, simulated: Option<&[f64]>, assemblies: Option<&[usize]>) -> Result<Self, Error> {
         if let Some(simulated) = simulated.filter(|simulated| simulated.len() != data.n_points()) {
             let (expected, found) = (data.n_points(), simulated.len());
             return Err(Error::Length { name: "simulated responses", expected, found });
         }
-        let groups = data.sites();
+        let groups = match assemblies {
+            None => data.sites(),
+            Some(of) => data.sites().into_iter().flat_map(|site| by_assembly(site, of)).collect(),
+        };
         let coordinates: Vec<f64> = groups.iter().flat_map(|group| data.point(group[0])).copied().collect();
         let mut places = Places::new(data.n_factors(), &coordinates)?;
         if let Some(simulated) = simulated {
@@ -75,6 +98,7 @@ impl Sites {
             places,
             weights,
             units,
+            assemblies: assemblies.map(|of| groups.iter().map(|group| of[group[0]]).collect()),
         })
     }
 
@@ -110,6 +134,11 @@ impl Sites {
         self.n_repeats
     }
 
+    /// The assembly of each place, if they are told apart.
+    pub(crate) fn assemblies(&self) -> Option<&[usize]> {
+        self.assemblies.as_deref()
+    }
+
     pub(crate) fn means(&self) -> &[f64] {
         &self.means
     }
@@ -125,6 +154,18 @@ impl Sites {
     pub(crate) fn units(&self) -> Units {
         self.units
     }
+}
+
+/// The points of a site, assembly by assembly, in the order in which they come.
+fn by_assembly(site: Vec<usize>, assemblies: &[usize]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for point in site {
+        match groups.iter_mut().find(|group| assemblies[group[0]] == assemblies[point]) {
+            Some(group) => group.push(point),
+            None => groups.push(vec![point]),
+        }
+    }
+    groups
 }
 
 impl Units {

@@ -11,6 +11,7 @@ mod limits;
 mod nist;
 mod polynomial;
 mod process;
+mod process_assemblies;
 mod process_gradient;
 mod regression;
 mod scale;

@@ -137,7 +137,8 @@ fn posterior_of_one_measurement_is_the_closed_form() {
     let data = Data::new(1, vec![0.3], vec![2.0]).expect("valid data");
     let sites = Sites::new(&data, None).and_then(|sites| sites.in_units(0.0, 1.0)).expect("valid units");
     let structure = Structure { simulation: SimulationUse::Ignored, residual: Residual::None };
-    let hyper = Hyperparameters { trend: 0.0, simulation: 0.0, residual: 0.0, lengths: vec![1.0], noise: 1.0 };
+    let hyper =
+        Hyperparameters { trend: 0.0, simulation: 0.0, residual: 0.0, lengths: vec![1.0], noise: 1.0, assembly: 0.0 };
     let process = GaussianProcess::new(Arc::new(sites), structure, hyper).expect("a valid process");
     let marginals = process.marginals(&Places::new(1, &[-1.0, 0.7]).expect("valid places"));
     for place in 0..2 {

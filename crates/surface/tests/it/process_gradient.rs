@@ -60,8 +60,14 @@ fn check(marginals: impl Fn(&Places) -> Marginals, gradient: impl Fn(&Places, &[
 fn gradients_are_those_of_central_differences_in_every_structure() {
     let sites = Arc::new(sites());
     for structure in Structure::ALL {
-        let hyper =
-            Hyperparameters { trend: 0.7, simulation: 0.4, residual: 0.9, lengths: vec![0.6, 1.1, 2.3], noise: 0.01 };
+        let hyper = Hyperparameters {
+            trend: 0.7,
+            simulation: 0.4,
+            residual: 0.9,
+            lengths: vec![0.6, 1.1, 2.3],
+            noise: 0.01,
+            assembly: 0.0,
+        };
         let process = GaussianProcess::new(Arc::clone(&sites), structure, hyper).expect("a valid process");
         let gradient =
             |place: &Places, slopes: &[f64]| process.gradient(place, Some(slopes)).expect("one place and its slopes");
@@ -79,7 +85,14 @@ fn gradient_of_an_average_counts_how_far_its_particles_differ() {
 #[test]
 fn gradients_of_what_cannot_be_are_refused_by_name() {
     let sites = Arc::new(sites());
-    let hyper = Hyperparameters { trend: 1.0, simulation: 1.0, residual: 1.0, lengths: vec![1.0; K], noise: 0.1 };
+    let hyper = Hyperparameters {
+        trend: 1.0,
+        simulation: 1.0,
+        residual: 1.0,
+        lengths: vec![1.0; K],
+        noise: 0.1,
+        assembly: 0.0,
+    };
     let process = |simulation| {
         let structure = Structure { simulation, ..Structure::ALL[1] };
         GaussianProcess::new(Arc::clone(&sites), structure, hyper.clone()).expect("a valid process")
