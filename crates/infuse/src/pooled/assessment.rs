@@ -7,6 +7,7 @@ use surface::process::SimulationUse;
 
 use crate::Error;
 use crate::pooled::certificate::{Certificate, Draws};
+use crate::pooled::economy::Economy;
 use crate::pooled::held::{Expected, FEASIBLE, UNKNOWN};
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::knowledge_gradient::{Picks, pick};
@@ -103,6 +104,9 @@ pub struct Assessment {
     pub certificate: Certificate,
     /// Standard deviation of one reading, as given or as learnt.
     pub noise: f64,
+    /// Standard deviation of the error that all runs of an assembly share, where plants are told apart.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub assembly: Option<f64>,
     /// Degrees of freedom of the repeats, which alone measure the noise: readings beyond one per setting.
     pub n_repeats: usize,
     /// Share of all designs that may still be the best.
@@ -126,6 +130,8 @@ pub(crate) struct Look {
     again: Vec<Cell>,
 }
 
+/// So many promising cells are looked at on each plant of a batch.
+const PROMISING: usize = 100;
 /// Beyond so many standard errors readings contradict the surface.
 const CONTRADICTING: f64 = 3.0;
 /// Where a setting was run more often, another run would not explain an outlier.
@@ -150,6 +156,7 @@ impl Look {
         let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
         let assessment = Assessment {
             noise: knowledge.process.noise(),
+            assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
             n_repeats: knowledge.process.sites().n_repeats(),
             left: share_left(knowledge, &pool, cell, settings.confidence)?,
             simulation: simulation_worth(knowledge, readings)?,
@@ -165,14 +172,31 @@ impl Look {
     /// The cells of the next batch.
     pub(crate) fn picks(
         &self,
-        knowledge: &Knowledge<'_, '_>,
+        knowledge: &mut Knowledge<'_, '_>,
         settings: &Settings,
         pending: &[Cell],
         batch: usize,
     ) -> Result<Picks, Error> {
         let scramble = stream(settings.seed, Purpose::KnowledgeGradient, batch).random();
-        let mut picks = pick(knowledge, &self.pool, pending, settings.n_experiments, scramble)?;
-        // What is far from all others is run again first.
+        let count = settings.n_experiments;
+        let mut economy = Economy::of(settings.plants.as_ref(), knowledge.designs);
+        // What is far from all others is run again first, on its own plant.
+        self.again.iter().take(count).for_each(|&again| economy.take(again));
+        let mut picks = pick(knowledge, &self.pool, pending, count, scramble, economy.clone())?;
+        if let Some(plants) = &settings.plants {
+            for &cell in &picks.cells {
+                if economy.allows(cell) {
+                    economy.take(cell);
+                }
+            }
+            let built = economy.built().to_vec();
+            let mut rng = stream(settings.seed, Purpose::Plants, batch);
+            let near = self.pool.first(&self.pool.by_lower_bound(2.0), PROMISING).cells;
+            let on_them = plants.cells_of(knowledge.designs, &built, &near, &mut rng);
+            let pool = self.pool.clone().with(knowledge, &on_them)?;
+            let confined = Economy::of(Some(plants), knowledge.designs).confined_to(&built);
+            picks = pick(knowledge, &pool, pending, count, scramble, confined)?;
+        }
         for (pick, again) in picks.cells.iter_mut().zip(&self.again) {
             *pick = *again;
         }
@@ -182,7 +206,7 @@ impl Look {
     /// The assessment with the batches that it still takes, where it is said what one is worth.
     pub(crate) fn with_prospect(
         self,
-        knowledge: &Knowledge<'_, '_>,
+        knowledge: &mut Knowledge<'_, '_>,
         settings: &Settings,
         pending: &[Cell],
         batch: usize,
@@ -336,9 +360,9 @@ fn contradiction(
     recommended: &Standing,
     confidence: f64,
 ) -> Result<Option<Contradiction>, Error> {
-    let noise = knowledge.process.noise();
+    let (noise, shared) = (knowledge.process.noise(), knowledge.process.assembly_deviation().powi(2));
     if let Some(measured) = recommended.measured {
-        let error = (noise * noise / recommended.n_readings as f64 + recommended.deviation.powi(2)).sqrt();
+        let error = (noise * noise / recommended.n_readings as f64 + shared + recommended.deviation.powi(2)).sqrt();
         let deviations = (measured - recommended.mean) / error;
         if deviations > CONTRADICTING {
             return Ok(Some(Contradiction { standing: recommended.clone(), deviations }));
@@ -348,7 +372,7 @@ fn contradiction(
     for &cell in knowledge.measured.iter().filter(|&&cell| keeps(knowledge, constrained, cell)) {
         let here = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response);
         let n = here.clone().count() as f64;
-        let error = (noise * noise / n + recommended.deviation.powi(2)).sqrt();
+        let error = (noise * noise / n + shared + recommended.deviation.powi(2)).sqrt();
         let deviations = (recommended.mean - here.sum::<f64>() / n) / error;
         if cell != recommended.cell && deviations > most.map_or(CONTRADICTING, |(most, _)| most) {
             most = Some((deviations, cell));

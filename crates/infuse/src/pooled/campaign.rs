@@ -13,6 +13,7 @@ use crate::pooled::first_batch::{first_batch, spread};
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::measurements::{Measurements, Reading};
 use crate::pooled::outliers::{Readings, set_aside, surprises};
+use crate::pooled::plants::Assemblies;
 use crate::pooled::pool::Pool;
 use crate::pooled::recommendation::lowest_mean;
 use crate::pooled::settings::Settings;
@@ -104,6 +105,7 @@ impl Loop {
     /// [`Settings::validate`].
     pub fn new(region: &Region, settings: Settings) -> Result<Self, Error> {
         settings.validate()?;
+        check_plants(&settings, region)?;
         let mut rng = stream(settings.seed, Purpose::Designs, 0);
         Ok(Self {
             designs: Designs::of(region, &settings.linear_constraints, &mut rng)?,
@@ -130,6 +132,7 @@ impl Loop {
     /// Those of [`Settings::validate`], [`Error::NoDesignAllowed`]; the settings are then as before.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
+        check_plants(&settings, self.region())?;
         if settings.linear_constraints != self.settings.linear_constraints {
             let mut rng = stream(settings.seed, Purpose::Designs, 0);
             self.designs.keep_to(&settings.linear_constraints, &mut rng)?;
@@ -235,7 +238,7 @@ impl Loop {
             if settings.worth.is_some_and(|worth| look.assessment.certificate.bound <= worth) {
                 return Ok(Ask::Stopped(StopReason::NotWorthIt));
             }
-            let cells = look.picks(&knowledge, settings, &pending, batch)?.cells;
+            let cells = look.picks(&mut knowledge, settings, &pending, batch)?.cells;
             let due = match settings.simulations {
                 Some(budget) => simulations_of_a_batch(&knowledge, &look.pool, &cells, budget)?,
                 None => Vec::new(),
@@ -580,11 +583,29 @@ impl Loop {
             Some(actual) => self.reading(actual, response),
             None => {
                 let cell = record.trial.cell;
-                Ok(Reading { coded: self.designs.coded_of(cell)?, cell, response, number: 0 })
+                Ok(Reading { coded: self.designs.coded_of(cell)?, cell, response, number: 0, assembly: None })
             }
         });
         let numbered = |(number, reading): (usize, Result<Reading, Error>)| Ok(Reading { number, ..reading? });
-        earlier.chain(own).enumerate().map(numbered).collect()
+        let mut readings: Vec<Reading> = earlier.chain(own).enumerate().map(numbered).collect::<Result<_, Error>>()?;
+        let batches = self.records.iter().filter(|record| record.cost().is_some()).map(|record| record.trial.batch);
+        self.assemble(&mut readings, batches.collect());
+        Ok(readings)
+    }
+
+    /// Says which readings share an error: those of one plant in one batch, of which these are the batches; what was made before
+    /// stands alone.
+    fn assemble(&self, readings: &mut [Reading], batches: Vec<usize>) {
+        let Some(plants) = &self.settings.plants else { return };
+        let mut assemblies = Assemblies::default();
+        let n_earlier = readings.len() - batches.len();
+        let batches = std::iter::repeat_n(None, n_earlier).chain(batches.into_iter().map(Some));
+        for (reading, batch) in readings.iter_mut().zip(batches) {
+            reading.assembly = Some(match batch {
+                Some(batch) => assemblies.of(batch, plants.of(&self.designs, reading.cell)),
+                None => assemblies.alone(),
+            });
+        }
     }
 
     /// All that was measured.
@@ -604,7 +625,10 @@ impl Loop {
             Some(self.reading(record.actual.as_ref().unwrap_or(&record.trial.point), response))
         });
         let numbered = |(number, reading): (usize, Result<Reading, Error>)| Ok(Reading { number, ..reading? });
-        earlier.chain(own).enumerate().map(numbered).collect()
+        let mut readings: Vec<Reading> = earlier.chain(own).enumerate().map(numbered).collect::<Result<_, Error>>()?;
+        let measured = self.records.iter().filter(|record| value(self.constrained(record.trial.id)).is_some());
+        self.assemble(&mut readings, measured.map(|record| record.trial.batch).collect());
+        Ok(readings)
     }
 
     /// Where an experiment failed: at the settings really made, as far as they are known.
@@ -624,7 +648,22 @@ impl Loop {
         let (on_grid, here) = (self.designs.coded_of(cell)?, self.designs.coded_point(point)?);
         // Settings of the grid, however they were written, are those of the grid.
         let same = on_grid.iter().zip(&here).all(|(a, b)| (a - b).abs() < 1e-9);
-        Ok(Reading { coded: if same { on_grid } else { here }, cell, response, number: 0 })
+        Ok(Reading { coded: if same { on_grid } else { here }, cell, response, number: 0, assembly: None })
+    }
+}
+
+/// Whether the parameters of the plant are there.
+fn check_plants(settings: &Settings, region: &Region) -> Result<(), Error> {
+    let n = region.n_parameters();
+    let wrong = settings.plants.iter().flat_map(|plants| &plants.parameters).find(|&&parameter| parameter >= n);
+    match wrong {
+        Some(&parameter) => Err(Error::Constraint {
+            constraint: "plants".to_owned(),
+            field: "parameters",
+            value: parameter as f64,
+            expected: "places of parameters in the region, from 0",
+        }),
+        None => Ok(()),
     }
 }
 

@@ -33,13 +33,13 @@ pub(crate) fn first_batch(
         new.into_iter().chain(old).take(count).collect::<Vec<Cell>>()
     };
     if matches!(source, Source::Nothing) {
-        return Ok(evenly(n_experiments));
+        return Ok(on_few_plants(designs, settings, evenly(n_experiments)));
     }
     let screened: Vec<Cell> =
         if designs.n_cells() <= SCREENED as u64 { designs.cells().collect() } else { spread(designs, SCREENED, other) };
     let places = source.places(designs, &screened, simulated)?;
     let Some(responses) = places.simulated() else {
-        return Ok(evenly(n_experiments));
+        return Ok(on_few_plants(designs, settings, evenly(n_experiments)));
     };
     let within = within_constraints(designs, settings, simulated, source, &screened)?;
     let mut order: Vec<usize> = (0..screened.len()).collect();
@@ -48,9 +48,31 @@ pub(crate) fn first_batch(
     let promising = order.into_iter().map(|row| screened[row]).filter(|cell| !tested.contains(cell));
     let promising: Vec<Cell> = promising.collect();
     let n_promising = if promising.is_empty() { 0 } else { n_experiments / 2 };
-    let mut cells = evenly(n_experiments - n_promising);
-    cells.extend(far_apart(designs, &promising, n_experiments - cells.len())?);
-    Ok(cells)
+    let spread_out = evenly(n_experiments - n_promising);
+    let promising = far_apart(designs, &promising, n_experiments - spread_out.len())?;
+    Ok(match &settings.plants {
+        // Plants of either kind.
+        Some(plants) => plants.gathered(designs, &in_turn(promising, spread_out)),
+        None => [spread_out, promising].concat(),
+    })
+}
+
+fn on_few_plants(designs: &Designs, settings: &Settings, cells: Vec<Cell>) -> Vec<Cell> {
+    settings.plants.as_ref().map_or_else(|| cells.clone(), |plants| plants.gathered(designs, &cells))
+}
+
+/// One of each, as long as there are both.
+fn in_turn(a: Vec<Cell>, b: Vec<Cell>) -> Vec<Cell> {
+    let (mut a, mut b) = (a.into_iter(), b.into_iter());
+    let mut all = Vec::new();
+    loop {
+        let pair = (a.next(), b.next());
+        if pair == (None, None) {
+            return all;
+        }
+        all.extend(pair.0);
+        all.extend(pair.1);
+    }
 }
 
 /// Whether cells keep to all constraints, as far as the simulation knows.

@@ -2,8 +2,7 @@
 
 use design_space::Cell;
 use rayon::prelude::*;
-use surface::Data;
-use surface::process::{AveragedProcess, Joint, Marginals, Places, Sites};
+use surface::process::{AveragedProcess, Joint, Marginals, Places};
 
 use crate::Error;
 use crate::pooled::constraint::Constraint;
@@ -48,12 +47,10 @@ impl Held {
             return Ok(Self { constraint, column, process: None });
         }
         let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
-        let coordinates = readings.iter().flat_map(|reading| &reading.coded).copied().collect();
-        let responses = readings.iter().map(|reading| reading.response).collect();
-        let data = Data::new(designs.n_factors(), coordinates, responses)?;
         let places = source.known_places(designs, &cells, simulated, column)?;
+        let all: Vec<&Reading> = readings.iter().collect();
         let of_it = Settings { noise: constraint.noise, ..settings.clone() }.sampler();
-        let process = AveragedProcess::new(Sites::new(&data, places.simulated())?, &of_it)?;
+        let process = AveragedProcess::new(Reading::sites(&all, designs.n_factors(), places.simulated())?, &of_it)?;
         Ok(Self { constraint, column, process: Some(process) })
     }
 

@@ -3,9 +3,8 @@
 use std::collections::BTreeSet;
 
 use design_space::Cell;
-use surface::Data;
 use surface::process::{
-    AveragedProcess, Contrast, Feasibility, Joint, Marginals, Places, Residual, SamplerSettings, SimulationUse, Sites,
+    AveragedProcess, Contrast, Feasibility, Joint, Marginals, Places, Residual, SamplerSettings, SimulationUse,
     Structure,
 };
 
@@ -71,11 +70,9 @@ impl<'a, 's> Knowledge<'a, 's> {
     ) -> Result<Self, Error> {
         let Measurements { readings, constrained, failed } = measurements;
         let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
-        let coordinates = readings.iter().flat_map(|reading| &reading.coded).copied().collect();
-        let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
-        let data = Data::new(designs.n_factors(), coordinates, responses)?;
         let places = source.places(designs, &cells, simulated)?;
-        let sites = Sites::new(&data, places.simulated())?;
+        let all: Vec<&Reading> = readings.iter().collect();
+        let sites = Reading::sites(&all, designs.n_factors(), places.simulated())?;
         let sampler = settings.sampler();
         let sceptic = match sites.places().simulated() {
             Some(_) => Some(AveragedProcess::new(sites.clone(), &sceptical(&sampler))?),
@@ -110,20 +107,24 @@ impl<'a, 's> Knowledge<'a, 's> {
         let others: Vec<&Reading> = readings.iter().filter(|reading| !left_out(reading)).collect();
         let cells: Vec<Cell> = others.iter().map(|other| other.cell).chain([one.cell]).collect();
         let places = self.places(&cells)?;
-        let coordinates = others.iter().flat_map(|other| &other.coded).copied().collect();
-        let responses = others.iter().map(|other| other.response).collect();
-        let data = Data::new(self.designs.n_factors(), coordinates, responses)?;
         let (simulated, here) = match places.simulated() {
             Some(simulated) => (Some(&simulated[..others.len()]), Some(simulated[others.len()])),
             None => (None, None),
         };
-        let process = AveragedProcess::new(Sites::new(&data, simulated)?, &settings.sampler())?;
+        let sites = Reading::sites(&others, self.designs.n_factors(), simulated)?;
+        let process = AveragedProcess::new(sites, &settings.sampler())?;
         let mut place = Places::new(self.designs.n_factors(), &one.coded)?;
         if let Some(here) = here {
             place = place.with_simulated(vec![here])?;
         }
         let (marginals, noise) = (process.marginals(&place), process.noise());
-        Ok(View { mean: marginals.means[0], deviation: (marginals.variances[0] + noise.powi(2)).sqrt(), noise })
+        let variance = marginals.variances[0] + noise.powi(2) + process.assembly_deviation().powi(2);
+        Ok(View { mean: marginals.means[0], deviation: variance.sqrt(), noise })
+    }
+
+    /// Variance of one reading of an assembly that nothing else is known of.
+    pub(crate) fn reading_variance(&self) -> f64 {
+        self.process.noise().powi(2) + self.process.assembly_deviation().powi(2)
     }
 
     /// The same knowledge from other readings.

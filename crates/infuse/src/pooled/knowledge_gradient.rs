@@ -7,6 +7,7 @@ use surface::process::Joint;
 
 use crate::Error;
 use crate::pooled::admission::{Admission, Step};
+use crate::pooled::economy::Economy;
 use crate::pooled::held::FEASIBLE;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::outcomes::{OUTCOMES, outcomes};
@@ -45,12 +46,13 @@ pub(crate) fn pick(
     pending: &[Cell],
     count: usize,
     scramble: u32,
+    mut economy: Economy<'_>,
 ) -> Result<Picks, Error> {
-    let noise = knowledge.process.noise().powi(2);
+    let noise = knowledge.reading_variance();
     let mut believed = Gradient::of(&knowledge.joint_of_each(&pool.places), pool, noise);
     believed.admissions = admissions(knowledge, pool, scramble)?;
     let mut doubted = knowledge.sceptic.as_ref().map(|sceptic| {
-        let noise = sceptic.noise().powi(2);
+        let noise = sceptic.noise().powi(2) + sceptic.assembly_deviation().powi(2);
         Gradient { least_feasible: FEASIBLE, ..Gradient::of(&sceptic.joint_of_each(&pool.places), pool, noise) }
     });
     let pending: Vec<usize> =
@@ -62,11 +64,12 @@ pub(crate) fn pick(
         let normals = outcomes(step as u32, scramble);
         let row = match (pending.get(step), &doubted) {
             (Some(&row), _) => row,
-            (None, Some(doubted)) if cells.len() >= count - n_doubted => doubted.clearest(),
-            (None, _) => believed.most_telling(&normals, step as u32),
+            (None, Some(doubted)) if cells.len() >= count - n_doubted => doubted.clearest(&economy),
+            (None, _) => believed.most_telling(&normals, step as u32, &economy),
         };
         if step >= pending.len() {
             cells.push(pool.cells[row]);
+            economy.take(pool.cells[row]);
         }
         believed.measure(row, &normals, step as u32);
         if let Some(doubted) = &mut doubted {
@@ -126,14 +129,15 @@ impl<'a> Gradient<'a> {
         }
     }
 
-    fn weight(&self, row: usize) -> f64 {
+    /// How much what is learnt at a row counts: as it is likely to give a response, and per cost.
+    fn weight(&self, row: usize, economy: &Economy<'_>) -> f64 {
         let feasible = self.pool.chances.responding[row];
-        if feasible < self.least_feasible { 0.0 } else { feasible }
+        if feasible < self.least_feasible { 0.0 } else { feasible * economy.weight(self.pool.cells[row]) }
     }
 
     /// The row after which least is uncertain where the best may still be: what an experiment takes from the variances of all rows,
     /// each counted as it is likely to be better than the best (targeted integrated error, Picheny et al. 2010).
-    fn clearest(&self) -> usize {
+    fn clearest(&self, economy: &Economy<'_>) -> usize {
         let n = self.pool.cells.len();
         let means = self.joint.means();
         let best = means.iter().copied().fold(f64::INFINITY, f64::min);
@@ -146,15 +150,19 @@ impl<'a> Gradient<'a> {
         let shares: Vec<f64> = (0..n).map(better).collect();
         let learnt = |row: usize| {
             let effect = self.joint.effect(row, self.noise);
-            self.weight(row) * effect.iter().zip(&shares).map(|(effect, share)| effect * effect * share).sum::<f64>()
+            self.weight(row, economy)
+                * effect.iter().zip(&shares).map(|(effect, share)| effect * effect * share).sum::<f64>()
         };
         let learnt: Vec<f64> = (0..n).into_par_iter().map(learnt).collect();
-        (0..n).max_by(|&a, &b| learnt[a].total_cmp(&learnt[b]).then(b.cmp(&a))).unwrap_or(0)
+        let allowed = |row: usize| economy.allows(self.pool.cells[row]);
+        let order =
+            |&a: &usize, &b: &usize| allowed(a).cmp(&allowed(b)).then(learnt[a].total_cmp(&learnt[b])).then(b.cmp(&a));
+        (0..n).max_by(order).unwrap_or(0)
     }
 
     /// The row that lowers the expected minimum most; of equals the one that is least certain, so that nothing to gain still
     /// teaches.
-    fn most_telling(&self, normals: &[f64], number: u32) -> usize {
+    fn most_telling(&self, normals: &[f64], number: u32, economy: &Economy<'_>) -> usize {
         let n = self.pool.cells.len();
         let (still, stay): (Vec<f64>, Vec<Step>) =
             (vec![0.0; n], self.admissions.iter().map(Admission::stay).collect());
@@ -164,12 +172,14 @@ impl<'a> Gradient<'a> {
             let effect = self.joint.effect(row, self.noise);
             let steps: Vec<Step> = self.admissions.iter().map(|admission| admission.step(row, number)).collect();
             let then = self.lowest_of_each(&effect, normals, &steps, reserve);
-            self.weight(row) * (now - then).max(0.0)
+            self.weight(row, economy) * (now - then).max(0.0)
         };
         let gains: Vec<f64> = (0..n).into_par_iter().map(gain).collect();
-        let uncertain = |row: usize| self.weight(row) * self.joint.variance(row);
+        let uncertain = |row: usize| self.weight(row, economy) * self.joint.variance(row);
+        let allowed = |row: usize| economy.allows(self.pool.cells[row]);
         let order = |&a: &usize, &b: &usize| {
-            gains[a].total_cmp(&gains[b]).then(uncertain(a).total_cmp(&uncertain(b))).then(b.cmp(&a))
+            let gain = || gains[a].total_cmp(&gains[b]);
+            allowed(a).cmp(&allowed(b)).then_with(gain).then(uncertain(a).total_cmp(&uncertain(b))).then(b.cmp(&a))
         };
         (0..n).max_by(order).unwrap_or(0)
     }

@@ -111,6 +111,17 @@ impl Pool {
         Self { cells, places, marginals, chances, random: Vec::new() }
     }
 
+    /// The same with other cells, too.
+    pub(crate) fn with(self, knowledge: &mut Knowledge<'_, '_>, cells: &[Cell]) -> Result<Self, Error> {
+        let known: BTreeSet<Cell> = self.cells.iter().copied().collect();
+        let new: Vec<Cell> = cells.iter().copied().filter(|cell| !known.contains(cell)).collect();
+        if new.is_empty() {
+            return Ok(self);
+        }
+        let more = Self::of(knowledge, new)?;
+        Ok(self.followed_by(more))
+    }
+
     /// The part of it on which joint distributions are affordable: the promising cells, and others at random.
     pub(crate) fn reduced(&self, seed: u64, batch: usize) -> Self {
         let order = self.by_lower_bound(2.0);

@@ -5,6 +5,7 @@ use surface::process::{SamplerSettings, Structure};
 
 use crate::Error;
 use crate::pooled::constraint::{Constraint, LinearConstraint};
+use crate::pooled::plants::Plants;
 
 /// The settings of a pooled loop.
 #[non_exhaustive]
@@ -37,6 +38,9 @@ pub struct Settings {
     /// Settings that go together. Default: all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub linear_constraints: Vec<LinearConstraint>,
+    /// Which parameters are built and not typed, and what another plant costs. Default: all are set anew for every run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plants: Option<Plants>,
     /// Number of structures and hyperparameters that are averaged. Default 18.
     #[serde(default = "default_particles")]
     pub particles: usize,
@@ -81,6 +85,7 @@ impl Settings {
             confidence: default_confidence(),
             constraints: Vec::new(),
             linear_constraints: Vec::new(),
+            plants: None,
             particles: default_particles(),
             structures: default_structures(),
             seed: default_seed(),
@@ -113,6 +118,9 @@ impl Settings {
         count("structures", self.structures.len(), 1..=1000, "at least one structure")?;
         for constraint in &self.constraints {
             constraint.validate()?;
+        }
+        if let Some(plants) = &self.plants {
+            plants.validate()?;
         }
         for (name, value) in [("noise", self.noise), ("worth", self.worth)] {
             if let Some(value) = value.filter(|value| !(0.0..=1e100).contains(value)) {

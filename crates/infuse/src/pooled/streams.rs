@@ -14,6 +14,7 @@ pub(crate) enum Purpose {
     Recommendation = 7,
     Constraints = 8,
     Designs = 9,
+    Plants = 10,
 }
 
 /// An independent stream of the generator for a purpose in a batch.

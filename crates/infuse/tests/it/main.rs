@@ -21,6 +21,7 @@ mod invariants;
 mod mechanisms;
 mod pooled;
 mod pooled_constraints;
+mod pooled_plants;
 mod problems;
 mod saved_state;
 mod strategies;
