@@ -19,6 +19,8 @@ use crate::problem::Response;
 #[derive(Debug, Clone)]
 pub(crate) struct Experiments {
     region: Region,
+    /// The parameters that make a plant: its runs are made one after the other.
+    plant: Vec<usize>,
     /// Every experiment that was ever handed out, by id.
     pub(crate) trials: BTreeMap<u64, Trial>,
     /// What was told about them.
@@ -26,8 +28,8 @@ pub(crate) struct Experiments {
 }
 
 impl Experiments {
-    pub(crate) fn of(region: &Region) -> Self {
-        Self { region: region.clone(), trials: BTreeMap::new(), readings: BTreeMap::new() }
+    pub(crate) fn of(region: &Region, plant: &[usize]) -> Self {
+        Self { region: region.clone(), plant: plant.to_vec(), trials: BTreeMap::new(), readings: BTreeMap::new() }
     }
 
     /// Notes these as handed out.
@@ -110,7 +112,18 @@ impl Experiments {
             generator = Pcg64::seed_from_u64(generator.random());
         }
         trials.shuffle(&mut generator);
-        part_repeats(&mut trials);
+        // Plants in random order, and in random order what is run on each.
+        let plant = |trial: &Trial| self.plant.iter().map(|&place| trial.point[place].to_bits()).collect::<Vec<u64>>();
+        let mut plants: Vec<Vec<u64>> = Vec::new();
+        for (trial, _) in &trials {
+            if !plants.contains(&plant(trial)) {
+                plants.push(plant(trial));
+            }
+        }
+        trials.sort_by_key(|(trial, _)| plants.iter().position(|other| *other == plant(trial)));
+        for of_plant in trials.chunk_by_mut(|(a, _), (b, _)| plant(a) == plant(b)) {
+            part_repeats(of_plant);
+        }
         trials
     }
 

@@ -86,7 +86,7 @@ impl Campaign {
             folder: folder.to_path_buf(),
             now: settled.clone(),
             settled,
-            experiments: Experiments::of(&problem.region),
+            experiments: Experiments::of(&problem.region, &[]),
             problem,
             notices: journal.notices,
             plan: None,

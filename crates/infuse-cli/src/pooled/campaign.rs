@@ -120,7 +120,7 @@ impl Campaign {
             settings,
             grid,
             notices,
-            experiments: Experiments::of(&problem.region),
+            experiments: Experiments::of(&problem.region, problem.plant()),
             problem,
             batches: Vec::new(),
             planned: BTreeSet::new(),
@@ -308,6 +308,17 @@ impl Campaign {
         });
         let meant = own.chain(imported).filter(|one| !but.contains(&one.origin));
         meant.min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+
+    /// What the experiments of the batches up to this one cost, made in the order of their sheets, and for how many plants; none
+    /// where nothing is hard to change.
+    pub(super) fn spent_until(&self, batch: usize) -> Option<(f64, usize)> {
+        let costs = self.problem.costs.as_ref()?;
+        let in_order = (1..=batch).flat_map(|batch| self.experiments.in_run_order(batch, self.problem.seed));
+        let made: Vec<Vec<f64>> =
+            in_order.filter(|(trial, _)| self.experiments.is_told(trial.id)).map(|(trial, _)| trial.point).collect();
+        let runs: Vec<&[f64]> = made.iter().map(Vec::as_slice).collect();
+        Some(costs.of_runs(None, &runs))
     }
 
     /// How many experiments from before the campaign gave a value.

@@ -32,7 +32,7 @@ pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<F
         vec![best(campaign, found)?],
         confirmed(campaign)?,
         vec![certificate(campaign, found), left(found)],
-        vec![simulation(campaign, found)?, noise(campaign, found)],
+        [simulation(campaign, found)?, noise(campaign, found)].into_iter().chain(plants(campaign, found)).collect(),
     ])
 }
 
@@ -232,6 +232,27 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
         }
     };
     Finding::new(sentence).with("noise", found.noise, unit).with("repeats", found.n_repeats as f64, "1")
+}
+
+/// What was spent, and what the runs of a plant share.
+fn plants(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
+    let costs = campaign.problem.costs.as_ref()?;
+    let (spent, n_plants) = campaign.spent_until(campaign.batches.len())?;
+    let runs = count(campaign.experiments.n_made(), "run");
+    let sentence =
+        format!("Spent so far: {} for {runs} on {}.", costs.shown(spent), count(n_plants, "assembled plant"));
+    let mut finding =
+        Finding::new(sentence).with("spent", spent, costs.unit()).with("plants assembled", n_plants as f64, "1");
+    if let Some(shared) = found.assembly {
+        let response = &campaign.problem.response;
+        let sentence = format!(
+            "All runs of a plant, as it was put together for a batch, share an error: {} (standard deviation), as far as the \
+             runs tell it from the noise.",
+            amount(response, shared)
+        );
+        finding = finding.detail(Finding::new(sentence).with("shared error", shared, &response.unit));
+    }
+    Some(finding)
 }
 
 /// What the last batch taught, in short.

@@ -151,6 +151,8 @@ impl campaign::Campaign for Campaign {
             "left_share": found.left,
             "noise": json!({ "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats }),
             "constraints": as_json(self, &found.recommended.constrained),
+            "spent": self.spent_until(self.batches.len()).map(|(cost, plants)| json!({ "cost": cost, "plants": plants })),
+            "shared_error_of_a_plant": found.assembly,
             "keeps_to_the_constraints": found.recommended.suffices,
             "simulation": found.simulation,
             "simulation_alone": simulation_alone.map(|point| problem.named(&point)),

@@ -62,7 +62,7 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
     let (_, cell) = campaign.nearest(asked)?;
     let standing = campaign.standing(cell)?.context("no experiment gave a result yet, so nothing is expected")?;
     let (problem, response) = (&campaign.problem, &campaign.problem.response);
-    let noise = campaign.assessment()?.map_or(0.0, |found| found.noise);
+    let noise = campaign.assessment()?.map_or(0.0, |found| found.noise.hypot(found.assembly.unwrap_or(0.0)));
     let half = NINE_IN_TEN * standing.deviation.hypot(noise);
     let mut costs = [standing.mean - half, standing.mean + half];
     if response.goal == Goal::Maximize {

@@ -59,6 +59,8 @@ pub(crate) struct ParameterEntry {
     pub(crate) step: Option<f64>,
     /// In place of bounds, of what is no number.
     pub(crate) choices: Option<Vec<String>>,
+    /// What it costs to set it anew.
+    pub(crate) change_cost: Option<f64>,
     pub(crate) role: Role,
 }
 
@@ -173,8 +175,13 @@ pub(crate) struct LoopEntry {
     pub(crate) simulations: Option<SimulationsEntry>,
     pub(crate) batches: Option<usize>,
     pub(crate) confidence: Option<f64>,
-    /// Of the pooled loop alone.
+    /// Of the pooled loop alone, as the next three.
     pub(crate) noise: Option<f64>,
+    /// Plants in a batch, at most.
+    pub(crate) plants: Option<usize>,
+    /// In the unit of the costs of changes.
+    pub(crate) experiment_cost: Option<f64>,
+    pub(crate) cost_unit: Option<String>,
     /// Of the dissertation's loop alone, as all that follow.
     pub(crate) model: Option<ModelEntry>,
     pub(crate) replicates: Option<usize>,

@@ -103,7 +103,7 @@ mod tests {
     fn entry(lower: f64, upper: f64, levels: Option<u32>, step: Option<f64>) -> ParameterEntry {
         let (name, unit) = ("pitch".to_owned(), Some("deg".to_owned()));
         let (lower, upper) = (Some(lower), Some(upper));
-        ParameterEntry { name, unit, lower, upper, levels, step, choices: None, role: Role::Plant }
+        ParameterEntry { name, unit, lower, upper, levels, step, choices: None, change_cost: None, role: Role::Plant }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! A campaign's problem: what `campaign.toml` says, checked.
 
 mod constraints;
+mod costs;
 pub(crate) mod file;
 mod levels;
 mod queue;
@@ -19,6 +20,7 @@ use infuse::pooled::LinearConstraint;
 use serde_json::{Value, json};
 
 pub(crate) use constraints::Held;
+pub(crate) use costs::Costs;
 use file::LoopEntry;
 pub(crate) use file::{Goal, Input, Method, SheetFormat};
 pub(crate) use queue::Queue;
@@ -44,6 +46,8 @@ pub(crate) struct Problem {
     pub(crate) linear_constraints: Vec<LinearConstraint>,
     /// Says whether a design can be built.
     pub(crate) can_be_built: Option<Program>,
+    /// Which parameters are hard to change, and what runs cost.
+    pub(crate) costs: Option<Costs>,
     pub(crate) seed: u64,
     pub(crate) sheets: SheetFormat,
     /// As it stands in the file.
@@ -160,6 +164,11 @@ impl Problem {
             format!("{} {}", parameter.name(), with_unit(&shown(parameter, value), parameter.unit()))
         });
         parts.collect::<Vec<_>>().join(", ")
+    }
+
+    /// The parameters that make a plant, by their places; none where all are as easy to set.
+    pub(crate) fn plant(&self) -> &[usize] {
+        self.costs.as_ref().map_or(&[], |costs| &costs.plant)
     }
 
     /// Those numbers that belong to constraints.

@@ -7,6 +7,7 @@ use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use design_space::Region;
 
 use super::constraints::{held, linear};
+use super::costs::Costs;
 use super::file::{Input, ProblemFile, ResponseEntry, SimulationsEntry, SimulatorEntry};
 use super::levels::parameter;
 use super::queue::submits_a_job;
@@ -58,6 +59,7 @@ impl Problem {
         let can_be_built = file
             .can_be_built
             .map(|entry| program(entry.command, entry.input, entry.timeout_seconds, &region).context("[can_be_built]"));
+        let costs = Costs::of(&file.parameters, &file.rule)?;
         let worth = file.stop.worth;
         if let Some(worth) = worth {
             let is_usable = worth > 0.0 && worth.is_finite();
@@ -73,6 +75,7 @@ impl Problem {
             constraints,
             linear_constraints,
             can_be_built: can_be_built.transpose()?,
+            costs,
             seed: file.seed,
             sheets: file.sheets,
             rule: file.rule,

@@ -9,7 +9,7 @@ use infuse::{
 };
 
 use super::file::{LoopEntry, ModelEntry, SimulationsEntry};
-use super::{Problem, Simulator};
+use super::{Costs, Problem, Simulator};
 
 impl Problem {
     /// The settings of the dissertation's loop.
@@ -18,6 +18,9 @@ impl Problem {
             ("constraint", !self.constraints.is_empty()),
             ("linear_constraint", !self.linear_constraints.is_empty()),
             ("can_be_built", self.can_be_built.is_some()),
+            ("change_cost", self.costs.is_some()),
+            ("experiment_cost", self.rule.experiment_cost.is_some()),
+            ("cost_unit", self.rule.cost_unit.is_some()),
         ];
         if let Some((key, _)) = of_the_pooled_loop.iter().find(|(_, is_set)| *is_set) {
             bail!("`{key}` belongs to `method` = \"pooled\", expected none with `method` = \"dissertation\"");
@@ -58,6 +61,7 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
     settings.noise = entry.noise;
     settings.worth = problem.worth;
     settings.constraints = problem.constraints.iter().map(|held| held.constraint.clone()).collect();
+    settings.plants = problem.costs.as_ref().map(Costs::plants);
     settings.linear_constraints.clone_from(&problem.linear_constraints);
     settings.seed = problem.seed;
     settings.validate()?;

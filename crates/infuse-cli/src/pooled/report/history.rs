@@ -29,15 +29,20 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
         return Ok(());
     }
     let of_batches = best_of_batches(campaign);
-    let charts = [expected(campaign, &of_batches), bound(campaign), left(campaign)];
+    let mut charts = vec![expected(campaign, &of_batches), bound(campaign), left(campaign)];
+    charts.extend(spent(campaign));
     let worth = match campaign.settings.worth {
         Some(_) => " Below `worth` another batch is not worth its cost.",
+        None => "",
+    };
+    let below = match campaign.problem.costs {
+        Some(_) => " Below: the bound against what the experiments so far have cost, plants included.",
         None => "",
     };
     let caption = format!(
         "Left: what is expected of the recommended design after each batch, with its band of 90 %, and the best that was \
          measured in the batch. Middle: no design is better than the recommended one by more than the bound, with the \
-         probability of the certificate.{worth} Right: the share of all designs that may still be the best."
+         probability of the certificate.{worth} Right: the share of all designs that may still be the best.{below}"
     );
     page.charts(&charts, &[], &caption);
     write_table(page, campaign, &of_batches);
@@ -100,6 +105,19 @@ fn bound(campaign: &Campaign) -> Chart {
         chart.key(Key::new("worth").line(Stroke::Dashes, VERMILION));
     }
     chart
+}
+
+/// The bound against what was spent for it.
+fn spent(campaign: &Campaign) -> Option<Chart> {
+    let costs = campaign.problem.costs.as_ref()?;
+    let spent = |known: &Assessed| Some((campaign.spent_until(known.batch)?.0, known.bound));
+    let points: Line = campaign.history.values().filter_map(spent).collect();
+    let response = &campaign.problem.response;
+    let y = Axis::new("bound", &response.unit).around(points.iter().map(|point| point.1).chain([0.0]));
+    let x = Axis::new("cost", costs.unit()).around(points.iter().map(|point| point.0).chain([0.0]));
+    let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Shown);
+    draw(&mut chart, &points);
+    Some(chart)
 }
 
 fn left(campaign: &Campaign) -> Chart {

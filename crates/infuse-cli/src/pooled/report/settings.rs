@@ -16,7 +16,7 @@ pub(super) fn rows(campaign: &Campaign) -> Result<Vec<Row>> {
         (Access::Budget, None) => "the rows of the table, and a surface through some of them".to_owned(),
     };
     let noise = settings.noise.map_or_else(|| "learnt".to_owned(), |noise| with_unit(&plain(noise), unit));
-    Ok(vec![
+    let mut rows = vec![
         ("`method`", "pooled".to_owned()),
         ("`experiments`", format!("{} per batch", settings.n_experiments)),
         ("`simulations`", simulations),
@@ -25,5 +25,9 @@ pub(super) fn rows(campaign: &Campaign) -> Result<Vec<Row>> {
         ("`noise`", noise),
         ("`seed`", settings.seed.to_string()),
         ("designs", grouped(campaign.grid.n_cells())),
-    ])
+    ];
+    if let Some(costs) = &campaign.problem.costs {
+        rows.push(("costs", costs.in_words(&campaign.problem.region)));
+    }
+    Ok(rows)
 }
