@@ -111,3 +111,21 @@ fn long_texts_are_not_said_back_whole() {
         assert!(error.len() < 1000, "{}", error.len());
     }
 }
+
+/// However few columns the table has, and wherever the next quote stands.
+#[test]
+fn a_quote_that_is_never_closed_swallows_no_rows() {
+    for text in [
+        "id,vibration [mm/s],note\n3,7.5,\"oops\n4,7\n5,8\n",
+        "id,note,vibration [mm/s]\n3,\"oops,7.5\n4,,7\n5,\"b\",8\n",
+        "# \"\nid,note,vibration [mm/s]\n3,\"oops,7.5\n4,,7\n",
+        "id,note,vibration [mm/s]\n3,\"a \"\"b\"\" c\",7.5\n4,\"oops\"\"\n",
+    ] {
+        let row = text.lines().position(|line| line.contains("oops")).unwrap() + 1;
+        assert_refused(text, &[&format!("row {row}: a quote"), "expected a second one"]);
+    }
+    assert_told(
+        b"id,note,vibration [mm/s]\r\n3,\"two\r\nlines\" ,7.5\r\n4,a\"b,8.125\r\n5,\"\"\"c\"\"\",9\r\n",
+        &EXPECTED,
+    );
+}
