@@ -62,8 +62,7 @@ fn utf_16_and_byte_order_marks_are_read() {
     odd.push(b'x');
     std::fs::write(rig.path("odd.csv"), odd).unwrap();
     assert!(rig.infuse(&["tell", "odd.csv"]).error().contains("begins like UTF-16"));
-    let without_mark: Vec<u8> =
-        text.replace('ü', "u").replace('µ', "u").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let without_mark: Vec<u8> = text.replace(['ü', 'µ'], "u").encode_utf16().flat_map(u16::to_le_bytes).collect();
     std::fs::write(rig.path("odd.csv"), without_mark).unwrap();
     assert!(rig.infuse(&["tell", "odd.csv"]).error().contains("save it as CSV in UTF-8"));
 }
