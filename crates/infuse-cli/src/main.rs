@@ -17,6 +17,7 @@ mod report;
 mod sheet;
 mod shell;
 mod simulator;
+mod wording;
 
 use std::io::Write as _;
 use std::process::ExitCode;

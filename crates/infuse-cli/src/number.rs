@@ -51,9 +51,9 @@ pub(crate) fn setting(value: f64, step: f64) -> String {
     plain((value / unit).round() * unit)
 }
 
-/// With the unit, if there is one.
+/// With the unit, if there is one; 1 is none.
 pub(crate) fn with_unit(number: &str, unit: &str) -> String {
-    if unit.is_empty() { number.to_owned() } else { format!("{number} {unit}") }
+    if unit.is_empty() || unit == "1" { number.to_owned() } else { format!("{number} {unit}") }
 }
 
 /// One decimal, and of a small share one digit that counts.
@@ -131,6 +131,7 @@ mod tests {
         assert_eq!(plain(1.25e-9), "1.25e-9");
         assert_eq!(short(1.234_567), "1.235");
         assert_eq!(short(21_344.0), "21340");
+        assert_eq!((with_unit("88.75", "1"), with_unit("3", "mm")), ("88.75".to_owned(), "3 mm".to_owned()));
     }
 
     #[test]

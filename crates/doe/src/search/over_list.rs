@@ -12,8 +12,12 @@ use super::incumbents::Incumbents;
 use super::problem::{Problem, Replicates};
 use super::settings::Effort;
 use super::starts::{Outcome, Runner};
+use crate::products::Products;
 use crate::shape::{Axis, BoxShape, List, SAME_RUN};
 use crate::{Criterion, Error};
+
+/// Monomials on all points of the cube's lattice, of which a search keeps a few copies: 128 MB each.
+const MOST_VALUES: usize = 1 << 24;
 
 /// What was found, and the index of the candidate that each distinct free run is.
 ///
@@ -25,7 +29,9 @@ pub(crate) fn over_list(problem: &Problem, list: &List, runner: Runner<'_>) -> R
     let map = |point: &[f64]| stretch.map(point);
     let stretched = List { n_factors: k, coordinates: list.points().flat_map(map).collect() };
     let cube = BoxShape { axes: vec![Axis::Continuous; k], forbidden: Vec::new() };
-    let is_boxed = stretch.fills || stretch.stretches;
+    // Where the cube's lattice would fill the memory, the list is searched for itself.
+    let n_values = lattice(&cube).n_points().saturating_mul(Products::of(problem.model()).n_monomials());
+    let is_boxed = (stretch.fills || stretch.stretches) && n_values <= MOST_VALUES;
     let frame = Frame::of(problem, is_boxed.then_some(&cube), runner.least_log_determinant, &map)?;
     let lattice = lattice(&cube);
     let relaxed = Continuous { frame: &frame, shape: &cube, lattice: &lattice, effort: Effort::Quick };

@@ -49,11 +49,13 @@ impl Table {
                 column
             })
             .collect();
+        drop(distinct);
         let n_columns = sources.len();
         let by_point: Vec<f64> = (0..allowed.len())
             .flat_map(|row| sources.iter().map(move |&source| (row, source)))
             .map(|(row, source)| values[row * n_monomials + source])
             .collect();
+        drop(values);
         let n_blocks = allowed.len().div_ceil(BLOCK);
         let mut blocked = vec![0.0; n_blocks * n_columns * BLOCK];
         for row in 0..allowed.len() {

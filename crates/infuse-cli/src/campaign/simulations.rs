@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use design_space::Grid;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -34,7 +34,8 @@ pub(crate) fn simulate_missing(
         return Ok(done);
     }
     let bar = ProgressBar::new(jobs.len() as u64);
-    let style = ProgressStyle::with_template("simulations {bar:30} {pos}/{len}, {eta} left {msg}");
+    let style = ProgressStyle::with_template("simulations {bar:30} {pos}/{len}{left} {msg}")
+        .map(|style| style.with_key("left", time_left));
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.tick();
     let by = identity(&problem.simulator);
@@ -80,6 +81,13 @@ pub(crate) fn simulate_missing(
         bail!("interrupted: {} of {} are remembered, {rest}", done.n_done, count(jobs.len(), "simulation"));
     }
     Ok(done)
+}
+
+/// How long it takes still, as soon as that is known.
+fn time_left(state: &ProgressState, out: &mut dyn std::fmt::Write) {
+    if state.pos() > 0 {
+        let _ = write!(out, ", {:#} left", HumanDuration(state.eta()));
+    }
 }
 
 /// In words, if some gave no value.

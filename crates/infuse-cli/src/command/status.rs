@@ -80,14 +80,19 @@ fn for_every_method(campaign: &dyn Campaign, stage: &Stage) -> Value {
     })
 }
 
+/// Sheets with higher numbers are not looked for.
+const MOST_BATCHES: usize = 200;
+
 /// Sheets of a campaign whose journal is gone: nothing of them is known.
 fn sheets_without_a_journal(campaign: &dyn Campaign) -> Option<String> {
     let folder = campaign.folder();
-    let first = sheet_path(folder, campaign.problem().sheets, 1, None);
-    (first.exists() && !folder.join(JOURNAL).exists()).then(|| {
-        format!(
-            "there is {}, but no {JOURNAL}: if it was moved, put it back; nothing of the sheets is known without it",
-            first.display()
-        )
-    })
+    if folder.join(JOURNAL).exists() {
+        return None;
+    }
+    let sheets = (1..=MOST_BATCHES).map(|batch| sheet_path(folder, campaign.problem().sheets, batch, None));
+    let first = sheets.into_iter().find(|sheet| sheet.exists())?;
+    Some(format!(
+        "there is {}, but no {JOURNAL}: if it was moved, put it back; nothing of the sheets is known without it",
+        first.display()
+    ))
 }

@@ -82,11 +82,11 @@ pub(super) fn in_words(last: &Last) -> String {
             format!("the withdrawal of `{}`", source.map_or("", String::as_str))
         }
         Deed::Ask | Deed::Confirm => {
-            let planned = events().filter_map(|event| match event {
+            let mut planned = events().filter_map(|event| match event {
                 Event::Planned { batch, experiments, .. } => Some((*batch, experiments.len())),
                 _ => None,
             });
-            let (batch, n) = planned.last().unwrap_or_default();
+            let (batch, n) = planned.next_back().unwrap_or_default();
             let why = if last.deed == Deed::Confirm { " that was to confirm" } else { "" };
             format!("batch {batch}{why}, of {} none of which was told", count(n, "experiment"))
         }

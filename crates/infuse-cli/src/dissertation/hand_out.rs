@@ -40,8 +40,12 @@ pub(super) fn hand_out(campaign: &mut Campaign, writer: &mut Writer, anyway: boo
         campaign.write_down(writer, vec![Event::Opened { batch, at: now() }])?;
         match campaign.failed_opening.take() {
             None => return Ok(done),
-            Some(error @ Error::EverySimulationFailed { .. }) => {
-                bail!("{error}\nRepair the simulator and ask again: nothing is lost");
+            Some(Error::EverySimulationFailed { n_simulations, first_point, first_reason }) => {
+                bail!(
+                    "all {n_simulations} simulations failed, the first at {}: {first_reason}\nRepair the simulator and ask again: \
+                     nothing is lost",
+                    campaign.problem.describe(&first_point)
+                );
             }
             Some(error) => done.notices.push(format!("{error}; other points are simulated instead")),
         }

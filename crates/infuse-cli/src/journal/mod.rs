@@ -45,7 +45,7 @@ pub(crate) struct Journal {
 impl Journal {
     /// From all lines.
     pub(crate) fn of(all: Vec<(usize, Event)>, notices: Vec<String>) -> Result<Self> {
-        let standing = Standing::of(all.clone())?;
+        let standing = Standing::of(all.clone()).context(JOURNAL)?;
         let last = standing.last();
         Ok(Self { events: standing.events, all, taken_back: standing.taken_back, last, notices })
     }

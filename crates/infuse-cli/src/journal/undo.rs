@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 
 use anyhow::{Context as _, Result, ensure};
 
-use super::JOURNAL;
 use super::deed::Deed;
 use super::event::{Event, Purpose};
 
@@ -33,7 +32,7 @@ impl Standing {
     pub(crate) fn of(events: Vec<(usize, Event)>) -> Result<Self> {
         let mut standing = Self::default();
         for (line, event) in events {
-            standing.add(line, event).with_context(|| format!("{JOURNAL}, line {line}"))?;
+            standing.add(line, event).with_context(|| format!("line {line}"))?;
         }
         Ok(standing)
     }

@@ -13,6 +13,7 @@ use super::levels::parameter;
 use super::queue::submits_a_job;
 use super::reserved::is_reserved;
 use super::{PROBLEM, Problem, Program, Queue, Response, Simulator};
+use crate::wording::in_plain_words;
 
 const TIMEOUT_SECONDS: f64 = 600.0;
 const LONGEST_TIMEOUT_SECONDS: f64 = 3.0e7;
@@ -91,8 +92,8 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
     let line = text.lines().nth(line).unwrap_or_default();
     let value = line.split('#').next().unwrap_or_default().split('=').nth(1).unwrap_or_default().as_bytes();
     let is_comma = value.windows(3).any(|w| w[0].is_ascii_digit() && w[1] == b',' && w[2].is_ascii_digit());
-    let hint = if is_comma { "a decimal comma? write 20.5 and not 20,5" } else { "" };
-    anyhow!("{error}{hint}")
+    let hint = if is_comma { "\na decimal comma? write 20.5 and not 20,5" } else { "" };
+    anyhow!("{}{hint}", in_plain_words(&error.to_string()))
 }
 
 fn response(entry: ResponseEntry) -> Result<Response> {

@@ -12,6 +12,9 @@ pub(super) fn records(bytes: &[u8]) -> Result<Records> {
         Some((separator, rest)) => (separator, rest),
         None => (most_used_separator(&text), &*text),
     };
+    if let Some(row) = open_quote(text.as_bytes(), separator) {
+        bail!("row {row}: a quote (\") begins a cell and does not end it, expected a second one where its text ends");
+    }
     let mut reader = csv::ReaderBuilder::new();
     reader.has_headers(false).flexible(true).trim(csv::Trim::All).delimiter(separator).comment(Some(b'#'));
     let mut rows: Vec<(usize, Vec<Cell>)> = Vec::new();
@@ -82,6 +85,40 @@ fn lines_without_cells(bytes: &[u8]) -> usize {
     let lines = bytes.split_inclusive(|&byte| byte == b'\n');
     let is_empty = |line: &[u8]| line == b"\n" || line == b"\r\n";
     lines.take_while(|line| line.ends_with(b"\n") && (line.starts_with(b"#") || is_empty(line))).count()
+}
+
+/// The row of a cell that begins with a quote and does not end with one.
+fn open_quote(text: &[u8], separator: u8) -> Option<usize> {
+    let (mut at, mut row, mut begins_row) = (0, 1, true);
+    while at < text.len() {
+        let is_remark = begins_row && text[at] == b'#';
+        let ends = |byte: u8| byte == b'\n' || (byte == separator && !is_remark);
+        if text[at] == b'"' {
+            let Some(end) = end_of_quote(text, at + 1) else { return Some(row) };
+            let blanks = text[end..].iter().take_while(|&&byte| byte == b' ' || byte == b'\r').count();
+            at = end + blanks;
+            if text.get(at).is_some_and(|&byte| !ends(byte)) {
+                return Some(row);
+            }
+        }
+        let Some(length) = text[at..].iter().position(|&byte| ends(byte)) else { break };
+        at += length + 1;
+        begins_row = text[at - 1] == b'\n';
+        row += usize::from(begins_row);
+    }
+    None
+}
+
+/// After the quote that closes a text which begins here; two quotes stand for one.
+fn end_of_quote(text: &[u8], begin: usize) -> Option<usize> {
+    let mut at = begin;
+    loop {
+        at += text[at..].iter().position(|&byte| byte == b'"')? + 1;
+        if text.get(at) != Some(&b'"') {
+            return Some(at);
+        }
+        at += 1;
+    }
 }
 
 /// Whether a cell goes on over lines that are rows of their own: a quote that was opened and never closed.

@@ -18,6 +18,7 @@ mod queues;
 mod report;
 mod report_page;
 mod rig;
+mod rough;
 mod sheets;
 mod slurm;
 mod tables;

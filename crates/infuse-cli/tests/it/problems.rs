@@ -63,3 +63,28 @@ fn a_table_that_does_not_fit_is_told_by_its_cells() {
     );
     assert!(error.contains("column `damper gain [N s/mm]`: is `x`"), "{error}");
 }
+
+#[test]
+fn no_message_about_the_file_names_a_type_of_the_program() {
+    for (from, to, words) in [
+        ("seed = 1", "seed = -1", "it is `-1`, expected a whole number from 0"),
+        ("step = 2", "levels = 2.5", "it is `2.5`, expected a whole number from 0"),
+        ("lower = 10", "lower = \"a\"", "it is \"a\", expected a number"),
+        ("experiments = 10", "experiments = \"ten\"", "expected a whole number from 0"),
+        ("table = \"simulation.csv\"", "table = 5", "expected the name of a file"),
+        ("table = \"simulation.csv\"", "command = \"a b\"", "expected a list, like [\"program\""),
+        ("role = \"plant\"", "role = 3", "expected a name in quotes"),
+        ("[loop]", "[loop]\nsurfaces = \"x\"", "expected a table"),
+    ] {
+        let rig = Rig::pooled();
+        rig.edit(from, to);
+        let error = rig.infuse(&["status"]).error();
+        assert!(error.contains(words), "{words} is not in {error}");
+        for name in ["u64", "u32", "usize", "f64", "struct", "sequence"] {
+            assert!(!error.contains(name), "{name} is in {error}");
+        }
+    }
+    let rig = Rig::pooled();
+    rig.edit("seed = 1", &format!("seed = \"{}\"", "x".repeat(3_000_000)));
+    assert!(rig.infuse(&["status"]).error().len() < 1000);
+}

@@ -62,8 +62,7 @@ fn utf_16_and_byte_order_marks_are_read() {
     odd.push(b'x');
     std::fs::write(rig.path("odd.csv"), odd).unwrap();
     assert!(rig.infuse(&["tell", "odd.csv"]).error().contains("begins like UTF-16"));
-    let without_mark: Vec<u8> =
-        text.replace('ü', "u").replace('µ', "u").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let without_mark: Vec<u8> = text.replace(['ü', 'µ'], "u").encode_utf16().flat_map(u16::to_le_bytes).collect();
     std::fs::write(rig.path("odd.csv"), without_mark).unwrap();
     assert!(rig.infuse(&["tell", "odd.csv"]).error().contains("save it as CSV in UTF-8"));
 }
@@ -110,4 +109,22 @@ fn long_texts_are_not_said_back_whole() {
         let error = rig.infuse(&["tell", "long.csv"]).error();
         assert!(error.len() < 1000, "{}", error.len());
     }
+}
+
+/// However few columns the table has, and wherever the next quote stands.
+#[test]
+fn a_quote_that_is_never_closed_swallows_no_rows() {
+    for text in [
+        "id,vibration [mm/s],note\n3,7.5,\"oops\n4,7\n5,8\n",
+        "id,note,vibration [mm/s]\n3,\"oops,7.5\n4,,7\n5,\"b\",8\n",
+        "# \"\nid,note,vibration [mm/s]\n3,\"oops,7.5\n4,,7\n",
+        "id,note,vibration [mm/s]\n3,\"a \"\"b\"\" c\",7.5\n4,\"oops\"\"\n",
+    ] {
+        let row = text.lines().position(|line| line.contains("oops")).unwrap() + 1;
+        assert_refused(text, &[&format!("row {row}: a quote"), "expected a second one"]);
+    }
+    assert_told(
+        b"id,note,vibration [mm/s]\r\n3,\"two\r\nlines\" ,7.5\r\n4,a\"b,8.125\r\n5,\"\"\"c\"\"\",9\r\n",
+        &EXPECTED,
+    );
 }

@@ -4,12 +4,15 @@ use serde_json::{Value, json};
 
 use crate::rig::Rig;
 
+/// How it is called when it is taken back, and how it is done.
+type Deed<'a> = (&'a str, &'a dyn Fn(&Rig));
+
 fn undo(rig: &Rig) -> Value {
     serde_json::from_str(&rig.infuse(&["undo", "--json"]).ok()).unwrap()
 }
 
 /// Does one thing after the other, and takes all of them back: each time everything is as it was.
-fn assert_there_and_back(rig: &Rig, deeds: &[(&str, &dyn Fn(&Rig))]) {
+fn assert_there_and_back(rig: &Rig, deeds: &[Deed<'_>]) {
     let mut before = Vec::new();
     for (_, deed) in deeds {
         before.push((rig.status(), rig.infuse(&["status"]).ok()));
@@ -54,7 +57,7 @@ fn withdraw(rig: &Rig) {
 #[test]
 fn a_pooled_campaign_is_taken_back_to_its_beginning() {
     let rig = Rig::pooled();
-    let deeds: [(&str, &dyn Fn(&Rig)); 9] = [
+    let deeds: [Deed<'_>; 9] = [
         ("ask", &ask),
         ("tell", &|rig| tell(rig, 1)),
         ("import", &import),
@@ -71,7 +74,7 @@ fn a_pooled_campaign_is_taken_back_to_its_beginning() {
 #[test]
 fn a_campaign_of_the_dissertation_is_taken_back_to_its_beginning() {
     let rig = Rig::new();
-    let deeds: [(&str, &dyn Fn(&Rig)); 7] = [
+    let deeds: [Deed<'_>; 7] = [
         ("ask", &ask),
         ("tell", &|rig| tell(rig, 1)),
         ("ask", &ask),
@@ -129,7 +132,7 @@ fn a_line_that_takes_back_what_was_not_last_is_refused() {
         assert!(bare.contains(from), "{bare}");
         rig.write("journal.jsonl", &format!("{before}\n{}}}\n", bare.replace(from, to)));
         let error = rig.infuse(&["status"]).error();
-        assert!(error.contains("journal.jsonl, line 14") && error.contains("not the last thing"), "{error}");
+        assert!(error.contains("journal.jsonl: line 14") && error.contains("not the last thing"), "{error}");
     }
 }
 

@@ -207,7 +207,8 @@ fn cells_of_all_kinds_are_taken_or_named() {
     ])
     .ok();
     let values: BTreeMap<u64, f64> = told(&rig.journal());
-    assert_eq!([values[&ids[1]], values[&ids[2]], values[&ids[4]]], [7.5, 8.25, 9.0]);
+    let taken = [1, 2, 4].map(|index| values[&ids[index]].to_string());
+    assert_eq!(taken, ["7.5", "8.25", "9"]);
     let journal = rig.journal();
     assert!(journal.iter().any(|line| line["failed"] == "it fell over" && line["note"] == "2026-05-07"));
     assert!(journal.iter().any(|line| line["repeat"] == 1 && line["value"] == 7.5));

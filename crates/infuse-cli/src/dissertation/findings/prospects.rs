@@ -1,7 +1,7 @@
 //! What more experiments could bring, and what is certain.
 
 use anyhow::Result;
-use infuse::global::{ObservedErrors, Outlook};
+use infuse::global::{ObservedErrors, Outlook, SurfaceKinds};
 use page::Finding;
 
 use crate::dissertation::campaign::Campaign;
@@ -10,14 +10,30 @@ use crate::findings::{amount, gain};
 /// The gain that may be expected, what follows from it, and the guarantee; as far as each is known.
 pub(in crate::dissertation) fn prospects(campaign: &Campaign) -> Result<Vec<Finding>> {
     let mut found = Vec::new();
-    if let Some(outlook) = campaign.outlook()? {
-        found.push(expected_gain(campaign, &outlook));
+    let (outlook, observed) = (campaign.outlook()?, campaign.now.observed_certificate()?);
+    if let Some(outlook) = &outlook {
+        found.push(expected_gain(campaign, outlook));
         found.extend(verdict(campaign, outlook.total_gain()));
     }
-    if let Some(observed) = campaign.now.observed_certificate()? {
-        found.push(guarantee(campaign, &observed));
+    if let Some(observed) = &observed {
+        found.push(guarantee(campaign, observed));
     }
+    found.extend(not_known(campaign, outlook.is_some(), observed.is_some()));
     Ok(found)
+}
+
+/// What is not said because the surfaces are of other kinds.
+fn not_known(campaign: &Campaign, has_outlook: bool, has_guarantee: bool) -> Option<Finding> {
+    if campaign.now.settings().surfaces == SurfaceKinds::default() {
+        return None;
+    }
+    let what = match (has_outlook, has_guarantee) {
+        (true, true) => return None,
+        (false, true) => "What more experiments may gain is",
+        (true, false) => "A guarantee is",
+        (false, false) => "What more experiments may gain, and a guarantee, are",
+    };
+    Some(Finding::new(format!("{what} not known with these `surfaces` of [loop]: regressions would tell.")))
 }
 
 fn expected_gain(campaign: &Campaign, outlook: &Outlook) -> Finding {

@@ -1,0 +1,152 @@
+//! What a first user met: nothing of it happens again.
+
+use crate::rig::Rig;
+
+#[test]
+fn sheets_of_any_batch_without_their_journal_are_noticed() {
+    for name in ["sheet-1.csv", "sheet-3.csv", "sheet-2.xlsx"] {
+        let rig = Rig::pooled();
+        rig.write(name, "");
+        let said = rig.infuse(&["status"]);
+        assert!(
+            said.stderr.contains(&format!("there is ./{name}, but no journal.jsonl"))
+                || said.stderr.contains(&format!("there is {name}, but no journal.jsonl")),
+            "{}",
+            said.stderr
+        );
+    }
+}
+
+#[test]
+fn another_seed_does_not_make_a_stale_sheet_that_of_the_batch() {
+    let rig = Rig::pooled();
+    rig.infuse(&["ask"]).ok();
+    std::fs::remove_file(rig.path("journal.jsonl")).unwrap();
+    rig.edit("seed = 1", "seed = 5");
+    assert!(rig.infuse(&["ask"]).error().contains("sheet-1.csv is there already"));
+    for foreign in ["simulation.csv", "."] {
+        assert!(rig.infuse(&["ask", "--sheet", foreign]).error().contains("is no sheet of this campaign"));
+    }
+}
+
+#[test]
+fn a_simulator_that_removes_the_journal_is_noticed() {
+    let rig = Rig::pooled();
+    rig.edit(
+        "table = \"simulation.csv\"",
+        "command = [\"sh\", \"-c\", \"rm -f journal.jsonl; echo {spring}{damper gain}\"]",
+    );
+    assert!(rig.infuse(&["ask"]).error().contains("another program has removed or cut it"));
+}
+
+#[test]
+fn one_more_run_of_what_was_not_told_is_refused() {
+    let rig = Rig::pooled();
+    rig.infuse(&["ask"]).ok();
+    assert!(rig.infuse(&["tell", "--id", "1", "--value", "5", "--again"]).error().contains("has no result yet"));
+}
+
+#[test]
+fn a_value_beyond_all_sense_is_remarked_on_when_it_is_told() {
+    let rig = Rig::pooled();
+    rig.infuse(&["ask"]).ok();
+    for id in 1..=9 {
+        rig.infuse(&["tell", "--id", &id.to_string(), "--value", &format!("7.{id}")]).ok();
+    }
+    let said = rig.infuse(&["tell", "--id", "10", "--value", "1e20"]).ok();
+    assert!(said.contains("Careful: far from what all others say: experiment 10"), "{said}");
+    rig.infuse(&["undo"]).ok();
+    assert!(!rig.infuse(&["status"]).ok().contains("Careful"));
+}
+
+#[test]
+fn a_simulation_that_is_the_same_everywhere_is_remarked_on() {
+    let rig = Rig::pooled();
+    rig.edit("table = \"simulation.csv\"", "command = [\"sh\", \"-c\", \"echo 5 # {spring}{damper gain}\"]");
+    rig.edit("experiments = 10", "experiments = 4\nsimulations = 20");
+    rig.infuse(&["ask"]).ok();
+    rig.fill("sheet-1.csv", |_| true);
+    rig.infuse(&["tell", "sheet-1.csv"]).ok();
+    assert!(rig.infuse(&["status"]).ok().contains("gives the same value everywhere"));
+}
+
+#[test]
+fn failing_designs_are_named_with_their_parameters() {
+    let rig = Rig::new();
+    rig.edit(
+        "table = \"simulation.csv\"",
+        "command = [\"sh\", \"-c\", \"echo broken {spring} {damper gain} >&2; exit 3\"]",
+    );
+    let error = rig.infuse(&["ask"]).error();
+    assert!(error.contains("the first at spring ") && error.contains(" N/mm, damper gain "), "{error}");
+    assert!(!error.contains("at ["), "{error}");
+}
+
+#[test]
+fn a_unit_of_one_is_not_said() {
+    let rig = Rig::pooled();
+    rig.edit("unit = \"mm/s\"", "unit = \"1\"");
+    rig.write("simulation.csv", &rig.read("simulation.csv").replace("[mm/s]", "[1]"));
+    rig.infuse(&["ask"]).ok();
+    for id in 1..=10 {
+        rig.infuse(&["tell", "--id", &id.to_string(), "--value", &format!("7.{id}")]).ok();
+    }
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("Best measured: 7.1, experiment 1"), "{text}");
+}
+
+#[test]
+fn with_surfaces_that_promise_nothing_it_is_said_that_nothing_is_promised() {
+    for (surfaces, is_said) in [
+        ("", false),
+        ("surfaces = { experiment = { inverse_distance = { power = 2 } } }", true),
+        ("surfaces = { combined = { squared_exponential = {} } }", false),
+    ] {
+        let rig = Rig::new();
+        rig.edit("[loop]", &format!("[loop]\n{surfaces}"));
+        rig.batch();
+        let text = rig.infuse(&["status"]).ok();
+        assert_eq!(text.contains("not known with these `surfaces`"), is_said, "{surfaces}: {text}");
+        assert_eq!(text.contains("More experiments may still gain"), !is_said, "{surfaces}: {text}");
+    }
+}
+
+/// 3^13 points of a lattice would be gigabytes; the list of designs is small.
+#[cfg(target_os = "linux")]
+#[test]
+fn many_parameters_take_no_gigabytes() {
+    let rig = Rig::empty();
+    let parameter = |index: usize| {
+        format!(
+            "[[parameter]]\nname = \"p{index}\"\nunit = \"mm\"\nlower = 0\nupper = 1\nlevels = 2\nrole = \"plant\"\n"
+        )
+    };
+    let parameters: String = (0..12).map(parameter).collect();
+    let settings: String = (0..12).map(|index| format!("{{p{index}}}")).collect();
+    rig.write(
+        "campaign.toml",
+        &format!(
+            "title = \"many\"\n{parameters}[response]\nname = \"y\"\nunit = \"\"\ngoal = \"minimize\"\n[simulator]\n\
+             command = [\"sh\", \"-c\", \"echo 1{settings}\"]\n[loop]\nmethod = \"dissertation\"\nmodel = \"linear\"\n"
+        ),
+    );
+    let mut command = std::process::Command::new("sh");
+    let script = "ulimit -v 700000; exec \"$0\" ask";
+    command.args(["-c", script, env!("CARGO_BIN_EXE_infuse")]).current_dir(rig.folder());
+    crate::rig::Said::from(command.output().unwrap()).ok();
+}
+
+/// Of what a simulator prints its end is read, and the rest is never in memory.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_long_output_takes_no_memory() {
+    let rig = Rig::pooled();
+    let command =
+        "command = [\"sh\", \"-c\", \"head -c 300000000 /dev/zero; echo; echo {spring}{damper gain}\"]\njobs = 1";
+    rig.edit("table = \"simulation.csv\"", command);
+    rig.edit("experiments = 10", "experiments = 1\nsimulations = 2");
+    let mut command = std::process::Command::new("sh");
+    let script = "ulimit -v 250000; exec \"$0\" ask";
+    command.args(["-c", script, env!("CARGO_BIN_EXE_infuse")]).current_dir(rig.folder());
+    crate::rig::Said::from(command.output().unwrap()).ok();
+}
