@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 
 use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly};
-use crate::{python, tidy, tutorials};
+use crate::{licenses, python, tidy, tutorials};
 
 /// One heading of the output.
 struct Step {
@@ -31,6 +31,7 @@ const STEPS: &[Step] = &[
     Step { heading: "examples", run: examples },
     Step { heading: "tutorials", run: tutorials::check },
     Step { heading: "packages", run: packages },
+    Step { heading: "licenses", run: || licenses::run(tutorials::Texts::Compare) },
     Step { heading: "python", run: python::check },
     Step { heading: "optimal designs", run: || study(&["doe-records", "--check"]) },
     Step { heading: "calibrated plants", run: || study(&["calibrate", "--check"]) },

@@ -2,6 +2,7 @@
 #![expect(clippy::print_stdout, reason = "a program of the command line talks")]
 
 mod ci;
+mod licenses;
 mod python;
 mod tidy;
 mod tutorials;
@@ -20,6 +21,8 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
+        ["licenses"] => licenses::run(Texts::Compare),
+        ["licenses", "--write"] => licenses::run(Texts::Write),
         ["python"] => python::check(),
         ["equations"] => tidy::write_equations(),
         ["tutorials"] => tutorials::run(Texts::Compare),
