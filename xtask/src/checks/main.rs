@@ -3,7 +3,9 @@
 
 mod ci;
 mod licenses;
+mod packages;
 mod python;
+mod semver;
 mod tidy;
 mod tutorials;
 mod workspace;
@@ -21,6 +23,8 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
+        ["packages"] => packages::check(),
+        ["semver", revision] => semver::check(revision),
         ["licenses"] => licenses::run(Texts::Compare),
         ["licenses", "--write"] => licenses::run(Texts::Write),
         ["python"] => python::check(),

@@ -22,4 +22,5 @@ mod mechanisms;
 mod pooled;
 mod problems;
 mod saved_state;
+mod simulators;
 mod strategies;

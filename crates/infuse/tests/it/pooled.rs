@@ -223,14 +223,17 @@ fn responses_of_any_size_and_without_any_spread_are_taken() {
     for unit in [1e-12, 1.0, 1e12] {
         let mut campaign = campaign(2, 21, batches(10, 2, 1));
         campaign
-            .run(&mut |_, _| Err("none".to_owned()), &mut noisy(1, 0.02 * unit, |point| unit * truth(point)))
+            .run(
+                &mut |_: Cell, _: &[f64]| Err("none".to_owned()),
+                &mut noisy(1, 0.02 * unit, |point| unit * truth(point)),
+            )
             .expect("it ends");
         let found = campaign.assess(None).expect("a fit").expect("responses");
         assert!(truth(&found.recommended.point) < 0.1, "unit {unit:e}: {:?}", found.recommended);
         assert!(found.certificate.bound < 3.0 * unit, "unit {unit:e}: {:?}", found.certificate);
     }
     let mut flat = campaign(2, 5, batches(6, 3, 1));
-    flat.run(&mut |_, _| Err("none".to_owned()), &mut |_| Ok(5.0)).expect("it ends");
+    flat.run(&mut |_: Cell, _: &[f64]| Err("none".to_owned()), &mut |_| Ok(5.0)).expect("it ends");
     let found = flat.assess(None).expect("a fit").expect("responses");
     assert!((found.recommended.mean - 5.0).abs() < 1e-3 && found.certificate.bound < 1e-2, "{found:?}");
 }
