@@ -32,7 +32,7 @@ const COMMANDS: &[(&[&str], Program)] = &[
     (&["benchmark"], studies("similarity,benchmark")),
     (&["calibrate"], studies("similarity,calibration")),
     (&["identify"], studies("similarity,identification")),
-    (&["ci", "tidy", "equations", "tutorials", "python"], CHECKS),
+    (&["ci", "tidy", "equations", "tutorials", "python", "licenses", "packages", "semver"], CHECKS),
 ];
 
 const USAGE_ERROR: u8 = 2;

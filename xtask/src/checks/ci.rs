@@ -1,6 +1,5 @@
 //! `cargo xtask ci`: everything that a change must pass, one step after the other, up to the first that fails.
 
-use std::fs;
 use std::io::Write as _;
 use std::process::Command;
 use std::time::Instant;
@@ -8,7 +7,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 
 use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly};
-use crate::{python, tidy, tutorials};
+use crate::{licenses, packages, python, tidy, tutorials};
 
 /// One heading of the output.
 struct Step {
@@ -30,7 +29,8 @@ const STEPS: &[Step] = &[
     Step { heading: "documentation", run: documentation },
     Step { heading: "examples", run: examples },
     Step { heading: "tutorials", run: tutorials::check },
-    Step { heading: "packages", run: packages },
+    Step { heading: "packages", run: packages::check },
+    Step { heading: "licenses", run: || licenses::run(tutorials::Texts::Compare) },
     Step { heading: "python", run: python::check },
     Step { heading: "optimal designs", run: || study(&["doe-records", "--check"]) },
     Step { heading: "calibrated plants", run: || study(&["calibrate", "--check"]) },
@@ -95,60 +95,6 @@ fn examples() -> Result<()> {
         run_quietly(command.current_dir(workspace::root()?))?;
     }
     Ok(())
-}
-
-/// Packs every crate, and compiles it from what was packed.
-///
-/// Cargo's own verification unpacks into cargo's home under a name that holds the version but not the content, and finds
-/// there what an earlier run has left. So it is done here: the packages are the members of a workspace of their own, in
-/// which they find each other, and nothing needs to be published. All else was fetched by the steps before, and
-/// `--offline` keeps cargo from asking the registry for news.
-fn packages() -> Result<()> {
-    run_cargo(&[
-        "package",
-        "--workspace",
-        "--exclude",
-        "xtask",
-        "--exclude",
-        "studies",
-        "--exclude",
-        python::PACKAGE,
-        "--allow-dirty",
-        "--offline",
-        "--no-verify",
-    ])?;
-    let metadata = metadata()?;
-    let folder = metadata.target_directory.join("package");
-    let unpacked = folder.join("unpacked");
-    if unpacked.exists() {
-        fs::remove_dir_all(&unpacked).with_context(|| unpacked.display().to_string())?;
-    }
-    fs::create_dir_all(&unpacked).with_context(|| unpacked.display().to_string())?;
-    let packed =
-        metadata.packages.iter().filter(|package| !["studies", "xtask", python::PACKAGE].contains(&&*package.name));
-    let packed: Vec<(&str, String)> =
-        packed.map(|package| (&*package.name, format!("{}-{}", package.name, package.version))).collect();
-    for (_, stem) in &packed {
-        let archive = folder.join(format!("{stem}.crate"));
-        run_quietly(Command::new("tar").arg("-xzf").arg(archive).arg("-C").arg(&unpacked))?;
-    }
-    let manifest = unpacked.join("Cargo.toml");
-    let root_manifest = fs::read_to_string(workspace::root()?.join("Cargo.toml")).context("Cargo.toml")?;
-    fs::write(&manifest, workspace_of(&packed, &root_manifest)).with_context(|| manifest.display().to_string())?;
-    let lock = "Cargo.lock";
-    fs::copy(workspace::root()?.join(lock), unpacked.join(lock)).context(lock)?;
-    let arguments = ["check", "--release", "--workspace", "--offline"];
-    let mut check = workspace::cargo(&arguments)?;
-    run_quietly(check.current_dir(&unpacked).arg("--target-dir").arg(&metadata.target_directory))
-}
-
-/// A workspace of these unpacked packages, each in the folder of its own name, with the profiles of the workspace itself,
-/// so that what was compiled with them is used again.
-fn workspace_of(packed: &[(&str, String)], root_manifest: &str) -> String {
-    let stems: Vec<&String> = packed.iter().map(|(_, stem)| stem).collect();
-    let patches: Vec<String> = packed.iter().map(|(name, stem)| format!("{name} = {{ path = {stem:?} }}\n")).collect();
-    let profiles = root_manifest.find("[profile.").map_or("", |at| &root_manifest[at..]);
-    format!("[workspace]\nresolver = \"3\"\nmembers = {stems:?}\n\n[patch.crates-io]\n{}\n{profiles}", patches.concat())
 }
 
 /// The examples of all packages. No two may share a name: they are built into one folder.

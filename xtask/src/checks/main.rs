@@ -2,7 +2,10 @@
 #![expect(clippy::print_stdout, reason = "a program of the command line talks")]
 
 mod ci;
+mod licenses;
+mod packages;
 mod python;
+mod semver;
 mod tidy;
 mod tutorials;
 mod workspace;
@@ -20,6 +23,10 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
+        ["packages"] => packages::check(),
+        ["semver", revision] => semver::check(revision),
+        ["licenses"] => licenses::run(Texts::Compare),
+        ["licenses", "--write"] => licenses::run(Texts::Write),
         ["python"] => python::check(),
         ["equations"] => tidy::write_equations(),
         ["tutorials"] => tutorials::run(Texts::Compare),

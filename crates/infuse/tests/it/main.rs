@@ -24,4 +24,5 @@ mod pooled_constraints;
 mod pooled_plants;
 mod problems;
 mod saved_state;
+mod simulators;
 mod strategies;
