@@ -39,6 +39,8 @@ mod identification;
 #[cfg(any(feature = "benchmark", feature = "calibration"))]
 mod kept;
 mod logged;
+#[cfg(feature = "benchmark")]
+mod plants;
 mod provenance;
 #[cfg(feature = "ensemble")]
 mod reproduce_all;
@@ -117,6 +119,12 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         (None, ["identify", "--page"]) => Box::new(|| identification::write_page(root)),
         #[cfg(feature = "identification")]
         (None, ["identify", "--check"]) => Box::new(|| identification::check(root)),
+        #[cfg(feature = "benchmark")]
+        (None, ["plants"]) => Box::new(|| plants::run(root)),
+        #[cfg(feature = "benchmark")]
+        (None, ["plants", "--page"]) => Box::new(|| plants::write_page(root)),
+        #[cfg(feature = "benchmark")]
+        (None, ["plants", "--check"]) => Box::new(|| plants::check(root)),
         #[cfg(feature = "benchmark")]
         (None, ["benchmark"]) => Box::new(|| benchmark::run(root)),
         #[cfg(feature = "benchmark")]
