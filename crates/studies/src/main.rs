@@ -130,6 +130,12 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         #[cfg(feature = "benchmark")]
         (None, ["benchmark", "--page"]) => Box::new(|| benchmark::write_page(root)),
         #[cfg(feature = "benchmark")]
+        (None, ["benchmark", "--constrained"]) => Box::new(|| benchmark::constrained_run::run(root)),
+        #[cfg(feature = "benchmark")]
+        (None, ["benchmark", "--constrained", "--page"]) => Box::new(|| benchmark::constrained_run::write_page(root)),
+        #[cfg(feature = "benchmark")]
+        (None, ["benchmark", "--constrained", "--check"]) => Box::new(|| benchmark::constrained_run::check(root)),
+        #[cfg(feature = "benchmark")]
         (None, ["benchmark", "--check"]) => Box::new(|| benchmark::check(root)),
         #[cfg(feature = "benchmark")]
         (None, ["benchmark", "--serve", family, seed]) => Box::new(move || benchmark::serve(family, seed)),

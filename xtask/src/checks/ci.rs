@@ -35,6 +35,7 @@ const STEPS: &[Step] = &[
     Step { heading: "optimal designs", run: || study(&["doe-records", "--check"]) },
     Step { heading: "calibrated plants", run: || study(&["calibrate", "--check"]) },
     Step { heading: "identified plants", run: || study(&["identify", "--check"]) },
+    Step { heading: "constraints", run: || study(&["benchmark", "--constrained", "--check"]) },
     Step { heading: "plants built", run: || study(&["plants", "--check"]) },
     Step { heading: "claims over the ensemble", run: || study(&["reproduce-all", "--ensemble", "--check"]) },
     Step { heading: "all chapters", run: || study(&["reproduce-all", "--check"]) },

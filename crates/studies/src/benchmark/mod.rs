@@ -1,5 +1,8 @@
 //! `cargo xtask benchmark`: the loops on pairs of a biased simulation and a noisy truth, beside those who know less and peers.
 
+mod constrained;
+mod constrained_page;
+pub(crate) mod constrained_run;
 mod families;
 mod methods;
 mod page;

@@ -17,8 +17,10 @@ mod run;
 mod tables;
 mod wrong;
 
+#[cfg(feature = "ensemble")]
+pub(crate) use file::Case;
+#[cfg(any(feature = "ensemble", feature = "benchmark"))]
+pub(crate) use file::Setup;
 #[cfg(feature = "calibration")]
 pub(crate) use file::table_6;
-#[cfg(feature = "ensemble")]
-pub(crate) use file::{Case, Setup};
 pub(crate) use run::CHAPTER;

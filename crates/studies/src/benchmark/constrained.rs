@@ -1,0 +1,154 @@
+//! Campaigns with a response that has to stay within a bound: is what is recommended allowed as often as promised, and how good is it?
+
+use anyhow::{Context as _, Result, ensure};
+use design_space::Cell;
+use infuse::Outcome;
+use infuse::pooled::{Ask, Constraint, Loop, Responses, Settings};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+use surface::process::{Residual, SimulationUse, Structure};
+
+use super::families::{FAMILIES, Family, Pair};
+use super::task::Task;
+
+pub(super) const BATCHES: usize = 4;
+/// Seeds of each family, from 1.
+pub(super) const SEEDS: u64 = 10;
+/// So many of all designs keep to the bound.
+pub(super) const ALLOWED: f64 = 0.4;
+/// The constrained response is that of the same family with this much added to the seed.
+const OTHER: u64 = 1000;
+/// Families that are run: two to four factors, smooth and not.
+pub(super) const NAMES: [&str; 6] = ["bowl-2", "wells-2", "branin", "stall-4", "bowl-4", "borehole-4"];
+
+pub(super) fn families() -> impl Iterator<Item = &'static Family> {
+    FAMILIES.iter().filter(|family| NAMES.contains(&family.name))
+}
+
+/// How a campaign goes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Way {
+    pub(super) name: &'static str,
+    pub(super) words: &'static str,
+    has_simulation: bool,
+    is_blind: bool,
+}
+
+pub(super) const WAYS: [Way; 3] = [
+    Way { name: "pooled", words: "pooled loop", has_simulation: true, is_blind: false },
+    Way { name: "without", words: "pooled loop, no simulation", has_simulation: false, is_blind: false },
+    Way { name: "sobol", words: "Sobol points, Gaussian processes", has_simulation: false, is_blind: true },
+];
+
+/// After a batch.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Row {
+    pub(super) family: String,
+    pub(super) way: String,
+    pub(super) seed: u64,
+    /// From 1.
+    pub(super) batch: usize,
+    /// The probability to keep to the bound that was printed.
+    pub(super) promised: f64,
+    /// Whether the loop said that it suffices.
+    pub(super) suffices: bool,
+    /// Whether the recommended design does keep to it.
+    pub(super) keeps: bool,
+    /// Truth there less the lowest of all designs that keep to it; the truth goes from 0 to 1.
+    pub(super) regret: f64,
+    /// No design that keeps to it is better by more, said the certificate.
+    pub(super) bound: f64,
+}
+
+impl Row {
+    pub(super) fn agrees(&self, other: &Self) -> bool {
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + a.abs());
+        let of = |row: &Self| (row.family.clone(), row.way.clone(), row.seed, row.batch, row.suffices, row.keeps);
+        of(self) == of(other)
+            && close(self.promised, other.promised)
+            && close(self.regret, other.regret)
+            && close(self.bound, other.bound)
+    }
+}
+
+/// A pair for the objective, one for the constraint, and what follows from the truth of both.
+struct Problem {
+    objective: Pair,
+    constrained: Pair,
+    limit: f64,
+    best: f64,
+}
+
+impl Problem {
+    fn of(family: &Family, seed: u64) -> Result<Self> {
+        let (objective, constrained) = (family.pair(seed), family.pair(seed + OTHER));
+        let grid = Task::new(family, &objective, seed)?.grid;
+        let points = grid.cells().map(|cell| grid.point(cell)).collect::<Result<Vec<_>, _>>()?;
+        let values: Vec<f64> = points.iter().map(|point| (constrained.truth)(point)).collect();
+        let limit = page::quantile(&values, ALLOWED).context("designs")?;
+        let allowed = points.iter().zip(&values).filter(|(_, value)| **value <= limit);
+        let best = allowed.map(|(point, _)| (objective.truth)(point)).fold(f64::INFINITY, f64::min);
+        Ok(Self { objective, constrained, limit, best })
+    }
+
+    fn simulated(&self, point: &[f64]) -> Responses {
+        let constrained = vec![Some((self.constrained.simulation)(point))];
+        Responses { objective: (self.objective.simulation)(point), constrained }
+    }
+}
+
+/// One campaign, a row for each batch.
+pub(super) fn run(family: &Family, way: Way, seed: u64) -> Result<Vec<Row>> {
+    let problem = Problem::of(family, seed)?;
+    let task = Task::new(family, &problem.objective, seed)?;
+    let mut settings = Settings::new(task.n_experiments);
+    (settings.max_batches, settings.seed) = (BATCHES, seed);
+    settings.constraints = vec![Constraint::at_most("limited", problem.limit)];
+    if way.is_blind {
+        settings.structures = vec![Structure { simulation: SimulationUse::Ignored, residual: Residual::Smooth }];
+    }
+    let mut campaign = Loop::new(&task.region, settings)?;
+    let mut simulate = |_: Cell, point: &[f64]| Ok(problem.simulated(point));
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(2);
+    let mut spread = task.spread(BATCHES * task.n_experiments).into_iter();
+    let mut rows = Vec::new();
+    for batch in 1..=BATCHES {
+        let trials = if way.is_blind {
+            campaign.hand_out(&spread.by_ref().take(task.n_experiments).collect::<Vec<_>>())?
+        } else {
+            let asked = if way.has_simulation { campaign.ask(Some(&mut simulate))? } else { campaign.ask(None)? };
+            let Ask::Run { trials, .. } = asked else { anyhow::bail!("the campaign ended early") };
+            trials
+        };
+        for trial in trials {
+            let point = task.grid.point(trial.cell)?;
+            let mut noisy = |value: f64, noise: f64| {
+                let normal: f64 = StandardNormal.sample(&mut rng);
+                value + noise * normal
+            };
+            let objective = noisy((problem.objective.truth)(&point), problem.objective.noise);
+            let limited = noisy((problem.constrained.truth)(&point), problem.constrained.noise);
+            campaign.tell(trial.id, Outcome::Value(objective))?;
+            campaign.tell_constrained(trial.id, &[Some(limited)])?;
+        }
+        let found = if way.has_simulation { campaign.assess(Some(&mut simulate))? } else { campaign.assess(None)? };
+        let found = found.context("no response")?;
+        ensure!(found.recommended.constrained.len() == 1, "one constraint");
+        let point = &found.recommended.point;
+        rows.push(Row {
+            family: family.name.to_owned(),
+            way: way.name.to_owned(),
+            seed,
+            batch,
+            promised: found.recommended.constrained[0].within,
+            suffices: found.recommended.suffices,
+            keeps: (problem.constrained.truth)(point) <= problem.limit,
+            regret: (problem.objective.truth)(point) - problem.best,
+            bound: found.certificate.bound,
+        });
+    }
+    Ok(rows)
+}
