@@ -128,7 +128,7 @@ fn open(campaign: &mut Loop, simulator: &PythonSimulator) -> PyResult<()> {
     let points = plan.simulations.iter().map(|&cell| campaign.point(cell));
     let points: Vec<Vec<f64>> = points.collect::<Result<_, _>>().map_err(refusal)?;
     // The plan has them in the order in which the loop asks.
-    let mut responses = simulator.call(&points)?.into_iter();
+    let mut responses = simulator.one_each(&points)?.into_iter();
     let mut answer = |_, _: &[f64]| responses.next().map_or_else(|| Err("no response".to_owned()), result);
     campaign.open(&plan, &mut answer).map(drop).map_err(refusal)
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use design_space::{Cell, Grid, Region};
-use infuse::pooled::{Ask, Assessment, Earlier, Loop, Record, Settings, Simulate, StopReason, Trial};
+use infuse::pooled::{Ask, Assessment, Earlier, Loop, Record, Responses, Settings, Simulate, StopReason, Trial};
 use infuse::{Outcome, TrialId};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -13,7 +13,7 @@ use crate::arrays::{Matrix, matrix};
 use crate::error::{Error, refusal};
 use crate::parameters::{ParameterTuple, region, tuples};
 use crate::saved::saved_as;
-use crate::simulator::PythonSimulator;
+use crate::simulator::{Answer, PythonSimulator};
 
 const FORMAT: u32 = 1;
 
@@ -31,6 +31,11 @@ struct Saved {
     simulated: BTreeMap<u64, Option<f64>>,
     due: Vec<Cell>,
     stopped: Option<StopReason>,
+    /// The constrained responses of trials, and of simulated cells.
+    #[serde(default)]
+    constrained: BTreeMap<u64, Vec<Option<f64>>>,
+    #[serde(default)]
+    simulated_constrained: BTreeMap<u64, Vec<Option<f64>>>,
 }
 
 const KIND: &str = "pooled";
@@ -43,6 +48,7 @@ pub(crate) struct PooledLoop {
     simulated: BTreeMap<u64, Option<f64>>,
     due: Vec<Cell>,
     stopped: Option<StopReason>,
+    simulated_constrained: BTreeMap<u64, Vec<Option<f64>>>,
 }
 
 #[pymethods]
@@ -70,6 +76,8 @@ impl PooledLoop {
             simulated: self.simulated.clone(),
             due: self.due.clone(),
             stopped: self.stopped,
+            constrained: self.constrained(),
+            simulated_constrained: self.simulated_constrained.clone(),
         };
         serde_json::to_string_pretty(&saved).map_err(refusal)
     }
@@ -164,16 +172,23 @@ impl PooledLoop {
         .map_err(refusal)
     }
 
+    /// The constrained responses of a trial, in the order of the constraints.
+    fn tell_constrained(&mut self, id: u64, values: Vec<Option<f64>>) -> PyResult<()> {
+        self.campaign.tell_constrained(TrialId::new(id), &values).map_err(refusal)
+    }
+
     fn tell_simulations(&mut self, points: PyReadonlyArray2<'_, f64>, values: Vec<f64>) -> PyResult<()> {
         let cells = self.cells(&points)?;
-        if cells.len() != values.len() {
+        let n_columns = 1 + self.campaign.settings().constraints.len();
+        if !cells.is_empty() && values.len() != cells.len() && values.len() != n_columns * cells.len() {
             let (found, expected) = (values.len(), cells.len());
             return Err(Error::new_err(format!("`values` has {found} entries, expected {expected}: one per design")));
         }
-        for (cell, value) in cells.into_iter().zip(values) {
-            let outcome = crate::simulator::result(value).into();
-            self.campaign.tell_simulation(cell, &outcome).map_err(refusal)?;
-            self.simulated.insert(cell.index(), outcome.cost());
+        let per_design = values.len() / cells.len().max(1);
+        for (cell, values) in cells.into_iter().zip(values.chunks(per_design.max(1))) {
+            let constrained: Vec<Option<f64>> =
+                values[1..].iter().map(|value| value.is_finite().then_some(*value)).collect();
+            self.remember(cell, values[0].is_finite().then_some(values[0]), constrained)?;
             self.due.retain(|&due| due != cell);
         }
         Ok(())
@@ -182,6 +197,7 @@ impl PooledLoop {
     fn forget_simulations(&mut self) {
         self.campaign.forget_simulations();
         self.simulated.clear();
+        self.simulated_constrained.clear();
         self.due.clear();
     }
 
@@ -250,12 +266,39 @@ impl PooledLoop {
 impl PooledLoop {
     fn begin(region: &Region, settings: Settings) -> PyResult<Self> {
         let campaign = Loop::new(region, settings).map_err(refusal)?;
-        Ok(Self { campaign, simulated: BTreeMap::new(), due: Vec::new(), stopped: None })
+        let simulated_constrained = BTreeMap::new();
+        Ok(Self { campaign, simulated: BTreeMap::new(), due: Vec::new(), stopped: None, simulated_constrained })
+    }
+
+    /// What was told of the constrained responses of trials.
+    fn constrained(&self) -> BTreeMap<u64, Vec<Option<f64>>> {
+        let of = |record: &Record| (record.trial.id.number(), self.campaign.constrained(record.trial.id).to_vec());
+        self.campaign.records().iter().map(of).filter(|(_, values)| !values.is_empty()).collect()
+    }
+
+    /// What a simulation said.
+    fn remember(&mut self, cell: Cell, response: Option<f64>, constrained: Vec<Option<f64>>) -> PyResult<()> {
+        match response {
+            Some(objective) => {
+                let responses = Responses { objective, constrained: constrained.clone() };
+                self.campaign.tell_simulated(cell, responses).map_err(refusal)?;
+            }
+            None => {
+                let failed = Outcome::Failed { reason: "it failed".to_owned() };
+                self.campaign.tell_simulation(cell, &failed).map_err(refusal)?;
+            }
+        }
+        self.simulated.insert(cell.index(), response);
+        if !constrained.is_empty() {
+            self.simulated_constrained.insert(cell.index(), constrained);
+        }
+        Ok(())
     }
 
     /// The campaign that was told all this.
     fn replayed(saved: Saved) -> PyResult<Self> {
-        let Saved { region, settings, records, earlier, simulated, due, stopped, .. } = saved;
+        let Saved { region, settings, records, earlier, simulated, due, stopped, constrained, .. } = saved;
+        let mut of_cells = saved.simulated_constrained;
         let mut read = Self::begin(&region, settings)?;
         for batch in records.chunk_by(|a, b| a.trial.batch == b.trial.batch) {
             let cells: Vec<Cell> = batch.iter().map(|record| record.trial.cell).collect();
@@ -279,14 +322,17 @@ impl PooledLoop {
             }
             .map_err(refusal)?;
         }
-        for (&cell, &response) in &simulated {
-            let outcome = response.ok_or_else(|| "it failed".to_owned()).into();
-            read.campaign.tell_simulation(Cell::new(cell), &outcome).map_err(refusal)?;
+        for (id, values) in constrained {
+            read.campaign.tell_constrained(TrialId::new(id), &values).map_err(refusal)?;
+        }
+        for (cell, response) in simulated {
+            let values = of_cells.remove(&cell).unwrap_or_default();
+            read.remember(Cell::new(cell), response, values)?;
         }
         for &cell in &due {
             read.campaign.grid().digits(cell).map_err(refusal)?;
         }
-        Ok(Self { simulated, due, stopped, ..read })
+        Ok(Self { due, stopped, ..read })
     }
 
     /// Lets the loop work while other Python threads run. Where the simulation raises, the campaign stays as it was.
@@ -303,8 +349,12 @@ impl PooledLoop {
             work(&mut campaign, simulate)
         });
         let answers = simulator.map_or(Ok(Vec::new()), PythonSimulator::finish)?;
-        let usable = answers.into_iter().map(|(cell, value)| (cell.index(), value.is_finite().then_some(value)));
-        self.simulated.extend(usable);
+        for Answer { cell, value, constrained } in answers {
+            self.simulated.insert(cell.index(), value.is_finite().then_some(value));
+            if !constrained.is_empty() {
+                self.simulated_constrained.insert(cell.index(), constrained);
+            }
+        }
         self.campaign = campaign;
         outcome.map_err(refusal)
     }

@@ -8,12 +8,21 @@ use pyo3::prelude::*;
 use crate::arrays::matrix;
 use crate::error::Error;
 
+/// What a function said of a design.
+#[derive(Debug)]
+pub(crate) struct Answer {
+    pub(crate) cell: Cell,
+    pub(crate) value: f64,
+    /// One per constraint, if it gave them.
+    pub(crate) constrained: Vec<Option<f64>>,
+}
+
 /// A function that takes an array of n × k settings and returns n responses, NaN where there is none.
 #[derive(Debug)]
 pub(crate) struct PythonSimulator {
     function: Py<PyAny>,
     /// What it was asked, with its answers.
-    pub(crate) answers: Vec<(Cell, f64)>,
+    pub(crate) answers: Vec<Answer>,
     /// What it raised; it is not called again then.
     raised: Option<PyErr>,
 }
@@ -24,30 +33,49 @@ impl PythonSimulator {
     }
 
     /// The answers, or the exception that the function raised.
-    pub(crate) fn finish(self) -> PyResult<Vec<(Cell, f64)>> {
+    pub(crate) fn finish(self) -> PyResult<Vec<Answer>> {
         self.raised.map_or(Ok(self.answers), Err)
     }
 
-    /// The responses at these points.
-    pub(crate) fn call(&self, points: &[Vec<f64>]) -> PyResult<Vec<f64>> {
+    /// One response at each of these points.
+    pub(crate) fn one_each(&self, points: &[Vec<f64>]) -> PyResult<Vec<f64>> {
+        let responses = self.call(points)?;
+        if responses.len() == points.len() { Ok(responses) } else { Err(wrong_number(responses.len(), points.len())) }
+    }
+
+    /// The responses at these points, as many at each.
+    fn call(&self, points: &[Vec<f64>]) -> PyResult<Vec<f64>> {
         Python::attach(|py| {
             let n_columns = points.first().map_or(0, Vec::len);
             let argument = matrix(py, n_columns, points.concat())?;
             let answer = self.function.bind(py).call1((argument,))?;
             let responses: PyReadonlyArray1<'_, f64> = answer.cast::<PyArray1<f64>>()?.try_readonly()?;
             let responses: Vec<f64> = responses.as_array().iter().copied().collect();
-            if responses.len() != points.len() {
-                let message = format!("the simulation gave {} responses for {} designs", responses.len(), points.len());
-                return Err(Error::new_err(message));
+            if points.is_empty() || !responses.len().is_multiple_of(points.len()) {
+                return Err(wrong_number(responses.len(), points.len()));
             }
             Ok(responses)
         })
     }
 }
 
+fn wrong_number(found: usize, expected: usize) -> PyErr {
+    Error::new_err(format!("the simulation gave {found} responses for {expected} designs"))
+}
+
 /// A response as the loops want it.
 pub(crate) fn result(response: f64) -> Result<f64, String> {
     if response.is_finite() { Ok(response) } else { Err(format!("the simulation returned {response}")) }
+}
+
+impl PythonSimulator {
+    /// The response, and behind it those on which there are constraints.
+    fn answer(&mut self, cell: Cell, values: &[f64]) -> Result<Responses, String> {
+        let constrained: Vec<Option<f64>> =
+            values[1..].iter().map(|value| value.is_finite().then_some(*value)).collect();
+        self.answers.push(Answer { cell, value: values[0], constrained: constrained.clone() });
+        result(values[0]).map(|objective| Responses { objective, constrained })
+    }
 }
 
 impl Simulate for PythonSimulator {
@@ -58,8 +86,9 @@ impl Simulate for PythonSimulator {
         };
         match responses {
             Some(responses) => {
-                self.answers.extend(cells.iter().copied().zip(responses.iter().copied()));
-                responses.into_iter().map(|response| result(response).map(Responses::from)).collect()
+                let per_design = responses.len() / points.len().max(1);
+                let of_designs = responses.chunks(per_design.max(1)).zip(cells);
+                of_designs.map(|(values, &cell)| self.answer(cell, values)).collect()
             }
             None => vec![Err("the simulation raised an exception".to_owned()); points.len()],
         }

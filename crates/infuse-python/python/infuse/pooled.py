@@ -7,7 +7,7 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Type, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Type, TypeVar, Union
 
 from numpy.typing import ArrayLike
 
@@ -41,6 +41,57 @@ class Standing:
     """Probability that it is better than the recommended design; 0 for that one."""
     may_be_best: bool
     """Whether it may still be the best."""
+    suffices: bool = True
+    """Whether it keeps to every constraint with the probability that is asked for, and is likely to give a response."""
+    constrained: List["Constrained"] = dataclasses.field(default_factory=list)
+    """Each constrained response there, in the order of the constraints."""
+
+
+@dataclass(frozen=True)
+class Constrained:
+    """What is known of a constrained response at one design."""
+
+    mean: Optional[float]
+    """What is expected; none before its first reading."""
+    deviation: Optional[float]
+    """Standard deviation of that, without the noise of a reading."""
+    within: float
+    """Probability that the design keeps to the bounds."""
+    measured: Optional[float]
+    """Mean of its readings there."""
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A second response, which has to stay within bounds: at least one of them."""
+
+    name: str
+    lower: Optional[float] = None
+    upper: Optional[float] = None
+    probability: float = 0.9
+    """A design is recommended if it keeps to the bounds with this probability."""
+    noise: Optional[float] = None
+    """Standard deviation of one reading, where it is known."""
+
+
+@dataclass(frozen=True)
+class LinearConstraint:
+    """Settings that go together: a sum of parameters, each by its name with its factor, within bounds."""
+
+    sum: Dict[str, float]
+    lower: Optional[float] = None
+    upper: Optional[float] = None
+
+
+@dataclass(frozen=True)
+class Plants:
+    """Which parameters are built and not typed: a batch then has few plants, and the runs of each share an error."""
+
+    parameters: List[str]
+    most: Optional[int] = None
+    """At most so many plants in a batch."""
+    change_costs: List[float] = dataclasses.field(default_factory=list)
+    """What it costs to change each of the parameters, in experiments."""
 
 
 @dataclass(frozen=True)
@@ -106,12 +157,45 @@ class Assessment:
     """Readings that are far off, and those that are set aside."""
     further_batches: Optional[int]
     """Batches until the certificate is expected to be as small as `worth`."""
+    assembly: Optional[float] = None
+    """Standard deviation of the error that all runs of a plant share, where plants are told apart."""
 
 
 def _of(kind: Type[T], entry: Dict[str, Any], **others: Any) -> T:
     """A dataclass from the entries that it knows."""
     fields = {field.name for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
     return kind(**{**{key: value for key, value in entry.items() if key in fields}, **others})
+
+
+def _constrained(entry: Dict[str, Any]) -> Constrained:
+    mean, deviation = entry["expected"] or (None, None)
+    return Constrained(mean, deviation, entry["within"], entry["measured"])
+
+
+def _place(names: Sequence[str], name: str, of: str) -> int:
+    if name not in names:
+        raise _native.Error(f"{of}: `{name}` is no parameter, expected {', '.join(names)}")
+    return list(names).index(name)
+
+
+def _linear(names: Sequence[str], linear: LinearConstraint) -> List[Dict[str, Any]]:
+    """One with two bounds makes two."""
+    coefficients = [0.0] * len(names)
+    for name, factor in linear.sum.items():
+        coefficients[_place(names, name, "linear constraint")] = factor
+    if linear.lower is None and linear.upper is None:
+        raise _native.Error("linear constraint: neither `lower` nor `upper`, expected one of them or both")
+    found: List[Dict[str, Any]] = []
+    if linear.lower is not None:
+        found.append({"coefficients": [-factor for factor in coefficients], "upper": -linear.lower})
+    if linear.upper is not None:
+        found.append({"coefficients": coefficients, "upper": linear.upper})
+    return found
+
+
+def _plants(names: Sequence[str], plants: Plants) -> Dict[str, Any]:
+    places = [_place(names, name, "plants") for name in plants.parameters]
+    return {"parameters": places, "most": plants.most, "change_costs": list(plants.change_costs)}
 
 
 class PooledLoop:
@@ -121,6 +205,9 @@ class PooledLoop:
     where it is dear, `simulations` limits how many there are per batch, and `due` says which. `noise` is the standard
     deviation of a reading, where it is known. With `worth` the campaign stops once no design is better than the
     recommended one by more than this, with the probability `confidence`.
+
+    With `constraints` further responses have to stay within bounds; a simulation then gives n rows, the response first and
+    one column for each constraint behind it. `linear_constraints` keep settings together, and `plants` says what is built.
 
     The same seed, outcomes and simulation give the same bits, in any order, on any number of threads. One thread at a
     time may use a loop; others run while it computes.
@@ -151,8 +238,12 @@ class PooledLoop:
         confidence: float = 0.9,
         particles: int = 18,
         seed: int = 1,
+        constraints: Sequence[Constraint] = (),
+        linear_constraints: Sequence[LinearConstraint] = (),
+        plants: Optional[Plants] = None,
     ) -> None:
-        settings = {
+        names = [parameter.name for parameter in parameters]
+        settings: Dict[str, Any] = {
             "n_experiments": n_experiments,
             "simulations": simulations,
             "max_batches": max_batches,
@@ -161,6 +252,9 @@ class PooledLoop:
             "confidence": confidence,
             "particles": particles,
             "seed": seed,
+            "constraints": [dataclasses.asdict(constraint) for constraint in constraints],
+            "linear_constraints": [one for linear in linear_constraints for one in _linear(names, linear)],
+            "plants": plants and _plants(names, plants),
         }
         self._loop = _native.PooledLoop(tuples_of(parameters), as_json(settings))
         self._parameters = list(parameters)
@@ -234,10 +328,43 @@ class PooledLoop:
         """Experiments that you want, as one more batch: each at the design nearest to these settings."""
         return trials(self._names, self._loop.hand_out(rows(self._names, designs)))
 
-    def tell(self, id: int, value: Outcome = None, *, failed: Optional[str] = None) -> None:
-        """The outcome of a trial: a response, or why there is none. NaN and an exception are failures."""
+    def tell(
+        self,
+        id: int,
+        value: Outcome = None,
+        *,
+        failed: Optional[str] = None,
+        constrained: Optional[Mapping[str, float]] = None,
+    ) -> None:
+        """The outcome of a trial: a response, or why there is none. NaN and an exception are failures.
+
+        `constrained` holds what was measured of the constraints, by their names.
+
+        >>> spring = Parameter("x", "mm", 0.0, 10.0, levels=11)
+        >>> loop = PooledLoop([spring], n_experiments=3, constraints=[Constraint("travel", upper=12.0)])
+        >>> trial = loop.ask()[0]
+        >>> loop.tell(trial.id, 0.25, constrained={"travel": 11.5})
+        >>> loop.assess().recommended.constrained[0].within > 0.5
+        True
+        """
         number, reason = outcome(value, failed)
-        self._loop.tell(id, number, reason, None, False)
+        changed = self._loop.copy()
+        changed.tell(id, number, reason, None, False)
+        if constrained is not None:
+            changed.tell_constrained(id, self._in_order(constrained))
+        self._loop = changed
+
+    def tell_constrained(self, id: int, values: Mapping[str, float]) -> None:
+        """What was measured of the constraints of a trial, by their names: before or after its outcome, or to correct it."""
+        self._loop.tell_constrained(id, self._in_order(values))
+
+    def _in_order(self, values: Mapping[str, float]) -> List[Optional[float]]:
+        names: List[str] = [constraint["name"] for constraint in self.settings.get("constraints", [])]
+        unknown = [name for name in values if name not in names]
+        if unknown:
+            known = ", ".join(names) or "none: there is no constraint"
+            raise _native.Error(f"constrained: `{unknown[0]}` is no constraint, expected {known}")
+        return [float(values[name]) if name in values else None for name in names]
 
     def tell_at(self, id: int, settings: Designs, value: Outcome = None, *, failed: Optional[str] = None) -> None:
         """The outcome of a trial that was made at other settings than those asked for."""
@@ -325,7 +452,8 @@ class PooledLoop:
         )
 
     def _standing(self, entry: Dict[str, Any]) -> Standing:
-        return _of(Standing, entry, settings=named(self._names, entry["point"]))
+        of_each = [_constrained(one) for one in entry.get("constrained", [])]
+        return _of(Standing, entry, settings=named(self._names, entry["point"]), constrained=of_each)
 
     def standings(self, designs: Designs, simulate: Optional[Simulate] = None) -> Optional[List[Standing]]:
         """What is known of designs, beside the recommended one; nothing before the first response."""

@@ -55,14 +55,13 @@ impl Admission {
         effect.iter().enumerate().map(left).map(|deviation| 1.0 / deviation.max(f64::MIN_POSITIVE)).collect()
     }
 
-    /// Multiplies each row's chance by its probability to keep to the bounds, in one outcome.
-    pub(crate) fn multiply(&self, chances: &mut [f64], step: &Step, outcome: usize) {
-        let (z, means) = (step.normals[outcome], &self.futures[outcome]);
-        let rows = chances.iter_mut().zip(means).zip(step.effect.iter().zip(&step.precision));
-        for ((chance, mean), (effect, precision)) in rows {
-            let mean = mean + z * effect;
-            *chance *= below((self.upper - mean) * precision) - below((self.lower - mean) * precision);
-        }
+    /// Probability of a row to keep to the bounds, in one outcome.
+    pub(crate) fn chance(&self, row: usize, step: &Step, outcome: usize) -> f64 {
+        let mean = self.futures[outcome][row] + step.normals[outcome] * step.effect[row];
+        let up_to = |bound: f64| below((bound - mean) * step.precision[row]);
+        let lower = if self.lower > f64::NEG_INFINITY { up_to(self.lower) } else { 0.0 };
+        let upper = if self.upper < f64::INFINITY { up_to(self.upper) } else { 1.0 };
+        upper - lower
     }
 
     /// The run is part of the batch.

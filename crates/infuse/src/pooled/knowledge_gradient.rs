@@ -196,18 +196,20 @@ impl Gradient<'_> {
         if self.admissions.is_empty() {
             return self.futures.iter().zip(normals).map(|(future, z)| lowest(future, effect, *z)).sum();
         }
-        let mut chances = vec![1.0; effect.len()];
-        let mut of_outcome = |(outcome, (future, z)): (usize, (&Vec<f64>, &f64))| {
-            chances.fill(1.0);
-            for (admission, step) in self.admissions.iter().zip(steps) {
-                admission.multiply(&mut chances, step, outcome);
+        let of_outcome = |(outcome, (future, z)): (usize, (&Vec<f64>, &f64))| {
+            let mut best = reserve;
+            for (row, (mean, effect)) in future.iter().zip(effect).enumerate() {
+                let mean = mean + z * effect;
+                // Even a design that is sure to keep to its bounds is worth no less than its mean.
+                if mean < best {
+                    let of_each = self.admissions.iter().zip(steps);
+                    let chance: f64 = of_each.map(|(admission, step)| admission.chance(row, step, outcome)).product();
+                    best = best.min(reserve + chance * (mean - reserve));
+                }
             }
-            let worth = |((mean, effect), chance): ((&f64, &f64), &f64)| {
-                reserve + chance * (mean + z * effect - reserve).min(0.0)
-            };
-            future.iter().zip(effect).zip(&chances).map(worth).fold(reserve, f64::min)
+            best
         };
-        self.futures.iter().zip(normals).enumerate().map(&mut of_outcome).sum()
+        self.futures.iter().zip(normals).enumerate().map(of_outcome).sum()
     }
 }
 
