@@ -1,6 +1,6 @@
 //! The rows of the form: what a page knew of each, what was typed, and what of it is new.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 

@@ -11,7 +11,7 @@ pub(super) fn document(title: &str, refresh_s: Option<u32>, body: &Markup) -> St
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                @if let Some(seconds) = refresh_s { meta http-equiv="refresh" content=(seconds); }
+                @if let Some(seconds) = refresh_s { meta http-equiv="refresh" content={ (seconds) "; url=/" }; }
                 title { (title) }
                 link rel="stylesheet" href="/style.css";
             }

@@ -71,7 +71,9 @@ impl Site {
         match tell(&self.folder, self.wait, rows.clone()) {
             Ok(None) => {
                 self.work.forget();
-                Ok(Response::see_other("/"))
+                // Back to the row whose button it was.
+                let row = request.field("row").and_then(|id| id.parse::<u64>().ok());
+                Ok(Response::see_other(&row.map_or_else(|| "/".to_owned(), |id| format!("/#row-{id}"))))
             }
             Ok(Some(refused)) => self.sheet(422, refused, None),
             // Another process has the folder, or the disk is full: what was typed stays.

@@ -32,16 +32,18 @@ pub(super) struct Shown {
 pub(super) fn page(campaign: &dyn Campaign, shown: &Shown) -> Result<String> {
     let stage = campaign.stage()?;
     let is_busy = matches!(shown.work, State::Busy(_));
+    let is_waiting = is_busy && shown.refused.is_empty();
     let title = &campaign.problem().title;
     let body = html! {
         h1 { (title) }
         (next(campaign, &stage, shown))
-        (form(campaign, &shown.refused))
+        // What is typed while the page looks again would be lost.
+        @if !is_waiting { (form(campaign, &shown.refused)) }
         h2 { "What is known" }
         @for block in &shown.known { section { (sentences(block)) } }
         (more(campaign, is_busy))
     };
-    Ok(document(title, is_busy.then_some(REFRESH_S), &body))
+    Ok(document(title, is_waiting.then_some(REFRESH_S), &body))
 }
 
 /// What to do next, and what became of what was done.
@@ -161,7 +163,7 @@ fn row(
             @if let Some(fault) = refused.and_then(|row| row.fault.as_ref()) { p class="fault" { (text(fault)) } }
             input type="hidden" name=(field(id, None)) value=(was);
             (fields(campaign, id, &known, refused))
-            button { @if is_told { "Correct" } @else { "Save" } }
+            button name="row" value=(id) { @if is_told { "Correct" } @else { "Save" } }
         }
     }
 }
@@ -191,7 +193,7 @@ fn fields(campaign: &dyn Campaign, id: u64, known: &[String], refused: Option<&R
             label class=[fault.map(|_| "wrong")] {
                 span { (headings[place]) }
                 input type="text" name=(name) value=(value(place)) inputmode=[is_number.then_some("decimal")]
-                    aria-invalid=[fault.map(|_| "true")] aria-describedby=[fault.map(|_| format!("{name}-fault"))];
+                    autofocus[fault.is_some()] aria-invalid=[fault.map(|_| "true")] aria-describedby=[fault.map(|_| format!("{name}-fault"))];
                 @if let Some(fault) = fault { span class="fault" id={ (name) "-fault" } { (text(fault)) } }
             }
         }
