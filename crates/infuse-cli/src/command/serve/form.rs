@@ -66,9 +66,8 @@ fn cells(
     let held = problem.constraints.iter();
     let held = held.map(|held| constrained.get(held.name()).map_or_else(String::new, |&value| plain(value)));
     let made = problem.region.parameters().iter();
-    let made = made.map(|parameter| {
-        actual.get(parameter.name()).map_or_else(String::new, |&setting| written(parameter, setting))
-    });
+    let made = made
+        .map(|parameter| actual.get(parameter.name()).map_or_else(String::new, |&setting| written(parameter, setting)));
     [value].into_iter().chain(held).chain([failed]).chain(made).chain([note.trim().to_owned()]).collect()
 }
 
@@ -185,6 +184,7 @@ impl Row {
 /// Somebody else was faster.
 fn conflict(known: &Cells) -> String {
     let now: Vec<&str> = known.iter().map(String::as_str).filter(|text| !text.is_empty()).collect();
-    let now = if now.is_empty() { "nothing is known of it".to_owned() } else { format!("now it has {}", now.join(", ")) };
+    let now =
+        if now.is_empty() { "nothing is known of it".to_owned() } else { format!("now it has {}", now.join(", ")) };
     format!("not taken: this experiment was changed since this page was made, and {now}; save again to replace it")
 }

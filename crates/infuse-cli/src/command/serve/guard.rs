@@ -46,7 +46,10 @@ impl Guard {
         let is_foreign = request.header("origin").is_some_and(|origin| origin != own)
             || request.header("sec-fetch-site").is_some_and(|site| !["same-origin", "none"].contains(&site));
         if is_foreign {
-            return Some(Response::plain(403, "another page may not ask this one; type its address, or follow no link to it"));
+            return Some(Response::plain(
+                403,
+                "another page may not ask this one; type its address, or follow no link to it",
+            ));
         }
         let in_address = request.query.iter().find(|(name, _)| name == "token");
         if let Some((_, token)) = in_address.filter(|_| request.method == Method::Get) {

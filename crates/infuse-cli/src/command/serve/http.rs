@@ -117,7 +117,8 @@ fn refused(status: u16, why: &str) -> Parsed {
 }
 
 /// What may be loaded by a page: nothing from elsewhere, and no script.
-const POLICY: &str = "default-src 'none'; style-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
+const POLICY: &str =
+    "default-src 'none'; style-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
 /// The report has its style in itself.
 const POLICY_OF_REPORT: &str =
     "default-src 'none'; style-src 'unsafe-inline'; form-action 'none'; base-uri 'none'; frame-ancestors 'none'";

@@ -54,10 +54,12 @@ impl Site {
 
     /// The sheet, with what was typed and not taken.
     fn sheet(&self, status: u16, refused: Refused, error: Option<String>) -> Result<Response> {
+        // First of all: work that ends in between is then shown as going on, and the page looks again.
+        let work = self.work.state();
         let mut campaign = folder::read(&self.folder)?;
         let notices = campaign.take_notices();
         let (known, _) = status::known(&*campaign)?;
-        let shown = Shown { work: self.work.state(), known, notices, refused, error };
+        let shown = Shown { work, known, notices, refused, error };
         Ok(Response::html(status, page(&*campaign, &shown)?))
     }
 
@@ -92,12 +94,8 @@ impl Site {
     fn ask_undo(&self) -> Result<Response> {
         let (journal, last) = undo::last_of(&self.folder)?;
         let what = format!("This will be taken back: {}. There is no way to take that back.", undo::in_words(&last));
-        let asked = Question {
-            heading: "Take the last thing back?",
-            what: &what,
-            button: "Take it back",
-            action: "/undo",
-        };
+        let asked =
+            Question { heading: "Take the last thing back?", what: &what, button: "Take it back", action: "/undo" };
         Ok(Response::html(200, question(asked, journal.all.len(), None)))
     }
 

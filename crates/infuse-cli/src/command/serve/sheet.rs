@@ -124,13 +124,7 @@ fn form(campaign: &dyn Campaign, refused: &Refused) -> Markup {
     }
 }
 
-fn row(
-    campaign: &dyn Campaign,
-    run: usize,
-    trial: &Trial,
-    repeats: Option<u64>,
-    refused: Option<&Row>,
-) -> Markup {
+fn row(campaign: &dyn Campaign, run: usize, trial: &Trial, repeats: Option<u64>, refused: Option<&Row>) -> Markup {
     let (problem, experiments) = (campaign.problem(), campaign.experiments());
     let id = trial.id.number();
     let is_told = experiments.is_told(trial.id);
@@ -163,7 +157,6 @@ fn row(
             @if let Some(fault) = refused.and_then(|row| row.fault.as_ref()) { p class="fault" { (text(fault)) } }
             input type="hidden" name=(field(id, None)) value=(was);
             (fields(campaign, id, &known, refused))
-            button name="row" value=(id) { @if is_told { "Correct" } @else { "Save" } }
         }
     }
 }
@@ -199,7 +192,10 @@ fn fields(campaign: &dyn Campaign, id: u64, known: &[String], refused: Option<&R
         }
     };
     html! {
-        div class="fields" { @for place in 0..n_measured { (input(place)) } }
+        div class="fields" {
+            @for place in 0..n_measured { (input(place)) }
+            button name="row" value=(id) { @if known.iter().all(String::is_empty) { "Save" } @else { "Correct" } }
+        }
         details open[is_open] {
             summary { "It failed, was set otherwise, or needs a note" }
             div class="fields" { @for place in n_measured..headings.len() { (input(place)) } }
