@@ -141,6 +141,18 @@ pub(crate) enum Command {
         #[arg(long)]
         anyway: bool,
     },
+    /// Serve today's sheet as a page for a browser on this machine, until Ctrl-C
+    ///
+    /// Prints the address of the page, which holds a secret word: whoever has it may write to the campaign. Nothing but this
+    /// machine is answered. The shell may be used beside it.
+    Serve {
+        /// The port on 127.0.0.1; 0 takes any that is free
+        #[arg(long, default_value_t = 0, value_name = "N")]
+        port: u16,
+        /// Take the secret word from this file instead of a new one: at least 16 letters, digits, `-` or `_`
+        #[arg(long, value_name = "FILE")]
+        token_file: Option<PathBuf>,
+    },
     /// Print what makes a shell complete `infuse` and its options
     Completions {
         /// The shell

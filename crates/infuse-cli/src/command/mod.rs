@@ -10,6 +10,7 @@ mod manual;
 mod new;
 mod report;
 mod run;
+mod serve;
 mod settings;
 mod status;
 mod tell;
@@ -57,7 +58,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
         Command::WhatIf { settings, grid } => what_if::what_if(folder, settings.as_deref(), grid.as_deref()),
         Command::Confirm { runs, sheet } => confirm::confirm(folder, wait, *runs, sheet.as_deref()),
         Command::Check => check::check(folder),
-        Command::Undo => undo::undo(folder, wait),
+        Command::Undo => undo::undo(folder, wait, None),
         Command::Log => log::log(folder),
         Command::Cancel => cancel::cancel(folder, wait),
         Command::Tell(tell) => tell::tell(folder, wait, tell),
@@ -70,6 +71,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
         Command::Report { output } => report::report(folder, output.as_deref()),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man { folder } => manual::manual(folder.as_deref()),
+        Command::Serve { port, token_file } => serve::serve(folder, wait, *port, token_file.as_deref()),
         Command::Run { batches, anyway } => run::run(folder, wait, *batches, *anyway),
     }
 }

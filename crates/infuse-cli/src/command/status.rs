@@ -19,13 +19,8 @@ pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     let mut notices = campaign.take_notices();
     notices.extend(sheets_without_a_journal(&*campaign));
     let stage = campaign.stage()?;
-    let (known, for_machines) = campaign.status()?;
-    let blocks: Vec<Vec<Finding>> = std::iter::once(vec![standing(&*campaign)])
-        .chain([in_the_queue(&*campaign)?])
-        .chain(known)
-        .chain([vec![next(&*campaign, &stage)]])
-        .filter(|block| !block.is_empty())
-        .collect();
+    let (mut blocks, for_machines) = known(&*campaign)?;
+    blocks.push(vec![next(&*campaign, &stage)]);
     let mut text = format!("{}\n", campaign.problem().title);
     for block in &blocks {
         text.push('\n');
@@ -43,6 +38,13 @@ pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     }
     json["notices"] = json!(notices);
     Ok(Output { text, json, notices })
+}
+
+/// All that is known, in blocks, but what to do next; and what a machine is told of it.
+pub(crate) fn known(campaign: &dyn Campaign) -> Result<(Vec<Vec<Finding>>, Value)> {
+    let (known, for_machines) = campaign.status()?;
+    let blocks = std::iter::once(vec![standing(campaign)]).chain([in_the_queue(campaign)?]).chain(known);
+    Ok((blocks.filter(|block| !block.is_empty()).collect(), for_machines))
 }
 
 /// What is waited for from a queue.

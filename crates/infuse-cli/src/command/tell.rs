@@ -6,14 +6,14 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use page::Finding;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{Output, settings};
 use crate::arguments::Tell;
 use crate::campaign::{Campaign, Reading};
 use crate::findings::{outstanding, taken};
 use crate::folder;
-use crate::journal::{Event, Measured, Told, now};
+use crate::journal::{Event, Measured, Told, Writer, now};
 use crate::number::{number_fault, plain};
 use crate::problem::Problem;
 use crate::sheet::{Answer, Fault, answers, none_of};
@@ -30,22 +30,34 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
         None => (vec![single(tell, &*campaign)?], 0, "the command line".to_owned()),
     };
     let (fresh, n_known) = fresh(&*campaign, answers, &from, tell.correct)?;
+    let (findings, json) = take(&mut *campaign, &mut writer, fresh, &from, (n_known, n_empty))?;
+    Ok(Output::new(&findings, json, notices))
+}
+
+/// Writes new results down, each with whether it replaces one, beside rows that were known or are empty.
+pub(crate) fn take(
+    campaign: &mut dyn Campaign,
+    writer: &mut Writer,
+    fresh: Vec<(Answer, bool)>,
+    from: &str,
+    (n_known, n_empty): (usize, usize),
+) -> Result<(Vec<Finding>, Value)> {
     let n_closed = campaign.n_closed();
     let rows = fresh.len();
     let at = now();
     let event = |(index, (answer, corrects)): (usize, (Answer, bool))| {
         let Answer { id, result, constrained, actual, repeat, note, .. } = answer;
-        let (from, at) = (from.clone(), at.clone());
+        let (from, at) = (from.to_owned(), at.clone());
         Event::Told(Told { row: index + 1, rows, id, result, constrained, actual, repeat, corrects, note, from, at })
     };
     let events: Vec<Event> = fresh.into_iter().enumerate().map(event).collect();
-    campaign.record(&mut writer, events)?;
+    campaign.record(writer, events)?;
     let mut findings = taken(rows, n_known, n_empty);
     let n_outstanding = campaign.experiments().n_outstanding();
     let batch = campaign.experiments().last_batch().unwrap_or(0);
     let is_closed = campaign.n_closed() > n_closed;
     if is_closed {
-        let infuse = infuse(folder);
+        let infuse = infuse(campaign.folder());
         findings.extend(campaign.lesson()?);
         findings.push(Finding::new(format!("Next: {infuse} status, then {infuse} ask")));
     } else if n_outstanding > 0 {
@@ -58,7 +70,7 @@ pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output>
         "taken": rows, "known": n_known, "empty": n_empty, "batch": batch, "outstanding": n_outstanding,
         "batch_is_complete": is_closed,
     });
-    Ok(Output::new(&findings, json, notices))
+    Ok((findings, json))
 }
 
 /// An experiment told by its id.

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use page::Finding;
 use serde_json::json;
 
@@ -15,11 +15,16 @@ use crate::journal::{Deed, Event, JOURNAL, Journal, Last, Measured, Submitted, T
 use crate::number::count;
 use crate::shell::sheet_path;
 
-pub(crate) fn undo(folder: &Path, wait: Duration) -> Result<Output> {
+/// `n_lines` is how many lines the journal has to have, where somebody has seen what would be taken back.
+pub(crate) fn undo(folder: &Path, wait: Duration, n_lines: Option<usize>) -> Result<Output> {
     // A campaign that has not begun is not begun by this.
     last_of(folder)?;
     let (campaign, mut writer) = folder::open(folder, wait)?;
     let (Journal { all, notices, .. }, last) = last_of(folder)?;
+    ensure!(
+        n_lines.is_none_or(|n_lines| n_lines == all.len()),
+        "something was written down since: nothing was taken back, look again at what would be"
+    );
     let undone = Event::Undone { deed: last.deed, lines: last.events.len(), at: now() };
     let mut after = all;
     after.push((after.last().map_or(1, |(line, _)| line + 1), undone.clone()));
@@ -39,7 +44,7 @@ pub(crate) fn undo(folder: &Path, wait: Duration) -> Result<Output> {
 }
 
 /// The journal, and what can be taken back.
-fn last_of(folder: &Path) -> Result<(Journal, Last)> {
+pub(crate) fn last_of(folder: &Path) -> Result<(Journal, Last)> {
     let mut journal = Journal::read(folder)?;
     let last = journal.last.take();
     let last = last.with_context(|| {
@@ -66,7 +71,7 @@ fn runs_left(campaign: &dyn Campaign, last: &Last) -> Option<String> {
 }
 
 /// What was done, with its numbers.
-pub(super) fn in_words(last: &Last) -> String {
+pub(crate) fn in_words(last: &Last) -> String {
     let events = || last.events.iter().map(|(_, event)| event);
     match last.deed {
         Deed::Tell => told(events().filter_map(|event| if let Event::Told(told) = event { Some(told) } else { None })),

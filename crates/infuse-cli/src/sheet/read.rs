@@ -9,7 +9,7 @@ use infuse::pooled::Trial;
 
 use super::columns::Columns;
 use super::table::Row;
-use super::table::{Fault, Table, none_of};
+use super::table::{Column, Fault, Table, none_of};
 use crate::journal::{Constrained, Measured};
 use crate::number::{plain, with_unit};
 use crate::problem::{Problem, written};
@@ -77,6 +77,33 @@ pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, Tri
     let mut seen = std::collections::BTreeSet::new();
     filled.retain(|answer| answer.repeat > 0 || seen.insert(answer.id));
     Ok(Answers { filled, n_empty })
+}
+
+/// What a row of a form says about a trial: its cells from the response to the note, as a sheet has them; nothing if all
+/// are empty. The faults name columns by their headings.
+pub(crate) fn typed(
+    id: u64,
+    filled_in: &[String],
+    problem: &Problem,
+    trials: &BTreeMap<u64, Trial>,
+) -> Result<Result<Option<Answer>, Vec<Fault>>> {
+    let columns = Columns::of(problem);
+    let mut cells = vec![String::new(); columns.all.len()];
+    cells[Columns::ID] = id.to_string();
+    for (cell, text) in cells[columns.response()..].iter_mut().zip(filled_in) {
+        text.trim().clone_into(cell);
+    }
+    let table = Table::of_row(&columns.all, &cells)?;
+    let reader = Reader { columns, table, problem, trials };
+    let mut faults = Vec::new();
+    let answer = reader.table.rows().first().and_then(|row| reader.row(row, &mut faults)).flatten();
+    Ok(if faults.is_empty() { Ok(answer) } else { Err(faults) })
+}
+
+/// The headings of what is filled in, from the response to the note.
+pub(crate) fn to_fill_in(problem: &Problem) -> Vec<String> {
+    let columns = Columns::of(problem);
+    columns.all[columns.response()..].iter().map(Column::heading).collect()
 }
 
 struct Reader<'a> {

@@ -107,6 +107,17 @@ impl Table {
             Some(records) => records,
             None => text::records(bytes)?,
         };
+        Self::of(records, separator, columns)
+    }
+
+    /// From one row of cells under all of these columns, as a form has them: a comma may be the decimal point.
+    pub(super) fn of_row(columns: &[Column], cells: &[String]) -> Result<Self> {
+        let headings = columns.iter().map(|column| Cell::plain(column.heading())).collect();
+        let cells = cells.iter().map(Cell::plain).collect();
+        Self::of(vec![(1, headings), (2, cells)], Separator::Other, columns)
+    }
+
+    fn of(records: Vec<(usize, Vec<Cell>)>, separator: Separator, columns: &[Column]) -> Result<Self> {
         let mut records = records.into_iter().filter(|(_, cells)| cells.iter().any(|cell| !cell.text.is_empty()));
         let headings = records.next().map(|(_, headings)| headings).unwrap_or_default();
         let headings: Vec<String> = headings.into_iter().map(|cell| cell.text).collect();
