@@ -56,8 +56,12 @@ fn right(problem: &Problem) -> Finding {
             Levels::Count(n) => count(n as usize, "setting"),
             Levels::Continuous => "any setting".to_owned(),
         };
-        let bounds =
-            format!("{} to {}", plain(parameter.lower()), with_unit(&plain(parameter.upper()), parameter.unit()));
+        let bounds = match parameter.choices() {
+            Some(choices) => return Finding::new(format!("{}: {}.", parameter.name(), choices.join(", "))),
+            None => {
+                format!("{} to {}", plain(parameter.lower()), with_unit(&plain(parameter.upper()), parameter.unit()))
+            }
+        };
         Finding::new(format!("{}: {bounds}, {levels}.", parameter.name()))
     });
     let response = &problem.response;

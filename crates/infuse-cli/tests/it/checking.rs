@@ -28,6 +28,16 @@ fn the_budget_is_that_of_the_file() {
 }
 
 #[test]
+fn choices_are_named() {
+    let rig = Rig::pooled();
+    let material = "[[parameter]]\nname = \"pad\"\nchoices = [\"foam\", \"film\"]\nrole = \"plant\"\n\n[response]";
+    rig.edit("[response]", material);
+    rig.edit("table = \"simulation.csv\"", "command = [\"echo\", \"1\"]");
+    let text = rig.infuse(&["check"]).ok();
+    assert!(text.contains("  pad: foam, film.\n") && !text.contains("0 to 1"), "{text}");
+}
+
+#[test]
 fn one_simulation_is_run_and_what_a_batch_costs_follows_from_it() {
     let rig = Rig::pooled();
     let command = "command = [\"sh\", \"-c\", \"echo x >> ran; sleep 0.2; echo {spring}{damper gain}\"]\njobs = 4";
