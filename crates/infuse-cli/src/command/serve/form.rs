@@ -115,7 +115,7 @@ pub(super) fn tell(folder: &Path, wait: Duration, mut rows: BTreeMap<u64, Row>) 
     let (mut campaign, mut writer) = folder::open(folder, wait)?;
     let (mut fresh, mut n_known) = (Vec::new(), 0);
     for (&id, row) in &mut rows {
-        match row.new(id, &*campaign)? {
+        match row.fresh(id, &*campaign)? {
             Some(new) => fresh.push(new),
             None => n_known += usize::from(row.is_right()),
         }
@@ -130,13 +130,14 @@ pub(super) fn tell(folder: &Path, wait: Duration, mut rows: BTreeMap<u64, Row>) 
 }
 
 impl Row {
-    fn is_right(&self) -> bool {
+    /// Whether nothing of it was wrong: it was not taken because of another, or because the folder was not to be had.
+    pub(super) fn is_right(&self) -> bool {
         self.fault.is_none() && self.faults.is_empty()
     }
 
     /// The answer of a row, with whether it replaces one; nothing if it is known, or if something is wrong, which is then
     /// written beside it.
-    fn new(&mut self, id: u64, campaign: &dyn Campaign) -> Result<Option<(Answer, bool)>> {
+    fn fresh(&mut self, id: u64, campaign: &dyn Campaign) -> Result<Option<(Answer, bool)>> {
         let (problem, experiments) = (campaign.problem(), campaign.experiments());
         let Some(trial) = experiments.trials.get(&id) else {
             self.fault = Some("this experiment is not asked for any more".to_owned());

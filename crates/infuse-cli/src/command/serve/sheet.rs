@@ -66,7 +66,9 @@ fn next(campaign: &dyn Campaign, stage: &Stage, shown: &Shown) -> Markup {
             @if let Some(error) = &shown.error { p class="fault" role="alert" { (text(error)) } }
             @if !shown.refused.is_empty() {
                 p class="fault" role="alert" {
-                    "Nothing was taken: see the rows with a red bar. What was typed is still there."
+                    "Nothing was taken"
+                    @if !shown.refused.values().all(Row::is_right) { ": see the rows with a red bar" }
+                    ". What was typed is still there."
                 }
             }
         }
@@ -132,9 +134,9 @@ fn row(campaign: &dyn Campaign, run: usize, trial: &Trial, repeats: Option<u64>,
     // Who has seen what is known now may replace it.
     let was = state(problem, trial, &known);
     let mark = match (refused, is_told) {
-        (Some(_), _) => "refused",
-        (None, true) => "told",
-        (None, false) => "open",
+        (Some(row), _) if !row.is_right() => "refused",
+        (_, true) => "told",
+        (_, false) => "open",
     };
     html! {
         li id={ "row-" (id) } class=(mark) {
