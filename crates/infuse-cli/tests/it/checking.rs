@@ -32,7 +32,7 @@ fn choices_are_named() {
     let rig = Rig::pooled();
     let material = "[[parameter]]\nname = \"pad\"\nchoices = [\"foam\", \"film\"]\nrole = \"plant\"\n\n[response]";
     rig.edit("[response]", material);
-    rig.edit("table = \"simulation.csv\"", "command = [\"echo\", \"1\"]");
+    rig.edit("table = \"simulation.csv\"", "command = [\"sh\", \"-c\", \"echo 1\", \"{spring} {damper gain} {pad}\"]");
     let text = rig.infuse(&["check"]).ok();
     assert!(text.contains("  pad: foam, film.\n") && !text.contains("0 to 1"), "{text}");
 }
