@@ -55,6 +55,11 @@ fn percent(share: f64) -> String {
     number(100.0 * share, 0)
 }
 
+/// Where a few in a thousand count.
+fn exactly(share: f64) -> String {
+    number(100.0 * share, 1)
+}
+
 fn markdown(rows: &[Row]) -> String {
     let mut text = "# Responses within bounds\n\n".to_owned();
     let last = |way: &Way| Came::of(&of(rows, way, |row| row.batch == BATCHES));
@@ -63,9 +68,9 @@ fn markdown(rows: &[Row]) -> String {
         "- Of {} recommended designs of the pooled loop that were said to keep to the bound with 90 % probability or more ({} % on \
          average), {} % truly do; of the certificates {} % held.\n",
         number((all.n as f64 * all.suffice).round(), 0),
-        percent(all.promised),
-        percent(all.kept),
-        percent(all.held)
+        exactly(all.promised),
+        exactly(all.kept),
+        exactly(all.held)
     );
     let said: Vec<String> = WAYS
         .iter()
