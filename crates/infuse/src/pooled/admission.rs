@@ -103,4 +103,39 @@ mod tests {
         }
         assert!(below(f64::INFINITY) > 0.999_999 && below(f64::NEG_INFINITY) < 1e-6);
     }
+
+    /// What is known of a response after four readings, at three places.
+    fn joint() -> Joint {
+        let data = surface::Data::new(1, vec![-1.0, -0.2, 0.4, 1.0], vec![1.0, 1.4, 0.7, 2.0]).expect("valid data");
+        let sites = surface::process::Sites::new(&data, None).expect("valid data");
+        let settings = surface::process::SamplerSettings { particles: 4, ..Default::default() };
+        let process = surface::process::AveragedProcess::new(sites, &settings).expect("a process");
+        process.joint(&surface::process::Places::new(1, &[-0.6, 0.1, 0.8]).expect("places"))
+    }
+
+    /// Φ((u − m)/s) − Φ((l − m)/s), now and after a run that comes out z standard deviations above what is expected.
+    #[test]
+    fn chance_is_that_of_a_normal_quantity_between_its_bounds() {
+        let normal = Normal::standard();
+        let mut limits = Constraint::at_most("travel", 1.5);
+        for lower in [None, Some(0.9)] {
+            limits.lower = lower;
+            let (known, noise) = (joint(), 0.1);
+            let admission = Admission::of(&limits, joint(), noise, 0, 7);
+            let between = |mean: f64, variance: f64| {
+                let up_to = |bound: f64| normal.cdf((bound - mean) / variance.sqrt());
+                up_to(1.5) - lower.map_or(0.0, up_to)
+            };
+            let (stay, step) = (admission.stay(), admission.step(1, 0));
+            let effect = known.effect(1, noise * noise);
+            for row in 0..3 {
+                let (mean, variance) = (known.means()[row], known.variance(row));
+                assert!((admission.chance(row, &stay, 0) - between(mean, variance)).abs() < 3e-4, "row {row}");
+                for (outcome, z) in outcomes(0, admission.scramble).into_iter().enumerate() {
+                    let expected = between(mean + z * effect[row], variance - effect[row] * effect[row]);
+                    assert!((admission.chance(row, &step, outcome) - expected).abs() < 3e-4, "row {row}, z {z}");
+                }
+            }
+        }
+    }
 }
