@@ -128,11 +128,11 @@ mod tests {
             };
             let (stay, step) = (admission.stay(), admission.step(1, 0));
             let effect = known.effect(1, noise * noise);
-            for row in 0..3 {
+            for (row, &effect) in effect.iter().enumerate() {
                 let (mean, variance) = (known.means()[row], known.variance(row));
                 assert!((admission.chance(row, &stay, 0) - between(mean, variance)).abs() < 3e-4, "row {row}");
                 for (outcome, z) in outcomes(0, admission.scramble).into_iter().enumerate() {
-                    let expected = between(mean + z * effect[row], variance - effect[row] * effect[row]);
+                    let expected = between(mean + z * effect, variance - effect * effect);
                     assert!((admission.chance(row, &step, outcome) - expected).abs() < 3e-4, "row {row}, z {z}");
                 }
             }

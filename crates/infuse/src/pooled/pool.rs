@@ -125,8 +125,12 @@ impl Pool {
     /// The part of it on which joint distributions are affordable: the promising cells, and others at random.
     pub(crate) fn reduced(&self, seed: u64, batch: usize) -> Self {
         let order = self.by_lower_bound(2.0);
-        if order.len() <= SMALL as usize {
+        if self.cells.len() <= SMALL as usize {
             return self.clone();
+        }
+        // Of a large pool few may be possible; the others would make it slow and are not thought of.
+        if order.len() <= SMALL as usize {
+            return self.select(&order);
         }
         let (promising, others) = order.split_at(PROMISING);
         let mut rows = promising.to_vec();
