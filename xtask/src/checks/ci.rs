@@ -7,7 +7,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 
 use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly};
-use crate::{licenses, packages, python, tidy, tutorials};
+use crate::{licenses, packages, python, test_programs, tidy, tutorials};
 
 /// One heading of the output.
 struct Step {
@@ -70,8 +70,8 @@ fn clippy() -> Result<()> {
 
 /// The examples are compiled with the tests, whose dependencies they share.
 fn tests() -> Result<()> {
-    let all = ["test", "--release", "--workspace", "--exclude", python::PACKAGE];
-    run_cargo(&[all.as_slice(), &["--lib", "--bins", "--tests", "--examples"]].concat())
+    let all = ["--release", "--workspace", "--exclude", python::PACKAGE];
+    test_programs::run(&[all.as_slice(), &["--lib", "--bins", "--tests", "--examples"]].concat())
 }
 
 fn documentation() -> Result<()> {

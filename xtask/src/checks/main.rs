@@ -6,6 +6,7 @@ mod licenses;
 mod packages;
 mod python;
 mod semver;
+mod test_programs;
 mod tidy;
 mod tutorials;
 mod workspace;
