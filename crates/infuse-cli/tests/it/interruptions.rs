@@ -1,4 +1,4 @@
-//! A thousand kills.
+//! Kills and interrupts at any moment.
 
 use std::collections::BTreeMap;
 use std::process::Stdio;
@@ -7,9 +7,8 @@ use std::time::Duration;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64;
 
+use crate::kills::n_kills;
 use crate::rig::{Rig, measured, told, truth};
-
-const KILLS: usize = 1000;
 
 /// The template with a simulator and an experiment that are commands, and this seed.
 fn rig(seed: u64) -> Rig {
@@ -23,17 +22,18 @@ fn rig(seed: u64) -> Rig {
 /// The three ways of writing to a campaign, killed again and again at any moment: what a call has confirmed is never
 /// lost, what the next calls say is what an undisturbed campaign says.
 #[test]
-fn a_thousand_kills_lose_nothing_that_was_confirmed() {
+fn kills_lose_nothing_that_was_confirmed() {
+    let kills = n_kills(250);
     let mut random = Pcg64::seed_from_u64(7);
     let (mut n_kills, mut n_calls, mut n_campaigns) = (0, 0, 0);
     // The killed calls are those that were still running; how long a call runs is found on the way.
     let mut patience = Duration::from_millis(60);
-    while n_kills < KILLS {
+    while n_kills < kills {
         n_campaigns += 1;
         let rig = rig(n_campaigns);
         let mut confirmed: BTreeMap<u64, f64> = BTreeMap::new();
         let mut n_here = 0;
-        while n_kills < KILLS && n_here < 4000 {
+        while n_kills < kills && n_here < 4000 {
             n_here += 1;
             let sheet = (1..=2).rev().map(|batch| format!("sheet-{batch}.csv")).find(|name| rig.path(name).exists());
             let tells = sheet.filter(|_| random.random::<f64>() < 0.6);
@@ -73,7 +73,7 @@ fn a_thousand_kills_lose_nothing_that_was_confirmed() {
         }
         finish_and_compare(&rig, n_campaigns);
     }
-    assert!(n_calls > KILLS, "some calls came to their end");
+    assert!(n_calls > kills, "some calls came to their end");
 }
 
 /// Brings two batches to their end and compares with a campaign that nobody disturbed.

@@ -25,7 +25,7 @@ echo $1 $2 >> ran.log
 awk \"BEGIN { print ($1 - 30) ^ 2 / 100 + ($2 - 2) ^ 2 }\"
 ";
 
-const KEYS: &str = "submit = [\"sh\", \"submit.sh\", \"{name}\", \"{script}\", \"{first}\", \"{last}\", \"{options}\"]\n\
+pub(crate) const KEYS: &str = "submit = [\"sh\", \"submit.sh\", \"{name}\", \"{script}\", \"{first}\", \"{last}\", \"{options}\"]\n\
                     list = [\"sh\", \"list.sh\"]\ncancel = [\"rm\", \"jobs/{name}\"]\npoll_seconds = 0.05\n";
 
 /// The template with five dear simulations a batch of four experiments, in a queue.

@@ -17,18 +17,23 @@ fn asked() -> (Rig, Served) {
 }
 
 /// Types a value, a reason and a note into the row of an experiment on this page, and saves.
-fn tell(served: &Served, page: &str, id: u64, (value, failed, note): (&str, &str, &str)) -> Answer {
+fn tell(served: &Served, page: &str, id: u64, row: (&str, &str, &str)) -> Answer {
+    let fields = row_of(page, id, row);
+    let fields: Vec<(&str, &str)> = fields.iter().map(|(name, value)| (&**name, &**value)).collect();
+    served.post("/tell", &fields)
+}
+
+/// The fields of this row.
+pub(crate) fn row_of(page: &str, id: u64, (value, failed, note): (&str, &str, &str)) -> [(String, String); 6] {
     let name = |place: usize| format!("cell-{id}-{place}");
-    let fields = [
+    [
         (format!("was-{id}"), field(page, &format!("was-{id}"))),
         (name(0), value.to_owned()),
         (name(1), failed.to_owned()),
         (name(2), field(page, &name(2))),
         (name(3), String::new()),
         (name(4), note.to_owned()),
-    ];
-    let fields: Vec<(&str, &str)> = fields.iter().map(|(name, value)| (&**name, &**value)).collect();
-    served.post("/tell", &fields)
+    ]
 }
 
 #[test]

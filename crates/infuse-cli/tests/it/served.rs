@@ -75,13 +75,18 @@ impl Served {
     }
 
     pub(crate) fn post_with(&self, path: &str, fields: &[(&str, &str)], headers: &str) -> Answer {
+        self.raw(&self.form(path, fields, headers))
+    }
+
+    /// A form as it goes to the server.
+    pub(crate) fn form(&self, path: &str, fields: &[(&str, &str)], headers: &str) -> Vec<u8> {
         let body: String = form_urlencoded::Serializer::new(String::new()).extend_pairs(fields).finish();
         let head = format!(
             "POST {path} HTTP/1.1\r\n{}{headers}Content-Type: application/x-www-form-urlencoded\r\nContent-Length: {}\r\n\r\n",
             self.host_and_cookie(),
             body.len()
         );
-        self.raw(format!("{head}{body}").as_bytes())
+        format!("{head}{body}").into_bytes()
     }
 
     /// The page, once nothing goes on any more.
@@ -104,6 +109,15 @@ impl Served {
         assert_eq!(self.post("/ask", &[]).status, 303);
         self.settled()
     }
+}
+
+/// Sends these bytes to a server that may be killed meanwhile; what it answered, 0 if nothing.
+pub(crate) fn send(port: u16, bytes: &[u8]) -> u16 {
+    let Ok(mut stream) = TcpStream::connect(("127.0.0.1", port)) else { return 0 };
+    if stream.write_all(bytes).is_err() {
+        return 0;
+    }
+    answer(&mut stream).status
 }
 
 impl Drop for Served {
