@@ -19,6 +19,8 @@ use water_channel::fly_seeded;
 #[cfg(feature = "global")]
 use crate::costs::key::Key;
 use crate::costs::{Cost, Store};
+#[cfg(feature = "global")]
+use crate::kept;
 use crate::logged::{LOG_EVERY, Logged};
 use crate::study_file::{FilesEntry, NumericsEntry};
 use crate::variable::Variable;
@@ -222,6 +224,21 @@ impl Bat {
         for fidelity in fidelities {
             let path = directory.join(format!("{}.tsv", self.key(region, *fidelity)));
             self.costs.keep_in(&path, *fidelity).with_context(|| path.display().to_string())?;
+        }
+        Ok(())
+    }
+
+    /// Knows from now on what is kept in a folder in these fidelities, if it is what this program flies: of every so many
+    /// points one is flown anew, and has to cost the same bit for bit.
+    pub(crate) fn take_over(&self, directory: &Path, region: &Region, fidelities: &[Fidelity]) -> Result<()> {
+        for fidelity in fidelities {
+            let path = directory.join(format!("{}.tsv", self.key(region, *fidelity)));
+            let known = crate::costs::read(&path).with_context(|| path.display().to_string())?;
+            let (points, costs): (Vec<Vec<f64>>, Vec<Cost>) = known.iter().step_by(kept::SAMPLE).cloned().unzip();
+            for ((point, cost), anew) in points.iter().zip(costs).zip(self.flown_costs(&points, *fidelity, |_| {})) {
+                kept::ensure_same(&format!("the cost of {point:?}"), &cost, &anew)?;
+            }
+            self.costs.add(*fidelity, known.iter().map(|(point, cost)| (point.as_slice(), cost)));
         }
         Ok(())
     }

@@ -37,3 +37,18 @@ pub(crate) fn check(root: &Path, texts: &[(&str, String)], remedy: &str) -> Resu
     }
     Ok(())
 }
+
+/// Flights and designs that are kept with the sources.
+pub(crate) const KEPT: &str = "fixtures/bat/kept";
+
+/// Every how many of what is kept is made anew by a check.
+pub(crate) const SAMPLE: usize = 50;
+
+/// That a sample came out as it is kept.
+pub(crate) fn ensure_same<T: PartialEq + std::fmt::Debug>(what: &str, kept: &T, anew: &T) -> Result<()> {
+    ensure!(
+        kept == anew,
+        "{KEPT}: {what} is kept as {kept:?}, and this program finds {anew:?}: `cargo xtask reproduce-all --keep` makes all of it anew"
+    );
+    Ok(())
+}

@@ -36,9 +36,11 @@ mod gridded;
 mod handover;
 #[cfg(feature = "identification")]
 mod identification;
-#[cfg(any(feature = "benchmark", feature = "calibration"))]
+#[cfg(feature = "global")]
 mod kept;
 mod logged;
+#[cfg(feature = "global")]
+mod memory;
 #[cfg(feature = "benchmark")]
 mod plants;
 mod provenance;
@@ -96,11 +98,13 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         (Some(study), [_, "--full"]) => Box::new(|| study.run(root, Extent::Full)),
         (Some(study), [_, "--check"]) => Box::new(|| study.check(root)),
         #[cfg(feature = "ensemble")]
-        (None, ["reproduce-all"]) => Box::new(|| reproduce_all::run(root, STUDIES, false)),
+        (None, ["reproduce-all"]) => Box::new(|| reproduce_all::run(root, STUDIES, Extent::Default)),
+        #[cfg(feature = "ensemble")]
+        (None, ["reproduce-all", "--keep"]) => Box::new(|| reproduce_all::keep(root, STUDIES)),
         #[cfg(feature = "ensemble")]
         (None, ["reproduce-all", "--page"]) => Box::new(|| reproduce_all::write_page(root, STUDIES, false)),
         #[cfg(feature = "ensemble")]
-        (None, ["reproduce-all", "--check"]) => Box::new(|| reproduce_all::run(root, STUDIES, true)),
+        (None, ["reproduce-all", "--check"]) => Box::new(|| reproduce_all::run(root, STUDIES, Extent::WithKept)),
         #[cfg(feature = "ensemble")]
         (None, ["reproduce-all", "--ensemble"]) => Box::new(|| ensemble::run(root)),
         #[cfg(feature = "ensemble")]

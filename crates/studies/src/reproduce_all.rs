@@ -9,6 +9,7 @@ use crate::ensemble::{self, OverEnsemble};
 use crate::exemptions;
 use crate::first_screen::FirstScreen;
 use crate::handover::Handover;
+use crate::memory;
 use crate::reproduction::{self, Extent, Picture, Reproduction, markdown_list};
 use page::{Axis, Column, CountFigure, Finding, Link, Page, Table, count_figure, palette};
 
@@ -66,12 +67,20 @@ impl Over {
     }
 }
 
-/// Runs every study of a chapter and writes the page over all; with `check` the committed pages must say the same.
-pub(crate) fn run(root: &Path, studies: &[Reproduction], check: bool) -> Result<()> {
+/// Runs every study of a chapter from nothing, writes the page over all, and keeps the flights and designs for the checks.
+pub(crate) fn keep(root: &Path, studies: &[Reproduction]) -> Result<()> {
+    memory::forget(root)?;
+    run(root, studies, Extent::Anew)?;
+    memory::keep(root)
+}
+
+/// Runs every study of a chapter and writes the page over all; with what is kept, the committed pages must say the same.
+pub(crate) fn run(root: &Path, studies: &[Reproduction], extent: Extent) -> Result<()> {
+    let check = extent == Extent::WithKept;
     let chosen: Vec<&Reproduction> = studies.iter().filter(|study| is_chapter(study)).collect();
     for (number, study) in chosen.iter().enumerate() {
         eprintln!("\n[{}/{}] {}", number + 1, chosen.len(), study.command);
-        if check { study.check(root) } else { study.run(root, Extent::Default) }.context(study.command)?;
+        if check { study.check(root) } else { study.run(root, extent) }.context(study.command)?;
     }
     write_page(root, studies, check)
 }

@@ -7,13 +7,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use page::Page;
 
-/// Where studies keep the costs of flights, from the root.
-#[cfg(feature = "global")]
-pub(crate) const FLIGHTS: &str = "target/reproduction/flights";
-/// Where they keep the designs of batches.
-#[cfg(feature = "global")]
-pub(crate) const DESIGNS: &str = "target/reproduction/designs";
-
 /// How much of a study is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extent {
@@ -21,13 +14,18 @@ pub(crate) enum Extent {
     Default,
     /// With the finest grid, for as long as it takes: `--full`.
     Full,
+    /// What fits into a few minutes, of which flights and designs that are kept with the sources are taken over, and some
+    /// of them made anew: `--check`.
+    WithKept,
+    /// The same from nothing, so that it can be kept: `reproduce-all --keep`.
+    Anew,
 }
 
 impl Extent {
     /// What names of files end with.
     fn suffix(self) -> &'static str {
         match self {
-            Self::Default => "",
+            Self::Default | Self::WithKept | Self::Anew => "",
             Self::Full => "-full",
         }
     }
@@ -53,6 +51,8 @@ pub(crate) struct Reproduction {
 pub(crate) enum Run {
     /// It has one extent.
     Always(fn(&Path) -> Result<()>),
+    /// It remembers flights and designs.
+    Remembering(fn(&Path, Extent) -> Result<()>),
     /// It can also be run in full.
     OrFull(fn(&Path, Extent) -> Result<()>),
 }
@@ -71,9 +71,11 @@ impl Reproduction {
     /// Runs the study.
     pub(crate) fn run(&self, root: &Path, extent: Extent) -> Result<()> {
         match (self.run, extent) {
-            (Run::Always(run), Extent::Default) => run(root),
-            (Run::OrFull(run), extent) => run(root, extent),
-            (Run::Always(_), Extent::Full) => bail!("{} has no --full: it always runs in full", self.command),
+            (Run::Always(_) | Run::Remembering(_), Extent::Full) => {
+                bail!("{} has no --full: it always runs in full", self.command)
+            }
+            (Run::Always(run), _) => run(root),
+            (Run::Remembering(run) | Run::OrFull(run), extent) => run(root, extent),
         }
     }
 
@@ -86,7 +88,7 @@ impl Reproduction {
 
     /// Runs the study and fails when it finds something else than the committed page of results says.
     pub(crate) fn check(&self, root: &Path) -> Result<()> {
-        self.run(root, Extent::Default)?;
+        self.run(root, Extent::WithKept)?;
         compare(root, &self.out().join(RESULTS), &format!("docs/results-{}.md", self.name))?;
         compare(root, &self.out().join(KEPT_PICTURE), &format!("docs/{}", self.kept_picture()))
     }

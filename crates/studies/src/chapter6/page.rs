@@ -80,7 +80,7 @@ fn extent_words(findings: &Findings) -> String {
         .map(|space| format!("{} cells for {}", space.space.n_cells(), space.entry.label))
         .collect();
     let rest = match findings.extent {
-        Extent::Default => "; `--full` takes 24 levels for each of the four",
+        Extent::Default | Extent::WithKept | Extent::Anew => "; `--full` takes 24 levels for each of the four",
         Extent::Full => "",
     };
     format!("Grid: {}{rest}.", cells.join(", "))
@@ -213,7 +213,7 @@ pub(crate) fn page(
 
 fn written_by(extent: Extent) -> &'static str {
     match extent {
-        Extent::Default => {
+        Extent::Default | Extent::WithKept | Extent::Anew => {
             "Written by `cargo xtask reproduce-chapter6`; `cargo xtask ci` fails when this page is not what the command finds."
         }
         Extent::Full => {

@@ -5,9 +5,9 @@ use super::file::Setup;
 use super::findings::Findings;
 use super::{claims, figures, flights, page, tables};
 use crate::bat::MODEL;
-use crate::gridded::Designs;
 use crate::handover::Handover;
-use crate::reproduction::{self, DESIGNS, Extent, FLIGHTS, Reproduction, Run, progress};
+use crate::memory::Memory;
+use crate::reproduction::{self, Extent, Reproduction, Run, progress};
 use anyhow::Result;
 use std::path::Path;
 use std::time::Instant;
@@ -25,10 +25,11 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter6.toml"), extent)?;
     let out = CHAPTER.prepare(root, extent)?;
+    let memory = Memory::of(root, extent);
     for space in &setup.spaces {
-        space.bat.keep_in(&root.join(FLIGHTS), space.space.region(), &setup.fidelities())?;
+        memory.remind(&space.bat, space.space.region(), &setup.fidelities())?;
     }
-    let designs = Designs::keep_in(&root.join(DESIGNS))?;
+    let designs = memory.designs()?;
     eprintln!("{}: the experiments are flights of a richer model with noise.", setup.file.title);
 
     let n_flights: usize = setup.spaces.iter().map(|space| space.space.n_cells() * (1 + setup.n_truths())).sum();

@@ -138,7 +138,7 @@ mod tests {
         let [model, truth] = bowls();
         let rig = StandInRig { space: &model.space, model: &model, truth: &truth, noise: 0.01, seed: 3 };
         let folder = tempfile::tempdir().expect("a writable directory");
-        let designs = Designs::keep_in(folder.path()).expect("no designs yet");
+        let designs = Designs::keep_in(folder.path(), None).expect("no designs yet");
         let smuggled = run(&rig, &settings(), &designs, Timing::NextIteration).expect("a campaign");
         let mut itself = global::Loop::new(model.space.region(), settings()).expect("a campaign");
         while let global::Ask::Trials(trials) = itself.ask(&mut |cell, _| rig.simulate(cell)).expect("a batch") {

@@ -11,7 +11,8 @@ use super::{claims, figures, page, tables, wrong};
 use crate::bat::{MODEL, STAND_IN};
 use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space, StandInRig};
 use crate::handover::Handover;
-use crate::reproduction::{self, DESIGNS, Extent, FLIGHTS, Reproduction, Run, progress};
+use crate::memory::Memory;
+use crate::reproduction::{self, Extent, Reproduction, Run, progress};
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -24,17 +25,18 @@ pub(crate) const CHAPTER: Reproduction = Reproduction {
     name: "chapter7",
     title: "Chapter 7",
     has_claims: true,
-    run: Run::Always(reproduce),
+    run: Run::Remembering(reproduce),
 };
 
-pub(crate) fn reproduce(root: &Path) -> Result<()> {
+pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter7.toml"))?;
-    let out = CHAPTER.prepare(root, Extent::Default)?;
+    let out = CHAPTER.prepare(root, extent)?;
+    let memory = Memory::of(root, extent);
     for case in &setup.cases {
-        case.bat.keep_in(&root.join(FLIGHTS), case.space.region(), &[MODEL, STAND_IN])?;
+        memory.remind(&case.bat, case.space.region(), &[MODEL, STAND_IN])?;
     }
-    let designs = Designs::keep_in(&root.join(DESIGNS))?;
+    let designs = memory.designs()?;
     eprintln!("{}: the stand-in for the water channel is a richer model, not an experiment.", setup.file.title);
 
     let found = setup.cases.iter().map(|case| {

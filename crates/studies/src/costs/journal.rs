@@ -10,7 +10,7 @@ use super::cost::Cost;
 const FAILED: &str = "failed: ";
 
 /// A point with its cost.
-pub(super) type FlownPoint = (Vec<f64>, Cost);
+pub(crate) type FlownPoint = (Vec<f64>, Cost);
 
 /// The end of a file of costs.
 ///
@@ -30,8 +30,7 @@ impl Journal {
         file.read_to_end(&mut bytes)?;
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         file.set_len(whole as u64)?;
-        let known = String::from_utf8_lossy(&bytes[..whole]).lines().filter_map(read_line).collect();
-        Ok((Self { path: path.to_owned(), file }, known))
+        Ok((Self { path: path.to_owned(), file }, read_lines(&bytes[..whole])))
     }
 
     /// Writes costs down. Who cannot write flies again next time, so a failure is only said.
@@ -41,6 +40,20 @@ impl Journal {
             eprintln!("warning: {}: {error}; these flights will not be remembered", self.path.display());
         }
     }
+}
+
+/// The points that a file knows, which is left as it is; none where there is none.
+#[cfg(feature = "global")]
+pub(crate) fn read(path: &Path) -> std::io::Result<Vec<FlownPoint>> {
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(read_lines(&bytes)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Vec::new()),
+        Err(error) => Err(error),
+    }
+}
+
+fn read_lines(bytes: &[u8]) -> Vec<FlownPoint> {
+    String::from_utf8_lossy(bytes).lines().filter_map(read_line).collect()
 }
 
 fn line(point: &[f64], cost: &Cost) -> String {

@@ -7,4 +7,6 @@ pub(crate) mod key;
 mod store;
 
 pub(crate) use cost::Cost;
+#[cfg(feature = "global")]
+pub(crate) use journal::read;
 pub(crate) use store::Store;

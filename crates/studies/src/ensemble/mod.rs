@@ -34,7 +34,8 @@ use anyhow::{Result, ensure};
 use crate::calibration::Plant;
 use crate::claims::Place;
 use crate::gridded::Designs;
-use crate::reproduction::{DESIGNS, progress};
+use crate::memory::Memory;
+use crate::reproduction::{Extent, progress};
 use file::Setup;
 use row::{Study, Unit};
 use store::{Found, Store};
@@ -48,7 +49,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     if store.mend()? {
         eprintln!("{FOLDER}: what an interrupted run had left of a unit was dropped");
     }
-    let designs = Designs::keep_in(&root.join(DESIGNS))?;
+    let designs = Memory::of(root, Extent::Default).designs()?;
     let works = works(&setup);
     let bar = progress("claims over the ensemble: studies of a plant", works.len());
     for work in works {

@@ -105,4 +105,34 @@ mod tests {
         let fresh = third.flown_costs(&[space.point(last).expect("a cell")], MODEL, |_| {});
         assert_eq!(again.cost(last), fresh[0], "what was written is what flies");
     }
+
+    #[test]
+    fn flights_kept_with_the_sources_are_taken_over_if_a_sample_costs_the_same() {
+        let space = Space::of_two([46.0, 50.0], [5.0, 10.0], 2);
+        let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/bat");
+        let files = FilesEntry::of_chapter7();
+        let folder = tempfile::tempdir().expect("a writable directory");
+        let bat =
+            || Bat::read(&fixtures, &files, space.variables.clone(), &NumericsEntry::COARSE).expect("the case study");
+        let first = bat();
+        first.keep_in(folder.path(), space.region(), &[MODEL]).expect("a writable store");
+        FlownGrid::fly(&first, &space, MODEL, |_| {}).expect("a grid");
+
+        let second = bat();
+        second.take_over(folder.path(), space.region(), &[MODEL]).expect("what this program flies");
+        assert_eq!(second.n_known(MODEL), 4);
+
+        let [file] = std::fs::read_dir(folder.path())
+            .expect("the folder")
+            .flatten()
+            .collect::<Vec<_>>()
+            .try_into()
+            .expect("one");
+        let text = std::fs::read_to_string(file.path()).expect("just written");
+        let (point, costs) = text.split_once('\t').expect("four lines");
+        std::fs::write(file.path(), format!("{point}\t9{costs}")).expect("a writable file");
+        let error = bat().take_over(folder.path(), space.region(), &[MODEL]).expect_err("another cost");
+        assert!(error.to_string().contains("reproduce-all --keep"), "{error}");
+        bat().take_over(&folder.path().join("none"), space.region(), &[MODEL]).expect("nothing is kept");
+    }
 }

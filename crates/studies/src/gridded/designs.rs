@@ -5,7 +5,7 @@
 //! often need the same one. A search takes a second, everything else of an iteration a hundredth of it.
 //!
 //! Nothing that a page proves is taken from disk: surfaces, tests, corrections and the efficiencies of the designs are
-//! computed anew in every run.
+//! computed anew in every run. Of the designs that are kept with the sources a sample is searched for anew.
 
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions};
@@ -19,6 +19,7 @@ use doe::Model;
 use infuse::global::{self, Plan};
 
 use crate::costs::key::Key;
+use crate::kept;
 
 /// To be raised with every change of a search that [`fingerprint`] may not see: of the designs of large sets, of repeats, of
 /// what is done when no search finds a design.
@@ -47,24 +48,32 @@ pub(crate) struct Designs {
 #[derive(Debug)]
 struct State {
     known: HashMap<String, Plan>,
+    /// Of those that are kept with the sources, the ones that are to be searched for anew.
+    sample: HashMap<String, Plan>,
     file: File,
     n_searched: usize,
 }
 
 impl Designs {
-    /// The designs that are kept in a folder, in a file named after what this program's searches find.
-    pub(crate) fn keep_in(directory: &Path) -> Result<Self> {
+    /// The designs that are kept in a folder, in a file named after what this program's searches find, and those that are
+    /// kept with the sources, if they are of the same searches.
+    pub(crate) fn keep_in(directory: &Path, kept: Option<&Path>) -> Result<Self> {
         fs::create_dir_all(directory).with_context(|| directory.display().to_string())?;
-        let path = directory.join(format!("{}.tsv", fingerprint()?));
-        let mut known = HashMap::new();
-        for line in fs::read_to_string(&path).unwrap_or_default().lines() {
-            if let Some((key, plan)) = read_line(line) {
-                known.insert(key, plan);
+        let name = format!("{}.tsv", fingerprint()?);
+        let path = directory.join(&name);
+        let mut known: HashMap<String, Plan> = read_in_order(&path).into_iter().collect();
+        let mut sample = HashMap::new();
+        for (number, (key, plan)) in
+            kept.map(|folder| read_in_order(&folder.join(&name))).unwrap_or_default().into_iter().enumerate()
+        {
+            if number % kept::SAMPLE == 0 {
+                sample.insert(key.clone(), plan.clone());
             }
+            known.insert(key, plan);
         }
         let file = OpenOptions::new().append(true).create(true).open(&path);
         let file = file.with_context(|| path.display().to_string())?;
-        Ok(Self { path, state: Mutex::new(State { known, file, n_searched: 0 }) })
+        Ok(Self { path, state: Mutex::new(State { known, sample, file, n_searched: 0 }) })
     }
 
     /// The designs of the batch that a campaign comes to next; none after its end. The campaign must not have been refused
@@ -78,6 +87,10 @@ impl Designs {
             return Ok(campaign.plan()?);
         }
         let key = key(campaign)?;
+        if let Some(first) = self.state().sample.remove(&key) {
+            let anew = campaign.plan()?;
+            kept::ensure_same(&format!("the design {key}"), &Some(first), &anew)?;
+        }
         if let Some(known) = self.state().known.get(&key) {
             return Ok(Some(known.clone()));
         }
@@ -109,6 +122,11 @@ impl Designs {
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// The designs of a file; none where there is none.
+fn read_in_order(path: &Path) -> Vec<(String, Plan)> {
+    fs::read_to_string(path).unwrap_or_default().lines().filter_map(read_line).collect()
 }
 
 fn read_line(line: &str) -> Option<(String, Plan)> {

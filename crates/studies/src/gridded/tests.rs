@@ -38,7 +38,7 @@ fn settings(law: Law, k: f64, iterations: usize) -> global::Settings {
 
 fn designs() -> (tempfile::TempDir, Designs) {
     let folder = tempfile::tempdir().expect("a writable directory");
-    let designs = Designs::keep_in(folder.path()).expect("no designs yet");
+    let designs = Designs::keep_in(folder.path(), None).expect("no designs yet");
     (folder, designs)
 }
 
@@ -102,7 +102,7 @@ fn an_interrupted_campaign_goes_on_where_it_was() {
     let stop_after_two = |n: usize| assert!(made.fetch_add(n, Ordering::Relaxed) + n < 3, "interrupted");
     let interrupted = catch_unwind(AssertUnwindSafe(|| rig.run(&settings, &begun, stop_after_two)));
     assert!(interrupted.is_err(), "it was interrupted");
-    let again = || Designs::keep_in(folder.path()).expect("its designs");
+    let again = || Designs::keep_in(folder.path(), None).expect("its designs");
     let rest = again();
     let resumed = rig.run(&settings, &rest, |_| {}).expect("a campaign");
     assert_eq!(rest.n_searched(), n_batches - 3, "three iterations were not designed again");
@@ -115,6 +115,33 @@ fn an_interrupted_campaign_goes_on_where_it_was() {
     let anew = again();
     assert_eq!(rig.run(&settings, &anew, |_| {}).expect("a campaign"), expected);
     assert_eq!(anew.n_searched(), n_batches, "all anew");
+}
+
+#[test]
+fn designs_kept_with_the_sources_are_taken_over_and_a_sample_is_searched_for_anew() {
+    let space = space();
+    let (model, truth) = (bowl(&space, |_, _| 0.0), bowl(&space, |x, y| 0.4 * x * y));
+    let rig = StandInRig { space: &space, model: &model, truth: &truth, noise: 0.05, seed: 7 };
+    let settings = settings(Law::ProofRecursion, 0.5, 2);
+    let (kept, all) = designs();
+    let expected = rig.run(&settings, &all, |_| {}).expect("a campaign");
+    let with_kept = || {
+        let folder = tempfile::tempdir().expect("a writable directory");
+        let designs = Designs::keep_in(folder.path(), Some(kept.path())).expect("its designs");
+        let found = rig.run(&settings, &designs, |_| {});
+        (found, designs.n_searched())
+    };
+    let (found, n_searched) = with_kept();
+    assert_eq!((found.expect("a campaign"), n_searched), (expected, 0));
+
+    // The first of a file is of the sample.
+    let [file] =
+        std::fs::read_dir(kept.path()).expect("the folder").flatten().collect::<Vec<_>>().try_into().expect("one");
+    let text = std::fs::read_to_string(file.path()).expect("just written");
+    let digit = text.find("[").expect("a list") + 1;
+    std::fs::write(file.path(), format!("{}1{}", &text[..digit], &text[digit..])).expect("a writable file");
+    let error = with_kept().0.expect_err("another design than is found");
+    assert!(error.to_string().contains("reproduce-all --keep"), "{error}");
 }
 
 #[test]
