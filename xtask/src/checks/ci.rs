@@ -57,12 +57,13 @@ pub(crate) fn run() -> Result<()> {
     Ok(())
 }
 
-/// The whole workspace, and the least that each feature leaves: of these packages together, because none of them turns on
+/// The whole workspace, with the Python package where there is a Python, and the least that each feature leaves: of these packages together, because none of them turns on
 /// a feature of another, and what they share is then checked once.
 fn clippy() -> Result<()> {
     let deny = ["--", "-D", "warnings"];
-    let all = ["clippy", "--release", "--workspace", "--exclude", python::PACKAGE, "--all-targets"];
-    run_cargo(&[all.as_slice(), &deny].concat())?;
+    let all: &[&str] = &["clippy", "--release", "--workspace", "--all-targets"];
+    let without: &[&str] = if python::is_there() { &[] } else { &["--exclude", python::PACKAGE] };
+    run_cargo(&[all, without, &deny].concat())?;
     let packages = ["--package", "infuse-loop", "--package", "infuse-scaling", "--package", "studies"];
     let command = ["clippy", "--release", "--no-default-features"];
     run_cargo(&[command.as_slice(), &packages, &deny].concat())
