@@ -33,8 +33,7 @@ struct Trust {
 
 impl Trust {
     /// Both fall as the readings outnumber the terms of a quadratic.
-    fn after(n_readings: usize, n_factors: usize) -> Self {
-        let n_terms = (n_factors + 1) * (n_factors + 2) / 2;
+    fn after(n_readings: usize, n_terms: usize) -> Self {
         let scarcity = (n_terms as f64 / n_readings.max(1) as f64).min(1.0);
         Self { doubt: scarcity, allowance: 1.0 + 8.0 * scarcity * scarcity }
     }
@@ -94,7 +93,7 @@ impl Draws {
         let kept = Kept::of(knowledge, &cells, seed, batch)?;
         let of_each = knowledge.joint_of_each(&places);
         let doubts = knowledge.sceptic.as_ref().map(|sceptic| sceptic.joint_of_each(&places)).unwrap_or_default();
-        let trust = Trust::after(readings.len(), knowledge.designs.n_factors());
+        let trust = Trust::after(readings.len(), knowledge.designs.n_terms());
         let first = of_each.len() as u128;
         let believed = gains(&of_each, DRAWS, seed, batch, 0, &kept);
         let doubted = gains(&doubts, DOUBTED, seed, batch, first, &kept);
@@ -230,9 +229,9 @@ mod tests {
 
     fn draws() -> impl Strategy<Value = Draws> {
         let sample = || prop::collection::vec(0.0..1.0_f64, 1..200);
-        (sample(), sample(), 1_usize..200, 1_usize..8, 0.0..3.0_f64).prop_map(
-            |(believed, doubted, n_readings, n_factors, spread)| {
-                let Trust { doubt, allowance } = Trust::after(n_readings, n_factors);
+        (sample(), sample(), 1_usize..200, 1_usize..50, 0.0..3.0_f64).prop_map(
+            |(believed, doubted, n_readings, n_terms, spread)| {
+                let Trust { doubt, allowance } = Trust::after(n_readings, n_terms);
                 let all = Gains::of(vec![(believed.clone(), 1.0 - doubt), (doubted, doubt)]);
                 Draws { believed: Gains::of(vec![(believed, 1.0)]), all, allowance, spread }
             },
@@ -250,8 +249,8 @@ mod tests {
 
         /// As the readings become more the doubt and the allowance fall, toward none.
         #[test]
-        fn trust_grows_with_the_readings(n_factors in 1_usize..40, n_readings in 1_usize..10_000) {
-            let trust = |n| Trust::after(n, n_factors);
+        fn trust_grows_with_the_readings(n_terms in 1_usize..900, n_readings in 1_usize..10_000) {
+            let trust = |n| Trust::after(n, n_terms);
             let (now, then) = (trust(n_readings), trust(n_readings + 1));
             prop_assert!(then.doubt <= now.doubt && then.allowance <= now.allowance);
             prop_assert!((0.0..=1.0).contains(&now.doubt) && (1.0..=9.0).contains(&now.allowance));

@@ -81,6 +81,16 @@ impl Designs {
         self.region.parameters().iter().map(n_axes).sum()
     }
 
+    /// Terms of a full quadratic: the mean, one effect per number and one less than ways per choice, products of two of
+    /// different parameters, squares of numbers.
+    pub(crate) fn n_terms(&self) -> usize {
+        let effects: Vec<usize> = self.region.parameters().iter().map(n_effects).collect();
+        let all: usize = effects.iter().sum();
+        let products = (all * all - effects.iter().map(|n| n * n).sum::<usize>()) / 2;
+        let squares = self.region.parameters().iter().filter(|parameter| parameter.choices().is_none()).count();
+        1 + all + products + squares
+    }
+
     pub(crate) fn n_cells(&self) -> u64 {
         self.grid.n_cells()
     }
@@ -255,10 +265,42 @@ impl Designs {
     }
 }
 
+fn n_effects(parameter: &Parameter) -> usize {
+    parameter.choices().map_or(1, |choices| choices.len() - 1)
+}
+
 /// A choice of more than two has an axis for each.
 fn n_axes(parameter: &Parameter) -> usize {
     match parameter.choices().map(<[String]>::len) {
         None | Some(2) => 1,
         Some(count) => count,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng as _;
+
+    use super::*;
+
+    /// Two choices have as many terms as pairs; numbers those of (K + 1)(K + 2)/2.
+    #[test]
+    fn terms_are_those_of_a_full_quadratic() {
+        let number = |name: &str| Parameter::continuous(name, "1", -1.0, 1.0)?.with_levels(5);
+        let choice =
+            |name: &str, count: usize| Parameter::categorical(name, (0..count).map(|way| format!("way {way}")));
+        let terms = |parameters| {
+            let region = Region::new(parameters).expect("a region");
+            Designs::of(&region, &[], &mut ChaCha8Rng::seed_from_u64(1)).expect("designs").n_terms()
+        };
+        let numbers = |count: usize| (0..count).map(|k| number(&format!("x{k}")).expect("a number"));
+        for count in 1..7 {
+            assert_eq!(terms(numbers(count).collect()), (count + 1) * (count + 2) / 2);
+        }
+        for (a, b) in [(2, 2), (2, 3), (5, 4)] {
+            assert_eq!(terms(vec![choice("a", a).expect("ways"), choice("b", b).expect("ways")]), a * b);
+        }
+        // 1; a, b; x; ax, bx; x².
+        assert_eq!(terms(vec![choice("a", 3).expect("ways"), number("x").expect("a number")]), 7);
     }
 }
