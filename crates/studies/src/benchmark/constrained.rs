@@ -1,7 +1,7 @@
 //! Campaigns with a response that has to stay within a bound: is what is recommended allowed as often as promised, and how good is it?
 
 use anyhow::{Context as _, Result, ensure};
-use design_space::Cell;
+use design_space::{Cell, Grid, Parameter, Region};
 use infuse::Outcome;
 use infuse::pooled::{Ask, Constraint, Loop, Responses, Settings};
 use rand::SeedableRng;
@@ -20,11 +20,61 @@ pub(super) const SEEDS: u64 = 10;
 pub(super) const ALLOWED: f64 = 0.4;
 /// The constrained response is that of the same family with this much added to the seed.
 const OTHER: u64 = 1000;
-/// Families that are run: two to four factors, smooth and not.
-pub(super) const NAMES: [&str; 6] = ["bowl-2", "wells-2", "branin", "stall-4", "bowl-4", "borehole-4"];
+/// A kind of problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Case {
+    pub(super) name: &'static str,
+    family: &'static str,
+    /// Whether the last parameter is a choice among [`PLACES`] instead of a number.
+    pub(super) has_choice: bool,
+}
 
-pub(super) fn families() -> impl Iterator<Item = &'static Family> {
-    FAMILIES.iter().filter(|family| NAMES.contains(&family.name))
+const fn case(name: &'static str, family: &'static str, has_choice: bool) -> Case {
+    Case { name, family, has_choice }
+}
+
+/// What is run: two to four factors, smooth and not, with numbers only and with a choice.
+pub(super) const CASES: [Case; 9] = [
+    case("bowl-2", "bowl-2", false),
+    case("wells-2", "wells-2", false),
+    case("branin", "branin", false),
+    case("stall-4", "stall-4", false),
+    case("bowl-4", "bowl-4", false),
+    case("borehole-4", "borehole-4", false),
+    case("branin, a choice", "branin", true),
+    case("stall-4, a choice", "stall-4", true),
+    case("bowl-4, a choice", "bowl-4", true),
+];
+
+/// Where on the axis of a number the ways to choose are, in an order that says nothing of it.
+const PLACES: [f64; 4] = [0.62, 0.08, 0.91, 0.35];
+
+impl Case {
+    pub(super) fn family(&self) -> Result<&'static Family> {
+        FAMILIES.iter().find(|family| family.name == self.family).context(self.family)
+    }
+
+    /// The point of the functions that a point of the campaign is.
+    fn place(&self, point: &[f64]) -> Vec<f64> {
+        let mut place = point.to_vec();
+        if let (true, Some(last)) = (self.has_choice, place.last_mut()) {
+            *last = PLACES[*last as usize];
+        }
+        place
+    }
+
+    /// The same without the functions.
+    fn task<'a>(&self, family: &Family, pair: &'a Pair, seed: u64) -> Result<Task<'a>> {
+        let task = Task::new(family, pair, seed)?;
+        if !self.has_choice {
+            return Ok(task);
+        }
+        let mut parameters = task.region.parameters().to_vec();
+        parameters.pop();
+        parameters.push(Parameter::categorical("choice", ["a", "b", "c", "d"])?);
+        let region = Region::new(parameters)?;
+        Ok(Task { grid: Grid::of(&region)?, region, ..task })
+    }
 }
 
 /// How a campaign goes.
@@ -75,6 +125,7 @@ impl Row {
 
 /// A pair for the objective, one for the constraint, and what follows from the truth of both.
 struct Problem {
+    case: Case,
     objective: Pair,
     constrained: Pair,
     limit: f64,
@@ -82,27 +133,29 @@ struct Problem {
 }
 
 impl Problem {
-    fn of(family: &Family, seed: u64) -> Result<Self> {
+    fn of(case: Case, seed: u64) -> Result<Self> {
+        let family = case.family()?;
         let (objective, constrained) = (family.pair(seed), family.pair(seed + OTHER));
-        let grid = Task::new(family, &objective, seed)?.grid;
-        let points = grid.cells().map(|cell| grid.point(cell)).collect::<Result<Vec<_>, _>>()?;
+        let grid = case.task(family, &objective, seed)?.grid;
+        let points = grid.cells().map(|cell| Ok(case.place(&grid.point(cell)?))).collect::<Result<Vec<_>>>()?;
         let values: Vec<f64> = points.iter().map(|point| (constrained.truth)(point)).collect();
         let limit = page::quantile(&values, ALLOWED).context("designs")?;
         let allowed = points.iter().zip(&values).filter(|(_, value)| **value <= limit);
         let best = allowed.map(|(point, _)| (objective.truth)(point)).fold(f64::INFINITY, f64::min);
-        Ok(Self { objective, constrained, limit, best })
+        Ok(Self { case, objective, constrained, limit, best })
     }
 
     fn simulated(&self, point: &[f64]) -> Responses {
-        let constrained = vec![Some((self.constrained.simulation)(point))];
-        Responses { objective: (self.objective.simulation)(point), constrained }
+        let place = self.case.place(point);
+        let constrained = vec![Some((self.constrained.simulation)(&place))];
+        Responses { objective: (self.objective.simulation)(&place), constrained }
     }
 }
 
 /// One campaign, a row for each batch.
-pub(super) fn run(family: &Family, way: Way, seed: u64) -> Result<Vec<Row>> {
-    let problem = Problem::of(family, seed)?;
-    let task = Task::new(family, &problem.objective, seed)?;
+pub(super) fn run(case: Case, way: Way, seed: u64) -> Result<Vec<Row>> {
+    let problem = Problem::of(case, seed)?;
+    let task = case.task(case.family()?, &problem.objective, seed)?;
     let mut settings = Settings::new(task.n_experiments);
     (settings.max_batches, settings.seed) = (BATCHES, seed);
     settings.constraints = vec![Constraint::at_most("limited", problem.limit)];
@@ -124,7 +177,7 @@ pub(super) fn run(family: &Family, way: Way, seed: u64) -> Result<Vec<Row>> {
             trials
         };
         for trial in trials {
-            let point = task.grid.point(trial.cell)?;
+            let point = case.place(&task.grid.point(trial.cell)?);
             let mut noisy = |value: f64, noise: f64| {
                 let normal: f64 = StandardNormal.sample(&mut rng);
                 value + noise * normal
@@ -137,9 +190,9 @@ pub(super) fn run(family: &Family, way: Way, seed: u64) -> Result<Vec<Row>> {
         let found = if way.has_simulation { campaign.assess(Some(&mut simulate))? } else { campaign.assess(None)? };
         let found = found.context("no response")?;
         ensure!(found.recommended.constrained.len() == 1, "one constraint");
-        let point = &found.recommended.point;
+        let point = &case.place(&found.recommended.point);
         rows.push(Row {
-            family: family.name.to_owned(),
+            family: case.name.to_owned(),
             way: way.name.to_owned(),
             seed,
             batch,
