@@ -2,6 +2,7 @@
 
 mod changes;
 mod experiments;
+mod progress;
 mod reading;
 mod simulations;
 
@@ -17,6 +18,7 @@ use crate::journal::{Constrained, Event, Journal, Measured, Submitted, Writer};
 use crate::problem::Problem;
 pub(crate) use changes::changes;
 pub(crate) use experiments::Experiments;
+pub(crate) use progress::Progress;
 pub(crate) use reading::Reading;
 pub(crate) use simulations::{failed_in_words, simulate_missing};
 

@@ -131,8 +131,10 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
             let failed = if n_failed > 0 { format!(", {n_failed} of them without a value") } else { String::new() };
             ("simulated", format!("{}{failed}.", count(group.len(), "design")))
         }
-        Event::Submitted(Submitted { name, cells, .. }) => {
-            ("submitted", format!("{} to the queue, as {name}.", count(cells.len(), "simulation")))
+        Event::Submitted(submitted) => {
+            let what = if submitted.is_of_experiments() { "experiment" } else { "simulation" };
+            let Submitted { name, cells, .. } = submitted;
+            ("submitted", format!("{} to the queue, as {name}.", count(cells.len(), what)))
         }
         Event::Checked { .. } => {
             let is_refused = |event: &Event| matches!(event, Event::Checked { can_be_built: false, .. });

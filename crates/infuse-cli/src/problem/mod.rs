@@ -39,7 +39,7 @@ pub(crate) struct Problem {
     pub(crate) roles: Vec<Role>,
     pub(crate) response: Response,
     pub(crate) simulator: Simulator,
-    pub(crate) experiment: Option<Program>,
+    pub(crate) experiment: Option<Experiment>,
     /// Responses that have to stay within bounds.
     pub(crate) constraints: Vec<Held>,
     /// Settings that go together.
@@ -136,6 +136,14 @@ impl Simulator {
             _ => None,
         }
     }
+}
+
+/// How an experiment is made, if not by people.
+#[derive(Debug, Clone)]
+pub(crate) struct Experiment {
+    pub(crate) program: Program,
+    /// Where it is made elsewhere.
+    pub(crate) queue: Option<Queue>,
 }
 
 /// A command to run per point.

@@ -1,4 +1,4 @@
-//! How a simulator is queued: the commands of a scheduler, known ones or others.
+//! How simulations and experiments are queued: the commands of a scheduler, known ones or others.
 
 use std::time::Duration;
 
@@ -15,6 +15,8 @@ const MOST_RUNS_PER_TASK: usize = 100_000;
 /// The commands of a scheduler, with placeholders, and how patient one is with it.
 #[derive(Debug, Clone)]
 pub(crate) struct Queue {
+    /// Its heading in the file.
+    pub(crate) section: &'static str,
     /// Hands a script to the scheduler, as an array of tasks.
     pub(crate) submit: Vec<String>,
     /// Prints the names of all that runs or waits.
@@ -27,12 +29,12 @@ pub(crate) struct Queue {
     pub(crate) poll: Duration,
     /// How often a run is submitted before it counts as failed.
     pub(crate) tries: usize,
-    /// Simulations that a task runs one after the other.
+    /// Runs that a task makes one after the other.
     pub(crate) runs_per_task: usize,
 }
 
 impl Queue {
-    pub(super) fn of(entry: QueueEntry) -> Result<Self> {
+    pub(super) fn of(entry: QueueEntry, section: &'static str) -> Result<Self> {
         let usual = entry.kind.map(commands);
         let or = |given: Option<Vec<String>>, index: usize| {
             given.or_else(|| usual.map(|commands| commands[index].iter().map(|word| (*word).to_owned()).collect()))
@@ -71,7 +73,7 @@ impl Queue {
             "`runs_per_task` is {runs_per_task}, expected 1 to {MOST_RUNS_PER_TASK}"
         );
         let poll = Duration::from_secs_f64(seconds);
-        Ok(Self { submit, list, cancel, options, poll, tries, runs_per_task })
+        Ok(Self { section, submit, list, cancel, options, poll, tries, runs_per_task })
     }
 }
 

@@ -71,7 +71,7 @@ fn from_problem(problem: &Problem) -> Vec<Row> {
         Simulator::Program { program, .. } => ("simulator", format!("the command {}", program.command.join(" "))),
     });
     rows.push(match &problem.experiment {
-        Some(program) => ("experiment", format!("the command {}", program.command.join(" "))),
+        Some(made) => ("experiment", format!("the command {}", made.program.command.join(" "))),
         None => ("experiment", "by people".to_owned()),
     });
     rows.extend(problem.constraints.iter().map(|held| ("constraint", held.in_words())));

@@ -14,6 +14,7 @@ mod pooled_report;
 mod problems;
 mod programs;
 mod quarter_car;
+mod queued_experiments;
 mod queues;
 mod report;
 mod report_page;

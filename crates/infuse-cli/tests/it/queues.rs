@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use crate::rig::Rig;
 
 /// Takes a submission, and runs its tasks in the background; what is in `jobs` is in the queue.
-const SUBMIT: &str = "\
+pub(crate) const SUBMIT: &str = "\
 name=$1 script=$2 first=$3 last=$4
 mkdir -p jobs
 touch jobs/$name
@@ -18,6 +18,9 @@ echo $name >> submissions.log
 echo job $name
 ";
 
+/// Prints what is in the queue.
+pub(crate) const LIST: &str = "mkdir -p jobs; ls jobs\n";
+
 /// A simulation that notes that it was run.
 const SIMULATE: &str = "\
 echo $1 $2 >> ran.log
@@ -25,14 +28,14 @@ echo $1 $2 >> ran.log
 awk \"BEGIN { print ($1 - 30) ^ 2 / 100 + ($2 - 2) ^ 2 }\"
 ";
 
-const KEYS: &str = "submit = [\"sh\", \"submit.sh\", \"{name}\", \"{script}\", \"{first}\", \"{last}\", \"{options}\"]\n\
+pub(crate) const KEYS: &str = "submit = [\"sh\", \"submit.sh\", \"{name}\", \"{script}\", \"{first}\", \"{last}\", \"{options}\"]\n\
                     list = [\"sh\", \"list.sh\"]\ncancel = [\"rm\", \"jobs/{name}\"]\npoll_seconds = 0.05\n";
 
 /// The template with five dear simulations a batch of four experiments, in a queue.
 pub(crate) fn queued(keys: &str) -> Rig {
     let rig = local();
     rig.write("submit.sh", SUBMIT);
-    rig.write("list.sh", "mkdir -p jobs; ls jobs\n");
+    rig.write("list.sh", LIST);
     rig.edit("[loop]", &format!("[simulator.queue]\n{keys}\n[loop]"));
     rig
 }
