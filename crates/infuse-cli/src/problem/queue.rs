@@ -109,14 +109,34 @@ fn commands(kind: QueueKind) -> [&'static [&'static str]; 3] {
             &["hq", "job", "cancel", "{job}"],
         ],
         QueueKind::Pbs => [
-            &["qsub", "-N", "{name}", "-J", "{range}", "-o", "/dev/null", "-e", "/dev/null", "{options}", "{script}"],
+            &[
+                "qsub",
+                "-N",
+                "{name}",
+                "-J",
+                "{range}",
+                "-S",
+                "/bin/sh",
+                "-o",
+                "/dev/null",
+                "-e",
+                "/dev/null",
+                "{options}",
+                "{script}",
+            ],
             &["qstat", "-f"],
             &["qdel", "{job}"],
         ],
         QueueKind::Lsf => [
             &["bsub", "-J", "{name}[{tasks}]", "-o", "/dev/null", "-e", "/dev/null", "{options}", "sh", "{script}"],
-            &["bjobs", "-noheader", "-o", "job_name"],
-            &["bkill", "-J", "{name}"],
+            // An empty queue is an error to it, with these words.
+            &[
+                "sh",
+                "-c",
+                "said=$(bjobs -noheader -o job_name 2>&1); code=$?; printf '%s\\n' \"$said\"; case $said in *'No unfinished job \
+                 found'*) exit 0 ;; esac; [ $code = 0 ] || printf '%s\\n' \"$said\" >&2; exit $code",
+            ],
+            &["bkill", "-J", "{name}", "0"],
         ],
         QueueKind::Parallel => [
             &[
@@ -131,7 +151,8 @@ fn commands(kind: QueueKind) -> [&'static [&'static str]; 3] {
                 "{options}",
             ],
             &["ps", "-e", "-o", "args="],
-            &["pkill", "-f", "{name}"],
+            // It takes what is under way with it.
+            &["kill", "{job}"],
         ],
     }
 }

@@ -20,6 +20,7 @@ mod report;
 mod report_page;
 mod rig;
 mod rough;
+mod schedulers;
 mod serve;
 mod serve_browser;
 mod served;
