@@ -7,6 +7,7 @@ mod reading;
 mod simulations;
 
 use std::path::Path;
+use std::time::Duration;
 
 use anyhow::{Result, bail};
 use design_space::Grid;
@@ -96,6 +97,10 @@ pub(crate) trait Campaign {
     fn refusal(&self, trial: &Trial) -> Option<String>;
     /// What it costs at most.
     fn budget(&self) -> Result<Budget>;
+    /// How long it takes to choose a batch, tried on results made up; none where that is not tried.
+    fn dry_pick(&self) -> Result<Option<Duration>> {
+        Ok(None)
+    }
     /// Runs that were handed to a queue.
     fn submitted(&self) -> &[Submitted];
     /// How many simulations the campaign waits for.

@@ -59,13 +59,13 @@ pub(crate) fn simulate_missing(
             let ended = |happens: Happened<'_>| match happens {
                 Happened::Submitted(submitted) => happened(Event::Submitted(submitted)),
                 Happened::Ended(task, result, others) => {
-                    happened(simulated(task.key.cell(), &task.point, result, problem.of_constraints(others)))
+                    happened(simulated(task.key.cell(), &task.point, result, Problem::numbers(others)))
                 }
             };
             queue::run_all(of, &tasks, ended, |n, trouble| progress.queued(n, trouble))
         }
         None => simulate(folder, problem, grid, jobs, |(cell, point), result, others| {
-            happened(simulated(*cell, point, result, problem.of_constraints(others)))
+            happened(simulated(*cell, point, result, Problem::numbers(others)))
         }),
     };
     bar.finish_and_clear();

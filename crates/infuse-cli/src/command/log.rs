@@ -62,6 +62,9 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
             Event::Simulated { .. } => {
                 events[index..].iter().take_while(|(_, event)| matches!(event, Event::Simulated { .. })).count()
             }
+            Event::Checked { .. } => {
+                events[index..].iter().take_while(|(_, event)| matches!(event, Event::Checked { .. })).count()
+            }
             event => event.group().1.max(1),
         };
         let group = &events[index..events.len().min(index + n)];

@@ -106,7 +106,7 @@ fn told(problem: &Problem, task: &Task, result: Measured, others: BTreeMap<Strin
         (Some((value, expected)), _) => {
             (Measured::Failed(format!("it returned {value}, expected {expected}")), Constrained::new())
         }
-        (None, Measured::Value(_)) => (result, problem.of_constraints(others)),
+        (None, Measured::Value(_)) => (result, Problem::numbers(others)),
         (None, Measured::Failed(_)) => (result, Constrained::new()),
     };
     let (actual, note, id) = (BTreeMap::new(), String::new(), task.key.id().unwrap_or_default());

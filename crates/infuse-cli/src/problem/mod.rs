@@ -19,7 +19,7 @@ use infuse::Role;
 use infuse::pooled::LinearConstraint;
 use serde_json::{Value, json};
 
-pub(crate) use constraints::Held;
+pub(crate) use constraints::{Held, linear_in_words};
 pub(crate) use costs::Costs;
 use file::LoopEntry;
 pub(crate) use file::{Goal, Input, Method, SheetFormat};
@@ -184,6 +184,12 @@ impl Problem {
         others.retain(|name, value| {
             self.constraints.iter().any(|held| held.name() == name) && crate::number::number_fault(*value).is_none()
         });
+        others
+    }
+
+    /// Every number that a program gave beside the value: a constraint may be added when it has been run.
+    pub(crate) fn numbers(mut others: BTreeMap<String, f64>) -> BTreeMap<String, f64> {
+        others.retain(|_, value| crate::number::number_fault(*value).is_none());
         others
     }
 

@@ -8,6 +8,7 @@ mod checking;
 mod constraints;
 mod interruptions;
 mod journals;
+mod mixed;
 mod plants;
 mod pooled;
 mod pooled_report;
