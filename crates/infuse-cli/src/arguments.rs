@@ -73,7 +73,7 @@ pub(crate) enum Command {
         #[arg(long)]
         resimulate: bool,
     },
-    /// Stop the simulations that are in the queue of a cluster; what was finished counts
+    /// Stop the simulations and experiments that are in the queue of a cluster; what was finished counts
     Cancel,
     /// Take the results of experiments
     Tell(Tell),

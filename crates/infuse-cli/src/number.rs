@@ -62,6 +62,9 @@ pub(crate) fn percent(share: f64) -> String {
     if percent == 0.0 || percent >= 0.1 {
         return format!("{percent:.1} %");
     }
+    if percent > 0.0 && percent < 1e-3 {
+        return "less than 0.001 %".to_owned();
+    }
     let rounded: f64 = format!("{percent:.0e}").parse().unwrap_or(percent);
     format!("{} %", plain(rounded))
 }
@@ -117,6 +120,16 @@ pub(crate) fn grouped(n: u64) -> String {
         grouped.push(digit);
     }
     grouped
+}
+
+/// A time, in the unit that suits it.
+pub(crate) fn seconds(took: std::time::Duration) -> String {
+    let seconds = took.as_secs_f64();
+    match seconds {
+        _ if seconds < 90.0 => format!("{} s", short((100.0 * seconds).ceil() / 100.0)),
+        _ if seconds < 5400.0 => format!("{} min", short((seconds / 6.0).round() / 10.0)),
+        _ => format!("{} h", short((seconds / 360.0).round() / 10.0)),
+    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use std::process::{ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail, ensure};
 use design_space::Region;
 use process_wrap::std::{ChildWrapper, CommandWrap};
 use serde_json::{Map, Value, json};
@@ -113,6 +113,24 @@ impl Program {
             return Ok(Ran::Interrupted);
         }
         Ok(ended(status.success(), &status.to_string(), &output, &errors))
+    }
+
+    /// Asks a command that answers with 1 or 0.
+    ///
+    /// # Errors
+    ///
+    /// Any other answer, and none.
+    pub(crate) fn says_yes(&self, folder: &Path, region: &Region, point: &[f64]) -> Result<bool> {
+        const EXPECTED: &str = "expected 1 on its last line if the design can be built, 0 if not";
+        match self.run(folder, region, point, None)? {
+            Ran::Value(value, _) => {
+                let answers = [0.0, 1.0];
+                ensure!(answers.iter().any(|answer| (value - answer).abs() < 1e-12), "it printed {value}, {EXPECTED}");
+                Ok(value > 0.5)
+            }
+            Ran::Failed(reason) => bail!("it failed: {reason}; {EXPECTED}"),
+            Ran::Interrupted => bail!("interrupted: ask again to go on"),
+        }
     }
 
     /// The command at a point, word by word; a program named with a folder is looked for from the folder of the campaign.

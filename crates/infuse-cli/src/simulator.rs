@@ -91,7 +91,7 @@ fn run_all(
         let mut outcome = Ok(());
         for (job, ran) in receiver {
             let handed = match ran {
-                Ok(Ran::Value(value, others)) => done(job, Measured::Value(value), problem.of_constraints(others)),
+                Ok(Ran::Value(value, others)) => done(job, Measured::Value(value), others),
                 Ok(Ran::Failed(reason)) => done(job, Measured::Failed(reason), BTreeMap::new()),
                 Ok(Ran::Interrupted) => {
                     stop.store(true, Ordering::Relaxed);

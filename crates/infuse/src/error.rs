@@ -275,7 +275,9 @@ pub enum Error {
         expected: &'static str,
     },
     /// Constraints on the settings that no design keeps to.
-    #[error("no design that was found keeps to all {n_constraints} linear constraints, expected some that do")]
+    #[error(
+        "no design was found that keeps to the linear constraints, {n_constraints} bounds in all; expected some that do"
+    )]
     NoDesignAllowed {
         /// How many constraints there are.
         n_constraints: usize,

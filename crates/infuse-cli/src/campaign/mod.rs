@@ -2,10 +2,12 @@
 
 mod changes;
 mod experiments;
+mod progress;
 mod reading;
 mod simulations;
 
 use std::path::Path;
+use std::time::Duration;
 
 use anyhow::{Result, bail};
 use design_space::Grid;
@@ -17,6 +19,7 @@ use crate::journal::{Constrained, Event, Journal, Measured, Submitted, Writer};
 use crate::problem::Problem;
 pub(crate) use changes::changes;
 pub(crate) use experiments::Experiments;
+pub(crate) use progress::Progress;
 pub(crate) use reading::Reading;
 pub(crate) use simulations::{failed_in_words, simulate_missing};
 
@@ -94,6 +97,10 @@ pub(crate) trait Campaign {
     fn refusal(&self, trial: &Trial) -> Option<String>;
     /// What it costs at most.
     fn budget(&self) -> Result<Budget>;
+    /// How long it takes to choose a batch, tried on results made up; none where that is not tried.
+    fn dry_pick(&self) -> Result<Option<Duration>> {
+        Ok(None)
+    }
     /// Runs that were handed to a queue.
     fn submitted(&self) -> &[Submitted];
     /// How many simulations the campaign waits for.

@@ -1,16 +1,15 @@
 //! Simulations that are still missing, run with their progress shown and written down one by one.
 
 use anyhow::{Result, bail};
-use design_space::Grid;
-use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
-use std::io::Write as _;
+use design_space::{Cell, Grid};
 use std::path::Path;
 
-use crate::journal::{Event, Measured, Submitted};
+use super::progress::Progress;
+use crate::journal::{Constrained, Event, Measured, Submitted};
 use crate::number::{count, rounded};
 use crate::problem::Problem;
 use crate::program;
-use crate::queue::{self, Happened, Queued};
+use crate::queue::{self, Happened, Key, Queued, Task};
 use crate::simulator::{Job, identity, simulate};
 
 /// How many simulations were made, and how many of them gave no value.
@@ -33,42 +32,40 @@ pub(crate) fn simulate_missing(
     if jobs.is_empty() {
         return Ok(done);
     }
-    let bar = ProgressBar::new(jobs.len() as u64);
-    let style = ProgressStyle::with_template("simulations {bar:30} {pos}/{len}{left} {msg}")
-        .map(|style| style.with_key("left", time_left));
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar.tick();
+    let mut progress = Progress::new("simulations", jobs.len());
+    let bar = progress.bar();
     let by = identity(&problem.simulator);
-    let mut happened = |happened: Happened<'_>| match happened {
-        Happened::Submitted(submitted) => remember(Event::Submitted(submitted)),
-        Happened::Simulated((cell, point), result, others) => {
-            done.n_failed += usize::from(matches!(result, Measured::Failed(_)));
-            let point = point.iter().copied().map(rounded).collect();
-            let constrained = problem.of_constraints(others);
-            remember(Event::Simulated { cell: *cell, point, result, constrained, by: by.clone() })?;
-            done.n_done += 1;
-            bar.inc(1);
-            Ok(())
-        }
+    let simulated = |cell: Cell, point: &[f64], result: Measured, constrained: Constrained| {
+        let point = point.iter().copied().map(rounded).collect();
+        Event::Simulated { cell, point, result, constrained, by: by.clone() }
+    };
+    let mut happened = |event: Event| {
+        let result = if let Event::Simulated { result, .. } = &event { Some(result) } else { None };
+        let (n_done, n_failed) =
+            result.map_or((0, 0), |result| (1, usize::from(matches!(result, Measured::Failed(_)))));
+        done.n_failed += n_failed;
+        remember(event)?;
+        done.n_done += n_done;
+        bar.inc(n_done as u64);
+        Ok(())
     };
     let queue = problem.simulator.queue();
     let outcome = match queue {
         Some((program, queue)) => {
-            let of = Queued { folder, region: &problem.region, program, queue, by: &by, submitted };
-            let mut said = String::new();
-            let show = |n: usize, trouble: &str| {
-                bar.set_message(format!("({n} in the queue)"));
-                if !trouble.is_empty() && said != trouble {
-                    trouble.clone_into(&mut said);
-                    let note = format!("note: {trouble}: nobody knows what is in the queue; asking again");
-                    // Without a terminal it is the only sign of life.
-                    bar.suspend(|| drop(writeln!(std::io::stderr(), "{note}")));
+            let submitted: Vec<Submitted> = submitted.iter().filter(|one| !one.is_of_experiments()).cloned().collect();
+            let of = Queued { folder, region: &problem.region, program, queue, by: &by, submitted: &submitted };
+            let task = |(cell, point): &Job| Task { key: Key::Simulation(*cell), point: point.clone() };
+            let tasks: Vec<Task> = jobs.iter().map(task).collect();
+            let ended = |happens: Happened<'_>| match happens {
+                Happened::Submitted(submitted) => happened(Event::Submitted(submitted)),
+                Happened::Ended(task, result, others) => {
+                    happened(simulated(task.key.cell(), &task.point, result, Problem::numbers(others)))
                 }
             };
-            queue::simulate(of, jobs, &mut happened, show)
+            queue::run_all(of, &tasks, ended, |n, trouble| progress.queued(n, trouble))
         }
-        None => simulate(folder, problem, grid, jobs, |job, result, others| {
-            happened(Happened::Simulated(job, result, others))
+        None => simulate(folder, problem, grid, jobs, |(cell, point), result, others| {
+            happened(simulated(*cell, point, result, Problem::numbers(others)))
         }),
     };
     bar.finish_and_clear();
@@ -81,13 +78,6 @@ pub(crate) fn simulate_missing(
         bail!("interrupted: {} of {} are remembered, {rest}", done.n_done, count(jobs.len(), "simulation"));
     }
     Ok(done)
-}
-
-/// How long it takes still, as soon as that is known.
-fn time_left(state: &ProgressState, out: &mut dyn std::fmt::Write) {
-    if state.pos() > 0 {
-        let _ = write!(out, ", {:#} left", HumanDuration(state.eta()));
-    }
 }
 
 /// In words, if some gave no value.

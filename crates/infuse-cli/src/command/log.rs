@@ -62,6 +62,9 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
             Event::Simulated { .. } => {
                 events[index..].iter().take_while(|(_, event)| matches!(event, Event::Simulated { .. })).count()
             }
+            Event::Checked { .. } => {
+                events[index..].iter().take_while(|(_, event)| matches!(event, Event::Checked { .. })).count()
+            }
             event => event.group().1.max(1),
         };
         let group = &events[index..events.len().min(index + n)];
@@ -131,8 +134,10 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
             let failed = if n_failed > 0 { format!(", {n_failed} of them without a value") } else { String::new() };
             ("simulated", format!("{}{failed}.", count(group.len(), "design")))
         }
-        Event::Submitted(Submitted { name, cells, .. }) => {
-            ("submitted", format!("{} to the queue, as {name}.", count(cells.len(), "simulation")))
+        Event::Submitted(submitted) => {
+            let what = if submitted.is_of_experiments() { "experiment" } else { "simulation" };
+            let Submitted { name, cells, .. } = submitted;
+            ("submitted", format!("{} to the queue, as {name}.", count(cells.len(), what)))
         }
         Event::Checked { .. } => {
             let is_refused = |event: &Event| matches!(event, Event::Checked { can_be_built: false, .. });

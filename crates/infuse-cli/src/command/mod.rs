@@ -6,6 +6,7 @@ mod check;
 mod confirm;
 mod import;
 mod log;
+mod made;
 mod manual;
 mod new;
 mod report;

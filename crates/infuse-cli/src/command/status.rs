@@ -1,5 +1,6 @@
 //! `infuse status`: where a campaign stands, in a few lines.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::Result;
@@ -49,17 +50,27 @@ pub(crate) fn known(campaign: &dyn Campaign) -> Result<(Vec<Vec<Finding>>, Value
 
 /// What is waited for from a queue.
 fn in_the_queue(campaign: &dyn Campaign) -> Result<Vec<Finding>> {
-    let n = if campaign.submitted().is_empty() { 0 } else { campaign.waits_for_simulations()? };
-    let waiting = (n > 0).then(|| {
+    let of_simulations = campaign.submitted().iter().any(|one| !one.is_of_experiments());
+    let n_simulations = if of_simulations { campaign.waits_for_simulations()? } else { 0 };
+    let kinds = [(n_simulations, "simulation", "ask"), (n_queued_experiments(campaign), "experiment", "run")];
+    let waiting = kinds.into_iter().filter(|(n, ..)| *n > 0).map(|(n, what, command)| {
         let infuse = infuse(campaign.folder());
         let sentence = format!(
-            "{} in the queue or to be queued: `{infuse} ask` takes what has ended and waits for the others, `{infuse} cancel` \
+            "{} in the queue or to be queued: `{infuse} {command}` takes what has ended and waits for the others, `{infuse} cancel` \
              stops them.",
-            count(n, "simulation")
+            count(n, what)
         );
-        Finding::new(sentence).with("simulations waited for", n as f64, "1")
+        Finding::new(sentence).with(&format!("{what}s waited for"), n as f64, "1")
     });
-    Ok(waiting.into_iter().collect())
+    Ok(waiting.collect())
+}
+
+/// Experiments without a result of which a queue has heard.
+fn n_queued_experiments(campaign: &dyn Campaign) -> usize {
+    let experiments = campaign.experiments();
+    let is_waited_for = |id: &u64| experiments.trials.get(id).is_some_and(|trial| !experiments.is_told(trial.id));
+    let submitted = campaign.submitted().iter().flat_map(|one| one.experiments.iter().copied());
+    submitted.filter(is_waited_for).collect::<BTreeSet<u64>>().len()
 }
 
 fn for_every_method(campaign: &dyn Campaign, stage: &Stage) -> Value {

@@ -7,7 +7,7 @@ use infuse::{Error, global};
 use std::cell::OnceCell;
 
 use super::campaign::{Campaign, EarlierChange, Planned, Remembered};
-use crate::journal::{Event, JOURNAL, Learned, Measured, Told};
+use crate::journal::{Event, JOURNAL, Learned, Measured, Submitted, Told};
 use crate::number::plain;
 
 impl Campaign {
@@ -34,7 +34,7 @@ impl Campaign {
             Event::Discarded { .. } => {
                 self.memory.clear();
                 // Results of runs that were to be thrown away are not read again.
-                self.submitted.clear();
+                self.submitted.retain(Submitted::is_of_experiments);
             }
             Event::Opened { batch, .. } => self.open_batch(batch)?,
             Event::Told(told) => self.tell(told)?,

@@ -8,6 +8,9 @@ use serde_json::Value;
 
 use super::deed::Deed;
 
+/// Where results come from that nobody typed.
+pub(crate) const BY_ITSELF: &str = "infuse run";
+
 /// The format of the lines below.
 pub(crate) const FORMAT: u32 = 1;
 
@@ -82,7 +85,10 @@ pub(crate) struct Submitted {
     pub(crate) name: String,
     /// All runs of the batch, numbered from 1 in this order, those with a result included.
     pub(crate) cells: Vec<Cell>,
-    /// The simulator.
+    /// Of experiments the id of each, in the same order; 0 for one that was taken back, whose result is not read any more.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) experiments: Vec<u64>,
+    /// The simulator, or the command of the experiments.
     pub(crate) by: String,
     pub(crate) at: String,
 }
@@ -91,6 +97,11 @@ impl Submitted {
     /// The name of the batch of runs.
     pub(crate) fn stem(&self) -> &str {
         self.name.rsplit_once('-').map_or(&*self.name, |(stem, _)| stem)
+    }
+
+    /// Whether they are experiments, and no simulations.
+    pub(crate) fn is_of_experiments(&self) -> bool {
+        !self.experiments.is_empty()
     }
 }
 

@@ -17,7 +17,9 @@ use anyhow::{Context as _, Result, anyhow};
 
 use checksum::Checksum;
 pub(crate) use deed::Deed;
-pub(crate) use event::{Assessed, Constrained, Event, FORMAT, Learned, Measured, Purpose, Submitted, Told, now};
+pub(crate) use event::{
+    Assessed, BY_ITSELF, Constrained, Event, FORMAT, Learned, Measured, Purpose, Submitted, Told, now,
+};
 use lock::Lock;
 pub(crate) use undo::Last;
 use undo::Standing;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use anyhow::{Context as _, Result, ensure};
 
 use super::deed::Deed;
-use super::event::{Event, Purpose};
+use super::event::{BY_ITSELF, Event, Purpose, Submitted, Told};
 
 /// The lines of a journal as they count.
 #[derive(Debug, Default)]
@@ -48,6 +48,7 @@ impl Standing {
             );
             let (_, start) = self.deeds.pop().context("a deed")?;
             let after = self.events.split_off(start);
+            let made_anew: BTreeSet<u64> = after.iter().filter_map(|(_, event)| made_by_itself(event)).collect();
             for (line, event) in after {
                 if is_kept(&event) {
                     self.events.push((line, event));
@@ -55,6 +56,7 @@ impl Standing {
                     self.taken_back.insert(line);
                 }
             }
+            self.forget_results(&made_anew);
             return Ok(());
         }
         match self.begun_by(&event) {
@@ -88,11 +90,36 @@ impl Standing {
         }
     }
 
+    /// Lets nobody read the results that a queue has of these experiments, and of those that are not asked for any more: they are
+    /// made anew.
+    fn forget_results(&mut self, made_anew: &BTreeSet<u64>) {
+        let start = self.events.iter().rposition(|(_, event)| matches!(event, Event::Campaign { .. })).unwrap_or(0);
+        let n_asked = self.events[start..].iter().map(|(_, event)| match event {
+            Event::Planned { experiments, .. } => experiments.len() as u64,
+            _ => 0,
+        });
+        let n_asked: u64 = n_asked.sum();
+        for (_, event) in &mut self.events[start..] {
+            let Event::Submitted(Submitted { experiments, .. }) = event else { continue };
+            for id in experiments.iter_mut().filter(|id| **id > n_asked || made_anew.contains(id)) {
+                *id = 0;
+            }
+        }
+    }
+
     /// What could be taken back now.
     pub(crate) fn last(&self) -> Option<Last> {
         let &(deed, start) = self.deeds.last()?;
         let events = self.events[start..].iter().filter(|(_, event)| !is_kept(event));
         Some(Last { deed, events: events.cloned().collect() })
+    }
+}
+
+/// The experiment that this is the result of, if `infuse run` made it.
+fn made_by_itself(event: &Event) -> Option<u64> {
+    match event {
+        Event::Told(Told { id, from, .. }) if from == BY_ITSELF => Some(*id),
+        _ => None,
     }
 }
 

@@ -8,7 +8,7 @@ use infuse::pooled::Trial;
 use super::buildable::some_are_refused;
 use super::campaign::{Batch, Campaign, Checked, Remembered};
 use crate::campaign::Imported;
-use crate::journal::{Assessed, Event, JOURNAL, Purpose, Writer};
+use crate::journal::{Assessed, Event, JOURNAL, Purpose, Submitted, Writer};
 
 impl Campaign {
     /// An event of the journal; an error names its line.
@@ -101,7 +101,7 @@ impl Campaign {
             Event::Discarded { .. } => {
                 self.memory.clear();
                 // Results of runs that were to be thrown away are not read again.
-                self.submitted.clear();
+                self.submitted.retain(Submitted::is_of_experiments);
             }
             Event::Told(told) => {
                 self.experiments.tell(told)?;

@@ -1,13 +1,12 @@
 //! Whether designs can be built, as a command of the campaign says.
 
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Context as _, Result};
 use design_space::Cell;
 
 use super::campaign::Campaign;
-use crate::journal::{Event, now};
+use crate::journal::{Event, Writer, now};
 use crate::number::rounded;
-use crate::problem::{PROBLEM, Program};
-use crate::program::Ran;
+use crate::problem::PROBLEM;
 use crate::simulator::identity_of;
 
 impl Campaign {
@@ -25,8 +24,8 @@ impl Campaign {
             }
             asked.push(cell);
             let point = self.grid.point(cell)?;
-            let can_be_built = self
-                .ask_program(program, &point)
+            let can_be_built = program
+                .says_yes(&self.folder, &self.problem.region, &point)
                 .with_context(|| format!("{PROBLEM}: [can_be_built] at {}", self.problem.describe(&point)))?;
             let point = point.into_iter().map(rounded).collect();
             events.push(Event::Checked { cell, point, can_be_built, by: by.clone(), at: now() });
@@ -34,17 +33,35 @@ impl Campaign {
         Ok(events)
     }
 
-    fn ask_program(&self, program: &Program, point: &[f64]) -> Result<bool> {
-        const EXPECTED: &str = "expected 1 on its last line if the design can be built, 0 if not";
-        match program.run(&self.folder, &self.problem.region, point, None)? {
-            Ran::Value(value, _) => {
-                let answers = [0.0, 1.0];
-                ensure!(answers.iter().any(|answer| (value - answer).abs() < 1e-12), "it printed {value}, {EXPECTED}");
-                Ok(value > 0.5)
+    /// Whether the command of today says that a design cannot be built.
+    pub(super) fn is_refused(&self, cell: Cell) -> bool {
+        let Some((program, known)) = self.problem.can_be_built.as_ref().zip(self.checked.get(&cell)) else {
+            return false;
+        };
+        !known.can_be_built && known.by == identity_of(program)
+    }
+
+    /// Whether the command of today was not asked about a design.
+    pub(super) fn is_to_be_asked(&self, cell: Cell) -> bool {
+        let Some(program) = &self.problem.can_be_built else { return false };
+        self.checked.get(&cell).is_none_or(|known| known.by != identity_of(program))
+    }
+
+    /// Asks whether the recommended design can be built, and the next one until one can: the command may be another than when
+    /// the last batch was complete.
+    pub(super) fn check_the_recommended(&mut self, writer: &mut Writer) -> Result<()> {
+        while self.problem.can_be_built.is_some() {
+            let Some(found) = self.assessment()? else { return Ok(()) };
+            let checks = self.check(&[found.recommended.cell])?;
+            let is_refused = some_are_refused(&checks);
+            if !checks.is_empty() {
+                self.write_down(writer, checks)?;
             }
-            Ran::Failed(reason) => bail!("it failed: {reason}; {EXPECTED}"),
-            Ran::Interrupted => bail!("interrupted: ask again to go on"),
+            if !is_refused {
+                return Ok(());
+            }
         }
+        Ok(())
     }
 
     /// Designs of which the command of today says that they cannot be built.

@@ -12,8 +12,8 @@ use infuse::pooled::{Assessment, Loop, Responses, Settings, Simulate};
 use infuse::{Outcome, TrialId};
 
 use crate::campaign::{Experiments, Imported, Reading};
-use crate::journal::{Assessed, Constrained, Journal, Measured, Purpose, Submitted};
-use crate::problem::{PROBLEM, Problem, Simulator};
+use crate::journal::{Assessed, BY_ITSELF, Constrained, Event, Journal, Measured, Purpose, Submitted, Told};
+use crate::problem::{PROBLEM, Problem, Simulator, linear_in_words};
 use crate::simulator::{Job, Simulated, identity, table};
 
 /// Designs of which a command simulates all.
@@ -50,6 +50,17 @@ pub(crate) struct Campaign {
     /// The loop with all that was told, once it was asked for.
     now: RefCell<Option<Loop>>,
     assessed: OnceCell<Option<Assessment>>,
+    /// Designs that gave a value, and are not thought to keep to a bound that was not measured there.
+    doubtful: OnceCell<BTreeSet<Cell>>,
+}
+
+/// The responses that people measured beside the one that counts; what programs say besides is theirs.
+fn measured_by_people(events: &[(usize, Event)]) -> BTreeSet<String> {
+    let of_event = |event: &Event| match event {
+        Event::Told(Told { constrained, from, .. }) if from != BY_ITSELF => constrained.keys().cloned().collect(),
+        _ => Vec::new(),
+    };
+    events.iter().flat_map(|(_, event)| of_event(event)).collect()
 }
 
 /// Experiments that were handed out together.
@@ -133,19 +144,20 @@ impl Campaign {
             rows: Rc::new(OnceCell::new()),
             now: RefCell::new(None),
             assessed: OnceCell::new(),
+            doubtful: OnceCell::new(),
         };
+        let by_people = measured_by_people(&journal.events);
         for (line, event) in journal.events {
             campaign.apply_line(line, event)?;
         }
-        campaign.notice_unknown_constraints();
+        campaign.notice_unknown_constraints(by_people);
+        campaign.notice_what_is_not_allowed();
         Ok(campaign)
     }
 
     /// Says of which responses there are measurements that no constraint of the file uses.
-    fn notice_unknown_constraints(&mut self) {
-        let of_runs = self.experiments.readings.values().flat_map(|reading| reading.constrained.values());
-        let measured = of_runs.chain(self.imported.iter().map(|one| &one.constrained));
-        let names: BTreeSet<&String> = measured.flat_map(BTreeMap::keys).collect();
+    fn notice_unknown_constraints(&mut self, mut names: BTreeSet<String>) {
+        names.extend(self.imported.iter().flat_map(|one| one.constrained.keys().cloned()));
         let is_known = |name: &str| self.problem.constraints.iter().any(|held| held.name() == name);
         let unknown: Vec<String> =
             names.into_iter().filter(|name| !is_known(name)).map(|name| format!("`{name}`")).collect();
@@ -155,10 +167,27 @@ impl Campaign {
         }
     }
 
+    /// Says which experiments that are waited for are not to be had any more.
+    fn notice_what_is_not_allowed(&mut self) {
+        let waited = self.experiments.trials.values().filter(|trial| !self.experiments.is_told(trial.id));
+        let broken: Vec<(u64, String)> =
+            waited.filter_map(|trial| Some((trial.id.number(), self.why_not(trial.cell)?))).collect();
+        let ids: Vec<String> = broken.iter().map(|(id, _)| id.to_string()).collect();
+        if let Some((_, why_not)) = broken.first() {
+            let of = if ids.len() == 1 { "experiment" } else { "experiments" };
+            self.notices.push(format!(
+                "{of} {} of the open batch would not be asked for any more ({why_not}): run them all the same, tell them as \
+                 failed, or take the ask back",
+                ids.join(", ")
+            ));
+        }
+    }
+
     /// Something has changed that the loop does not know.
     pub(super) fn forget_the_loop(&mut self) {
         *self.now.borrow_mut() = None;
         self.assessed = OnceCell::new();
+        self.doubtful = OnceCell::new();
     }
 
     /// How many experiments were handed out.
@@ -251,9 +280,13 @@ impl Campaign {
         })
     }
 
-    /// Whether a design keeps to the linear constraints, and nobody said that it cannot be built.
-    pub(super) fn is_allowed(&self, cell: Cell) -> bool {
-        self.empty.allows(cell) && !self.refused().contains(&cell)
+    /// Why a design is not to be asked for or recommended, whatever is expected of it.
+    pub(super) fn why_not(&self, cell: Cell) -> Option<String> {
+        let point = self.grid.point(cell).ok()?;
+        let linear = self.problem.linear_constraints.iter().find(|linear| !linear.allows(&point));
+        let broken = linear
+            .map(|linear| format!("[[linear_constraint]] asks for {}", linear_in_words(&self.problem.region, linear)));
+        broken.or_else(|| self.is_refused(cell).then(|| "[can_be_built] says that it cannot be built".to_owned()))
     }
 
     /// Whether a design keeps to every bound, as far as the simulation says.
@@ -274,7 +307,8 @@ impl Campaign {
             let kept = kept.collect::<Result<Vec<_>>>()?;
             simulated = kept.into_iter().filter(|(_, _, within)| *within).map(|(cell, cost, _)| (cell, cost)).collect();
         }
-        let best = simulated.iter().min_by(|a, b| a.1.total_cmp(b.1).then(a.0.cmp(b.0)));
+        let allowed = simulated.iter().filter(|(cell, _)| self.why_not(**cell).is_none());
+        let best = allowed.min_by(|a, b| a.1.total_cmp(b.1).then(a.0.cmp(b.0)));
         Ok(best.map(|(&cell, _)| cell))
     }
 
@@ -289,19 +323,51 @@ impl Campaign {
         self.problem.allows(|name| reading.mean_of(name))
     }
 
-    /// The experiment with the best mean of its runs, imported ones too, but for those named and those that broke a bound.
+    /// Designs that gave a value, and are not thought to keep to a bound that was not measured there.
+    fn doubtful(&self) -> &BTreeSet<Cell> {
+        self.doubtful.get_or_init(|| {
+            let is_incomplete = |constrained: &dyn Fn(&str) -> bool| {
+                self.problem.constraints.iter().any(|held| !constrained(held.name()))
+            };
+            let imported = self.imported.iter().filter(|one| is_incomplete(&|name| one.constrained.contains_key(name)));
+            let imported = imported.filter_map(|one| self.grid.nearest(&one.point).ok());
+            let own =
+                self.experiments.readings.iter().filter(|(_, one)| is_incomplete(&|name| one.mean_of(name).is_some()));
+            let own = own.filter_map(|(&id, _)| self.experiments.trials.get(&id).map(|trial| trial.cell));
+            let cells: BTreeSet<Cell> = imported.chain(own).collect();
+            if cells.is_empty() {
+                return cells;
+            }
+            let cells: Vec<Cell> = cells.into_iter().collect();
+            let found = self.with_loop(|now, simulate| now.standings(&cells, simulate)).ok().flatten();
+            let doubtful = found.unwrap_or_default().into_iter().filter(|there| {
+                // Another run of the same settings may have measured it.
+                self.problem.constraints.iter().zip(&there.constrained).any(|(held, one)| match one.measured {
+                    Some(measured) => !held.constraint.allows(measured),
+                    None => one.expected.is_some() && one.within < held.constraint.probability,
+                })
+            });
+            doubtful.map(|there| there.cell).collect()
+        })
+    }
+
+    /// The experiment with the best mean of its runs, imported ones too, but for those named, those that broke a bound, and those
+    /// that are not thought to keep to one that was not measured.
     pub(super) fn best_measured(&self, but: &[Origin]) -> Option<BestMeasured> {
         let response = &self.problem.response;
+        let is_doubtful = |cell: Option<Cell>| cell.is_some_and(|cell| self.doubtful().contains(&cell));
         let imported = self.imported.iter().enumerate().filter_map(|(index, one)| {
             let cost = response.cost(one.result.value()?);
-            if !self.problem.allows(|name| one.constrained.get(name).copied()) {
+            let is_allowed = self.problem.allows(|name| one.constrained.get(name).copied());
+            if !is_allowed || is_doubtful(self.grid.nearest(&one.point).ok()) {
                 return None;
             }
             Some(BestMeasured { origin: Origin::Imported(index), cost, settings: one.point.clone() })
         });
         let own = self.experiments.readings.iter().filter_map(|(&id, reading)| {
             let cost = reading.outcome(response)?.cost()?;
-            if !self.keeps_to_bounds(reading) {
+            let cell = self.experiments.trials.get(&id).map(|trial| trial.cell);
+            if !self.keeps_to_bounds(reading) || is_doubtful(cell) {
                 return None;
             }
             Some(BestMeasured { origin: Origin::Own(id), cost, settings: self.experiments.settings_of(id) })

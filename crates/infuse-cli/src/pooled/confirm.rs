@@ -48,6 +48,7 @@ pub(super) fn confirm(campaign: &mut Campaign, writer: &mut Writer, runs: usize)
         "{} waited for: tell their results before the recommended design is confirmed",
         if outstanding == 1 { "1 experiment is".to_owned() } else { format!("{outstanding} experiments are") }
     );
+    campaign.check_the_recommended(writer)?;
     let found = campaign.assessment()?.context("no experiment gave a result yet, so there is nothing to confirm")?;
     let mut cells = vec![found.recommended.cell];
     if let Some(measured) = campaign.best_measured(&set_aside(campaign, &found)) {
@@ -59,6 +60,11 @@ pub(super) fn confirm(campaign: &mut Campaign, writer: &mut Writer, runs: usize)
     cells.extend(campaign.choice_of_the_simulation()?.filter(|&cell| campaign.failure_at(cell).is_none()));
     let mut seen = std::collections::BTreeSet::new();
     cells.retain(|&cell| seen.insert(cell));
+    let checks = campaign.check(&cells)?;
+    if !checks.is_empty() {
+        campaign.write_down(writer, checks)?;
+    }
+    cells.retain(|&cell| campaign.why_not(cell).is_none());
     let repeated = cells.iter().flat_map(|&cell| std::iter::repeat_n(cell, runs)).collect();
     plan(campaign, writer, repeated, Vec::new(), Some(Purpose::Confirm))
 }

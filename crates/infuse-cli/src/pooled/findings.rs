@@ -42,13 +42,20 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     let mut best = recommendation(campaign, found).detail(expected(campaign, found, here));
     best = constrained_there(campaign, here).into_iter().fold(best, Finding::detail);
     best = best.detail(run_there(campaign, found, here));
+    if campaign.is_to_be_asked(here.cell) {
+        let sentence = "Whether it can be built, [can_be_built] was not asked as it is now: the next `infuse ask` or \
+                        `infuse confirm` does.";
+        best = best.detail(Finding::new(sentence));
+    }
     for bound in on_bounds(problem, &here.point) {
         best = best.detail(bound);
     }
     if let Some(measured) = campaign.best_measured(&set_aside(campaign, found)) {
         let shown = value_to(response, measured.cost, resolution(found));
         let (name, place) = (campaign.name_of(measured.origin), problem.describe(&measured.settings));
-        let sentence = format!("Best measured: {shown}, {name} at {place}.");
+        let why_not = campaign.nearest(&measured.settings).ok().and_then(|(_, cell)| campaign.why_not(cell));
+        let why_not = why_not.map_or_else(String::new, |why_not| format!("; {why_not}"));
+        let sentence = format!("Best measured: {shown}, {name} at {place}{why_not}.");
         best =
             best.detail(Finding::new(sentence).with("best measured", response.of_cost(measured.cost), &response.unit));
     }
@@ -314,8 +321,8 @@ pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Fi
         .with("probability of a value", there.feasible, "1")
         .detail(expected(campaign, &found, &there));
     finding = constrained_there(campaign, &there).into_iter().fold(finding, Finding::detail);
-    if !campaign.is_allowed(cell) {
-        finding = finding.detail(Finding::new("A [[linear_constraint]] or [can_be_built] does not allow it."));
+    if let Some(why_not) = campaign.why_not(cell) {
+        finding = finding.detail(Finding::new(format!("It is not to be had: {why_not}.")));
     }
     if let Some(measured) = there.measured {
         let runs = count(there.n_readings, "run");

@@ -49,6 +49,7 @@ pub(super) fn plan(
 
 /// The cells of the next batch, and those to simulate.
 fn choose(campaign: &mut Campaign, writer: &mut Writer) -> Result<(Vec<Cell>, Vec<Cell>)> {
+    campaign.check_the_recommended(writer)?;
     for _ in 0..MOST_ROUNDS {
         let (cells, simulations) = choose_of_all(campaign)?;
         let checks = campaign.check(&cells)?;

@@ -1,6 +1,7 @@
 //! What commands ask of a campaign, answered by the pooled loop.
 
 use std::path::Path;
+use std::time::Duration;
 
 use anyhow::Result;
 use infuse::pooled::{Settings, Trial};
@@ -9,6 +10,7 @@ use serde_json::{Value, json};
 
 use super::bounds::as_json;
 use super::campaign::{Access, Campaign, Origin};
+use super::dry::dry_pick;
 use super::findings::{closed, known, lesson, none_better, recommendation, set_aside, standing_in_words};
 use super::warnings::{nothing_but_failures, warnings};
 use super::{confirm, hand_out, report, what_if};
@@ -85,6 +87,10 @@ impl campaign::Campaign for Campaign {
         };
         let Settings { n_experiments: experiments, max_batches: batches, .. } = self.settings;
         Ok(Budget { terms: None, experiments, batches, simulations, grid: self.grid.clone() })
+    }
+
+    fn dry_pick(&self) -> Result<Option<Duration>> {
+        dry_pick(&self.problem, &self.settings).map(Some)
     }
 
     fn submitted(&self) -> &[Submitted] {

@@ -6,6 +6,7 @@ mod bounds;
 mod buildable;
 mod campaign;
 mod confirm;
+mod dry;
 mod findings;
 mod hand_out;
 mod method;

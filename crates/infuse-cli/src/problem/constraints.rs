@@ -74,6 +74,30 @@ pub(super) fn held(entries: Vec<ConstraintEntry>, region: &Region, response: &st
     Ok(all)
 }
 
+/// "x + 2 y at most 5".
+pub(crate) fn linear_in_words(region: &Region, linear: &LinearConstraint) -> String {
+    let used = || region.parameters().iter().zip(&linear.coefficients).filter(|(_, factor)| **factor != 0.0);
+    // A lower bound is kept as an upper one, with all signs turned.
+    let is_turned = used().next().is_some_and(|(_, factor)| *factor < 0.0);
+    let sign = if is_turned { -1.0 } else { 1.0 };
+    let mut text = String::new();
+    for (place, (parameter, factor)) in used().enumerate() {
+        let factor = sign * factor;
+        text.push_str(match (place, factor < 0.0) {
+            (0, _) => "",
+            (_, true) => " - ",
+            (_, false) => " + ",
+        });
+        let size = factor.abs();
+        if (size - 1.0).abs() > f64::EPSILON {
+            text.push_str(&format!("{} ", plain(size)));
+        }
+        text.push_str(parameter.name());
+    }
+    let word = if is_turned { "at least" } else { "at most" };
+    format!("{text} {word} {}", plain(sign * linear.upper))
+}
+
 /// Every constraint on the settings; one with two bounds makes two.
 pub(super) fn linear(entries: Vec<LinearEntry>, region: &Region) -> Result<Vec<LinearConstraint>> {
     let mut all = Vec::new();

@@ -80,6 +80,13 @@ impl Costs {
         (cost, n_plants)
     }
 
+    /// Of so many runs, at most: each on a plant of its own as far as a batch may have them, all of it set anew.
+    pub(crate) fn at_most(&self, runs: usize) -> (f64, usize) {
+        let n_plants = self.most.map_or(runs, |most| most.min(runs));
+        let change: f64 = self.changes.iter().sum();
+        (runs as f64 * self.experiment + n_plants as f64 * change, n_plants)
+    }
+
     /// "12.5 h".
     pub(crate) fn shown(&self, cost: f64) -> String {
         with_unit(&crate::number::short(cost), &self.unit)

@@ -22,7 +22,7 @@ pub(crate) struct ProblemFile {
     pub(crate) parameters: Vec<ParameterEntry>,
     pub(crate) response: ResponseEntry,
     pub(crate) simulator: SimulatorEntry,
-    pub(crate) experiment: Option<ProgramEntry>,
+    pub(crate) experiment: Option<ExperimentEntry>,
     #[serde(default, rename = "constraint")]
     pub(crate) constraints: Vec<ConstraintEntry>,
     #[serde(default, rename = "linear_constraint")]
@@ -143,6 +143,15 @@ pub(crate) struct ProgramEntry {
     pub(crate) command: Vec<String>,
     pub(crate) input: Option<Input>,
     pub(crate) timeout_seconds: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ExperimentEntry {
+    pub(crate) command: Vec<String>,
+    pub(crate) input: Option<Input>,
+    pub(crate) timeout_seconds: Option<f64>,
+    pub(crate) queue: Option<QueueEntry>,
 }
 
 /// How a program gets a point.

@@ -19,7 +19,7 @@ use infuse::Role;
 use infuse::pooled::LinearConstraint;
 use serde_json::{Value, json};
 
-pub(crate) use constraints::Held;
+pub(crate) use constraints::{Held, linear_in_words};
 pub(crate) use costs::Costs;
 use file::LoopEntry;
 pub(crate) use file::{Goal, Input, Method, SheetFormat};
@@ -39,7 +39,7 @@ pub(crate) struct Problem {
     pub(crate) roles: Vec<Role>,
     pub(crate) response: Response,
     pub(crate) simulator: Simulator,
-    pub(crate) experiment: Option<Program>,
+    pub(crate) experiment: Option<Experiment>,
     /// Responses that have to stay within bounds.
     pub(crate) constraints: Vec<Held>,
     /// Settings that go together.
@@ -138,6 +138,14 @@ impl Simulator {
     }
 }
 
+/// How an experiment is made, if not by people.
+#[derive(Debug, Clone)]
+pub(crate) struct Experiment {
+    pub(crate) program: Program,
+    /// Where it is made elsewhere.
+    pub(crate) queue: Option<Queue>,
+}
+
 /// A command to run per point.
 #[derive(Debug, Clone)]
 pub(crate) struct Program {
@@ -176,6 +184,12 @@ impl Problem {
         others.retain(|name, value| {
             self.constraints.iter().any(|held| held.name() == name) && crate::number::number_fault(*value).is_none()
         });
+        others
+    }
+
+    /// Every number that a program gave beside the value: a constraint may be added when it has been run.
+    pub(crate) fn numbers(mut others: BTreeMap<String, f64>) -> BTreeMap<String, f64> {
+        others.retain(|_, value| crate::number::number_fault(*value).is_none());
         others
     }
 

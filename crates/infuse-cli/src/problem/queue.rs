@@ -1,4 +1,4 @@
-//! How a simulator is queued: the commands of a scheduler, known ones or others.
+//! How simulations and experiments are queued: the commands of a scheduler, known ones or others.
 
 use std::time::Duration;
 
@@ -15,6 +15,8 @@ const MOST_RUNS_PER_TASK: usize = 100_000;
 /// The commands of a scheduler, with placeholders, and how patient one is with it.
 #[derive(Debug, Clone)]
 pub(crate) struct Queue {
+    /// Its heading in the file.
+    pub(crate) section: &'static str,
     /// Hands a script to the scheduler, as an array of tasks.
     pub(crate) submit: Vec<String>,
     /// Prints the names of all that runs or waits.
@@ -27,12 +29,12 @@ pub(crate) struct Queue {
     pub(crate) poll: Duration,
     /// How often a run is submitted before it counts as failed.
     pub(crate) tries: usize,
-    /// Simulations that a task runs one after the other.
+    /// Runs that a task makes one after the other.
     pub(crate) runs_per_task: usize,
 }
 
 impl Queue {
-    pub(super) fn of(entry: QueueEntry) -> Result<Self> {
+    pub(super) fn of(entry: QueueEntry, section: &'static str) -> Result<Self> {
         let usual = entry.kind.map(commands);
         let or = |given: Option<Vec<String>>, index: usize| {
             given.or_else(|| usual.map(|commands| commands[index].iter().map(|word| (*word).to_owned()).collect()))
@@ -71,7 +73,7 @@ impl Queue {
             "`runs_per_task` is {runs_per_task}, expected 1 to {MOST_RUNS_PER_TASK}"
         );
         let poll = Duration::from_secs_f64(seconds);
-        Ok(Self { submit, list, cancel, options, poll, tries, runs_per_task })
+        Ok(Self { section, submit, list, cancel, options, poll, tries, runs_per_task })
     }
 }
 
@@ -107,14 +109,34 @@ fn commands(kind: QueueKind) -> [&'static [&'static str]; 3] {
             &["hq", "job", "cancel", "{job}"],
         ],
         QueueKind::Pbs => [
-            &["qsub", "-N", "{name}", "-J", "{range}", "-o", "/dev/null", "-e", "/dev/null", "{options}", "{script}"],
+            &[
+                "qsub",
+                "-N",
+                "{name}",
+                "-J",
+                "{range}",
+                "-S",
+                "/bin/sh",
+                "-o",
+                "/dev/null",
+                "-e",
+                "/dev/null",
+                "{options}",
+                "{script}",
+            ],
             &["qstat", "-f"],
             &["qdel", "{job}"],
         ],
         QueueKind::Lsf => [
             &["bsub", "-J", "{name}[{tasks}]", "-o", "/dev/null", "-e", "/dev/null", "{options}", "sh", "{script}"],
-            &["bjobs", "-noheader", "-o", "job_name"],
-            &["bkill", "-J", "{name}"],
+            // An empty queue is an error to it, with these words.
+            &[
+                "sh",
+                "-c",
+                "said=$(bjobs -noheader -o job_name 2>&1); code=$?; printf '%s\\n' \"$said\"; case $said in *'No unfinished job \
+                 found'*) exit 0 ;; esac; [ $code = 0 ] || printf '%s\\n' \"$said\" >&2; exit $code",
+            ],
+            &["bkill", "-J", "{name}", "0"],
         ],
         QueueKind::Parallel => [
             &[
@@ -129,7 +151,8 @@ fn commands(kind: QueueKind) -> [&'static [&'static str]; 3] {
                 "{options}",
             ],
             &["ps", "-e", "-o", "args="],
-            &["pkill", "-f", "{name}"],
+            // It takes what is under way with it.
+            &["kill", "{job}"],
         ],
     }
 }

@@ -8,11 +8,11 @@ use design_space::Region;
 
 use super::constraints::{held, linear};
 use super::costs::Costs;
-use super::file::{Input, ProblemFile, ResponseEntry, SimulationsEntry, SimulatorEntry};
+use super::file::{ExperimentEntry, Input, ProblemFile, ResponseEntry, SimulationsEntry, SimulatorEntry};
 use super::levels::parameter;
 use super::queue::submits_a_job;
 use super::reserved::is_reserved;
-use super::{PROBLEM, Problem, Program, Queue, Response, Simulator};
+use super::{Experiment, PROBLEM, Problem, Program, Queue, Response, Simulator};
 use crate::wording::in_plain_words;
 
 const TIMEOUT_SECONDS: f64 = 600.0;
@@ -53,13 +53,12 @@ impl Problem {
         if let Some(SimulationsEntry::Named(name)) = &file.rule.simulations {
             ensure!(name == "all", "[loop]: `simulations` is {name:?}, expected a number per batch, or \"all\"");
         }
-        let experiment =
-            file.experiment.map(|entry| program(entry.command, entry.input, entry.timeout_seconds, &region));
+        let experiment = file.experiment.map(|entry| experiment(entry, &region).context("[experiment]"));
         let constraints = held(file.constraints, &region, &response.name)?;
         let linear_constraints = linear(file.linear_constraints, &region)?;
-        let can_be_built = file
-            .can_be_built
-            .map(|entry| program(entry.command, entry.input, entry.timeout_seconds, &region).context("[can_be_built]"));
+        let can_be_built = file.can_be_built.map(|entry| {
+            program(entry.command, entry.input, entry.timeout_seconds, "simulator", &region).context("[can_be_built]")
+        });
         let costs = Costs::of(&file.parameters, &file.rule)?;
         let worth = file.stop.worth;
         if let Some(worth) = worth {
@@ -72,7 +71,7 @@ impl Problem {
             region,
             response,
             simulator,
-            experiment: experiment.transpose().context("[experiment]")?,
+            experiment: experiment.transpose()?,
             constraints,
             linear_constraints,
             can_be_built: can_be_built.transpose()?,
@@ -135,9 +134,9 @@ fn simulator(entry: SimulatorEntry, region: &Region) -> Result<Simulator> {
                 entry.queue.is_none() || entry.jobs.is_none(),
                 "`jobs` is for runs on this machine, expected none beside [simulator.queue]: its `options` say how many run at once"
             );
-            let queue = entry.queue.map(Queue::of).transpose().context("queue")?;
+            let queue = entry.queue.map(|entry| Queue::of(entry, "[simulator.queue]")).transpose().context("queue")?;
             Ok(Simulator::Program {
-                program: program(command, entry.input, entry.timeout_seconds, region)?,
+                program: program(command, entry.input, entry.timeout_seconds, "simulator", region)?,
                 jobs,
                 queue,
             })
@@ -147,7 +146,18 @@ fn simulator(entry: SimulatorEntry, region: &Region) -> Result<Simulator> {
     }
 }
 
-fn program(command: Vec<String>, input: Option<Input>, timeout: Option<f64>, region: &Region) -> Result<Program> {
+fn experiment(entry: ExperimentEntry, region: &Region) -> Result<Experiment> {
+    let queue = entry.queue.map(|entry| Queue::of(entry, "[experiment.queue]")).transpose().context("queue")?;
+    Ok(Experiment { program: program(entry.command, entry.input, entry.timeout_seconds, "experiment", region)?, queue })
+}
+
+fn program(
+    command: Vec<String>,
+    input: Option<Input>,
+    timeout: Option<f64>,
+    table: &str,
+    region: &Region,
+) -> Result<Program> {
     ensure!(
         command.first().is_some_and(|program| !program.is_empty()),
         "`command` is {command:?}, expected a program and its arguments"
@@ -155,7 +165,7 @@ fn program(command: Vec<String>, input: Option<Input>, timeout: Option<f64>, reg
     if let Some(scheduler) = submits_a_job(&command) {
         bail!(
             "`command` begins with `{scheduler}`, which prints the number of a job and no value; put the program itself here, and \
-             `kind` of the scheduler under [simulator.queue]"
+             `kind` of the scheduler under [{table}.queue]"
         );
     }
     let input = input.unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Simulations on a cluster, through whatever scheduler has a command to submit and one to list.
+//! Simulations and experiments on a cluster, through whatever scheduler has a command to submit and one to list.
 //!
 //! A batch of runs is a folder, a result is a file in it, and the journal has a submission before the scheduler does. So whoever is
 //! killed, nothing is lost, and nothing is submitted twice: killed before the scheduler took it, its name is in no list and there
@@ -8,21 +8,22 @@
 mod runs;
 mod scheduler;
 mod script;
+mod task;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
-use design_space::{Cell, Region};
+use design_space::Region;
 use sha2::{Digest as _, Sha256};
 
 use crate::journal::{Measured, Submitted, now};
 use crate::problem::{Program, Queue};
 use crate::program;
-use crate::simulator::Job;
 use runs::Runs;
 use script::ranges;
+pub(crate) use task::{Key, Task};
 
 /// Tasks of one submission, at most: Slurm's own limit is 1001, and counts from 0.
 const MOST_TASKS: usize = 1000;
@@ -38,9 +39,9 @@ pub(crate) struct Queued<'a> {
     pub(crate) region: &'a Region,
     pub(crate) program: &'a Program,
     pub(crate) queue: &'a Queue,
-    /// The simulator, as remembered runs name it.
+    /// The simulator, or the command of the experiments, as remembered runs name it.
     pub(crate) by: &'a str,
-    /// Every submission of the journal.
+    /// Every submission of the journal that is of the same kind.
     pub(crate) submitted: &'a [Submitted],
 }
 
@@ -48,14 +49,14 @@ pub(crate) struct Queued<'a> {
 pub(crate) enum Happened<'a> {
     Submitted(Submitted),
     /// With every other number that it gave, by name.
-    Simulated(&'a Job, Measured, BTreeMap<String, f64>),
+    Ended(&'a Task, Measured, BTreeMap<String, f64>),
 }
 
 /// Submissions of the same runs, one after the other.
 #[derive(Debug)]
 struct Batch {
     stem: String,
-    cells: Vec<Cell>,
+    keys: Vec<Key>,
     /// Submissions so far.
     names: Vec<String>,
     runs: Runs,
@@ -65,9 +66,9 @@ struct Batch {
 
 impl Batch {
     /// Runs that are waited for, numbered from 1.
-    fn waiting<'a>(&'a self, jobs: &'a BTreeMap<Cell, &Job>) -> impl Iterator<Item = (usize, Cell)> + 'a {
-        let numbered = self.cells.iter().enumerate().map(|(index, &cell)| (index + 1, cell));
-        numbered.filter(|(_, cell)| jobs.contains_key(cell))
+    fn waiting<'a>(&'a self, tasks: &'a BTreeMap<Key, &Task>) -> impl Iterator<Item = (usize, Key)> + 'a {
+        let numbered = self.keys.iter().enumerate().map(|(index, &key)| (index + 1, key));
+        numbered.filter(|(_, key)| tasks.contains_key(key))
     }
 
     /// Submissions that the scheduler is known to have taken.
@@ -78,13 +79,13 @@ impl Batch {
 
 /// Queues these, and waits until each has a result, or a person wants to stop; `show` is told how many runs wait for theirs, and
 /// what is wrong with the queue.
-pub(crate) fn simulate<'a>(
+pub(crate) fn run_all<'a>(
     of: Queued<'_>,
-    jobs: &'a [Job],
+    tasks: &'a [Task],
     mut happened: impl FnMut(Happened<'a>) -> Result<()>,
     mut show: impl FnMut(usize, &str),
 ) -> Result<()> {
-    let mut waiting: BTreeMap<Cell, &Job> = jobs.iter().map(|job| (job.0, job)).collect();
+    let mut waiting: BTreeMap<Key, &Task> = tasks.iter().map(|task| (task.key, task)).collect();
     let mut batches = batches(of);
     let _running = program::Running::new();
     take_results(&batches, &mut waiting, &mut happened)?;
@@ -93,10 +94,11 @@ pub(crate) fn simulate<'a>(
         if waiting.is_empty() || program::is_interrupted() {
             return Ok(());
         }
-        let known: BTreeSet<Cell> = batches.iter().flat_map(|batch| &batch.cells).copied().collect();
-        let new: Vec<Cell> = waiting.keys().copied().filter(|cell| !known.contains(cell)).collect();
-        for cells in new.chunks(MOST_TASKS * of.queue.runs_per_task) {
-            let mut batch = begin(of, cells, batches.len());
+        let known: BTreeSet<Key> = batches.iter().flat_map(|batch| &batch.keys).copied().collect();
+        let is_new = |key: &Key| waiting.contains_key(key) && !known.contains(key);
+        let new: Vec<Key> = tasks.iter().map(|task| task.key).filter(is_new).collect();
+        for keys in new.chunks(MOST_TASKS * of.queue.runs_per_task) {
+            let mut batch = begin(of, keys, batches.len());
             submit(of, &mut batch, &waiting, &mut happened)?;
             batches.push(batch);
         }
@@ -127,7 +129,7 @@ pub(crate) fn simulate<'a>(
     }
 }
 
-/// Those of the journal that are of this simulator.
+/// Those of the journal that are of this command.
 fn batches(of: Queued<'_>) -> Vec<Batch> {
     let mut batches: Vec<Batch> = Vec::new();
     for one in of.submitted.iter().filter(|one| one.by == of.by) {
@@ -137,36 +139,36 @@ fn batches(of: Queued<'_>) -> Vec<Batch> {
             continue;
         }
         let (runs, names) = (Runs::of(of.folder, stem), vec![one.name.clone()]);
-        batches.push(Batch { stem: stem.to_owned(), cells: one.cells.clone(), names, runs, n_absent: 0 });
+        batches.push(Batch { stem: stem.to_owned(), keys: Key::of(one), names, runs, n_absent: 0 });
     }
     batches
 }
 
-fn begin(of: Queued<'_>, cells: &[Cell], n_before: usize) -> Batch {
+fn begin(of: Queued<'_>, keys: &[Key], n_before: usize) -> Batch {
     // Another campaign in the same folder, or another beginning of this one, must not find these results.
     let mut hash = Sha256::new();
     for part in
-        [&of.folder.display().to_string(), of.by, &now(), &format!("{} {n_before} {cells:?}", std::process::id())]
+        [&of.folder.display().to_string(), of.by, &now(), &format!("{} {n_before} {keys:?}", std::process::id())]
     {
         hash.update(part.as_bytes());
     }
     let id: String = hash.finalize().iter().take(4).map(|byte| format!("{byte:02x}")).collect();
     let stem = format!("infuse-{id}");
     let runs = Runs::of(of.folder, &stem);
-    Batch { stem, cells: cells.to_vec(), names: Vec::new(), runs, n_absent: 0 }
+    Batch { stem, keys: keys.to_vec(), names: Vec::new(), runs, n_absent: 0 }
 }
 
 fn take_results<'a>(
     batches: &[Batch],
-    waiting: &mut BTreeMap<Cell, &'a Job>,
+    waiting: &mut BTreeMap<Key, &'a Task>,
     happened: &mut impl FnMut(Happened<'a>) -> Result<()>,
 ) -> Result<()> {
     for batch in batches {
-        let ended: Vec<(Cell, _)> =
-            batch.waiting(waiting).filter_map(|(number, cell)| Some((cell, batch.runs.result(number)?))).collect();
-        for (cell, (result, others)) in ended {
-            if let Some(job) = waiting.remove(&cell) {
-                happened(Happened::Simulated(job, result, others))?;
+        let ended: Vec<(Key, _)> =
+            batch.waiting(waiting).filter_map(|(number, key)| Some((key, batch.runs.result(number)?))).collect();
+        for (key, (result, others)) in ended {
+            if let Some(task) = waiting.remove(&key) {
+                happened(Happened::Ended(task, result, others))?;
             }
         }
     }
@@ -177,20 +179,20 @@ fn take_results<'a>(
 fn submit<'a>(
     of: Queued<'_>,
     batch: &mut Batch,
-    waiting: &BTreeMap<Cell, &'a Job>,
+    waiting: &BTreeMap<Key, &'a Task>,
     happened: &mut impl FnMut(Happened<'a>) -> Result<()>,
 ) -> Result<()> {
     let attempt = batch.names.len() + 1;
     let name = format!("{}-{attempt}", batch.stem);
-    // A run that has its result is not run again, so its point may be anything.
-    let point = |cell: &Cell| waiting.get(cell).map_or_else(Vec::new, |job| job.1.clone());
-    let points: Vec<Vec<f64>> = batch.cells.iter().map(point).collect();
-    let script = batch.runs.write(of.folder, of.region, of.program, of.queue, &name, &points)?;
+    // A run that has its result is not run again.
+    let tasks: Vec<Option<&Task>> = batch.keys.iter().map(|key| waiting.get(key).copied()).collect();
+    let script = batch.runs.write(of.folder, of.region, of.program, of.queue, &name, &tasks)?;
     let per_task = of.queue.runs_per_task;
     let mut tasks: Vec<usize> = batch.waiting(waiting).map(|(number, _)| (number - 1) / per_task + 1).collect();
     tasks.dedup();
-    let (by, cells) = (of.by.to_owned(), batch.cells.clone());
-    happened(Happened::Submitted(Submitted { name: name.clone(), cells, by, at: now() }))?;
+    let (by, cells) = (of.by.to_owned(), batch.keys.iter().map(|key| key.cell()).collect());
+    let experiments = batch.keys.iter().filter_map(|key| key.id()).collect();
+    happened(Happened::Submitted(Submitted { name: name.clone(), cells, experiments, by, at: now() }))?;
     batch.names.push(name.clone());
     batch.n_absent = 0;
     let (first, last) = (tasks.first().copied().unwrap_or(1), tasks.last().copied().unwrap_or(1));
@@ -203,8 +205,10 @@ fn submit<'a>(
         ("{last}", last.to_string()),
         ("{script}", script.display().to_string()),
     ];
-    let said = scheduler::run(of.folder, of.queue, &of.queue.submit, &filled)
-        .context("[simulator.queue] `submit` failed: nothing is lost, ask again")?;
+    let said = scheduler::run(of.folder, of.queue, &of.queue.submit, &filled).with_context(|| {
+        let again = if batch.keys.iter().any(|key| key.id().is_some()) { "run" } else { "ask" };
+        format!("{} `submit` failed: nothing is lost, {again} again", of.queue.section)
+    })?;
     batch.runs.note_taken(&name, &said)
 }
 
@@ -212,29 +216,33 @@ fn submit<'a>(
 fn give_up<'a>(
     of: Queued<'_>,
     batch: &Batch,
-    waiting: &mut BTreeMap<Cell, &'a Job>,
+    waiting: &mut BTreeMap<Key, &'a Task>,
     happened: &mut impl FnMut(Happened<'a>) -> Result<()>,
 ) -> Result<()> {
-    let lost: Vec<(usize, Cell)> = batch.waiting(waiting).collect();
-    for (number, cell) in lost {
-        if let Some(job) = waiting.remove(&cell) {
+    let lost: Vec<(usize, Key)> = batch.waiting(waiting).collect();
+    for (number, key) in lost {
+        if let Some(task) = waiting.remove(&key) {
             let reason = format!(
                 "the queue lost it {} times; {number}.sh in {} is what it was to run",
                 of.queue.tries,
                 batch.runs.path().display()
             );
-            happened(Happened::Simulated(job, Measured::Failed(reason), BTreeMap::new()))?;
+            happened(Happened::Ended(task, Measured::Failed(reason), BTreeMap::new()))?;
         }
     }
     Ok(())
 }
 
-/// Stops what is in the queue. How many submissions.
-pub(crate) fn cancel(folder: &Path, queue: &Queue, submitted: &[Submitted]) -> Result<usize> {
-    anyhow::ensure!(!queue.cancel.is_empty(), "[simulator.queue] has no `cancel`, so nothing can be stopped from here");
+/// Stops what is in the queue of these. How many submissions.
+pub(crate) fn cancel<'a>(
+    folder: &Path,
+    queue: &Queue,
+    submitted: impl Iterator<Item = &'a Submitted>,
+) -> Result<usize> {
+    anyhow::ensure!(!queue.cancel.is_empty(), "{} has no `cancel`, so nothing can be stopped from here", queue.section);
     let listed = scheduler::run(folder, queue, &queue.list, &[])?;
     let mut n = 0;
-    for one in submitted.iter().filter(|one| scheduler::is_listed(&listed, &one.name)) {
+    for one in submitted.filter(|one| scheduler::is_listed(&listed, &one.name)) {
         let said = Runs::of(folder, one.stem()).said(&one.name).unwrap_or_default();
         let job = said.split_whitespace().next_back().unwrap_or_default().to_owned();
         scheduler::run(folder, queue, &queue.cancel, &[("{name}", one.name.clone()), ("{job}", job)])?;

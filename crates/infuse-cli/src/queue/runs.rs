@@ -8,6 +8,7 @@ use anyhow::{Context as _, Result};
 use design_space::Region;
 
 use super::script::{of_a_run, of_a_task};
+use super::task::Task;
 use crate::journal::Measured;
 use crate::problem::{Program, Queue};
 use crate::program::{Ran, ended, tail};
@@ -35,7 +36,7 @@ impl Runs {
         self.path.join(format!("{number}.{kind}"))
     }
 
-    /// Writes what each run needs, numbered from 1, but for those without a point, and the script of a submission; again, if it was there before.
+    /// Writes what each run needs, numbered from 1, but for those that have their result, and the script of a submission; again, if it was there before.
     pub(super) fn write(
         &self,
         folder: &Path,
@@ -43,16 +44,16 @@ impl Runs {
         program: &Program,
         queue: &Queue,
         name: &str,
-        points: &[Vec<f64>],
+        tasks: &[Option<&Task>],
     ) -> Result<PathBuf> {
         let name_of = |path: &Path| path.display().to_string();
         std::fs::create_dir_all(&self.path).with_context(|| name_of(&self.path))?;
         let folder = std::path::absolute(folder).with_context(|| name_of(folder))?;
         let put = |path: PathBuf, text: String| std::fs::write(&path, text).with_context(|| name_of(&path));
-        for (index, point) in points.iter().enumerate().filter(|(_, point)| !point.is_empty()) {
-            let words = program.words(&folder, region, point, None);
+        for (index, task) in tasks.iter().enumerate().filter_map(|(index, task)| Some((index, (*task)?))) {
+            let words = program.words(&folder, region, &task.point, task.key.id());
             put(self.file(index + 1, "sh"), of_a_run(&folder, &words))?;
-            put(self.file(index + 1, "in"), program.input_text(region, point, None))?;
+            put(self.file(index + 1, "in"), program.input_text(region, &task.point, task.key.id()))?;
         }
         let script = self.path.join(format!("{name}.sh"));
         let seconds = program.timeout.as_secs_f64();

@@ -23,7 +23,7 @@ pub(super) fn run(folder: &Path, queue: &Queue, command: &[String], filled: &Fil
         .current_dir(folder)
         .stdin(std::process::Stdio::null())
         .output()
-        .with_context(|| format!("[simulator.queue]: cannot start `{program}`"))?;
+        .with_context(|| format!("{}: cannot start `{program}`", queue.section))?;
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim().to_owned();
     let errors = text(&said.stderr);
     ensure!(said.status.success(), "`{}`: {}: {errors}", words.join(" "), said.status);

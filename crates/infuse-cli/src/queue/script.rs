@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::shell::in_quotes as quoted;
 
-/// The script of a submission: task k runs `runs_per_task` simulations from number (k − 1) `runs_per_task` + 1 on, those that
+/// The script of a submission: task k makes `runs_per_task` runs from number (k − 1) `runs_per_task` + 1 on, those that
 /// have a result excepted.
 ///
 /// A run writes to files of its own and renames them; last of all appears its `.done` with the exit code, so that a result is
@@ -13,7 +13,7 @@ pub(super) fn of_a_task(runs: &Path, runs_per_task: usize, seconds: f64) -> Stri
     let runs = quoted(&runs.display().to_string());
     format!(
         r#"#!/bin/sh
-# Written by infuse. Runs the simulations of one task; the number of the task is the argument, or what the scheduler says.
+# Written by infuse. Makes the runs of one task; the number of the task is the argument, or what the scheduler says.
 cd {runs} || exit 1
 task=${{1:-${{SLURM_ARRAY_TASK_ID:-${{HQ_TASK_ID:-${{PBS_ARRAY_INDEX:-${{PBS_ARRAYID:-${{LSB_JOBINDEX:-${{SGE_TASK_ID:-}}}}}}}}}}}}}}
 case $task in
@@ -37,7 +37,7 @@ done
     )
 }
 
-/// The script of one simulation: a command, from the folder of the campaign.
+/// The script of one run: a command, from the folder of the campaign.
 pub(super) fn of_a_run(folder: &Path, words: &[String]) -> String {
     let folder = quoted(&folder.display().to_string());
     let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();

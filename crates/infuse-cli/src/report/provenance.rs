@@ -2,11 +2,10 @@
 
 use design_space::Levels;
 use infuse::Role;
-use infuse::pooled::LinearConstraint;
 
 use crate::journal::{JOURNAL, Journal};
 use crate::number::{count, plain, setting, with_unit};
-use crate::problem::{Goal, PROBLEM, Problem, Simulator, step};
+use crate::problem::{Goal, PROBLEM, Problem, Simulator, linear_in_words, step};
 use page::{Column, Page, Table};
 
 /// The section, with the settings of the loop as the method has them.
@@ -71,25 +70,18 @@ fn from_problem(problem: &Problem) -> Vec<Row> {
         Simulator::Program { program, .. } => ("simulator", format!("the command {}", program.command.join(" "))),
     });
     rows.push(match &problem.experiment {
-        Some(program) => ("experiment", format!("the command {}", program.command.join(" "))),
+        Some(made) => ("experiment", format!("the command {}", made.program.command.join(" "))),
         None => ("experiment", "by people".to_owned()),
     });
     rows.extend(problem.constraints.iter().map(|held| ("constraint", held.in_words())));
-    let names: Vec<&str> = problem.names().collect();
-    rows.extend(problem.linear_constraints.iter().map(|linear| ("linear constraint", sum_in_words(&names, linear))));
+    let linear = problem.linear_constraints.iter().map(|linear| linear_in_words(&problem.region, linear));
+    rows.extend(linear.map(|linear| ("linear constraint", linear)));
     if let Some(program) = &problem.can_be_built {
         rows.push(("can be built", format!("the command {}", program.command.join(" "))));
     }
     let worth = problem.worth.map_or_else(|| "not said".to_owned(), |w| with_unit(&plain(w), &response.unit));
     rows.push(("least gain that another batch is worth", worth));
     rows
-}
-
-/// "1 x + 2 y at most 5".
-fn sum_in_words(names: &[&str], linear: &LinearConstraint) -> String {
-    let terms = linear.coefficients.iter().zip(names).filter(|(coefficient, _)| **coefficient != 0.0);
-    let terms: Vec<String> = terms.map(|(coefficient, name)| format!("{} {name}", plain(*coefficient))).collect();
-    format!("{} at most {}", terms.join(" + "), plain(linear.upper))
 }
 
 fn from_files(journal: &Journal) -> Vec<Row> {

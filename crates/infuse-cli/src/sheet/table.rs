@@ -227,7 +227,11 @@ fn find(heading: &str, columns: &[Column]) -> Result<usize> {
         Some(column) => bail!("`{}` has no unit, expected `{}`", echo(heading), columns[column].heading()),
         None => {
             let known: Vec<String> = columns.iter().map(|column| format!("`{}`", column.heading())).collect();
-            bail!("`{}` is not known, expected one of {}", echo(heading), known.join(", "))
+            bail!(
+                "`{}` is not known, expected one of {}; a column that is of no use any more may be removed",
+                echo(heading),
+                known.join(", ")
+            )
         }
     }
 }

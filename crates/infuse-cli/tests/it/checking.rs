@@ -81,3 +81,53 @@ fn what_is_wrong_is_said() {
     let text = rig.infuse(&["check"]).ok();
     assert!(text.contains("Careful: the simulation of spring 22 N/mm") && text.contains("gives 5 mm/s"), "{text}");
 }
+
+#[test]
+fn the_budget_knows_of_plants_constraints_and_the_time_of_a_choice() {
+    let rig = Rig::pooled();
+    let command = "command = [\"sh\", \"-c\", \"echo '{\\\"value\\\": 5, \\\"travel\\\": 3}'\", \"{spring}{damper gain}\"]\njobs = 2";
+    rig.edit("table = \"simulation.csv\"", command);
+    rig.edit(
+        "experiments = 10",
+        "experiments = 10\nsimulations = 20\nplants = 3\nexperiment_cost = 0.5\ncost_unit = \"h\"",
+    );
+    rig.edit("role = \"plant\"", "role = \"plant\"\nchange_cost = 6");
+    let constraint = |name: &str| format!("[[constraint]]\nname = \"{name}\"\nunit = \"mm\"\nupper = 4\n");
+    // Of 13 settings each, 10 to 34 and 0.5 to 2.9: those with spring + 10 gain at most 39 lie on or below a diagonal.
+    let linear = "[[linear_constraint]]\nsum = { spring = 1, \"damper gain\" = 10 }\nupper = 39\n";
+    rig.edit(
+        "[loop]",
+        &format!(
+            "{}{}{linear}[can_be_built]\ncommand = [\"echo\", \"1\", \"{{spring}}{{damper gain}}\"]\n[loop]",
+            constraint("travel"),
+            constraint("force")
+        ),
+    );
+    rig.edit("[can_be_built]\ncommand = [\"echo\", \"1\"", "[can_be_built]\ncommand = [\"sh\", \"-c\", \"echo 1\"");
+    let checked = check(&rig);
+    let levels = |n: i32| (0..13).map(move |k| (k, n));
+    let kept =
+        levels(13).flat_map(|(a, n)| (0..n).map(move |b| (a, b))).filter(|(a, b)| 10 + 2 * a + 5 + 2 * b <= 39).count();
+    assert_eq!(checked["designs_allowed"], json!(kept), "{checked}");
+    // Ten runs of half an hour, on up to three plants of six hours.
+    assert_eq!((&checked["costs"]["batch"], &checked["costs"]["all"]), (&json!(23.0), &json!(138.0)));
+    assert_eq!((&checked["simulations_at_most"], &checked["can_be_built"]), (&json!(130), &json!(true)));
+    assert!(checked["seconds_to_choose"].as_f64() > Some(0.0));
+    let text = rig.infuse(&["check"]).ok();
+    for words in [
+        &format!("169 designs, of which the linear constraints leave {kept};"),
+        "A batch costs up to 23 h: 10 runs on up to 3 plants; all of them up to 138 h.",
+        "gives 5 mm/s, travel 3 mm, in",
+        "It says nothing of force: experiments alone will.",
+        "spring + 10 damper gain at most 39.",
+        "travel at most 4 mm with 90.0 % probability.",
+        "That is up to 130 simulations in all",
+        "the first up to 30, as its experiments are simulated, too",
+        "To choose a batch takes some",
+        "can be built, in",
+    ] {
+        assert!(text.contains(words), "{words} is not in {text}");
+    }
+    assert!(!rig.path("journal.jsonl").exists(), "nothing is written down");
+    assert!(Rig::new().infuse(&["check"]).ok().contains("is not known beforehand"));
+}

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use crate::rig::Rig;
 
 /// Takes a submission, and runs its tasks in the background; what is in `jobs` is in the queue.
-const SUBMIT: &str = "\
+pub(crate) const SUBMIT: &str = "\
 name=$1 script=$2 first=$3 last=$4
 mkdir -p jobs
 touch jobs/$name
@@ -17,6 +17,9 @@ echo $name >> submissions.log
 (for task in $(seq $first $last); do [ -e jobs/$name ] && sh $script $task; done; rm -f jobs/$name) > /dev/null 2>&1 &
 echo job $name
 ";
+
+/// Prints what is in the queue.
+pub(crate) const LIST: &str = "mkdir -p jobs; ls jobs\n";
 
 /// A simulation that notes that it was run.
 const SIMULATE: &str = "\
@@ -32,7 +35,7 @@ pub(crate) const KEYS: &str = "submit = [\"sh\", \"submit.sh\", \"{name}\", \"{s
 pub(crate) fn queued(keys: &str) -> Rig {
     let rig = local();
     rig.write("submit.sh", SUBMIT);
-    rig.write("list.sh", "mkdir -p jobs; ls jobs\n");
+    rig.write("list.sh", LIST);
     rig.edit("[loop]", &format!("[simulator.queue]\n{keys}\n[loop]"));
     rig
 }

@@ -368,21 +368,30 @@ fn contradiction(
             return Ok(Some(Contradiction { standing: recommended.clone(), deviations }));
         }
     }
-    let mut most: Option<(f64, Cell)> = None;
-    for &cell in knowledge.measured.iter().filter(|&&cell| keeps(knowledge, constrained, cell)) {
+    let mut over: Vec<(f64, Cell)> = Vec::new();
+    let allowed = knowledge.measured.iter().filter(|&&cell| knowledge.designs.allows(cell));
+    for &cell in allowed.filter(|&&cell| cell != recommended.cell && keeps(knowledge, constrained, cell)) {
         let here = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response);
         let n = here.clone().count() as f64;
         let error = (noise * noise / n + shared + recommended.deviation.powi(2)).sqrt();
         let deviations = (recommended.mean - here.sum::<f64>() / n) / error;
-        if cell != recommended.cell && deviations > most.map_or(CONTRADICTING, |(most, _)| most) {
-            most = Some((deviations, cell));
+        if deviations > CONTRADICTING {
+            over.push((deviations, cell));
         }
     }
-    let Some((deviations, cell)) = most else {
-        return Ok(None);
-    };
-    let standing = standing(knowledge, readings, constrained, cell, recommended.cell, confidence)?;
-    Ok(Some(Contradiction { standing, deviations }))
+    over.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (deviations, cell) in over {
+        let standing = standing(knowledge, readings, constrained, cell, recommended.cell, confidence)?;
+        // Where a bound was not measured, what is expected of it decides.
+        let mut pairs = knowledge.held.iter().zip(&standing.constrained);
+        let may_be_kept = pairs.all(|(held, there)| {
+            there.measured.is_some() || there.expected.is_none() || there.within >= held.constraint.probability
+        });
+        if may_be_kept {
+            return Ok(Some(Contradiction { standing, deviations }));
+        }
+    }
+    Ok(None)
 }
 
 /// Whether what was measured at a cell, if anything, keeps to every constraint in the mean.

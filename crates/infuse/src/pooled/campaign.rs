@@ -613,7 +613,8 @@ impl Loop {
         let mut failed = self.failed_cells()?;
         failed.extend(&self.refused);
         let constrained = (0..self.settings.constraints.len()).map(|index| self.constrained_readings(index));
-        Ok(Measurements { readings: self.readings()?, constrained: constrained.collect::<Result<_, _>>()?, failed })
+        let (constrained, refused) = (constrained.collect::<Result<_, _>>()?, self.refused.clone());
+        Ok(Measurements { readings: self.readings()?, constrained, failed, refused })
     }
 
     /// All readings of a constrained response: earlier ones first.

@@ -68,7 +68,7 @@ impl<'a, 's> Knowledge<'a, 's> {
         simulated: &'a mut Simulated,
         mut source: Source<'s>,
     ) -> Result<Self, Error> {
-        let Measurements { readings, constrained, failed } = measurements;
+        let Measurements { readings, constrained, failed, refused } = measurements;
         let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
         let places = source.places(designs, &cells, simulated)?;
         let all: Vec<&Reading> = readings.iter().collect();
@@ -79,7 +79,7 @@ impl<'a, 's> Knowledge<'a, 's> {
             None => None,
         };
         let process = AveragedProcess::new(sites, &sampler)?;
-        let measured: BTreeSet<Cell> = cells.into_iter().collect();
+        let measured: BTreeSet<Cell> = cells.into_iter().filter(|cell| !refused.contains(cell)).collect();
         let failed: Vec<Cell> = failed.difference(&measured).copied().collect();
         let measured: Vec<Cell> = measured.into_iter().collect();
         let tested: Vec<Cell> = measured.iter().chain(&failed).copied().collect();

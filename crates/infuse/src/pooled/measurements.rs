@@ -40,6 +40,8 @@ pub(crate) struct Measurements {
     pub(crate) readings: Vec<Reading>,
     /// Readings of each constrained response.
     pub(crate) constrained: Vec<Vec<Reading>>,
-    /// Where experiments failed.
+    /// Where experiments failed, and what nobody can build.
     pub(crate) failed: BTreeSet<Cell>,
+    /// Of these what nobody can build any more, whatever was measured there.
+    pub(crate) refused: BTreeSet<Cell>,
 }

@@ -76,12 +76,17 @@ fn cells(
 pub(super) fn state(problem: &Problem, trial: &Trial, cells: &Cells) -> String {
     let settings: Vec<String> =
         problem.region.parameters().iter().zip(&trial.point).map(|(p, &setting)| written(p, setting)).collect();
-    serde_json::json!([settings, cells]).to_string()
+    serde_json::json!([settings, cells, to_fill_in(problem)]).to_string()
+}
+
+/// Of a page's state what it showed of a row, and under which headings.
+fn parsed(was: &str) -> Option<(Cells, Vec<String>)> {
+    serde_json::from_str::<(Vec<String>, Cells, Vec<String>)>(was).ok().map(|(_, cells, headings)| (cells, headings))
 }
 
 /// What the page showed of a row, of its state.
 fn shown(was: &str) -> Option<Cells> {
-    serde_json::from_str::<(Vec<String>, Cells)>(was).ok().map(|(_, cells)| cells)
+    parsed(was).map(|(cells, _)| cells)
 }
 
 /// The rows of a request.
@@ -144,8 +149,14 @@ impl Row {
             return Ok(None);
         };
         let known = known(problem, experiments.readings.get(&id));
-        if self.typed.len() > known.len() {
-            self.fault = Some("the columns are others than when this page was made".to_owned());
+        let are_others = parsed(&self.was).is_some_and(|(_, headings)| headings != to_fill_in(problem));
+        if are_others || self.typed.len() > known.len() {
+            let typed: Vec<&str> = self.typed.iter().map(String::as_str).filter(|text| !text.is_empty()).collect();
+            self.fault = Some(format!(
+                "not taken: the columns are others than when this page was made, so that nobody knows which is meant; typed were {}",
+                typed.join(", ")
+            ));
+            self.typed = known;
             return Ok(None);
         }
         let answer = match typed(id, &self.typed, problem, &experiments.trials)? {

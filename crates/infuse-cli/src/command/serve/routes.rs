@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, ensure};
 
-use super::super::{ask, confirm, status, undo};
+use super::super::{ask, cancel, confirm, status, undo};
 use super::form::{Refused, rows, tell};
 use super::guard::Guard;
 use super::http::{Method, Request, Response};
@@ -40,10 +40,14 @@ impl Site {
             }
             (Method::Get, "/undo") => self.ask_undo(),
             (Method::Get, "/confirm") => self.ask_confirm(),
+            (Method::Get, "/more") => self.ask_more(),
+            (Method::Get, "/cancel") => self.ask_cancel(),
             (Method::Post, "/tell") => self.tell(request),
             (Method::Post, "/ask") => self.ask(request),
             (Method::Post, "/undo") => self.undo(request),
             (Method::Post, "/confirm") => self.confirm(request),
+            (Method::Post, "/more") => self.more(request),
+            (Method::Post, "/cancel") => self.cancel(),
             (_, "/" | "/style.css" | "/report" | "/status.json" | "/tell" | "/ask") => {
                 Ok(Response::plain(405, "this is not how it is asked for"))
             }
@@ -134,6 +138,50 @@ impl Site {
         match planned() {
             Ok(output) => {
                 self.work.say(output.notices);
+                Ok(Response::see_other("/"))
+            }
+            Err(error) => self.sheet(409, Refused::new(), Some(format!("{error:#}"))),
+        }
+    }
+
+    fn ask_more(&self) -> Result<Response> {
+        let asked = Question {
+            heading: "Another batch beside this one?",
+            what: "The next batch will be chosen without the results that are still waited for. This may simulate for a while.",
+            button: "Choose another batch",
+            action: "/more",
+        };
+        Ok(Response::html(200, question(asked, Journal::read(&self.folder)?.all.len(), None)))
+    }
+
+    fn more(&self, request: &Request) -> Result<Response> {
+        if Journal::read(&self.folder)?.all.len() != lines(request)? {
+            let error = "something was written down since this was asked: nothing was chosen, look again".to_owned();
+            return self.sheet(409, Refused::new(), Some(error));
+        }
+        let (folder, wait) = (self.folder.clone(), self.wait);
+        let wish = Wish { anyway: false, more: true };
+        self.work.begin(move || ask::ask(&folder, wait, None, wish, false))?;
+        Ok(Response::see_other("/"))
+    }
+
+    fn ask_cancel(&self) -> Result<Response> {
+        let asked = Question {
+            heading: "Stop what is in the queue?",
+            what: "Simulations and experiments that wait or run are stopped. What was finished counts, and the next ask or run \
+                   submits the others again.",
+            button: "Stop them",
+            action: "/cancel",
+        };
+        Ok(Response::html(200, question(asked, 0, None)))
+    }
+
+    /// Stops the queue. While this page itself waits for simulations, it holds the campaign, and would submit them again.
+    fn cancel(&self) -> Result<Response> {
+        self.is_free()?;
+        match cancel::cancel(&self.folder, self.wait) {
+            Ok(output) => {
+                self.work.say(vec![output.text.trim().to_owned()]);
                 Ok(Response::see_other("/"))
             }
             Err(error) => self.sheet(409, Refused::new(), Some(format!("{error:#}"))),

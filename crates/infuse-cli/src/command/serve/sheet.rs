@@ -1,6 +1,7 @@
 //! The page of the sheet: what to do next, the rows of the form, and what is known.
 
 use anyhow::Result;
+use design_space::Parameter;
 use infuse::pooled::Trial;
 use maud::{Markup, html};
 use page::Finding;
@@ -10,7 +11,7 @@ use super::frame::{document, sentences, text};
 use super::work::State;
 use crate::campaign::{Campaign, Stage};
 use crate::number::count;
-use crate::problem::shown;
+use crate::problem::{Held, shown};
 use crate::sheet::to_fill_in;
 
 /// While something goes on the page is loaded again.
@@ -180,15 +181,19 @@ fn fields(campaign: &dyn Campaign, id: u64, known: &[String], refused: Option<&R
     let is_open = (n_measured..headings.len()).any(|place| !value(place).is_empty() || is_fault(place));
     let input = |place: usize| {
         // Choices and reasons are words.
-        let choices = place.checked_sub(n_measured + 1).and_then(|at| problem.region.parameters().get(at));
-        let is_number = place < n_measured || choices.is_some_and(|parameter| parameter.choices().is_none());
+        let parameter = place.checked_sub(n_measured + 1).and_then(|at| problem.region.parameters().get(at));
+        let choices = parameter.and_then(Parameter::choices);
+        let is_number = place < n_measured || parameter.is_some_and(|parameter| parameter.choices().is_none());
+        let bounds = place.checked_sub(1).and_then(|at| problem.constraints.get(at)).map(Held::bounds);
         let name = field(id, Some(place));
         let fault = refused.and_then(|row| row.faults.get(&place));
         html! {
             label class=[fault.map(|_| "wrong")] {
-                span { (headings[place]) }
-                input type="text" name=(name) value=(value(place)) inputmode=[is_number.then_some("decimal")]
-                    autofocus[fault.is_some()] aria-invalid=[fault.map(|_| "true")] aria-describedby=[fault.map(|_| format!("{name}-fault"))];
+                span { (headings[place]) @if let Some(bounds) = bounds { ": " (bounds) } }
+                @if let Some(choices) = choices { (choice(&name, choices, value(place))) } @else {
+                    input type="text" name=(name) value=(value(place)) inputmode=[is_number.then_some("decimal")]
+                        autofocus[fault.is_some()] aria-invalid=[fault.map(|_| "true")] aria-describedby=[fault.map(|_| format!("{name}-fault"))];
+                }
                 @if let Some(fault) = fault { span class="fault" id={ (name) "-fault" } { (text(fault)) } }
             }
         }
@@ -205,13 +210,30 @@ fn fields(campaign: &dyn Campaign, id: u64, known: &[String], refused: Option<&R
     }
 }
 
+/// One of these, or as it was asked for; what was typed by other means is kept.
+fn choice(name: &str, choices: &[String], value: &str) -> Markup {
+    let is_other = !value.is_empty() && !choices.iter().any(|choice| choice == value);
+    html! {
+        select name=(name) {
+            option value="" selected[value.is_empty()] { "as asked for" }
+            @for choice in choices { option value=(choice) selected[choice == value] { (choice) } }
+            @if is_other { option value=(value) selected { (value) } }
+        }
+    }
+}
+
 fn more(campaign: &dyn Campaign, is_busy: bool) -> Markup {
-    let has_begun = campaign.experiments().last_batch().is_some();
+    let (problem, experiments) = (campaign.problem(), campaign.experiments());
+    let (has_begun, is_pending) = (experiments.last_batch().is_some(), experiments.n_outstanding() > 0);
+    let has_queue =
+        problem.simulator.queue().is_some() || problem.experiment.as_ref().is_some_and(|one| one.queue.is_some());
     html! {
         nav {
             a href="/" { "Look again" }
             @if has_begun { a href="/report" { "The report" } }
             @if has_begun && !is_busy { a href="/confirm" { "Confirm what was gained" } }
+            @if is_pending && !is_busy { a href="/more" { "Another batch beside this one" } }
+            @if has_queue { a href="/cancel" { "Stop what is in the queue" } }
             @if has_begun && !is_busy { a href="/undo" { "Take the last thing back" } }
             a href="/status.json" { "All numbers (JSON)" }
         }

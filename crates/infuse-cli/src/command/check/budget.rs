@@ -1,0 +1,189 @@
+//! What a campaign will cost at most.
+
+use std::time::Duration;
+
+use anyhow::Result;
+use design_space::{Cell, Grid, Levels, Parameter};
+use page::Finding;
+use serde_json::{Value, json};
+
+use crate::campaign::{Budget, Campaign};
+use crate::number::{count, grouped, percent, seconds};
+use crate::problem::{Problem, Simulator};
+
+/// Up to so many designs are counted one by one; of more a share is told from so many all over the grid.
+const MOST_COUNTED: u64 = 500_000;
+const SAMPLED: u64 = 50_000;
+
+/// Whether the linear constraints allow a design.
+pub(super) fn is_allowed(problem: &Problem, point: &[f64]) -> bool {
+    problem.linear_constraints.iter().all(|linear| linear.allows(point))
+}
+
+/// The k-th of numbers below n that lie all over, the fractional parts of multiples of the golden section.
+pub(super) fn spread(k: u64, n: u64) -> u64 {
+    let fraction = u128::from(k.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+    u64::try_from((fraction * u128::from(n)) >> 64).unwrap_or(0)
+}
+
+/// In sentences, and for machines.
+pub(super) fn in_words(
+    campaign: &dyn Campaign,
+    budget: &Budget,
+    took: Option<Duration>,
+) -> Result<(Vec<Finding>, Value)> {
+    let problem = campaign.problem();
+    let Budget { terms, experiments, batches, simulations, grid } = budget;
+    let (allowed, n_simulations) = (allowed(problem, grid), simulations_in_all(budget, problem));
+    let mut findings = vec![whole(budget, problem, allowed)];
+    findings.extend(simulated(budget, problem, took, n_simulations));
+    let costs = problem.costs.as_ref().map(|costs| {
+        let (of_batch, n_plants) = costs.at_most(*experiments);
+        let in_all = of_batch * *batches as f64;
+        let sentence = format!(
+            "A batch costs up to {}: {} on up to {}; all of them up to {}.",
+            costs.shown(of_batch),
+            count(*experiments, "run"),
+            count(n_plants, "plant"),
+            costs.shown(in_all)
+        );
+        let finding = Finding::new(sentence).with("cost of a batch", of_batch, costs.unit());
+        findings.push(finding.with("cost in all", in_all, costs.unit()));
+        json!({ "batch": of_batch, "all": in_all, "unit": costs.unit(), "plants_per_batch": n_plants })
+    });
+    let choosing = campaign.dry_pick()?;
+    findings.push(Finding::new(match choosing {
+        Some(took) => format!(
+            "To choose a batch takes some {} here, tried once on results made up; with every batch it takes longer.",
+            seconds(took)
+        ),
+        None => "How long it takes to choose a batch is not known beforehand.".to_owned(),
+    }));
+    let json = json!({
+        "parameters": problem.region.n_parameters(), "designs": designs(problem, grid),
+        "designs_allowed": allowed.filter(|_| designs(problem, grid).is_some()).and_then(Allowed::exactly),
+        "share_allowed": allowed.map(|allowed| allowed.share(grid)), "terms": terms,
+        "experiments_per_batch": experiments, "batches": batches, "runs_at_most": experiments * batches,
+        "simulations_per_batch": simulations, "simulations_at_most": n_simulations, "costs": costs,
+        "seconds_to_choose": choosing.map(|took| took.as_secs_f64()),
+    });
+    Ok((findings, json))
+}
+
+/// How many designs there are; nothing where a parameter can have any setting.
+fn designs(problem: &Problem, grid: &Grid) -> Option<u64> {
+    let is_counted = |parameter: &Parameter| parameter.levels() != Levels::Continuous;
+    problem.region.parameters().iter().all(is_counted).then(|| grid.n_cells())
+}
+
+/// What the linear constraints leave of the grid.
+#[derive(Debug, Clone, Copy)]
+struct Allowed {
+    n: u64,
+    /// As many were looked at.
+    of: u64,
+    is_exact: bool,
+}
+
+impl Allowed {
+    fn exactly(self) -> Option<u64> {
+        self.is_exact.then_some(self.n)
+    }
+
+    fn share(self, grid: &Grid) -> f64 {
+        let of = if self.is_exact { grid.n_cells() } else { self.of };
+        self.n as f64 / of as f64
+    }
+}
+
+/// None without linear constraints.
+fn allowed(problem: &Problem, grid: &Grid) -> Option<Allowed> {
+    if problem.linear_constraints.is_empty() {
+        return None;
+    }
+    let n_cells = grid.n_cells();
+    let is_kept = |cell: Cell| grid.point(cell).is_ok_and(|point| is_allowed(problem, &point));
+    Some(match n_cells {
+        few if few <= MOST_COUNTED => {
+            let n = grid.cells().filter(|&cell| is_kept(cell)).count() as u64;
+            Allowed { n, of: n_cells, is_exact: true }
+        }
+        many => {
+            let n = (0..SAMPLED).filter(|&k| is_kept(Cell::new(spread(k, many)))).count() as u64;
+            Allowed { n, of: SAMPLED, is_exact: false }
+        }
+    })
+}
+
+/// The campaign in one sentence.
+fn whole(budget: &Budget, problem: &Problem, allowed: Option<Allowed>) -> Finding {
+    let Budget { terms, experiments, batches, grid, .. } = budget;
+    let terms = terms.map_or_else(String::new, |terms| format!("{}, ", count(terms, "term")));
+    let of_them = allowed.map_or_else(String::new, |allowed| match allowed.exactly() {
+        Some(n) => format!(", of which the linear constraints leave {}", grouped(n)),
+        None => format!(", of which the linear constraints leave some {}", percent(allowed.share(grid))),
+    });
+    let designs = match designs(problem, grid) {
+        Some(n) => format!("{} designs{of_them}", grouped(n)),
+        None => format!("any design between the bounds ({} are compared{of_them})", grouped(grid.n_cells())),
+    };
+    let sentence = format!(
+        "The campaign: {designs}; {terms}{} a batch, at most {}, so at most {}.",
+        count(*experiments, "experiment"),
+        count(*batches, "batch"),
+        count(experiments * batches, "run")
+    );
+    Finding::new(sentence).with("runs at most", (experiments * batches) as f64, "1")
+}
+
+/// Simulations of the whole campaign, at most; none where they are looked up.
+fn simulations_in_all(budget: &Budget, problem: &Problem) -> u64 {
+    if matches!(problem.simulator, Simulator::Table(_)) {
+        return 0;
+    }
+    let n_cells = budget.grid.n_cells();
+    let of_batches = budget.simulations.map(|n| (n * budget.batches + budget.experiments) as u64);
+    of_batches.map_or(n_cells, |n| n.min(n_cells))
+}
+
+/// What is simulated, and how long it takes.
+fn simulated(budget: &Budget, problem: &Problem, took: Option<Duration>, in_all: u64) -> Vec<Finding> {
+    let jobs = match &problem.simulator {
+        Simulator::Table(_) => return vec![Finding::new("A batch costs no simulation: they are looked up.")],
+        Simulator::Program { queue: Some(_), .. } => 1,
+        Simulator::Program { jobs, .. } => (*jobs).max(1),
+    };
+    let time = |n: u64| {
+        let time = took.map(|took| took.mul_f64(n.div_ceil(jobs as u64) as f64));
+        time.map_or_else(String::new, |time| format!(", some {} at {jobs} at once", seconds(time)))
+    };
+    let n_all = Finding::new(format!("That is up to {} in all{}.", count_of(in_all), time(in_all))).with(
+        "simulations at most",
+        in_all as f64,
+        "1",
+    );
+    match budget.simulations {
+        Some(n) => {
+            let first = (n + budget.experiments) as u64;
+            let sentence = format!(
+                "A batch costs up to {}{}; the first up to {}, as its experiments are simulated, too.",
+                count(n, "simulation"),
+                time(n as u64),
+                first.min(budget.grid.n_cells())
+            );
+            vec![Finding::new(sentence).with("simulations a batch", n as f64, "1").detail(n_all)]
+        }
+        None => {
+            let sentence = format!(
+                "Before the first batch all {} designs are simulated{}; then none.",
+                grouped(in_all),
+                time(in_all)
+            );
+            vec![Finding::new(sentence).with("simulations", in_all as f64, "1")]
+        }
+    }
+}
+
+fn count_of(n: u64) -> String {
+    if n == 1 { "1 simulation".to_owned() } else { format!("{} simulations", grouped(n)) }
+}

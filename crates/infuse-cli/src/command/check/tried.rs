@@ -1,0 +1,130 @@
+//! The commands of a campaign, tried once.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result, bail, ensure};
+use design_space::{Cell, Grid};
+use page::Finding;
+use serde_json::{Value, json};
+
+use super::budget::{is_allowed, spread};
+use crate::journal::Measured;
+use crate::number::{grouped, plain, seconds, with_unit};
+use crate::problem::{PROBLEM, Problem, Program, Simulator};
+use crate::program::{Ran, is_interrupted};
+use crate::simulator::table;
+
+/// Designs that are tried until one gives a value: shares of the width of each parameter.
+const SHARES: [f64; 3] = [0.5, 0.25, 0.75];
+/// Where the settings are confined, so many designs all over the grid are looked at for others.
+const LOOKED_AT: u64 = 20_000;
+
+/// What trying the commands gave.
+#[derive(Debug)]
+pub(super) struct Tried {
+    pub(super) findings: Vec<Finding>,
+    pub(super) json: Value,
+    /// Of one simulation, where it is a command.
+    pub(super) took: Option<Duration>,
+    /// Whether the design that was tried can be built, where a command says so.
+    pub(super) can_be_built: Option<bool>,
+}
+
+/// Looks the simulation up or runs it, and asks whether the same design can be built.
+pub(super) fn try_commands(folder: &Path, problem: &Problem, grid: &Grid) -> Result<Tried> {
+    let designs = designs(problem, grid)?;
+    let mut tried = try_simulator(folder, problem, grid, &designs)?;
+    if let (Some(program), Some(point)) = (&problem.can_be_built, designs.first()) {
+        let (start, at) = (Instant::now(), problem.describe(point));
+        let can_be_built = program
+            .says_yes(folder, &problem.region, point)
+            .with_context(|| format!("{PROBLEM}: [can_be_built] at {at}"))?;
+        let word = if can_be_built { "can" } else { "cannot" };
+        let sentence = format!("Asked [can_be_built] once: {at} {word} be built, in {}.", seconds(start.elapsed()));
+        tried.findings.push(Finding::new(sentence));
+        tried.can_be_built = Some(can_be_built);
+    }
+    Ok(tried)
+}
+
+/// Designs that are as good to try as any: those that the linear constraints allow.
+fn designs(problem: &Problem, grid: &Grid) -> Result<Vec<Vec<f64>>> {
+    let n = grid.n_cells();
+    let mut points = Vec::new();
+    for share in SHARES {
+        let parameters = problem.region.parameters().iter();
+        let middle: Vec<f64> = parameters.map(|one| one.lower() + share * one.width()).collect();
+        points.push(grid.point(grid.nearest(&middle)?)?);
+    }
+    points.retain(|point| is_allowed(problem, point));
+    let others = (1..LOOKED_AT.min(n)).filter_map(|k| grid.point(Cell::new(spread(k, n))).ok());
+    let missing = SHARES.len() - points.len();
+    points.extend(others.filter(|point| is_allowed(problem, point)).take(missing));
+    ensure!(
+        !points.is_empty(),
+        "{PROBLEM}: of {} designs the linear constraints leave none",
+        grouped(LOOKED_AT.min(n))
+    );
+    Ok(points)
+}
+
+fn try_simulator(folder: &Path, problem: &Problem, grid: &Grid, designs: &[Vec<f64>]) -> Result<Tried> {
+    let nothing =
+        |finding: Finding, json: Value| Tried { findings: vec![finding], json, took: None, can_be_built: None };
+    match &problem.simulator {
+        Simulator::Table(path) => {
+            let rows = table(&folder.join(path), problem, grid)?.len();
+            let (n_rows, n_cells) = (grouped(rows as u64), grouped(grid.n_cells()));
+            let sentence = format!("{}: {n_rows} of {n_cells} designs are simulated.", path.display());
+            Ok(nothing(Finding::new(sentence).with("rows", rows as f64, "1"), json!({ "rows": rows })))
+        }
+        Simulator::Program { queue: Some(_), .. } => {
+            Ok(nothing(Finding::new("The simulations run in a queue: none was tried."), Value::Null))
+        }
+        Simulator::Program { program, .. } => run_one(folder, problem, program, designs),
+    }
+}
+
+/// Runs the simulation of one design after the other until one gives a value.
+fn run_one(folder: &Path, problem: &Problem, program: &Program, designs: &[Vec<f64>]) -> Result<Tried> {
+    let (mut findings, mut reasons) = (Vec::new(), Vec::new());
+    for point in designs {
+        let (start, at) = (Instant::now(), problem.describe(point));
+        match program.run(folder, &problem.region, point, None)? {
+            Ran::Value(value, others) => {
+                let (took, others) = (start.elapsed(), problem.of_constraints(others));
+                let mut said = vec![with_unit(&plain(value), &problem.response.unit)];
+                let (known, unknown): (Vec<_>, Vec<_>) =
+                    problem.constraints.iter().partition(|held| others.contains_key(held.name()));
+                said.extend(
+                    known
+                        .iter()
+                        .map(|held| format!("{} {}", held.name(), with_unit(&plain(others[held.name()]), &held.unit))),
+                );
+                let sentence = format!("Tried one simulation: {at} gives {}, in {}.", said.join(", "), seconds(took));
+                let mut finding = Finding::new(sentence).with("simulated", value, &problem.response.unit);
+                for held in unknown {
+                    let sentence = format!("It says nothing of {}: experiments alone will.", held.name());
+                    finding = finding.detail(Finding::new(sentence));
+                }
+                findings.push(finding);
+                let json = json!({
+                    "settings": problem.named(point), "value": value, "constrained": others, "failed": reasons,
+                });
+                return Ok(Tried { findings, json, took: Some(took), can_be_built: None });
+            }
+            Ran::Failed(reason) => {
+                findings.push(Finding::new(format!("Careful: the simulation of {at} gives no value: {reason}.")));
+                reasons.push(json!({ "settings": problem.named(point), "reason": Measured::Failed(reason) }));
+            }
+            Ran::Interrupted => bail!("interrupted: nothing was written down"),
+        }
+        if is_interrupted() {
+            break;
+        }
+    }
+    let said = findings.iter().map(Finding::sentence).collect::<Vec<_>>().join("\n  ");
+    let n = crate::number::count(designs.len(), "design");
+    bail!("{PROBLEM} is right, but the simulator gave no value at {n}:\n  {said}")
+}
