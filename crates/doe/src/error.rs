@@ -4,6 +4,8 @@ use crate::wording::counted;
 use crate::{Confounding, FileFault};
 
 /// Every fault of this crate, each naming the field, the value and what was allowed.
+///
+/// Fields hold indices from 0; messages count runs, points, candidates and factors from 1, as files and terms do.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -37,7 +39,7 @@ pub enum Error {
         n_coordinates: usize,
     },
     /// A coordinate that is NaN or infinite.
-    #[error("coordinate {factor} of point {point} is {value:?}, expected a finite number")]
+    #[error("coordinate {} of point {} is {value:?}, expected a finite number", factor + 1, point + 1)]
     NotFinite {
         /// Index of the point.
         point: usize,
@@ -47,7 +49,7 @@ pub enum Error {
         value: f64,
     },
     /// A candidate outside of coded coordinates.
-    #[error("coordinate {factor} of candidate {point} is {value:?}, expected coded coordinates from -1 to 1")]
+    #[error("coordinate {} of candidate {} is {value:?}, expected coded coordinates from -1 to 1", factor + 1, point + 1)]
     OutsideCube {
         /// Index of the candidate.
         point: usize,
@@ -57,7 +59,7 @@ pub enum Error {
         value: f64,
     },
     /// The same candidate twice.
-    #[error("candidates {first} and {second} are the same point, expected distinct candidates")]
+    #[error("candidates {} and {} are the same point, expected distinct candidates", first + 1, second + 1)]
     DuplicateCandidate {
         /// Index of the first.
         first: usize,
@@ -71,7 +73,7 @@ pub enum Error {
         count: usize,
     },
     /// Levels that are not distinct values in rising order within −1 to 1.
-    #[error("the levels of factor {factor} are not finite, rising and within -1 to 1")]
+    #[error("the levels of factor {} are not finite, rising and within -1 to 1", factor + 1)]
     LevelsNotRising {
         /// Index of the factor.
         factor: usize,
@@ -80,7 +82,7 @@ pub enum Error {
     #[error("a forbidden box has no range, so it forbids everything, expected at least one range")]
     ForbidsEverything,
     /// A forbidden range that is NaN or inverted.
-    #[error("factor {factor}: the forbidden range {lower:?} to {upper:?} is not a range, expected lower <= upper")]
+    #[error("factor {}: the forbidden range {lower:?} to {upper:?} is not a range, expected lower <= upper", factor + 1)]
     ForbiddenRange {
         /// Index of the factor.
         factor: usize,
@@ -142,7 +144,7 @@ pub enum Error {
         found: usize,
     },
     /// A run that does not belong to the space.
-    #[error("run {run} lies outside the space: {point:?}")]
+    #[error("run {} lies outside the space: {point:?}", run + 1)]
     RunOutside {
         /// Index of the run.
         run: usize,

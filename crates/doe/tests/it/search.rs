@@ -397,7 +397,7 @@ fn refuses_problems_without_a_solution() {
     assert_eq!(many.validate().unwrap_err().to_string(), message);
     assert_eq!(search(&many, &settings(2)).unwrap_err().to_string(), message);
     let fixed = Design::new(2, vec![0.0, 2.0]).unwrap();
-    check(new(cube.clone(), 8).unwrap().with_fixed_runs(fixed), "run 0 lies outside the space: [0.0, 2.0]");
+    check(new(cube.clone(), 8).unwrap().with_fixed_runs(fixed), "run 1 lies outside the space: [0.0, 2.0]");
     check(
         new(cube.clone(), 8).unwrap().with_replicates(Replicates::Planned(5)),
         "planned replicates: 5, expected 0 to 4",
