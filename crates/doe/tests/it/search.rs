@@ -483,3 +483,17 @@ fn a_variance_far_below_one_is_polished_like_any_other() {
         assert!(found.efficiency.percent > least_percent, "N = {n}: {}", found.efficiency);
     }
 }
+
+/// Runs that must differ take most points of a small grid, or all of them.
+#[test]
+fn a_grid_crowded_with_runs_is_searched_by_every_start() {
+    let level = |i: u32| 2.0 * f64::from(i) / 23.0 - 1.0;
+    let list: Vec<f64> = (0..24).flat_map(|i| (0..24).flat_map(move |j| [level(i), level(j)])).collect();
+    let grid = Space::grid(&[24, 24]).unwrap();
+    for (space, n) in [(grid.clone(), 200), (grid, 576), (Space::list(2, list).unwrap(), 500)] {
+        let problem = Problem::new(Model::quadratic(2).unwrap(), space.clone(), n, Criterion::G).unwrap();
+        let found = search(&problem, &settings(3)).unwrap_or_else(|error| panic!("{n} runs: {error}"));
+        assert_eq!((found.report.failed, found.design.replicates(1e-9).len()), (0, 0), "{n} of the {}", space.over());
+        found.design.check_within(&space).unwrap();
+    }
+}

@@ -100,7 +100,7 @@ fn refuses_spaces_that_are_none() {
     );
     check(
         Space::list(1, vec![0.0, 1.5]),
-        "coordinate 0 of candidate 1 is 1.5, expected coded coordinates from -1 to 1",
+        "coordinate 1 of candidate 2 is 1.5, expected coded coordinates from -1 to 1",
     );
     check(Space::list(2, vec![f64::NAN, 0.0]), "coordinate 1 of point 1 is NaN, expected a finite number");
     check(Space::list(2, vec![]), "candidates: 0, expected at least 1");
