@@ -20,6 +20,8 @@ pub(crate) struct Limits {
     pub(crate) least_radius: f64,
 }
 
+/// Designs of more coordinates stay as they are: each step would need several matrices of 200 MB.
+const MOST_MOVABLE: usize = 5000;
 /// Maxima below this fraction of the highest cannot become active within a step.
 const NEAR_ACTIVE: f64 = 0.5;
 /// And at most this many are kept.
@@ -136,6 +138,7 @@ pub(crate) fn polish(
 ) -> f64 {
     let n = x.len();
     let movable: Vec<usize> = (0..n).filter(|&i| bounds.1[i] > bounds.0[i]).collect();
+    let is_too_large = movable.len() > MOST_MOVABLE;
     let Some(mut current) = peaks.at(x) else {
         return f64::INFINITY;
     };
@@ -145,7 +148,7 @@ pub(crate) fn polish(
     let mut stalled = 0;
     for made in 0..limits.steps {
         let highest = current[0].1;
-        if movable.is_empty() || radius < limits.least_radius || stalled == 3 || !is_worth(made, highest) || is_over() {
+        if movable.is_empty() || is_too_large || radius < limits.least_radius || stalled == 3 || !is_worth(made, highest) || is_over() {
             break;
         }
         let free = not_pressed(peaks, x, &pool, &movable, bounds);
@@ -160,7 +163,9 @@ pub(crate) fn polish(
             };
             hold(&mut pool, &considered, &multipliers);
         }
-        let hessian = hessian(peaks, x, &pool, &free);
+        let Some(hessian) = hessian(peaks, x, &pool, &free, is_over) else {
+            break;
+        };
         problem.curvature = &hessian;
         let Some(Solution { step, multipliers }) = solve(&problem, is_over) else {
             break;
@@ -259,8 +264,8 @@ fn linearize(
     (considered, heights, slopes)
 }
 
-/// Σ λ_j ∇²v_j / highest over the maxima that held the last step back.
-fn hessian(peaks: &Peaks<'_>, x: &[f64], pool: &[Met], free: &[usize]) -> Vec<f64> {
+/// Σ λ_j ∇²v_j / highest over the maxima that held the last step back; none if `is_over` says so between two of them.
+fn hessian(peaks: &Peaks<'_>, x: &[f64], pool: &[Met], free: &[usize], is_over: IsOver<'_>) -> Option<Vec<f64>> {
     let mut hessian = vec![0.0; free.len() * free.len()];
     let local = Local {
         regressors: &peaks.frame.regressors,
@@ -273,9 +278,12 @@ fn hessian(peaks: &Peaks<'_>, x: &[f64], pool: &[Met], free: &[usize]) -> Vec<f6
     let total: f64 = pool.iter().map(|met| met.multiplier).sum();
     let highest = pool.iter().map(|met| peaks.variance.value(&met.point)).fold(0.0, f64::max);
     for met in pool.iter().filter(|met| met.multiplier > 1e-5 * total) {
+        if is_over() {
+            return None;
+        }
         local.add(&met.point, met.multiplier / (total * highest), &mut hessian);
     }
-    hessian
+    Some(hessian)
 }
 
 /// Adds maxima to the pool, fresh. What held the last step back near a maximum passes its multiplier on to it.
