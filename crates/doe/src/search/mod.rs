@@ -28,7 +28,7 @@ mod starts;
 mod table;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub use problem::{Problem, Replicates};
 pub use report::{Found, Progress, Report, StopReason};
@@ -177,7 +177,7 @@ fn found(
 
 /// A good D design, of whose determinant a search for T keeps a share; of a time limit it takes half.
 fn determinant_reference(problem: &Problem, settings: &Settings, is_interrupted: IsOver<'_>) -> Result<Found, Error> {
-    let time_limit = settings.time_limit.map(|limit| limit / 2);
+    let time_limit = settings.time_limit.map(|limit| (limit / 2).max(Duration::from_nanos(1)));
     let settings = Settings { starts: 16, time_limit, ..Settings::default() };
     search_until(&problem.clone().with_criterion(Criterion::D), &settings, is_interrupted, &mut |_| ())
 }
