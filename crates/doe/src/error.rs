@@ -159,6 +159,24 @@ pub enum Error {
         /// Number of terms.
         n_terms: usize,
     },
+    /// Fixed runs that leave more of the model open than the other runs can determine.
+    #[error(
+        "the {n_fixed} fixed runs determine {determined} of {}, and {} the other {}, expected at least {}",
+        counted(*n_terms as u64, "term", "terms"),
+        if *n_free == 1 { "1 further run cannot determine".to_owned() } else { format!("{n_free} further distinct runs cannot determine") },
+        n_terms - determined,
+        counted((n_terms - determined) as u64, "further run", "further distinct runs")
+    )]
+    TooFewFreeRuns {
+        /// Number of fixed runs.
+        n_fixed: usize,
+        /// Number of terms that they determine: the rank of their regressors.
+        determined: usize,
+        /// Number of distinct runs that are left to choose.
+        n_free: usize,
+        /// Number of terms of the model.
+        n_terms: usize,
+    },
     /// Terms that are linear combinations of others over a design or a space.
     #[error("the {what} cannot tell the terms apart: {list}", list = confounding_list(confounded))]
     Confounded {
@@ -257,7 +275,7 @@ fn no_design(starts: u64) -> String {
         return "the search was over before it had a design".to_owned();
     }
     let starts = counted(starts, "start", "starts");
-    format!("none of {starts} led to a design that determines the model under the rule for replicates")
+    format!("none of {starts} led to a design that determines the model with the fixed runs and the rule for replicates")
 }
 
 fn confounding_list(confounded: &[Confounding]) -> String {

@@ -1,7 +1,7 @@
 //! What is searched for.
 
 use crate::shape::Shape;
-use crate::support::check_support;
+use crate::support::{check_support, confounded_terms_of_design};
 use crate::{Cell, Criterion, Design, Error, Model, Space};
 
 /// A model, a space, a number of runs and a criterion; and what is settled beforehand.
@@ -92,9 +92,24 @@ impl Problem {
     ///
     /// # Errors
     ///
+    /// [`Error::TooFewFreeRuns`] for fixed runs that leave more terms open than there are distinct free runs;
     /// [`Error::Count`] for more planned replicates than free runs to repeat; [`Error::TooFewPoints`] if the space has
     /// fewer points than distinct runs are needed.
     pub fn validate(&self) -> Result<(), Error> {
+        self.check_replicates()?;
+        let Some(fixed) = &self.fixed else {
+            return Ok(());
+        };
+        let (n_fixed, n_terms) = (fixed.n_runs(), self.model.n_terms());
+        let determined = n_terms - confounded_terms_of_design(&self.model, fixed)?.len();
+        let n_free = self.multiplicities().len();
+        if determined + n_free < n_terms {
+            return Err(Error::TooFewFreeRuns { n_fixed, determined, n_free, n_terms });
+        }
+        Ok(())
+    }
+
+    fn check_replicates(&self) -> Result<(), Error> {
         let Replicates::Planned(planned) = self.replicates else {
             return Ok(());
         };
