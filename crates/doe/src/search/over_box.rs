@@ -15,7 +15,7 @@ use crate::shape::BoxShape;
 pub(crate) fn over_box(problem: &Problem, shape: &BoxShape, runner: Runner<'_>) -> Result<Outcome, Error> {
     let relaxed = shape.relaxed();
     let frame = Frame::of(problem, Some(&relaxed), runner.least_log_determinant, &<[f64]>::to_vec)?;
-    let lattice = lattice(&relaxed);
+    let lattice = lattice(&relaxed, &frame.products);
     let effort = runner.settings.effort;
     Ok(runner.run(&Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort }))
 }
