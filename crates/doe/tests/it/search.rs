@@ -417,6 +417,7 @@ fn refuses_problems_without_a_solution() {
         |settings| settings.target_percent = Some(f64::NAN),
         "the setting `target_percent` is NaN, expected above 0",
     );
+    refused(|settings| settings.time_limit = Some(Duration::ZERO), "the setting `time_limit` is 0.0, expected above 0");
 }
 
 #[test]
@@ -496,4 +497,42 @@ fn a_grid_crowded_with_runs_is_searched_by_every_start() {
         assert_eq!((found.report.failed, found.design.replicates(1e-9).len()), (0, 0), "{n} of the {}", space.over());
         found.design.check_within(&space).unwrap();
     }
+}
+
+/// Steps of the polish with thousands of coordinates take seconds: the limit is asked for within them.
+#[test]
+fn a_time_limit_holds_with_thousands_of_coordinates() {
+    let problem = Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), 2000, Criterion::G).unwrap();
+    let mut limited = settings(u64::MAX);
+    limited.time_limit = Some(Duration::from_millis(300));
+    let found = search(&problem, &limited).unwrap();
+    assert!(found.report.elapsed < Duration::from_secs(4), "{:?}", found.report.elapsed);
+}
+
+/// Orthogonal arrays: their prediction variance at the corners is the least there is, p / N.
+#[test]
+fn orthogonal_designs_in_many_factors_are_found_by_a_few_starts() {
+    for (space, k, n) in [(Space::cube(11), 11, 12), (Space::grid(&[2; 12]), 12, 16), (Space::cube(12), 12, 16)] {
+        let problem = Problem::new(Model::linear(k).unwrap(), space.unwrap(), n, Criterion::G).unwrap();
+        let found = search(&problem, &settings(16)).unwrap();
+        assert!(found.efficiency.percent > 99.999, "K {k}: {}", found.efficiency);
+    }
+}
+
+#[test]
+fn fixed_runs_that_leave_too_much_open_are_named_and_not_the_rule_for_replicates() {
+    let (model, space) = (Model::quadratic(2).unwrap(), Space::cube(2).unwrap());
+    let equal = Design::from_runs(&[[0.5, 0.5]; 7]).unwrap();
+    let new = |n, fixed: &Design| {
+        Problem::new(model.clone(), space.clone(), n, Criterion::G).unwrap().with_fixed_runs(fixed.clone()).unwrap()
+    };
+    let error = search(&new(8, &equal), &settings(2)).unwrap_err();
+    assert_eq!(error, Error::TooFewFreeRuns { n_fixed: 7, determined: 1, n_free: 1, n_terms: 6 });
+    let message = "the 7 fixed runs determine 1 of 6 terms, and 1 further run cannot determine the other 5, \
+                   expected at least 5 further distinct runs";
+    assert_eq!(error.to_string(), message);
+    // Five further runs are enough, but not if one of them is the replicate of another.
+    assert!(search(&new(12, &equal), &settings(2)).is_ok());
+    let planned = new(12, &equal).with_replicates(Replicates::Planned(1)).unwrap();
+    assert!(matches!(planned.validate().unwrap_err(), Error::TooFewFreeRuns { n_free: 4, .. }));
 }
