@@ -133,6 +133,18 @@ pub enum Error {
     /// Forbidden boxes that leave nothing.
     #[error("nothing of the space is left once the forbidden boxes are gone")]
     EmptySpace,
+    /// A list, or a box with a continuous axis, where a grid is needed.
+    #[error("{what} has no levels in every factor, expected a grid")]
+    NotAGrid {
+        /// What is no grid.
+        what: &'static str,
+    },
+    /// What only runs anywhere in a box can have.
+    #[error("{what} needs runs that are continuous in every factor and may be repeated")]
+    NotContinuous {
+        /// What was asked for.
+        what: &'static str,
+    },
     /// Two things that must agree in their number of factors.
     #[error("{what} has {factors}, expected {expected}", factors = counted(*found as u64, "factor", "factors"))]
     FactorMismatch {

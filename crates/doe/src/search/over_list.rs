@@ -35,7 +35,7 @@ pub(crate) fn over_list(problem: &Problem, list: &List, runner: Runner<'_>) -> R
     let is_boxed = (stretch.fills || stretch.stretches) && n_values <= MOST_VALUES;
     let frame = Frame::of(problem, is_boxed.then_some(&cube), runner.least_log_determinant, &map)?;
     let lattice = lattice(&cube, &frame.products);
-    let relaxed = Continuous { frame: &frame, shape: &cube, lattice: &lattice, effort: Effort::Quick };
+    let relaxed = Continuous { frame: &frame, shape: &cube, judged: &cube, lattice: &lattice, effort: Effort::Quick };
     let candidates = Candidates::list(&stretched, &frame.regressors, &frame.products);
     let search = Discrete {
         frame: &frame,
