@@ -1,15 +1,18 @@
 //! From a problem in TOML to a design in CSV: `design_from_toml [problem.toml [design.csv]]`.
 //!
 //! Without a file to write to, the design is printed; the evaluation always is. Settings have nine significant digits, and
-//! the figures are those of the design as it is written.
+//! the figures are those of the design as it is written. A search that takes long says on standard error how far it is.
 
 mod problem;
 
 use std::error::Error;
-use std::io::{Write as _, stdout};
+use std::io::{self, Write as _, stdout};
 use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
 
-use doe::{Design, RunOrder, StopReason, evaluate, search};
+use doe::{Design, Found, Problem, Progress, RunOrder, Settings, StopReason, Watch, evaluate, search_watched};
 use problem::ProblemFile;
 
 const BUNDLED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/rig.toml");
@@ -17,6 +20,39 @@ const BUNDLED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/rig.toml");
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     problem::finish(design(&arguments))
+}
+
+/// Time after which a search says how far it is, again and again.
+const SILENCE: Duration = Duration::from_secs(5);
+
+/// The search, with a word now and then.
+fn search(problem: &Problem, settings: &Settings) -> Result<Found, doe::Error> {
+    let (began, last) = (Instant::now(), Mutex::new(None::<Progress>));
+    let (over, is_over) = channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let is_over = is_over;
+            while is_over.recv_timeout(SILENCE) == Err(RecvTimeoutError::Timeout) {
+                let reached = match last.lock().ok().and_then(|last| *last) {
+                    Some(Progress { starts, best_percent, .. }) => {
+                        format!("{starts} of {} starts, the best {best_percent:.3} %", settings.starts)
+                    }
+                    None => format!("the first of {} starts are on their way", settings.starts),
+                };
+                let hint = if settings.time_limit.is_none() { "; `seconds` in the file would limit it" } else { "" };
+                // Where nobody listens the search goes on.
+                let _ = writeln!(io::stderr(), "searching for {:.0} s: {reached}{hint}", began.elapsed().as_secs_f64());
+            }
+        });
+        let mut note = |progress: Progress| {
+            if let Ok(mut last) = last.lock() {
+                *last = Some(progress);
+            }
+        };
+        let found = search_watched(problem, settings, Watch { interrupt: None, progress: Some(&mut note) });
+        drop(over);
+        found
+    })
 }
 
 fn design(arguments: &[String]) -> Result<(), Box<dyn Error>> {
@@ -28,12 +64,15 @@ fn design(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     };
     let file = ProblemFile::read(file)?;
     let (region, problem) = (file.region()?, file.problem()?);
+    // Names that a file cannot hold are better refused before the search than after it.
+    Design::new(region.n_parameters(), vec![0.0; region.n_parameters()])?
+        .write_csv_with_kinds(&region, RunOrder::Standard, 0, io::sink())?;
     let found = search(&problem, &file.settings()?)?;
     let n_fixed = problem.fixed().map_or(0, Design::n_runs);
     let design = found.design.rounded(&region, problem.space(), n_fixed)?;
     design.check_within(problem.space())?;
 
-    let order = file.order_seed.map_or(RunOrder::Standard, |seed| RunOrder::Random { seed });
+    let order = file.order_seed.map_or(RunOrder::Standard, |seed| RunOrder::Random { seed: seed.0 });
     let mut text = Vec::new();
     design.write_csv_with_kinds(&region, order, n_fixed, &mut text)?;
     match csv {

@@ -4,6 +4,8 @@ use crate::wording::counted;
 use crate::{Confounding, FileFault};
 
 /// Every fault of this crate, each naming the field, the value and what was allowed.
+///
+/// Fields hold indices from 0; messages count runs, points, candidates and factors from 1, as files and terms do.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -37,7 +39,7 @@ pub enum Error {
         n_coordinates: usize,
     },
     /// A coordinate that is NaN or infinite.
-    #[error("coordinate {factor} of point {point} is {value:?}, expected a finite number")]
+    #[error("coordinate {} of point {} is {value:?}, expected a finite number", factor + 1, point + 1)]
     NotFinite {
         /// Index of the point.
         point: usize,
@@ -47,7 +49,7 @@ pub enum Error {
         value: f64,
     },
     /// A candidate outside of coded coordinates.
-    #[error("coordinate {factor} of candidate {point} is {value:?}, expected coded coordinates from -1 to 1")]
+    #[error("coordinate {} of candidate {} is {value:?}, expected coded coordinates from -1 to 1", factor + 1, point + 1)]
     OutsideCube {
         /// Index of the candidate.
         point: usize,
@@ -57,7 +59,7 @@ pub enum Error {
         value: f64,
     },
     /// The same candidate twice.
-    #[error("candidates {first} and {second} are the same point, expected distinct candidates")]
+    #[error("candidates {} and {} are the same point, expected distinct candidates", first + 1, second + 1)]
     DuplicateCandidate {
         /// Index of the first.
         first: usize,
@@ -71,7 +73,7 @@ pub enum Error {
         count: usize,
     },
     /// Levels that are not distinct values in rising order within −1 to 1.
-    #[error("the levels of factor {factor} are not finite, rising and within -1 to 1")]
+    #[error("the levels of factor {} are not finite, rising and within -1 to 1", factor + 1)]
     LevelsNotRising {
         /// Index of the factor.
         factor: usize,
@@ -80,7 +82,7 @@ pub enum Error {
     #[error("a forbidden box has no range, so it forbids everything, expected at least one range")]
     ForbidsEverything,
     /// A forbidden range that is NaN or inverted.
-    #[error("factor {factor}: the forbidden range {lower:?} to {upper:?} is not a range, expected lower <= upper")]
+    #[error("factor {}: the forbidden range {lower:?} to {upper:?} is not a range, expected lower <= upper", factor + 1)]
     ForbiddenRange {
         /// Index of the factor.
         factor: usize,
@@ -131,6 +133,18 @@ pub enum Error {
     /// Forbidden boxes that leave nothing.
     #[error("nothing of the space is left once the forbidden boxes are gone")]
     EmptySpace,
+    /// A list, or a box with a continuous axis, where a grid is needed.
+    #[error("{what} has no levels in every factor, expected a grid")]
+    NotAGrid {
+        /// What is no grid.
+        what: &'static str,
+    },
+    /// What only runs anywhere in a box can have.
+    #[error("{what} needs runs that are continuous in every factor and may be repeated")]
+    NotContinuous {
+        /// What was asked for.
+        what: &'static str,
+    },
     /// Two things that must agree in their number of factors.
     #[error("{what} has {factors}, expected {expected}", factors = counted(*found as u64, "factor", "factors"))]
     FactorMismatch {
@@ -142,7 +156,7 @@ pub enum Error {
         found: usize,
     },
     /// A run that does not belong to the space.
-    #[error("run {run} lies outside the space: {point:?}")]
+    #[error("run {} lies outside the space: {point:?}", run + 1)]
     RunOutside {
         /// Index of the run.
         run: usize,
@@ -155,6 +169,24 @@ pub enum Error {
         /// Number of runs.
         n_runs: usize,
         /// Number of terms.
+        n_terms: usize,
+    },
+    /// Fixed runs that leave more of the model open than the other runs can determine.
+    #[error(
+        "the {n_fixed} fixed runs determine {determined} of {}, and {} the other {}, expected at least {}",
+        counted(*n_terms as u64, "term", "terms"),
+        if *n_free == 1 { "1 further run cannot determine".to_owned() } else { format!("{n_free} further distinct runs cannot determine") },
+        n_terms - determined,
+        counted((n_terms - determined) as u64, "further run", "further distinct runs")
+    )]
+    TooFewFreeRuns {
+        /// Number of fixed runs.
+        n_fixed: usize,
+        /// Number of terms that they determine: the rank of their regressors.
+        determined: usize,
+        /// Number of distinct runs that are left to choose.
+        n_free: usize,
+        /// Number of terms of the model.
         n_terms: usize,
     },
     /// Terms that are linear combinations of others over a design or a space.
@@ -255,7 +287,7 @@ fn no_design(starts: u64) -> String {
         return "the search was over before it had a design".to_owned();
     }
     let starts = counted(starts, "start", "starts");
-    format!("none of {starts} led to a design that determines the model under the rule for replicates")
+    format!("none of {starts} led to a design that determines the model with the fixed runs and the rule for replicates")
 }
 
 fn confounding_list(confounded: &[Confounding]) -> String {

@@ -114,7 +114,7 @@ impl Design {
     /// # Errors
     ///
     /// [`DesignSpaceError::WrongDimension`](crate::DesignSpaceError::WrongDimension); [`Error::File`] if it cannot be written, or a parameter bears the name of one of the
-    /// other columns.
+    /// other columns, or one that the header of a file cannot tell from another.
     pub fn write_csv(&self, region: &Region, order: RunOrder, writer: impl Write) -> Result<(), Error> {
         self.write(region, order, None, writer)
     }
@@ -152,6 +152,7 @@ impl Design {
         if let Some(&name) = labels.iter().find(|name| region.index_of(name).is_some()) {
             return Err(Error::File { faults: vec![FileFault::ReservedName { name }] });
         }
+        check_header(region, &labels)?;
         let settings = self.natural(region)?;
         let visits = self.visits();
         let mut sequence: Vec<usize> = (0..self.n_runs()).collect();
@@ -230,6 +231,18 @@ fn heading(parameter: &Parameter) -> String {
     }
 }
 
+/// Whether [`columns`] finds every parameter in its own column of the header to be written.
+fn check_header(region: &Region, labels: &[&str]) -> Result<(), Error> {
+    let headings = region.parameters().iter().map(|parameter| heading(parameter).trim().to_owned());
+    let header: Vec<String> = labels.iter().map(|&label| label.to_owned()).chain(headings).collect();
+    for (index, parameter) in region.parameters().iter().enumerate() {
+        if column_of(parameter, &header).ok() != Some(labels.len() + index) {
+            return Err(Error::File { faults: vec![FileFault::AmbiguousName { name: parameter.name().to_owned() }] });
+        }
+    }
+    Ok(())
+}
+
 /// A number to nine significant digits.
 fn to_nine_digits(value: f64) -> f64 {
     format!("{value:.8e}").parse().ok().filter(|short: &f64| short.is_finite()).unwrap_or(value)
@@ -265,29 +278,37 @@ fn separator(region: &Region, header: &[String]) -> Option<char> {
 
 /// The column of each parameter.
 fn columns(region: &Region, header: &[String]) -> Result<Vec<usize>, Error> {
-    let mut faults = Vec::new();
-    let mut columns = Vec::new();
+    let (mut faults, mut columns) = (Vec::new(), Vec::new());
     for parameter in region.parameters() {
-        let name = parameter.name();
-        // The text in the brackets behind the name, or none if the name stands alone.
-        let unit_of = |text: &str| match text.strip_prefix(name)?.trim() {
-            "" => Some(None),
-            rest => rest.strip_prefix('[')?.strip_suffix(']').map(|unit| Some(unit.trim().to_owned())),
-        };
-        let found: Vec<(usize, Option<String>)> =
-            header.iter().enumerate().filter_map(|(column, text)| Some((column, unit_of(text)?))).collect();
-        match &found[..] {
-            [] => faults.push(FileFault::MissingColumn { name: name.to_owned(), header: header.to_vec() }),
-            [(_, Some(unit))] if unit != parameter.unit() => faults.push(FileFault::WrongUnit {
-                name: name.to_owned(),
-                found: unit.clone(),
-                expected: if parameter.unit().is_empty() { "no unit".to_owned() } else { parameter.unit().to_owned() },
-            }),
-            [(column, _)] => columns.push(*column),
-            _ => faults.push(FileFault::DuplicateColumn { name: name.to_owned() }),
+        match column_of(parameter, header) {
+            Ok(column) => columns.push(column),
+            Err(fault) => faults.push(fault),
         }
     }
     if faults.is_empty() { Ok(columns) } else { Err(Error::File { faults }) }
+}
+
+/// The column of a parameter; spaces around its name do not count, because a reader does not see them.
+fn column_of(parameter: &Parameter, header: &[String]) -> Result<usize, FileFault> {
+    let name = parameter.name().trim();
+    // The text in the brackets behind the name, or none if the name stands alone.
+    let unit_of = |text: &str| match text.strip_prefix(name)?.trim() {
+        "" => Some(None),
+        rest => rest.strip_prefix('[')?.strip_suffix(']').map(|unit| Some(unit.trim().to_owned())),
+    };
+    let found: Vec<(usize, Option<String>)> =
+        header.iter().enumerate().filter_map(|(column, text)| Some((column, unit_of(text)?))).collect();
+    let name = parameter.name().to_owned();
+    match &found[..] {
+        [] => Err(FileFault::MissingColumn { name, header: header.to_vec() }),
+        [(_, Some(unit))] if unit != parameter.unit().trim() => Err(FileFault::WrongUnit {
+            name,
+            found: unit.clone(),
+            expected: if parameter.unit().is_empty() { "no unit".to_owned() } else { parameter.unit().to_owned() },
+        }),
+        [(column, _)] => Ok(*column),
+        _ => Err(FileFault::DuplicateColumn { name }),
+    }
 }
 
 /// The line that a record begins in: its position is where the one before it ended, ahead of comments and empty lines.

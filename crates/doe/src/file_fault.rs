@@ -83,6 +83,11 @@ pub enum FileFault {
     },
     /// No line after the header.
     NoRuns,
+    /// The name of a parameter cannot be told from another in the header of a file.
+    AmbiguousName {
+        /// The name.
+        name: String,
+    },
     /// A parameter bears the name of a column that is written beside the settings.
     ReservedName {
         /// The name.
@@ -128,6 +133,11 @@ impl fmt::Display for FileFault {
                 if found > expected { write!(formatter, " (numbers with decimal commas?)") } else { Ok(()) }
             }
             Self::NoRuns => write!(formatter, "no runs after the header, expected at least one"),
+            Self::AmbiguousName { name } => write!(
+                formatter,
+                "the name `{name}` cannot be told from another in the header of a file: expected names that differ in more \
+                 than spaces around them and units in brackets"
+            ),
             Self::ReservedName { name } => {
                 write!(formatter, "a parameter is called `{name}`, which is the name of a column beside the settings")
             }

@@ -41,18 +41,25 @@ impl Lattice {
     }
 
     /// As many equally spaced levels per axis as `most` points allow, an odd number from 3 to 33, with the ends of
-    /// forbidden boxes among them; levels of gridded axes, thinned if there are more.
-    pub(crate) fn of(shape: &BoxShape, most: usize) -> Self {
+    /// forbidden boxes among them; levels of gridded axes, thinned if there are more. Where three levels are too many
+    /// already, axes that `is_convex` along which v has its maxima at the ends have those two.
+    pub(crate) fn of(shape: &BoxShape, most: usize, is_convex: impl Fn(usize) -> bool) -> Self {
         let n_factors = shape.axes.len() as f64;
         let root = (most as f64).powf(1.0 / n_factors).floor() as usize;
-        Self::with_levels(shape, root.saturating_sub(1 - root % 2).clamp(3, 33))
+        let count = root.saturating_sub(1 - root % 2).clamp(3, 33);
+        Self::with_counts(shape, |axis| if root < 3 && is_convex(axis) { 2 } else { count })
     }
 
     /// About this many levels per axis.
     pub(crate) fn with_levels(shape: &BoxShape, count: usize) -> Self {
-        let axis_levels = |(factor, axis): (usize, &Axis)| match axis {
-            Axis::Levels(levels) => spread(count.min(levels.len()), levels.len()).map(|index| levels[index]).collect(),
-            Axis::Continuous => {
+        Self::with_counts(shape, |_| count)
+    }
+
+    /// About as many levels along each axis as `count` says of it.
+    pub(crate) fn with_counts(shape: &BoxShape, count: impl Fn(usize) -> usize) -> Self {
+        let axis_levels = |(factor, axis): (usize, &Axis)| match (axis, count(factor)) {
+            (Axis::Levels(levels), count) => spread(count.min(levels.len()), levels.len()).map(|index| levels[index]).collect(),
+            (Axis::Continuous, count) => {
                 let mut levels: Vec<f64> = (0..count as u64).map(|level| coded_level(level, count as u64)).collect();
                 levels.extend(shape.forbidden.iter().flat_map(|box_| box_.range(factor)).filter(|end| end.abs() < 1.0));
                 levels.sort_by(f64::total_cmp);

@@ -41,7 +41,7 @@ pub use forbidden::Forbidden;
 pub use information::Information;
 pub use maximum::{Maximum, Method};
 pub use search::{
-    Effort, Found, Problem, Progress, Replicates, Report, Settings, StopReason, Watch, search, search_watched,
+    Effort, Found, Problem, Progress, Replicates, Report, Settings, StopReason, Watch, polished, search, search_watched,
 };
 pub use shape::Axis;
 pub use space::{Over, Space};

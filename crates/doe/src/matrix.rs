@@ -29,8 +29,14 @@ pub(crate) fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
 /// every pivot is above `floor` times its diagonal element.
 #[inline(always)]
 pub(crate) fn cholesky(a: &mut [f64], p: usize, floor: f64) -> Option<f64> {
+    cholesky_rows(a, p, 0..p, floor)
+}
+
+/// Some rows of the factor, those above them known, and their part of log |A|.
+#[inline(always)]
+pub(crate) fn cholesky_rows(a: &mut [f64], p: usize, rows: std::ops::Range<usize>, floor: f64) -> Option<f64> {
     let mut log_determinant = 0.0;
-    for j in 0..p {
+    for j in rows {
         let (above, from) = a.split_at_mut(j * p);
         let row = &mut from[..p];
         let diagonal = row[j];

@@ -96,7 +96,7 @@ pub(crate) fn highest(variance: &PredictionVariance, shape: &BoxShape) -> (Vec<f
 }
 
 fn ascents(variance: &PredictionVariance, shape: &BoxShape, most: usize) -> (Vec<f64>, f64, Method) {
-    let lattice = Lattice::of(shape, most);
+    let lattice = Lattice::of(shape, most, |axis| variance.is_convex_along(axis));
     let values = lattice.values(variance);
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let starts = lattice.local_maxima(&values, PROMISING * highest, MOST_STARTS);

@@ -38,6 +38,12 @@ impl Products {
         Self { n_factors: model.n_factors(), n_terms: model.n_terms(), exponents, pairs, largest }
     }
 
+    /// Whether v is convex along an axis, with its maxima at the ends: where every term is linear in that factor, v is the
+    /// square of a norm of a linear function of it.
+    pub(crate) fn is_convex_along(&self, axis: usize) -> bool {
+        self.monomials().all(|exponents| exponents[axis] <= 2)
+    }
+
     pub(crate) fn n_monomials(&self) -> usize {
         self.exponents.len() / self.n_factors
     }

@@ -53,6 +53,11 @@ impl PredictionVariance {
         Self { products, coefficients }
     }
 
+    /// Whether v is convex along an axis: its maxima are at the ends then.
+    pub(crate) fn is_convex_along(&self, axis: usize) -> bool {
+        self.products.is_convex_along(axis)
+    }
+
     pub(crate) fn update(&mut self, inverse: &[f64]) {
         self.products.collect(inverse, &mut self.coefficients);
     }

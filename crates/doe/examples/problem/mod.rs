@@ -55,19 +55,69 @@ fn off_levels(parameter: &Parameter, value: f64) -> Result<Option<String>, doe::
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ProblemFile {
-    runs: usize,
+    runs: Whole,
     model: ModelName,
     criterion: Criterion,
-    replicates: Option<usize>,
-    starts: Option<u64>,
+    replicates: Option<Whole>,
+    starts: Option<Whole>,
     seconds: Option<f64>,
-    seed: Option<u64>,
-    pub(crate) order_seed: Option<u64>,
+    seed: Option<Whole>,
+    pub(crate) order_seed: Option<Whole>,
     parameters: Vec<Parameter>,
     #[serde(default)]
     forbidden: Vec<BTreeMap<String, Vec<f64>>>,
     #[serde(default)]
     fixed: Vec<BTreeMap<String, f64>>,
+}
+
+/// A whole number that is not negative. Its errors say so, and not of which type of a program it is.
+#[derive(Clone, Copy)]
+pub(crate) struct Whole(pub(crate) u64);
+
+impl Whole {
+    fn count(self) -> usize {
+        usize::try_from(self.0).unwrap_or(usize::MAX)
+    }
+}
+
+impl<'de> Deserialize<'de> for Whole {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Expected;
+        impl serde::de::Visitor<'_> for Expected {
+            type Value = Whole;
+
+            fn expecting(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                formatter.write_str("a whole number from 0 up")
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<Whole, E> {
+                u64::try_from(value)
+                    .map(Whole)
+                    .map_err(|_| E::invalid_value(serde::de::Unexpected::Signed(value), &self))
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, value: u64) -> Result<Whole, E> {
+                Ok(Whole(value))
+            }
+        }
+        deserializer.deserialize_any(Expected)
+    }
+}
+
+/// The first parameter that is wrong by itself: the line where its table begins, its number from 1, and the
+/// fault. An error of
+/// many tables under one name is otherwise said to be at the first of them.
+fn fault_of_parameter(text: &str) -> Option<String> {
+    #[derive(Deserialize)]
+    struct Parameters {
+        parameters: Vec<toml::Spanned<toml::Table>>,
+    }
+    let parameters = toml::from_str::<Parameters>(text).ok()?.parameters;
+    parameters.into_iter().enumerate().find_map(|(index, table)| {
+        let line = text.get(..table.span().start)?.matches('\n').count() + 1;
+        let error = Parameter::deserialize(table.into_inner()).err()?;
+        Some(format!("line {line}, parameter {}: {}", index + 1, error.message()))
+    })
 }
 
 #[derive(Deserialize)]
@@ -84,7 +134,10 @@ impl ProblemFile {
             let at = error.span().map_or(0, |span| span.start);
             let line = text.lines().nth(text[..at.min(text.len())].matches('\n').count()).unwrap_or_default();
             let hint = if has_decimal_comma(line) { "a decimal comma? write 20.5 and not 20,5\n" } else { "" };
-            format!("{path}: {error}{hint}").into()
+            match fault_of_parameter(&text) {
+                Some(fault) if line.trim_start().starts_with("[[parameters]]") => format!("{path}: {fault}").into(),
+                _ => format!("{path}: {error}{hint}").into(),
+            }
         })
     }
 
@@ -191,15 +244,16 @@ impl ProblemFile {
     pub(crate) fn problem(&self) -> Result<Problem, Box<dyn Error>> {
         let model = self.model()?;
         let terms = model.term_names(&self.names());
-        let mut problem = Problem::new(model, self.space()?, self.runs, self.criterion)
+        let mut problem = Problem::new(model, self.space()?, self.runs.count(), self.criterion)
             .map_err(|error| error.with_term_names(&terms))?;
         if let Some(fixed) = self.fixed()? {
             problem = problem.with_fixed_runs(fixed)?;
         }
         Ok(match self.replicates {
-            Some(planned) => problem.with_replicates(Replicates::Planned(planned)).map_err(|error| match error {
+            Some(planned) => problem.with_replicates(Replicates::Planned(planned.count())).map_err(|error| match error {
                 doe::Error::TooFewRuns { n_runs, n_terms } => {
-                    let (runs, noun) = (self.runs, if planned == 1 { "replicate" } else { "replicates" });
+                    let (runs, planned) = (self.runs.0, planned.0);
+                    let noun = if planned == 1 { "replicate" } else { "replicates" };
                     format!(
                         "{runs} runs less {planned} planned {noun} leave {n_runs} distinct runs, {n_terms} are needed"
                     )
@@ -212,8 +266,8 @@ impl ProblemFile {
 
     pub(crate) fn settings(&self) -> Result<Settings, Box<dyn Error>> {
         let mut settings = Settings::default();
-        settings.seed = self.seed.unwrap_or(settings.seed);
-        settings.starts = self.starts.unwrap_or(settings.starts);
+        settings.seed = self.seed.map_or(settings.seed, |seed| seed.0);
+        settings.starts = self.starts.map_or(settings.starts, |starts| starts.0);
         if let Some(seconds) = self.seconds {
             let limit = Duration::try_from_secs_f64(seconds).ok().filter(|limit| !limit.is_zero());
             let refused = || format!("seconds = {seconds:?}: expected a positive finite number below 1e19");

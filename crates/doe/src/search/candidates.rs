@@ -122,6 +122,46 @@ impl<'a> Candidates<'a> {
         }
     }
 
+    /// The nearest of all candidates that `is_free` lets pass, the first of equals; none if it lets none pass.
+    pub(crate) fn nearest_free(&self, point: &[f64], is_free: impl Fn(&[f64]) -> bool) -> Option<Vec<f64>> {
+        let square = |at: &[f64]| at.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+        let mut order: Vec<(f64, usize)> = (0..self.n_indices()).map(|index| (square(&self.at(index)), index)).collect();
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let points = order.into_iter().filter(|&(_, index)| self.is_candidate(index)).map(|(_, index)| self.at(index));
+        points.into_iter().find(|at| is_free(at))
+    }
+
+    /// A random one of the candidates that `is_free` lets pass: the first after a random place; none if it lets none pass.
+    pub(crate) fn sample_free(&self, generator: &mut Pcg64, is_free: impl Fn(&[f64]) -> bool) -> Option<Vec<f64>> {
+        let n = self.n_indices();
+        let first = generator.random_range(0..n);
+        let indices = (first..n).chain(0..first).filter(|&index| self.is_candidate(index));
+        indices.map(|index| self.at(index)).find(|at| is_free(at))
+    }
+
+    /// Number of indices of [`at`](Self::at).
+    fn n_indices(&self) -> usize {
+        match &self.points {
+            Points::Grid { .. } => self.lattice.n_points(),
+            Points::List(list) => list.n_points(),
+        }
+    }
+
+    fn at(&self, index: usize) -> Vec<f64> {
+        match &self.points {
+            Points::Grid { .. } => self.lattice.point(index),
+            Points::List(list) => list.point(index).to_vec(),
+        }
+    }
+
+    /// Whether a point of a grid is not forbidden.
+    fn is_candidate(&self, index: usize) -> bool {
+        match &self.points {
+            Points::Grid { shape, .. } => shape.forbidden.is_empty() || !shape.forbids(&self.lattice.point(index)),
+            Points::List(_) => true,
+        }
+    }
+
     /// The highest v over all candidates; its local maxima along the axes, and the candidates above a share of it, at
     /// most `most`, both the highest first. `values` is scratch.
     pub(crate) fn scan(

@@ -23,6 +23,8 @@ pub(crate) struct Continuous<'a> {
     pub(crate) frame: &'a Frame,
     /// Continuous in every axis.
     pub(crate) shape: &'a BoxShape,
+    /// Where predictions are asked for: the same, or a grid.
+    pub(crate) judged: &'a BoxShape,
     pub(crate) lattice: &'a Lattice,
     pub(crate) effort: Effort,
 }
@@ -114,9 +116,10 @@ impl Continuous<'_> {
         }
         let best = incumbents.best_log_value();
         let (lower, upper) = self.bounds(&x);
-        let mut peaks = Peaks::new(self.frame, self.shape, self.lattice);
+        let mut peaks = Peaks::new(self.frame, self.judged, self.lattice);
         let steps = if self.effort == Effort::Thorough { 150 } else { 15 };
-        let limits = polish::Limits { steps, radius: 0.01, least_radius: 1e-8 };
+        let is_checked = self.effort == Effort::Thorough;
+        let limits = polish::Limits { steps, radius: 0.01, least_radius: 1e-8, is_checked };
         // The further it is, the closer to the best it must be to go on.
         let is_worth = |made: usize, value: f64| value.ln() < best + BEHIND_REFINED / (1.0 + made as f64).sqrt();
         let mut value = f64::INFINITY;
@@ -126,7 +129,7 @@ impl Continuous<'_> {
                 return None;
             }
             // A finer lattice may know a higher maximum; then it takes part in a further polish.
-            let (at, highest) = highest(peaks.variance(), self.shape);
+            let (at, highest) = highest(peaks.variance(), self.judged);
             if highest <= value * (1.0 + 1e-9) {
                 break;
             }
@@ -137,6 +140,18 @@ impl Continuous<'_> {
             }
         }
         Some((x, value.ln()))
+    }
+
+    /// Any design taken to its local optimum; none if it is singular.
+    pub(crate) fn taken_down(&self, mut x: Vec<f64>, is_over: IsOver<'_>) -> Option<(Vec<f64>, f64)> {
+        if self.frame.criterion == Criterion::G {
+            return self.refine(x, &Incumbents::default(), is_over);
+        }
+        let (lower, upper) = self.bounds(&x);
+        match self.descend(&mut x, (&lower, &upper), is_over) {
+            Attempt::Found { x, value, .. } => Some((x, value)),
+            _ => None,
+        }
     }
 
     /// A refined design with the coordinates of gridded axes on their levels and the others refined again.
@@ -155,7 +170,8 @@ impl Continuous<'_> {
         }
         if self.frame.criterion == Criterion::G {
             let mut peaks = Peaks::new(self.frame, shape, self.lattice);
-            let limits = polish::Limits { steps: 60, radius: 0.02, least_radius: 1e-8 };
+            let is_checked = self.effort == Effort::Thorough;
+            let limits = polish::Limits { steps: 60, radius: 0.02, least_radius: 1e-8, is_checked };
             let value = polish(&mut peaks, &mut x, (&lower, &upper), limits, |_, _| true, is_over);
             return value.is_finite().then(|| (x, value.ln()));
         }

@@ -35,9 +35,10 @@ pub(crate) struct Local<'a> {
 const FLATTEST: f64 = 1e-3;
 
 impl Local<'_> {
-    /// H += weight · (second derivatives of the height of the maximum at z), n_free × n_free.
-    pub(crate) fn add(&self, z: &[f64], weight: f64, hessian: &mut [f64]) {
-        let moving: Vec<usize> = (0..z.len()).filter(|&j| z[j].abs() < 1.0 - 1e-9).collect();
+    /// H += weight · (second derivatives of the height of the maximum at z), n_free × n_free; z moves along the axes of
+    /// `is_continuous`.
+    pub(crate) fn add(&self, z: &[f64], is_continuous: impl Fn(usize) -> bool, weight: f64, hessian: &mut [f64]) {
+        let moving: Vec<usize> = (0..z.len()).filter(|&j| is_continuous(j) && z[j].abs() < 1.0 - 1e-9).collect();
         self.add_moving(z, &moving, weight, FLATTEST, hessian);
     }
 

@@ -154,8 +154,10 @@ impl Discrete<'_> {
             if near.iter().all(|point| self.is_taken(point, &rounded, usize::MAX)) {
                 near = self.candidates.near(run, 8 + 2 * x.len() / k);
             }
-            let free = near.into_iter().find(|point| !self.is_taken(point, &rounded, usize::MAX))?;
-            rounded.extend(free);
+            let is_free = |point: &[f64]| !self.is_taken(point, &rounded, usize::MAX);
+            let free = near.into_iter().find(|point| is_free(point));
+            // Where many runs crowd, everything near may be taken.
+            rounded.extend(free.or_else(|| self.candidates.nearest_free(run, is_free))?);
         }
         Some(rounded)
     }
@@ -182,7 +184,9 @@ impl Discrete<'_> {
                     best = Some((v, index));
                 }
             }
-            best.map(|(_, index)| sample[index].clone())
+            let is_free = |point: &[f64]| !self.is_taken(point, x, usize::MAX);
+            // Many runs take all of a sample of few points.
+            best.map(|(_, index)| sample[index].clone()).or_else(|| self.candidates.sample_free(generator, is_free))
         })
     }
 

@@ -54,10 +54,10 @@ impl Frame {
                 let mapped = Space::list_unchecked(list.n_factors, list.points().flat_map(map).collect());
                 moment_matrix(model, &mapped)?
             }
-            (Criterion::I, Shape::Box(_)) => moment_matrix(model, problem.space())?,
+            (Criterion::I, Shape::Box(_)) => moment_matrix(model, problem.judged())?,
             _ => Vec::new(),
         };
-        let table = shape.filter(|_| criterion == Criterion::G).map(|shape| Table::of(&products, &lattice(shape)));
+        let table = shape.filter(|_| criterion == Criterion::G).map(|shape| Table::of(&products, &judged_lattice(problem, shape, &products)));
         let regressors = Regressors::of(model);
         let multiplicities = problem.multiplicities();
         Ok(Self { criterion, regressors, products, fixed, multiplicities, moments, least_log_determinant, table })
@@ -121,6 +121,22 @@ fn lattice_levels(n_factors: usize) -> usize {
     }
 }
 
-pub(crate) fn lattice(shape: &BoxShape) -> Lattice {
-    Lattice::with_levels(shape, lattice_levels(shape.axes.len()))
+/// A lattice of more points has only the ends of the axes along which v is convex.
+const MOST_WITH_MIDDLES: f64 = 729.0;
+
+/// The points that G looks at first: a grid to judge over as a whole, or the lattice of the box.
+pub(crate) fn judged_lattice(problem: &Problem, relaxed: &BoxShape, products: &Products) -> Lattice {
+    match problem.judged_grid() {
+        Some(grid) => Lattice::whole(grid).without_forbidden(grid),
+        None => lattice(relaxed, products),
+    }
+}
+
+pub(crate) fn lattice(shape: &BoxShape, products: &Products) -> Lattice {
+    let k = shape.axes.len();
+    let levels = lattice_levels(k);
+    if (levels as f64).powi(k as i32) <= MOST_WITH_MIDDLES {
+        return Lattice::with_levels(shape, levels);
+    }
+    Lattice::with_counts(shape, |axis| if products.is_convex_along(axis) { 2 } else { levels })
 }

@@ -1,7 +1,9 @@
 //! One step of the minimax polish: least worst case of linear functions, plus a curvature, within bounds.
 
+use std::ops::Range;
+
 use super::ending::IsOver;
-use crate::matrix::{axpy, cholesky, dot};
+use crate::matrix::{axpy, cholesky_rows, dot};
 
 /// min over d and t of t + d'Hd/2, with heights + slopes d ≤ t and lower ≤ d ≤ upper.
 #[derive(Debug)]
@@ -68,7 +70,10 @@ fn solve_shifted(problem: &MinimaxStep<'_>, shift: f64, is_over: IsOver<'_>) -> 
         {
             break;
         }
-        if work.factor(problem, &state).is_none() {
+        if work.factor(problem, &state, is_over).is_none() {
+            if is_over() {
+                return Outcome::Cut;
+            }
             // Near the solution rounding alone can spoil the factor: that is close enough.
             if mu > 1e-7 {
                 return Outcome::NotConvex;
@@ -228,7 +233,8 @@ impl Work {
         }
     }
 
-    fn factor(&mut self, problem: &MinimaxStep<'_>, state: &State) -> Option<()> {
+    /// None if the matrix is not positive definite, or `is_over` says so on the way.
+    fn factor(&mut self, problem: &MinimaxStep<'_>, state: &State, is_over: IsOver<'_>) -> Option<()> {
         let (m, n) = (self.m, self.n);
         let weights: Vec<f64> = state.lambda.iter().zip(&state.s).map(|(lambda, s)| lambda / s).collect();
         self.total = weights.iter().sum();
@@ -242,7 +248,12 @@ impl Work {
                 self.centered[i * m + j] = root * (slope - mean);
             }
         }
-        outer_products(&self.centered, m, &mut self.factor);
+        for first in (0..n).step_by(ROWS) {
+            if first > 0 && is_over() {
+                return None;
+            }
+            outer_products(&self.centered, m, first..n.min(first + ROWS), &mut self.factor);
+        }
         for i in 0..n {
             let barrier = state.lower[i] / state.above[i] + state.upper[i] / state.below[i];
             let diagonal = &mut self.factor[i * n + i];
@@ -251,7 +262,13 @@ impl Work {
         if !problem.curvature.is_empty() {
             self.factor.iter_mut().zip(problem.curvature).for_each(|(a, h)| *a += h);
         }
-        factorize(&mut self.factor, n)
+        for first in (0..n).step_by(ROWS) {
+            if first > 0 && is_over() {
+                return None;
+            }
+            factorize(&mut self.factor, n, first..n.min(first + ROWS))?;
+        }
+        Some(())
     }
 
     fn direction(&self, problem: &MinimaxStep<'_>, state: &State) -> State {
@@ -300,11 +317,14 @@ impl Work {
     }
 }
 
-/// The lower triangle of X Xᵀ for rows of length m.
+/// Rows of a large matrix between two questions whether the search is over.
+const ROWS: usize = 64;
+
+/// Some rows of the lower triangle of X Xᵀ for rows of length m.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
-fn outer_products(x: &[f64], m: usize, out: &mut [f64]) {
+fn outer_products(x: &[f64], m: usize, rows: Range<usize>, out: &mut [f64]) {
     let n = x.len() / m;
-    for j in 0..n {
+    for j in rows {
         let row = &x[j * m..j * m + m];
         for k in 0..=j {
             out[j * n + k] = dot(row, &x[k * m..k * m + m]);
@@ -313,8 +333,8 @@ fn outer_products(x: &[f64], m: usize, out: &mut [f64]) {
 }
 
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
-fn factorize(a: &mut [f64], n: usize) -> Option<()> {
-    cholesky(a, n, 0.0).map(|_| ())
+fn factorize(a: &mut [f64], n: usize, rows: Range<usize>) -> Option<()> {
+    cholesky_rows(a, n, rows, 0.0).map(|_| ())
 }
 
 #[cfg(test)]

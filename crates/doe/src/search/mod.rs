@@ -28,7 +28,7 @@ mod starts;
 mod table;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub use problem::{Problem, Replicates};
 pub use report::{Found, Progress, Report, StopReason};
@@ -38,6 +38,7 @@ use crate::shape::Shape;
 use crate::{Criterion, Error};
 use ending::{Ending, IsOver};
 use over_box::over_box;
+pub use over_box::polished;
 use over_grid::over_grid;
 use over_list::over_list;
 use starts::{Counts, Outcome, Runner};
@@ -142,7 +143,7 @@ fn search_until(
         progress: &mut say,
     };
     let (outcome, chosen) = match problem.space().shape() {
-        Shape::Box(shape) if shape.is_continuous() && problem.replicates() == Replicates::Allowed => {
+        Shape::Box(shape) if problem.is_continuous() => {
             (over_box(problem, shape, runner)?, Vec::new())
         }
         Shape::Box(shape) => (over_grid(problem, shape, runner)?, Vec::new()),
@@ -169,7 +170,7 @@ fn found(
         (None, None) => return Err(Error::NoDesign { starts }),
     };
     let cells = problem.cells(&design);
-    let efficiency = problem.criterion().efficiency(problem.model(), problem.space(), &design)?;
+    let efficiency = problem.criterion().efficiency(problem.model(), problem.judged(), &design)?;
     let elapsed = began.elapsed();
     let report = Report { stop, starts, best_start, times_found, abandoned, failed, unfinished, elapsed };
     Ok(Found { design, candidates, cells, efficiency, report })
@@ -177,7 +178,7 @@ fn found(
 
 /// A good D design, of whose determinant a search for T keeps a share; of a time limit it takes half.
 fn determinant_reference(problem: &Problem, settings: &Settings, is_interrupted: IsOver<'_>) -> Result<Found, Error> {
-    let time_limit = settings.time_limit.map(|limit| limit / 2);
+    let time_limit = settings.time_limit.map(|limit| (limit / 2).max(Duration::from_nanos(1)));
     let settings = Settings { starts: 16, time_limit, ..Settings::default() };
     search_until(&problem.clone().with_criterion(Criterion::D), &settings, is_interrupted, &mut |_| ())
 }

@@ -22,8 +22,8 @@ pub(crate) fn over_grid(problem: &Problem, shape: &BoxShape, runner: Runner<'_>)
     let grid = if is_discrete { thinned(shape) } else { gridded(shape)? };
     let relaxed = shape.relaxed();
     let frame = Frame::of(problem, Some(&relaxed), runner.least_log_determinant, &<[f64]>::to_vec)?;
-    let lattice = lattice(&relaxed);
-    let continuous = |effort: Effort| Continuous { frame: &frame, shape: &relaxed, lattice: &lattice, effort };
+    let lattice = lattice(&relaxed, &frame.products);
+    let continuous = |effort: Effort| Continuous { frame: &frame, shape: &relaxed, judged: &relaxed, lattice: &lattice, effort };
     let candidates = Candidates::grid(&grid, &frame.products);
     let search = Discrete {
         frame: &frame,

@@ -30,11 +30,12 @@ pub(crate) fn over_list(problem: &Problem, list: &List, runner: Runner<'_>) -> R
     let stretched = List { n_factors: k, coordinates: list.points().flat_map(map).collect() };
     let cube = BoxShape { axes: vec![Axis::Continuous; k], forbidden: Vec::new() };
     // Where the cube's lattice would fill the memory, the list is searched for itself.
-    let n_values = lattice(&cube).n_points().saturating_mul(Products::of(problem.model()).n_monomials());
+    let products = Products::of(problem.model());
+    let n_values = lattice(&cube, &products).n_points().saturating_mul(products.n_monomials());
     let is_boxed = (stretch.fills || stretch.stretches) && n_values <= MOST_VALUES;
     let frame = Frame::of(problem, is_boxed.then_some(&cube), runner.least_log_determinant, &map)?;
-    let lattice = lattice(&cube);
-    let relaxed = Continuous { frame: &frame, shape: &cube, lattice: &lattice, effort: Effort::Quick };
+    let lattice = lattice(&cube, &frame.products);
+    let relaxed = Continuous { frame: &frame, shape: &cube, judged: &cube, lattice: &lattice, effort: Effort::Quick };
     let candidates = Candidates::list(&stretched, &frame.regressors, &frame.products);
     let search = Discrete {
         frame: &frame,

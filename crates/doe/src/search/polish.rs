@@ -8,7 +8,8 @@ use crate::PredictionVariance;
 use crate::ascent::climb;
 use crate::lattice::Lattice;
 use crate::matrix::{dot, multiply};
-use crate::shape::BoxShape;
+use crate::maximum::highest;
+use crate::shape::{Axis, BoxShape};
 
 /// How far a polish goes.
 #[derive(Debug, Clone, Copy)]
@@ -18,14 +19,20 @@ pub(crate) struct Limits {
     pub(crate) radius: f64,
     /// A radius at which to stop.
     pub(crate) least_radius: f64,
+    /// Whether a finer lattice is asked for maxima that each step might overlook.
+    pub(crate) is_checked: bool,
 }
 
+/// Designs of more coordinates stay as they are: each step would need several matrices of 200 MB.
+const MOST_MOVABLE: usize = 5000;
 /// Maxima below this fraction of the highest cannot become active within a step.
 const NEAR_ACTIVE: f64 = 0.5;
 /// And at most this many are kept.
 const MOST_MAXIMA: usize = 600;
 /// A maximum closer than this to an older one is the same, moved by a step.
 const NEAR_MAXIMUM: f64 = 0.2;
+/// A maximum higher than the highest by this share of it has been overlooked.
+const OVERLOOKED: f64 = 1e-9;
 /// Maxima closer than this are one.
 const SAME_MAXIMUM: f64 = 1e-4;
 
@@ -94,6 +101,21 @@ impl<'a> Peaks<'a> {
         highest.is_finite().then_some(peaks)
     }
 
+    /// As [`at`](Self::at), checked: where a finer lattice knows a higher maximum, it takes part.
+    fn checked(&mut self, x: &[f64]) -> Option<Vec<(Vec<f64>, f64)>> {
+        const MOST: usize = 4;
+        let mut peaks = self.at(x)?;
+        for _ in 0..MOST {
+            let (at, height) = highest(&self.variance, self.shape);
+            if height <= peaks[0].1 * (1.0 + OVERLOOKED) {
+                break;
+            }
+            self.also(at);
+            peaks = self.at(x)?;
+        }
+        Some(peaks)
+    }
+
     /// ∂v(z)/∂x = −2 (r(z)' D rᵢ) (∂rᵢ/∂x)' D r(z) for the runs of the last call.
     fn slopes(&self, x: &[f64], peak: &[f64], slopes: &mut [f64]) {
         let (p, k) = (self.frame.n_terms(), self.frame.n_factors());
@@ -119,13 +141,26 @@ struct Met {
     multiplier: f64,
 }
 
+/// What the steps of a descent are.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    /// With a curvature, forgetting maxima that no longer matter.
+    First,
+    /// Linear programs over all maxima met so far.
+    Linear,
+    /// With a curvature, over all maxima met so far.
+    Curved,
+}
+
 /// Steps after which a maximum that did not matter is forgotten.
 const FORGOTTEN: u32 = 4;
+/// Polishes that begin anew where one has ended, with all the maxima that it met, at most; and the gain that is worth one.
+const MOST_AGAIN: usize = 6;
+const WORTH_AGAIN: f64 = 1e-7;
 
-/// Improves x in place by steps that lower all near-active maxima at once: min t + d'Hd/2 with v_j + g_j · d ≤ t within
-/// a radius that grows where the maxima move as predicted; H is the curvature of the maxima weighted by their
-/// multipliers. Goes on while `is_worth` says so of the number of steps made and the largest v, and until `is_over` does;
-/// returns the largest v.
+/// Improves x in place by [`descend`]; returns the largest v. A checked polish begins anew, with a wide radius and a memory
+/// for all maxima met so far, in turn without a curvature and with it, until both gain nothing: maxima that were unknown or
+/// forgotten make a radius small long before the optimum, and so does a curvature where many maxima tie.
 pub(crate) fn polish(
     peaks: &mut Peaks<'_>,
     x: &mut [f64],
@@ -134,22 +169,62 @@ pub(crate) fn polish(
     is_worth: impl Fn(usize, f64) -> bool,
     is_over: IsOver<'_>,
 ) -> f64 {
+    let mut pool: Vec<Met> = Vec::new();
+    let mut value = descend(peaks, x, bounds, (Way::First, limits), &mut pool, (&is_worth, is_over));
+    if !limits.is_checked || !value.is_finite() || !is_worth(limits.steps, value) {
+        return value;
+    }
+    let mut in_vain = 0;
+    for way in [Way::Linear, Way::Curved].into_iter().cycle().take(MOST_AGAIN) {
+        let (mut again, known) = (x.to_vec(), peaks.known.clone());
+        let better = descend(peaks, &mut again, bounds, (way, limits), &mut pool, (&is_worth, is_over));
+        if better <= value * (1.0 - WORTH_AGAIN) {
+            x.copy_from_slice(&again);
+            value = better;
+            in_vain = 0;
+            continue;
+        }
+        peaks.known = known;
+        peaks.at(x);
+        in_vain += 1;
+        if in_vain == 2 {
+            break;
+        }
+    }
+    value
+}
+
+/// Improves x in place by steps that lower all near-active maxima at once: min t + d'Hd/2 with v_j + g_j · d ≤ t within
+/// a radius that grows where the maxima move as predicted; H is the curvature of the maxima weighted by their
+/// multipliers. Goes on while `is_worth` says so of the number of steps made and the largest v, and until `is_over` does;
+/// returns the largest v.
+fn descend(
+    peaks: &mut Peaks<'_>,
+    x: &mut [f64],
+    bounds: (&[f64], &[f64]),
+    (way, limits): (Way, Limits),
+    pool: &mut Vec<Met>,
+    (is_worth, is_over): (&impl Fn(usize, f64) -> bool, IsOver<'_>),
+) -> f64 {
     let n = x.len();
     let movable: Vec<usize> = (0..n).filter(|&i| bounds.1[i] > bounds.0[i]).collect();
+    let is_too_large = movable.len() > MOST_MOVABLE;
     let Some(mut current) = peaks.at(x) else {
         return f64::INFINITY;
     };
     let mut radius = limits.radius;
-    let mut pool: Vec<Met> = Vec::new();
-    remember(&mut pool, &current);
+    remember(pool, &current);
     let mut stalled = 0;
     for made in 0..limits.steps {
         let highest = current[0].1;
-        if movable.is_empty() || radius < limits.least_radius || stalled == 3 || !is_worth(made, highest) || is_over() {
+        if movable.is_empty() || is_too_large || radius < limits.least_radius || stalled == 3 || !is_worth(made, highest) || is_over() {
             break;
         }
-        let free = not_pressed(peaks, x, &pool, &movable, bounds);
-        let (considered, heights, slopes) = linearize(peaks, x, &pool, &free, radius);
+        let free = match way {
+            Way::Linear => movable.clone(),
+            _ => not_pressed(peaks, x, pool, &movable, bounds),
+        };
+        let (considered, heights, slopes) = linearize(peaks, x, pool, &free, radius);
         let lower: Vec<f64> = free.iter().map(|&i| (bounds.0[i] - x[i]).max(-radius)).collect();
         let upper: Vec<f64> = free.iter().map(|&i| (bounds.1[i] - x[i]).min(radius)).collect();
         let mut problem =
@@ -158,19 +233,22 @@ pub(crate) fn polish(
             let Some(Solution { multipliers, .. }) = solve(&problem, is_over) else {
                 break;
             };
-            hold(&mut pool, &considered, &multipliers);
+            hold(pool, &considered, &multipliers);
         }
-        let hessian = hessian(peaks, x, &pool, &free);
+        let hessian = if way == Way::Linear { Some(Vec::new()) } else { hessian(peaks, x, pool, &free, is_over) };
+        let Some(hessian) = hessian else {
+            break;
+        };
         problem.curvature = &hessian;
         let Some(Solution { step, multipliers }) = solve(&problem, is_over) else {
             break;
         };
-        hold(&mut pool, &considered, &multipliers);
+        hold(pool, &considered, &multipliers);
         let reached = |row: (&f64, &[f64])| row.0 + row.1.iter().zip(&step).map(|(g, d)| g * d).sum::<f64>();
         let predicted = heights.iter().zip(slopes.chunks_exact(free.len())).map(reached).fold(0.0, f64::max);
         let bend: f64 = hessian.chunks_exact(free.len()).zip(&step).map(|(row, d)| d * dot(row, &step)).sum();
         let predicted = predicted + 0.5 * bend;
-        if predicted >= 1.0 - 1e-8 {
+        if predicted >= 1.0 - if way == Way::Linear { 1e-9 } else { 1e-8 } {
             break;
         }
         let mut trial = x.to_vec();
@@ -178,8 +256,9 @@ pub(crate) fn polish(
             trial[i] = (x[i] + d).clamp(bounds.0[i], bounds.1[i]);
         }
         let before = peaks.known.clone();
-        pool.retain(|met| met.age <= FORGOTTEN);
-        match peaks.at(&trial) {
+        pool.retain(|met| met.age <= FORGOTTEN || way != Way::First);
+        let next = if limits.is_checked { peaks.checked(&trial) } else { peaks.at(&trial) };
+        match next {
             Some(next) if next[0].1 < highest => {
                 let gain = 1.0 - next[0].1 / highest;
                 let ratio = gain / (1.0 - predicted);
@@ -193,14 +272,25 @@ pub(crate) fn polish(
                 stalled = if gain < 1e-8 { stalled + 1 } else { 0 };
                 x.copy_from_slice(&trial);
                 current = next;
-                remember(&mut pool, &current);
+                remember(pool, &current);
             }
             other => {
-                if let Some(next) = other {
-                    remember(&mut pool, &next);
-                }
                 peaks.known = before;
                 peaks.at(x);
+                if let Some(next) = other {
+                    remember(pool, &next);
+                    // What the step has shown may have been overlooked where it began.
+                    let is_overlooked = |point: &[f64]| peaks.variance.value(point) > highest * (1.0 + OVERLOOKED);
+                    let overlooked: Vec<_> = next.into_iter().map(|peak| peak.0).filter(|at| is_overlooked(at)).collect();
+                    if !overlooked.is_empty() {
+                        peaks.known.extend(overlooked);
+                        let Some(found) = peaks.at(x) else {
+                            return f64::INFINITY;
+                        };
+                        current = found;
+                        remember(pool, &current);
+                    }
+                }
                 let moved = step.iter().fold(0.0, |a: f64, d| a.max(d.abs()));
                 radius = 0.25 * radius.min(moved);
             }
@@ -259,8 +349,8 @@ fn linearize(
     (considered, heights, slopes)
 }
 
-/// Σ λ_j ∇²v_j / highest over the maxima that held the last step back.
-fn hessian(peaks: &Peaks<'_>, x: &[f64], pool: &[Met], free: &[usize]) -> Vec<f64> {
+/// Σ λ_j ∇²v_j / highest over the maxima that held the last step back; none if `is_over` says so between two of them.
+fn hessian(peaks: &Peaks<'_>, x: &[f64], pool: &[Met], free: &[usize], is_over: IsOver<'_>) -> Option<Vec<f64>> {
     let mut hessian = vec![0.0; free.len() * free.len()];
     let local = Local {
         regressors: &peaks.frame.regressors,
@@ -270,12 +360,16 @@ fn hessian(peaks: &Peaks<'_>, x: &[f64], pool: &[Met], free: &[usize]) -> Vec<f6
         inverse: &peaks.matrices.inverse,
         free,
     };
+    let is_continuous = |axis: usize| peaks.shape.axes[axis] == Axis::Continuous;
     let total: f64 = pool.iter().map(|met| met.multiplier).sum();
     let highest = pool.iter().map(|met| peaks.variance.value(&met.point)).fold(0.0, f64::max);
     for met in pool.iter().filter(|met| met.multiplier > 1e-5 * total) {
-        local.add(&met.point, met.multiplier / (total * highest), &mut hessian);
+        if is_over() {
+            return None;
+        }
+        local.add(&met.point, is_continuous, met.multiplier / (total * highest), &mut hessian);
     }
-    hessian
+    Some(hessian)
 }
 
 /// Adds maxima to the pool, fresh. What held the last step back near a maximum passes its multiplier on to it.

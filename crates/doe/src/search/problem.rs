@@ -1,7 +1,7 @@
 //! What is searched for.
 
-use crate::shape::Shape;
-use crate::support::check_support;
+use crate::shape::{BoxShape, Shape};
+use crate::support::{check_support, confounded_terms_of_design};
 use crate::{Cell, Criterion, Design, Error, Model, Space};
 
 /// A model, a space, a number of runs and a criterion; and what is settled beforehand.
@@ -13,6 +13,7 @@ pub struct Problem {
     criterion: Criterion,
     fixed: Option<Design>,
     replicates: Replicates,
+    judged: Option<Space>,
 }
 
 /// Whether a run may be made twice.
@@ -53,7 +54,7 @@ impl Problem {
         }
         check_support(&model, &space)?;
         let replicates = if space.n_points().is_none() { Replicates::Allowed } else { Replicates::Planned(0) };
-        Ok(Self { model, space, n_runs, criterion, fixed: None, replicates })
+        Ok(Self { model, space, n_runs, criterion, fixed: None, replicates, judged: None })
     }
 
     /// The first runs of the design are these, already made or wished for; the search adds the others.
@@ -88,13 +89,87 @@ impl Problem {
         Ok(self)
     }
 
+    /// Predictions are asked for on this grid only, while the runs may be anywhere in the continuous space: designs in the
+    /// literature are often judged on five levels of each factor.
+    ///
+    /// ```
+    /// use doe::{Criterion, Model, Problem, Settings, Space, search};
+    /// let problem = Problem::new(Model::quadratic(2)?, Space::cube(2)?, 7, Criterion::G)?;
+    /// let found = search(&problem.judged_over(Space::grid(&[5, 5])?)?, &Settings::default())?;
+    /// assert!(found.efficiency.percent > 80.238, "the best published one has 80.239 %: {}", found.efficiency);
+    /// assert!(found.efficiency.to_string().ends_with("over the grid of 5 x 5 levels"));
+    /// # Ok::<(), doe::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::FactorMismatch`]; [`Error::NotAGrid`] for a list or a box with a continuous axis; [`Error::Count`] for more
+    /// than [`MOST_JUDGED`](Self::MOST_JUDGED) points.
+    pub fn judged_over(mut self, judged: Space) -> Result<Self, Error> {
+        let (expected, found) = (self.model.n_factors(), judged.n_factors());
+        if expected != found {
+            return Err(Error::FactorMismatch { what: "the grid to judge over", expected, found });
+        }
+        let Some(n_points) = judged.axes().and(judged.n_points()) else {
+            return Err(Error::NotAGrid { what: "the space to judge over" });
+        };
+        let (found, most) = (usize::try_from(n_points).unwrap_or(usize::MAX), Self::MOST_JUDGED);
+        if found > most {
+            return Err(Error::Count { name: "points to judge over", found, least: 1, most });
+        }
+        self.judged = Some(judged);
+        Ok(self)
+    }
+
+    /// The largest grid to judge over, in points.
+    pub const MOST_JUDGED: usize = 100_000;
+
+    /// Where predictions are asked for: the space, unless another was [set](Self::judged_over).
+    #[must_use]
+    pub fn judged(&self) -> &Space {
+        self.judged.as_ref().unwrap_or(&self.space)
+    }
+
+    /// The grid that predictions are asked for on, where it is not the space.
+    pub(crate) fn judged_grid(&self) -> Option<&BoxShape> {
+        match self.judged.as_ref()?.shape() {
+            Shape::Box(shape) => Some(shape),
+            Shape::List(_) => None,
+        }
+    }
+
+    /// Whether runs are anywhere in a box, as often as the criterion likes.
+    pub(crate) fn is_continuous(&self) -> bool {
+        let is_box = matches!(self.space.shape(), Shape::Box(shape) if shape.is_continuous());
+        is_box && self.replicates == Replicates::Allowed
+    }
+
     /// Nothing if there can be a design: what no part of the problem can tell alone. A search calls it.
     ///
     /// # Errors
     ///
+    /// [`Error::TooFewFreeRuns`] for fixed runs that leave more terms open than there are distinct free runs;
     /// [`Error::Count`] for more planned replicates than free runs to repeat; [`Error::TooFewPoints`] if the space has
-    /// fewer points than distinct runs are needed.
+    /// fewer points than distinct runs are needed; [`Error::NotContinuous`] for a grid to judge over where runs are not
+    /// continuous in every factor, or not to be repeated.
     pub fn validate(&self) -> Result<(), Error> {
+        if self.judged.is_some() && !self.is_continuous() {
+            return Err(Error::NotContinuous { what: "a grid to judge over" });
+        }
+        self.check_replicates()?;
+        let Some(fixed) = &self.fixed else {
+            return Ok(());
+        };
+        let (n_fixed, n_terms) = (fixed.n_runs(), self.model.n_terms());
+        let determined = n_terms - confounded_terms_of_design(&self.model, fixed)?.len();
+        let n_free = self.multiplicities().len();
+        if determined + n_free < n_terms {
+            return Err(Error::TooFewFreeRuns { n_fixed, determined, n_free, n_terms });
+        }
+        Ok(())
+    }
+
+    fn check_replicates(&self) -> Result<(), Error> {
         let Replicates::Planned(planned) = self.replicates else {
             return Ok(());
         };

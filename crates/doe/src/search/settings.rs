@@ -20,8 +20,8 @@ pub struct Settings {
     pub seed: u64,
     /// The largest number of starts.
     pub starts: u64,
-    /// No further start begins after this time, and what is on its way is cut; only a first design is waited for, if
-    /// only as far as it determines the model. How many starts that allows depends on the machine: the
+    /// No further start begins after this time, which must not be 0, and what is on its way is cut; only a first design
+    /// is waited for, if only as far as it determines the model: it may be a bad one, and [`Report::starts`](crate::Report::starts) is 0. How many starts that allows depends on the machine: the
     /// [`Report`](crate::Report) says how many there were and whether the same number without a limit repeats the search.
     pub time_limit: Option<Duration>,
     /// Stop as soon as the efficiency reaches this many per cent.
@@ -52,10 +52,13 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`Error::Setting`] for no starts, or a target that is not above 0.
+    /// [`Error::Setting`] for no starts, no time, or a target that is not above 0.
     pub fn validate(&self) -> Result<(), Error> {
         if self.starts == 0 {
             return Err(Error::Setting { name: "starts", value: 0.0, allowed: "at least 1" });
+        }
+        if self.time_limit.is_some_and(|limit| limit.is_zero()) {
+            return Err(Error::Setting { name: "time_limit", value: 0.0, allowed: "above 0" });
         }
         match self.target_percent {
             Some(value) if value.is_nan() || value <= 0.0 => {

@@ -28,7 +28,7 @@ fn refuses_designs_that_are_none() {
     assert!(matches!(Design::new(2, vec![]), Err(Error::Count { .. })));
     assert_eq!(Design::new(2, vec![1.0]), Err(Error::RaggedPoints { n_factors: 2, n_coordinates: 1 }));
     let error = Design::new(2, vec![0.0, 1.0, f64::NAN, 0.0]).unwrap_err();
-    assert_eq!(error.to_string(), "coordinate 0 of point 1 is NaN, expected a finite number");
+    assert_eq!(error.to_string(), "coordinate 1 of point 2 is NaN, expected a finite number");
     assert!(Design::from_runs(&[vec![1.0, 2.0], vec![1.0]]).is_err(), "ragged");
 }
 

@@ -206,3 +206,28 @@ proptest! {
         prop_assert_eq!(read(&written(&design, RunOrder::Random { seed })).unwrap().n_runs(), design.n_runs());
     }
 }
+
+/// A reader does not see spaces around a name, and takes brackets for a unit.
+#[test]
+fn what_is_written_can_be_read_back_or_is_refused() {
+    let region = |names: [(&str, &str); 2]| {
+        let parameters = names.map(|(name, unit)| Parameter::continuous(name, unit, 0.0, 1.0).unwrap());
+        Region::new(parameters.to_vec())
+    };
+    let written = |region: &Region| {
+        let mut text = Vec::new();
+        let design = Design::new(2, vec![-1.0, 0.5]).unwrap();
+        design.write_csv(region, RunOrder::Standard, &mut text).map(|()| text)
+    };
+    for names in [[("a", ""), ("b ", "")], [(" a", "m"), ("ab", "m")], [("a", "m"), ("a b", "")]] {
+        let region = region(names).unwrap();
+        let text = written(&region).unwrap();
+        let read = Design::read_csv(&region, &text[..]).unwrap().design;
+        assert_eq!(read.coordinates(), [-1.0, 0.5], "{names:?}");
+    }
+    for names in [[("a", ""), ("a ", "")], [("a", "m"), ("a [m]", "")], [("a", ""), (" a", "m")]] {
+        let Ok(region) = region(names) else { continue };
+        let error = written(&region).unwrap_err().to_string();
+        assert!(error.contains("cannot be told from another in the header of a file"), "{names:?}: {error}");
+    }
+}

@@ -5,6 +5,7 @@
 mod design;
 mod evaluate;
 mod file;
+mod problem_file;
 mod search;
 mod space;
 mod split;

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use doe::{
     Axis, Cell, Criterion, Design, Effort, Error, Forbidden, Found, Grid, Model, Parameter, Problem, Region,
-    Replicates, Settings, Space, StopReason, Term, Watch, search, search_watched,
+    Replicates, Settings, Space, StopReason, Term, Watch, polished, search, search_watched,
 };
 use proptest::prelude::*;
 
@@ -397,7 +397,7 @@ fn refuses_problems_without_a_solution() {
     assert_eq!(many.validate().unwrap_err().to_string(), message);
     assert_eq!(search(&many, &settings(2)).unwrap_err().to_string(), message);
     let fixed = Design::new(2, vec![0.0, 2.0]).unwrap();
-    check(new(cube.clone(), 8).unwrap().with_fixed_runs(fixed), "run 0 lies outside the space: [0.0, 2.0]");
+    check(new(cube.clone(), 8).unwrap().with_fixed_runs(fixed), "run 1 lies outside the space: [0.0, 2.0]");
     check(
         new(cube.clone(), 8).unwrap().with_replicates(Replicates::Planned(5)),
         "planned replicates: 5, expected 0 to 4",
@@ -417,6 +417,7 @@ fn refuses_problems_without_a_solution() {
         |settings| settings.target_percent = Some(f64::NAN),
         "the setting `target_percent` is NaN, expected above 0",
     );
+    refused(|settings| settings.time_limit = Some(Duration::ZERO), "the setting `time_limit` is 0.0, expected above 0");
 }
 
 #[test]
@@ -482,4 +483,118 @@ fn a_variance_far_below_one_is_polished_like_any_other() {
         let found = search(&problem, &settings).unwrap();
         assert!(found.efficiency.percent > least_percent, "N = {n}: {}", found.efficiency);
     }
+}
+
+/// Runs that must differ take most points of a small grid, or all of them.
+#[test]
+fn a_grid_crowded_with_runs_is_searched_by_every_start() {
+    let level = |i: u32| 2.0 * f64::from(i) / 23.0 - 1.0;
+    let list: Vec<f64> = (0..24).flat_map(|i| (0..24).flat_map(move |j| [level(i), level(j)])).collect();
+    let grid = Space::grid(&[24, 24]).unwrap();
+    for (space, n) in [(grid.clone(), 200), (grid, 576), (Space::list(2, list).unwrap(), 500)] {
+        let problem = Problem::new(Model::quadratic(2).unwrap(), space.clone(), n, Criterion::G).unwrap();
+        let found = search(&problem, &settings(3)).unwrap_or_else(|error| panic!("{n} runs: {error}"));
+        assert_eq!((found.report.failed, found.design.replicates(1e-9).len()), (0, 0), "{n} of the {}", space.over());
+        found.design.check_within(&space).unwrap();
+    }
+}
+
+/// Steps of the polish with thousands of coordinates take seconds: the limit is asked for within them.
+#[test]
+fn a_time_limit_holds_with_thousands_of_coordinates() {
+    let problem = Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), 2000, Criterion::G).unwrap();
+    let mut limited = settings(u64::MAX);
+    limited.time_limit = Some(Duration::from_millis(300));
+    let found = search(&problem, &limited).unwrap();
+    assert!(found.report.elapsed < Duration::from_secs(4), "{:?}", found.report.elapsed);
+}
+
+/// Orthogonal arrays: their prediction variance at the corners is the least there is, p / N.
+#[test]
+fn orthogonal_designs_in_many_factors_are_found_by_a_few_starts() {
+    for (space, k, n) in [(Space::cube(11), 11, 12), (Space::grid(&[2; 12]), 12, 16), (Space::cube(12), 12, 16)] {
+        let problem = Problem::new(Model::linear(k).unwrap(), space.unwrap(), n, Criterion::G).unwrap();
+        let found = search(&problem, &settings(16)).unwrap();
+        assert!(found.efficiency.percent > 99.999, "K {k}: {}", found.efficiency);
+    }
+}
+
+#[test]
+fn fixed_runs_that_leave_too_much_open_are_named_and_not_the_rule_for_replicates() {
+    let (model, space) = (Model::quadratic(2).unwrap(), Space::cube(2).unwrap());
+    let equal = Design::from_runs(&[[0.5, 0.5]; 7]).unwrap();
+    let new = |n, fixed: &Design| {
+        Problem::new(model.clone(), space.clone(), n, Criterion::G).unwrap().with_fixed_runs(fixed.clone()).unwrap()
+    };
+    let error = search(&new(8, &equal), &settings(2)).unwrap_err();
+    assert_eq!(error, Error::TooFewFreeRuns { n_fixed: 7, determined: 1, n_free: 1, n_terms: 6 });
+    let message = "the 7 fixed runs determine 1 of 6 terms, and 1 further run cannot determine the other 5, \
+                   expected at least 5 further distinct runs";
+    assert_eq!(error.to_string(), message);
+    // Five further runs are enough, but not if one of them is the replicate of another.
+    assert!(search(&new(12, &equal), &settings(2)).is_ok());
+    let planned = new(12, &equal).with_replicates(Replicates::Planned(1)).unwrap();
+    assert!(matches!(planned.validate().unwrap_err(), Error::TooFewFreeRuns { n_free: 4, .. }));
+}
+
+/// The promise of `Thorough`: what it ends at is a local optimum to the last digits. `doe_polish.py` of the fixtures says the
+/// same of the kept designs from outside.
+#[test]
+fn no_kept_design_is_bettered_by_a_polish() {
+    let directory = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/doe");
+    let manifest = csv::Reader::from_path(directory.join("manifest.csv")).unwrap().into_records();
+    for line in manifest.map(Result::unwrap) {
+        let (k, n): (usize, usize) = (line[0].parse().unwrap(), line[1].parse().unwrap());
+        let mut reader = csv::Reader::from_path(directory.join(format!("k{k}_n{n}.csv"))).unwrap();
+        let kept = Design::from_runs(&reader.deserialize().collect::<Result<Vec<Vec<f64>>, _>>().unwrap()).unwrap();
+        let problem = Problem::new(Model::quadratic(k).unwrap(), Space::cube(k).unwrap(), n, Criterion::G).unwrap();
+        let percent = |design: &Design| Criterion::G.efficiency(problem.model(), problem.space(), design).unwrap().percent;
+        let gain = percent(&polished(&problem, &kept).unwrap()) - percent(&kept);
+        assert!((0.0..1e-4).contains(&gain), "K {k} N {n}: {gain} points");
+    }
+}
+
+/// Runs off their optimum by a hundredth find back to it, or to a better one beside it.
+#[test]
+fn a_polish_finds_back_to_the_optimum() {
+    for (k, n, starts) in [(2, 8, 48), (3, 12, 48)] {
+        let found = g_optimal(k, n, starts);
+        let moved: Vec<f64> = found.design.coordinates().iter().enumerate().map(|(i, x)| {
+            let step = 0.01 * ((i * i * 7919 + 31 * i) % 2003) as f64 / 1001.0 - 0.01;
+            (x + step).clamp(-1.0, 1.0)
+        }).collect();
+        let problem = Problem::new(Model::quadratic(k).unwrap(), Space::cube(k).unwrap(), n, Criterion::G).unwrap();
+        let percent = |design: &Design| Criterion::G.efficiency(problem.model(), problem.space(), design).unwrap().percent;
+        let moved = Design::new(k, moved).unwrap();
+        let back = percent(&polished(&problem, &moved).unwrap());
+        let best = found.efficiency.percent;
+        assert!(percent(&moved) < best - 0.5 && back > best - 0.05, "K {k}: {} to {back} of {best}", percent(&moved));
+    }
+    let grid = Problem::new(Model::quadratic(2).unwrap(), Space::grid(&[5, 5]).unwrap(), 8, Criterion::G).unwrap();
+    let error = polished(&grid, &g_optimal(2, 8, 1).design).unwrap_err().to_string();
+    assert_eq!(error, "a polish needs runs that are continuous in every factor and may be repeated");
+}
+
+/// K, N and what the best published designs have over five levels of each factor, which is how their figures are printed.
+#[test]
+fn continuous_runs_judged_on_five_levels_reach_the_figures_in_print() {
+    for (k, n, record, starts) in [(2, 6, 75.030, 100), (2, 7, 80.239, 200), (2, 9, 86.634, 100), (3, 11, 80.509, 64)] {
+        let grid = Space::grid(&vec![5; k]).unwrap();
+        let problem = Problem::new(Model::quadratic(k).unwrap(), Space::cube(k).unwrap(), n, Criterion::G).unwrap();
+        let found = search(&problem.judged_over(grid.clone()).unwrap(), &settings(starts)).unwrap();
+        assert!(found.efficiency.percent > record - 5e-4, "K {k} N {n}: {}", found.efficiency);
+        assert_eq!(found.efficiency.over, Some(grid.over()));
+        assert!(found.design.runs().flatten().any(|x| (2.0 * x - (2.0 * x).round()).abs() > 1e-3), "off the levels");
+        // Over the whole cube the same design can only be worse.
+        let cube = Criterion::G.efficiency(&Model::quadratic(k).unwrap(), &Space::cube(k).unwrap(), &found.design);
+        assert!(cube.unwrap().percent <= found.efficiency.percent);
+    }
+    let cube = |n| Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), n, Criterion::G).unwrap();
+    let refused = |judged: Space| cube(8).judged_over(judged).unwrap_err().to_string();
+    assert_eq!(refused(Space::grid(&[5; 3]).unwrap()), "the grid to judge over has 3 factors, expected 2");
+    assert_eq!(refused(Space::cube(2).unwrap()), "the space to judge over has no levels in every factor, expected a grid");
+    assert_eq!(refused(Space::grid(&[400; 2]).unwrap()), "points to judge over: 160000, expected 1 to 100000");
+    let planned = cube(8).judged_over(Space::grid(&[5; 2]).unwrap()).unwrap().with_replicates(Replicates::Planned(0));
+    let error = search(&planned.unwrap(), &settings(1)).unwrap_err().to_string();
+    assert_eq!(error, "a grid to judge over needs runs that are continuous in every factor and may be repeated");
 }

@@ -88,21 +88,21 @@ fn refuses_spaces_that_are_none() {
     );
     check(
         Space::of_axes(vec![Axis::Levels(vec![0.5, 0.5])]),
-        "the levels of factor 0 are not finite, rising and within -1 to 1",
+        "the levels of factor 1 are not finite, rising and within -1 to 1",
     );
     check(
         Space::of_axes(vec![Axis::Levels(vec![0.5, f64::NAN])]),
-        "the levels of factor 0 are not finite, rising and within -1 to 1",
+        "the levels of factor 1 are not finite, rising and within -1 to 1",
     );
     check(
         Space::list(2, vec![0.0, 0.0, 1.0, 1.0, 0.0, -0.0]),
-        "candidates 0 and 2 are the same point, expected distinct candidates",
+        "candidates 1 and 3 are the same point, expected distinct candidates",
     );
     check(
         Space::list(1, vec![0.0, 1.5]),
-        "coordinate 0 of candidate 1 is 1.5, expected coded coordinates from -1 to 1",
+        "coordinate 1 of candidate 2 is 1.5, expected coded coordinates from -1 to 1",
     );
-    check(Space::list(2, vec![f64::NAN, 0.0]), "coordinate 0 of point 0 is NaN, expected a finite number");
+    check(Space::list(2, vec![f64::NAN, 0.0]), "coordinate 1 of point 1 is NaN, expected a finite number");
     check(Space::list(2, vec![]), "candidates: 0, expected at least 1");
     let all = Forbidden::new(vec![Some([-1.0, 1.0]), None]).unwrap();
     check(
@@ -116,7 +116,7 @@ fn refuses_spaces_that_are_none() {
     check(Space::cube(3).unwrap().forbid(vec![all]), "a forbidden box has 2 factors, expected 3");
     assert_eq!(Forbidden::new(vec![None, None]), Err(Error::ForbidsEverything));
     let error = Forbidden::new(vec![Some([0.5, f64::NAN])]).unwrap_err();
-    assert_eq!(error.to_string(), "factor 0: the forbidden range 0.5 to NaN is not a range, expected lower <= upper");
+    assert_eq!(error.to_string(), "factor 1: the forbidden range 0.5 to NaN is not a range, expected lower <= upper");
 }
 
 /// A unit that slipped must not plan the runs that were to be excluded.
