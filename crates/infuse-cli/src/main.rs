@@ -17,6 +17,7 @@ mod report;
 mod sheet;
 mod shell;
 mod simulator;
+mod spread;
 mod wording;
 
 use std::io::Write as _;

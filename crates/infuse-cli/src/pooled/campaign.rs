@@ -351,6 +351,12 @@ impl Campaign {
         })
     }
 
+    /// Whether an experiment may be called the best measured: it keeps to every bound, as measured or else as expected.
+    pub(super) fn may_be_best_measured(&self, id: u64, reading: &Reading) -> bool {
+        let cell = self.experiments.trials.get(&id).map(|trial| trial.cell);
+        self.keeps_to_bounds(reading) && !cell.is_some_and(|cell| self.doubtful().contains(&cell))
+    }
+
     /// The experiment with the best mean of its runs, imported ones too, but for those named, those that broke a bound, and those
     /// that are not thought to keep to one that was not measured.
     pub(super) fn best_measured(&self, but: &[Origin]) -> Option<BestMeasured> {
@@ -366,8 +372,7 @@ impl Campaign {
         });
         let own = self.experiments.readings.iter().filter_map(|(&id, reading)| {
             let cost = reading.outcome(response)?.cost()?;
-            let cell = self.experiments.trials.get(&id).map(|trial| trial.cell);
-            if !self.keeps_to_bounds(reading) || is_doubtful(cell) {
+            if !self.may_be_best_measured(id, reading) {
                 return None;
             }
             Some(BestMeasured { origin: Origin::Own(id), cost, settings: self.experiments.settings_of(id) })

@@ -44,6 +44,8 @@ struct Side {
     stride: u32,
     /// Half the distance between levels that are drawn.
     half: f64,
+    /// Where some levels are not drawn, the first cell begins and the last one ends at the bounds.
+    ends: Option<(f64, f64)>,
 }
 
 /// A plane with its cells, x fastest.
@@ -92,7 +94,8 @@ impl Maps<'_> {
         let levels = (0..n).filter(|level| level % stride == best % stride);
         let levels = levels.map(|level| Ok(bounds.level(level)?)).collect::<Result<Vec<_>>>()?;
         let half = 0.5 * bounds.width() * f64::from(stride) / f64::from((n - 1).max(1));
-        Ok(Side { parameter, levels, stride, half })
+        let ends = (stride > 1).then(|| (bounds.lower(), bounds.upper()));
+        Ok(Side { parameter, levels, stride, half, ends })
     }
 
     /// The designs of the cells of a plane, in their order.
@@ -199,7 +202,9 @@ impl Maps<'_> {
 impl Side {
     /// Around this level.
     fn sides(&self, index: usize) -> (f64, f64) {
-        (self.levels[index] - self.half, self.levels[index] + self.half)
+        let (low, high) = (self.levels[index] - self.half, self.levels[index] + self.half);
+        let (first, last) = self.ends.unwrap_or((low, high));
+        (if index == 0 { first } else { low }, if index + 1 == self.levels.len() { last } else { high })
     }
 }
 
@@ -245,11 +250,11 @@ pub(crate) fn most_varied(maps: Vec<Map>) -> Vec<Map> {
     ranked.into_iter().map(|(_, map)| map).collect()
 }
 
-/// An axis of a parameter, without a range; of a choice it says which number is which.
+/// An axis of a parameter, without a range; of choices it has the names.
 pub(crate) fn axis_of(parameter: &Parameter) -> Axis {
-    let Some(choices) = parameter.choices() else {
-        return Axis::new(parameter.name(), parameter.unit());
-    };
-    let numbered: Vec<String> = (0..).zip(choices).map(|(place, choice)| format!("{place} {choice}")).collect();
-    Axis::new(&format!("{}: {}", parameter.name(), numbered.join(", ")), "")
+    let axis = Axis::new(parameter.name(), parameter.unit());
+    match parameter.choices() {
+        Some(choices) => Axis::new(parameter.name(), "").with_names(choices),
+        None => axis,
+    }
 }

@@ -129,7 +129,7 @@ fn what_can_be_built_may_change_from_one_batch_to_the_next() {
     assert!(text.contains("[can_be_built] says that it cannot be built"), "of what measured best: {text}");
     assert!(!text.contains("Careful"), "{text}");
     rig.infuse(&["confirm"]).ok();
-    let planned = rig.journal().into_iter().filter(|line| line["event"] == "planned").next_back().unwrap();
+    let planned = rig.journal().into_iter().rfind(|line| line["event"] == "planned").unwrap();
     assert_eq!(planned["purpose"], "confirm");
     let sheet = rig.read("sheet-5.csv");
     for row in sheet.lines().skip(1) {
@@ -185,6 +185,11 @@ fn a_constraint_may_come_move_and_go_and_be_taken_back() {
         assert!(x + y <= 7.0, "{confirming}");
     }
     rig.infuse(&["undo"]).ok();
+    // The page says of what measured best why it is not the best, and its maps set it off.
+    let page = crate::report_page::page(&rig);
+    assert!(page.contains("it would break the bound of travel") || page.contains("it breaks the bound of travel"));
+    assert!(page.contains("not sure enough to keep to the bounds") && page.contains("class=\"unsure\""));
+    assert!(page.contains(">foam</text>") && !page.contains("0 foam"));
     // Without it all is as if it had never been asked for, and a sheet that has its column says what to do.
     let toml = rig.read("campaign.toml").replace(&TRAVEL.replace("upper = 9", "upper = 6"), "");
     rig.write("campaign.toml", &toml);

@@ -290,3 +290,53 @@ fn provenance_names_the_settings_as_the_file_does() {
     assert_eq!(value("batches"), "6 at most");
     assert_eq!((value("confidence"), value("noise"), value("seed")), ("0.9".into(), "learnt".into(), "1".into()));
 }
+
+/// Of the template's truth, 7 + 4 a² + 5 b² + 1.5 a b over its 13 by 13 designs, each parameter alone explains what the mean over
+/// the other leaves.
+#[test]
+fn what_each_parameter_explains_alone_is_that_of_the_truth() {
+    let rig = Rig::pooled();
+    rig.edit("worth = 0.2", "worth = 0.000001");
+    for _ in 0..3 {
+        rig.batch();
+    }
+    let table = table(&page(&rig), "What is expected where one parameter is moved");
+    let (mut sums, mut total) = ([[0.0; 13]; 2], 0.0);
+    let at = |i: usize, j: usize| crate::rig::truth(10.0 + 2.0 * i as f64, 0.5 + 0.2 * j as f64);
+    let mean = (0..169).map(|k| at(k / 13, k % 13)).sum::<f64>() / 169.0;
+    for k in 0..169 {
+        let off = at(k / 13, k % 13) - mean;
+        total += off * off;
+        sums[0][k / 13] += off;
+        sums[1][k % 13] += off;
+    }
+    for (row, sums) in table.iter().zip(&sums) {
+        let between: f64 = sums.iter().map(|sum| sum * sum / 13.0).sum();
+        let share: f64 = row[5].trim_end_matches('%').trim().trim_end_matches('\u{a0}').parse().unwrap();
+        // Settings are taken together two by two, and the surface is not the truth.
+        assert!((share - 100.0 * between / total).abs() < 6.0, "{row:?} for {}", between / total);
+    }
+    let best: Vec<f64> = [0, 1].map(|at| table[at][2].parse().unwrap()).to_vec();
+    assert!(best.iter().all(|lowest| (lowest - 7.0).abs() < 0.3), "{best:?}");
+}
+
+#[test]
+fn the_page_says_what_to_do_next_and_what_the_simulation_misses() {
+    let rig = eventful();
+    let text = page(&rig);
+    for words in [
+        ">What to do next</h3>",
+        ">How much each parameter matters</h3>",
+        ">What the simulation misses</h3>",
+        "best so far",
+        "measured less simulated",
+        "with the line on which both are equal",
+    ] {
+        assert!(text.contains(words), "{words}");
+    }
+    // Once it has ended, what is next is to measure what was gained.
+    let ended = Rig::pooled();
+    ended.edit("batches = 6", "batches = 1");
+    ended.batch();
+    assert!(page(&ended).contains("<code>infuse confirm</code> plans a few runs that measure what was gained"));
+}

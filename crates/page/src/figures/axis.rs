@@ -30,6 +30,8 @@ pub struct Axis {
     step: Option<f64>,
     spacing: Spacing,
     colors: ColorScale,
+    /// What stands at 0, 1, 2, ... instead of these numbers, where there is room.
+    names: Vec<String>,
 }
 
 /// How the values along an axis become the colors of a [`Landscape`](crate::Landscape) or a
@@ -54,7 +56,7 @@ impl Axis {
     pub fn new(quantity: &str, unit: &str) -> Self {
         let unit = (!["", "1"].contains(&unit)).then(|| unit.to_owned());
         let label = Label { quantity: quantity.to_owned(), unit };
-        Self { label, range: None, step: None, spacing: Spacing::Even, colors: ColorScale::Linear }
+        Self { label, range: None, step: None, spacing: Spacing::Even, colors: ColorScale::Linear, names: Vec::new() }
     }
 
     /// The same axis from one value to another, whatever the data; what lies outside is cut off.
@@ -117,6 +119,12 @@ impl Axis {
         Self { step: Some(step), ..self.with_range(0.5, count.max(1) as f64 + 0.5) }
     }
 
+    /// The same axis of things that are no numbers: their names stand at 0, 1, 2, ..., or, where a [`Chart`](crate::Chart) has no
+    /// room for them, beside these numbers in the label.
+    pub fn with_names(self, names: &[String]) -> Self {
+        Self { step: Some(1.0), names: names.to_vec(), ..self }
+    }
+
     /// The same axis with another scale of colors, if it is one of colors.
     pub fn with_colors(self, colors: ColorScale) -> Self {
         Self { colors, ..self }
@@ -124,6 +132,19 @@ impl Axis {
 
     pub(super) fn colors(&self) -> ColorScale {
         self.colors
+    }
+
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The label, with the numbers of what has names.
+    pub(super) fn numbered_label(&self) -> String {
+        let numbered: Vec<String> = (0..).zip(&self.names).map(|(number, name)| format!("{number} {name}")).collect();
+        match numbered.is_empty() {
+            true => self.label.to_string(),
+            false => format!("{}: {}", self.label, numbered.join(", ")),
+        }
     }
 
     pub(super) fn has_range(&self) -> bool {

@@ -19,6 +19,8 @@ const ABOVE_EDGE_PX: f64 = 8.0;
 /// Along x and along y, where there is room.
 const MOST_TICKS: usize = 8;
 const Y_TICKS: usize = 5;
+/// Names along y are as wide at most.
+const MOST_NAME_PX: f64 = 120.0;
 /// Where the step of an axis is given and its ticks do not fit, some multiple of it.
 const COARSER: [f64; 6] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
 
@@ -35,6 +37,29 @@ pub struct MapCell {
     pub class: String,
     /// What a pointer that rests on it shows.
     pub title: String,
+}
+
+/// What stands at ticks: names in their place, or numbers.
+struct TickText<'a> {
+    names: &'a [String],
+}
+
+impl<'a> TickText<'a> {
+    /// The names of an axis, if it has some and they fit.
+    fn of(axis: &'a Axis, fits: impl Fn(&Self) -> bool) -> Self {
+        let names = Self { names: axis.names() };
+        if fits(&names) { names } else { Self { names: &[] } }
+    }
+
+    fn text(&self, scale: &Scale, tick: f64) -> String {
+        let place = tick.round();
+        let name = (place >= 0.0).then(|| self.names.get(place as usize)).flatten();
+        name.cloned().unwrap_or_else(|| scale.text(tick))
+    }
+
+    fn widest(&self, scale: &Scale) -> f64 {
+        scale.ticks().into_iter().map(|tick| text_width_px(&self.text(scale, tick), TICK_SIZE)).fold(0.0, f64::max)
+    }
 }
 
 /// A drawing between two axes; its labels stand around it, in the text of the page.
@@ -71,27 +96,37 @@ impl Chart {
 
     fn with_room(size: (f64, f64), room: f64, x: &Axis, y: &Axis, grid: Grid) -> Self {
         let y_scale = y.scale(std::iter::empty(), Y_TICKS);
-        let widest = |scale: &Scale| {
-            scale.ticks().into_iter().map(|tick| text_width_px(&scale.text(tick), TICK_SIZE)).fold(0.0, f64::max)
-        };
+        let y_text = TickText::of(y, |names| names.widest(&y_scale) <= MOST_NAME_PX);
         let most = x.scale(std::iter::empty(), MOST_TICKS);
-        // The first and the last number along x stick out by half.
-        let left = (widest(&y_scale) + 14.0).max(0.5 * widest(&most));
-        let right = size.0 - room.max(0.5 * widest(&most) + 4.0);
-        let fits = |scale: &Scale| scale.ticks().len() as f64 * (widest(scale) + 12.0) < right - left;
+        let sides = |text: &TickText<'_>| {
+            // The first and the last number along x stick out by half.
+            let half = 0.5 * text.widest(&most);
+            ((y_text.widest(&y_scale) + 14.0).max(half), size.0 - room.max(half + 4.0))
+        };
+        let fits = |text: &TickText<'_>, scale: &Scale| {
+            let (left, right) = sides(text);
+            scale.ticks().len() as f64 * (text.widest(scale) + 12.0) < right - left
+        };
+        let x_text = TickText::of(x, |names| fits(names, &most));
+        let (left, right) = sides(&x_text);
         let x_scales = (1..=MOST_TICKS).rev().map(|ticks| x.scale(std::iter::empty(), ticks));
-        let x_scale = x_scales.chain(COARSER.map(|times| most.with_step(times * most.step))).find(fits);
+        let mut x_scales = x_scales.chain(COARSER.map(|times| most.with_step(times * most.step)));
         // Where no number fits, at most one stands.
-        let x_scale = x_scale.unwrap_or_else(|| Scale::even(most.min, most.max, 10.0 * (most.max - most.min)));
+        let x_scale = x_scales
+            .find(|scale| fits(&x_text, scale))
+            .unwrap_or_else(|| Scale::even(most.min, most.max, 10.0 * (most.max - most.min)));
         let frame = Frame { left, top: TOP_PX, right, bottom: size.1 - BELOW_PX, x: x_scale, y: y_scale };
         let mut canvas = Canvas::bare(size);
         if grid == Grid::Shown {
             frame.draw_grid(&mut canvas);
         }
-        frame.draw_x_ticks(&mut canvas);
-        frame.draw_y_ticks(&mut canvas);
+        frame.draw_x_ticks_as(&mut canvas, |tick| x_text.text(&frame.x, tick));
+        frame.draw_y_ticks_as(&mut canvas, |tick| y_text.text(&frame.y, tick));
         frame.outline(&mut canvas);
-        let [x_label, y_label] = [x, y].map(|axis| axis.label().to_string());
+        let [x_label, y_label] = [(x, &x_text), (y, &y_text)].map(|(axis, text)| match text.names.is_empty() {
+            true => axis.numbered_label(),
+            false => axis.label().to_string(),
+        });
         Self { canvas, frame, x_label, y_label, legend: Vec::new() }
     }
 

@@ -71,18 +71,28 @@ impl Frame {
     }
 
     pub(super) fn draw_x_ticks(&self, canvas: &mut Canvas) {
+        self.draw_x_ticks_as(canvas, |tick| self.x.text(tick));
+    }
+
+    /// With other words at the ticks.
+    pub(super) fn draw_x_ticks_as(&self, canvas: &mut Canvas, text: impl Fn(f64) -> String) {
         for tick in self.x.ticks() {
             let x = self.x_px(tick);
             canvas.line(&[(x, self.bottom), (x, self.bottom + TICK_PX)], FRAME_PEN);
-            canvas.text_as(&self.x.text(tick), (x, self.bottom + 16.0), TICK_SIZE, Anchor::Middle);
+            canvas.text_as(&text(tick), (x, self.bottom + 16.0), TICK_SIZE, Anchor::Middle);
         }
     }
 
     pub(super) fn draw_y_ticks(&self, canvas: &mut Canvas) {
+        self.draw_y_ticks_as(canvas, |tick| self.y.text(tick));
+    }
+
+    /// With other words at the ticks.
+    pub(super) fn draw_y_ticks_as(&self, canvas: &mut Canvas, text: impl Fn(f64) -> String) {
         for tick in self.y.ticks() {
             let y = self.y_px(tick);
             canvas.line(&[(self.left - TICK_PX, y), (self.left, y)], FRAME_PEN);
-            canvas.text_as(&self.y.text(tick), (self.left - 8.0, y + 4.4), TICK_SIZE, Anchor::End);
+            canvas.text_as(&text(tick), (self.left - 8.0, y + 4.4), TICK_SIZE, Anchor::End);
         }
     }
 

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use crate::campaign::{Budget, Campaign};
 use crate::number::{count, grouped, percent, seconds};
 use crate::problem::{Problem, Simulator};
+use crate::spread::spread;
 
 /// Up to so many designs are counted one by one; of more a share is told from so many all over the grid.
 const MOST_COUNTED: u64 = 500_000;
@@ -18,12 +19,6 @@ const SAMPLED: u64 = 50_000;
 /// Whether the linear constraints allow a design.
 pub(super) fn is_allowed(problem: &Problem, point: &[f64]) -> bool {
     problem.linear_constraints.iter().all(|linear| linear.allows(point))
-}
-
-/// The k-th of numbers below n that lie all over, the fractional parts of multiples of the golden section.
-pub(super) fn spread(k: u64, n: u64) -> u64 {
-    let fraction = u128::from(k.wrapping_mul(0x9E37_79B9_7F4A_7C15));
-    u64::try_from((fraction * u128::from(n)) >> 64).unwrap_or(0)
 }
 
 /// In sentences, and for machines.

@@ -8,12 +8,13 @@ use design_space::{Cell, Grid};
 use page::Finding;
 use serde_json::{Value, json};
 
-use super::budget::{is_allowed, spread};
+use super::budget::is_allowed;
 use crate::journal::Measured;
 use crate::number::{grouped, plain, seconds, with_unit};
 use crate::problem::{PROBLEM, Problem, Program, Simulator};
 use crate::program::{Ran, is_interrupted};
 use crate::simulator::table;
+use crate::spread::spread;
 
 /// Designs that are tried until one gives a value: shares of the width of each parameter.
 const SHARES: [f64; 3] = [0.5, 0.25, 0.75];

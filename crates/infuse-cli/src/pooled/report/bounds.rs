@@ -3,6 +3,7 @@
 use page::palette::{BLUE, INK, LIGHT_BLUE, VERMILION};
 use page::{Axis, Chart, Grid, Key, Mark, Page, Stroke};
 
+use super::curves::draw_curve;
 use super::view::View;
 use crate::pooled::bands::NINE_IN_TEN;
 use crate::problem::Held;
@@ -50,20 +51,22 @@ fn chart(view: &View, held: &Held, index: usize, parameter: usize) -> Option<Cha
         .map(|(settings, value)| (settings[parameter], value))
         .collect();
     let of = &view.parameters()[parameter];
-    let room = 0.02 * of.width();
+    let room = view.room(parameter);
     let x = view.axis(parameter).covering(of.lower() - room, of.upper() + room, runs.iter().map(|run| run.0));
     let bounds = || [held.constraint.lower, held.constraint.upper].into_iter().flatten();
     let heights = curve.iter().flat_map(|&(_, mean, half)| [mean - half, mean + half]);
     let y = Axis::new(held.name(), &held.unit).around(heights.chain(runs.iter().map(|run| run.1)).chain(bounds()));
     let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Hidden);
     let band: Vec<(f64, f64, f64)> = curve.iter().map(|&(x, mean, half)| (x, mean - half, mean + half)).collect();
-    chart.ribbon(&band, LIGHT_BLUE);
-    chart.outline();
+    let expected: Vec<(f64, f64)> = curve.iter().map(|&(x, mean, _)| (x, mean)).collect();
+    let is_choice = view.is_choice(parameter);
+    draw_curve(&mut chart, &band, &expected, is_choice);
     for bound in bounds() {
         chart.line(&[(of.lower() - room, bound), (of.upper() + room, bound)], Stroke::Dashes, VERMILION);
     }
-    let expected: Vec<(f64, f64)> = curve.iter().map(|&(x, mean, _)| (x, mean)).collect();
-    chart.line(&expected, Stroke::Solid, BLUE);
+    if !is_choice {
+        chart.line(&expected, Stroke::Solid, BLUE);
+    }
     runs.iter().for_each(|&run| chart.mark(run, Mark::Dot, INK));
     let best = &view.found.recommended;
     if let Some((mean, _)) = best.constrained.get(index).and_then(|there| there.expected) {

@@ -71,22 +71,27 @@ impl Drawn {
 
     fn chart(&self, view: &View, parameter: usize) -> Chart {
         let bounds = &view.parameters()[parameter];
-        let room = 0.02 * bounds.width();
+        let room = view.room(parameter);
         let run_at = self.runs.iter().map(|((x, _), _)| *x).chain(self.failed.iter().copied());
         let x = view.axis(parameter).covering(bounds.lower() - room, bounds.upper() + room, run_at);
         let y = view.response_axis().around(self.values().chain(self.simulated()));
         let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Hidden);
+        let is_choice = view.is_choice(parameter);
         let band: Vec<(f64, f64, f64)> = self.curve.iter().map(|&(x, low, _, high)| (x, low, high)).collect();
-        chart.ribbon(&band, LIGHT_BLUE);
-        chart.outline();
+        let expected: Vec<(f64, f64)> = self.curve.iter().map(|&(x, _, mean, _)| (x, mean)).collect();
+        draw_curve(&mut chart, &band, &expected, is_choice);
         for piece in &self.simulation {
             match (view.access, piece.as_slice()) {
-                (Access::LookedUp | Access::All, [_, _, ..]) => chart.line(piece, Stroke::Dashes, ORANGE),
+                (Access::LookedUp | Access::All, [_, _, ..]) if !is_choice => {
+                    chart.line(piece, Stroke::Dashes, ORANGE);
+                }
                 _ => piece.iter().for_each(|&point| chart.mark(point, Mark::Dot, ORANGE)),
             }
         }
-        let expected: Vec<(f64, f64)> = self.curve.iter().map(|&(x, _, mean, _)| (x, mean)).collect();
-        chart.line(&expected, Stroke::Solid, BLUE);
+        if !is_choice {
+            // Over the simulation.
+            chart.line(&expected, Stroke::Solid, BLUE);
+        }
         for &(point, mark) in &self.runs {
             chart.mark(point, mark, INK);
         }
@@ -97,6 +102,20 @@ impl Drawn {
         chart.mark((best.point[parameter], view.response().of_cost(best.mean)), Mark::Target, VERMILION);
         chart
     }
+}
+
+/// What is expected and its band: lines, or of choices, between which there is nothing, a whisker each.
+pub(super) fn draw_curve(chart: &mut Chart, band: &[(f64, f64, f64)], expected: &[(f64, f64)], is_choice: bool) {
+    if !is_choice {
+        chart.ribbon(band, LIGHT_BLUE);
+        chart.outline();
+        return;
+    }
+    for (&(x, low, high), &(_, mean)) in band.iter().zip(expected) {
+        chart.ribbon(&[(x - 0.2, low, high), (x + 0.2, low, high)], LIGHT_BLUE);
+        chart.line(&[(x - 0.2, mean), (x + 0.2, mean)], Stroke::Solid, BLUE);
+    }
+    chart.outline();
 }
 
 /// What the simulation says along the line, in pieces: of few simulations each is one.

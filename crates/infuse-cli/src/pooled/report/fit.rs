@@ -24,10 +24,11 @@ pub(super) fn write(page: &mut Page, view: &View) {
         return;
     }
     let simulated = points(&view.runs, |run| view.simulated.get(&run.cell).copied());
-    let mut charts = vec![residuals_against_expected(view)];
+    let expected = points(&view.runs, |run| view.expected(run.cell));
+    let mut charts = vec![against(view, "expected", &expected), residuals_against_expected(view)];
     charts.extend(residuals_over_runs(view));
     if !simulated.is_empty() {
-        charts.push(against_simulated(view, &simulated));
+        charts.push(against(view, "simulated", &simulated));
     }
     page.charts(&charts, &legend(view), &caption(view, !simulated.is_empty(), charts.len()));
 }
@@ -71,12 +72,12 @@ fn residual_axis(view: &View) -> Axis {
     Axis::new("measured less expected", &view.response().unit)
 }
 
-/// What was measured against what was simulated; with the line on which both are equal, unless they are far apart.
-fn against_simulated(view: &View, points: &Points) -> Chart {
+/// What was measured against what was expected or simulated; with the line on which both are equal, unless they are far apart.
+fn against(view: &View, what: &str, points: &Points) -> Chart {
     let response = view.response();
     let xs = || points.iter().map(|((x, _), _)| *x);
     let ys = || points.iter().map(|((_, y), _)| *y);
-    let (x, y) = (Axis::new(&format!("{} simulated", response.name), &response.unit), measured_axis(view));
+    let (x, y) = (Axis::new(&format!("{} {what}", response.name), &response.unit), measured_axis(view));
     let both = width(xs().chain(ys()));
     let are_near = both <= FAR * width(xs()).max(width(ys())) || both <= 0.0;
     let (low, high) = ends(xs().chain(ys()));
@@ -149,18 +150,19 @@ fn legend(view: &View) -> Vec<Key> {
 
 fn caption(view: &View, has_simulation: bool, n_charts: usize) -> String {
     let mut text =
-        "Left: what was measured less what is expected at the same settings, against that; the surface has seen these runs."
+        "First: what was measured in all batches against what is expected at the same settings, with the line on which both are \
+         equal; the surface has seen these runs. Second: how far they are from that line."
             .to_owned();
     if view.campaign.experiments.last_batch().is_some() {
-        let middle = if n_charts > 2 { "Middle" } else { "Right" };
         text.push_str(&format!(
-            " {middle}: the same over the runs, where a trend would tell that something has drifted; the \
+            " Third: the same over the runs, where a trend would tell that something has drifted; the \
              noise of one run is {}.",
             amount(view.response(), view.found.noise)
         ));
     }
     if has_simulation {
-        text.push_str(" Right: what was measured against the simulation.");
+        let place = if n_charts > 3 { "Fourth" } else { "Third" };
+        text.push_str(&format!(" {place}: what was measured against the simulation."));
         text.push_str(&match view.found.simulation {
             Some(worth) => format!(
                 " It explains {} of the variance of what was measured (squared correlation).",

@@ -29,20 +29,22 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
         return Ok(());
     }
     let of_batches = best_of_batches(campaign);
-    let mut charts = vec![expected(campaign, &of_batches), bound(campaign), left(campaign)];
+    let mut charts = vec![expected(campaign, &of_batches), bound(campaign), left(campaign), best_so_far(campaign)];
     charts.extend(spent(campaign));
     let worth = match campaign.settings.worth {
         Some(_) => " Below `worth` another batch is not worth its cost.",
         None => "",
     };
+    let kept = if campaign.problem.constraints.is_empty() { "" } else { " of those that keep to their bounds" };
     let below = match campaign.problem.costs {
-        Some(_) => " Below: the bound against what the experiments so far have cost, plants included.",
+        Some(_) => " Beside it: the bound against what the experiments so far have cost, plants included.",
         None => "",
     };
     let caption = format!(
         "Left: what is expected of the recommended design after each batch, with its band of 90 %, and the best that was \
          measured in the batch. Middle: no design is better than the recommended one by more than the bound, with the \
-         probability of the certificate.{worth} Right: the share of all designs that may still be the best.{below}"
+         probability of the certificate.{worth} Right: the share of all designs that may still be the best. Below: \
+         every experiment of the campaign, and the best so far{kept}.{below}"
     );
     page.charts(&charts, &[], &caption);
     write_table(page, campaign, &of_batches);
@@ -53,7 +55,9 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
 fn best_of_batches(campaign: &Campaign) -> BTreeMap<usize, f64> {
     let (experiments, response) = (&campaign.experiments, &campaign.problem.response);
     let mut best: BTreeMap<usize, f64> = BTreeMap::new();
-    for (id, reading) in experiments.readings.iter().filter(|(_, reading)| campaign.keeps_to_bounds(reading)) {
+    for (id, reading) in
+        experiments.readings.iter().filter(|(id, reading)| campaign.may_be_best_measured(**id, reading))
+    {
         let cost = reading.outcome(response).and_then(|outcome| outcome.cost());
         if let (Some(trial), Some(cost)) = (experiments.trials.get(id), cost) {
             let known = best.entry(trial.batch).or_insert(cost);
@@ -104,6 +108,39 @@ fn bound(campaign: &Campaign) -> Chart {
     if worth.is_some() {
         chart.key(Key::new("worth").line(Stroke::Dashes, VERMILION));
     }
+    chart
+}
+
+/// The best that was measured so far, over the experiments in the order of their sheets.
+fn best_so_far(campaign: &Campaign) -> Chart {
+    let (experiments, response) = (&campaign.experiments, &campaign.problem.response);
+    let batches = 1..=experiments.last_batch().unwrap_or(0);
+    let order = batches.flat_map(|batch| experiments.in_run_order(batch, campaign.problem.seed));
+    let made = order.filter(|(trial, _)| experiments.is_told(trial.id));
+    let (mut measured, mut stairs, mut best, mut n): (Line, Line, Option<f64>, usize) =
+        (Line::new(), Line::new(), None, 0);
+    for (place, (trial, _)) in made.enumerate() {
+        n = place + 1;
+        let id = trial.id.number();
+        let Some(reading) = experiments.readings.get(&id) else { continue };
+        let Some(cost) = reading.outcome(response).and_then(|outcome| outcome.cost()) else { continue };
+        measured.push((n as f64, response.of_cost(cost)));
+        if campaign.may_be_best_measured(id, reading) && best.is_none_or(|best| cost < best) {
+            stairs.extend(best.map(|best| (n as f64, response.of_cost(best))));
+            stairs.push((n as f64, response.of_cost(cost)));
+            best = Some(cost);
+        }
+    }
+    stairs.extend(best.map(|best| (n as f64 + 0.5, response.of_cost(best))));
+    let y = Axis::new(&response.name, &response.unit).around(measured.iter().map(|point| point.1));
+    let x = Axis::new("experiment, in the order of the runs", "1").counting(1, n.max(1));
+    let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Shown);
+    for &point in &measured {
+        chart.mark(point, Mark::Ring, INK);
+    }
+    chart.line(&stairs, Stroke::Solid, BLUE);
+    chart.key(Key::new("measured").mark(Mark::Ring, INK));
+    chart.key(Key::new("best so far").line(Stroke::Solid, BLUE));
     chart
 }
 

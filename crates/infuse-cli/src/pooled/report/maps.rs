@@ -12,6 +12,9 @@ use crate::report::maps::{self, Apart, Map, Maps, Plane, most_varied};
 
 /// Below this probability that a run gives a value, a design is set off: it is not recommended.
 const FEASIBLE: f64 = 0.75;
+/// Of designs that are not sure enough to keep to their bounds, and of those that are not to be had at all.
+const UNSURE: &str = "#cfcfcf";
+const NOT_ALLOWED: &str = "#ffffff";
 /// With more simulations than these, they are not marked.
 const MOST_SIMULATED: usize = 200;
 
@@ -33,7 +36,16 @@ fn map(view: &View, plane: &Plane, cells: &[Cell]) -> Map {
     let cell = |&cell: &Cell| {
         let band = view.band(cell);
         let (value, feasible) = band.map_or((f64::NAN, 1.0), |band| (band.mean, band.feasible));
+        if let Some(why_not) = view.campaign.why_not(cell) {
+            let apart = Apart { fill: NOT_ALLOWED.to_owned(), words: why_not };
+            return maps::Cell { value, class: "forbidden".to_owned(), apart: Some(apart) };
+        }
         let is_apart = feasible < FEASIBLE;
+        if !is_apart && let Some((held, within)) = view.unsure(cell) {
+            let words = format!("{} is {} with {} probability", held.name(), held.bounds(), percent(within));
+            let apart = Apart { fill: UNSURE.to_owned(), words };
+            return maps::Cell { value, class: "unsure".to_owned(), apart: Some(apart) };
+        }
         let class = if is_apart { "unlikely" } else { "expected" }.to_owned();
         let words = format!("a run gives a value with {} probability", percent(feasible));
         maps::Cell { value, class, apart: is_apart.then(|| Apart { fill: gray(1, 1), words }) }
@@ -70,8 +82,14 @@ fn legend(maps: &Maps, shown: &[Map]) -> Vec<Key> {
             keys.push(Key::new(text).mark(mark, INK));
         }
     }
-    if shown.iter().flat_map(|map| &map.cells).any(|cell| cell.apart.is_some()) {
-        keys.push(Key::new("a run probably gives no value").field(&gray(1, 1)));
+    for (class, fill, text) in [
+        ("unlikely", &*gray(1, 1), "a run probably gives no value"),
+        ("unsure", UNSURE, "not sure enough to keep to the bounds"),
+        ("forbidden", NOT_ALLOWED, "not to be had"),
+    ] {
+        if shown.iter().flat_map(|map| &map.cells).any(|cell| cell.class == class) {
+            keys.push(Key::new(text).field(fill));
+        }
     }
     keys
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use anyhow::Result;
 use design_space::Cell;
-use infuse::pooled::Standing;
+use infuse::pooled::{Constrained, Standing};
 use page::{Column, Page, Table};
 
 use super::NOTHING;
@@ -23,7 +23,11 @@ pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
     let best = best(view)?;
     let caption = "The designs that measured best, by the mean of their runs; a run at settings between designs counts for \
                    the nearest.";
-    page.table(&best_table(view, &best), caption);
+    let caption = match view.campaign.problem.constraints.is_empty() {
+        true => caption.to_owned(),
+        false => format!("{caption} What has to stay within bounds is as measured, or in brackets as expected."),
+    };
+    page.table(&best_table(view, &best), &caption);
     let telling = telling(view)?;
     if !telling.is_empty() {
         let table = telling_table(view, &telling)?;
@@ -56,25 +60,54 @@ fn best_table(view: &View, best: &[Standing]) -> Table {
         Column::number("runs", ""),
         Column::number("expected", unit),
         Column::number("± (90 %)", unit),
-        Column::words("may still be the best"),
     ]);
+    let constraints = &view.campaign.problem.constraints;
+    columns.extend(constraints.iter().map(|held| Column::number(held.name(), &held.unit)));
+    columns.push(Column::words("may still be the best"));
     let row = |there: &Standing| {
         let mut cells = written(view, &there.point);
-        let verdict = match there.may_be_best {
-            _ if there.cell == view.found.recommended.cell => "yes, it is recommended",
-            true => "yes",
-            false => "no",
-        };
         cells.extend([
             there.measured.map_or_else(|| NOTHING.to_owned(), |cost| resolved(response.of_cost(cost), known_to)),
             there.n_readings.to_string(),
             resolved(response.of_cost(there.mean), known_to),
             short(NINE_IN_TEN * there.deviation),
-            verdict.to_owned(),
         ]);
+        cells.extend(there.constrained.iter().map(constrained_in_short));
+        cells.push(verdict(view, there));
         cells
     };
     Table { columns, rows: best.iter().map(row).collect() }
+}
+
+/// As measured, or in brackets as expected.
+fn constrained_in_short(there: &Constrained) -> String {
+    match (there.measured, there.expected) {
+        (Some(measured), _) => short(measured),
+        (None, Some((expected, _))) => format!("({})", short(expected)),
+        (None, None) => NOTHING.to_owned(),
+    }
+}
+
+/// Whether a design may still be the best, or why not.
+fn verdict(view: &View, there: &Standing) -> String {
+    if there.cell == view.found.recommended.cell {
+        return "yes, it is recommended".to_owned();
+    }
+    if let Some(why_not) = view.campaign.why_not(there.cell) {
+        return format!("no, {why_not}");
+    }
+    let pairs = view.campaign.problem.constraints.iter().zip(&there.constrained);
+    let broken = pairs.clone().find(|(held, there)| there.measured.is_some_and(|value| !held.constraint.allows(value)));
+    let unsure = || pairs.clone().find(|(held, there)| there.within < held.constraint.probability);
+    match (broken, there.may_be_best) {
+        (Some((held, _)), _) => format!("no, it breaks the bound of {}", held.name()),
+        (None, true) => "yes".to_owned(),
+        (None, false) => match unsure() {
+            Some((held, there)) if there.within < 0.5 => format!("no, it would break the bound of {}", held.name()),
+            Some((held, _)) => format!("no, it is not sure to keep to {}", held.name()),
+            None => "no".to_owned(),
+        },
+    }
 }
 
 /// Settings as a table has them.

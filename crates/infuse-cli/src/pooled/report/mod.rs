@@ -2,10 +2,12 @@
 
 mod bounds;
 mod curves;
+mod effects;
 mod fit;
 mod history;
 mod maps;
 mod measured;
+mod misses;
 mod settings;
 mod sheets;
 mod summary;
@@ -36,12 +38,16 @@ pub(super) fn page(campaign: &Campaign, journal: &Journal) -> Result<String> {
             curves::write(&mut page, view);
             bounds::write(&mut page, view);
             maps::write(&mut page, view)?;
+            effects::write(&mut page, view)?;
         }
         None => page.paragraph(NO_RESULT),
     }
     page.section("fit", "Fit");
     match &view {
-        Some(view) => fit::write(&mut page, view),
+        Some(view) => {
+            fit::write(&mut page, view);
+            misses::write(&mut page, view);
+        }
         None => page.paragraph(NO_RESULT),
     }
     page.section("measured", "Best and most telling experiments");

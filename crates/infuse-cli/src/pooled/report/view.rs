@@ -10,7 +10,7 @@ use page::Axis;
 use crate::journal::Measured;
 use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::{Access, Campaign, Origin};
-use crate::problem::Response;
+use crate::problem::{Held, Response};
 use crate::report::maps::{Maps, Plane, axis_of};
 
 /// Levels at which a curve is evaluated, at most.
@@ -120,6 +120,17 @@ impl<'a> View<'a> {
         axis_of(parameter)
     }
 
+    /// How far an axis along a parameter goes beyond its bounds: names need room, settings hardly any.
+    pub(super) fn room(&self, parameter: usize) -> f64 {
+        let parameter = &self.parameters()[parameter];
+        if parameter.choices().is_some() { 0.4 } else { 0.02 * parameter.width() }
+    }
+
+    /// Whether a parameter is a choice, between which there is nothing.
+    pub(super) fn is_choice(&self, parameter: usize) -> bool {
+        self.parameters()[parameter].choices().is_some()
+    }
+
     /// An axis of the response.
     pub(super) fn response_axis(&self) -> Axis {
         Axis::new(&self.response().name, &self.response().unit)
@@ -153,6 +164,15 @@ impl<'a> View<'a> {
     /// What is expected of a constrained response at a design that appears on the page, and the standard deviation of that.
     pub(super) fn constrained(&self, cell: Cell, constraint: usize) -> Option<(f64, f64)> {
         self.expected.get(&cell)?.constrained.get(constraint)?.expected
+    }
+
+    /// The first bound that a design of the page is not sure enough to keep to, with the probability that it does.
+    pub(super) fn unsure(&self, cell: Cell) -> Option<(&'a Held, f64)> {
+        let there = &self.expected.get(&cell)?.constrained;
+        let mut pairs = self.campaign.problem.constraints.iter().zip(there);
+        pairs
+            .find(|(held, one)| one.expected.is_some() && one.within < held.constraint.probability)
+            .map(|(held, one)| (held, one.within))
     }
 
     /// Settings of every run that measured a constrained response, with what it gave in the mean.
