@@ -143,9 +143,7 @@ fn search_until(
         progress: &mut say,
     };
     let (outcome, chosen) = match problem.space().shape() {
-        Shape::Box(shape) if problem.is_continuous() => {
-            (over_box(problem, shape, runner)?, Vec::new())
-        }
+        Shape::Box(shape) if problem.is_continuous() => (over_box(problem, shape, runner)?, Vec::new()),
         Shape::Box(shape) => (over_grid(problem, shape, runner)?, Vec::new()),
         Shape::List(list) => over_list(problem, list, runner)?,
     };
