@@ -65,8 +65,12 @@ fn design(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let file = ProblemFile::read(file)?;
     let (region, problem) = (file.region()?, file.problem()?);
     // Names that a file cannot hold are better refused before the search than after it.
-    Design::new(region.n_parameters(), vec![0.0; region.n_parameters()])?
-        .write_csv_with_kinds(&region, RunOrder::Standard, 0, io::sink())?;
+    Design::new(region.n_parameters(), vec![0.0; region.n_parameters()])?.write_csv_with_kinds(
+        &region,
+        RunOrder::Standard,
+        0,
+        io::sink(),
+    )?;
     let found = search(&problem, &file.settings()?)?;
     let n_fixed = problem.fixed().map_or(0, Design::n_runs);
     let design = found.design.rounded(&region, problem.space(), n_fixed)?;

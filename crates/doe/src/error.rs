@@ -287,7 +287,9 @@ fn no_design(starts: u64) -> String {
         return "the search was over before it had a design".to_owned();
     }
     let starts = counted(starts, "start", "starts");
-    format!("none of {starts} led to a design that determines the model with the fixed runs and the rule for replicates")
+    format!(
+        "none of {starts} led to a design that determines the model with the fixed runs and the rule for replicates"
+    )
 }
 
 fn confounding_list(confounded: &[Confounding]) -> String {

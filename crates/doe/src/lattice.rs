@@ -58,7 +58,9 @@ impl Lattice {
     /// About as many levels along each axis as `count` says of it.
     pub(crate) fn with_counts(shape: &BoxShape, count: impl Fn(usize) -> usize) -> Self {
         let axis_levels = |(factor, axis): (usize, &Axis)| match (axis, count(factor)) {
-            (Axis::Levels(levels), count) => spread(count.min(levels.len()), levels.len()).map(|index| levels[index]).collect(),
+            (Axis::Levels(levels), count) => {
+                spread(count.min(levels.len()), levels.len()).map(|index| levels[index]).collect()
+            }
             (Axis::Continuous, count) => {
                 let mut levels: Vec<f64> = (0..count as u64).map(|level| coded_level(level, count as u64)).collect();
                 levels.extend(shape.forbidden.iter().flat_map(|box_| box_.range(factor)).filter(|end| end.abs() < 1.0));

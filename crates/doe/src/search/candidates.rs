@@ -125,7 +125,8 @@ impl<'a> Candidates<'a> {
     /// The nearest of all candidates that `is_free` lets pass, the first of equals; none if it lets none pass.
     pub(crate) fn nearest_free(&self, point: &[f64], is_free: impl Fn(&[f64]) -> bool) -> Option<Vec<f64>> {
         let square = |at: &[f64]| at.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
-        let mut order: Vec<(f64, usize)> = (0..self.n_indices()).map(|index| (square(&self.at(index)), index)).collect();
+        let mut order: Vec<(f64, usize)> =
+            (0..self.n_indices()).map(|index| (square(&self.at(index)), index)).collect();
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let points = order.into_iter().filter(|&(_, index)| self.is_candidate(index)).map(|(_, index)| self.at(index));
         points.into_iter().find(|at| is_free(at))

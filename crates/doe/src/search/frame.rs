@@ -57,7 +57,9 @@ impl Frame {
             (Criterion::I, Shape::Box(_)) => moment_matrix(model, problem.judged())?,
             _ => Vec::new(),
         };
-        let table = shape.filter(|_| criterion == Criterion::G).map(|shape| Table::of(&products, &judged_lattice(problem, shape, &products)));
+        let table = shape
+            .filter(|_| criterion == Criterion::G)
+            .map(|shape| Table::of(&products, &judged_lattice(problem, shape, &products)));
         let regressors = Regressors::of(model);
         let multiplicities = problem.multiplicities();
         Ok(Self { criterion, regressors, products, fixed, multiplicities, moments, least_log_determinant, table })

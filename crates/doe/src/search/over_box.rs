@@ -54,8 +54,7 @@ pub fn polished(problem: &Problem, design: &Design) -> Result<Design, Error> {
     let frame = Frame::of(problem, Some(&relaxed), f64::NEG_INFINITY, &<[f64]>::to_vec)?;
     let lattice = judged_lattice(problem, &relaxed, &frame.products);
     let judged = problem.judged_grid().unwrap_or(&relaxed);
-    let search =
-        Continuous { frame: &frame, shape: &relaxed, judged, lattice: &lattice, effort: Effort::Thorough };
+    let search = Continuous { frame: &frame, shape: &relaxed, judged, lattice: &lattice, effort: Effort::Thorough };
     let free = design.coordinates()[(n_runs - problem.n_free()) * design.n_factors()..].to_vec();
     let (x, _) = search.taken_down(free, &|| false).ok_or(Error::Singular)?;
     let polished = problem.design(&x)?;

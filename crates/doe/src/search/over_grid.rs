@@ -23,7 +23,8 @@ pub(crate) fn over_grid(problem: &Problem, shape: &BoxShape, runner: Runner<'_>)
     let relaxed = shape.relaxed();
     let frame = Frame::of(problem, Some(&relaxed), runner.least_log_determinant, &<[f64]>::to_vec)?;
     let lattice = lattice(&relaxed, &frame.products);
-    let continuous = |effort: Effort| Continuous { frame: &frame, shape: &relaxed, judged: &relaxed, lattice: &lattice, effort };
+    let continuous =
+        |effort: Effort| Continuous { frame: &frame, shape: &relaxed, judged: &relaxed, lattice: &lattice, effort };
     let candidates = Candidates::grid(&grid, &frame.products);
     let search = Discrete {
         frame: &frame,

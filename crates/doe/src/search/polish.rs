@@ -217,7 +217,13 @@ fn descend(
     let mut stalled = 0;
     for made in 0..limits.steps {
         let highest = current[0].1;
-        if movable.is_empty() || is_too_large || radius < limits.least_radius || stalled == 3 || !is_worth(made, highest) || is_over() {
+        if movable.is_empty()
+            || is_too_large
+            || radius < limits.least_radius
+            || stalled == 3
+            || !is_worth(made, highest)
+            || is_over()
+        {
             break;
         }
         let free = match way {
@@ -281,7 +287,8 @@ fn descend(
                     remember(pool, &next);
                     // What the step has shown may have been overlooked where it began.
                     let is_overlooked = |point: &[f64]| peaks.variance.value(point) > highest * (1.0 + OVERLOOKED);
-                    let overlooked: Vec<_> = next.into_iter().map(|peak| peak.0).filter(|at| is_overlooked(at)).collect();
+                    let overlooked: Vec<_> =
+                        next.into_iter().map(|peak| peak.0).filter(|at| is_overlooked(at)).collect();
                     if !overlooked.is_empty() {
                         peaks.known.extend(overlooked);
                         let Some(found) = peaks.at(x) else {

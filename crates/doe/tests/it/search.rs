@@ -548,7 +548,8 @@ fn no_kept_design_is_bettered_by_a_polish() {
         let mut reader = csv::Reader::from_path(directory.join(format!("k{k}_n{n}.csv"))).unwrap();
         let kept = Design::from_runs(&reader.deserialize().collect::<Result<Vec<Vec<f64>>, _>>().unwrap()).unwrap();
         let problem = Problem::new(Model::quadratic(k).unwrap(), Space::cube(k).unwrap(), n, Criterion::G).unwrap();
-        let percent = |design: &Design| Criterion::G.efficiency(problem.model(), problem.space(), design).unwrap().percent;
+        let percent =
+            |design: &Design| Criterion::G.efficiency(problem.model(), problem.space(), design).unwrap().percent;
         let gain = percent(&polished(&problem, &kept).unwrap()) - percent(&kept);
         assert!((0.0..1e-4).contains(&gain), "K {k} N {n}: {gain} points");
     }
@@ -559,12 +560,19 @@ fn no_kept_design_is_bettered_by_a_polish() {
 fn a_polish_finds_back_to_the_optimum() {
     for (k, n, starts) in [(2, 8, 48), (3, 12, 48)] {
         let found = g_optimal(k, n, starts);
-        let moved: Vec<f64> = found.design.coordinates().iter().enumerate().map(|(i, x)| {
-            let step = 0.01 * ((i * i * 7919 + 31 * i) % 2003) as f64 / 1001.0 - 0.01;
-            (x + step).clamp(-1.0, 1.0)
-        }).collect();
+        let moved: Vec<f64> = found
+            .design
+            .coordinates()
+            .iter()
+            .enumerate()
+            .map(|(i, x)| {
+                let step = 0.01 * ((i * i * 7919 + 31 * i) % 2003) as f64 / 1001.0 - 0.01;
+                (x + step).clamp(-1.0, 1.0)
+            })
+            .collect();
         let problem = Problem::new(Model::quadratic(k).unwrap(), Space::cube(k).unwrap(), n, Criterion::G).unwrap();
-        let percent = |design: &Design| Criterion::G.efficiency(problem.model(), problem.space(), design).unwrap().percent;
+        let percent =
+            |design: &Design| Criterion::G.efficiency(problem.model(), problem.space(), design).unwrap().percent;
         let moved = Design::new(k, moved).unwrap();
         let back = percent(&polished(&problem, &moved).unwrap());
         let best = found.efficiency.percent;
@@ -592,7 +600,10 @@ fn continuous_runs_judged_on_five_levels_reach_the_figures_in_print() {
     let cube = |n| Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), n, Criterion::G).unwrap();
     let refused = |judged: Space| cube(8).judged_over(judged).unwrap_err().to_string();
     assert_eq!(refused(Space::grid(&[5; 3]).unwrap()), "the grid to judge over has 3 factors, expected 2");
-    assert_eq!(refused(Space::cube(2).unwrap()), "the space to judge over has no levels in every factor, expected a grid");
+    assert_eq!(
+        refused(Space::cube(2).unwrap()),
+        "the space to judge over has no levels in every factor, expected a grid"
+    );
     assert_eq!(refused(Space::grid(&[400; 2]).unwrap()), "points to judge over: 160000, expected 1 to 100000");
     let planned = cube(8).judged_over(Space::grid(&[5; 2]).unwrap()).unwrap().with_replicates(Replicates::Planned(0));
     let error = search(&planned.unwrap(), &settings(1)).unwrap_err().to_string();
