@@ -63,6 +63,8 @@ impl std::fmt::Debug for Watch<'_> {
 /// # How G is searched
 ///
 /// On the cube each start descends the L_q norm of the prediction variance on a lattice, q = 4 or so up to 2048, by a bounded quasi-Newton method; the best of every sixteen are then taken to their local optimum by sequential quadratic programs over all maxima of the variance, with exact second derivatives that include how the maxima move.
+/// Every step of a thorough polish is checked on a finer lattice for maxima that it overlooks, and the polish begins anew with all maxima it has met, in turn by linear programs and by quadratic ones, until neither gains a part in ten million: sequential linear programs of another solver gain less than 1e-5 points from any of the designs in `fixtures/doe`.
+/// Where the model is linear in a factor v is convex along it, and beyond six factors only the ends of such an axis are looked at.
 /// Maxima are found by ascents from the local maxima of a lattice along the axes, where the variance is a polynomial of one variable, and along the direction of largest curvature where a saddle holds the axes back: without that the claims for a few designs were up to 0.07 points too high, which the independent check noticed.
 /// On grids and lists the continuous solution is rounded and improved by exchanges, scored by the L_q norm and then the maximum over a working set: the local maxima of the prediction variance along the axes, up to 250, and the 500 highest points, which a scan of all points renews after every second pass over the runs.
 /// An offered exchange is given up at the first block of the working set that shows it to be worse.

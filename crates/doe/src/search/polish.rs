@@ -226,41 +226,11 @@ fn descend(
         {
             break;
         }
-        let free = match way {
-            Way::Linear => movable.clone(),
-            _ => not_pressed(peaks, x, pool, &movable, bounds),
-        };
-        let (considered, heights, slopes) = linearize(peaks, x, pool, &free, radius);
-        let lower: Vec<f64> = free.iter().map(|&i| (bounds.0[i] - x[i]).max(-radius)).collect();
-        let upper: Vec<f64> = free.iter().map(|&i| (bounds.1[i] - x[i]).min(radius)).collect();
-        let mut problem =
-            MinimaxStep { heights: &heights, slopes: &slopes, lower: &lower, upper: &upper, curvature: &[] };
-        if pool.iter().all(|met| met.multiplier <= 0.0) {
-            let Some(Solution { multipliers, .. }) = solve(&problem, is_over) else {
-                break;
-            };
-            hold(pool, &considered, &multipliers);
-        }
-        let hessian = if way == Way::Linear { Some(Vec::new()) } else { hessian(peaks, x, pool, &free, is_over) };
-        let Some(hessian) = hessian else {
+        let Some(Step { trial, moved, predicted }) =
+            next_step(peaks, x, bounds, pool, &movable, (way, radius), is_over)
+        else {
             break;
         };
-        problem.curvature = &hessian;
-        let Some(Solution { step, multipliers }) = solve(&problem, is_over) else {
-            break;
-        };
-        hold(pool, &considered, &multipliers);
-        let reached = |row: (&f64, &[f64])| row.0 + row.1.iter().zip(&step).map(|(g, d)| g * d).sum::<f64>();
-        let predicted = heights.iter().zip(slopes.chunks_exact(free.len())).map(reached).fold(0.0, f64::max);
-        let bend: f64 = hessian.chunks_exact(free.len()).zip(&step).map(|(row, d)| d * dot(row, &step)).sum();
-        let predicted = predicted + 0.5 * bend;
-        if predicted >= 1.0 - if way == Way::Linear { 1e-9 } else { 1e-8 } {
-            break;
-        }
-        let mut trial = x.to_vec();
-        for (&i, d) in free.iter().zip(&step) {
-            trial[i] = (x[i] + d).clamp(bounds.0[i], bounds.1[i]);
-        }
         let before = peaks.known.clone();
         pool.retain(|met| met.age <= FORGOTTEN || way != Way::First);
         let next = if limits.is_checked { peaks.checked(&trial) } else { peaks.at(&trial) };
@@ -283,27 +253,81 @@ fn descend(
             other => {
                 peaks.known = before;
                 peaks.at(x);
-                if let Some(next) = other {
-                    remember(pool, &next);
-                    // What the step has shown may have been overlooked where it began.
-                    let is_overlooked = |point: &[f64]| peaks.variance.value(point) > highest * (1.0 + OVERLOOKED);
-                    let overlooked: Vec<_> =
-                        next.into_iter().map(|peak| peak.0).filter(|at| is_overlooked(at)).collect();
-                    if !overlooked.is_empty() {
-                        peaks.known.extend(overlooked);
-                        let Some(found) = peaks.at(x) else {
-                            return f64::INFINITY;
-                        };
-                        current = found;
-                        remember(pool, &current);
-                    }
+                if let Some(found) = other.and_then(|next| overlooked(peaks, x, pool, next, highest)) {
+                    current = found;
                 }
-                let moved = step.iter().fold(0.0, |a: f64, d| a.max(d.abs()));
                 radius = 0.25 * radius.min(moved);
             }
         }
     }
     current[0].1
+}
+
+/// Where a step leads, its largest change of a coordinate, and the share of the largest v that it is predicted to leave.
+struct Step {
+    trial: Vec<f64>,
+    moved: f64,
+    predicted: f64,
+}
+
+/// The step within a radius; none if it would gain nothing, or the search is over.
+fn next_step(
+    peaks: &Peaks<'_>,
+    x: &[f64],
+    bounds: (&[f64], &[f64]),
+    pool: &mut [Met],
+    movable: &[usize],
+    (way, radius): (Way, f64),
+    is_over: IsOver<'_>,
+) -> Option<Step> {
+    let (free, least_gain) = match way {
+        Way::Linear => (movable.to_vec(), 1e-9),
+        Way::First | Way::Curved => (not_pressed(peaks, x, pool, movable, bounds), 1e-8),
+    };
+    let (considered, heights, slopes) = linearize(peaks, x, pool, &free, radius);
+    let lower: Vec<f64> = free.iter().map(|&i| (bounds.0[i] - x[i]).max(-radius)).collect();
+    let upper: Vec<f64> = free.iter().map(|&i| (bounds.1[i] - x[i]).min(radius)).collect();
+    let mut problem = MinimaxStep { heights: &heights, slopes: &slopes, lower: &lower, upper: &upper, curvature: &[] };
+    if pool.iter().all(|met| met.multiplier <= 0.0) {
+        hold(pool, &considered, &solve(&problem, is_over)?.multipliers);
+    }
+    let hessian = if way == Way::Linear { Vec::new() } else { hessian(peaks, x, pool, &free, is_over)? };
+    problem.curvature = &hessian;
+    let Solution { step, multipliers } = solve(&problem, is_over)?;
+    hold(pool, &considered, &multipliers);
+    let reached = |row: (&f64, &[f64])| row.0 + row.1.iter().zip(&step).map(|(g, d)| g * d).sum::<f64>();
+    let predicted = heights.iter().zip(slopes.chunks_exact(free.len())).map(reached).fold(0.0, f64::max);
+    let bend: f64 = hessian.chunks_exact(free.len()).zip(&step).map(|(row, d)| d * dot(row, &step)).sum();
+    let predicted = predicted + 0.5 * bend;
+    if predicted >= 1.0 - least_gain {
+        return None;
+    }
+    let mut trial = x.to_vec();
+    for (&i, d) in free.iter().zip(&step) {
+        trial[i] = (x[i] + d).clamp(bounds.0[i], bounds.1[i]);
+    }
+    Some(Step { trial, moved: step.iter().fold(0.0, |a: f64, d| a.max(d.abs())), predicted })
+}
+
+/// Remembers the maxima that a refused step has shown. Where some of them are higher at x, where it began, than what was
+/// known to be the highest there, all maxima there anew.
+fn overlooked(
+    peaks: &mut Peaks<'_>,
+    x: &[f64],
+    pool: &mut Vec<Met>,
+    shown: Vec<(Vec<f64>, f64)>,
+    highest: f64,
+) -> Option<Vec<(Vec<f64>, f64)>> {
+    remember(pool, &shown);
+    let is_higher = |point: &[f64]| peaks.variance.value(point) > highest * (1.0 + OVERLOOKED);
+    let higher: Vec<Vec<f64>> = shown.into_iter().map(|peak| peak.0).filter(|at| is_higher(at)).collect();
+    if higher.is_empty() {
+        return None;
+    }
+    peaks.known.extend(higher);
+    let found = peaks.at(x)?;
+    remember(pool, &found);
+    Some(found)
 }
 
 /// A coordinate whose bound holds it back by more than this relative slope stays there for the step.
