@@ -15,6 +15,8 @@ use super::reserved::is_reserved;
 use super::{Experiment, PROBLEM, Problem, Program, Queue, Response, Simulator};
 use crate::wording::in_plain_words;
 
+const SIMULATOR_QUEUE: &str = "[simulator.queue]";
+const EXPERIMENT_QUEUE: &str = "[experiment.queue]";
 const TIMEOUT_SECONDS: f64 = 600.0;
 const LONGEST_TIMEOUT_SECONDS: f64 = 3.0e7;
 
@@ -57,7 +59,7 @@ impl Problem {
         let constraints = held(file.constraints, &region, &response.name)?;
         let linear_constraints = linear(file.linear_constraints, &region)?;
         let can_be_built = file.can_be_built.map(|entry| {
-            program(entry.command, entry.input, entry.timeout_seconds, "simulator", &region).context("[can_be_built]")
+            program(entry.command, entry.input, entry.timeout_seconds, None, &region).context("[can_be_built]")
         });
         let costs = Costs::of(&file.parameters, &file.rule)?;
         let worth = file.stop.worth;
@@ -134,9 +136,9 @@ fn simulator(entry: SimulatorEntry, region: &Region) -> Result<Simulator> {
                 entry.queue.is_none() || entry.jobs.is_none(),
                 "`jobs` is for runs on this machine, expected none beside [simulator.queue]: its `options` say how many run at once"
             );
-            let queue = entry.queue.map(|entry| Queue::of(entry, "[simulator.queue]")).transpose().context("queue")?;
+            let queue = entry.queue.map(|entry| Queue::of(entry, SIMULATOR_QUEUE)).transpose().context("queue")?;
             Ok(Simulator::Program {
-                program: program(command, entry.input, entry.timeout_seconds, "simulator", region)?,
+                program: program(command, entry.input, entry.timeout_seconds, Some(SIMULATOR_QUEUE), region)?,
                 jobs,
                 queue,
             })
@@ -147,15 +149,18 @@ fn simulator(entry: SimulatorEntry, region: &Region) -> Result<Simulator> {
 }
 
 fn experiment(entry: ExperimentEntry, region: &Region) -> Result<Experiment> {
-    let queue = entry.queue.map(|entry| Queue::of(entry, "[experiment.queue]")).transpose().context("queue")?;
-    Ok(Experiment { program: program(entry.command, entry.input, entry.timeout_seconds, "experiment", region)?, queue })
+    let queue = entry.queue.map(|entry| Queue::of(entry, EXPERIMENT_QUEUE)).transpose().context("queue")?;
+    Ok(Experiment {
+        program: program(entry.command, entry.input, entry.timeout_seconds, Some(EXPERIMENT_QUEUE), region)?,
+        queue,
+    })
 }
 
 fn program(
     command: Vec<String>,
     input: Option<Input>,
     timeout: Option<f64>,
-    table: &str,
+    queue: Option<&str>,
     region: &Region,
 ) -> Result<Program> {
     ensure!(
@@ -164,8 +169,8 @@ fn program(
     );
     if let Some(scheduler) = submits_a_job(&command) {
         bail!(
-            "`command` begins with `{scheduler}`, which prints the number of a job and no value; put the program itself here, and \
-             `kind` of the scheduler under [{table}.queue]"
+            "`command` begins with `{scheduler}`, which prints the number of a job and no value; put the program itself here{}",
+            queue.map_or_else(String::new, |queue| format!(", and `kind` of the scheduler under {queue}"))
         );
     }
     let input = input.unwrap_or_default();

@@ -117,6 +117,8 @@ fn what_can_be_built_may_change_from_one_batch_to_the_next() {
     rig.edit("\"v1\"", "\"v2\"");
     let text = rig.infuse(&["status"]).ok();
     assert!(text.contains("[can_be_built] was not asked as it is now: the next `infuse ask`"), "{text}");
+    rig.infuse(&["ask"]).ok();
+    assert!(rig.status()["best"]["x"].as_f64().unwrap() <= 4.0, "asked of what is recommended, too");
     // Not even what was built and measured before is asked for again.
     for _ in 0..2 {
         for experiment in batch(&rig, false) {

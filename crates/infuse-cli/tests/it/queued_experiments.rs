@@ -26,7 +26,7 @@ fn local() -> Rig {
 }
 
 /// The same in a queue.
-fn queued(keys: &str) -> Rig {
+pub(crate) fn queued(keys: &str) -> Rig {
     let rig = local();
     rig.write("submit.sh", SUBMIT);
     rig.write("list.sh", LIST);
@@ -35,7 +35,7 @@ fn queued(keys: &str) -> Rig {
 }
 
 /// Every experiment that was told was made once.
-fn check_each_once(rig: &Rig, n: usize) {
+pub(crate) fn check_each_once(rig: &Rig, n: usize) {
     let mut ids: Vec<String> =
         lines(rig, "made.log").iter().filter_map(|line| Some(line.split(' ').nth(2)?.to_owned())).collect();
     ids.sort();

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
+use crate::queued_experiments;
 use crate::queues::{check_each_once, lines, queued};
 use crate::rig::Rig;
 
@@ -202,4 +203,23 @@ fn a_batch_runs_on_a_cluster_whoever_is_killed() {
         rig.journal().iter().filter_map(|line| line["failed"].as_str().map(str::to_owned)).collect();
     assert!(reasons.iter().any(|why| why == "exit status: 3"), "{reasons:?}");
     assert!(reasons.iter().any(|why| why.contains("see `timeout_seconds`")), "{reasons:?}");
+}
+
+#[test]
+fn experiments_run_on_a_cluster_whoever_is_killed() {
+    let _alone = ALONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let Some(cluster) = Cluster::start() else { return };
+    let rig = queued_experiments::queued(KEYS);
+    rig.write("slow", "");
+    let mut child = cluster.infuse(&rig, &["run"]).spawn().unwrap();
+    let start = Instant::now();
+    while lines(&rig, "made.log").len() < 2 && start.elapsed() < PATIENCE {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let said = cluster.infuse(&rig, &["run"]).output().unwrap();
+    let text = String::from_utf8_lossy(&said.stdout).into_owned() + &String::from_utf8_lossy(&said.stderr);
+    assert!(said.status.success() && text.contains("Ended: "), "{text}");
+    queued_experiments::check_each_once(&rig, 8);
 }

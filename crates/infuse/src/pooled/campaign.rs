@@ -353,7 +353,8 @@ impl Loop {
         if found <= expected { Ok(()) } else { Err(Error::WrongLength { name: "constrained", expected, found }) }
     }
 
-    /// A design that nobody can build: it is neither asked for nor recommended, and its neighbors are suspected. Trials of it that
+    /// A design that nobody can build, whatever was measured there: it is neither asked for nor recommended, and its neighbors are
+    /// suspected. Trials of it that
     /// are outstanding stay.
     ///
     /// # Errors

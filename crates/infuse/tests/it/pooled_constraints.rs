@@ -235,3 +235,25 @@ fn design_that_nobody_can_build_is_neither_asked_for_nor_recommended() {
         campaign.assess(Some(&mut |_: Cell, point: &[f64]| Ok(rough(point)))).expect("a fit").expect("responses");
     assert!(!refused.contains(&found.recommended.cell), "{:?}", found.recommended);
 }
+
+/// What was built and measured once may be gone: its measurements stay, and it is not asked for again.
+#[test]
+fn design_that_was_measured_and_cannot_be_built_any_more_is_left_alone() {
+    let mut settings = Settings::new(8);
+    settings.max_batches = 2;
+    let mut campaign = Loop::new(&square(11), settings.clone()).expect("a campaign");
+    let simulate = &mut |_: Cell, point: &[f64]| Ok(rough(point));
+    campaign.run(simulate, &mut |trial| Ok(truth(&trial.point))).expect("it ends");
+    let before = campaign.assess(Some(simulate)).expect("a fit").expect("responses");
+    let measured: Vec<Cell> = campaign.records().iter().map(|record| record.trial.cell).collect();
+    for &cell in &measured {
+        campaign.refuse(cell).expect("a cell");
+    }
+    settings.max_batches = 3;
+    campaign.set_settings(settings).expect("valid settings");
+    let found = campaign.assess(Some(simulate)).expect("a fit").expect("responses");
+    assert!(measured.contains(&before.recommended.cell) && !measured.contains(&found.recommended.cell));
+    assert!(found.contradiction.is_none(), "what is gone speaks against nothing: {:?}", found.contradiction);
+    let Ask::Run { trials, .. } = campaign.ask(Some(simulate)).expect("a batch") else { panic!("it goes on") };
+    assert!(trials.len() == 8 && trials.iter().all(|trial| !measured.contains(&trial.cell)), "{trials:?}");
+}
