@@ -117,8 +117,20 @@ impl Design {
 
     /// Number of distinct points, to within the tolerance of [`Replicates`](crate::Replicates).
     pub(crate) fn n_distinct(&self) -> usize {
-        let pairs = self.replicates(SAME_RUN);
-        (0..self.n_runs()).filter(|run| pairs.iter().all(|(_, second)| second != run)).count()
+        self.twins(SAME_RUN).iter().filter(|twins| twins.is_none()).count()
+    }
+
+    /// The first and the last run before each that are the same point to within `tolerance`; none where there is none.
+    /// Of thousands of runs their pairs would fill the memory.
+    pub(crate) fn twins(&self, tolerance: f64) -> Vec<Option<(usize, usize)>> {
+        let runs: Vec<&[f64]> = self.runs().collect();
+        let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(x, y)| (x - y).abs() <= tolerance);
+        let twins = |(index, run): (usize, &&[f64])| {
+            let first = runs[..index].iter().position(|other| same(other, run))?;
+            let last = runs[..index].iter().rposition(|other| same(other, run))?;
+            Some((first, last))
+        };
+        runs.iter().enumerate().map(twins).collect()
     }
 
     /// Pairs of runs that are the same point to within `tolerance` in every coordinate, first before second.

@@ -132,13 +132,13 @@ impl Design {
         n_fixed: usize,
         writer: impl Write,
     ) -> Result<(), Error> {
-        let pairs = self.replicates(SAME_RUN);
-        let kind = |run: usize| match pairs.iter().find(|&&(_, second)| second == run) {
+        let kind = |(run, twins): (usize, Option<(usize, usize)>)| match twins {
             _ if run < n_fixed => "fixed".to_owned(),
             Some((first, _)) => format!("replicate of {}", first + 1),
             None => "new".to_owned(),
         };
-        self.write(region, order, Some((0..self.n_runs()).map(kind).collect()), writer)
+        let kinds = self.twins(SAME_RUN).into_iter().enumerate().map(kind);
+        self.write(region, order, Some(kinds.collect()), writer)
     }
 
     fn write(
@@ -206,12 +206,11 @@ impl Design {
 
     /// Number of the distinct point, from 1 in order of appearance, and number of the visit, of each run.
     fn visits(&self) -> Vec<(usize, usize)> {
-        let pairs = self.replicates(SAME_RUN);
         let mut labels: Vec<(usize, usize)> = Vec::with_capacity(self.n_runs());
         let mut n_points = 0;
-        for run in 0..self.n_runs() {
-            match pairs.iter().rfind(|&&(_, second)| second == run) {
-                Some(&(first, _)) => labels.push((labels[first].0, labels[first].1 + 1)),
+        for twins in self.twins(SAME_RUN) {
+            match twins {
+                Some((_, last)) => labels.push((labels[last].0, labels[last].1 + 1)),
                 None => {
                     n_points += 1;
                     labels.push((n_points, 1));
