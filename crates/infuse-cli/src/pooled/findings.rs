@@ -198,11 +198,13 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
                     ", and as much is said without it: it is mostly left out"
                 });
             } else {
-                let band = short(NINE_IN_TEN * factor_deviation);
-                sentence.push_str(&format!(
-                    "; differences that it predicts count {} times, give or take {band} (90 %)",
-                    short(factor)
-                ));
+                let half = NINE_IN_TEN * factor_deviation;
+                sentence.push_str(&if half < TAKEN_AS_GIVEN {
+                    format!("; differences that it predicts are taken {}", as_they_are(factor))
+                } else {
+                    let (factor, half) = (short(factor), short(half));
+                    format!("; differences that it predicts count {factor} times, give or take {half} (90 %)")
+                });
             }
             Finding::new(format!("{sentence}."))
                 .with("explained", explained, "1")
@@ -211,6 +213,13 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
                 .with("give or take", NINE_IN_TEN * factor_deviation, "1")
         }
     })
+}
+
+/// Below this nothing is in doubt: what is measured is the simulation and a discrepancy, whose factor is 1.
+const TAKEN_AS_GIVEN: f64 = 1e-4;
+
+fn as_they_are(factor: f64) -> String {
+    if (factor - 1.0).abs() < TAKEN_AS_GIVEN { "as they are".to_owned() } else { format!("{} times", short(factor)) }
 }
 
 fn is_useless(explained: f64, ignored: f64) -> bool {
@@ -338,4 +347,15 @@ pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Fi
 /// What the last confirming runs measured.
 fn confirmed(campaign: &Campaign) -> Result<Vec<Finding>> {
     Ok(campaign.confirmation()?.map(|confirmation| confirmation.in_words(campaign)).into_iter().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_factor_that_is_not_in_doubt_has_no_band() {
+        assert_eq!(as_they_are(1.0), "as they are");
+        assert_eq!(as_they_are(1.25), "1.25 times");
+    }
 }
