@@ -88,14 +88,16 @@ fn study(words: &[&str]) -> Result<()> {
     run_quietly(Command::new(program).args(words).current_dir(workspace::root()?))
 }
 
-/// Runs every example.
+/// Runs every example, where what it writes is in nobody's way.
 fn examples() -> Result<()> {
     workspace::build_programs()?;
     let metadata = metadata()?;
+    let folder = metadata.target_directory.join("examples");
+    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     for name in example_names(&metadata)? {
         let program = metadata.target_directory.join("release/examples").join(name);
         let mut command = Command::new(program.with_extension(std::env::consts::EXE_EXTENSION));
-        run_quietly(command.current_dir(workspace::root()?))?;
+        run_quietly(command.current_dir(&folder))?;
     }
     Ok(())
 }
