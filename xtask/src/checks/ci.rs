@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly};
+use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly, run_side_by_side};
 use crate::{licenses, packages, python, test_programs, tidy, tutorials};
 
 /// One heading of the output.
@@ -24,14 +24,14 @@ const STEPS: &[Step] = &[
     Step { heading: "tests", run: tests },
     Step {
         heading: "tests in the documentation",
-        run: || run_cargo(&["test", "--release", "--workspace", "--exclude", python::PACKAGE, "--doc"]),
+        run: || run_cargo(&[&["test", "--release"], workspace::packages(), &["--doc"]].concat()),
     },
     Step { heading: "documentation", run: documentation },
     Step { heading: "examples", run: examples },
     Step { heading: "tutorials", run: tutorials::check },
     Step { heading: "packages", run: packages::check },
     Step { heading: "licenses", run: || licenses::run(tutorials::Texts::Compare) },
-    Step { heading: "python", run: python::check },
+    Step { heading: "python", run: || python::check(python::Build::Library) },
     Step { heading: "optimal designs", run: || study(&["doe-records", "--check"]) },
     Step { heading: "calibrated plants", run: || study(&["calibrate", "--check"]) },
     Step { heading: "identified plants", run: || study(&["identify", "--check"]) },
@@ -57,13 +57,11 @@ pub(crate) fn run() -> Result<()> {
     Ok(())
 }
 
-/// The whole workspace, with the Python package where there is a Python, and the least that each feature leaves: of these packages together, because none of them turns on
-/// a feature of another, and what they share is then checked once.
+/// All packages, and the least that each feature leaves: of these packages together, because none of them turns on a feature
+/// of another, and what they share is then checked once.
 fn clippy() -> Result<()> {
     let deny = ["--", "-D", "warnings"];
-    let all: &[&str] = &["clippy", "--release", "--workspace", "--all-targets"];
-    let without: &[&str] = if python::is_there() { &[] } else { &["--exclude", python::PACKAGE] };
-    run_cargo(&[all, without, &deny].concat())?;
+    run_cargo(&[&["clippy", "--release", "--all-targets"], workspace::packages(), &deny].concat())?;
     let packages = ["--package", "infuse-loop", "--package", "infuse-scaling", "--package", "studies"];
     let command = ["clippy", "--release", "--no-default-features"];
     run_cargo(&[command.as_slice(), &packages, &deny].concat())
@@ -71,13 +69,11 @@ fn clippy() -> Result<()> {
 
 /// The examples are compiled with the tests, whose dependencies they share.
 fn tests() -> Result<()> {
-    let all = ["--release", "--workspace", "--exclude", python::PACKAGE];
-    test_programs::run(&[all.as_slice(), &["--lib", "--bins", "--tests", "--examples"]].concat())
+    test_programs::run(&[&["--release"], workspace::packages(), &["--lib", "--bins", "--tests", "--examples"]].concat())
 }
 
 fn documentation() -> Result<()> {
-    let mut command =
-        workspace::cargo(&["doc", "--release", "--workspace", "--exclude", python::PACKAGE, "--no-deps"])?;
+    let mut command = workspace::cargo(&[&["doc", "--release", "--no-deps"], workspace::packages()].concat())?;
     run_quietly(command.env("RUSTDOCFLAGS", "-D warnings"))
 }
 
@@ -94,17 +90,18 @@ fn examples() -> Result<()> {
     let metadata = metadata()?;
     let folder = metadata.target_directory.join("examples");
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    for name in example_names(&metadata)? {
+    let command = |name: &str| {
         let program = metadata.target_directory.join("release/examples").join(name);
         let mut command = Command::new(program.with_extension(std::env::consts::EXE_EXTENSION));
-        run_quietly(command.current_dir(&folder))?;
-    }
-    Ok(())
+        command.current_dir(&folder);
+        command
+    };
+    run_side_by_side(example_names(&metadata)?.into_iter().map(command).collect())
 }
 
 /// The examples of all packages. No two may share a name: they are built into one folder.
 fn example_names(metadata: &Metadata) -> Result<Vec<&str>> {
-    let packages = metadata.packages.iter().filter(|package| package.name != python::PACKAGE);
+    let packages = metadata.packages.iter().filter(|package| package.name != workspace::PYTHON_PACKAGE);
     let targets = packages.flat_map(|package| &package.targets);
     let examples = targets.filter(|target| target.kind.iter().any(|kind| kind == "example"));
     let mut names: Vec<&str> = Vec::new();

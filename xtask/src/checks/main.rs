@@ -28,7 +28,7 @@ fn main() -> ExitCode {
         ["semver", revision] => semver::check(revision),
         ["licenses"] => licenses::run(Texts::Compare),
         ["licenses", "--write"] => licenses::run(Texts::Write),
-        ["python"] => python::check(),
+        ["python"] => python::check(python::Build::Wheel),
         ["equations"] => tidy::write_equations(),
         ["tutorials"] => tutorials::run(Texts::Compare),
         ["tutorials", "--write"] => tutorials::run(Texts::Write),

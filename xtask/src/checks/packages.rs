@@ -9,7 +9,6 @@ use anyhow::{Context as _, Result, ensure};
 use serde::Deserialize;
 use sha2::{Digest as _, Sha256};
 
-use crate::python;
 use crate::workspace::{self, metadata, run_cargo, run_quietly};
 
 /// Packs every crate, and compiles it from what was packed.
@@ -27,7 +26,7 @@ pub(crate) fn check() -> Result<()> {
         "--exclude",
         "studies",
         "--exclude",
-        python::PACKAGE,
+        workspace::PYTHON_PACKAGE,
         "--allow-dirty",
         "--offline",
         "--no-verify",
@@ -39,8 +38,10 @@ pub(crate) fn check() -> Result<()> {
         fs::remove_dir_all(&unpacked).with_context(|| unpacked.display().to_string())?;
     }
     fs::create_dir_all(&unpacked).with_context(|| unpacked.display().to_string())?;
-    let packed =
-        metadata.packages.iter().filter(|package| !["studies", "xtask", python::PACKAGE].contains(&&*package.name));
+    let packed = metadata
+        .packages
+        .iter()
+        .filter(|package| !["studies", "xtask", workspace::PYTHON_PACKAGE].contains(&&*package.name));
     let packed: Vec<(&str, String)> =
         packed.map(|package| (&*package.name, format!("{}-{}", package.name, package.version))).collect();
     for (_, stem) in &packed {

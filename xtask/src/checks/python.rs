@@ -5,16 +5,13 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail, ensure};
 use toml::{Table, Value};
 
-use crate::workspace::{self, run_cargo, run_quietly};
+use crate::workspace::{self, run_quietly, run_side_by_side};
 
 const FOLDER: &str = "crates/infuse-python";
-/// The library that Python loads, and which only this step compiles.
-pub(crate) const PACKAGE: &str = "infuse-python";
 
 /// Where the wheel is built, installed and tested.
 struct Place {
@@ -24,10 +21,19 @@ struct Place {
     venv: PathBuf,
 }
 
-/// Builds the wheel and runs everything there is to run; says so, and nothing else, where there is no Python.
-pub(crate) fn check() -> Result<()> {
-    match interpreter() {
-        Some(python) => check_with(&python),
+/// What the tests are run on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Build {
+    /// A wheel as `pip install` makes it, which compiles all dependencies with the features of this package alone.
+    Wheel,
+    /// The library as it is compiled with all other packages.
+    Library,
+}
+
+/// Builds the package and runs everything there is to run; says so, and nothing else, where there is no Python.
+pub(crate) fn check(build: Build) -> Result<()> {
+    match workspace::interpreter() {
+        Some(python) => check_with(&python, build),
         None => {
             println!("NOT CHECKED: there is no python3 with venv and pip (or none of the name in PYTHON)");
             Ok(())
@@ -35,19 +41,7 @@ pub(crate) fn check() -> Result<()> {
     }
 }
 
-/// Whether there is a Python that the package can be built for and tested with.
-pub(crate) fn is_there() -> bool {
-    interpreter().is_some()
-}
-
-/// A Python that can make an environment with pip.
-fn interpreter() -> Option<PathBuf> {
-    let python = PathBuf::from(env::var_os("PYTHON").unwrap_or_else(|| "python3".into()));
-    let found = Command::new(&python).args(["-c", "import venv, ensurepip"]).output();
-    found.is_ok_and(|output| output.status.success()).then_some(python)
-}
-
-fn check_with(python: &Path) -> Result<()> {
+fn check_with(python: &Path, build: Build) -> Result<()> {
     let root = workspace::root()?;
     let folder = workspace::target_directory()?.join("python");
     let place = Place { venv: folder.join("venv"), root, folder };
@@ -55,13 +49,12 @@ fn check_with(python: &Path) -> Result<()> {
         println!("NOT CHECKED: pip cannot get what the tests of the Python package need");
         return Ok(());
     }
-    let start = Instant::now();
-    run_cargo(&["build", "--release", "--package", PACKAGE, "--example", "same_bits"])?;
-    place.install()?;
-    let wheel = start.elapsed().as_secs_f64();
-    place.test()?;
-    println!("wheel {wheel:.0} s, tests {:.0} s", start.elapsed().as_secs_f64() - wheel);
-    Ok(())
+    workspace::build_programs()?;
+    match build {
+        Build::Wheel => place.install_wheel()?,
+        Build::Library => place.install_library()?,
+    }
+    place.test()
 }
 
 impl Place {
@@ -90,8 +83,31 @@ impl Place {
         command
     }
 
+    /// Puts the library and the Python files where pip would.
+    fn install_library(&self) -> Result<()> {
+        let found = self.python(["-c", "import sysconfig; print(sysconfig.get_path('platlib'))"]).output();
+        let found = found.context("the Python of the environment")?;
+        let package = Path::new(str::from_utf8(&found.stdout)?.trim()).join("infuse");
+        if package.exists() {
+            fs::remove_dir_all(&package).with_context(|| package.display().to_string())?;
+        }
+        fs::create_dir_all(&package).with_context(|| package.display().to_string())?;
+        for file in fs::read_dir(self.root.join(FOLDER).join("python/infuse")).context("python/infuse")? {
+            let file = file?;
+            if file.file_type()?.is_file() {
+                fs::copy(file.path(), package.join(file.file_name()))
+                    .with_context(|| file.path().display().to_string())?;
+            }
+        }
+        let library = format!("{}_native{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
+        let library = workspace::target_directory()?.join("release").join(library);
+        let name = if cfg!(windows) { "_native.pyd" } else { "_native.abi3.so" };
+        fs::copy(&library, package.join(name)).with_context(|| library.display().to_string())?;
+        Ok(())
+    }
+
     /// Builds the wheel as `pip install` does, and installs it.
-    fn install(&self) -> Result<()> {
+    fn install_wheel(&self) -> Result<()> {
         let wheels = self.folder.join("wheels");
         if wheels.exists() {
             fs::remove_dir_all(&wheels).with_context(|| wheels.display().to_string())?;
@@ -105,21 +121,22 @@ impl Place {
         run_quietly(self.python(install).arg(wheel))
     }
 
-    /// Tests, examples in docstrings and pages, types, stubs.
+    /// Tests, examples in docstrings and pages, types, stubs: what none of them writes is another's to read.
     fn test(&self) -> Result<()> {
         let example = workspace::target_directory()?.join("release/examples/same_bits");
-        let example = example.with_extension(env::consts::EXE_EXTENSION);
-        run_quietly(self.python(["-m", "pytest", "-q"]).env("SAME_BITS", example))?;
-        run_quietly(&mut self.python(["-m", "pytest", "-q", "--doctest-modules", "--pyargs", "infuse"]))?;
+        let mut tests = self.python(["-m", "pytest", "-q"]);
+        tests.env("SAME_BITS", example.with_extension(env::consts::EXE_EXTENSION));
+        let docstrings = self.python(["-m", "pytest", "-q", "--doctest-modules", "--pyargs", "infuse"]);
         // They write files.
         let mut pages = self.python(["-m", "pytest", "-q", "-p", "no:cacheprovider", "--doctest-glob=*.md"]);
         pages.args(["crates/infuse-python/README.md", "docs/python.md"].map(|page| self.root.join(page)));
-        run_quietly(pages.current_dir(&self.folder))?;
-        run_quietly(&mut self.python(["examples/campaign.py"]))?;
-        let cache = self.folder.join("mypy");
-        run_quietly(self.python(["-m", "mypy", "--cache-dir"]).arg(cache).args(["python", "tests", "examples"]))?;
+        pages.current_dir(&self.folder);
+        let example = self.python(["examples/campaign.py"]);
+        let mut types = self.python(["-m", "mypy", "--cache-dir"]);
+        types.arg(self.folder.join("mypy")).args(["python", "tests", "examples"]);
         let mut stubs = self.python(["-m", "mypy.stubtest", "infuse", "--mypy-config-file"]);
-        run_quietly(stubs.arg(self.root.join(FOLDER).join("pyproject.toml")).current_dir(&self.folder))
+        stubs.arg(self.root.join(FOLDER).join("pyproject.toml")).current_dir(&self.folder);
+        run_side_by_side(vec![tests, types, stubs, docstrings, pages, example])
     }
 }
 

@@ -2,16 +2,16 @@
 //! and those of the shell mostly wait for others' programs.
 
 use std::fs;
-use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
 use anyhow::{Context as _, Result, bail, ensure};
 use serde::Deserialize;
 
-use crate::workspace::{self, run_quietly};
+use crate::workspace::{self, run_side_by_side};
+
+/// The seed of the cases that properties are tested on.
+const CASES: &str = "PROPTEST_RNG_SEED";
 
 /// A program of tests, and the folder of its package, where it expects to be run.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,7 +31,16 @@ pub(crate) fn run(selection: &[&str]) -> Result<()> {
     ensure!(!programs.is_empty(), "cargo {} selects no test", selection.join(" "));
     // The largest first: nobody should wait for one that was begun last.
     programs.sort_by_key(|program| std::cmp::Reverse(fs::metadata(&program.path).map_or(0, |data| data.len())));
-    run_side_by_side(&programs)
+    let command = |program: &TestProgram| {
+        let mut command = Command::new(&program.path);
+        command.current_dir(&program.folder);
+        // What passed today passes tomorrow; whoever types `cargo test` has cases that nobody saw.
+        if std::env::var_os(CASES).is_none() {
+            command.env(CASES, "1");
+        }
+        command
+    };
+    run_side_by_side(programs.iter().map(command).collect())
 }
 
 /// What cargo says of what it compiled.
@@ -61,25 +70,6 @@ fn programs(messages: &str) -> Result<Vec<TestProgram>> {
     Ok(programs)
 }
 
-/// As many at a time as there are processors; all are run, and the first complaint counts.
-fn run_side_by_side(programs: &[TestProgram]) -> Result<()> {
-    let next = AtomicUsize::new(0);
-    let work = || -> Result<()> {
-        let mut outcome = Ok(());
-        while let Some(program) = programs.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let ran = run_quietly(Command::new(&program.path).current_dir(&program.folder));
-            outcome = outcome.and(ran);
-        }
-        outcome
-    };
-    let n_threads = thread::available_parallelism().map_or(1, NonZero::get).min(programs.len());
-    thread::scope(|scope| {
-        let threads: Vec<_> = (0..n_threads).map(|_| scope.spawn(work)).collect();
-        let ended = threads.into_iter().map(|thread| thread.join().unwrap_or_else(|_| bail!("a thread panicked")));
-        ended.fold(Ok(()), Result::and)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,18 +90,5 @@ mod tests {
         ];
         let expected = TestProgram { path: "/w/target/a-1".into(), folder: "/w/crates/a".into() };
         assert_eq!(programs(&messages.join("\n")).expect("messages"), [expected]);
-    }
-
-    #[test]
-    fn one_that_fails_is_told_though_others_pass() {
-        let program = |name: &str| TestProgram { path: name.into(), folder: std::env::temp_dir() };
-        let passing = ["true", "true", "true"].map(program);
-        run_side_by_side(&passing).expect("all pass");
-        for place in 0..3 {
-            let mut programs = ["true", "true", "true"].map(program);
-            programs[place] = program("false");
-            let error = run_side_by_side(&programs).expect_err("one fails");
-            assert!(error.to_string().contains("false"), "{error}");
-        }
     }
 }

@@ -1,11 +1,17 @@
 //! Where the workspace is, and how to call cargo in it.
 
 use std::env;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 use anyhow::{Context as _, Result, bail};
 use serde::Deserialize;
+
+/// The library that Python loads.
+pub(crate) const PYTHON_PACKAGE: &str = "infuse-python";
 
 /// The directory of the root manifest.
 ///
@@ -30,10 +36,22 @@ pub(crate) fn cargo(arguments: &[&str]) -> Result<Command> {
     Ok(command)
 }
 
-/// Builds what users run, optimized, with the examples. All at once: one package at a time, each would have the features
-/// of its own, and the large dependencies would be compiled anew for many of them.
+/// A Python that can make an environment with pip: the one in `PYTHON`, or `python3`.
+pub(crate) fn interpreter() -> Option<PathBuf> {
+    let python = PathBuf::from(env::var_os("PYTHON").unwrap_or_else(|| "python3".into()));
+    let found = Command::new(&python).args(["-c", "import venv, ensurepip"]).output();
+    found.is_ok_and(|output| output.status.success()).then_some(python)
+}
+
+/// All packages, but for the Python package where there is no Python. Whatever is compiled, it is these at once: one package
+/// at a time, each would have the features of its own, and the large dependencies would be compiled anew for many of them.
+pub(crate) fn packages() -> &'static [&'static str] {
+    if interpreter().is_some() { &["--workspace"] } else { &["--workspace", "--exclude", PYTHON_PACKAGE] }
+}
+
+/// Builds what users run, optimized, with the examples.
 pub(crate) fn build_programs() -> Result<()> {
-    run_cargo(&["build", "--release", "--workspace", "--exclude", "infuse-python", "--bins", "--examples"])
+    run_cargo(&[&["build", "--release"], packages(), &["--lib", "--bins", "--examples"]].concat())
 }
 
 /// Where cargo puts what it builds.
@@ -67,6 +85,26 @@ pub(crate) fn run_quietly(command: &mut Command) -> Result<()> {
         String::from_utf8_lossy(&output.stdout),
         String::from_utf8_lossy(&output.stderr),
     )
+}
+
+/// Runs as many commands at a time as there are processors; all are run, and the first complaint counts.
+pub(crate) fn run_side_by_side(commands: Vec<Command>) -> Result<()> {
+    let n_threads = thread::available_parallelism().map_or(1, NonZero::get).min(commands.len());
+    let waiting = Mutex::new(commands.into_iter());
+    let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = || {
+        let mut outcome = Ok(());
+        while let Some(mut command) = next() {
+            let ran = run_quietly(&mut command);
+            outcome = outcome.and(ran);
+        }
+        outcome
+    };
+    thread::scope(|scope| {
+        let threads: Vec<_> = (0..n_threads).map(|_| scope.spawn(work)).collect();
+        let ended = threads.into_iter().map(|thread| thread.join().unwrap_or_else(|_| bail!("a thread panicked")));
+        ended.fold(Ok(()), Result::and)
+    })
 }
 
 /// The command line as one would type it.
@@ -108,5 +146,17 @@ mod tests {
         let text = format!("{error:#}");
         assert!(text.starts_with("cargo no-such-command\n"), "{text}");
         assert!(text.contains("no such command: `no-such-command`"), "{text}");
+    }
+
+    #[test]
+    fn one_that_fails_is_told_though_others_pass() {
+        let commands = |failing: Option<usize>| {
+            (0..3).map(|place| Command::new(if failing == Some(place) { "false" } else { "true" })).collect()
+        };
+        run_side_by_side(commands(None)).expect("all pass");
+        for place in 0..3 {
+            let error = run_side_by_side(commands(Some(place))).expect_err("one fails");
+            assert!(error.to_string().contains("false"), "{error}");
+        }
     }
 }

@@ -65,23 +65,19 @@ fn campaign(seed: u64, with_simulation: bool) -> (Loop, Assessment) {
     (campaign, found)
 }
 
-/// The lowest response lies where the travel is 1.8; of the designs that are allowed the best is at 0.32.
+/// The lowest response lies where the travel is 1.8; of the designs that are allowed the best is at 0.32. How often this
+/// holds over hundreds of campaigns is counted by `cargo xtask benchmark --constrained`.
 #[test]
 fn recommended_design_keeps_to_its_bounds_and_is_nearly_the_best_that_does() {
     let best = best(&square(21), 441, 1.0);
     assert!(best > 0.3);
-    for with_simulation in [true, false] {
-        let (mut near, mut kept, mut held) = (0, 0, 0);
-        for seed in 1..=8 {
-            let (_, found) = campaign(seed, with_simulation);
-            let point = &found.recommended.point;
-            kept += usize::from(travel(point) <= 1.0 + 1e-9);
-            near += usize::from(truth(point) <= best + 0.08);
-            held += usize::from(truth(point) - best <= found.certificate.bound + 1e-9);
-            assert!(found.recommended.suffices && found.recommended.constrained[0].within >= 0.9);
-        }
-        // Nine in ten are promised; of eight all but one pass for that.
-        assert!(kept >= 7 && near >= 7 && held >= 7, "simulation {with_simulation}: {kept} {near} {held}");
+    for (seed, with_simulation) in [(1, true), (2, true), (1, false)] {
+        let (_, found) = campaign(seed, with_simulation);
+        let point = &found.recommended.point;
+        let (travel, regret) = (travel(point), truth(point) - best);
+        assert!(travel <= 1.0 + 1e-9 && regret <= 0.08, "seed {seed}: {travel} {regret}");
+        assert!(regret <= found.certificate.bound + 1e-9, "seed {seed}: {regret} {}", found.certificate.bound);
+        assert!(found.recommended.suffices && found.recommended.constrained[0].within >= 0.9);
     }
 }
 

@@ -58,13 +58,13 @@ fn campaign(seed: u64, plants: Option<Plants>, shared: f64) -> (f64, Vec<usize>)
 #[test]
 fn batch_has_no_more_plants_than_were_asked_for_and_finds_nearly_as_good_a_design() {
     let (mut few, mut many, mut n_few, mut n_many) = (0.0, 0.0, 0, 0);
-    for seed in 1..=6 {
+    for seed in 1..=2 {
         let (regret, counts) = campaign(seed, Some(Plants::at_most(3, vec![0, 1])), 0.0);
         assert!(counts.iter().all(|&count| count <= 3), "{counts:?}");
-        few += regret / 6.0;
+        few += regret / 2.0;
         n_few += counts.iter().sum::<usize>();
         let (regret, counts) = campaign(seed, None, 0.0);
-        many += regret / 6.0;
+        many += regret / 2.0;
         n_many += counts.iter().sum::<usize>();
     }
     // A design drawn at random is 1.8 off on average, the simulation's best 0.8.
@@ -75,11 +75,7 @@ fn batch_has_no_more_plants_than_were_asked_for_and_finds_nearly_as_good_a_desig
 #[test]
 fn plants_become_fewer_as_they_become_dear() {
     let count = |cost: f64| -> usize {
-        (1..=3)
-            .map(|seed| {
-                campaign(seed, Some(Plants::of_cost(vec![0, 1], vec![cost; 2])), 0.0).1[1..].iter().sum::<usize>()
-            })
-            .sum()
+        campaign(1, Some(Plants::of_cost(vec![0, 1], vec![cost; 2])), 0.0).1[1..].iter().sum()
     };
     let (cheap, dear) = (count(0.0), count(20.0));
     assert!(2 * dear < cheap, "{dear} {cheap}");
