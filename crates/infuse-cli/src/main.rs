@@ -7,6 +7,7 @@ mod dissertation;
 mod echo;
 mod findings;
 mod folder;
+mod job_numbers;
 mod journal;
 mod number;
 mod pooled;

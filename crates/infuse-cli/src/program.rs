@@ -61,7 +61,12 @@ impl Drop for Running {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Ran {
     /// With every other number that it gave, by name.
-    Value(f64, BTreeMap<String, f64>),
+    Value {
+        value: f64,
+        others: BTreeMap<String, f64>,
+        /// Printed as nothing but digits, as schedulers print the number of a job.
+        is_plain_and_whole: bool,
+    },
     /// The point has no value, and the reason is worth writing down.
     Failed(String),
     /// Stopped from outside: it says nothing about the point.
@@ -123,7 +128,7 @@ impl Program {
     pub(crate) fn says_yes(&self, folder: &Path, region: &Region, point: &[f64]) -> Result<bool> {
         const EXPECTED: &str = "expected 1 on its last line if the design can be built, 0 if not";
         match self.run(folder, region, point, None)? {
-            Ran::Value(value, _) => {
+            Ran::Value { value, .. } => {
                 let answers = [0.0, 1.0];
                 ensure!(answers.iter().any(|answer| (value - answer).abs() < 1e-12), "it printed {value}, {EXPECTED}");
                 Ok(value > 0.5)
@@ -228,7 +233,7 @@ fn value_of(output: &str) -> Ran {
         return Ran::Failed("it printed nothing, expected a number on its last line".to_owned());
     };
     if let Ok(value) = line.parse::<f64>() {
-        return finite(value, BTreeMap::new());
+        return finite(value, BTreeMap::new(), line.bytes().all(|byte| byte.is_ascii_digit()));
     }
     if let Ok(Value::Object(object)) = serde_json::from_str(line) {
         let value = object.get("value").and_then(Value::as_f64);
@@ -237,7 +242,7 @@ fn value_of(output: &str) -> Ran {
             (Some(value), None) => {
                 let others = object.iter().filter(|(name, _)| *name != "value");
                 let others = others.filter_map(|(name, other)| Some((name.clone(), other.as_f64()?)));
-                return finite(value, others.collect());
+                return finite(value, others.collect(), false);
             }
             (None, Some(reason)) => return Ran::Failed(reason.to_owned()),
             _ => {}
@@ -247,9 +252,9 @@ fn value_of(output: &str) -> Ran {
     Ran::Failed(format!("its last line is `{}`, {expected}", end_of(line)))
 }
 
-fn finite(value: f64, others: BTreeMap<String, f64>) -> Ran {
+fn finite(value: f64, others: BTreeMap<String, f64>, is_plain_and_whole: bool) -> Ran {
     match number_fault(value) {
-        None => Ran::Value(value, others),
+        None => Ran::Value { value, others, is_plain_and_whole },
         Some(expected) => Ran::Failed(format!("it returned {value:?}, expected {expected}")),
     }
 }

@@ -9,6 +9,7 @@ use std::sync::mpsc;
 use anyhow::{Result, bail};
 use design_space::{Cell, Grid};
 
+use crate::job_numbers::JobNumbers;
 use crate::journal::{Constrained, Measured};
 use crate::number::{plain, with_unit};
 use crate::problem::{Problem, Program, Simulator};
@@ -88,23 +89,33 @@ fn run_all(
             });
         }
         drop(sender);
-        let mut outcome = Ok(());
+        let (mut numbers, mut held_back, mut outcome) = (JobNumbers::default(), Vec::new(), Ok(()));
         for (job, ran) in receiver {
-            let handed = match ran {
-                Ok(Ran::Value(value, others)) => done(job, Measured::Value(value), others),
-                Ok(Ran::Failed(reason)) => done(job, Measured::Failed(reason), BTreeMap::new()),
-                Ok(Ran::Interrupted) => {
-                    stop.store(true, Ordering::Relaxed);
-                    Ok(())
-                }
-                Err(error) => Err(error),
-            };
+            let suspects = ran.and_then(|ran| Ok((numbers.suspects(&ran, n_workers)?, ran)));
+            let handed = suspects.and_then(|(is_suspect, ran)| {
+                stop.fetch_or(matches!(ran, Ran::Interrupted), Ordering::Relaxed);
+                held_back.push((job, ran));
+                if is_suspect { Ok(()) } else { hand_over(&mut held_back, &mut done) }
+            });
             if let Err(error) = handed {
                 stop.store(true, Ordering::Relaxed);
+                held_back.clear();
                 outcome = outcome.and(Err(error));
             }
         }
-        outcome
+        outcome.and_then(|()| hand_over(&mut held_back, &mut done))
+    })
+}
+
+/// Hands over what was held back.
+fn hand_over(
+    ran: &mut Vec<(&Job, Ran)>,
+    done: &mut impl FnMut(&Job, Measured, Constrained) -> Result<()>,
+) -> Result<()> {
+    ran.drain(..).try_for_each(|(job, ran)| match ran {
+        Ran::Value { value, others, .. } => done(job, Measured::Value(value), others),
+        Ran::Failed(reason) => done(job, Measured::Failed(reason), BTreeMap::new()),
+        Ran::Interrupted => Ok(()),
     })
 }
 

@@ -180,11 +180,16 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
     })
 }
 
+/// ", travel 11.2, weight 3".
+fn of_constraints(one: &Told) -> String {
+    one.constrained.iter().map(|(name, value)| format!(", {name} {}", crate::number::plain(*value))).collect()
+}
+
 /// Of a single result, what it was.
 fn value_of(event: &Event, unit: &str) -> String {
     match event {
-        Event::Told(Told { rows: 1, result: Measured::Value(value), .. }) => {
-            format!(": {}", with_unit(&crate::number::plain(*value), unit))
+        Event::Told(one @ Told { rows: 1, result: Measured::Value(value), .. }) => {
+            format!(": {}{}", with_unit(&crate::number::plain(*value), unit), of_constraints(one))
         }
         Event::Told(Told { rows: 1, result: Measured::Failed(reason), .. }) => format!(": {}", echo(reason)),
         _ => String::new(),

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::{Context as _, Result, bail};
 
 use crate::campaign::{Campaign, Progress};
+use crate::job_numbers::JobNumbers;
 use crate::journal::{BY_ITSELF, Constrained, Event, Measured, Submitted, Told, Writer, now};
 use crate::number::count;
 use crate::problem::{Problem, Program, Queue};
@@ -53,9 +54,13 @@ fn make_here(
     tasks: &[Task],
 ) -> Result<usize> {
     let folder = campaign.folder().to_path_buf();
+    let mut numbers = JobNumbers::default();
     for task in tasks {
-        let (result, others) = match program.run(&folder, &problem.region, &task.point, task.key.id())? {
-            Ran::Value(value, others) => (Measured::Value(value), others),
+        let ran = program.run(&folder, &problem.region, &task.point, task.key.id())?;
+        // What an experiment gave is written down at once: it may be taken back, but not made again for nothing.
+        numbers.suspects(&ran, 1).context("what was written down so far: `infuse undo` takes it back")?;
+        let (result, others) = match ran {
+            Ran::Value { value, others, .. } => (Measured::Value(value), others),
             Ran::Failed(reason) => (Measured::Failed(reason), BTreeMap::new()),
             Ran::Interrupted => bail!("interrupted: the results so far are written down, run again to go on"),
         };

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use page::Finding;
 use serde_json::{Value, json};
 
@@ -17,8 +17,10 @@ use crate::shell::{infuse, sheet_path};
 
 pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     let mut campaign = folder::read(folder)?;
-    let mut notices = campaign.take_notices();
-    notices.extend(sheets_without_a_journal(&*campaign));
+    let notices = campaign.take_notices();
+    if let Some(reason) = sheets_without_a_journal(&*campaign) {
+        bail!(reason);
+    }
     let stage = campaign.stage()?;
     let (mut blocks, for_machines) = known(&*campaign)?;
     blocks.push(vec![next(&*campaign, &stage)]);
@@ -105,7 +107,8 @@ fn sheets_without_a_journal(campaign: &dyn Campaign) -> Option<String> {
     let sheets = (1..=MOST_BATCHES).map(|batch| sheet_path(folder, campaign.problem().sheets, batch, None));
     let first = sheets.into_iter().find(|sheet| sheet.exists())?;
     Some(format!(
-        "there is {}, but no {JOURNAL}: if it was moved, put it back; nothing of the sheets is known without it",
+        "there is {}, but no {JOURNAL}: nothing of the sheets is known without it; if it was moved, put it back, and if the campaign is to begin anew, move \
+         the sheets away",
         first.display()
     ))
 }

@@ -1,12 +1,14 @@
 //! Whether designs can be built, as a command of the campaign says.
 
+use std::collections::BTreeMap;
+
 use anyhow::{Context as _, Result};
 use design_space::Cell;
 
 use super::campaign::Campaign;
 use crate::journal::{Event, Writer, now};
 use crate::number::rounded;
-use crate::problem::PROBLEM;
+use crate::problem::{Input, PROBLEM, Program};
 use crate::simulator::identity_of;
 
 impl Campaign {
@@ -18,19 +20,44 @@ impl Campaign {
         let by = identity_of(program);
         let mut events: Vec<Event> = Vec::new();
         let mut asked: Vec<Cell> = Vec::new();
+        // What the command is not told makes no difference to it.
+        let mut answers: BTreeMap<String, bool> = BTreeMap::new();
+        for (&cell, known) in self.checked.iter().filter(|(_, known)| known.by == by) {
+            answers.insert(self.question(program, cell)?, known.can_be_built);
+        }
         for &cell in cells {
             if self.checked.get(&cell).is_some_and(|known| known.by == by) || asked.contains(&cell) {
                 continue;
             }
             asked.push(cell);
             let point = self.grid.point(cell)?;
-            let can_be_built = program
-                .says_yes(&self.folder, &self.problem.region, &point)
-                .with_context(|| format!("{PROBLEM}: [can_be_built] at {}", self.problem.describe(&point)))?;
+            let question = self.question(program, cell)?;
+            let can_be_built = match answers.get(&question) {
+                Some(&known) => known,
+                None => program
+                    .says_yes(&self.folder, &self.problem.region, &point)
+                    .with_context(|| format!("{PROBLEM}: [can_be_built] at {}", self.problem.describe(&point)))?,
+            };
+            answers.insert(question, can_be_built);
             let point = point.into_iter().map(rounded).collect();
             events.push(Event::Checked { cell, point, can_be_built, by: by.clone(), at: now() });
         }
         Ok(events)
+    }
+
+    /// What the command is told of a design.
+    fn question(&self, program: &Program, cell: Cell) -> Result<String> {
+        let (region, point) = (&self.problem.region, self.grid.point(cell)?);
+        let words = program.words(&self.folder, region, &point, None);
+        Ok(match program.input {
+            Input::Arguments => words.join("\n"),
+            Input::Json => program.input_text(region, &point, None),
+        })
+    }
+
+    /// Whether the command, asked now, says that a design cannot be built; nothing is written down.
+    pub(super) fn cannot_be_built(&self, cell: Cell) -> Result<bool> {
+        Ok(self.is_refused(cell) || some_are_refused(&self.check(&[cell])?))
     }
 
     /// Whether the command of today says that a design cannot be built.

@@ -5,7 +5,7 @@ use infuse::pooled::{Assessment, Certificate, SimulationWorth, Standing};
 use page::Finding;
 
 use super::bands::{NINE_IN_TEN, resolution};
-use super::bounds::{constrained_there, likely_to_keep};
+use super::bounds::{constrained_there, likely_to_keep, not_sure};
 use super::campaign::{Campaign, Origin};
 use super::warnings::warnings;
 use crate::findings::{amount, on_bounds, value_to};
@@ -28,10 +28,16 @@ pub(super) fn recommendation(campaign: &Campaign, found: &Assessment) -> Finding
 
 /// What is known, in blocks.
 pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<Finding>>> {
+    let sure_to_keep = found.recommended.suffices || campaign.problem.constraints.is_empty();
+    let mut best = vec![best(campaign, found)?];
+    // Before anything that sounds good.
+    best.splice(0..0, not_sure(campaign, &found.recommended));
+    let mut certified = vec![certificate(campaign, found)];
+    certified.extend(sure_to_keep.then(|| left(found)));
     Ok(vec![
-        vec![best(campaign, found)?],
+        best,
         confirmed(campaign)?,
-        vec![certificate(campaign, found), left(found)],
+        certified,
         [simulation(campaign, found)?, noise(campaign, found)].into_iter().chain(plants(campaign, found)).collect(),
     ])
 }
@@ -43,8 +49,8 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     best = constrained_there(campaign, here).into_iter().fold(best, Finding::detail);
     best = best.detail(run_there(campaign, found, here));
     if campaign.is_to_be_asked(here.cell) {
-        let sentence = "Whether it can be built, [can_be_built] was not asked as it is now: the next `infuse ask` or \
-                        `infuse confirm` does.";
+        let sentence = "Whether it can be built is not known: the command of [can_be_built], as it is now, is asked by the next \
+                        `infuse ask` or `infuse confirm`.";
         best = best.detail(Finding::new(sentence));
     }
     for bound in on_bounds(problem, &here.point) {
@@ -116,6 +122,14 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
 /// How much better another design may be, and what follows for the stop.
 fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
     let (response, certificate) = (&campaign.problem.response, &found.certificate);
+    if not_sure(campaign, &found.recommended).is_some() {
+        let sentence = "How far it is from the best is not said: where no design is known to keep to the bounds, there is no best.";
+        return Finding::new(sentence).with("probability", certificate.probability, "1").with(
+            "bound",
+            certificate.bound,
+            &response.unit,
+        );
+    }
     let sentence = format!("With {}.", none_better(&campaign.problem, certificate));
     let rests = "It rests on the measurements, on the simulation as far as these agree with it, and on a response as smooth as \
                  the surface assumes.";
@@ -276,10 +290,9 @@ pub(super) fn lesson(campaign: &Campaign) -> Result<Vec<Finding>> {
     let Some(found) = campaign.assessment()? else {
         return Ok(vec![Finding::new("No experiment gave a result yet, so nothing is known.")]);
     };
-    let mut lesson = vec![
-        recommendation(campaign, &found).detail(expected(campaign, &found, &found.recommended)),
-        certificate(campaign, &found),
-    ];
+    let mut lesson: Vec<Finding> = not_sure(campaign, &found.recommended).into_iter().collect();
+    lesson.push(recommendation(campaign, &found).detail(expected(campaign, &found, &found.recommended)));
+    lesson.push(certificate(campaign, &found));
     lesson.extend(warnings(campaign, &found)?);
     Ok(lesson)
 }
@@ -287,13 +300,19 @@ pub(super) fn lesson(campaign: &Campaign) -> Result<Vec<Finding>> {
 /// The last batch in one line.
 pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
     let (response, here) = (&campaign.problem.response, &found.recommended);
+    let promise = match not_sure(campaign, here) {
+        Some(_) => format!("no design is known to keep to the bounds, this one{}", likely_to_keep(campaign, here)),
+        None => format!(
+            "none better by more than {} ({} %)",
+            amount(response, found.certificate.bound),
+            plain(100.0 * found.certificate.probability)
+        ),
+    };
     let sentence = format!(
-        "batch {}: {}; {} expected, none better by more than {} ({} %)",
+        "batch {}: {}; {} expected, {promise}",
         campaign.batches.len(),
         campaign.problem.describe(&here.point),
         value_to(response, here.mean, resolution(found)),
-        amount(response, found.certificate.bound),
-        plain(100.0 * found.certificate.probability)
     );
     Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit).with(
         "bound",

@@ -6,7 +6,6 @@ use page::Finding;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use super::bands::resolution;
-use super::bounds::not_sure;
 use super::campaign::{Campaign, Origin};
 
 use crate::findings::{amount, value_to};
@@ -23,7 +22,7 @@ const FEWEST_EQUAL: usize = 3;
 /// What speaks against what is recommended.
 pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Finding>> {
     let (problem, response) = (&campaign.problem, &campaign.problem.response);
-    let mut warnings: Vec<Finding> = not_sure(campaign, &found.recommended).into_iter().collect();
+    let mut warnings = Vec::new();
     if let Some(contradiction) = &found.contradiction {
         let there = &contradiction.standing;
         let measured = value_to(response, there.measured.unwrap_or(there.mean), resolution(found));

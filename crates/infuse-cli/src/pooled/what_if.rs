@@ -81,7 +81,10 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
         "probability_of_a_value": standing.feasible, "constraints": as_json(campaign, &standing.constrained), "runs": standing.n_readings,
         "measured": standing.measured.map(|cost| response.of_cost(cost)),
     });
-    Ok((vec![standing_in_words(campaign, asked)?, one_run], json))
+    let cannot = campaign.cannot_be_built(cell)?.then(|| {
+        Finding::new("It cannot be built, says the command of [can_be_built]: it is neither asked for nor recommended.")
+    });
+    Ok((vec![standing_in_words(campaign, asked)?, one_run].into_iter().chain(cannot).collect(), json))
 }
 
 /// The same over the grid, as a table. How many rows it has.

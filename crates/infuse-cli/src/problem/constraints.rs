@@ -58,6 +58,7 @@ impl Held {
         let mut constraint = Constraint::new(name);
         (constraint.lower, constraint.upper, constraint.noise) = (lower, upper, noise);
         constraint.probability = probability.unwrap_or(constraint.probability);
+        constraint.validate()?;
         Ok(Self { unit, constraint })
     }
 }
@@ -112,6 +113,11 @@ pub(super) fn linear(entries: Vec<LinearEntry>, region: &Region) -> Result<Vec<L
         for parameter in region.parameters().iter().filter(|parameter| sum.contains_key(parameter.name())) {
             parameter.check_number().context("[[linear_constraint]]: `sum`")?;
         }
+        ensure!(
+            !sum.is_empty(),
+            "[[linear_constraint]]: `sum` is empty, expected some of {} with their factors",
+            named.join(", ")
+        );
         ensure!(
             lower.is_some() || upper.is_some(),
             "[[linear_constraint]] has neither `lower` nor `upper`, expected one of them or both"

@@ -43,7 +43,7 @@ impl Costs {
         let is_built = |parameter: &ParameterEntry| match any_is_dear {
             true => dear(parameter),
             // Where no cost is given, what is built is what is not programmed.
-            false => entry.plants.is_some() && parameter.role == Role::Plant,
+            false => entry.plants.is_some() && parameter.role == Some(Role::Plant),
         };
         let built = parameters.iter().enumerate().filter(|(_, parameter)| is_built(parameter));
         let (plant, changes): (Vec<usize>, Vec<f64>) =

@@ -61,7 +61,8 @@ pub(crate) struct ParameterEntry {
     pub(crate) choices: Option<Vec<String>>,
     /// What it costs to set it anew.
     pub(crate) change_cost: Option<f64>,
-    pub(crate) role: Role,
+    /// Nothing follows from it but what is shown, and what a plant is where no `change_cost` says it.
+    pub(crate) role: Option<Role>,
 }
 
 /// A response that has to stay within bounds.

@@ -57,6 +57,12 @@ fn categorical(entry: &ParameterEntry, choices: &[String]) -> Result<Parameter> 
     if let Some((key, _)) = of_a_number.iter().find(|(_, is_set)| *is_set) {
         bail!("parameter `{}` has `{key}` beside `choices`, expected one of them: a choice is no number", entry.name);
     }
+    ensure!(
+        (2..=1000).contains(&choices.len()),
+        "parameter `{}`: `choices` has {}, expected 2 to 1000",
+        entry.name,
+        choices.len()
+    );
     for choice in choices {
         let is_plain = !choice.contains(['{', '}', '[', ']', '"', '\n', ';', ',', '=']);
         ensure!(
@@ -96,14 +102,13 @@ fn count(parameter: &Parameter, step: f64) -> Result<u32> {
 
 #[cfg(test)]
 mod tests {
-    use infuse::Role;
 
     use super::*;
 
     fn entry(lower: f64, upper: f64, levels: Option<u32>, step: Option<f64>) -> ParameterEntry {
         let (name, unit) = ("pitch".to_owned(), Some("deg".to_owned()));
         let (lower, upper) = (Some(lower), Some(upper));
-        ParameterEntry { name, unit, lower, upper, levels, step, choices: None, change_cost: None, role: Role::Plant }
+        ParameterEntry { name, unit, lower, upper, levels, step, choices: None, change_cost: None, role: None }
     }
 
     #[test]

@@ -36,7 +36,7 @@ pub(crate) const PROBLEM: &str = "campaign.toml";
 pub(crate) struct Problem {
     pub(crate) title: String,
     pub(crate) region: Region,
-    pub(crate) roles: Vec<Role>,
+    pub(crate) roles: Vec<Option<Role>>,
     pub(crate) response: Response,
     pub(crate) simulator: Simulator,
     pub(crate) experiment: Option<Experiment>,

@@ -156,14 +156,3 @@ fn commands(kind: QueueKind) -> [&'static [&'static str]; 3] {
         ],
     }
 }
-
-/// The scheduler's own command, if that is what a `command` begins with: it prints the number of a job and no value.
-pub(super) fn submits_a_job(command: &[String]) -> Option<&str> {
-    let program = command.first()?.rsplit('/').next()?;
-    let submits = match program {
-        "sbatch" | "qsub" | "bsub" => true,
-        "hq" => command.iter().any(|word| word == "submit"),
-        _ => false,
-    };
-    submits.then_some(program)
-}

@@ -10,9 +10,9 @@ use super::constraints::{held, linear};
 use super::costs::Costs;
 use super::file::{ExperimentEntry, Input, ProblemFile, ResponseEntry, SimulationsEntry, SimulatorEntry};
 use super::levels::parameter;
-use super::queue::submits_a_job;
 use super::reserved::is_reserved;
 use super::{Experiment, PROBLEM, Problem, Program, Queue, Response, Simulator};
+use crate::job_numbers::submits_a_job;
 use crate::wording::in_plain_words;
 
 const SIMULATOR_QUEUE: &str = "[simulator.queue]";
@@ -59,7 +59,8 @@ impl Problem {
         let constraints = held(file.constraints, &region, &response.name)?;
         let linear_constraints = linear(file.linear_constraints, &region)?;
         let can_be_built = file.can_be_built.map(|entry| {
-            program(entry.command, entry.input, entry.timeout_seconds, None, &region).context("[can_be_built]")
+            program(entry.command, entry.input, entry.timeout_seconds, None, Needs::Some, &region)
+                .context("[can_be_built]")
         });
         let costs = Costs::of(&file.parameters, &file.rule)?;
         let worth = file.stop.worth;
@@ -136,9 +137,17 @@ fn simulator(entry: SimulatorEntry, region: &Region) -> Result<Simulator> {
                 entry.queue.is_none() || entry.jobs.is_none(),
                 "`jobs` is for runs on this machine, expected none beside [simulator.queue]: its `options` say how many run at once"
             );
-            let queue = entry.queue.map(|entry| Queue::of(entry, SIMULATOR_QUEUE)).transpose().context("queue")?;
+            let queue =
+                entry.queue.map(|entry| Queue::of(entry, SIMULATOR_QUEUE)).transpose().context(SIMULATOR_QUEUE)?;
             Ok(Simulator::Program {
-                program: program(command, entry.input, entry.timeout_seconds, Some(SIMULATOR_QUEUE), region)?,
+                program: program(
+                    command,
+                    entry.input,
+                    entry.timeout_seconds,
+                    Some(SIMULATOR_QUEUE),
+                    Needs::All,
+                    region,
+                )?,
                 jobs,
                 queue,
             })
@@ -149,9 +158,16 @@ fn simulator(entry: SimulatorEntry, region: &Region) -> Result<Simulator> {
 }
 
 fn experiment(entry: ExperimentEntry, region: &Region) -> Result<Experiment> {
-    let queue = entry.queue.map(|entry| Queue::of(entry, EXPERIMENT_QUEUE)).transpose().context("queue")?;
+    let queue = entry.queue.map(|entry| Queue::of(entry, EXPERIMENT_QUEUE)).transpose().context(EXPERIMENT_QUEUE)?;
     Ok(Experiment {
-        program: program(entry.command, entry.input, entry.timeout_seconds, Some(EXPERIMENT_QUEUE), region)?,
+        program: program(
+            entry.command,
+            entry.input,
+            entry.timeout_seconds,
+            Some(EXPERIMENT_QUEUE),
+            Needs::All,
+            region,
+        )?,
         queue,
     })
 }
@@ -161,6 +177,7 @@ fn program(
     input: Option<Input>,
     timeout: Option<f64>,
     queue: Option<&str>,
+    needs: Needs,
     region: &Region,
 ) -> Result<Program> {
     ensure!(
@@ -169,7 +186,7 @@ fn program(
     );
     if let Some(scheduler) = submits_a_job(&command) {
         bail!(
-            "`command` begins with `{scheduler}`, which prints the number of a job and no value; put the program itself here{}",
+            "`command` calls `{scheduler}`, which prints the number of a job and no value; put the program itself here{}",
             queue.map_or_else(String::new, |queue| format!(", and `kind` of the scheduler under {queue}"))
         );
     }
@@ -179,18 +196,44 @@ fn program(
         seconds > 0.0 && seconds <= LONGEST_TIMEOUT_SECONDS,
         "`timeout_seconds` is {seconds:?}, expected a positive number up to {LONGEST_TIMEOUT_SECONDS:e}"
     );
-    for name in region.parameters().iter().map(design_space::Parameter::name) {
-        let is_given = command.iter().any(|argument| placeholders(argument).any(|placeholder| placeholder == name));
-        let found: Vec<String> =
-            command.iter().flat_map(|argument| placeholders(argument)).map(|name| format!("{{{name}}}")).collect();
-        ensure!(
-            input == Input::Json || is_given,
-            "`command` has {}no {{{name}}}, so the program cannot know it; put it among the arguments, or set \
-             `input` = \"json\"",
-            if found.is_empty() { String::new() } else { format!("{}, but ", found.join(", ")) }
-        );
-    }
+    let names = || region.parameters().iter().map(design_space::Parameter::name);
+    let found: Vec<&str> = command.iter().flat_map(|argument| placeholders(argument)).collect();
+    let missing: Vec<&str> = names().filter(|name| !found.contains(name)).collect();
+    let in_braces = |names: &[&str]| names.iter().map(|name| format!("{{{name}}}")).collect::<Vec<_>>().join(", ");
+    let is_missed = match needs {
+        Needs::All => !missing.is_empty(),
+        Needs::Some => missing.len() == names().count(),
+    };
+    // Braces are nobody's but a program's own, unless a parameter is missing, whose name may be misspelled.
+    let unknown: Vec<&str> = found.iter().copied().filter(|found| !names().any(|name| name == *found)).collect();
+    let strange = || match unknown.as_slice() {
+        [] => String::new(),
+        unknown => format!("; {} is no parameter", in_braces(unknown)),
+    };
+    ensure!(
+        input == Input::Json || !is_missed,
+        "`command` has {}no {}, so the program cannot know {}{}; put {} among the arguments, or set `input` = \"json\"",
+        if found.is_empty() { String::new() } else { format!("{}, but ", in_braces(&found)) },
+        in_braces(&missing),
+        if missing.len() == 1 { "it" } else { "them" },
+        strange(),
+        if missing.len() == 1 { "it" } else { "them" },
+    );
+    ensure!(
+        input == Input::Json || missing.is_empty() || unknown.is_empty(),
+        "`command` has {}, which is no parameter, expected some of {}",
+        in_braces(&unknown),
+        in_braces(&names().collect::<Vec<_>>()),
+    );
     Ok(Program { command, input, timeout: Duration::from_secs_f64(seconds) })
+}
+
+/// Which parameters a command is to be given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Needs {
+    All,
+    /// At least one: whatever it is not given is nothing to it.
+    Some,
 }
 
 /// What stands between braces.

@@ -72,7 +72,7 @@ impl Runs {
             code => format!("exit status: {code}"),
         };
         Some(match ended(code.trim() == "0", &status, &output, &errors) {
-            Ran::Value(value, others) => (Measured::Value(value), others),
+            Ran::Value { value, others, .. } => (Measured::Value(value), others),
             Ran::Failed(reason) => (Measured::Failed(reason), BTreeMap::new()),
             Ran::Interrupted => (Measured::Failed(status), BTreeMap::new()),
         })

@@ -21,14 +21,15 @@ pub(crate) fn write(page: &mut Page, problem: &Problem, journal: &Journal, from_
 }
 
 fn parameters(problem: &Problem) -> Table {
-    let row = |(parameter, role): (&design_space::Parameter, &Role)| {
+    let row = |(parameter, role): (&design_space::Parameter, &Option<Role>)| {
         let (levels, step) = match parameter.levels() {
             Levels::Count(n) => (n.to_string(), setting(step(parameter), step(parameter))),
             Levels::Continuous => ("any".to_owned(), "any".to_owned()),
         };
         let role = match role {
-            Role::Plant => "plant",
-            Role::Controller => "controller",
+            Some(Role::Plant) => "plant",
+            Some(Role::Controller) => "controller",
+            None => "",
         };
         let name = parameter.name().to_owned();
         let unit = parameter.unit().to_owned();

@@ -224,6 +224,12 @@ fn every_key_can_be_got_wrong_in_a_way_that_is_said() {
         (constraint("upper = 4\n").replace("travel", "failed"), two.clone(), "is a heading of sheets"),
         (constraint("upper = 4\n").repeat(2), two.clone(), "`travel` comes twice"),
         ("[[linear_constraint]]\nsum = { c = 1 }\nupper = 1\n".to_owned(), two.clone(), "`c`, which is no parameter"),
+        (
+            "[[linear_constraint]]\nsum = {}\nupper = 1\n".to_owned(),
+            two.clone(),
+            "`sum` is empty, expected some of `a`, `b`",
+        ),
+        (constraint("upper = nan\n"), two.clone(), "[[constraint]]: constraint `travel`"),
         ("[[linear_constraint]]\nsum = { a = 1 }\n".to_owned(), two.clone(), "neither `lower` nor `upper`"),
         (
             "[[linear_constraint]]\nsum = { a = 1 }\nlower = 2\nupper = 1\n".to_owned(),
@@ -236,7 +242,7 @@ fn every_key_can_be_got_wrong_in_a_way_that_is_said() {
             choice("choices = [\"x\", \"y\"]\n"),
             "is a choice",
         ),
-        (String::new(), choice("choices = [\"x\"]\n"), "2 to 1000 choices"),
+        (String::new(), choice("choices = [\"x\"]\n"), "`choices` has 1, expected 2 to 1000"),
         (String::new(), choice("choices = [\"x\", \"x\"]\n"), "each choice once"),
         (String::new(), choice("choices = [\"x\", \"1.5\"]\n"), "no number"),
         (String::new(), choice("choices = [\"x\", \"y\"]\nlower = 1\n"), "`lower` beside `choices`"),
@@ -248,4 +254,51 @@ fn every_key_can_be_got_wrong_in_a_way_that_is_said() {
         let said = rig.infuse(&["ask"]).error();
         assert!(said.contains(expected), "{more}{parameters}: {said}\nexpected {expected}");
     }
+}
+
+/// Nothing that sounds like a promise stands before the sentence that there is none.
+#[test]
+fn where_no_design_is_known_to_keep_to_the_bounds_that_is_what_is_said_first() {
+    let never = TRAVEL.lines().map(|line| if line.starts_with("upper") { "upper = -5" } else { line });
+    let rig = rig_of(&(never.collect::<Vec<_>>().join("\n") + "\n"), &(parameter("a") + &parameter("b")));
+    let asked = ask(&rig);
+    for experiment in asked["experiments"].as_array().unwrap() {
+        let (a, b) = settings(experiment);
+        let (id, cost, travel) = (experiment["id"].to_string(), cost(a, b).to_string(), travel(a, b));
+        rig.infuse(&["tell", "--id", &id, "--value", &cost, "--constrained", &format!("travel={travel}")]).ok();
+    }
+    let said = rig.infuse(&["status"]).ok();
+    let place = |text: &str| said.find(text).unwrap_or_else(|| panic!("{text}: {said}"));
+    assert!(place("Careful: no design is known to keep to what is asked for") < place("Recommended:"), "{said}");
+    assert!(said.contains("How far it is from the best is not said"), "{said}");
+    assert!(
+        !said.contains("no design that keeps to the bounds is better") && !said.contains("may still be the best"),
+        "{said}"
+    );
+}
+
+/// A command that is told of one parameter is asked once for each of its values.
+#[test]
+fn what_the_command_is_not_told_of_makes_no_difference_to_it() {
+    let check = "[can_be_built]\ncommand = [\"sh\", \"check.sh\", \"{a}\"]\n";
+    let rig = rig_of(check, &(parameter("a") + &parameter("b").replace("role = \"plant\"\n", "")));
+    rig.write("check.sh", "echo $1 >> asked.txt\nif [ \"$1\" -gt 6 ]; then echo 0; else echo 1; fi\n");
+    for _ in 0..2 {
+        let asked = ask(&rig);
+        for experiment in asked["experiments"].as_array().unwrap() {
+            let (a, b) = settings(experiment);
+            assert!(a <= 6.0, "{a} {b}");
+            rig.infuse(&["tell", "--id", &experiment["id"].to_string(), "--value", &cost(a, b).to_string()]).ok();
+        }
+    }
+    let asked = rig.read("asked.txt");
+    let mut values: Vec<&str> = asked.lines().collect();
+    let n = values.len();
+    values.sort_unstable();
+    values.dedup();
+    assert_eq!(n, values.len(), "{asked}");
+    let none =
+        rig_of("[can_be_built]\ncommand = [\"sh\", \"check.sh\", \"{c}\"]\n", &(parameter("a") + &parameter("b")));
+    let said = none.infuse(&["ask"]).error();
+    assert!(said.contains("has {c}, but no {a}, {b}") && said.contains("{c} is no parameter"), "{said}");
 }

@@ -115,8 +115,10 @@ fn what_can_be_built_may_change_from_one_batch_to_the_next() {
     }
     assert!(rig.status()["best"]["x"].as_f64().unwrap() > 5.0);
     rig.edit("\"v1\"", "\"v2\"");
+    let asked = rig.infuse(&["what-if", "x=7,y=2,kind=film"]).ok();
+    assert!(asked.contains("It cannot be built, says the command of [can_be_built]"), "{asked}");
     let text = rig.infuse(&["status"]).ok();
-    assert!(text.contains("[can_be_built] was not asked as it is now: the next `infuse ask`"), "{text}");
+    assert!(text.contains("Whether it can be built is not known: the command of [can_be_built]"), "{text}");
     rig.infuse(&["ask"]).ok();
     assert!(rig.status()["best"]["x"].as_f64().unwrap() <= 4.0, "asked of what is recommended, too");
     // Not even what was built and measured before is asked for again.

@@ -214,11 +214,33 @@ fn what_is_to_be_simulated_again_is_not_read_from_old_runs() {
     assert!(lines(&rig, "ran.log").len() > n + 8, "all of them are run anew");
 }
 
+/// A wrapper hides the scheduler, but not what it prints.
+#[test]
+fn numbers_of_jobs_never_become_values() {
+    let rig = local();
+    rig.write("simulate.sh", "n=$(cat job 2>/dev/null || echo 4711); n=$((n + 1)); echo $n > job; echo $n\n");
+    rig.edit("command = [\"sh\", \"simulate.sh\"", "jobs = 1\ncommand = [\"sh\", \"simulate.sh\"");
+    let error = rig.infuse(&["ask"]).error();
+    assert!(
+        error.contains("4712, 4713, 4714, 4715, 4716") && error.contains("numbers of jobs and no values"),
+        "{error}"
+    );
+    let journal = std::fs::read_to_string(rig.path("journal.jsonl")).unwrap_or_default();
+    assert!(!journal.contains("simulated"), "none was taken: {journal}");
+    // Whole responses that are told from numbers of jobs by how they are printed.
+    rig.write("simulate.sh", "n=$(cat job); n=$((n + 1)); echo $n > job; echo \"{\\\"value\\\": $n}\"\n");
+    rig.infuse(&["ask"]).ok();
+}
+
 #[test]
 fn a_scheduler_as_the_simulator_is_refused_and_so_is_every_wrong_key() {
-    for command in
-        ["\"sbatch\", \"--wait\", \"--parsable\", \"x.sh\"", "\"/opt/hq\", \"submit\", \"--wait\"", "\"qsub\", \"x\""]
-    {
+    for command in [
+        "\"env\", \"sbatch\", \"--parsable\"",
+        "\"sh\", \"-c\", \"sbatch x.sh\"",
+        "\"sbatch\", \"--wait\", \"--parsable\", \"x.sh\"",
+        "\"/opt/hq\", \"submit\", \"--wait\"",
+        "\"qsub\", \"x\"",
+    ] {
         let rig = local();
         rig.edit("command = [\"sh\", \"simulate.sh\"", &format!("command = [{command}"));
         let error = rig.infuse(&["ask"]).error();

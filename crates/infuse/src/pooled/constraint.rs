@@ -53,7 +53,11 @@ impl Constraint {
     }
 
     /// Whether it is usable.
-    pub(crate) fn validate(&self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Constraint`]: a bound, a probability or a noise that cannot be.
+    pub fn validate(&self) -> Result<(), Error> {
         let fault =
             |field, value, expected| Err(Error::Constraint { constraint: self.name.clone(), field, value, expected });
         for (field, bound) in [("lower", self.lower), ("upper", self.upper)] {

@@ -74,9 +74,8 @@ fn batch_has_no_more_plants_than_were_asked_for_and_finds_nearly_as_good_a_desig
 
 #[test]
 fn plants_become_fewer_as_they_become_dear() {
-    let count = |cost: f64| -> usize {
-        campaign(1, Some(Plants::of_cost(vec![0, 1], vec![cost; 2])), 0.0).1[1..].iter().sum()
-    };
+    let count =
+        |cost: f64| -> usize { campaign(1, Some(Plants::of_cost(vec![0, 1], vec![cost; 2])), 0.0).1[1..].iter().sum() };
     let (cheap, dear) = (count(0.0), count(20.0));
     assert!(2 * dear < cheap, "{dear} {cheap}");
 }

@@ -93,7 +93,7 @@ fn run_one(folder: &Path, problem: &Problem, program: &Program, designs: &[Vec<f
     for point in designs {
         let (start, at) = (Instant::now(), problem.describe(point));
         match program.run(folder, &problem.region, point, None)? {
-            Ran::Value(value, others) => {
+            Ran::Value { value, others, .. } => {
                 let (took, others) = (start.elapsed(), problem.of_constraints(others));
                 let mut said = vec![with_unit(&plain(value), &problem.response.unit)];
                 let (known, unknown): (Vec<_>, Vec<_>) =
