@@ -126,7 +126,9 @@ fn set(entry: &mut InlineTable, value: f64, source: &str) -> Result<Option<Strin
     let mut words = (before != Some(rounded)).then(|| {
         format!("is {} and should be {rounded:?}", before.map_or("none".to_owned(), |before| format!("{before:?}")))
     });
-    replace(entry, "value", format!("{rounded:?}").parse()?)?;
+    if words.is_some() {
+        replace(entry, "value", format!("{rounded:?}").parse()?)?;
+    }
     for (name, should) in [("provenance", "calibrated"), ("source", source)] {
         let found = entry.get(name).and_then(Value::as_str).unwrap_or_default().to_owned();
         if found != should {

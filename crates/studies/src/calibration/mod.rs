@@ -84,6 +84,13 @@ pub(crate) struct Plant {
     pub(crate) values: Vec<f64>,
 }
 
+/// All keys of numbers that differ between plants, with those that take the same value.
+#[cfg(feature = "ensemble")]
+pub(crate) fn free_keys(root: &Path) -> Result<Vec<String>> {
+    let calibration = Calibration::read(root)?;
+    Ok(calibration.free.iter().flat_map(|free| free.keys().map(str::to_owned)).collect())
+}
+
 /// The plants that are kept, in their order, after the names of the numbers that were free.
 #[cfg(feature = "ensemble")]
 pub(crate) fn plants(root: &Path) -> Result<(Vec<String>, Vec<Plant>)> {
