@@ -162,7 +162,7 @@ mod tests {
     fn mistakes_are_named() {
         refuses("plant.hull.lift_slope", "plant.hull.lift_slop", &["no number `plant.hull.lift_slop`"]);
         refuses("unit = \"1/rad\"", "unit = \"rad\"", &["plant.hull.lift_slope", "`rad`", "`1/rad`"]);
-        refuses("lower = 1.6", "lower = 2.9", &["plant.hull.lift_slope", "2.442"]);
+        refuses("lower = 1.6", "lower = 2.9", &["plant.hull.lift_slope", "2.472415"]);
         refuses("key = \"plant.hull.lift_slope\"", "key = \"plant.hull.side_force_slope\"", &["side_force_slope"]);
         refuses("scale = \"linear\"", "scale = \"log\"", &["plant.hull.drag_zero_lift", "linear"]);
         refuses("lower = 1.6", "start = 2.0\nlower = 1.6", &["plant.hull.lift_slope", "rig file"]);
