@@ -216,4 +216,16 @@ mod tests {
         }
         assert_ne!(calibration.start(0), calibration.start(1));
     }
+
+    /// It is chosen among what came of them.
+    #[test]
+    fn starts_do_not_depend_on_the_default_plant() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let mut calibration = Calibration::read(&root).expect("a file");
+        let before = calibration.start(3);
+        for free in &calibration.free {
+            free.set(&mut calibration.base, free.at(0.5)).expect("within its range");
+        }
+        assert_eq!(calibration.start(3), before);
+    }
 }
