@@ -116,6 +116,8 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         #[cfg(feature = "calibration")]
         (None, ["calibrate", "--page"]) => Box::new(|| calibration::write_page(root)),
         #[cfg(feature = "calibration")]
+        (None, ["calibrate", "--default"]) => Box::new(|| calibration::write_default(root)),
+        #[cfg(feature = "calibration")]
         (None, ["calibrate", "--check"]) => Box::new(|| calibration::check(root)),
         #[cfg(feature = "identification")]
         (None, ["identify"]) => Box::new(|| identification::run(root)),

@@ -19,7 +19,7 @@ pub enum SlackPolicy {
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FlightSettings {
-    /// RK4 steps per sample: over the plants of the studies 2 keep the cost to about 3e-6, 1 to about 1e-5.
+    /// RK4 steps per sample: over the plants of the studies 2 keep the cost to about 6e-6, 1 to about 2e-5.
     pub steps_per_sample: usize,
     /// What a slack line means.
     pub slack: SlackPolicy,

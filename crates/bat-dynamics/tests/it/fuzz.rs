@@ -81,7 +81,7 @@ fn flights_in_still_fluid_never_gain_energy() {
             kinetic_energy(&plant, &q, &rate) + potential_energy(&plant, &q)
         };
         // Small steps: the drag of attached lift at a right angle to the flow stops a light body within a millisecond.
-        let end = fly(start, 1e-4, 100, |_, x| evaluate(&plant, x, [0.0; 3], &Flow::straight(0.0)).derivative);
+        let end = fly(start, 5e-5, 200, |_, x| evaluate(&plant, x, [0.0; 3], &Flow::straight(0.0)).derivative);
         let gain = energy(&end) - energy(&start);
         assert!(gain <= 1e-8, "seed {seed}: {gain} J from {start:?} to {end:?}");
     }

@@ -188,7 +188,7 @@ fn trim_matrices_and_modes_are_those_of_the_independent_linearization() {
 fn tilted() -> Parameters {
     let mut p = without_surfaces(everything());
     p.body.center_of_buoyancy_x = 0.1;
-    p.body.center_of_mass_x = 0.4518;
+    p.body.center_of_mass_x = p.body.joint_x;
     p
 }
 

@@ -52,9 +52,9 @@ class Channel:
     >>> channel = Channel()
     >>> flights = channel.fly([[45.7, 8.29], [99.0, 8.29]], ["center_of_mass", "pitch_set_point"])
     >>> flights.cost.round(3)
-    array([1.494,   nan])
+    array([1.312,   nan])
     >>> flights.reasons[1]
-    'line starboard went slack at t = 0 s: its tension would be -0.2521 N, allowed: zero or more'
+    'line starboard went slack at t = 0 s: its tension would be -0.2555 N, allowed: zero or more'
     """
 
     def __init__(

@@ -1,6 +1,6 @@
 //! The file of a calibration: what is free, over which ranges, and what it is fitted to.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 use rand::{RngExt, SeedableRng};
@@ -53,9 +53,12 @@ pub(super) struct Calibration {
     pub(super) n_members: usize,
     pub(super) most_starts: u64,
     pub(super) seed: u64,
-    /// How far starts go from the plant of the rig file toward one drawn over the ranges: at least and at most.
+    /// How far starts go from the plant where they begin toward one drawn over the ranges: at least and at most.
     pub(super) reach: [f64; 2],
+    /// The default plant: what is not free is as in it.
     pub(super) base: Candidate,
+    /// The files of the default plant: rig, and the weights of each study.
+    pub(super) files: [PathBuf; 3],
     pub(super) profile: TestProfile,
     pub(super) settings: FlightSettings,
     pub(super) boxes: [Bounds; 2],
@@ -72,6 +75,7 @@ impl Calibration {
 
     fn of(file: CalibrationFile, directory: &Path) -> Result<Self> {
         let FilesEntry { rig, profile, chapter4, chapter7 } = &file.files;
+        let files = [rig, chapter4, chapter7].map(|name| directory.join(name));
         let rig = RigFile::read(directory.join(rig))?.rig;
         let profile = ProfileFile::read(directory.join(profile))?.profile;
         let weights = [chapter4, chapter7].map(|name| CostFile::read(directory.join(name)));
@@ -100,6 +104,7 @@ impl Calibration {
         ensure!(!free.is_empty(), "no [[free]] number: there is nothing to choose");
         for (index, one) in free.iter().enumerate() {
             ensure!(free[..index].iter().all(|other| other.key != one.key), "`{}` is free twice", one.key);
+            ensure!(one.start.is_some(), "`{}` has no start: starts begin there", one.key);
         }
         Ok(Self {
             title: file.title,
@@ -108,6 +113,7 @@ impl Calibration {
             seed: file.seed,
             reach: file.reach,
             base,
+            files,
             profile,
             settings,
             boxes,
@@ -138,6 +144,11 @@ impl Calibration {
         Ok(candidate)
     }
 
+    /// The free numbers of a plant as shares of their ranges, each on its scale.
+    pub(super) fn shares(&self, member: &Member) -> Vec<f64> {
+        self.free.iter().zip(&member.values).map(|(free, value)| free.share(*value)).collect()
+    }
+
     pub(super) fn candidates(&self, members: &[Member]) -> Result<Vec<Candidate>> {
         members.iter().map(|member| self.with(&member.values)).collect()
     }
@@ -147,7 +158,7 @@ impl Calibration {
         fly(std::slice::from_ref(candidate), spots, &self.profile, &self.settings).pop().unwrap_or_default()
     }
 
-    /// Where a start begins, by its number alone: between the plant of the rig file and one that is evenly drawn over the ranges.
+    /// Where a start begins, by its number alone: between the plant that all begin with and one that is evenly drawn over the ranges.
     pub(super) fn start(&self, number: u64) -> Vec<f64> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number);
@@ -155,7 +166,7 @@ impl Calibration {
         let reach = least + (most - least) * rng.random::<f64>();
         let within = |share: f64| share.clamp(INSIDE, 1.0 - INSIDE);
         let share = |free: &Free| {
-            let known = within(free.share(free.value(&self.base)));
+            let known = within(free.share(free.start.unwrap_or_else(|| free.value(&self.base))));
             within(known + reach * (rng.random::<f64>() - known))
         };
         let shares: Vec<f64> = self.free.iter().map(share).collect();
@@ -183,6 +194,8 @@ mod tests {
             "study = \"chapter5\"\nfidelity",
             &["chapter5", "chapter4, chapter7"],
         );
+        refuses("start = 0.0002379", "start = 0.2379", &["plant.body.volume", "0.2379", "0.000207 to 0.0002394"]);
+        refuses("start = 0.0002379", "", &["plant.body.volume", "no start"]);
         refuses("members = 30", "member = 30", &["member"]);
         refuses("members = 30", "members = 0", &["members = 0", "at least 1"]);
         refuses("cost = 0.02", "cost = 0.0", &["tolerance.cost = 0", "positive"]);
@@ -202,5 +215,17 @@ mod tests {
             }
         }
         assert_ne!(calibration.start(0), calibration.start(1));
+    }
+
+    /// It is chosen among what came of them.
+    #[test]
+    fn starts_do_not_depend_on_the_default_plant() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let mut calibration = Calibration::read(&root).expect("a file");
+        let before = calibration.start(3);
+        for free in &calibration.free {
+            free.set(&mut calibration.base, free.at(0.5)).expect("within its range");
+        }
+        assert_eq!(calibration.start(3), before);
     }
 }

@@ -20,6 +20,7 @@ pub(crate) struct FreeEntry {
     unit: String,
     lower: f64,
     upper: f64,
+    start: Option<f64>,
     scale: Scale,
     reason: String,
     #[serde(default)]
@@ -64,21 +65,29 @@ pub(crate) struct Free {
     pub(crate) unit: String,
     pub(crate) lower: f64,
     pub(crate) upper: f64,
+    /// Of the plant where starts begin, if the file says so.
+    pub(crate) start: Option<f64>,
     pub(crate) reason: String,
+    /// Those that take the same value.
+    also: Vec<String>,
     scale: Scale,
     places: Vec<Place>,
 }
 
 impl FreeEntry {
     pub(crate) fn check(self) -> Result<Free> {
-        let Self { key, unit, lower, upper, scale, reason, also } = self;
+        let Self { key, unit, lower, upper, start, scale, reason, also } = self;
         let range = || format!("`{key}` goes from {lower} to {upper}");
         ensure!(lower.is_finite() && upper.is_finite() && lower < upper, "{}: lower must be below upper", range());
         ensure!(scale == Scale::Linear || lower > 0.0, "{}: on a log scale both must be positive", range());
+        let outside = start.filter(|value| !(lower..=upper).contains(value));
+        if let Some(start) = outside {
+            bail!("`{key}` has start = {start}: it must be within its range, {lower} to {upper}");
+        }
         ensure!(!reason.trim().is_empty(), "`{key}` has no reason: every range must have one");
         let keys = std::iter::once(&key).chain(&also);
         let places = keys.map(|key| Place::of(key, &unit, [lower, upper])).collect::<Result<_>>()?;
-        Ok(Free { key, unit, lower, upper, reason, scale, places })
+        Ok(Free { key, unit, lower, upper, start, reason, also, scale, places })
     }
 }
 
@@ -199,6 +208,11 @@ impl Free {
             Scale::Linear => (value - self.lower) / (self.upper - self.lower),
             Scale::Log => (value / self.lower).ln() / (self.upper / self.lower).ln(),
         }
+    }
+
+    /// Its key and those that take the same value.
+    pub(super) fn keys(&self) -> impl Iterator<Item = &str> {
+        std::iter::once(&self.key).chain(&self.also).map(String::as_str)
     }
 
     pub(crate) fn value(&self, candidate: &Candidate) -> f64 {

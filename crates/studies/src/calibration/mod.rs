@@ -2,11 +2,13 @@
 
 mod attempt;
 mod candidate;
+mod default_plant;
 mod evidence;
 mod file;
 mod fit;
 mod free;
 mod landscape;
+mod medoid;
 mod outcome;
 mod page;
 mod store;
@@ -23,6 +25,7 @@ pub(crate) use candidate::Candidate;
 pub(crate) use landscape::{correlation, ranks};
 
 use candidate::{Flown, fly};
+use default_plant::DefaultPlant;
 use evidence::Aims;
 use file::Calibration;
 use fit::worst;
@@ -61,6 +64,13 @@ pub(crate) fn write_page(root: &Path) -> Result<()> {
     page::write(root, &calibration, &store)
 }
 
+/// Writes the plant that is nearest to all others into the files of the default plant.
+pub(crate) fn write_default(root: &Path) -> Result<()> {
+    let calibration = Calibration::read(root)?;
+    let store = Store::read(&root.join(ENSEMBLE), calibration.keys())?;
+    DefaultPlant::of(&calibration, &store.members)?.write(&calibration)
+}
+
 /// A plant of the ensemble.
 #[cfg(feature = "ensemble")]
 #[derive(Debug, Clone)]
@@ -72,6 +82,13 @@ pub(crate) struct Plant {
     pub(crate) weights: [water_channel::CostWeights; 2],
     /// Its numbers that were free, in their order.
     pub(crate) values: Vec<f64>,
+}
+
+/// All keys of numbers that differ between plants, with those that take the same value.
+#[cfg(feature = "ensemble")]
+pub(crate) fn free_keys(root: &Path) -> Result<Vec<String>> {
+    let calibration = Calibration::read(root)?;
+    Ok(calibration.free.iter().flat_map(|free| free.keys().map(str::to_owned)).collect())
 }
 
 /// The plants that are kept, in their order, after the names of the numbers that were free.
@@ -87,7 +104,8 @@ pub(crate) fn plants(root: &Path) -> Result<(Vec<String>, Vec<Plant>)> {
     Ok((calibration.keys(), plants.collect::<Result<_>>()?))
 }
 
-/// That each plant that is kept still flies and meets its evidence, and that there are enough.
+/// That each plant that is kept still flies and meets its evidence, that there are enough, and that the default plant is one of them:
+/// the one nearest to all others.
 pub(crate) fn check(root: &Path) -> Result<()> {
     let calibration = Calibration::read(root)?;
     let store = Store::read(&root.join(ENSEMBLE), calibration.keys())?;
@@ -97,15 +115,20 @@ pub(crate) fn check(root: &Path) -> Result<()> {
         store.members.len(),
         calibration.n_members
     );
+    DefaultPlant::of(&calibration, &store.members)?.check(&calibration)?;
     let aims = Aims::new(&calibration.evidence, calibration.tolerance);
-    let candidates = calibration.candidates(&store.members)?;
+    let mut candidates = calibration.candidates(&store.members)?;
+    // Its numbers are rounded.
+    candidates.push(calibration.base.clone());
+    let names = store.members.iter().map(|member| format!("plant {} of {ENSEMBLE}", member.start));
+    let names = names.chain(std::iter::once("the default plant".to_owned()));
     let all = fly(&candidates, &aims.spots(), &calibration.profile, &calibration.settings);
-    for ((member, candidate), flown) in store.members.iter().zip(&candidates).zip(all) {
+    for ((name, candidate), flown) in names.zip(&candidates).zip(all) {
         let flown: Option<Vec<Flown>> = flown.into_iter().collect();
-        let flown = flown.with_context(|| format!("plant {} of {ENSEMBLE} no longer flies", member.start))?;
+        let flown = flown.with_context(|| format!("{name} no longer flies"))?;
         let worst = worst(&aims.residuals(candidate, &flown));
-        ensure!(worst <= 1.0, "plant {} of {ENSEMBLE} misses its evidence by {worst:.2} tolerances", member.start);
+        ensure!(worst <= 1.0, "{name} misses its evidence by {worst:.2} tolerances");
     }
-    eprintln!("{} plants fly and meet their evidence", store.members.len());
+    eprintln!("{} plants and the default plant fly and meet their evidence", store.members.len());
     page::check(root, &calibration, &store)
 }

@@ -9,6 +9,7 @@ use page::{Axis, Column, StripFigure, Table, strip_figure};
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, STUDIES, Spot};
+use super::default_plant::DefaultPlant;
 use super::evidence::Evidence;
 use super::file::Calibration;
 use super::free::Free;
@@ -47,7 +48,8 @@ fn texts(root: &Path, calibration: &Calibration, store: &Store) -> Result<[(&'st
     let table_6 = chapter7::table_6(root)?;
     let see = |candidate: &Candidate| see(calibration, candidate, &table_6);
     let seen: Vec<Seen> = candidates.par_iter().map(see).collect::<Result<_>>()?;
-    Ok([(PAGE, markdown(calibration, store, &seen)), (PICTURE, picture(calibration, store))])
+    let default_plant = DefaultPlant::of(calibration, &store.members)?;
+    Ok([(PAGE, markdown(calibration, store, &seen, &default_plant)), (PICTURE, picture(calibration, store))])
 }
 
 fn see(calibration: &Calibration, candidate: &Candidate, table_6: &[[f64; 4]]) -> Result<Seen> {
@@ -94,9 +96,9 @@ fn n_fifths(calibration: &Calibration, store: &Store, index: usize) -> usize {
     (0..5).filter(|fifth| shares().any(|share| (share * 5.0).floor().clamp(0.0, 4.0) as usize == *fifth)).count()
 }
 
-fn markdown(calibration: &Calibration, store: &Store, seen: &[Seen]) -> String {
+fn markdown(calibration: &Calibration, store: &Store, seen: &[Seen], default_plant: &DefaultPlant<'_>) -> String {
     let mut text = format!("# {}\n\n", calibration.title);
-    for sentence in findings(calibration, store, seen) {
+    for sentence in findings(calibration, store, seen).into_iter().chain([default_words(default_plant)]) {
         text += &format!("- {sentence}\n");
     }
     text += "\n![Where the plants lie in their ranges](results-calibration.svg)\n\n\
@@ -136,7 +138,7 @@ fn findings(calibration: &Calibration, store: &Store, seen: &[Seen]) -> Vec<Stri
     vec![
         format!(
             "{n} plants meet the fitted rows of Tables 3 and 5, each optimum within {} % of chord and {} deg over the whole box, each \
-             cost within {} %: calibrated, from {} starts between today's plant and one drawn over the ranges. Refused were {}.",
+             cost within {} %: calibrated, from {} starts between one plant and another drawn over the ranges. Refused were {}.",
             calibration.tolerance.center_of_mass,
             calibration.tolerance.pitch_set_point,
             100.0 * calibration.tolerance.cost,
@@ -145,7 +147,7 @@ fn findings(calibration: &Calibration, store: &Store, seen: &[Seen]) -> Vec<Stri
         ),
         format!(
             "Of {} free numbers {wide} lie in at least four of the five fifths of their range. Starts went {:.0} to {:.0} % of the way from \
-             today's plant to one drawn over the ranges, so that a narrow row does not show that the evidence pins a number down.",
+             the plant where all begin to one drawn over the ranges, so that a narrow row does not show that the evidence pins a number down.",
             fifths.len(),
             100.0 * calibration.reach[0],
             100.0 * calibration.reach[1]
@@ -167,6 +169,15 @@ fn findings(calibration: &Calibration, store: &Store, seen: &[Seen]) -> Vec<Stri
             words(of(1, |d| d.additive_fit), 2),
         ),
     ]
+}
+
+fn default_words(DefaultPlant { member, mean_distance }: &DefaultPlant<'_>) -> String {
+    format!(
+        "The default plant of the other commands is plant {} of these, chosen by a rule and not by hand: it is the medoid, the one with the \
+         least mean distance to all others, {mean_distance:.3}, each free number taken as a share of its range. `cargo xtask calibrate \
+         --default` writes its numbers, to seven digits, into the rig and the weights.",
+        member.start
+    )
 }
 
 fn fidelity_words(fidelity: Fidelity) -> &'static str {

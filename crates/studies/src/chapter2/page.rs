@@ -15,8 +15,8 @@ use crate::reproduction::{Picture, markdown_list, picture};
 use page::{Finding, Page};
 
 pub(crate) const NO_EXPERIMENT: &str = "No experiment was made. The water channel of the dissertation is replaced by a stand-in, the numerical \
-    model plus stall plus added mass. The plant was calibrated to rows 1 of the dissertation's Tables 3 and 5 and to the best design of \
-    its Table 3; nothing in this chapter was fitted to its Table 2 or to Figures 11 and 12.";
+    model plus stall plus added mass. The plant was calibrated to rows 1 and 3 of the dissertation's Table 3 and rows 0 and 3 of its \
+    Table 5; nothing in this chapter was fitted to its Table 2 or to Figures 11 and 12.";
 
 pub(crate) const BY_CONSTRUCTION: &str = "The equations that fly here have no viscosity. That similar models fly alike in them, and that the \
     machine flies like its model, is a property of the equations: it verifies the laws and the program, and says nothing about water \

@@ -14,7 +14,7 @@ use crate::reproduction::{Picture, markdown_list, picture};
 use page::{Finding, Page};
 
 pub(crate) const NO_EXPERIMENT: &str = "No experiment was made. The water channel of the dissertation is replaced by a stand-in, the numerical \
-    model plus stall plus added mass. The plant was calibrated to rows 1 of Tables 3 and 5 and to the best design of Table 3; \
+    model plus stall plus added mass. The plant was calibrated to rows 1 and 3 of Table 3 and rows 0 and 3 of Table 5; \
     nothing in this chapter was fitted to Figure 14, which shows no numbers that could be read.";
 
 pub(crate) const BEST_CAPTION: &str = "The stable design with the lowest cost (20) in each panel, among the centers of mass that Table 4 \

@@ -16,19 +16,19 @@ use crate::{calibration, chapter4, chapter7};
 const FOLDER: &str = "fixtures/bat";
 const FILE: &str = "ensemble.toml";
 /// What all rows follow from, beside this program.
-const TEXTS: [&str; 11] = [
+const TEXTS: [&str; 8] = [
     FILE,
     "calibration.toml",
     "ensemble/members.csv",
-    "rig.toml",
     "test-profile.toml",
-    "cost-chapter4.toml",
-    "cost-chapter7.toml",
     "chapter4.toml",
     "chapter7.toml",
     "moving-water.toml",
     "sensing.toml",
 ];
+/// The files of the default plant, with what stands before the keys of free numbers in them: rows follow from the others alone.
+const COMMON: [(&str, &str); 3] =
+    [("rig.toml", ""), ("cost-chapter4.toml", "chapter4."), ("cost-chapter7.toml", "chapter7.")];
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -111,9 +111,11 @@ impl Setup {
         let (keys, plants) = calibration::plants(root)?;
         let mut key = Key::default();
         for name in TEXTS {
-            let path = folder.join(name);
-            let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-            key = key.with(without_comments(&text));
+            key = key.with(without_comments(&text(&folder, name)?));
+        }
+        let free = calibration::free_keys(root)?;
+        for (name, before) in COMMON {
+            key = key.with(common(&text(&folder, name)?, before, &free).context(name)?);
         }
         let of = |file: StudyFile, folder: &Path| Self::of(file, folder, keys, plants, key.name());
         study_file::read(&folder.join(FILE), of)
@@ -187,9 +189,27 @@ impl Setup {
     }
 }
 
-/// What rows follow from in a text: neither comments nor how many plants there are.
+fn text(folder: &Path, name: &str) -> Result<String> {
+    let path = folder.join(name);
+    std::fs::read_to_string(&path).with_context(|| path.display().to_string())
+}
+
+/// What all plants have in common of a file of the default plant: all but the numbers that are free.
+fn common(text: &str, before: &str, free: &[String]) -> Result<String> {
+    let mut table: toml::Table = text.parse()?;
+    for key in free.iter().filter_map(|key| key.strip_prefix(before)) {
+        let mut path: Vec<&str> = key.split('.').collect();
+        let last = path.pop().unwrap_or_default();
+        let section = path.iter().try_fold(&mut table, |table, name| table.get_mut(*name)?.as_table_mut());
+        section.and_then(|section| section.remove(last));
+    }
+    Ok(table.to_string())
+}
+
+/// What rows follow from in a text: neither comments, nor where fits began, nor how many plants there are.
 fn without_comments(text: &str) -> String {
-    let counts = |line: &&str| !["#", "plants_of_four"].iter().any(|start| line.trim_start().starts_with(start));
+    let counts =
+        |line: &&str| !["#", "start = ", "plants_of_four"].iter().any(|start| line.trim_start().starts_with(start));
     text.lines().filter(counts).collect::<Vec<_>>().join("\n")
 }
 
@@ -239,6 +259,21 @@ impl HullEntry {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The default plant is one of many, and rows of all do not follow from which; they do from what all have in common.
+    #[test]
+    fn free_numbers_of_the_default_plant_are_not_in_the_key() {
+        let free = ["plant.hull.lift_zero", "chapter4.k1_heading"].map(str::to_owned);
+        let rig = |lift: &str, area: &str| {
+            let text = format!("[plant.hull]\nlift_zero = {{ value = {lift} }}\narea = {{ value = {area} }}");
+            common(&text, "", &free).expect("a file")
+        };
+        assert_eq!(rig("0.3", "1"), rig("0.4", "1"));
+        assert_ne!(rig("0.3", "1"), rig("0.3", "2"));
+        let weights = |text: &str| common(text, "chapter4.", &free).expect("a file");
+        assert_eq!(weights("k1_heading = 1\nk2_pitch = 2"), weights("k1_heading = 3\nk2_pitch = 2"));
+        assert_ne!(weights("k1_heading = 1\nk2_pitch = 2"), weights("k1_heading = 1\nk2_pitch = 3"));
+    }
 
     fn of(file: StudyFile, folder: &Path) -> Result<Setup> {
         Setup::of(file, folder, Vec::new(), Vec::new(), String::new())

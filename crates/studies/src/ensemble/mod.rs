@@ -1,6 +1,6 @@
 //! `cargo xtask reproduce-all --ensemble`: the claims of Chapters 4 and 7 on every plant that the published numbers allow.
 //!
-//! The one plant of the other studies is one that was fitted, in still water, with equal sides and a state that is known: on it most
+//! The one plant of the other studies is one of these, their medoid, in still water, with equal sides and a state that is known: on it most
 //! claims can neither hold nor fail. Here campaigns are run on all plants of `fixtures/bat/ensemble`, each in two worlds ([`row`]),
 //! by the loops of the dissertation and by those who know less, with equal numbers of experiments ([`loops`]).
 //!

