@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 
 use crate::error::refusal;
-use crate::parameters::{ModelChoice, ParameterTuple, region, tuples};
+use crate::parameters::{ModelChoice, ParameterTuple, region_of_numbers, tuples};
 use crate::saved::saved_as;
 use crate::simulator::{PythonSimulator, result};
 
@@ -27,7 +27,7 @@ impl GlobalLoop {
     /// `settings` is a JSON object with the keys of `infuse::global::Settings`, the model left out.
     #[new]
     fn new(parameters: Vec<ParameterTuple>, model: ModelChoice, settings: &str) -> PyResult<Self> {
-        let region = region(parameters)?;
+        let region = region_of_numbers(parameters)?;
         let mut settings: Value = serde_json::from_str(settings).map_err(refusal)?;
         settings["model"] = serde_json::to_value(model.model(region.n_parameters())?).map_err(refusal)?;
         let settings: Settings = serde_json::from_value(settings).map_err(refusal)?;

@@ -7,12 +7,16 @@ use pyo3::prelude::*;
 use crate::arrays::{Matrix, matrix};
 use crate::error::refusal;
 
-/// Name, unit, lower and upper bound, number of levels if there are any.
-pub(crate) type ParameterTuple = (String, String, f64, f64, Option<u32>);
+/// Name, unit, lower and upper bound, number of levels if there are any; choices of what is no number, which has no unit and
+/// no bounds but the places of the first and the last choice.
+pub(crate) type ParameterTuple = (String, String, f64, f64, Option<u32>, Option<Vec<String>>);
 
 /// The region of these parameters.
 pub(crate) fn region(parameters: Vec<ParameterTuple>) -> PyResult<Region> {
-    let one = |(name, unit, lower, upper, levels): ParameterTuple| {
+    let one = |(name, unit, lower, upper, levels, choices): ParameterTuple| {
+        if let Some(choices) = choices {
+            return Parameter::categorical(name, choices);
+        }
         let parameter = Parameter::continuous(name, unit, lower, upper)?;
         match levels {
             Some(count) => parameter.with_levels(count),
@@ -23,14 +27,23 @@ pub(crate) fn region(parameters: Vec<ParameterTuple>) -> PyResult<Region> {
     Region::new(parameters).map_err(refusal)
 }
 
+/// The region of parameters that all have to be numbers.
+pub(crate) fn region_of_numbers(parameters: Vec<ParameterTuple>) -> PyResult<Region> {
+    let region = region(parameters)?;
+    region.parameters().iter().try_for_each(Parameter::check_number).map_err(refusal)?;
+    Ok(region)
+}
+
 /// A region as Python sees it.
 pub(crate) fn tuples(region: &Region) -> Vec<ParameterTuple> {
     let one = |parameter: &Parameter| {
+        let choices = parameter.choices().map(<[String]>::to_vec);
         let levels = match parameter.levels() {
-            design_space::Levels::Count(count) => Some(count),
-            design_space::Levels::Continuous => None,
+            design_space::Levels::Count(count) if choices.is_none() => Some(count),
+            _ => None,
         };
-        (parameter.name().to_owned(), parameter.unit().to_owned(), parameter.lower(), parameter.upper(), levels)
+        let (name, unit) = (parameter.name().to_owned(), parameter.unit().to_owned());
+        (name, unit, parameter.lower(), parameter.upper(), levels, choices)
     };
     region.parameters().iter().map(one).collect()
 }

@@ -28,7 +28,7 @@ def simulation(points: "np.ndarray[Any, np.dtype[np.float64]]") -> "np.ndarray[A
 
 def rig(settings: infuse.Settings) -> float:
     x, y = (settings["spring"] - 34.0) / 20.0, (settings["damper"] - 220.0) / 200.0
-    return x * x + y * y + 0.25 * x * y
+    return float(x * x + y * y + 0.25 * x * y)
 
 
 @pytest.fixture(scope="session")

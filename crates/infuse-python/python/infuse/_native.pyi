@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _Floats = NDArray[np.float64]
-_Parameter = Tuple[str, str, float, float, Optional[int]]
+_Parameter = Tuple[str, str, float, float, Optional[int], Optional[List[str]]]
 _Model = Union[str, List[List[int]]]
 _Simulate = Callable[[_Floats], _Floats]
 _Axes = Sequence[Optional[int]]

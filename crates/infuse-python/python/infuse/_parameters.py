@@ -14,12 +14,15 @@ if TYPE_CHECKING:
     import pandas
 
 Floats = NDArray[np.float64]
-Settings = Dict[str, float]
-"""A design: the value of each parameter by its name, in the parameter's unit."""
-ParameterTuple = Tuple[str, str, float, float, Optional[int]]
+Settings = Dict[str, Any]
+"""A design: the value of each parameter by its name, a number in the parameter's unit or the name of a choice."""
+ParameterTuple = Tuple[str, str, float, float, Optional[int], Optional[List[str]]]
 Simulate = Callable[[Floats], ArrayLike]
-"""Many designs at once (n × k, a row each, natural units) to n responses; NaN where there is none."""
-Designs = Union[Mapping[str, float], Sequence[Mapping[str, float]], ArrayLike, "pandas.DataFrame"]
+"""Many designs at once (n × k, a row each, natural units) to n responses; NaN where there is none.
+
+Of a choice a row has the place in its list, from 0; `with_frames` gives its name.
+"""
+Designs = Union[Mapping[str, Any], Sequence[Mapping[str, Any]], ArrayLike, "pandas.DataFrame"]
 """One design or many: dictionaries, rows of numbers in the order of the parameters, or a data frame with their names."""
 
 
@@ -41,13 +44,57 @@ class Parameter:
     lower: float
     upper: float
     levels: Optional[int] = None
+    choices: Optional[Tuple[str, ...]] = None
+    """The names of what is no number; see `Parameter.choice`."""
 
     def __post_init__(self) -> None:
         _native.check_parameters([tuple_of(self)])
 
+    @classmethod
+    def choice(cls, name: str, choices: Sequence[str]) -> "Parameter":
+        """What is no number but one of some names, whose order means nothing: a material, a supplier, a shape.
+
+        Of the loops the pooled one takes it.
+
+        >>> Parameter.choice("pad", ["foam", "film", "wood"]).choices
+        ('foam', 'film', 'wood')
+        >>> Parameter.choice("pad", ["foam", "foam"])
+        Traceback (most recent call last):
+        infuse.Error: parameter `pad`: the choice `foam` is not usable, expected each choice once
+        """
+        return cls(name, "", 0.0, float(max(len(choices) - 1, 0)), None, tuple(choices))
+
 
 def tuple_of(parameter: Parameter) -> ParameterTuple:
-    return (parameter.name, parameter.unit, parameter.lower, parameter.upper, parameter.levels)
+    choices = None if parameter.choices is None else list(parameter.choices)
+    return (parameter.name, parameter.unit, parameter.lower, parameter.upper, parameter.levels, choices)
+
+
+def of_tuple(found: ParameterTuple) -> Parameter:
+    name, unit, lower, upper, levels, choices = found
+    return Parameter(name, unit, lower, upper, levels, None if choices is None else tuple(choices))
+
+
+class Names(List[str]):
+    """The names of parameters, and of the choices of those that are no numbers."""
+
+    def __init__(self, parameters: Sequence[Parameter]) -> None:
+        super().__init__(parameter.name for parameter in parameters)
+        self.choices = {one.name: one.choices for one in parameters if one.choices is not None}
+
+    def number(self, name: str, value: Any) -> float:
+        """A setting as the compiled half takes it: of a choice its place in the list."""
+        choices = self.choices.get(name)
+        if choices is None:
+            return float(value)
+        if value not in choices:
+            raise _native.Error(f"settings: `{name}` is {value!r}, expected one of {', '.join(choices)}")
+        return float(choices.index(value))
+
+    def setting(self, name: str, number: float) -> Any:
+        """The reverse."""
+        choices = self.choices.get(name)
+        return number if choices is None else choices[round(number)]
 
 
 def tuples_of(parameters: Sequence[Parameter]) -> List[ParameterTuple]:
@@ -68,16 +115,16 @@ def numbers(values: ArrayLike) -> List[float]:
     return found
 
 
-def _row(names: Sequence[str], settings: Mapping[str, float]) -> List[float]:
+def _row(names: Names, settings: Mapping[str, Any]) -> List[float]:
     unknown = [name for name in settings if name not in names]
     missing = [name for name in names if name not in settings]
     if unknown or missing:
         wrong = f"`{unknown[0]}` is no parameter" if unknown else f"`{missing[0]}` is missing"
         raise _native.Error(f"settings: {wrong}, expected {', '.join(names)}")
-    return [float(settings[name]) for name in names]
+    return [names.number(name, settings[name]) for name in names]
 
 
-def rows(names: Sequence[str], designs: Designs) -> Floats:
+def rows(names: Names, designs: Designs) -> Floats:
     """Designs in any form as an array of n × k numbers."""
     if isinstance(designs, Mapping):
         return np.array([_row(names, designs)])
@@ -86,7 +133,8 @@ def rows(names: Sequence[str], designs: Designs) -> Floats:
         missing = [name for name in names if name not in frame.columns]
         if missing:
             raise _native.Error(f"data frame: no column `{missing[0]}`, expected {', '.join(names)}")
-        return np.ascontiguousarray(frame[list(names)].to_numpy(dtype=np.float64))
+        columns = [[names.number(name, value) for value in frame[name]] for name in names]
+        return np.ascontiguousarray(np.array(columns, dtype=np.float64).T.reshape(len(frame), len(names)))
     if isinstance(designs, Sequence) and designs and isinstance(designs[0], Mapping):
         return np.array([_row(names, one) for one in designs if isinstance(one, Mapping)])
     array = matrix(designs)  # type: ignore[arg-type]
@@ -116,5 +164,12 @@ def with_frames(parameters: Sequence[Parameter], simulate: Callable[["pandas.Dat
     """
     import pandas
 
-    names = [parameter.name for parameter in parameters]
-    return lambda points: simulate(pandas.DataFrame(points, columns=names))
+    names = Names(parameters)
+
+    def call(points: Floats) -> ArrayLike:
+        table = pandas.DataFrame(points, columns=list(names))
+        for name in names.choices:
+            table[name] = [names.setting(name, number) for number in table[name]]
+        return simulate(table)
+
+    return call

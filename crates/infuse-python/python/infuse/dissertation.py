@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence,
 from numpy.typing import ArrayLike
 
 from infuse import _native
-from infuse._parameters import Designs, Parameter, Settings, Simulate, batched, numbers, rows, tuples_of
+from infuse._parameters import Designs, Names, Parameter, Settings, Simulate, batched, numbers, of_tuple, rows, tuples_of
 from infuse.pooled import as_json, replace
 from infuse.trials import Outcome, Record, Trial, frame, named, outcome, records, settings_row, told, trials
 
@@ -103,7 +103,7 @@ class GlobalLoop:
     def _around(cls, loop: _native.GlobalLoop) -> "GlobalLoop":
         self = cls.__new__(cls)
         self._loop = loop
-        self._parameters = [Parameter(*parameter) for parameter in loop.parameters()]
+        self._parameters = [of_tuple(parameter) for parameter in loop.parameters()]
         return self
 
     @property
@@ -112,8 +112,8 @@ class GlobalLoop:
         return list(self._parameters)
 
     @property
-    def _names(self) -> List[str]:
-        return [parameter.name for parameter in self._parameters]
+    def _names(self) -> Names:
+        return Names(self._parameters)
 
     @property
     def settings(self) -> Dict[str, Any]:

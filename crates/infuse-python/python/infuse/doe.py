@@ -56,6 +56,9 @@ class Design:
 def _axes(factors: Factors) -> List[Optional[int]]:
     if isinstance(factors, int):
         return [None] * factors
+    choice = next((one.name for one in factors if isinstance(one, Parameter) and one.choices is not None), None)
+    if choice is not None:
+        raise _native.Error(f"factor `{choice}` has choices, expected numbers")
     return [one.levels if isinstance(one, Parameter) else one for one in factors]
 
 

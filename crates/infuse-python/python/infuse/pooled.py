@@ -12,7 +12,19 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, 
 from numpy.typing import ArrayLike
 
 from infuse import _native
-from infuse._parameters import Designs, Floats, Parameter, Settings, Simulate, batched, numbers, rows, tuples_of
+from infuse._parameters import (
+    Designs,
+    Floats,
+    Names,
+    Parameter,
+    Settings,
+    Simulate,
+    batched,
+    numbers,
+    of_tuple,
+    rows,
+    tuples_of,
+)
 from infuse.trials import Outcome, Record, Trial, frame, named, outcome, records, settings_row, told, trials
 
 if TYPE_CHECKING:
@@ -263,7 +275,7 @@ class PooledLoop:
     def _around(cls, loop: _native.PooledLoop) -> "PooledLoop":
         self = cls.__new__(cls)
         self._loop = loop
-        self._parameters = [Parameter(*parameter) for parameter in loop.parameters()]
+        self._parameters = [of_tuple(parameter) for parameter in loop.parameters()]
         return self
 
     @property
@@ -272,8 +284,8 @@ class PooledLoop:
         return list(self._parameters)
 
     @property
-    def _names(self) -> List[str]:
-        return [parameter.name for parameter in self._parameters]
+    def _names(self) -> Names:
+        return Names(self._parameters)
 
     @property
     def settings(self) -> Dict[str, Any]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 from infuse import _native
-from infuse._parameters import Designs, Floats, Parameter, Settings, rows
+from infuse._parameters import Designs, Floats, Names, Parameter, Settings, rows
 
 if TYPE_CHECKING:
     import pandas
@@ -52,17 +52,17 @@ def outcome(value: Outcome, failed: Optional[str]) -> Tuple[Optional[float], Opt
     return (None, f"the experiment returned {number}") if math.isnan(number) else (number, None)
 
 
-def named(names: Sequence[str], point: Iterable[float]) -> Settings:
-    return dict(zip(names, point))
+def named(names: Names, point: Iterable[float]) -> Settings:
+    return {name: names.setting(name, number) for name, number in zip(names, point)}
 
 
-def trials(names: Sequence[str], text: str) -> List[Trial]:
+def trials(names: Names, text: str) -> List[Trial]:
     """Trials of either loop, from JSON."""
     batch = [one.get("batch", one.get("iteration")) for one in json.loads(text)]
     return [Trial(one["id"], number, named(names, one["point"])) for one, number in zip(json.loads(text), batch)]
 
 
-def records(names: Sequence[str], entries: Iterable[Dict[str, Any]]) -> List[Record]:
+def records(names: Names, entries: Iterable[Dict[str, Any]]) -> List[Record]:
     """Records of either loop, from what JSON held."""
 
     def one(entry: Dict[str, Any]) -> Record:
@@ -104,7 +104,7 @@ class Told:
     actual: Optional[List[float]]
 
 
-def told(names: Sequence[str], asked: Sequence[Trial], table: "pandas.DataFrame", value: str) -> List[Told]:
+def told(names: Names, asked: Sequence[Trial], table: "pandas.DataFrame", value: str) -> List[Told]:
     """The rows that say something; settings count as made where the frame has them and they are not those asked for."""
     for column in ("id", value):
         if column not in table.columns:
@@ -118,15 +118,15 @@ def told(names: Sequence[str], asked: Sequence[Trial], table: "pandas.DataFrame"
         if math.isnan(number) and reason is None:
             continue
         trial = by_id.get(int(row["id"]))
-        made = [float(row[name]) for name in names] if has_settings else None
-        same = made is None or (trial is not None and made == list(trial.settings.values()))
+        made = [names.number(name, row[name]) for name in names] if has_settings else None
+        same = made is None or (trial is not None and made == [names.number(*one) for one in trial.settings.items()])
         found.append(Told(int(row["id"]), None if reason else number, reason, None if same else made))
     return found
 
 
 def settings_row(parameters: Sequence[Parameter], design: Designs) -> List[float]:
     """One design."""
-    array: Floats = rows([parameter.name for parameter in parameters], design)
+    array: Floats = rows(Names(parameters), design)
     if len(array) != 1:
         raise _native.Error(f"{len(array)} designs, expected one")
     found: List[float] = array[0].tolist()
