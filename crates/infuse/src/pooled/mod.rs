@@ -14,7 +14,9 @@
 //!
 //! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, half over the box and half over
 //! what the simulation likes. Nothing is dropped for good, and all of
-//! it follows from readings, simulations, settings and seed: in any order, on any number of threads, bit for bit.
+//! it follows from readings, simulations, settings and seed: in any order, on any number of threads. On one machine with one build
+//! it does so bit for bit. Elsewhere exp, ln and sin of the platform may round differently, and then answers may differ, a draw of
+//! the sampler or a choice between equals that fell otherwise included.
 //!
 //! The recipe is not from the dissertation. Its sources: Kennedy and O'Hagan (2000) for the factor of the simulation, Murray,
 //! Adams and MacKay (2010) for the sampler of the hyperparameters, Frazier, Powell and Dayanik (2009) for the knowledge gradient.
