@@ -193,8 +193,8 @@ fn what_was_assessed_stands_as_it_was_written_and_is_computed_with_nowhere() {
     rig.write("journal.jsonl", &as_elsewhere);
     let mut after = rig.status();
     let (said, found) = (&after["batches"][0], &before["batches"][0]);
-    assert_eq!(said["expected"].as_f64().unwrap(), found["expected"].as_f64().unwrap() + 1.0);
-    assert_eq!(said["bound"].as_f64().unwrap(), found["bound"].as_f64().unwrap() * 2.0);
+    assert_eq!(said["expected"], serde_json::json!(found["expected"].as_f64().unwrap() + 1.0));
+    assert_eq!(said["bound"], serde_json::json!(found["bound"].as_f64().unwrap() * 2.0));
     after["batches"] = before["batches"].clone();
     assert_eq!(after, before, "what is known now follows from the readings alone");
 }
