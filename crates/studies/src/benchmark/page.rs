@@ -502,12 +502,13 @@ fn seconds_table(methods: &[Kept<'_>]) -> Table {
                 .collect();
             let median = |which: usize| quantile(&rows.iter().map(|seconds| seconds[which]).collect::<Vec<_>>(), 0.5);
             match (median(0), median(1)) {
-                (Some(ask), Some(tell)) if ask + tell > 0.0 => format!("{ask:.2} and {tell:.2}"),
-                _ => "–".to_owned(),
+                (Some(ask), Some(tell)) if ask + tell > 0.0 => Some(format!("{ask:.2} and {tell:.2}")),
+                _ => None,
             }
         };
         let cells = [2, 4, 6].map(cell);
-        if cells.iter().any(|cell| cell != "–") {
+        if cells.iter().any(Option::is_some) {
+            let cells = cells.map(|cell| cell.unwrap_or("–".to_owned()));
             table.push([&[method.words.to_owned()][..], &cells].concat());
         }
     }
