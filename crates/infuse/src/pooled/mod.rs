@@ -42,6 +42,8 @@
 //! ```
 
 mod admission;
+mod answers;
+mod ask_tell;
 mod assessment;
 mod campaign;
 mod certificate;
@@ -57,13 +59,16 @@ mod outcomes;
 mod outliers;
 mod plants;
 mod pool;
+mod readings;
 mod recommendation;
 mod settings;
 mod simulated;
 mod streams;
+mod turn;
 
+pub use ask_tell::{Ask, StopReason};
 pub use assessment::{Assessment, Constrained, Contradiction, Expectation, SimulationWorth, Standing};
-pub use campaign::{Ask, Earlier, Loop, Record, StopReason, Trial};
+pub use campaign::{Earlier, Loop, Record, Trial};
 pub use certificate::Certificate;
 pub use constraint::{Constraint, LinearConstraint};
 pub use outliers::Outlier;
