@@ -71,11 +71,10 @@ fn no_message_about_the_file_names_a_type_of_the_program() {
         ("step = 2", "levels = 2.5", "it is `2.5`, expected a whole number from 0"),
         ("lower = 10", "lower = \"a\"", "it is \"a\", expected a number"),
         ("experiments = 10", "experiments = \"ten\"", "expected a whole number from 0"),
-        ("experiments = 10", "experiments = 10\nsurfaces = 1", "it is `1`, expected a table, like { combined = "),
         ("table = \"simulation.csv\"", "table = 5", "expected the name of a file"),
         ("table = \"simulation.csv\"", "command = \"a b\"", "expected a list, like [\"program\""),
         ("role = \"plant\"", "role = 3", "expected a name in quotes"),
-        ("[loop]", "[loop]\nsurfaces = \"x\"", "expected a table"),
+        ("[loop]", "[loop]\nsurfaces = \"x\"", "it is \"x\", expected a table, like { combined = "),
     ] {
         let rig = Rig::pooled();
         rig.edit(from, to);

@@ -67,11 +67,16 @@ mod streams;
 mod turn;
 
 pub use ask_tell::{Ask, StopReason};
-pub use assessment::{Assessment, Constrained, Contradiction, Expectation, SimulationWorth, Standing};
+pub use assessment::{Assessment, Expectation, Standing};
 pub use campaign::{Earlier, Loop, Record, Trial};
 pub use certificate::Certificate;
 pub use constraint::{Constraint, LinearConstraint};
-pub use outliers::Outlier;
 pub use plants::Plants;
 pub use settings::Settings;
 pub use simulated::{Responses, Simulate};
+
+/// What an [`Assessment`] consists of.
+pub mod reported {
+    pub use super::assessment::{Constrained, Contradiction, SimulationWorth};
+    pub use super::outliers::Outlier;
+}
