@@ -37,7 +37,8 @@ impl Loop {
     /// What to run now: what is outstanding, or else a new batch.
     ///
     /// `simulate` is for a cheap simulation and is called wherever the loop likes, each cell once. Where simulations are dear
-    /// ([`Settings::simulations`]) it is not called: their cells are handed out with the trials, the first ones ahead of them.
+    /// ([`Settings::simulations`](crate::pooled::Settings::simulations)) it is not called: their cells are handed out with the
+    /// trials, the first ones ahead of them.
     ///
     /// # Errors
     ///
@@ -163,8 +164,8 @@ impl Loop {
         Ok(())
     }
 
-    /// The constrained responses of a trial, in the order of the [constraints](Settings::constraints), none where one was not
-    /// measured. Before or after its [outcome](Self::tell), and as often as there is something to put right.
+    /// The constrained responses of a trial, in the order of the [constraints](crate::pooled::Settings::constraints), none where
+    /// one was not measured. Before or after its [outcome](Self::tell), and as often as there is something to put right.
     ///
     /// # Errors
     ///
@@ -185,9 +186,8 @@ impl Loop {
         Ok(())
     }
 
-    /// A design that nobody can build, whatever was measured there: it is neither asked for nor recommended, and its neighbors are
-    /// suspected. Trials of it that
-    /// are outstanding stay.
+    /// A design that nobody can build, whatever was measured there: it is neither asked for nor recommended, and its neighbors
+    /// are suspected. Trials of it that are outstanding stay.
     ///
     /// # Errors
     ///
