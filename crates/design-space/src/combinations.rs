@@ -13,8 +13,8 @@ use crate::Error;
 /// assert_eq!(clock.len(), 1440);
 /// assert_eq!(clock.digits(61), [1, 1]);
 /// assert_eq!(clock.index(&[1, 1]), 61);
-/// assert_eq!(clock.strides(), [60, 1]);
-/// assert_eq!(clock.neighbours(61).collect::<Vec<_>>(), [1, 121, 60, 62]);
+/// assert_eq!(clock.neighbors(61).collect::<Vec<_>>(), [1, 121, 60, 62]);
+/// assert_eq!(clock.all().nth(61), Some(vec![1, 1]));
 /// # Ok::<(), design_space::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -100,20 +100,26 @@ impl Combinations {
         digits.iter().zip(&self.counts).fold(0, |index, (digit, count)| index * count + digit)
     }
 
-    /// How far apart two indices are that differ by one in a digit, for each digit.
-    #[must_use]
-    pub fn strides(&self) -> &[u64] {
-        &self.strides
+    /// The digits of all combinations, in order.
+    pub fn all(&self) -> impl Iterator<Item = Vec<u64>> {
+        (0..self.n_combinations).map(|index| self.digits(index))
     }
 
     /// The indices that differ from this one by one in one digit, where there are any: below, then above, digit by digit.
-    pub fn neighbours(&self, index: u64) -> impl Iterator<Item = u64> {
-        self.counts.iter().zip(&self.strides).flat_map(move |(&count, &stride)| {
-            let digit = index / stride % count;
-            let below = (digit > 0).then(|| index - stride);
-            let above = (digit + 1 < count).then(|| index + stride);
-            below.into_iter().chain(above)
+    pub fn neighbors(&self, index: u64) -> impl Iterator<Item = u64> {
+        (0..self.counts.len()).flat_map(move |place| {
+            let digit = index / self.strides[place] % self.counts[place];
+            self.neighbors_along(place, index, digit)
         })
+    }
+
+    /// The same in the digit of one place alone, which is `digit` at this index.
+    #[inline]
+    pub fn neighbors_along(&self, place: usize, index: u64, digit: u64) -> impl Iterator<Item = u64> {
+        let stride = self.strides[place];
+        let below = (digit > 0).then(|| index - stride);
+        let above = (digit + 1 < self.counts[place]).then(|| index + stride);
+        below.into_iter().chain(above)
     }
 
     /// Whether digits without an index were turned to the next combination; `false` after the last one, which then

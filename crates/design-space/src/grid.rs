@@ -132,9 +132,9 @@ impl Grid {
     /// # Errors
     ///
     /// [`Error::NoSuchCell`].
-    pub fn neighbours(&self, cell: Cell) -> Result<Vec<Cell>, Error> {
+    pub fn neighbors(&self, cell: Cell) -> Result<Vec<Cell>, Error> {
         self.check(cell)?;
-        Ok(self.combinations.neighbours(cell.index()).map(Cell::new).collect())
+        Ok(self.combinations.neighbors(cell.index()).map(Cell::new).collect())
     }
 
     fn check(&self, cell: Cell) -> Result<(), Error> {

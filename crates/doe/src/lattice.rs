@@ -150,10 +150,9 @@ impl Lattice {
     /// Whether a point is at least as high as its neighbors along every axis but the last, whose digit is not looked at.
     fn is_maximum_across_lines(&self, values: &[f64], index: usize, digits: &[u64]) -> bool {
         let value = values[index];
-        let axes = digits.iter().zip(self.combinations.counts()).zip(self.combinations.strides());
-        axes.rev().skip(1).all(|((&digit, &count), &stride)| {
-            let stride = stride as usize;
-            (digit == 0 || values[index - stride] <= value) && (digit + 1 == count || values[index + stride] <= value)
+        (0..digits.len() - 1).rev().all(|axis| {
+            let mut beside = self.combinations.neighbors_along(axis, index as u64, digits[axis]);
+            beside.all(|neighbor| values[neighbor as usize] <= value)
         })
     }
 }

@@ -1,7 +1,7 @@
 //! What a parser says about a file, in the words of those who wrote it.
 
 /// Names that are a program's, and what they mean.
-const WORDS: [(&str, &str); 17] = [
+const WORDS: [(&str, &str); 16] = [
     ("expected u64", "expected a whole number from 0"),
     ("expected u32", "expected a whole number from 0"),
     ("expected u8", "expected a whole number from 0 to 255"),
@@ -10,7 +10,6 @@ const WORDS: [(&str, &str); 17] = [
     ("expected path string", "expected the name of a file in quotes"),
     ("expected a string", "expected a text in quotes"),
     ("expected a sequence", "expected a list, like [\"program\", \"argument\"]"),
-    ("expected struct SurfaceKinds", "expected a table, like { combined = \"inverse_distance\" }"),
     ("wanted string or table", "expected a name in quotes"),
     ("invalid type: floating point ", "it is "),
     ("invalid type: integer ", "it is "),

@@ -1,8 +1,7 @@
 //! One iteration of the global loop, and what of it is the scan over the cells: `cargo bench -p infuse-loop`.
 
-use design_space::Cell;
+use design_space::{Cell, Model, Parameter, Region};
 use divan::Bencher;
-use doe::{Model, Parameter, Region};
 use infuse::{Outcome, global};
 
 fn main() {

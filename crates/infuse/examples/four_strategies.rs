@@ -1,6 +1,6 @@
 //! The same coupled problem by the four strategies of combined plant and controller optimization.
 
-use doe::{Parameter, Region};
+use design_space::{Parameter, Region};
 use infuse::codesign::{OptimizerSettings, Strategy, codesign};
 use infuse::{CodesignProblem, Error, Role};
 

@@ -4,8 +4,7 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use design_space::Cell;
-use doe::{Model, Parameter, Region};
+use design_space::{Cell, Model, Parameter, Region};
 use infuse::{Outcome, global};
 
 /// The model: its optimum is at (46.1, 17.3).

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use doe::{Parameter, Region};
+use design_space::{Parameter, Region};
 use infuse::{CodesignProblem, Outcome, Role, gradient};
 
 /// What the model says: best at 46.1 % chord and 17.3 deg.

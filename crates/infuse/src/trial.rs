@@ -63,3 +63,20 @@ impl From<Result<f64, String>> for Outcome {
         }
     }
 }
+
+/// What [`far_setting`] allows.
+#[cfg(feature = "global")]
+pub(crate) const NEAR_THE_REGION: &str = "within half the parameter's width of its bounds";
+
+/// The first of these natural settings that is too far off. Settings may be off the grid and somewhat outside the box, as
+/// rigs are; a coded coordinate beyond 2 is a slip.
+#[cfg(feature = "global")]
+pub(crate) fn far_setting(
+    settings: &[f64],
+    region: &design_space::Region,
+) -> Result<Option<(String, f64)>, design_space::Error> {
+    let coded = region.coded(settings)?;
+    let mut far = region.parameters().iter().zip(settings.iter().zip(coded));
+    let far = far.find(|(_, (_, coded))| coded.is_nan() || coded.abs() > 2.0);
+    Ok(far.map(|(parameter, (&value, _))| (parameter.name().to_owned(), value)))
+}

@@ -31,7 +31,7 @@ fn sine_and_cosine_are_accurate_everywhere_and_at_the_edges_of_the_quadrants() {
         check_sin_cos(sample.within(-1e5, 1e5));
     }
     for k in -4000..4000 {
-        // Multiples of pi/4 in both directions by up to three neighbours: where the reduction changes its quadrant.
+        // Multiples of pi/4 in both directions by up to three neighbors: where the reduction changes its quadrant.
         let edge = f64::from(k) * FRAC_PI_4;
         let (mut below, mut above) = (edge, edge);
         for _ in 0..4 {

@@ -56,17 +56,17 @@ fn a_grid_refuses_cells_and_digits_that_it_does_not_have() {
     assert_eq!(grid.point(Cell::new(4)), Err(none.clone()));
     assert_eq!(grid.coded(Cell::new(4)), Err(none.clone()));
     assert_eq!(grid.digits(Cell::new(4)), Err(none.clone()));
-    assert_eq!(grid.neighbours(Cell::new(4)), Err(none));
+    assert_eq!(grid.neighbors(Cell::new(4)), Err(none));
     assert_eq!(grid.of_digits(&[4]), Err(Error::NoSuchLevel { parameter: "a".to_owned(), index: 4, last: 3 }));
     assert!(matches!(grid.of_digits(&[1, 1]), Err(Error::WrongDimension { expected: 1, found: 2, .. })));
     assert!(matches!(grid.nearest(&[1.5]), Err(Error::OutOfBounds { .. })));
 }
 
 #[test]
-fn neighbours_differ_by_one_level_of_one_parameter() {
+fn neighbors_differ_by_one_level_of_one_parameter() {
     let region = Region::new(vec![stepped("a", 0.0, 1.0, 2), stepped("b", 0.0, 2.0, 3)]).unwrap();
     let grid = Grid::of(&region).unwrap();
-    let of = |cell| grid.neighbours(Cell::new(cell)).unwrap().into_iter().map(Cell::index).collect::<Vec<_>>();
+    let of = |cell| grid.neighbors(Cell::new(cell)).unwrap().into_iter().map(Cell::index).collect::<Vec<_>>();
     assert_eq!(of(0), [3, 1]);
     assert_eq!(of(4), [1, 3, 5]);
 }

@@ -121,15 +121,15 @@ proptest! {
     }
 
     #[test]
-    fn neighbours_are_mutual_and_one_digit_away(region in region(), pick in 0..1_000_000_u64) {
+    fn neighbors_are_mutual_and_one_digit_away(region in region(), pick in 0..1_000_000_u64) {
         if let Ok(grid) = Grid::of(&region) {
             let cell = Cell::new(pick % grid.n_cells());
             let digits = grid.digits(cell).unwrap();
-            for neighbour in grid.neighbours(cell).unwrap() {
-                let theirs = grid.digits(neighbour).unwrap();
+            for neighbor in grid.neighbors(cell).unwrap() {
+                let theirs = grid.digits(neighbor).unwrap();
                 let distance: u64 = digits.iter().zip(&theirs).map(|(a, b)| a.abs_diff(*b)).sum();
                 prop_assert_eq!(distance, 1);
-                prop_assert!(grid.neighbours(neighbour).unwrap().contains(&cell));
+                prop_assert!(grid.neighbors(neighbor).unwrap().contains(&cell));
             }
         }
     }

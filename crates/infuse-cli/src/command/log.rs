@@ -145,7 +145,7 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
             let refused = if n_refused > 0 { format!(", {n_refused} of them cannot be built") } else { String::new() };
             ("checked", format!("{}{refused}.", count(group.len(), "design")))
         }
-        Event::Discarded { .. } => ("forgotten", "all simulations so far: the next batch makes them anew.".to_owned()),
+        Event::Discarded { .. } => ("discarded", "all simulations so far: the next batch makes them anew.".to_owned()),
         Event::Told(_) => {
             let of_group =
                 group.iter().filter_map(|(_, event)| if let Event::Told(told) = event { Some(told) } else { None });

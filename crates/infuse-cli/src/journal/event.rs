@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::deed::Deed;
+use super::submission::SubmissionName;
 
 /// Where results come from that nobody typed.
 pub(crate) const BY_ITSELF: &str = "infuse run";
@@ -81,8 +82,8 @@ pub(crate) enum Event {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Submitted {
-    /// By which the queue knows it: that of the batch of runs, and which submission of it this is.
-    pub(crate) name: String,
+    /// By which the queue knows it.
+    pub(crate) name: SubmissionName,
     /// All runs of the batch, numbered from 1 in this order, those with a result included.
     pub(crate) cells: Vec<Cell>,
     /// Of experiments the id of each, in the same order; 0 for one that was taken back, whose result is not read any more.
@@ -94,11 +95,6 @@ pub(crate) struct Submitted {
 }
 
 impl Submitted {
-    /// The name of the batch of runs.
-    pub(crate) fn stem(&self) -> &str {
-        self.name.rsplit_once('-').map_or(&*self.name, |(stem, _)| stem)
-    }
-
     /// Whether they are experiments, and no simulations.
     pub(crate) fn is_of_experiments(&self) -> bool {
         !self.experiments.is_empty()

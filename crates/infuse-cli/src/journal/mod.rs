@@ -4,6 +4,7 @@ mod checksum;
 mod deed;
 mod event;
 mod lock;
+mod submission;
 mod text;
 mod undo;
 
@@ -21,6 +22,7 @@ pub(crate) use event::{
     Assessed, BY_ITSELF, Constrained, Event, FORMAT, Learned, Measured, Purpose, Submitted, Told, now,
 };
 use lock::Lock;
+pub(crate) use submission::SubmissionName;
 pub(crate) use undo::Last;
 use undo::Standing;
 

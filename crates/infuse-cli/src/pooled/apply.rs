@@ -23,20 +23,17 @@ impl Campaign {
         for event in &events {
             next.apply(event.clone())?;
         }
-        while let Some(assessed) = next.taught()? {
+        while let Some((recommended, assessed)) = next.taught()? {
             // What nobody can build is not recommended.
-            let checks = match &assessed {
-                Event::Assessed(assessed) => next.check(&[next.grid.nearest(&assessed.recommended)?])?,
-                _ => Vec::new(),
-            };
+            let checks = next.check(&[recommended])?;
             let is_refused = some_are_refused(&checks);
             for event in checks {
                 next.apply(event.clone())?;
                 events.push(event);
             }
             if !is_refused {
-                next.apply(assessed.clone())?;
-                events.push(assessed);
+                next.apply(Event::Assessed(assessed.clone()))?;
+                events.push(Event::Assessed(assessed));
             }
         }
         if !events.is_empty() {
@@ -52,8 +49,9 @@ impl Campaign {
         self.apply(event)
     }
 
-    /// What the last batch taught, if it is complete and the journal does not have it as it stands.
-    fn taught(&mut self) -> Result<Option<Event>> {
+    /// What the last batch taught, with the design that is recommended now, if it is complete and the journal does not have it as
+    /// it stands.
+    fn taught(&mut self) -> Result<Option<(Cell, Assessed)>> {
         let batch = self.batches.len();
         if batch == 0 || self.experiments.n_outstanding() > 0 || self.history.contains_key(&batch) {
             return Ok(None);
@@ -66,19 +64,21 @@ impl Campaign {
                 None
             }
         };
-        let event = assessment.map(|found| Assessed {
-            batch,
-            recommended: found.recommended.point,
-            expected: self.problem.response.of_cost(found.recommended.mean),
-            deviation: found.recommended.deviation,
-            probability: found.certificate.probability,
-            bound: found.certificate.bound,
-            left: found.left,
-            noise: found.noise,
-            settings: serde_json::to_value(&self.settings).unwrap_or_default(),
-            check: String::new(),
-        });
-        Ok(event.map(Event::Assessed))
+        Ok(assessment.map(|found| {
+            let assessed = Assessed {
+                batch,
+                recommended: found.recommended.point,
+                expected: self.problem.response.of_cost(found.recommended.mean),
+                deviation: found.recommended.deviation,
+                probability: found.certificate.probability,
+                bound: found.certificate.bound,
+                left: found.left,
+                noise: found.noise,
+                settings: serde_json::to_value(&self.settings).unwrap_or_default(),
+                check: String::new(),
+            };
+            (found.recommended.cell, assessed)
+        }))
     }
 
     fn apply(&mut self, event: Event) -> Result<()> {

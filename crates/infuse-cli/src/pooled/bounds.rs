@@ -1,6 +1,7 @@
 //! The responses that have to stay within bounds, in words.
 
-use infuse::pooled::{Constrained, Standing};
+use infuse::pooled::Standing;
+use infuse::pooled::reported::Constrained;
 use page::Finding;
 use serde_json::{Value, json};
 

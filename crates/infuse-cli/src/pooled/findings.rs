@@ -1,7 +1,8 @@
 //! What a campaign of the pooled loop has found, in sentences with their numbers.
 
 use anyhow::Result;
-use infuse::pooled::{Assessment, Certificate, SimulationWorth, Standing};
+use infuse::pooled::reported::SimulationWorth;
+use infuse::pooled::{Assessment, Certificate, Standing};
 use page::Finding;
 
 use super::bands::{NINE_IN_TEN, resolution};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use design_space::Cell;
+use design_space::{Cell, Combinations};
 use infuse::pooled::{Expectation, Standing};
 use page::Finding;
 use serde_json::{Value, json};
@@ -137,26 +137,17 @@ pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Fin
 
 /// Every design, or every so many levels of each parameter.
 fn some_cells(campaign: &Campaign) -> Vec<Cell> {
-    let combinations = campaign.grid.combinations();
-    let counts = combinations.counts();
-    let n_of = |stride: u64| counts.iter().map(|count| (count - 1) / stride + 1).product::<u64>();
-    let stride = (1..).find(|&stride| n_of(stride) <= MOST_ROWS).unwrap_or(1);
-    let n = n_of(stride);
-    let mut cells = Vec::new();
-    for index in 0..n {
-        let mut rest = index;
-        let digits: Vec<u64> = counts
-            .iter()
-            .rev()
-            .map(|count| {
-                let n_levels = (count - 1) / stride + 1;
-                let level = rest % n_levels;
-                rest /= n_levels;
-                level * stride
-            })
-            .collect();
-        let digits: Vec<u64> = digits.into_iter().rev().collect();
-        cells.push(Cell::new(combinations.index(&digits)));
-    }
-    cells
+    let designs = campaign.grid.combinations();
+    let thinned = |stride: u64| {
+        let counts = designs.counts().iter().map(|count| (count - 1) / stride + 1);
+        Combinations::saturating(counts.collect::<Vec<_>>())
+    };
+    let strides = (1..).map(|stride| (stride, thinned(stride)));
+    let fitting = strides.into_iter().find(|(_, thinned)| thinned.len() <= MOST_ROWS);
+    let (stride, thinned) = fitting.unwrap_or_else(|| (1, thinned(1)));
+    let cell = |places: Vec<u64>| {
+        let digits: Vec<u64> = places.into_iter().map(|place| place * stride).collect();
+        Cell::new(designs.index(&digits))
+    };
+    thinned.all().map(cell).collect()
 }

@@ -18,7 +18,7 @@ use anyhow::{Context as _, Result};
 use design_space::Region;
 use sha2::{Digest as _, Sha256};
 
-use crate::journal::{Measured, Submitted, now};
+use crate::journal::{Measured, SubmissionName, Submitted, now};
 use crate::problem::{Program, Queue};
 use crate::program;
 use runs::Runs;
@@ -133,13 +133,13 @@ pub(crate) fn run_all<'a>(
 fn batches(of: Queued<'_>) -> Vec<Batch> {
     let mut batches: Vec<Batch> = Vec::new();
     for one in of.submitted.iter().filter(|one| one.by == of.by) {
-        let stem = one.stem();
-        if let Some(batch) = batches.iter_mut().find(|batch| batch.stem == stem) {
-            batch.names.push(one.name.clone());
+        let (stem, name) = (&one.name.batch, one.name.to_string());
+        if let Some(batch) = batches.iter_mut().find(|batch| batch.stem == *stem) {
+            batch.names.push(name);
             continue;
         }
-        let (runs, names) = (Runs::of(of.folder, stem), vec![one.name.clone()]);
-        batches.push(Batch { stem: stem.to_owned(), keys: Key::of(one), names, runs, n_absent: 0 });
+        let (runs, names) = (Runs::of(of.folder, stem), vec![name]);
+        batches.push(Batch { stem: stem.clone(), keys: Key::of(one), names, runs, n_absent: 0 });
     }
     batches
 }
@@ -182,8 +182,8 @@ fn submit<'a>(
     waiting: &BTreeMap<Key, &'a Task>,
     happened: &mut impl FnMut(Happened<'a>) -> Result<()>,
 ) -> Result<()> {
-    let attempt = batch.names.len() + 1;
-    let name = format!("{}-{attempt}", batch.stem);
+    let submission = SubmissionName { batch: batch.stem.clone(), attempt: batch.names.len() + 1 };
+    let name = submission.to_string();
     // A run that has its result is not run again.
     let tasks: Vec<Option<&Task>> = batch.keys.iter().map(|key| waiting.get(key).copied()).collect();
     let script = batch.runs.write(of.folder, of.region, of.program, of.queue, &name, &tasks)?;
@@ -192,7 +192,7 @@ fn submit<'a>(
     tasks.dedup();
     let (by, cells) = (of.by.to_owned(), batch.keys.iter().map(|key| key.cell()).collect());
     let experiments = batch.keys.iter().filter_map(|key| key.id()).collect();
-    happened(Happened::Submitted(Submitted { name: name.clone(), cells, experiments, by, at: now() }))?;
+    happened(Happened::Submitted(Submitted { name: submission, cells, experiments, by, at: now() }))?;
     batch.names.push(name.clone());
     batch.n_absent = 0;
     let (first, last) = (tasks.first().copied().unwrap_or(1), tasks.last().copied().unwrap_or(1));
@@ -242,10 +242,14 @@ pub(crate) fn cancel<'a>(
     anyhow::ensure!(!queue.cancel.is_empty(), "{} has no `cancel`, so nothing can be stopped from here", queue.section);
     let listed = scheduler::run(folder, queue, &queue.list, &[])?;
     let mut n = 0;
-    for one in submitted.filter(|one| scheduler::is_listed(&listed, &one.name)) {
-        let said = Runs::of(folder, one.stem()).said(&one.name).unwrap_or_default();
+    for one in submitted {
+        let name = one.name.to_string();
+        if !scheduler::is_listed(&listed, &name) {
+            continue;
+        }
+        let said = Runs::of(folder, &one.name.batch).said(&name).unwrap_or_default();
         let job = said.split_whitespace().next_back().unwrap_or_default().to_owned();
-        scheduler::run(folder, queue, &queue.cancel, &[("{name}", one.name.clone()), ("{job}", job)])?;
+        scheduler::run(folder, queue, &queue.cancel, &[("{name}", name), ("{job}", job)])?;
         n += 1;
     }
     Ok(n)

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use anyhow::Result;
-use design_space::{Levels, Parameter};
+use design_space::{Cell as Design, Grid, Levels, Parameter};
 use page::palette::{INK, VERMILION};
 use page::{Axis, Bands, Chart, ColorScale, MapCell, Mark};
 
@@ -20,25 +20,28 @@ const MOST_CELLS: usize = 6_000;
 #[derive(Debug)]
 pub(crate) struct Maps<'a> {
     pub(crate) problem: &'a Problem,
-    /// Those of the problem, each with levels.
-    pub(crate) parameters: &'a [Parameter],
+    /// What can be set.
+    pub(crate) grid: &'a Grid,
     /// Where the parameters are that a map does not vary.
-    pub(crate) through: &'a [f64],
+    pub(crate) through: Design,
     /// Places to mark, in the order in which they are drawn.
     pub(crate) marks: Vec<(Vec<f64>, Mark)>,
 }
 
-/// The settings of two parameters over which a map is drawn.
+/// The designs over which a map is drawn: those of two parameters.
 #[derive(Debug, Clone)]
 pub(crate) struct Plane {
     x: Side,
     y: Side,
+    /// x fastest.
+    pub(crate) designs: Vec<Design>,
 }
 
 /// The levels that are drawn.
 #[derive(Debug, Clone)]
 struct Side {
     parameter: usize,
+    digits: Vec<u64>,
     levels: Vec<f64>,
     /// One in so many levels.
     stride: u32,
@@ -73,43 +76,42 @@ pub(crate) struct Apart {
 }
 
 impl Maps<'_> {
+    fn parameters(&self) -> &[Parameter] {
+        self.grid.region().parameters()
+    }
+
     /// Every pair of parameters.
     pub(crate) fn planes(&self) -> Result<Vec<Plane>> {
-        let k = self.parameters.len();
+        let k = self.parameters().len();
         let pairs: Vec<(usize, usize)> = (0..k).flat_map(|y| (0..y).map(move |x| (x, y))).collect();
         let shown = MOST_MAPS.min(pairs.len()).max(1);
         let most_levels = (MOST_CELLS / shown).isqrt();
         let side = |parameter: usize| self.side(parameter, most_levels);
-        pairs.iter().map(|&(x, y)| Ok(Plane { x: side(x)?, y: side(y)? })).collect()
+        pairs.iter().map(|&(x, y)| self.plane(side(x)?, side(y)?)).collect()
     }
 
     /// At most this many levels, that of the design among them.
     fn side(&self, parameter: usize, most: usize) -> Result<Side> {
-        let bounds = &self.parameters[parameter];
-        let Levels::Count(n) = bounds.levels() else {
-            anyhow::bail!("parameter `{}` has no levels", bounds.name());
-        };
-        let stride = n.div_ceil(u32::try_from(most).unwrap_or(u32::MAX)).max(1);
-        let best = bounds.nearest_level(self.through[parameter])?;
-        let levels = (0..n).filter(|level| level % stride == best % stride);
-        let levels = levels.map(|level| Ok(bounds.level(level)?)).collect::<Result<Vec<_>>>()?;
-        let half = 0.5 * bounds.width() * f64::from(stride) / f64::from((n - 1).max(1));
+        let bounds = &self.parameters()[parameter];
+        let Thinned { n_levels, stride, digits } = thinned(self.grid, self.through, parameter, most)?;
+        let levels =
+            digits.iter().map(|&digit| Ok(bounds.level(u32::try_from(digit)?)?)).collect::<Result<Vec<_>>>()?;
+        let half = 0.5 * bounds.width() * f64::from(stride) / f64::from((n_levels - 1).max(1));
         let ends = (stride > 1).then(|| (bounds.lower(), bounds.upper()));
-        Ok(Side { parameter, levels, stride, half, ends })
+        Ok(Side { parameter, digits, levels, stride, half, ends })
     }
 
-    /// The designs of the cells of a plane, in their order.
-    pub(crate) fn points(&self, plane: &Plane) -> Vec<Vec<f64>> {
-        let mut points = Vec::with_capacity(plane.x.levels.len() * plane.y.levels.len());
-        for &at_y in &plane.y.levels {
-            for &at_x in &plane.x.levels {
-                let mut point = self.through.to_vec();
-                point[plane.x.parameter] = at_x;
-                point[plane.y.parameter] = at_y;
-                points.push(point);
+    fn plane(&self, x: Side, y: Side) -> Result<Plane> {
+        let mut digits = self.grid.digits(self.through)?;
+        let mut designs = Vec::with_capacity(x.digits.len() * y.digits.len());
+        for &at_y in &y.digits {
+            for &at_x in &x.digits {
+                digits[x.parameter] = at_x;
+                digits[y.parameter] = at_y;
+                designs.push(self.grid.of_digits(&digits)?);
             }
         }
-        points
+        Ok(Plane { x, y, designs })
     }
 
     /// The maps, with one scale of colors: that of the cells that are not set off.
@@ -137,7 +139,7 @@ impl Maps<'_> {
 
     /// As far as its levels and all marks go.
     fn axis(&self, side: &Side) -> Axis {
-        let parameter = &self.parameters[side.parameter];
+        let parameter = &self.parameters()[side.parameter];
         let settings = self.marks.iter().map(|(settings, _)| settings[side.parameter]);
         let (first, last) = (side.sides(0).0, side.sides(side.levels.len() - 1).1);
         axis_of(parameter).covering(first, last, settings)
@@ -161,7 +163,7 @@ impl Maps<'_> {
         let value = with_unit(&short(cell.value), &self.problem.response.unit);
         let fate = cell.apart.as_ref().map(|apart| format!(", {}", apart.words)).unwrap_or_default();
         let place = [(&map.plane.x, x), (&map.plane.y, y)].map(|(side, index)| {
-            let parameter = &self.parameters[side.parameter];
+            let parameter = &self.parameters()[side.parameter];
             let at = with_unit(&setting(side.levels[index], step(parameter)), parameter.unit());
             format!("{} {at}", parameter.name())
         });
@@ -192,7 +194,7 @@ impl Maps<'_> {
             if self.problem.region.parameters()[parameter].levels() == Levels::Continuous {
                 continue;
             }
-            let name = self.parameters[parameter].name();
+            let name = self.parameters()[parameter].name();
             text.push_str(&format!(" Of the levels of {name} one in {stride} is drawn."));
         }
         text
@@ -209,7 +211,7 @@ impl Side {
 }
 
 impl Map {
-    /// With the cells of [`Maps::points`], in their order.
+    /// With a cell for each design of the plane, in their order.
     pub(crate) fn new(plane: Plane, cells: Vec<Cell>) -> Self {
         Self { plane, cells }
     }
@@ -239,6 +241,28 @@ impl Map {
             }
         }
     }
+}
+
+/// Levels of a parameter that are drawn.
+#[derive(Debug)]
+pub(crate) struct Thinned {
+    pub(crate) n_levels: u32,
+    /// One in so many is drawn.
+    pub(crate) stride: u32,
+    /// Their indices.
+    pub(crate) digits: Vec<u64>,
+}
+
+/// At most so many levels of a parameter, one in a stride, that of this design among them.
+pub(crate) fn thinned(grid: &Grid, with: Design, parameter: usize, most: usize) -> Result<Thinned> {
+    let bounds = &grid.region().parameters()[parameter];
+    let Levels::Count(n_levels) = bounds.levels() else {
+        anyhow::bail!("parameter `{}` has no levels", bounds.name());
+    };
+    let stride = n_levels.div_ceil(u32::try_from(most).unwrap_or(u32::MAX)).max(1);
+    let first = grid.digits(with)?[parameter] % u64::from(stride);
+    let digits = (first..u64::from(n_levels)).step_by(stride as usize).collect();
+    Ok(Thinned { n_levels, stride, digits })
 }
 
 /// Those over which the surface varies most, in the order of the parameters.

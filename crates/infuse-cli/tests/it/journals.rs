@@ -172,6 +172,33 @@ fn what_was_learned_may_differ_by_rounding_and_not_by_more() {
     assert!(with(1.0 + 1e-6).error().contains("one of them was changed"));
 }
 
+/// What another machine wrote down about a batch stands, even where this one finds other last digits or another design.
+#[test]
+fn what_was_assessed_stands_as_it_was_written_and_is_computed_with_nowhere() {
+    let rig = Rig::pooled();
+    rig.batch();
+    let before = rig.status();
+    let mut n_assessed = 0;
+    let as_elsewhere = rig.journal().into_iter().map(|mut line| {
+        line.as_object_mut().unwrap().remove("check");
+        if line["event"] == "assessed" {
+            n_assessed += 1;
+            line["expected"] = serde_json::json!(line["expected"].as_f64().unwrap() + 1.0);
+            line["bound"] = serde_json::json!(line["bound"].as_f64().unwrap() * 2.0);
+        }
+        line.to_string() + "\n"
+    });
+    let as_elsewhere: String = as_elsewhere.collect();
+    assert_eq!(n_assessed, 1);
+    rig.write("journal.jsonl", &as_elsewhere);
+    let mut after = rig.status();
+    let (said, found) = (&after["batches"][0], &before["batches"][0]);
+    assert_eq!(said["expected"], serde_json::json!(found["expected"].as_f64().unwrap() + 1.0));
+    assert_eq!(said["bound"], serde_json::json!(found["bound"].as_f64().unwrap() * 2.0));
+    after["batches"] = before["batches"].clone();
+    assert_eq!(after, before, "what is known now follows from the readings alone");
+}
+
 #[test]
 fn lines_that_were_edited_are_named_by_their_number() {
     let rig = two_batches();

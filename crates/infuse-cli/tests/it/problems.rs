@@ -74,7 +74,7 @@ fn no_message_about_the_file_names_a_type_of_the_program() {
         ("table = \"simulation.csv\"", "table = 5", "expected the name of a file"),
         ("table = \"simulation.csv\"", "command = \"a b\"", "expected a list, like [\"program\""),
         ("role = \"plant\"", "role = 3", "expected a name in quotes"),
-        ("[loop]", "[loop]\nsurfaces = \"x\"", "expected a table"),
+        ("[loop]", "[loop]\nsurfaces = \"x\"", "it is \"x\", expected a table, like { combined = "),
     ] {
         let rig = Rig::pooled();
         rig.edit(from, to);

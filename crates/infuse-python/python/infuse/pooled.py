@@ -221,8 +221,8 @@ class PooledLoop:
     With `constraints` further responses have to stay within bounds; a simulation then gives n rows, the response first and
     one column for each constraint behind it. `linear_constraints` keep settings together, and `plants` says what is built.
 
-    The same seed, outcomes and simulation give the same bits, in any order, on any number of threads. One thread at a
-    time may use a loop; others run while it computes.
+    The same seed, outcomes and simulation give the same bits, in any order, on any number of threads, on one machine
+    with one package. One thread at a time may use a loop; others run while it computes.
 
     >>> loop = PooledLoop([Parameter("x", "mm", 0.0, 10.0, levels=11)], n_experiments=3, seed=4)
     >>> batch = loop.ask()

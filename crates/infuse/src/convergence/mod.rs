@@ -28,7 +28,7 @@
 //!
 //! ```
 //! # #[cfg(feature = "global")] {
-//! use doe::{Model, Parameter, Region};
+//! use design_space::{Model, Parameter, Region};
 //! use infuse::convergence::{AssumptionReport, Bound, Norm};
 //! use infuse::{correction::ModelStage, global};
 //! use surface::Surface;

@@ -3,10 +3,8 @@
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-use design_space::Cell;
-use doe::{
-    Criterion, Design, Effort, Model, Problem, Replicates, SplitSettings, Term, confounded_terms, search, split,
-};
+use design_space::{Cell, Model, Term};
+use doe::{Criterion, Design, Effort, Problem, Replicates, SplitSettings, confounded_terms, search, split};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
@@ -94,7 +92,7 @@ impl<'a> DesignSpace<'a> {
     ) -> Result<Self, Error> {
         let seed = seed(settings.seed, iteration, Purpose::Candidates);
         let candidates = Candidates::of(retained, cells, settings.candidate_limit, seed)?;
-        let names: Vec<&str> = cells.region().parameters().iter().map(doe::Parameter::name).collect();
+        let names: Vec<&str> = cells.region().parameters().iter().map(design_space::Parameter::name).collect();
         let names = settings.model.term_names(&names);
         let named = |confounding: doe::Confounding| DroppedTerm {
             term: confounding.term,

@@ -4,7 +4,7 @@ use design_space::Region;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::global::trial::{NEAR_THE_REGION, far_setting};
+use crate::trial::{NEAR_THE_REGION, far_setting};
 
 /// An experiment that no batch asked for, see [`Loop::add_earlier`](crate::global::Loop::add_earlier).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

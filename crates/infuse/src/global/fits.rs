@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use doe::Model;
+use design_space::Model;
 
 use crate::global::cells::Cells;
 use crate::global::open_batch::OpenBatch;

@@ -1,6 +1,6 @@
 //! A design built run by run, for when the search finds none.
 
-use doe::Model;
+use design_space::Model;
 
 /// Which of these points to run, as indices: all different, `n_runs` of them, at least as many as the model has terms.
 ///
@@ -45,7 +45,8 @@ pub(crate) fn greedy(model: &Model, coordinates: &[f64], n_runs: usize) -> Optio
 /// One row per point, terms scaled to a largest magnitude of 1.
 fn regressors(model: &Model, coordinates: &[f64]) -> Vec<f64> {
     let points = || coordinates.chunks_exact(model.n_factors());
-    let scale = |term: &doe::Term| points().map(|point| term.value(point).abs()).fold(f64::MIN_POSITIVE, f64::max);
+    let scale =
+        |term: &design_space::Term| points().map(|point| term.value(point).abs()).fold(f64::MIN_POSITIVE, f64::max);
     let scales: Vec<f64> = model.terms().iter().map(scale).collect();
     let row = |point| model.terms().iter().zip(&scales).map(move |(term, scale)| term.value(point) / scale);
     points().flat_map(row).collect()
@@ -80,7 +81,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use doe::{Criterion, Design, Model, Space};
+    use design_space::Model;
+    use doe::{Criterion, Design, Space};
 
     use super::greedy;
 
@@ -112,7 +114,7 @@ mod tests {
     fn on_a_square_the_corners_come_first() {
         let axis = [-1.0, -0.5, 0.0, 0.5, 1.0];
         let cells: Vec<f64> = axis.iter().flat_map(|&a| axis.iter().flat_map(move |&b| [a, b])).collect();
-        let terms = [[0, 0], [1, 0], [0, 1], [1, 1]].map(doe::Term::new).to_vec();
+        let terms = [[0, 0], [1, 0], [0, 1], [1, 1]].map(design_space::Term::new).to_vec();
         let mut runs = greedy(&Model::new(2, terms).unwrap(), &cells, 4).unwrap();
         runs.sort_unstable();
         assert_eq!(runs, [0, 4, 20, 24]);

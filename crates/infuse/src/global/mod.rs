@@ -109,20 +109,26 @@ mod turn;
 
 pub use agreement::agrees;
 pub use ask_tell::Ask;
-pub use batch::{Batch, DroppedTerm};
 pub use campaign::Loop;
-pub use changes::SurfaceChanges;
 pub use earlier::EarlierExperiment;
 pub use outlook::Outlook;
 pub use plan::Plan;
 pub use promises::ObservedErrors;
 pub use pure_error::PureError;
-pub use report::{Report, SimulationRecord, StopReason};
+pub use report::{Report, StopReason};
 pub use retained::RetainedSet;
-pub use screening::{Dropped, Screening};
 pub use settings::{Settings, SpreadFallback, SurfaceKind, SurfaceKinds};
-pub use spread::{Spread, SpreadFault, quality_of_fit};
+pub use spread::quality_of_fit;
 pub use surfaces::IterationSurfaces;
 pub use trial::{Trial, TrialRecord, TrialUse};
 
 pub use crate::traced::{Observations, TracedSurface};
+
+/// What a [`Report`] consists of, and what is said of a dropped cell.
+pub mod reported {
+    pub use super::batch::{Batch, DroppedTerm};
+    pub use super::changes::SurfaceChanges;
+    pub use super::report::SimulationRecord;
+    pub use super::screening::{Dropped, Screening};
+    pub use super::spread::{Spread, SpreadFault};
+}

@@ -48,7 +48,7 @@ impl SurfaceKind {
 
 /// The kinds of the three surfaces of Section 5.3. Default: regressions.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "a table, like { combined = \"inverse_distance\" }")]
 pub struct SurfaceKinds {
     /// Ĵexp, of the experiments alone.
     pub experiment: SurfaceKind,

@@ -4,6 +4,7 @@ use design_space::{Cell, Region};
 use serde::{Deserialize, Serialize};
 
 use crate::ledger::{Ledger, Numbered, Record};
+use crate::trial::{NEAR_THE_REGION, far_setting};
 use crate::{Error, TrialId};
 
 /// What an experiment is used for.
@@ -58,15 +59,4 @@ pub(crate) fn check_actual(trial: &Trial, actual: &[f64], region: &Region) -> Re
         return Ok(());
     };
     Err(Error::ActualSettingOf { id: trial.id, parameter, actual, expected: NEAR_THE_REGION })
-}
-
-pub(crate) const NEAR_THE_REGION: &str = "within half the parameter's width of its bounds";
-
-/// The first of these natural settings that is too far off. Settings may be off the grid and somewhat outside the box, as
-/// rigs are; a coded coordinate beyond 2 is a slip.
-pub(crate) fn far_setting(settings: &[f64], region: &Region) -> Result<Option<(String, f64)>, Error> {
-    let coded = region.coded(settings)?;
-    let mut far = region.parameters().iter().zip(settings.iter().zip(coded));
-    let far = far.find(|(_, (_, coded))| coded.is_nan() || coded.abs() > 2.0);
-    Ok(far.map(|(parameter, (&value, _))| (parameter.name().to_owned(), value)))
 }

@@ -14,7 +14,9 @@
 //!
 //! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, half over the box and half over
 //! what the simulation likes. Nothing is dropped for good, and all of
-//! it follows from readings, simulations, settings and seed: in any order, on any number of threads, bit for bit.
+//! it follows from readings, simulations, settings and seed: in any order, on any number of threads. On one machine with one build
+//! it does so bit for bit. Elsewhere exp, ln and sin of the platform may round differently, and then answers may differ, a draw of
+//! the sampler or a choice between equals that fell otherwise included.
 //!
 //! The recipe is not from the dissertation. Its sources: Kennedy and O'Hagan (2000) for the factor of the simulation, Murray,
 //! Adams and MacKay (2010) for the sampler of the hyperparameters, Frazier, Powell and Dayanik (2009) for the knowledge gradient.
@@ -40,6 +42,8 @@
 //! ```
 
 mod admission;
+mod answers;
+mod ask_tell;
 mod assessment;
 mod campaign;
 mod certificate;
@@ -55,16 +59,24 @@ mod outcomes;
 mod outliers;
 mod plants;
 mod pool;
+mod readings;
 mod recommendation;
 mod settings;
 mod simulated;
 mod streams;
+mod turn;
 
-pub use assessment::{Assessment, Constrained, Contradiction, Expectation, SimulationWorth, Standing};
-pub use campaign::{Ask, Earlier, Loop, Record, StopReason, Trial};
+pub use ask_tell::{Ask, StopReason};
+pub use assessment::{Assessment, Expectation, Standing};
+pub use campaign::{Earlier, Loop, Record, Trial};
 pub use certificate::Certificate;
 pub use constraint::{Constraint, LinearConstraint};
-pub use outliers::Outlier;
 pub use plants::Plants;
 pub use settings::Settings;
 pub use simulated::{Responses, Simulate};
+
+/// What an [`Assessment`] consists of.
+pub mod reported {
+    pub use super::assessment::{Constrained, Contradiction, SimulationWorth};
+    pub use super::outliers::Outlier;
+}

@@ -5,9 +5,11 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::pooled::designs::Designs;
 use crate::pooled::knowledge::Knowledge;
-use crate::pooled::measurements::Reading;
+use crate::pooled::measurements::{Measurements, Reading};
 use crate::pooled::settings::Settings;
+use crate::pooled::simulated::{Simulated, Source};
 
 /// A reading that the others do not expect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -92,6 +94,23 @@ pub(crate) fn outliers(
         }
     }
     Ok(worst.into_iter().collect())
+}
+
+/// What follows from readings, but for those that are set aside.
+pub(crate) fn learnt<'a, 's>(
+    mut measurements: Measurements,
+    designs: &'a Designs,
+    settings: &Settings,
+    simulated: &'a mut Simulated,
+    source: Source<'s>,
+) -> Result<(Knowledge<'a, 's>, Readings), Error> {
+    let mut knowledge = Knowledge::of(&measurements, designs, settings, simulated, source)?;
+    let set_aside = set_aside(&mut knowledge, &mut measurements.readings, settings)?;
+    if !set_aside.is_empty() {
+        knowledge = knowledge.through(&measurements, settings)?;
+    }
+    let Measurements { readings: kept, constrained, .. } = measurements;
+    Ok((knowledge, Readings { kept, constrained, set_aside }))
 }
 
 /// Takes out of `readings` those that repeats give the lie to, and says which they were. Of two runs of the same settings that differ by

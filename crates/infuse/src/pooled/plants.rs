@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use design_space::Cell;
+use design_space::{Cell, Combinations};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -98,21 +98,17 @@ impl Plants {
     ) -> Vec<Cell> {
         let counts = designs.combinations().counts();
         let others: Vec<usize> = (0..counts.len()).filter(|axis| !self.parameters.contains(axis)).collect();
-        let n_others: u64 = others.iter().map(|&axis| counts[axis]).fold(1, u64::saturating_mul);
+        let of_others = Combinations::saturating(others.iter().map(|&axis| counts[axis]).collect::<Vec<_>>());
         let most = (MOST / plants.len().max(1)).max(1);
         let mut cells = Vec::new();
         for plant in plants {
             let digits: Vec<u64> = vec![0; counts.len()];
             let start = self.with(designs, Cell::new(designs.combinations().index(&digits)), plant);
             let mut of_plant: Vec<Cell> = Vec::with_capacity(most);
-            if n_others <= most as u64 {
-                for index in 0..n_others {
-                    let mut digits = designs.combinations().digits(start.index());
-                    let mut rest = index;
-                    for &axis in others.iter().rev() {
-                        digits[axis] = rest % counts[axis];
-                        rest /= counts[axis];
-                    }
+            if of_others.len() <= most as u64 {
+                let mut digits = designs.combinations().digits(start.index());
+                for setting in of_others.all() {
+                    others.iter().zip(setting).for_each(|(&axis, digit)| digits[axis] = digit);
                     of_plant.push(Cell::new(designs.combinations().index(&digits)));
                 }
             } else {

@@ -150,6 +150,22 @@ pub(crate) enum Source<'a> {
     Emulated(Emulator),
 }
 
+impl<'a> Source<'a> {
+    /// What there is: where simulations are dear, what they said so far.
+    pub(crate) fn of(
+        settings: &Settings,
+        designs: &Designs,
+        simulated: &Simulated,
+        simulate: Option<&'a mut dyn Simulate>,
+    ) -> Result<Self, Error> {
+        Ok(match (settings.simulations, simulate) {
+            (Some(_), _) => Emulator::of(simulated, designs, settings)?.map_or(Self::Nothing, Self::Emulated),
+            (None, Some(simulate)) => Self::Cheap(simulate),
+            (None, None) => Self::Nothing,
+        })
+    }
+}
+
 impl Source<'_> {
     /// Cells with what the simulation says at each; nothing is said if it never gave a response.
     pub(crate) fn places(

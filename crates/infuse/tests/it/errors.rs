@@ -1,6 +1,6 @@
 //! One test per way of being wrong; the state is never changed by one.
 
-use doe::Region;
+use design_space::Region;
 use infuse::codesign::{OptimizerSettings, Strategy, codesign};
 use infuse::{CodesignProblem, Error, Outcome, Role, TrialId, gradient};
 

@@ -1,7 +1,6 @@
 //! What people who run campaigns need: plans, repeats, earlier experiments, noise, and whether to go on.
 
-use design_space::Cell;
-use doe::Model;
+use design_space::{Cell, Model};
 use infuse::{Error, Outcome, global};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use surface::{Confounded, Data, Regression, Surface};

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use design_space::Cell;
-use doe::Model;
+use design_space::{Cell, Model};
 use infuse::{
     Outcome,
-    global::{self, Report, Spread, SpreadFault, TrialRecord, TrialUse},
+    global::reported::{Spread, SpreadFault},
+    global::{self, Report, TrialRecord, TrialUse},
 };
 
 use crate::global_problems::{asked, coded, grid, save, settings};

@@ -1,7 +1,6 @@
 //! What the loop arrives at, and by which law.
 
-use design_space::Cell;
-use doe::Model;
+use design_space::{Cell, Model};
 use infuse::{
     correction::{Field, Gain, Law, Rule},
     global::{self, TrialUse},

@@ -4,7 +4,8 @@ use design_space::Cell;
 use infuse::{
     Error, Outcome, TrialId,
     correction::{Field, Gain, Law, Rule},
-    global::{self, Spread, SpreadFallback, SpreadFault, TracedSurface, TrialUse},
+    global::reported::{Spread, SpreadFault},
+    global::{self, SpreadFallback, TracedSurface, TrialUse},
 };
 
 use crate::global_problems::{asked, experiment, grid, planar, save, settings, simulation, truth};
@@ -164,7 +165,7 @@ fn too_few_simulations_are_an_error_and_the_next_ask_simulates_elsewhere() {
 
 #[test]
 fn a_simulation_that_never_works_is_tried_all_over_the_grid_again_and_again() {
-    let settings = settings(doe::Model::additive_quadratic(2).unwrap(), 6, 8);
+    let settings = settings(design_space::Model::additive_quadratic(2).unwrap(), 6, 8);
     let mut campaign = global::Loop::new(&grid(&[5, 4]), settings).unwrap();
     let mut batches = Vec::new();
     for _ in 0..4 {
@@ -186,7 +187,7 @@ fn a_simulation_that_never_works_is_tried_all_over_the_grid_again_and_again() {
 
 /// The cell of a natural point of the 5 x 4 grid.
 fn campaign_cell(p: &[f64]) -> Cell {
-    let settings = settings(doe::Model::additive_quadratic(2).unwrap(), 6, 8);
+    let settings = settings(design_space::Model::additive_quadratic(2).unwrap(), 6, 8);
     global::Loop::new(&grid(&[5, 4]), settings).unwrap().cell(p).unwrap()
 }
 

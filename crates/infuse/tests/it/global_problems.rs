@@ -1,7 +1,6 @@
 //! Gridded problems with known answers.
 
-use design_space::Cell;
-use doe::{Model, Parameter, Region};
+use design_space::{Cell, Model, Parameter, Region};
 use infuse::global;
 
 /// Parameters named p0, p1, ... from 10 to 14, so that natural and coded coordinates differ.

@@ -22,7 +22,7 @@ fn answer(campaign: &mut global::Loop, trial: &global::Trial) {
 }
 
 fn small(seed: u64) -> global::Loop {
-    let mut settings = settings(doe::Model::quadratic(2).unwrap(), 8, 10);
+    let mut settings = settings(design_space::Model::quadratic(2).unwrap(), 8, 10);
     settings.seed = seed;
     settings.max_iterations = 3;
     global::Loop::new(&grid(&[10, 9]), settings).unwrap()

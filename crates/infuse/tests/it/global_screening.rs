@@ -1,10 +1,10 @@
 //! The z-test, its spread, and why a cell was dropped.
 
-use design_space::Cell;
-use doe::Model;
+use design_space::{Cell, Model};
 use infuse::{
     Error, TrialId,
-    global::{self, Observations, Spread, SpreadFallback, SpreadFault, TracedSurface, TrialUse, quality_of_fit},
+    global::reported::{Spread, SpreadFault},
+    global::{self, Observations, SpreadFallback, TracedSurface, TrialUse, quality_of_fit},
 };
 use proptest::prelude::*;
 use surface::{Confounded, Kind};
@@ -15,7 +15,7 @@ use crate::global_problems::{after, coded, experiment, grid, least, planar, sett
 fn one() -> TracedSurface {
     let mut observations = Observations::none(1);
     observations.add_experiment(TrialId::new(1), &[0.0], 1.0).unwrap();
-    let model = Model::new(1, vec![doe::Term::new(vec![0])]).unwrap();
+    let model = Model::new(1, vec![design_space::Term::new(vec![0])]).unwrap();
     TracedSurface::fit(&Kind::Regression { model, confounded: Confounded::Refuse }, &observations).unwrap()
 }
 

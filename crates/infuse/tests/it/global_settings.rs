@@ -1,7 +1,7 @@
 //! What a global loop refuses to begin with.
 
-use design_space::Cell;
-use doe::{Model, Parameter, Region, SplitMethod};
+use design_space::{Cell, Model, Parameter, Region};
+use doe::SplitMethod;
 use infuse::{
     Error,
     global::{self, SpreadFallback, SurfaceKind},

@@ -1,7 +1,7 @@
 //! What is left becomes small, and the loop does not die of it.
 
-use design_space::Cell;
-use doe::{Criterion, Design, Model, Space};
+use design_space::{Cell, Model};
+use doe::{Criterion, Design, Space};
 use infuse::global::{self, SpreadFallback};
 
 use crate::global_problems::{coded, grid, settings};
@@ -108,7 +108,7 @@ fn a_large_grid_is_represented_by_a_part_of_it() {
 
 #[test]
 fn a_model_of_which_nothing_is_left_becomes_a_constant() {
-    let model = Model::new(2, vec![doe::Term::new(vec![2, 0])]).unwrap();
+    let model = Model::new(2, vec![design_space::Term::new(vec![2, 0])]).unwrap();
     let mut settings = settings(model, 6, 8);
     settings.fallback = SpreadFallback::Given(0.1);
     settings.max_iterations = 3;

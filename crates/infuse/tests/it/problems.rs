@@ -1,6 +1,6 @@
 //! Problems with known answers.
 
-use doe::{Parameter, Region};
+use design_space::{Parameter, Region};
 use infuse::codesign::{OptimizerSettings, Strategy};
 use infuse::{CodesignProblem, Outcome, Role, gradient};
 

@@ -1,6 +1,6 @@
 //! Which of the four strategies find the optimum of a coupled problem, and which miss it.
 
-use doe::Region;
+use design_space::Region;
 use infuse::codesign::{CodesignReport, CodesignStop, Strategy, codesign};
 use infuse::{CodesignProblem, Role};
 

@@ -118,8 +118,7 @@ fn dissertation(task: &Task<'_>) -> Result<Vec<Step>> {
         let Some(report) = campaign.reports().last() else {
             bail!("no report after a batch");
         };
-        let recommended = task.grid.nearest(&report.screening.optimum)?;
-        steps.push(Step { ask_seconds, tell_seconds, ..Step::of(recommended) });
+        steps.push(Step { ask_seconds, tell_seconds, ..Step::of(report.screening.optimum_cell) });
     }
     Ok(steps)
 }

@@ -177,14 +177,25 @@ fn markdown(kept: &[Results]) -> Result<String> {
         text += &format!("{sentence}\n\n");
     }
     text += &families_table().markdown();
+    text += &regrets(&methods, ours);
+    text += &promises(ours);
+    text += "\n## Seconds\n\nMedian time to choose a batch, and to take its results and recommend, on the machine where the rows were \
+             made, other work beside it.\n\n";
+    text += &seconds_table(&methods).markdown();
+    Ok(text)
+}
+
+/// How close each method comes, and beside the pooled loop.
+fn regrets(methods: &[Kept<'_>], ours: &Results) -> String {
+    let mut text = String::new();
     for batch in 1..=BATCHES {
         text += &format!(
             "\n## Regret after batch {batch}\n\nMedian and 90th percentile, in % of the range, of five campaigns or more.\n\n"
         );
-        text += &regret_table(&methods, batch, |method| !method.is_blind).markdown();
+        text += &regret_table(methods, batch, |method| !method.is_blind).markdown();
     }
     text += "\n## Regret without learning\n\nNo reading changes these.\n\n";
-    text += &regret_table(&methods, BATCHES, |method| method.is_blind).markdown();
+    text += &regret_table(methods, BATCHES, |method| method.is_blind).markdown();
     for batch in 2..=BATCHES {
         text += &format!(
             "\n## Paired with the others after batch {batch}\n\nMean over the seeds of log10(regret of the pooled loop / regret of the other) with its standard \
@@ -192,10 +203,17 @@ fn markdown(kept: &[Results]) -> Result<String> {
              that differences far below the noise do not count. Bold: the other is better by more than two standard errors.\n\n",
             percent(FLOOR)
         );
-        text += &paired_table(&methods, ours, batch).markdown();
+        text += &paired_table(methods, ours, batch).markdown();
     }
-    text += "\n## The certificate\n\nPromised with 90 % probability: no design is better than the recommended one by more than c. In how \
-             many campaigns one was, and the median of c in % of the range, after each batch.\n\n";
+    text
+}
+
+/// What the pooled loop promises, and when it stops.
+fn promises(ours: &Results) -> String {
+    let mut text = String::from(
+        "\n## The certificate\n\nPromised with 90 % probability: no design is better than the recommended one by more than c. In how \
+             many campaigns one was, and the median of c in % of the range, after each batch.\n\n",
+    );
     text += &certificate_table(ours, |promised| Some((promised.breached, promised.width))).markdown();
     text += "\nThe same for the 90 % quantile of what the surface says may be gained, neither widened nor doubted. Where it is wide, a \
              certificate cannot be narrow.\n\n";
@@ -207,10 +225,7 @@ fn markdown(kept: &[Results]) -> Result<String> {
         100.0 * WORTH
     );
     text += &stops_table(ours).markdown();
-    text += "\n## Seconds\n\nMedian time to choose a batch, and to take its results and recommend, on the machine where the rows were \
-             made, other work beside it.\n\n";
-    text += &seconds_table(&methods).markdown();
-    Ok(text)
+    text
 }
 
 /// What a reader should know first.
@@ -502,12 +517,13 @@ fn seconds_table(methods: &[Kept<'_>]) -> Table {
                 .collect();
             let median = |which: usize| quantile(&rows.iter().map(|seconds| seconds[which]).collect::<Vec<_>>(), 0.5);
             match (median(0), median(1)) {
-                (Some(ask), Some(tell)) if ask + tell > 0.0 => format!("{ask:.2} and {tell:.2}"),
-                _ => "–".to_owned(),
+                (Some(ask), Some(tell)) if ask + tell > 0.0 => Some(format!("{ask:.2} and {tell:.2}")),
+                _ => None,
             }
         };
         let cells = [2, 4, 6].map(cell);
-        if cells.iter().any(|cell| cell != "–") {
+        if cells.iter().any(Option::is_some) {
+            let cells = cells.map(|cell| cell.unwrap_or("–".to_owned()));
             table.push([&[method.words.to_owned()][..], &cells].concat());
         }
     }

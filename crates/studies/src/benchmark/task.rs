@@ -64,7 +64,7 @@ impl<'a> Task<'a> {
 pub(super) fn descend(grid: &Grid, value: &dyn Fn(&[f64]) -> f64, start: (f64, Cell)) -> Result<(f64, Cell)> {
     let mut best = start;
     loop {
-        let around = grid.neighbours(best.1)?.into_iter().map(|cell| Ok((value(&grid.point(cell)?), cell)));
+        let around = grid.neighbors(best.1)?.into_iter().map(|cell| Ok((value(&grid.point(cell)?), cell)));
         let around = around.collect::<Result<Vec<_>>>()?;
         match around.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
             Some(lower) if lower.0 < best.0 => best = lower,

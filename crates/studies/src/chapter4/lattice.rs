@@ -99,10 +99,10 @@ impl Lattice {
         for (j, row) in rows.iter().enumerate() {
             for (i, cost) in row.iter().enumerate() {
                 let around = |j: usize| (i.saturating_sub(1)..=i + 1).map(move |i| (i, j));
-                let neighbours = (j.saturating_sub(1)..=j + 1).flat_map(around).filter(|at| *at != (i, j));
-                let lowest = neighbours
+                let neighbors = (j.saturating_sub(1)..=j + 1).flat_map(around).filter(|at| *at != (i, j));
+                let lowest = neighbors
                     .filter_map(|(i, j)| rows.get(j)?.get(i))
-                    .all(|neighbour| neighbour.is_nan() || cost < neighbour);
+                    .all(|neighbor| neighbor.is_nan() || cost < neighbor);
                 if lowest && cost.is_finite() {
                     wells.push(([axes[0][i], axes[1][j]], *cost));
                 }

@@ -254,30 +254,8 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture], 
     page.list(&findings.cases().map(|(case, found)| loop_words(findings, case, found)).collect::<Vec<_>>());
     page.heading(claims::BY_VERDICT);
     claims::by_verdict(claims).iter().for_each(|finding| page.finding(finding));
-    let show = |page: &mut Page, name: &str| {
-        for picture in pictures.iter().filter(|picture| picture.name.starts_with(name)) {
-            picture.show_in(page);
-        }
-    };
     for (case, found) in findings.cases() {
-        page.heading(&format!("{}: Table {}", case.entry.label, case.entry.table));
-        for (number, runs) in found.runs.iter().enumerate() {
-            let which = if number == 0 { Rows::All } else { Rows::Ours };
-            let caption = if number == 0 {
-                designs_caption(case)
-            } else {
-                format!("Ours with the {}, {} seeds.", runs.label, runs.noisy.len())
-            };
-            page.table(&tables::designs(case, found, runs, which), &caption);
-            if number == 0 {
-                design_words(case, found).iter().for_each(|words| page.paragraph(words));
-                page.paragraph(&spread_words(found));
-            }
-        }
-        show(&mut page, &format!("seeds-table-{}", case.entry.table));
-        if case.space.variables.len() == 2 {
-            show(&mut page, "figure-23");
-        }
+        designs(&mut page, case, found, pictures);
     }
     page.heading("What the wrong choices cost");
     for (case, found) in findings.cases() {
@@ -287,7 +265,7 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture], 
     page.heading("Before and after");
     page.table(&tables::flights(findings), FLIGHT_CAPTION);
     for name in ["figure-24", "figure-26", "figure-27", "figure-28"] {
-        show(&mut page, name);
+        show(&mut page, pictures, name);
     }
     page.heading("The costs");
     page.table(&tables::weights(findings), WEIGHT_CAPTION);
@@ -305,13 +283,42 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture], 
     }
     page.heading(both_loops::HEADING);
     page.paragraph(both_loops::WHAT);
-    show(&mut page, both_loops::PICTURE);
+    show(&mut page, pictures, both_loops::PICTURE);
     for (case, found) in findings.cases() {
         page.table(&both_loops::table(case, found), &both_loops::caption(case, found));
         both_loops::words(case, found).iter().for_each(|words| page.paragraph(words));
     }
     page.paragraph(&format!("Made by `cargo xtask reproduce-chapter7` in {:.0} s.", findings.seconds));
     page
+}
+
+/// The designs of a study with every choice of the loop.
+fn designs(page: &mut Page, case: &Case, found: &Found, pictures: &[Picture]) {
+    page.heading(&format!("{}: Table {}", case.entry.label, case.entry.table));
+    for (number, runs) in found.runs.iter().enumerate() {
+        let which = if number == 0 { Rows::All } else { Rows::Ours };
+        let caption = if number == 0 {
+            designs_caption(case)
+        } else {
+            format!("Ours with the {}, {} seeds.", runs.label, runs.noisy.len())
+        };
+        page.table(&tables::designs(case, found, runs, which), &caption);
+        if number == 0 {
+            design_words(case, found).iter().for_each(|words| page.paragraph(words));
+            page.paragraph(&spread_words(found));
+        }
+    }
+    show(page, pictures, &format!("seeds-table-{}", case.entry.table));
+    if case.space.variables.len() == 2 {
+        show(page, pictures, "figure-23");
+    }
+}
+
+/// The pictures whose names begin like this.
+fn show(page: &mut Page, pictures: &[Picture], name: &str) {
+    for picture in pictures.iter().filter(|picture| picture.name.starts_with(name)) {
+        picture.show_in(page);
+    }
 }
 
 /// The results as a page of `docs/`, without anything that differs from run to run.

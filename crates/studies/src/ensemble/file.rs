@@ -86,6 +86,18 @@ struct GivenEntry {
     source: String,
 }
 
+/// The test with the tables of moving water beside its own.
+fn in_water(profile: &str, water: &str) -> Result<ProfileFile> {
+    let (mut joined, mut tables): (toml::Table, toml::Table) = (toml::from_str(profile)?, toml::from_str(water)?);
+    ensure!(tables.contains_key("water"), "it has no [water]");
+    tables.remove("title");
+    for (key, table) in tables {
+        ensure!(!joined.contains_key(&key), "`{key}` is in the test as well");
+        joined.insert(key, table);
+    }
+    Ok(ProfileFile::parse(&toml::to_string(&joined)?)?)
+}
+
 /// The study ready to run.
 #[derive(Debug)]
 pub(super) struct Setup {
@@ -133,8 +145,6 @@ impl Setup {
         let profile_text = std::fs::read_to_string(folder.join("test-profile.toml")).context("test-profile.toml")?;
         let water = &file.files.water;
         let water_text = std::fs::read_to_string(folder.join(water)).with_context(|| water.clone())?;
-        let tables = water_text.find("[water]").with_context(|| format!("{water}: it has no [water]"))?;
-        let moving = ProfileFile::parse(&format!("{profile_text}\n{}", &water_text[tables..]));
         Ok(Self {
             title: file.title,
             campaigns: file.campaigns,
@@ -143,7 +153,7 @@ impl Setup {
             chapter4: chapter4::Setup::read(&folder.join(&file.files.chapter4))?,
             chapter7: chapter7::Setup::read(&folder.join(&file.files.chapter7))?,
             still: ProfileFile::parse(&profile_text).context("test-profile.toml")?.profile,
-            moving: moving.with_context(|| water.clone())?,
+            moving: in_water(&profile_text, &water_text).with_context(|| water.clone())?,
             sensing: SensingFile::read(folder.join(&file.files.sensing))?.sensing,
             hull: file.hull,
             key,
@@ -273,6 +283,22 @@ mod tests {
         let weights = |text: &str| common(text, "chapter4.", &free).expect("a file");
         assert_eq!(weights("k1_heading = 1\nk2_pitch = 2"), weights("k1_heading = 3\nk2_pitch = 2"));
         assert_ne!(weights("k1_heading = 1\nk2_pitch = 2"), weights("k1_heading = 1\nk2_pitch = 3"));
+    }
+
+    /// As its first line says: below the title it may be appended to the test.
+    #[test]
+    fn a_test_in_moving_water_is_the_one_with_the_tables_below_it() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/bat");
+        let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a file");
+        let (profile, water) = (read("test-profile.toml"), read("moving-water.toml"));
+        let joined = in_water(&profile, &water).expect("a test in moving water");
+        let (_, tables) = water.split_once("[water]").expect("its table");
+        let appended = ProfileFile::parse(&format!("{profile}\n[water]{tables}")).expect("the same");
+        assert_eq!(joined.profile, appended.profile);
+        assert_ne!(joined.profile, ProfileFile::parse(&profile).expect("a test").profile);
+        let twice = format!("{water}\n[duration]\n");
+        assert!(in_water(&profile, &twice).expect_err("twice").to_string().contains("duration"));
+        assert!(in_water(&profile, "title = \"dry\"").expect_err("dry").to_string().contains("[water]"));
     }
 
     fn of(file: StudyFile, folder: &Path) -> Result<Setup> {

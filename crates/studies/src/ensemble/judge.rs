@@ -80,20 +80,20 @@ impl Judged {
         [sum(|share| share.holding), sum(|share| share.campaigns)]
     }
 
-    /// In words; nothing where it is not judged.
-    pub(super) fn words(&self) -> String {
+    /// In words; none where it is not judged.
+    pub(super) fn words(&self) -> Option<String> {
         if self.verdict == Verdict::NotJudged {
-            return "–".to_owned();
+            return None;
         }
         let [holding, campaigns] = self.campaigns();
         let plants = format!("{} of {} plants", self.n_holding(), self.shares.len());
-        if self.shares.len() == 1 {
+        Some(if self.shares.len() == 1 {
             format!("{holding} of {campaigns} cases")
         } else if campaigns == self.shares.len() {
             plants
         } else {
             format!("{plants}, {holding} of {campaigns} campaigns")
-        }
+        })
     }
 }
 

@@ -46,7 +46,7 @@ const FOLDER: &str = "fixtures/bat/ensemble";
 pub(crate) fn run(root: &Path) -> Result<()> {
     let setup = Setup::read(root)?;
     let mut store = open(root, &setup)?;
-    if store.mend()? {
+    if store.drop_unfinished()? {
         eprintln!("{FOLDER}: what an interrupted run had left of a unit was dropped");
     }
     let designs = Memory::of(root, Extent::Default).designs()?;

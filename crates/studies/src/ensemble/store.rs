@@ -72,7 +72,7 @@ impl Lines {
     }
 
     /// Writes what is kept where the file holds something else; whether something was dropped.
-    fn mend(&self) -> Result<bool> {
+    fn drop_unfinished(&self) -> Result<bool> {
         if self.torn || !self.path.exists() {
             let text: String = self.lines.iter().map(|(unit, cells)| text_of(unit, cells)).collect();
             kept::replace(&self.path, (self.first.clone() + &text).as_bytes())?;
@@ -141,9 +141,9 @@ impl Store {
     }
 
     /// Drops from the files what an interrupted run has left, so that units can be added; whether there was any.
-    pub(super) fn mend(&self) -> Result<bool> {
-        let mended = [self.rows.mend()?, self.times.mend()?, self.facts.mend()?];
-        Ok(mended.contains(&true))
+    pub(super) fn drop_unfinished(&self) -> Result<bool> {
+        let dropped = [self.rows.drop_unfinished()?, self.times.drop_unfinished()?, self.facts.drop_unfinished()?];
+        Ok(dropped.contains(&true))
     }
 
     pub(super) fn has(&self, unit: &Unit) -> bool {
@@ -201,7 +201,7 @@ mod tests {
     /// Adds what is missing of three units.
     fn go_on(folder: &Path) -> Store {
         let mut store = Store::read(folder, "key").expect("a store");
-        store.mend().expect("a writable store");
+        store.drop_unfinished().expect("a writable store");
         for number in 0..3 {
             let unit = ("two".to_owned(), number);
             if !store.has(&unit) {

@@ -4,7 +4,7 @@ use page::{Column, Summary, Table};
 
 use super::claims::Claim;
 use super::decides::Decided;
-use super::judge::{Judged, Verdict};
+use super::judge::Judged;
 use super::kept::Case;
 use super::row::{Method, Reading, Study, World};
 use crate::words::number;
@@ -18,13 +18,12 @@ pub(super) struct Both {
 impl Both {
     /// In one cell.
     pub(super) fn words(&self) -> String {
-        let each = World::OF_CAMPAIGNS
-            .into_iter()
-            .zip(&self.judged)
-            .filter(|(_, judged)| judged.verdict != Verdict::NotJudged);
-        let each = each.map(|(world, judged)| format!("{}: {}, {}", world.name(), judged.verdict, judged.words()));
-        let words = each.collect::<Vec<_>>().join("; ");
-        if words.is_empty() { "–".to_owned() } else { words }
+        let each = World::OF_CAMPAIGNS.into_iter().zip(&self.judged).filter_map(|(world, judged)| {
+            let words = judged.words()?;
+            Some(format!("{}: {}, {words}", world.name(), judged.verdict))
+        });
+        let each: Vec<String> = each.collect();
+        if each.is_empty() { "–".to_owned() } else { each.join("; ") }
     }
 }
 
@@ -45,8 +44,7 @@ pub(super) fn claims(all: &[Both]) -> Table {
         let mut row = vec![claim.place.to_string(), claim.says.to_owned(), claim.rule.to_owned()];
         row.extend(judged.iter().map(|judged| {
             let chance = judged.by_chance.map_or(String::new(), |chance| format!("; by chance {}", per_cent(chance)));
-            let words = judged.words();
-            if words == "–" { words } else { format!("**{}**: {words}{chance}", judged.verdict) }
+            judged.words().map_or("–".to_owned(), |words| format!("**{}**: {words}{chance}", judged.verdict))
         }));
         table.push(row);
     }
@@ -174,14 +172,14 @@ pub(super) fn spaces(cases: &[Case<'_>], published: &dyn Fn(Study, usize) -> Opt
                     .filter(|row| row.method == Method::Dissertation && row.step == step)
                     .map(|row| row.share)
                     .collect();
-                if shares.is_empty() { "–".to_owned() } else { quartiles(&shares) }
+                (!shares.is_empty()).then(|| quartiles(&shares))
             };
             let own = [of(World::Still), of(World::Moving)];
-            if own.iter().all(|words| words == "–") {
+            if own.iter().all(Option::is_none) {
                 continue;
             }
             let theirs = published(study, step).map_or("–".to_owned(), |share| number(share, 1));
-            let [still, moving] = own;
+            let [still, moving] = own.map(|words| words.unwrap_or("–".to_owned()));
             table.push(vec![study.words().to_owned(), step.to_string(), still, moving, theirs]);
         }
     }

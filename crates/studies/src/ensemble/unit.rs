@@ -28,7 +28,7 @@ const STARTS: usize = 256;
 const RANDOM: u32 = 0;
 
 /// A study on a plant with what all worlds share.
-struct Ground<'a> {
+struct Common<'a> {
     setup: &'a Setup,
     plant: &'a Plant,
     study: Study,
@@ -91,7 +91,7 @@ fn of_chapter4(setup: &Setup, plant: &Plant) -> Result<Vec<InWorld>> {
     let grid = FlownGrid::of_costs(space.points()?.iter().map(|point| simulate(point)).collect());
     let mut shared = facts::codesign(&study, &simulate)?;
     let iterations = study.loop_settings(&study.file.variant[0]).max_iterations;
-    let ground = Ground {
+    let common = Common {
         setup,
         plant,
         study: Study::Chapter4,
@@ -108,7 +108,7 @@ fn of_chapter4(setup: &Setup, plant: &Plant) -> Result<Vec<InWorld>> {
         Ok(Campaign { steps, measured, global: None })
     };
     let model = Model::additive_quadratic(2)?;
-    let mut worlds = ground.all_worlds(&setup.chapter4.bat, 0, &model, &noise, &campaign)?;
+    let mut worlds = common.all_worlds(&setup.chapter4.bat, 0, &model, &noise, &campaign)?;
     worlds[0].facts.append(&mut shared);
     worlds[0].n_flights += study.bat.n_known(MODEL) + rough.bat.n_known(STAND_IN);
     Ok(worlds)
@@ -146,7 +146,7 @@ fn of_chapter7(setup: &Setup, plant: &Plant, study: Study, case: usize, designs:
     let demand = OnDemand { bat: &bat, space: &case.space, fidelity: MODEL, range: f64::NAN };
     let model: &dyn CellCosts = flown.as_ref().map_or(&demand, |(model, _)| model);
     let lowest = |grid: &FlownGrid| case.space.point(grid.lowest()?.0);
-    let ground = Ground {
+    let common = Common {
         setup,
         plant,
         study,
@@ -164,14 +164,14 @@ fn of_chapter7(setup: &Setup, plant: &Plant, study: Study, case: usize, designs:
     let range = flown.as_ref().map(|(_, truth)| truth.range());
     let noise = |random: &[Readings]| Noise::Absolute(share * range.unwrap_or_else(|| range_of(random)));
     let campaign = |read: &Read<'_>, seed: u64| {
-        let task = Task { space: &ground.space, model: ground.model, read, budget: ground.budget };
+        let task = Task { space: &common.space, model: common.model, read, budget: common.budget };
         let campaign = loops::global_loop(&task, &settings, designs, seed)?;
-        let steps = loops::steps_of(&campaign, &ground.space, seed);
+        let steps = loops::steps_of(&campaign, &common.space, seed);
         Ok(Campaign { steps, measured: loops::measured_by(&campaign), global: Some(campaign) })
     };
-    let mut worlds = ground.all_worlds(&case.bat, 1, &settings.model, &noise, &campaign)?;
+    let mut worlds = common.all_worlds(&case.bat, 1, &settings.model, &noise, &campaign)?;
     if study == Study::Two {
-        worlds[0].facts.extend(facts::line_mass(setup, &case.bat, plant, &ground.space.region().center()));
+        worlds[0].facts.extend(facts::line_mass(setup, &case.bat, plant, &common.space.region().center()));
     }
     worlds[0].n_flights += bat.n_known(MODEL) + bat.n_known(STAND_IN);
     Ok(worlds)
@@ -196,7 +196,7 @@ fn lowest_of(bat: &Bat, case: &Case) -> Result<Vec<f64>> {
 
 type Run<'a> = dyn Fn(&Read<'_>, u64) -> Result<Campaign> + Sync + 'a;
 
-impl Ground<'_> {
+impl Common<'_> {
     fn all_worlds(
         &self,
         base: &Bat,
@@ -314,7 +314,7 @@ struct OfSeed {
     n_failed: usize,
 }
 
-impl Ground<'_> {
+impl Common<'_> {
     /// Runs them; a method that cannot go on, because too much failed, is told and left out.
     fn of_seed(&self, task: &Task<'_>, regressor: &Model, seed: u64, campaign: &Run<'_>) -> OfSeed {
         let mut found = OfSeed { steps: Vec::new(), first_batch: Vec::new(), global: None, n_failed: 0 };
@@ -336,12 +336,12 @@ impl Ground<'_> {
 }
 
 impl OfSeed {
-    fn note(&mut self, ground: &Ground<'_>, seed: u64, steps: Result<Vec<Step>>) {
+    fn note(&mut self, common: &Common<'_>, seed: u64, steps: Result<Vec<Step>>) {
         match steps {
             Ok(steps) => self.steps.extend(steps),
             Err(error) => {
                 self.n_failed += 1;
-                eprintln!("{}, plant {}, seed {seed}: {error:#}", ground.study.words(), ground.plant.number);
+                eprintln!("{}, plant {}, seed {seed}: {error:#}", common.study.words(), common.plant.number);
             }
         }
     }

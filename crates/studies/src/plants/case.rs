@@ -85,7 +85,7 @@ impl Case {
     /// From a design to its best neighbor, and on from there.
     fn descend(&self, (mut cost, mut cell): (f64, Cell)) -> Result<f64> {
         loop {
-            let around = self.grid.neighbours(cell)?;
+            let around = self.grid.neighbors(cell)?;
             let costs = self.on_the_rig(&around)?.into_iter().map(|cost| cost.unwrap_or(f64::INFINITY));
             let lower = costs.zip(around).min_by(|a, b| a.0.total_cmp(&b.0));
             match lower {

@@ -76,7 +76,7 @@ proptest! {
         let (profile, settings) = (short_test(6.0), FlightSettings::with_steps(1));
         let alone = each_alone(&requests, &profile, &settings);
         assert_same(&fly_all(&requests, &profile, &settings, |_| {}), &alone);
-        // Other neighbours, other lanes.
+        // Other neighbors, other lanes.
         let turn = turn % requests.len();
         let mut turned = requests.clone();
         turned.rotate_left(turn);
@@ -113,7 +113,7 @@ fn every_flight_is_counted_once_as_it_lands() {
 
 /// Four requests that fail each in its own way, among four that do not.
 #[test]
-fn neighbour_that_fails_leaves_the_others_alone() {
+fn neighbor_that_fails_leaves_the_others_alone() {
     let mut slack = first_row();
     slack.rig.plant.body.center_of_mass_height_m = 0.02; // its windows below empty the center line
     let mut diverging = first_row();

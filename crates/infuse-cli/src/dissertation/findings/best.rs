@@ -1,7 +1,8 @@
 //! The best design, as predicted and as measured.
 
 use infuse::Outcome;
-use infuse::global::{Report, Spread};
+use infuse::global::Report;
+use infuse::global::reported::Spread;
 use page::Finding;
 
 use crate::dissertation::campaign::Campaign;

@@ -12,8 +12,8 @@ use crate::report::maps::{Apart, Cell, Map, Maps, Plane, most_varied};
 pub(super) fn write(page: &mut Page, last: &Last) -> Result<()> {
     let maps = Maps {
         problem: &last.campaign.problem,
-        parameters: last.parameters(),
-        through: &last.report.screening.optimum,
+        grid: last.campaign.now.grid(),
+        through: last.report.screening.optimum_cell,
         marks: marks(last),
     };
     let planes = maps.planes()?;
@@ -21,7 +21,7 @@ pub(super) fn write(page: &mut Page, last: &Last) -> Result<()> {
         return Ok(());
     }
     let n_pairs = planes.len();
-    let all = planes.into_iter().map(|plane| map(last, &maps, plane)).collect::<Result<Vec<_>>>()?;
+    let all = planes.into_iter().map(|plane| map(last, plane)).collect::<Result<Vec<_>>>()?;
     let shown = most_varied(all);
     page.subheading("Over pairs of parameters, through the best design");
     let caption = caption(last) + &maps.left_out(&shown, n_pairs);
@@ -29,11 +29,10 @@ pub(super) fn write(page: &mut Page, last: &Last) -> Result<()> {
     Ok(())
 }
 
-fn map(last: &Last, maps: &Maps, plane: Plane) -> Result<Map> {
+fn map(last: &Last, plane: Plane) -> Result<Map> {
     let now = &last.campaign.now;
-    let cell = |point: Vec<f64>| {
-        let value = last.value(&last.surfaces.combined, &point)?;
-        let cell = now.cell(&point)?;
+    let cell = |&cell: &design_space::Cell| {
+        let value = last.value(&last.surfaces.combined, &now.grid().point(cell)?)?;
         let dropped = now.why_dropped(cell).map(|dropped| dropped.iteration).or(now.failed_in(cell));
         let class = dropped.map_or_else(|| "left".to_owned(), |batch| format!("dropped by-{batch}"));
         let apart = dropped.map(|batch| Apart {
@@ -42,7 +41,7 @@ fn map(last: &Last, maps: &Maps, plane: Plane) -> Result<Map> {
         });
         Ok(Cell { value, class, apart })
     };
-    let cells = maps.points(&plane).into_iter().map(cell).collect::<Result<Vec<_>>>()?;
+    let cells = plane.designs.iter().map(cell).collect::<Result<Vec<_>>>()?;
     Ok(Map::new(plane, cells))
 }
 

@@ -23,7 +23,7 @@ pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
         return Ok(());
     }
     let maps = Maps { marks: marks(view)?, ..without_marks(view) };
-    let all: Vec<Map> = view.planes.iter().map(|(plane, cells)| map(view, plane, cells)).collect();
+    let all: Vec<Map> = view.planes.iter().map(|plane| map(view, plane)).collect();
     let n_pairs = all.len();
     let shown = most_varied(all);
     page.subheading("Over pairs of parameters, through the recommended design");
@@ -32,7 +32,7 @@ pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
     Ok(())
 }
 
-fn map(view: &View, plane: &Plane, cells: &[Cell]) -> Map {
+fn map(view: &View, plane: &Plane) -> Map {
     let cell = |&cell: &Cell| {
         let band = view.band(cell);
         let (value, feasible) = band.map_or((f64::NAN, 1.0), |band| (band.mean, band.feasible));
@@ -50,7 +50,7 @@ fn map(view: &View, plane: &Plane, cells: &[Cell]) -> Map {
         let words = format!("a run gives a value with {} probability", percent(feasible));
         maps::Cell { value, class, apart: is_apart.then(|| Apart { fill: gray(1, 1), words }) }
     };
-    Map::new(plane.clone(), cells.iter().map(cell).collect())
+    Map::new(plane.clone(), plane.designs.iter().map(cell).collect())
 }
 
 /// Simulations where there are few, runs, and the recommended design.

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use anyhow::Result;
 use design_space::Cell;
-use infuse::pooled::{Constrained, Standing};
+use infuse::pooled::Standing;
+use infuse::pooled::reported::Constrained;
 use page::{Column, Page, Table};
 
 use super::NOTHING;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Result;
-use design_space::{Cell, Levels, Parameter};
+use design_space::{Cell, Parameter};
 use infuse::pooled::{Assessment, Expectation};
 use page::Axis;
 
@@ -11,10 +11,10 @@ use crate::journal::Measured;
 use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::{Access, Campaign, Origin};
 use crate::problem::{Held, Response};
-use crate::report::maps::{Maps, Plane, axis_of};
+use crate::report::maps::{Maps, Plane, Thinned, axis_of, thinned};
 
 /// Levels at which a curve is evaluated, at most.
-const MOST_LEVELS: u32 = 121;
+const MOST_LEVELS: usize = 121;
 
 #[derive(Debug)]
 pub(super) struct View<'a> {
@@ -29,8 +29,8 @@ pub(super) struct View<'a> {
     pub(super) simulated: BTreeMap<Cell, f64>,
     /// The designs along each parameter.
     pub(super) lines: Vec<Vec<Cell>>,
-    /// Over each pair of parameters, with the designs of its cells.
-    pub(super) planes: Vec<(Plane, Vec<Cell>)>,
+    /// Over each pair of parameters.
+    pub(super) planes: Vec<Plane>,
     expected: BTreeMap<Cell, Expectation>,
 }
 
@@ -75,7 +75,7 @@ impl<'a> View<'a> {
             found,
         };
         view.lines = (0..view.parameters().len()).map(|at| line(&view, at)).collect::<Result<_>>()?;
-        view.planes = planes(&view)?;
+        view.planes = without_marks(&view).planes()?;
         let cells: Vec<Cell> = view.cells()?.into_iter().collect();
         let expected = campaign.expectations(&cells)?.unwrap_or_default();
         view.expected = cells.into_iter().zip(expected).collect();
@@ -85,7 +85,7 @@ impl<'a> View<'a> {
     /// Every design that appears on the page.
     fn cells(&self) -> Result<BTreeSet<Cell>> {
         let of_lines = self.lines.iter().flatten();
-        let of_planes = self.planes.iter().flat_map(|(_, cells)| cells);
+        let of_planes = self.planes.iter().flat_map(|plane| &plane.designs);
         let mut cells: BTreeSet<Cell> = of_lines.chain(of_planes).copied().collect();
         for run in &self.runs {
             cells.insert(run.cell);
@@ -221,35 +221,23 @@ fn failed(campaign: &Campaign) -> Vec<Vec<f64>> {
     imported.chain(failed.map(|(&id, _)| campaign.experiments.settings_of(id))).collect()
 }
 
-/// The designs along a parameter, from lower to upper: its levels, thinned, and that of the recommended design.
+/// The designs along a parameter, from lower to upper: its levels, thinned, that of the recommended design and both ends.
 fn line(view: &View, parameter: usize) -> Result<Vec<Cell>> {
     let grid = &view.campaign.grid;
-    let Levels::Count(n) = view.parameters()[parameter].levels() else {
-        anyhow::bail!("parameter `{}` has no levels", view.parameters()[parameter].name());
-    };
-    let mut digits = grid.digits(view.found.recommended.cell)?;
-    let (n, best) = (u64::from(n), digits[parameter]);
-    let stride = n.div_ceil(u64::from(MOST_LEVELS)).max(1);
-    let is_drawn = |level: &u64| level % stride == best % stride || *level == 0 || level + 1 == n;
+    let recommended = view.found.recommended.cell;
+    let Thinned { n_levels, digits: drawn, .. } = thinned(grid, recommended, parameter, MOST_LEVELS)?;
+    let mut levels = BTreeSet::from([0, u64::from(n_levels - 1)]);
+    levels.extend(drawn);
+    let mut digits = grid.digits(recommended)?;
     let cell = |level: u64| {
         digits[parameter] = level;
         Ok(grid.of_digits(&digits)?)
     };
-    (0..n).filter(is_drawn).map(cell).collect()
-}
-
-/// Every pair of parameters, with the designs of its cells.
-fn planes(view: &View) -> Result<Vec<(Plane, Vec<Cell>)>> {
-    let maps = without_marks(view);
-    let with_cells = |plane: Plane| {
-        let points = maps.points(&plane);
-        let cells = points.iter().map(|point| Ok(view.campaign.grid.nearest(point)?)).collect::<Result<Vec<_>>>()?;
-        Ok((plane, cells))
-    };
-    maps.planes()?.into_iter().map(with_cells).collect()
+    levels.into_iter().map(cell).collect()
 }
 
 /// The maps through the recommended design, without what was run.
 pub(super) fn without_marks<'a>(view: &'a View) -> Maps<'a> {
-    Maps { problem: &view.campaign.problem, parameters: view.parameters(), through: view.best(), marks: Vec::new() }
+    let (problem, grid) = (&view.campaign.problem, &view.campaign.grid);
+    Maps { problem, grid, through: view.found.recommended.cell, marks: Vec::new() }
 }

@@ -1,0 +1,296 @@
+//! Asking for experiments, and telling what became of them.
+
+use design_space::Cell;
+use serde::{Deserialize, Serialize};
+
+use crate::pooled::campaign::{Earlier, Loop, Record, Trial};
+use crate::pooled::simulated::{Responses, Simulate, Simulated};
+use crate::pooled::turn::Next;
+use crate::trial::{NEAR_THE_REGION, far_setting};
+use crate::{Error, Outcome, TrialId};
+
+/// What there is to do next.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Ask {
+    /// Run these, in any order, and tell the outcome of each. Either list may be empty, not both.
+    Run {
+        /// The experiments.
+        trials: Vec<Trial>,
+        /// Cells to simulate, where simulations are dear.
+        simulations: Vec<Cell>,
+    },
+    /// Nothing: the campaign has ended.
+    Stopped(StopReason),
+}
+
+/// Why a campaign has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StopReason {
+    /// All batches were run.
+    MaxBatches,
+    /// No design is better than the recommended one by more than another batch is worth, says the certificate.
+    NotWorthIt,
+}
+
+impl Loop {
+    /// What to run now: what is outstanding, or else a new batch.
+    ///
+    /// `simulate` is for a cheap simulation and is called wherever the loop likes, each cell once. Where simulations are dear
+    /// ([`Settings::simulations`](crate::pooled::Settings::simulations)) it is not called: their cells are handed out with the
+    /// trials, the first ones ahead of them.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Surface`] if the responses cannot be fitted. The state is then as before.
+    pub fn ask(&mut self, simulate: Option<&mut dyn Simulate>) -> Result<Ask, Error> {
+        let trials = self.outstanding();
+        if trials.is_empty() && self.due.is_empty() {
+            return self.ask_more(simulate);
+        }
+        Ok(Ask::Run { trials, simulations: self.due.clone() })
+    }
+
+    /// A new batch, whether or not there are outstanding trials: those count as if they had given what is expected of them.
+    /// Hands out all that is outstanding, the new trials last.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`ask`](Self::ask).
+    pub fn ask_more(&mut self, simulate: Option<&mut dyn Simulate>) -> Result<Ask, Error> {
+        if self.batch() >= self.settings.max_batches {
+            return Ok(Ask::Stopped(StopReason::MaxBatches));
+        }
+        match self.turn(simulate)? {
+            Next::NotWorthIt => return Ok(Ask::Stopped(StopReason::NotWorthIt)),
+            Next::Simulations(cells) => self.due = sorted(cells),
+            Next::Batch { experiments, simulations } => {
+                self.due.extend(simulations);
+                self.due = sorted(std::mem::take(&mut self.due));
+                self.hand_out(&experiments)?;
+            }
+        }
+        Ok(Ask::Run { trials: self.outstanding(), simulations: self.due.clone() })
+    }
+
+    /// Asks and tells until the campaign ends, with experiments and simulations that answer at once.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`ask`](Self::ask) and [`tell`](Self::tell).
+    pub fn run(
+        &mut self,
+        simulate: &mut dyn Simulate,
+        experiment: &mut impl FnMut(&Trial) -> Result<f64, String>,
+    ) -> Result<StopReason, Error> {
+        loop {
+            let (trials, simulations) = match self.ask(Some(&mut *simulate))? {
+                Ask::Stopped(reason) => return Ok(reason),
+                Ask::Run { trials, simulations } => (trials, simulations),
+            };
+            self.simulated.run(&self.designs, &simulations, &mut *simulate)?;
+            self.due.retain(|&due| !self.simulated.contains(due));
+            for trial in trials {
+                self.tell(trial.id, experiment(&trial).into())?;
+            }
+        }
+    }
+
+    /// New trials at these cells, as one more batch: for experiments that the experimenter wants.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DesignSpace`] for a cell that does not exist; the state is then as before.
+    pub fn hand_out(&mut self, cells: &[Cell]) -> Result<Vec<Trial>, Error> {
+        let points = cells.iter().map(|&cell| self.designs.grid().point(cell)).collect::<Result<Vec<_>, _>>()?;
+        let (batch, first) = (self.batch() + 1, self.records.len() as u64 + 1);
+        let ids = (first..).map(TrialId::new);
+        let trials: Vec<Trial> =
+            ids.zip(cells.iter().zip(points)).map(|(id, (&cell, point))| Trial { id, batch, cell, point }).collect();
+        self.records.extend(trials.iter().map(|trial| Record { trial: trial.clone(), actual: None, outcome: None }));
+        Ok(trials)
+    }
+
+    /// The outcome of an outstanding trial, at the settings asked for.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownTrial`], [`Error::AlreadyTold`], [`Error::NonFiniteOutcome`]. The state is then as before.
+    pub fn tell(&mut self, id: TrialId, outcome: Outcome) -> Result<(), Error> {
+        self.record(id, None, outcome, false)
+    }
+
+    /// The outcome of an outstanding trial at other settings than those asked for: all parameters, natural. They may be off the
+    /// grid, and outside of the region by up to half a parameter's width.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`tell`](Self::tell), [`Error::DesignSpace`] for a wrong number of settings, [`Error::ActualSettingOf`].
+    pub fn tell_at(&mut self, id: TrialId, actual: &[f64], outcome: Outcome) -> Result<(), Error> {
+        self.record(id, Some(actual.to_vec()), outcome, false)
+    }
+
+    /// Another outcome for a trial that had one: it was misread.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`tell_at`](Self::tell_at), but for [`Error::AlreadyTold`].
+    pub fn correct(&mut self, id: TrialId, actual: Option<&[f64]>, outcome: Outcome) -> Result<(), Error> {
+        self.record(id, actual.map(<[f64]>::to_vec), outcome, true)
+    }
+
+    /// The outcome of a simulation, handed out or not.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DesignSpace`] for a cell that does not exist.
+    pub fn tell_simulation(&mut self, cell: Cell, outcome: &Outcome) -> Result<(), Error> {
+        self.designs.grid().digits(cell)?;
+        self.simulated.insert(cell, outcome.cost().map(Responses::from));
+        self.due.retain(|&due| due != cell);
+        Ok(())
+    }
+
+    /// The responses of a simulation, the constrained ones among them, handed out or not.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DesignSpace`] for a cell that does not exist, [`Error::WrongLength`] for more values than constraints.
+    pub fn tell_simulated(&mut self, cell: Cell, responses: Responses) -> Result<(), Error> {
+        self.designs.grid().digits(cell)?;
+        self.check_constrained(&responses.constrained)?;
+        self.simulated.insert(cell, Some(responses));
+        self.due.retain(|&due| due != cell);
+        Ok(())
+    }
+
+    /// The constrained responses of a trial, in the order of the [constraints](crate::pooled::Settings::constraints), none where
+    /// one was not measured. Before or after its [outcome](Self::tell), and as often as there is something to put right.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownTrial`], [`Error::WrongLength`] for more values than constraints, [`Error::ConstrainedValue`]. The state
+    /// is then as before.
+    pub fn tell_constrained(&mut self, id: TrialId, values: &[Option<f64>]) -> Result<(), Error> {
+        if !self.records.iter().any(|record| record.trial.id == id) {
+            return Err(Error::UnknownTrial { id });
+        }
+        self.check_constrained(values)?;
+        let unusable = |value: &f64| value.is_nan() || value.abs() > surface::Data::LARGEST;
+        for (constraint, value) in self.settings.constraints.iter().zip(values) {
+            if let Some(value) = value.filter(unusable) {
+                return Err(Error::ConstrainedValue { id, constraint: constraint.name.clone(), value });
+            }
+        }
+        self.constrained.insert(id, values.to_vec());
+        Ok(())
+    }
+
+    /// A design that nobody can build, whatever was measured there: it is neither asked for nor recommended, and its neighbors
+    /// are suspected. Trials of it that are outstanding stay.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DesignSpace`] for a cell that does not exist.
+    pub fn refuse(&mut self, cell: Cell) -> Result<(), Error> {
+        self.designs.grid().digits(cell)?;
+        self.refused.insert(cell);
+        Ok(())
+    }
+
+    /// Forgets every simulation: the simulator was changed.
+    pub fn forget_simulations(&mut self) {
+        self.simulated = Simulated::default();
+        self.due.clear();
+    }
+
+    /// An experiment made outside of the campaign, at these natural settings: it counts as much as any other.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DesignSpace`] for a wrong number of settings, [`Error::EarlierSetting`] for one more than half a parameter's
+    /// width outside of its bounds, [`Error::Setting`] for a response that is not finite or beyond 1e100,
+    /// [`Error::WrongLength`] for more constrained responses than constraints.
+    pub fn add_earlier(
+        &mut self,
+        point: &[f64],
+        responses: impl Into<Responses>,
+        source: impl Into<String>,
+    ) -> Result<(), Error> {
+        self.check_earlier(point)?;
+        let Responses { objective, constrained } = responses.into();
+        self.check_constrained(&constrained)?;
+        let values = constrained.iter().flatten().chain([&objective]);
+        if let Some(&value) = values.into_iter().find(|value| value.is_nan() || value.abs() > surface::Data::LARGEST) {
+            let expected = "a response of at most 1e100 in magnitude";
+            return Err(Error::Setting { name: "response", value, expected });
+        }
+        let (point, outcome) = (point.to_vec(), Outcome::Value(objective));
+        self.earlier.push(Earlier { point, outcome, constrained, source: source.into() });
+        Ok(())
+    }
+
+    /// An experiment made outside of the campaign that gave no response: it tells where others may fail.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::DesignSpace`] for a wrong number of settings, [`Error::EarlierSetting`] for one more than half a parameter's
+    /// width outside of its bounds.
+    pub fn add_earlier_failure(
+        &mut self,
+        point: &[f64],
+        reason: impl Into<String>,
+        source: impl Into<String>,
+    ) -> Result<(), Error> {
+        self.check_earlier(point)?;
+        let outcome = Outcome::Failed { reason: reason.into() };
+        let (point, constrained) = (point.to_vec(), Vec::new());
+        self.earlier.push(Earlier { point, outcome, constrained, source: source.into() });
+        Ok(())
+    }
+
+    fn check_earlier(&self, point: &[f64]) -> Result<(), Error> {
+        match far_setting(point, self.region())? {
+            Some((parameter, value)) => Err(Error::EarlierSetting { parameter, value, expected: NEAR_THE_REGION }),
+            None => Ok(()),
+        }
+    }
+
+    /// Takes back the [earlier](Self::add_earlier) experiments from this source. How many there were.
+    pub fn withdraw_earlier(&mut self, source: &str) -> usize {
+        let before = self.earlier.len();
+        self.earlier.retain(|earlier| earlier.source != source);
+        before - self.earlier.len()
+    }
+
+    fn check_constrained(&self, values: &[Option<f64>]) -> Result<(), Error> {
+        let (expected, found) = (self.settings.constraints.len(), values.len());
+        if found <= expected { Ok(()) } else { Err(Error::WrongLength { name: "constrained", expected, found }) }
+    }
+
+    fn record(&mut self, id: TrialId, actual: Option<Vec<f64>>, outcome: Outcome, again: bool) -> Result<(), Error> {
+        let position =
+            self.records.iter().position(|record| record.trial.id == id).ok_or(Error::UnknownTrial { id })?;
+        if self.records[position].outcome.is_some() != again {
+            return Err(if again { Error::UnknownTrial { id } } else { Error::AlreadyTold { id } });
+        }
+        if let Some(value) = outcome.cost().filter(|value| value.is_nan() || value.abs() > surface::Data::LARGEST) {
+            return Err(Error::NonFiniteOutcome { id, value });
+        }
+        if let Some(actual) = &actual
+            && let Some((parameter, actual)) = far_setting(actual, self.region())?
+        {
+            return Err(Error::ActualSettingOf { id, parameter, actual, expected: NEAR_THE_REGION });
+        }
+        let record = &mut self.records[position];
+        (record.actual, record.outcome) = (actual, Some(outcome));
+        Ok(())
+    }
+}
+
+/// These cells, each once.
+fn sorted(mut cells: Vec<Cell>) -> Vec<Cell> {
+    cells.sort_unstable();
+    cells.dedup();
+    cells
+}

@@ -1,0 +1,95 @@
+//! What was measured, out of all that was told.
+
+use std::collections::BTreeSet;
+
+use design_space::Cell;
+
+use crate::Error;
+use crate::pooled::campaign::{Earlier, Loop};
+use crate::pooled::measurements::{Measurements, Reading};
+use crate::pooled::plants::Assemblies;
+
+impl Loop {
+    /// All responses: earlier ones first, then those of the trials in their order.
+    pub(super) fn readings(&self) -> Result<Vec<Reading>, Error> {
+        let measured = |earlier: &Earlier| Some(self.reading(&earlier.point, earlier.outcome.cost()?));
+        let earlier = self.earlier.iter().filter_map(measured);
+        let measured = self.records.iter().filter_map(|record| record.cost().map(|response| (record, response)));
+        let own = measured.map(|(record, response)| match &record.actual {
+            Some(actual) => self.reading(actual, response),
+            None => {
+                let cell = record.trial.cell;
+                Ok(Reading { coded: self.designs.coded_of(cell)?, cell, response, number: 0, assembly: None })
+            }
+        });
+        let numbered = |(number, reading): (usize, Result<Reading, Error>)| Ok(Reading { number, ..reading? });
+        let mut readings: Vec<Reading> = earlier.chain(own).enumerate().map(numbered).collect::<Result<_, Error>>()?;
+        let batches = self.records.iter().filter(|record| record.cost().is_some()).map(|record| record.trial.batch);
+        self.assemble(&mut readings, batches.collect());
+        Ok(readings)
+    }
+
+    /// Says which readings share an error: those of one plant in one batch, of which these are the batches; what was made before
+    /// stands alone.
+    fn assemble(&self, readings: &mut [Reading], batches: Vec<usize>) {
+        let Some(plants) = &self.settings.plants else { return };
+        let mut assemblies = Assemblies::default();
+        let n_earlier = readings.len() - batches.len();
+        let batches = std::iter::repeat_n(None, n_earlier).chain(batches.into_iter().map(Some));
+        for (reading, batch) in readings.iter_mut().zip(batches) {
+            reading.assembly = Some(match batch {
+                Some(batch) => assemblies.of(batch, plants.of(&self.designs, reading.cell)),
+                None => assemblies.alone(),
+            });
+        }
+    }
+
+    /// All that was measured.
+    pub(super) fn measurements(&self) -> Result<Measurements, Error> {
+        let mut failed = self.failed_cells()?;
+        failed.extend(&self.refused);
+        let constrained = (0..self.settings.constraints.len()).map(|index| self.constrained_readings(index));
+        let (constrained, refused) = (constrained.collect::<Result<_, _>>()?, self.refused.clone());
+        Ok(Measurements { readings: self.readings()?, constrained, failed, refused })
+    }
+
+    /// All readings of a constrained response: earlier ones first.
+    fn constrained_readings(&self, index: usize) -> Result<Vec<Reading>, Error> {
+        let value = |values: &[Option<f64>]| values.get(index).copied().flatten();
+        let earlier = self.earlier.iter().filter_map(|one| Some(self.reading(&one.point, value(&one.constrained)?)));
+        let own = self.records.iter().filter_map(|record| {
+            let response = value(self.constrained(record.trial.id))?;
+            Some(self.reading(record.actual.as_ref().unwrap_or(&record.trial.point), response))
+        });
+        let numbered = |(number, reading): (usize, Result<Reading, Error>)| Ok(Reading { number, ..reading? });
+        let mut readings: Vec<Reading> = earlier.chain(own).enumerate().map(numbered).collect::<Result<_, Error>>()?;
+        let measured = self.records.iter().filter(|record| value(self.constrained(record.trial.id)).is_some());
+        self.assemble(&mut readings, measured.map(|record| record.trial.batch).collect());
+        Ok(readings)
+    }
+
+    /// Where an experiment failed: at the settings really made, as far as they are known.
+    fn failed_cells(&self) -> Result<BTreeSet<Cell>, Error> {
+        let nearest = |point: &[f64]| Ok(self.designs.grid().nearest(&self.region().clamp(point)?)?);
+        let earlier = self.earlier.iter().filter(|earlier| earlier.outcome.cost().is_none());
+        let own = self.records.iter().filter(|record| record.is_failed()).map(|record| match &record.actual {
+            Some(actual) => nearest(actual),
+            None => Ok(record.trial.cell),
+        });
+        earlier.map(|earlier| nearest(&earlier.point)).chain(own).collect()
+    }
+
+    /// A response at natural settings, on the grid or off it.
+    fn reading(&self, point: &[f64], response: f64) -> Result<Reading, Error> {
+        let cell = self.designs.grid().nearest(&self.region().clamp(point)?)?;
+        let (on_grid, here) = (self.designs.coded_of(cell)?, self.designs.coded_point(point)?);
+        // Settings of the grid, however they were written, are those of the grid.
+        let same = on_grid.iter().zip(&here).all(|(a, b)| (a - b).abs() < 1e-9);
+        Ok(Reading { coded: if same { on_grid } else { here }, cell, response, number: 0, assembly: None })
+    }
+
+    /// The cells of the trials without an outcome.
+    pub(super) fn pending_cells(&self) -> Vec<Cell> {
+        self.records.iter().filter(|record| record.outcome.is_none()).map(|record| record.trial.cell).collect()
+    }
+}

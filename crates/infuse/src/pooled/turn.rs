@@ -1,0 +1,108 @@
+//! One turn of the pooled loop.
+
+use design_space::Cell;
+use rand::RngExt;
+
+use crate::Error;
+use crate::pooled::assessment::Look;
+use crate::pooled::campaign::Loop;
+use crate::pooled::designs::Designs;
+use crate::pooled::first_batch::{first_batch, spread};
+use crate::pooled::knowledge::Knowledge;
+use crate::pooled::measurements::Measurements;
+use crate::pooled::outliers::learnt;
+use crate::pooled::pool::Pool;
+use crate::pooled::settings::Settings;
+use crate::pooled::simulated::{Simulate, Simulated, Source};
+use crate::pooled::streams::{Purpose, stream};
+
+/// What follows from all that was told.
+#[derive(Debug)]
+pub(crate) enum Next {
+    /// No other design is better by more than another batch is worth.
+    NotWorthIt,
+    /// Cells to simulate ahead of all experiments.
+    Simulations(Vec<Cell>),
+    /// Cells to experiment at, and those to simulate for them.
+    Batch { experiments: Vec<Cell>, simulations: Vec<Cell> },
+}
+
+/// The turn.
+impl Loop {
+    /// From all readings so far to the next batch; nothing of it is handed out yet.
+    pub(super) fn turn(&mut self, simulate: Option<&mut dyn Simulate>) -> Result<Next, Error> {
+        // Where simulations are dear, some come first.
+        if self.needs_first_simulations() {
+            return Ok(Next::Simulations(self.first_simulations()));
+        }
+        let (batch, pending, measurements) = (self.batch(), self.pending_cells(), self.measurements()?);
+        let (settings, designs, simulated) = (&self.settings, &self.designs, &mut self.simulated);
+        let source = Source::of(settings, designs, simulated, simulate)?;
+        // Too few readings to tell even a plane from its noise: a batch that is spread.
+        if measurements.readings.len() < designs.n_factors() + 2 {
+            return spread_batch(measurements, pending, designs, settings, simulated, source);
+        }
+        // One surface through all readings, but for those that repeats give the lie to,
+        let (mut knowledge, readings) = learnt(measurements, designs, settings, simulated, source)?;
+        // its lowest mean, and how much better another design may be.
+        let look = Look::at(&mut knowledge, &readings, settings, batch)?;
+        if settings.worth.is_some_and(|worth| look.assessment.certificate.bound <= worth) {
+            return Ok(Next::NotWorthIt);
+        }
+        // The experiments that lower the expected minimum most, and what to simulate for them.
+        let experiments = look.picks(&mut knowledge, settings, &pending, batch)?.cells;
+        let simulations = match settings.simulations {
+            Some(budget) => simulations_of_a_batch(&knowledge, &look.pool, &experiments, budget)?,
+            None => Vec::new(),
+        };
+        Ok(Next::Batch { experiments, simulations })
+    }
+}
+
+/// Its steps.
+impl Loop {
+    /// Whether simulations are dear and none was run yet.
+    fn needs_first_simulations(&self) -> bool {
+        self.settings.simulations.is_some_and(|budget| budget > 0) && self.simulated.len() == 0 && self.due.is_empty()
+    }
+
+    fn first_simulations(&self) -> Vec<Cell> {
+        let mut rng = stream(self.settings.seed, Purpose::Simulations, 0);
+        spread(&self.designs, self.settings.simulations.unwrap_or(0), rng.random())
+    }
+}
+
+/// Half over the box, half over what the simulation likes.
+fn spread_batch(
+    measurements: Measurements,
+    pending: Vec<Cell>,
+    designs: &Designs,
+    settings: &Settings,
+    simulated: &mut Simulated,
+    mut source: Source<'_>,
+) -> Result<Next, Error> {
+    let Measurements { readings, failed: mut tested, .. } = measurements;
+    tested.extend(readings.iter().map(|reading| reading.cell).chain(pending));
+    let experiments = first_batch(designs, settings, &tested, simulated, &mut source)?;
+    let mut simulations = Vec::new();
+    if settings.simulations.is_some() {
+        simulations.extend(experiments.iter().filter(|&&cell| !simulated.contains(cell)));
+    }
+    Ok(Next::Batch { experiments, simulations })
+}
+
+/// What a batch simulates: its own cells, and as many promising ones as the budget allows, where the emulator knows least.
+fn simulations_of_a_batch(
+    knowledge: &Knowledge<'_, '_>,
+    pool: &Pool,
+    cells: &[Cell],
+    budget: usize,
+) -> Result<Vec<Cell>, Error> {
+    let mut due: Vec<Cell> = cells.iter().copied().filter(|&cell| !knowledge.simulated.contains(cell)).collect();
+    due.sort_unstable();
+    due.dedup();
+    let new = pool.cells.iter().copied().filter(|cell| !knowledge.simulated.contains(*cell) && !due.contains(cell));
+    let new: Vec<Cell> = new.collect();
+    due.extend(knowledge.least_simulated(&new, budget.saturating_sub(due.len()))?);
+    Ok(due)
+}
