@@ -29,7 +29,7 @@ const COMMANDS: &[(&[&str], Program)] = &[
     (&["reproduce-chapter3", "reproduce-chapter4"], studies("")),
     (&["reproduce-chapter6", "reproduce-chapter7", "doe-records", "design-page"], studies("similarity,global")),
     (&["reproduce-all"], studies("similarity,ensemble")),
-    (&["benchmark", "plants"], studies("similarity,benchmark")),
+    (&["benchmark", "plants", "speed"], studies("similarity,benchmark")),
     (&["calibrate"], studies("similarity,calibration")),
     (&["identify"], studies("similarity,identification")),
     (&["ci", "tidy", "equations", "tutorials", "python", "licenses", "packages", "semver"], CHECKS),

@@ -47,6 +47,8 @@ mod provenance;
 #[cfg(feature = "ensemble")]
 mod reproduce_all;
 mod reproduction;
+#[cfg(feature = "benchmark")]
+mod speed;
 mod study_file;
 mod variable;
 mod words;
@@ -125,6 +127,8 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         (None, ["identify", "--page"]) => Box::new(|| identification::write_page(root)),
         #[cfg(feature = "identification")]
         (None, ["identify", "--check"]) => Box::new(|| identification::check(root)),
+        #[cfg(feature = "benchmark")]
+        (None, ["speed"]) => Box::new(|| speed::run(root)),
         #[cfg(feature = "benchmark")]
         (None, ["plants"]) => Box::new(|| plants::run(root)),
         #[cfg(feature = "benchmark")]

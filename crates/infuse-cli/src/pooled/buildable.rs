@@ -1,6 +1,6 @@
 //! Whether designs can be built, as a command of the campaign says.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{Context as _, Result};
 use design_space::Cell;
@@ -53,6 +53,25 @@ impl Campaign {
             Input::Arguments => words.join("\n"),
             Input::Json => program.input_text(region, &point, None),
         })
+    }
+
+    /// Which of these designs are not to be had: refused by the command, them or others that are the same to it, or by
+    /// [[linear_constraint]].
+    pub(super) fn not_to_be_had(&self, cells: &[Cell]) -> Result<Vec<bool>> {
+        let mut refused: BTreeSet<String> = BTreeSet::new();
+        if let Some(program) = &self.problem.can_be_built {
+            for cell in self.refused() {
+                refused.insert(self.question(program, cell)?);
+            }
+        }
+        let is_refused = |&cell: &Cell| {
+            let same = match &self.problem.can_be_built {
+                Some(program) if !refused.is_empty() => refused.contains(&self.question(program, cell)?),
+                _ => false,
+            };
+            Ok(same || self.why_not(cell).is_some())
+        };
+        cells.iter().map(is_refused).collect()
     }
 
     /// Whether the command, asked now, says that a design cannot be built; nothing is written down.

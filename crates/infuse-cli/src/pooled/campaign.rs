@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, anyhow, ensure};
 use design_space::{Cell, Grid};
 use infuse::global::PureError;
 use infuse::pooled::{Assessment, Loop, Responses, Settings, Simulate};
-use infuse::{Outcome, TrialId};
+use infuse::{Error, Outcome, TrialId};
 
 use crate::campaign::{Experiments, Imported, Reading};
 use crate::journal::{Assessed, BY_ITSELF, Constrained, Event, Journal, Measured, Purpose, Submitted, Told};
@@ -118,7 +118,7 @@ pub(super) enum Access {
 impl Campaign {
     pub(crate) fn of(folder: &Path, problem: Problem, journal: Journal) -> Result<Self> {
         let (settings, unused) = problem.pooled_settings()?;
-        let empty = Loop::new(&problem.region, settings.clone())?;
+        let empty = Loop::new(&problem.region, settings.clone()).map_err(|error| by_constraints(&problem, error))?;
         let grid = empty.grid().clone();
         let mut notices = journal.notices;
         if !unused.is_empty() {
@@ -561,6 +561,20 @@ impl Campaign {
             found
         })?;
         Ok(self.assessed.get_or_init(|| assessed).clone())
+    }
+}
+
+/// The linear constraints by what they say, where no design keeps to all of them.
+fn by_constraints(problem: &Problem, error: Error) -> anyhow::Error {
+    match error {
+        Error::NoDesignAllowed { .. } => {
+            let all = problem.linear_constraints.iter().map(|linear| linear_in_words(&problem.region, linear));
+            let all = all.collect::<Vec<_>>().join("; ");
+            anyhow!(
+                "{PROBLEM}: [[linear_constraint]]: no design was found with {all}; expected some within the bounds of the parameters"
+            )
+        }
+        other => other.into(),
     }
 }
 

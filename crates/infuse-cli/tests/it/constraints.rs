@@ -236,7 +236,11 @@ fn every_key_can_be_got_wrong_in_a_way_that_is_said() {
             two.clone(),
             "expected at most `upper`",
         ),
-        ("[[linear_constraint]]\nsum = { a = 1 }\nlower = 11\n".to_owned(), two.clone(), "no design"),
+        (
+            "[[linear_constraint]]\nsum = { a = 1 }\nlower = 11\n".to_owned(),
+            two.clone(),
+            "no design was found with a at least 11",
+        ),
         (
             "[[linear_constraint]]\nsum = { b = 1 }\nupper = 1\n".to_owned(),
             choice("choices = [\"x\", \"y\"]\n"),

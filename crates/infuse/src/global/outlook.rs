@@ -1,8 +1,8 @@
 //! What more experiments could still bring.
 
 use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use rand_pcg::Pcg64;
 use surface::{Polynomial, Regression, Surface};
 
 use crate::Error;
@@ -112,7 +112,9 @@ impl Loop {
         let means: Vec<f64> = points.iter().map(|point| model.predict(point)).collect();
         let optimum = self.cells.coded(report.screening.optimum_cell)?;
         let mean_at_optimum = model.predict(&optimum);
-        let mut generator = Pcg64::seed_from_u64(self.settings.seed ^ report.iteration as u64);
+        // A stream for each batch: no two campaigns share their draws because seed and batch come to the same.
+        let mut generator = ChaCha8Rng::seed_from_u64(self.settings.seed);
+        generator.set_stream(report.iteration as u64);
         let mut values = Vec::with_capacity(n_draws);
         for _ in 0..n_draws {
             let Some(error) = drawn_error(regressions, &factors, self.cells.n_factors(), &mut generator)? else {
@@ -162,7 +164,7 @@ fn drawn_error(
     regressions: &[&Regression],
     factors: &[f64],
     n_factors: usize,
-    generator: &mut Pcg64,
+    generator: &mut ChaCha8Rng,
 ) -> Result<Option<Polynomial>, Error> {
     let mut error = Polynomial::zero(n_factors)?;
     for (regression, &factor) in regressions.iter().zip(factors) {

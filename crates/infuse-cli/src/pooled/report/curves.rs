@@ -1,5 +1,6 @@
 //! The surface along one parameter after the other, through the recommended design.
 
+use anyhow::Result;
 use design_space::Cell;
 use page::palette::{BLUE, INK, LIGHT_BLUE, ORANGE, VERMILION};
 use page::{Chart, Grid, Key, Mark, Page, Stroke};
@@ -21,19 +22,23 @@ struct Drawn {
     runs: Vec<((f64, f64), Mark)>,
     /// Settings of runs without a value.
     failed: Vec<f64>,
+    /// Settings that are not to be had.
+    refused: Vec<f64>,
     /// Whether the simulation was left out.
     is_far: bool,
 }
 
-pub(super) fn write(page: &mut Page, view: &View) {
-    let drawn: Vec<Drawn> = (0..view.parameters().len()).map(|parameter| Drawn::of(view, parameter)).collect();
+pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
+    let drawn = (0..view.parameters().len()).map(|parameter| Drawn::of(view, parameter));
+    let drawn = drawn.collect::<Result<Vec<_>>>()?;
     let charts: Vec<Chart> = drawn.iter().enumerate().map(|(at, drawn)| drawn.chart(view, at)).collect();
     page.subheading("Along each parameter, through the recommended design");
     page.charts(&charts, &legend(view, &drawn), &caption(view, &drawn));
+    Ok(())
 }
 
 impl Drawn {
-    fn of(view: &View, parameter: usize) -> Self {
+    fn of(view: &View, parameter: usize) -> Result<Self> {
         let setting = |cell: Cell| view.campaign.grid.point(cell).map_or(f64::NAN, |point| point[parameter]);
         let places: Vec<(f64, Cell)> = view.lines[parameter].iter().map(|&cell| (setting(cell), cell)).collect();
         let band = |&(x, cell): &(f64, Cell)| {
@@ -45,18 +50,22 @@ impl Drawn {
             simulation: simulation(view, parameter, &places),
             runs: view.runs.iter().filter_map(|run| place(view, parameter, run)).collect(),
             failed: Vec::new(),
+            refused: Vec::new(),
             is_far: false,
         };
         // Those that were not moved are drawn over the others.
         drawn.runs.sort_by_key(|(_, mark)| *mark == Mark::Dot);
         let failed = view.failed.iter().filter(|settings| view.is_on_the_line(parameter, settings));
         drawn.failed = failed.map(|settings| settings[parameter]).collect();
+        let cells: Vec<Cell> = places.iter().map(|place| place.1).collect();
+        let refused = places.iter().zip(view.campaign.not_to_be_had(&cells)?);
+        drawn.refused = refused.filter(|(_, is_refused)| *is_refused).map(|((x, _), _)| *x).collect();
         let (without, with) = (width(drawn.values()), width(drawn.values().chain(drawn.simulated())));
         if with > FAR * without {
             drawn.is_far = true;
             drawn.simulation.clear();
         }
-        drawn
+        Ok(drawn)
     }
 
     /// All but the simulation.
@@ -94,6 +103,9 @@ impl Drawn {
         }
         for &(point, mark) in &self.runs {
             chart.mark(point, mark, INK);
+        }
+        for &x in &self.refused {
+            chart.mark_below(x, Mark::Square, VERMILION);
         }
         for &x in &self.failed {
             chart.mark_below(x, Mark::Cross, INK);
@@ -170,6 +182,9 @@ fn legend(view: &View, drawn: &[Drawn]) -> Vec<Key> {
     if drawn.iter().any(|drawn| !drawn.failed.is_empty()) {
         keys.push(Key::new("run without a result").mark(Mark::Cross, INK));
     }
+    if drawn.iter().any(|drawn| !drawn.refused.is_empty()) {
+        keys.push(Key::new("not to be had").mark(Mark::Square, VERMILION));
+    }
     keys
 }
 
@@ -186,6 +201,12 @@ fn caption(view: &View, drawn: &[Drawn]) -> String {
     }
     if drawn.iter().any(|drawn| !drawn.failed.is_empty()) {
         text.push_str(" A run without a result has no height; it is drawn at the lower edge.");
+    }
+    if drawn.iter().any(|drawn| !drawn.refused.is_empty()) {
+        text.push_str(
+            " What is not to be had, [can_be_built] or [[linear_constraint]] refuses with the other parameters as recommended; \
+             what the command was not asked about may be refused as well.",
+        );
     }
     if drawn.iter().any(|drawn| drawn.is_far) {
         text.push_str(" The simulation is left out where it is so far from all else that nothing else could be seen.");

@@ -35,7 +35,7 @@ pub(super) fn page(campaign: &Campaign, journal: &Journal) -> Result<String> {
     page.section("surfaces", "Surfaces");
     match &view {
         Some(view) => {
-            curves::write(&mut page, view);
+            curves::write(&mut page, view)?;
             bounds::write(&mut page, view);
             maps::write(&mut page, view)?;
             effects::write(&mut page, view)?;

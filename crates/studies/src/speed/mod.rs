@@ -1,0 +1,57 @@
+//! `cargo xtask speed`: how fast this is, each figure a ratio to a reference in the same run.
+
+mod page;
+mod tasks;
+mod theirs;
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Result, ensure};
+use page::Row;
+use tasks::{Task, tasks};
+use theirs::Theirs;
+
+use crate::reproduction::progress;
+
+/// Each task so often, ours and the reference in turn.
+const ROUNDS: usize = 11;
+/// Threads of ours.
+const THREADS: usize = 2;
+/// Estimates of both agree to this, relative.
+const SAME: f64 = 1e-9;
+
+/// Measures everything and writes the page.
+pub(crate) fn run(root: &Path) -> Result<()> {
+    let mut theirs = Theirs::start(root)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build()?;
+    let tasks = tasks(root)?;
+    let bar = progress("tasks", tasks.len());
+    let mut rows = Vec::with_capacity(tasks.len());
+    for task in tasks {
+        rows.push(pool.install(|| measured(task, &mut theirs))?);
+        bar.inc(1);
+    }
+    bar.finish();
+    page::write(root, &rows, theirs.versions())
+}
+
+/// Ours and the reference in turn, so that whatever else the machine does slows both.
+fn measured(mut task: Task, theirs: &mut Theirs) -> Result<Row> {
+    let mut row = Row { task: task.words, reference: task.reference.words(), goal: task.goal, seconds: Vec::new() };
+    for round in 0..=ROUNDS {
+        let start = Instant::now();
+        let sum = (task.ours)()?;
+        let ours = start.elapsed().as_secs_f64();
+        let (reference, expected) = task.reference.run(theirs)?;
+        if let Some(expected) = expected {
+            let is_same = (sum - expected).abs() <= SAME * expected.abs();
+            ensure!(is_same, "{}: our estimates sum to {sum}, the reference's to {expected}", task.words);
+        }
+        // The first is for the caches.
+        if round > 0 {
+            row.seconds.push([ours, reference]);
+        }
+    }
+    Ok(row)
+}

@@ -1,0 +1,185 @@
+//! What is measured.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result};
+use bat_dynamics::Fidelity;
+use doe::{Model, Space};
+use surface::process::{GaussianProcess, Hyperparameters, Places, Residual, SimulationUse, Sites, Structure};
+use surface::{Data, GridPoints, InverseDistance, PointSource as _, Regression, SquaredExponential, Surface};
+use water_channel::{FlightRequest, FlightSettings, ProfileFile, RigFile, TestProfile, fly, fly_all};
+
+use super::theirs::Theirs;
+
+const K: usize = 4;
+/// Of the weight exp(-(1.5 d)²).
+const SCALE: f64 = 1.5;
+/// Places that a process is asked about at a time.
+const AT_ONCE: u64 = 8192;
+/// Flights in lanes at a time.
+const FLIGHTS: usize = 16;
+
+/// Does the task once; the sum of what it found.
+type Ours = Box<dyn FnMut() -> Result<f64> + Send>;
+
+/// Something that takes time.
+pub(super) struct Task {
+    pub(super) words: &'static str,
+    pub(super) ours: Ours,
+    pub(super) reference: Reference,
+    /// How many times as fast as the reference it is meant to be.
+    pub(super) goal: f64,
+}
+
+/// What it is compared with.
+pub(super) enum Reference {
+    /// A task of theirs, which has to give the same sum or is another model with as much to compute.
+    Theirs { task: &'static str, is_same: bool },
+    /// Of ours, the time of one counted so many times.
+    Own { words: &'static str, run: Ours, times: f64 },
+}
+
+impl Reference {
+    pub(super) fn words(&self) -> &'static str {
+        match self {
+            Self::Theirs { task: "process", .. } => "scikit-learn",
+            Self::Theirs { .. } => "numpy and scipy",
+            Self::Own { words, .. } => words,
+        }
+    }
+
+    /// Its time in seconds, and the sum that ours has to give.
+    pub(super) fn run(&mut self, theirs: &mut Theirs) -> Result<(f64, Option<f64>)> {
+        match self {
+            Self::Theirs { task, is_same } => {
+                let (seconds, sum) = theirs.run(task)?;
+                Ok((seconds, is_same.then_some(sum)))
+            }
+            Self::Own { run, times, .. } => {
+                let start = std::time::Instant::now();
+                run()?;
+                Ok((*times * start.elapsed().as_secs_f64(), None))
+            }
+        }
+    }
+}
+
+/// Points that fill the box evenly, with a smooth response.
+fn data(n: usize) -> Result<Data> {
+    let step = [0.856_674_883_854_502_9, 0.733_891_856_627_126, 0.628_706_721_041_338_8, 0.538_597_250_065_5];
+    let coordinate = |point: usize, factor: usize| 2.0 * ((point as f64 + 0.5) * step[factor]).fract() - 1.0;
+    let points: Vec<f64> = (0..n).flat_map(|i| (0..K).map(move |j| coordinate(i, j))).collect();
+    let value = |x: &[f64]| 1.0 + x[0] * x[1] + x[2].sin() + x[3] * x[3];
+    let values = points.chunks_exact(K).map(value).collect();
+    Ok(Data::new(K, points, values)?)
+}
+
+fn grid() -> Result<GridPoints> {
+    Ok(GridPoints::of_space(&Space::grid(&[24; K])?)?)
+}
+
+/// All tasks.
+pub(super) fn tasks(root: &Path) -> Result<Vec<Task>> {
+    let theirs = |task, is_same| Reference::Theirs { task, is_same };
+    let regression = Regression::fit(&Model::quadratic(K)?, &data(54)?)?;
+    Ok(vec![
+        Task {
+            words: "regression, 15 terms",
+            ours: over_the_grid(Box::new(regression))?,
+            reference: theirs("regression", true),
+            goal: 30.0,
+        },
+        Task {
+            words: "inverse distance, 54 data",
+            ours: over_the_grid(Box::new(InverseDistance::fit(data(54)?, 2.0)?))?,
+            reference: theirs("inverse distance", true),
+            goal: 30.0,
+        },
+        Task {
+            words: "squared exponential, 54 data",
+            ours: over_the_grid(Box::new(SquaredExponential::fit(data(54)?, SCALE)?))?,
+            reference: theirs("squared exponential", true),
+            goal: 30.0,
+        },
+        Task {
+            words: "Gaussian process, 90 data: mean and variance",
+            ours: process()?,
+            reference: theirs("process", false),
+            goal: 10.0,
+        },
+        flights(root)?,
+    ])
+}
+
+fn over_the_grid(surface: Box<dyn Surface + Send>) -> Result<Ours> {
+    let grid = grid()?;
+    let mut estimates = vec![0.0; usize::try_from(grid.n_points())?];
+    Ok(Box::new(move || {
+        surface.predict_range(&grid, 0, &mut estimates)?;
+        Ok(estimates.iter().sum())
+    }))
+}
+
+/// With a quadratic trend, which the reference has not.
+fn process() -> Result<Ours> {
+    let sites = Arc::new(Sites::new(&data(90)?, None)?);
+    let structure = Structure { simulation: SimulationUse::Ignored, residual: Residual::Smooth };
+    let hyper = Hyperparameters {
+        trend: 1.0,
+        simulation: 0.0,
+        residual: 1.0,
+        lengths: vec![1.0; K],
+        noise: 1e-2,
+        assembly: 0.0,
+    };
+    let process = GaussianProcess::new(sites, structure, hyper)?;
+    let grid = grid()?;
+    let point = |index: u64| grid.point(index).context("a point of the grid");
+    let mut parts = Vec::new();
+    for first in (0..grid.n_points()).step_by(AT_ONCE as usize) {
+        let part = (first..grid.n_points().min(first + AT_ONCE)).map(point).collect::<Result<Vec<_>>>()?;
+        parts.push(Places::new(K, &part.concat())?);
+    }
+    Ok(Box::new(move || {
+        use rayon::prelude::*;
+        let sum = |places: &Places| {
+            let found = process.marginals(places);
+            found.means.iter().sum::<f64>() + found.variances.iter().sum::<f64>()
+        };
+        // Which of them is added first makes no difference to the time.
+        Ok(parts.par_iter().map(sum).collect::<Vec<_>>().iter().sum())
+    }))
+}
+
+/// Flights of 300 s in lanes beside flights alone, on all threads against one flight after the other on one.
+fn flights(root: &Path) -> Result<Task> {
+    let folder = root.join("fixtures/bat");
+    let profile = ProfileFile::read(folder.join("test-profile.toml"))?.profile;
+    let rig = RigFile::read(folder.join("rig.toml"))?.rig;
+    let at = |low: f64, high: f64, k: usize| low + (high - low) * k as f64 / 3.0;
+    let request = |k: usize| {
+        let mut rig = rig.clone();
+        rig.plant.body.center_of_mass_x = at(0.4565, 0.5125, k / 4);
+        rig.set_points.pitch_rad = at(0.0, 22.0, k % 4).to_radians();
+        FlightRequest { rig, fidelity: Fidelity::STALLED_WITH_ADDED_MASS }
+    };
+    let requests: Vec<FlightRequest> = (0..FLIGHTS).map(request).collect();
+    let alone = (requests[0].clone(), profile.clone());
+    let settings = FlightSettings::with_steps(1);
+    let in_lanes: Ours = Box::new(move || {
+        let found = fly_all(&requests, &profile, &settings, |_| {});
+        Ok(found.iter().filter(|flight| flight.is_ok()).count() as f64)
+    });
+    Ok(Task {
+        words: "16 flights of 300 s, in lanes",
+        ours: in_lanes,
+        reference: Reference::Own { words: "one alone, 16 times", run: one_alone(alone), times: FLIGHTS as f64 },
+        goal: 7.0,
+    })
+}
+
+fn one_alone((request, profile): (FlightRequest, TestProfile)) -> Ours {
+    let settings = FlightSettings::with_steps(1);
+    Box::new(move || Ok(f64::from(u8::from(fly(&request, &profile, &settings).is_ok()))))
+}
