@@ -38,7 +38,7 @@ pub fn identify(
 ) -> Result<Identification, Error> {
     settings.validate()?;
     check_enough(unknowns, measurements, settings)?;
-    let residuals = Residuals::new(unknowns, measurements, model);
+    let residuals = Residuals::new(unknowns, measurements, settings.noise, model);
     let start = unknowns.start_shares();
     let at_start = evaluated(&residuals, &start)?.map_err(|reason| Error::FailsAtStart { reason })?;
     let mut held = Held::nothing(unknowns.len());
@@ -192,12 +192,12 @@ impl Fitted {
             estimates: estimates.collect(),
             undetermined: directions(unknowns, &self.all.rows(&open), &errors),
             correlations: (0..n).map(|i| (0..n).map(|j| correlation(i, j)).collect()).collect(),
-            singular_values: self.all.singular_values,
-            sum_of_squares: sum_of_squares(&self.here),
-            sum_of_squares_at_start: at_start,
+            singular_values: self.all.singular_values.iter().map(|value| value / residuals.factor).collect(),
+            sum_of_squares: sum_of_squares(&self.here) / residuals.factor.powi(2),
+            sum_of_squares_at_start: at_start / residuals.factor.powi(2),
             degrees_of_freedom,
             noise: settings.noise,
-            sigma,
+            sigma: if settings.noise == Noise::Known { sigma } else { sigma / residuals.factor },
             n_experiments: measurements.n_experiments(),
             n_failed_experiments: measurements.n_failed(),
             n_simulations: residuals.n_simulations(),

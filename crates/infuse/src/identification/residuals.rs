@@ -3,6 +3,7 @@
 use std::cell::{Cell, RefCell};
 
 use super::measurements::{Measurements, Row};
+use super::settings::Noise;
 use super::unknowns::Unknowns;
 use crate::Error;
 use crate::checks::check_count;
@@ -13,26 +14,39 @@ pub type Answer = Result<Vec<f64>, String>;
 /// A model: for every vector of unknowns and every design an [`Answer`], `answers[unknowns][design]`.
 pub(super) type Model<'a> = dyn FnMut(&[Vec<f64>], &[Vec<f64>]) -> Vec<Vec<Answer>> + 'a;
 
-/// (f(θ, p) − y) / σ over all readings, as a function of shares of the ranges.
+/// c (f(θ, p) − y) / σ over all readings, as a function of shares of the ranges. c is 1 where the noise is known, else the largest
+/// σ: a common factor of all σ then changes nothing, not even which of several minima the search ends in.
 pub(super) struct Residuals<'a> {
     pub(super) unknowns: &'a Unknowns,
     responses: &'a [String],
     rows: Vec<&'a Row>,
     designs: Vec<Vec<f64>>,
     model: RefCell<&'a mut Model<'a>>,
+    /// c.
+    pub(super) factor: f64,
     n_simulations: Cell<usize>,
     n_failures: Cell<usize>,
 }
 
 impl<'a> Residuals<'a> {
-    pub(super) fn new(unknowns: &'a Unknowns, measurements: &'a Measurements, model: &'a mut Model<'a>) -> Self {
+    pub(super) fn new(
+        unknowns: &'a Unknowns,
+        measurements: &'a Measurements,
+        noise: Noise,
+        model: &'a mut Model<'a>,
+    ) -> Self {
         let rows = measurements.in_order();
+        let factor = match noise {
+            Noise::Known => 1.0,
+            Noise::Estimated => rows.iter().flat_map(|row| &row.deviations).copied().fold(0.0, f64::max),
+        };
         Self {
             unknowns,
             responses: measurements.responses(),
             designs: rows.iter().map(|row| row.design.clone()).collect(),
             rows,
             model: RefCell::new(model),
+            factor,
             n_simulations: Cell::new(0),
             n_failures: Cell::new(0),
         }
@@ -75,7 +89,7 @@ impl<'a> Residuals<'a> {
                 return Ok(self.failed(format!("at {:?}: response `{name}` is {value}", row.design)));
             }
             let both = values.iter().zip(&row.values).zip(&row.deviations);
-            residuals.extend(both.map(|((model, measured), deviation)| (model - measured) / deviation));
+            residuals.extend(both.map(|((model, measured), deviation)| (model - measured) / (deviation / self.factor)));
         }
         Ok(Ok(residuals))
     }

@@ -100,7 +100,8 @@ mod tests {
     fn ratios_are_those_of_rounds() {
         let seconds = vec![[0.001, 0.010], [0.002, 0.030], [0.001, 0.040]];
         let row = Row { task: "a task", reference: "a reference", goal: 12.0, seconds };
-        let off = row.ratios().iter().zip([10.0, 15.0, 40.0]).map(|(found, expected)| (found - expected).abs());
+        let off =
+            row.ratios().into_iter().zip([10.0_f64, 15.0, 40.0]).map(|(found, expected)| (found - expected).abs());
         assert!(off.fold(0.0, f64::max) < 1e-9, "{:?}", row.ratios());
         let text = markdown(&[row], "numpy 2");
         assert!(text.contains("- a task: 15.0 (10.0 to 40.0) times as fast as a reference."), "{text}");
