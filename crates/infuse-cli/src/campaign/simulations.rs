@@ -72,6 +72,7 @@ pub(crate) fn simulate_missing(
     outcome?;
     if program::is_interrupted() {
         let rest = match queue {
+            Some((_, queue)) if queue.cancel.is_empty() => "what is in the queue goes on; ask again to wait for it",
             Some(_) => "what is in the queue goes on; ask again to wait for it, or stop it with `infuse cancel`",
             None => "ask again to go on",
         };

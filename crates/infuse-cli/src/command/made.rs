@@ -95,9 +95,9 @@ fn make_queued(
     bar.finish_and_clear();
     outcome?;
     if is_interrupted() && n_made < tasks.len() {
+        let stop = if queue.cancel.is_empty() { "" } else { ", or stop it with `infuse cancel`" };
         bail!(
-            "interrupted: {n_made} of {} are written down, what is in the queue goes on; run again to wait for it, or stop it \
-             with `infuse cancel`",
+            "interrupted: {n_made} of {} are written down, what is in the queue goes on; run again to wait for it{stop}",
             count(tasks.len(), "experiment")
         );
     }

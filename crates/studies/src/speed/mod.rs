@@ -33,7 +33,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
         bar.inc(1);
     }
     bar.finish();
-    page::write(root, &rows, theirs.versions())
+    page::write(root, &rows, THREADS, theirs.versions())
 }
 
 /// Ours and the reference in turn, so that whatever else the machine does slows both.

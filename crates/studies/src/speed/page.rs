@@ -33,11 +33,11 @@ impl Row {
     }
 }
 
-pub(super) fn write(root: &Path, rows: &[Row], versions: &str) -> Result<()> {
-    kept::write(root, &[(PAGE, markdown(rows, versions))])
+pub(super) fn write(root: &Path, rows: &[Row], n_threads: usize, versions: &str) -> Result<()> {
+    kept::write(root, &[(PAGE, markdown(rows, n_threads, versions))])
 }
 
-fn markdown(rows: &[Row], versions: &str) -> String {
+fn markdown(rows: &[Row], n_threads: usize, versions: &str) -> String {
     let met = |row: &&Row| row.ratios()[1] >= row.goal;
     let named = |rows: Vec<&Row>| match rows.as_slice() {
         [] => "none".to_owned(),
@@ -61,8 +61,8 @@ fn markdown(rows: &[Row], versions: &str) -> String {
          but for the process: ours has a quadratic trend besides.\n\n\
          Written by `cargo xtask speed`, which needs a Python with numpy, scipy and scikit-learn; times are those of the machine, so \
          that `cargo xtask ci` does not repeat them.\n",
-        super::ROUNDS,
-        super::THREADS
+        rows.first().map_or(0, |row| row.seconds.len()),
+        n_threads
     );
     text
 }
@@ -103,7 +103,7 @@ mod tests {
         let off =
             row.ratios().into_iter().zip([10.0_f64, 15.0, 40.0]).map(|(found, expected)| (found - expected).abs());
         assert!(off.fold(0.0, f64::max) < 1e-9, "{:?}", row.ratios());
-        let text = markdown(&[row], "numpy 2");
+        let text = markdown(&[row], 2, "numpy 2");
         assert!(text.contains("- a task: 15.0 (10.0 to 40.0) times as fast as a reference."), "{text}");
         assert!(text.contains("The goal is met by: a task. It is missed by: none."), "{text}");
     }
