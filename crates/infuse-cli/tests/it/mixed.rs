@@ -225,7 +225,7 @@ fn a_linear_constraint_may_come_while_a_batch_is_open() {
     assert!(rig.status()["best"]["x"].as_f64().unwrap() <= 3.0);
     assert!(batch(&rig, false).iter().all(|one| number(one, "x") <= 3.0));
     rig.edit("upper = 3\n", "upper = -1\n");
-    assert!(rig.infuse(&["check"]).error().contains("no design was found that keeps to the linear constraints"));
+    assert!(rig.infuse(&["check"]).error().contains("[[linear_constraint]]: no design was found with"));
 }
 
 /// The cells of a workbook, by heading.
