@@ -1,6 +1,6 @@
 //! Batch prediction over 24⁴ = 331,776 points from 54 data in four factors, against plain scalar loops.
 //!
-//! `batch_numpy.py` beside this file times numpy and scipy on the same task and then runs this.
+//! `cargo xtask speed` measures the same tasks beside numpy and scipy.
 
 use std::hint::black_box;
 
@@ -49,6 +49,16 @@ fn bench_surface(bencher: Bencher<'_, '_>, n_threads: usize, surface: &dyn Surfa
     });
 }
 
+/// No points in memory: tables of the axes serve them all.
+fn bench_grid(bencher: Bencher<'_, '_>, n_threads: usize, surface: &dyn Surface) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().expect("a pool of threads");
+    let (grid, mut estimates) = (grid(), vec![0.0; N_POINTS]);
+    bencher.counter(ItemsCount::new(N_POINTS)).bench_local(|| {
+        pool.install(|| surface.predict_range(black_box(&grid), 0, &mut estimates)).expect("as many as points");
+        black_box(&estimates);
+    });
+}
+
 fn bench_loop(bencher: Bencher<'_, '_>, estimate: impl Fn(&[f64]) -> f64) {
     let (points, mut estimates) = (points(), vec![0.0; N_POINTS]);
     bencher.counter(ItemsCount::new(N_POINTS)).bench_local(|| {
@@ -80,6 +90,11 @@ mod inverse_distance {
         bench_surface(bencher, n_threads, &InverseDistance::fit(data(), 2.0).expect("a valid power"));
     }
 
+    #[divan::bench(args = [1, 2])]
+    fn grid_threads(bencher: Bencher<'_, '_>, n_threads: usize) {
+        bench_grid(bencher, n_threads, &InverseDistance::fit(data(), 2.0).expect("a valid power"));
+    }
+
     #[divan::bench]
     fn scalar_loop(bencher: Bencher<'_, '_>) {
         let data = data();
@@ -94,6 +109,11 @@ mod squared_exponential {
     #[divan::bench(args = [1, 2])]
     fn threads(bencher: Bencher<'_, '_>, n_threads: usize) {
         bench_surface(bencher, n_threads, &SquaredExponential::fit(data(), SCALE).expect("a valid scale"));
+    }
+
+    #[divan::bench(args = [1, 2])]
+    fn grid_threads(bencher: Bencher<'_, '_>, n_threads: usize) {
+        bench_grid(bencher, n_threads, &SquaredExponential::fit(data(), SCALE).expect("a valid scale"));
     }
 
     #[divan::bench]
@@ -117,15 +137,9 @@ mod regression {
         bench_surface(bencher, n_threads, &fitted());
     }
 
-    /// No points in memory: the grid writes them where they are used.
     #[divan::bench(args = [1, 2])]
     fn grid_threads(bencher: Bencher<'_, '_>, n_threads: usize) {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().expect("a pool of threads");
-        let (surface, grid, mut estimates) = (fitted(), grid(), vec![0.0; N_POINTS]);
-        bencher.counter(ItemsCount::new(N_POINTS)).bench_local(|| {
-            pool.install(|| surface.predict_range(black_box(&grid), 0, &mut estimates)).expect("as many as points");
-            black_box(&estimates);
-        });
+        bench_grid(bencher, n_threads, &fitted());
     }
 
     #[divan::bench]

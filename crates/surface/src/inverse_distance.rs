@@ -5,8 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::distance::Distance;
 use crate::lanes::is_usable;
+use crate::over_grid::Squares;
+use crate::quotients::{GROUP, Groups, Quotients};
 use crate::weighted_average::{Datum, Packed, mean, squared_distances, used};
-use crate::{Data, Error, LANES, Lanes, LeaveOneOut, Surface};
+use crate::{Data, Error, GridPoints, LANES, Lanes, LeaveOneOut, OverGrid, Surface};
 
 /// The average of the values, each weighted by a power of the inverse distance to its point.
 ///
@@ -36,8 +38,9 @@ pub struct InverseDistance {
     data: Data,
     power: f64,
     packed: Packed,
+    groups: Groups,
     weighting: Weighting,
-    /// Squared distances to the nearest datum between which a plain sum neither overflows nor vanishes.
+    /// For another power than 2: squared distances to the nearest datum between which a plain sum neither overflows nor vanishes.
     plain: [f64; 2],
 }
 
@@ -70,7 +73,8 @@ impl InverseDistance {
         // Weights of at most 1e100 and values of at most 1e100 have sums that are far from overflow.
         let plain = [1e-100_f64.powf(2.0 / power).max(1e-280), 1e100_f64.powf(2.0 / power).min(1e280)];
         let packed = Packed::new(&data);
-        Ok(Self { data, power, packed, weighting, plain })
+        let groups = Groups::of(&packed, data.n_factors());
+        Ok(Self { data, power, packed, groups, weighting, plain })
     }
 
     pub(crate) fn check_power(power: f64) -> Result<(), Error> {
@@ -107,31 +111,65 @@ impl InverseDistance {
 
     #[inline(always)]
     fn estimate<const L: usize>(&self, block: &[[f64; L]]) -> [f64; L] {
-        let (mut estimates, nearest) = match self.weighting {
-            Weighting::InverseSquare => plain_average(&self.packed, block, |square| 1.0 / square),
-            Weighting::Power(exponent) => plain_average(&self.packed, block, |square| square.powf(exponent)),
+        let mut estimates = match self.weighting {
+            Weighting::InverseSquare => self.by_quotients(block),
+            Weighting::Power(exponent) => self.by_powers(block, exponent),
         };
+        let mut all_plain = true;
         for estimate in &mut estimates {
             *estimate = self.packed.within(*estimate);
-        }
-        let [least, most] = self.plain;
-        let mut all_plain = true;
-        for square in nearest {
-            all_plain &= square >= least && square <= most;
+            all_plain &= !estimate.is_nan();
         }
         if !all_plain {
-            self.repair(block, &nearest, &mut estimates);
+            self.repair(block, &mut estimates);
         }
         estimates
     }
 
-    /// Estimates again with scaled distances where a lane is at a datum, next to one or far away.
+    /// With q = 2; not a number where a lane is at a datum, next to one or far away.
+    #[inline(always)]
+    fn by_quotients<const L: usize>(&self, block: &[[f64; L]]) -> [f64; L] {
+        let mut quotients = Quotients::<L>::new();
+        for (group, points) in self.groups.with_points() {
+            let mut squares = [[0.0; L]; GROUP];
+            for (of_datum, point) in squares.iter_mut().zip(points) {
+                *of_datum = squared_distances(block, point);
+            }
+            quotients.add(&squares, group);
+        }
+        let mut averages = quotients.averages();
+        for x in block {
+            for lane in 0..L {
+                let is_plain = self.groups.is_plain() && Groups::is_plain_coordinate(x[lane]);
+                averages[lane] = if is_plain { averages[lane] } else { f64::NAN };
+            }
+        }
+        averages
+    }
+
+    /// With (d²)^exponent; not a number as above.
+    #[inline(always)]
+    fn by_powers<const L: usize>(&self, block: &[[f64; L]], exponent: f64) -> [f64; L] {
+        let (mut averages, nearest) = plain_average(&self.packed, block, |square| square.powf(exponent));
+        for lane in 0..L {
+            let is_plain = nearest[lane] >= self.plain[0] && nearest[lane] <= self.plain[1];
+            averages[lane] = if is_plain { averages[lane] } else { f64::NAN };
+        }
+        averages
+    }
+
+    #[inline(always)]
+    pub(crate) fn within(&self, average: f64) -> f64 {
+        self.packed.within(average)
+    }
+
+    /// Estimates again with scaled distances where a lane is not a number.
     #[cold]
-    fn repair<const L: usize>(&self, block: &[[f64; L]], nearest: &[f64; L], estimates: &mut [f64; L]) {
+    fn repair<const L: usize>(&self, block: &[[f64; L]], estimates: &mut [f64; L]) {
         let mut point = [0.0; crate::MOST_FACTORS];
         let point = &mut point[..block.len()];
         for lane in 0..L {
-            if !(self.plain[0]..=self.plain[1]).contains(&nearest[lane]) {
+            if estimates[lane].is_nan() {
                 point.iter_mut().zip(block).for_each(|(x, coordinate)| *x = coordinate[lane]);
                 estimates[lane] = self.packed.within(average(point, self.packed.data(), self.power));
             }
@@ -214,6 +252,13 @@ impl Surface for InverseDistance {
 
     fn predict_lanes(&self, block: &[Lanes], estimates: &mut Lanes) {
         estimate_lanes(self, block, estimates);
+    }
+
+    fn over_grid<'a>(&'a self, grid: &'a GridPoints) -> Option<Box<dyn OverGrid + 'a>> {
+        if self.weighting != Weighting::InverseSquare {
+            return None;
+        }
+        Squares::new(self, &self.groups, grid).map(|squares| Box::new(squares) as Box<dyn OverGrid>)
     }
 
     /// ∇Ĵ = −q Σ ω_i (J_i − Ĵ)(p − p_i)/d_i² / Σ ω_i; zero at a data point if q > 1, none there if q ≤ 1.

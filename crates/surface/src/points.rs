@@ -21,6 +21,11 @@ pub trait PointSource: fmt::Debug + Sync {
     /// The callers keep `first + n_filled` within [`n_points`](Self::n_points), `n_filled` within the number of lanes,
     /// and hand in K coordinates; what other lanes hold does not matter.
     fn fill(&self, first: u64, n_filled: usize, block: &mut [Lanes]);
+
+    /// The grid of which these are all points in its order, if they are: surfaces then work by tables of its axes.
+    fn as_grid(&self) -> Option<&GridPoints> {
+        None
+    }
 }
 
 /// Points that are in memory, row by row.
@@ -116,6 +121,16 @@ impl GridPoints {
         Self::new(levels.collect::<Result<_, _>>()?)
     }
 
+    /// The levels of each axis.
+    pub(crate) fn levels(&self) -> &[Vec<f64>] {
+        &self.levels
+    }
+
+    /// The order of its points.
+    pub(crate) fn combinations(&self) -> &Combinations {
+        &self.combinations
+    }
+
     /// The point with this index; none behind the last.
     #[must_use]
     pub fn point(&self, index: u64) -> Option<Vec<f64>> {
@@ -127,6 +142,10 @@ impl GridPoints {
 }
 
 impl PointSource for GridPoints {
+    fn as_grid(&self) -> Option<&GridPoints> {
+        Some(self)
+    }
+
     fn n_factors(&self) -> usize {
         self.levels.len()
     }

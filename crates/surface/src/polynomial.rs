@@ -4,7 +4,8 @@ use doe::{Model, Term};
 use multiversion::multiversion;
 
 use crate::lanes::{check_factors, is_usable, one_lane};
-use crate::{Error, LANES, Lanes, Surface};
+use crate::over_grid::Powers;
+use crate::{Error, GridPoints, LANES, Lanes, OverGrid, Surface};
 
 /// Σ b_t Π x_j over the terms t, a surface without data: what a [`Regression`](crate::Regression) evaluates.
 ///
@@ -30,9 +31,22 @@ pub struct Polynomial {
 
 /// A coefficient and the factors it is multiplied by, each as often as its exponent says.
 #[derive(Debug, Clone, PartialEq)]
-struct Monomial {
+pub(crate) struct Monomial {
     coefficient: f64,
     factors: Vec<usize>,
+}
+
+impl Monomial {
+    /// Its factors from one on, each as often as its exponent says.
+    pub(crate) fn factors_from(&self, first: usize) -> impl Iterator<Item = usize> {
+        self.factors.iter().copied().filter(move |&factor| factor >= first)
+    }
+
+    /// Its value at a point with only the factors before one.
+    pub(crate) fn value_before(&self, end: usize, point: &[f64]) -> f64 {
+        let factors = self.factors.iter().filter(|&&factor| factor < end);
+        factors.fold(self.coefficient, |product, &factor| product * point[factor])
+    }
 }
 
 impl Polynomial {
@@ -86,6 +100,11 @@ impl Polynomial {
     /// Each term with its coefficient.
     pub fn parts(&self) -> impl Iterator<Item = (&Term, f64)> {
         self.terms.iter().zip(&self.monomials).map(|(term, monomial)| (term, monomial.coefficient))
+    }
+
+    /// Those of the terms, and one of coefficient zero for each factor in no term.
+    pub(crate) fn monomials(&self) -> &[Monomial] {
+        &self.monomials
     }
 
     fn of(n_factors: usize, terms: Vec<Term>, coefficients: Vec<f64>) -> Self {
@@ -146,6 +165,10 @@ impl Surface for Polynomial {
 
     fn predict_lanes(&self, block: &[Lanes], estimates: &mut Lanes) {
         evaluate_lanes(self, block, estimates);
+    }
+
+    fn over_grid<'a>(&'a self, grid: &'a GridPoints) -> Option<Box<dyn OverGrid + 'a>> {
+        Powers::new(self, grid).map(|powers| Box::new(powers) as Box<dyn OverGrid>)
     }
 
     fn gradient(&self, point: &[f64]) -> Option<Vec<f64>> {

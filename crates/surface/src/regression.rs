@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::lanes::is_usable;
 use crate::polynomial::Polynomial;
-use crate::{Data, Error, Lanes, LeaveOneOut, Surface};
+use crate::{Data, Error, GridPoints, Lanes, LeaveOneOut, OverGrid, Surface};
 
 /// A polynomial whose coefficients minimize the weighted sum of squared residuals.
 ///
@@ -331,6 +331,10 @@ impl Surface for Regression {
 
     fn predict_lanes(&self, block: &[Lanes], estimates: &mut Lanes) {
         self.polynomial.predict_lanes(block, estimates);
+    }
+
+    fn over_grid<'a>(&'a self, grid: &'a GridPoints) -> Option<Box<dyn OverGrid + 'a>> {
+        self.polynomial.over_grid(grid)
     }
 
     fn gradient(&self, point: &[f64]) -> Option<Vec<f64>> {

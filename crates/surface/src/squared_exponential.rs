@@ -5,10 +5,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::exponential::exp_of_negative;
 use crate::lanes::{is_usable, one_lane};
+use crate::over_grid::Exponentials;
 use crate::relative_average::{average, nearest, relative_weight};
 use crate::scale_choice::SCALES;
 use crate::weighted_average::{Datum, Packed, squared_distances, used};
-use crate::{Data, Error, LANES, Lanes, LeaveOneOut, MOST_FACTORS, ScaleChoice, Surface};
+use crate::{Data, Error, GridPoints, LANES, Lanes, LeaveOneOut, MOST_FACTORS, OverGrid, ScaleChoice, Surface};
 
 /// The average of the values, each weighted by a squared exponential of the distance to its point.
 ///
@@ -118,6 +119,11 @@ impl SquaredExponential {
     }
 
     #[inline(always)]
+    pub(crate) fn within(&self, average: f64) -> f64 {
+        self.packed.within(average)
+    }
+
+    #[inline(always)]
     fn estimate<const L: usize>(&self, block: &[[f64; L]]) -> [f64; L] {
         let (mut totals, mut sums, mut nearest) = ([0.0; L], [0.0; L], [f64::INFINITY; L]);
         let rate = self.scale * self.scale;
@@ -176,6 +182,10 @@ impl Surface for SquaredExponential {
 
     fn predict_lanes(&self, block: &[Lanes], estimates: &mut Lanes) {
         estimate_lanes(self, block, estimates);
+    }
+
+    fn over_grid<'a>(&'a self, grid: &'a GridPoints) -> Option<Box<dyn OverGrid + 'a>> {
+        Exponentials::new(self, &self.packed, grid).map(|exponentials| Box::new(exponentials) as Box<dyn OverGrid>)
     }
 
     /// ∇Ĵ = 2 c² Σ ω_i (J_i − Ĵ) p_i / Σ ω_i.

@@ -5,7 +5,7 @@ use std::fmt;
 use rayon::prelude::*;
 
 use crate::lanes::{LANES, Lanes, MOST_FACTORS, check_factors};
-use crate::{Error, PointSource, Rows};
+use crate::{Error, GridPoints, OverGrid, PointSource, Rows};
 
 /// Points that one thread takes at a time: for some fifty data 50 to 200 microseconds of work, far above what handing
 /// it over costs.
@@ -65,6 +65,13 @@ pub trait Surface: fmt::Debug + Send + Sync {
         }
     }
 
+    /// A way to estimate at the points of a grid by tables of its axes, faster than one by one; none where there is none.
+    ///
+    /// Its estimates are those of [`predict`](Self::predict) but for rounding: the order of sums and products is another.
+    fn over_grid<'a>(&'a self, _grid: &'a GridPoints) -> Option<Box<dyn OverGrid + 'a>> {
+        None
+    }
+
     /// Estimates at points given row by row, in parallel.
     ///
     /// Every estimate is what [`predict`](Self::predict) returns, bit for bit, whatever the number of threads.
@@ -83,8 +90,9 @@ pub trait Surface: fmt::Debug + Send + Sync {
 
     /// Estimates at as many points as there is room for, from index `first` on, in parallel.
     ///
-    /// The points of a source need not exist in memory: a [`GridPoints`](crate::GridPoints) of any size can be gone
-    /// through in pieces.
+    /// The points of a source need not exist in memory: a [`GridPoints`] of any size can be gone through in pieces. An
+    /// estimate is the same in any piece and on any number of threads, and that of [`predict`](Self::predict) bit for bit, or
+    /// but for rounding where the surface has tables [over a grid](Self::over_grid).
     ///
     /// # Errors
     ///
@@ -97,15 +105,9 @@ pub trait Surface: fmt::Debug + Send + Sync {
         if first.checked_add(n_wanted as u64).is_none_or(|end| end > n_points) {
             return Err(Error::NoSuchPoints { first, n_wanted, n_points });
         }
-        let predict_chunk = |first: u64, estimates: &mut [f64]| {
-            let (mut block, mut lanes) = ([[0.0; LANES]; MOST_FACTORS], [0.0; LANES]);
-            let block = &mut block[..n_factors];
-            for (number, estimates) in estimates.chunks_mut(LANES).enumerate() {
-                source.fill(first + (number * LANES) as u64, estimates.len(), block);
-                self.predict_lanes(block, &mut lanes);
-                estimates.copy_from_slice(&lanes[..estimates.len()]);
-            }
-        };
+        let tables = source.as_grid().and_then(|grid| self.over_grid(grid));
+        let predict_chunk =
+            |first: u64, estimates: &mut [f64]| estimate_chunk(self, source, tables.as_deref(), first, estimates);
         if n_wanted <= CHUNK {
             predict_chunk(first, estimates);
         } else {
@@ -126,20 +128,16 @@ pub trait Surface: fmt::Debug + Send + Sync {
         let n_factors = self.n_factors();
         check_source(n_factors, source)?;
         let n_points = source.n_points();
+        let tables = source.as_grid().and_then(|grid| self.over_grid(grid));
         let of_chunk = |chunk: u64| {
-            let (mut block, mut lanes) = ([[0.0; LANES]; MOST_FACTORS], [0.0; LANES]);
-            let block = &mut block[..n_factors];
             let start = chunk * CHUNK as u64;
-            let end = n_points.min(start.saturating_add(CHUNK as u64));
+            let mut estimates = [0.0; CHUNK];
+            let estimates = &mut estimates[..(n_points - start).min(CHUNK as u64) as usize];
+            estimate_chunk(self, source, tables.as_deref(), start, estimates);
             let mut best: Option<Minimum> = None;
-            for first in (start..end).step_by(LANES) {
-                let n_filled = (end - first).min(LANES as u64) as usize;
-                source.fill(first, n_filled, block);
-                self.predict_lanes(block, &mut lanes);
-                for (lane, &value) in lanes[..n_filled].iter().enumerate() {
-                    if best.map_or(!value.is_nan(), |best| value < best.value) {
-                        best = Some(Minimum { index: first + lane as u64, value });
-                    }
+            for (index, &value) in (start..).zip(&*estimates) {
+                if best.map_or(!value.is_nan(), |best| value < best.value) {
+                    best = Some(Minimum { index, value });
                 }
             }
             best
@@ -159,6 +157,26 @@ pub struct Minimum {
     pub index: u64,
     /// The estimate there.
     pub value: f64,
+}
+
+/// Estimates at the points of a source from index `first` on, by tables where there are any.
+fn estimate_chunk<S: Surface + ?Sized>(
+    surface: &S,
+    source: &dyn PointSource,
+    tables: Option<&dyn OverGrid>,
+    first: u64,
+    estimates: &mut [f64],
+) {
+    if let Some(tables) = tables {
+        return tables.fill(first, estimates);
+    }
+    let (mut block, mut lanes) = ([[0.0; LANES]; MOST_FACTORS], [0.0; LANES]);
+    let block = &mut block[..source.n_factors()];
+    for (number, estimates) in estimates.chunks_mut(LANES).enumerate() {
+        source.fill(first + (number * LANES) as u64, estimates.len(), block);
+        surface.predict_lanes(block, &mut lanes);
+        estimates.copy_from_slice(&lanes[..estimates.len()]);
+    }
 }
 
 fn check_source(expected: usize, source: &dyn PointSource) -> Result<(), Error> {

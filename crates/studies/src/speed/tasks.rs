@@ -82,26 +82,23 @@ fn grid() -> Result<GridPoints> {
 /// All tasks.
 pub(super) fn tasks(root: &Path) -> Result<Vec<Task>> {
     let theirs = |task, is_same| Reference::Theirs { task, is_same };
-    let regression = Regression::fit(&Model::quadratic(K)?, &data(54)?)?;
-    Ok(vec![
-        Task {
-            words: "regression, 15 terms",
-            ours: over_the_grid(Box::new(regression))?,
-            reference: theirs("regression", true),
+    let mut all = Vec::new();
+    for Fitted { words, surface, reference } in surfaces()? {
+        let [on_grid, scattered] = words;
+        all.push(Task {
+            words: on_grid,
+            ours: over_the_grid(Arc::clone(&surface))?,
+            reference: theirs(reference, true),
             goal: 30.0,
-        },
-        Task {
-            words: "inverse distance, 54 data",
-            ours: over_the_grid(Box::new(InverseDistance::fit(data(54)?, 2.0)?))?,
-            reference: theirs("inverse distance", true),
-            goal: 30.0,
-        },
-        Task {
-            words: "squared exponential, 54 data",
-            ours: over_the_grid(Box::new(SquaredExponential::fit(data(54)?, SCALE)?))?,
-            reference: theirs("squared exponential", true),
-            goal: 30.0,
-        },
+        });
+        all.push(Task {
+            words: scattered,
+            ours: over_points(surface)?,
+            reference: theirs(reference, true),
+            goal: 10.0,
+        });
+    }
+    all.extend([
         Task {
             words: "Gaussian process, 90 data: mean and variance",
             ours: process()?,
@@ -109,10 +106,50 @@ pub(super) fn tasks(root: &Path) -> Result<Vec<Task>> {
             goal: 10.0,
         },
         flights(root)?,
+    ]);
+    Ok(all)
+}
+
+/// A surface, asked on a grid and at as many points in memory.
+struct Fitted {
+    words: [&'static str; 2],
+    surface: Arc<dyn Surface>,
+    reference: &'static str,
+}
+
+fn surfaces() -> Result<[Fitted; 3]> {
+    let model = Model::quadratic(K)?;
+    Ok([
+        Fitted {
+            words: ["regression, 15 terms, on the grid", "regression, 15 terms, at points in memory"],
+            surface: Arc::new(Regression::fit(&model, &data(54)?)?),
+            reference: "regression",
+        },
+        Fitted {
+            words: ["inverse distance, 54 data, on the grid", "inverse distance, 54 data, at points in memory"],
+            surface: Arc::new(InverseDistance::fit(data(54)?, 2.0)?),
+            reference: "inverse distance",
+        },
+        Fitted {
+            words: ["squared exponential, 54 data, on the grid", "squared exponential, 54 data, at points in memory"],
+            surface: Arc::new(SquaredExponential::fit(data(54)?, SCALE)?),
+            reference: "squared exponential",
+        },
     ])
 }
 
-fn over_the_grid(surface: Box<dyn Surface + Send>) -> Result<Ours> {
+fn over_points(surface: Arc<dyn Surface>) -> Result<Ours> {
+    let grid = grid()?;
+    let point = |index: u64| grid.point(index).context("a point of the grid");
+    let points = (0..grid.n_points()).map(point).collect::<Result<Vec<_>>>()?.concat();
+    let mut estimates = vec![0.0; points.len() / K];
+    Ok(Box::new(move || {
+        surface.predict_into(&points, &mut estimates)?;
+        Ok(estimates.iter().sum())
+    }))
+}
+
+fn over_the_grid(surface: Arc<dyn Surface>) -> Result<Ours> {
     let grid = grid()?;
     let mut estimates = vec![0.0; usize::try_from(grid.n_points())?];
     Ok(Box::new(move || {

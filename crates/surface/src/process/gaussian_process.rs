@@ -38,6 +38,9 @@ pub struct GaussianProcess {
 /// Smallest variance of the noise, in units of the squared scale: below it the factorization would lose digits.
 pub(crate) const LEAST_NOISE: f64 = 1e-9;
 
+/// Places that are computed at once: their covariances with some hundred sites stay in the second cache.
+const AT_ONCE: usize = 256;
+
 /// What the hyperparameters of a process leave alone.
 #[derive(Debug)]
 pub(crate) struct Problem<'a> {
@@ -231,12 +234,24 @@ impl GaussianProcess {
     #[must_use]
     pub fn means(&self, places: &Places) -> Vec<f64> {
         let units = self.sites.units();
-        self.scaled_means(places).1.iter().map(|mean| units.center + units.scale * mean).collect()
+        let scaled = places.blocks(AT_ONCE).flat_map(|block| self.scaled_means(&block).1);
+        scaled.map(|mean| units.center + units.scale * mean).collect()
     }
 
     /// Mean and variance at each place.
     #[must_use]
     pub fn marginals(&self, places: &Places) -> Marginals {
+        let n = places.n_places();
+        let mut all = Marginals { means: Vec::with_capacity(n), variances: Vec::with_capacity(n) };
+        for block in places.blocks(AT_ONCE) {
+            let of_block = self.marginals_of_block(&block);
+            all.means.extend(of_block.means);
+            all.variances.extend(of_block.variances);
+        }
+        all
+    }
+
+    fn marginals_of_block(&self, places: &Places) -> Marginals {
         let (means, whitened) = self.conditioned(places);
         let units = self.sites.units();
         let prior = prior_variances(places, self.structure, &self.hyper, &|s| units.simulated(s));

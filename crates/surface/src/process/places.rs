@@ -89,6 +89,16 @@ impl Places {
         Self { n_factors: self.n_factors, n_places: places.len(), axes: axes.collect(), simulated }
     }
 
+    /// These points in their order, at most so many at a time.
+    pub(crate) fn blocks(&self, most: usize) -> impl Iterator<Item = Self> {
+        (0..self.n_places).step_by(most).map(move |first| {
+            let range = first..self.n_places.min(first + most);
+            let axes = (0..self.n_factors).flat_map(|axis| self.axis(axis)[range.clone()].iter().copied()).collect();
+            let simulated = self.simulated.as_ref().map(|all| all[range.clone()].to_vec());
+            Self { n_factors: self.n_factors, n_places: range.len(), axes, simulated }
+        })
+    }
+
     /// These points and then others, of as many factors; simulated only where both are.
     #[must_use]
     pub fn followed_by(&self, other: &Self) -> Self {

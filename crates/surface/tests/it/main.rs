@@ -9,6 +9,7 @@ mod invariants;
 mod lack_of_fit;
 mod limits;
 mod nist;
+mod over_grid;
 mod polynomial;
 mod process;
 mod process_assemblies;

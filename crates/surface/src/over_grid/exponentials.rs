@@ -1,0 +1,111 @@
+//! Squared exponentials: those of the axes multiply.
+
+use multiversion::multiversion;
+
+use crate::GridPoints;
+use crate::exponential::exp_of_negative;
+use crate::over_grid::{AxisTables, GROUP, OverGrid, RUN_OF_AVERAGE, Run, Runs, WIDTH};
+use crate::weighted_average::Packed;
+use crate::{SquaredExponential, Surface as _};
+
+/// A sum of weights below this is computed in another way: some of its parts have vanished.
+const LEAST_TOTAL: f64 = 1e-150;
+
+/// exp(−c² (x − p)²) along each axis.
+#[derive(Debug)]
+pub(crate) struct Exponentials<'a> {
+    surface: &'a SquaredExponential,
+    runs: Runs<'a>,
+    tables: AxisTables,
+    /// One for each datum, and zero for those that fill up the last group.
+    weights: Vec<f64>,
+    weighted_values: Vec<f64>,
+}
+
+impl<'a> Exponentials<'a> {
+    /// None where the grid is too large for tables.
+    pub(crate) fn new(surface: &'a SquaredExponential, packed: &Packed, grid: &'a GridPoints) -> Option<Self> {
+        let rows: Vec<_> = packed.rows().collect();
+        let padded = rows.len().next_multiple_of(GROUP);
+        let runs = Runs::of(grid, RUN_OF_AVERAGE);
+        if !runs.are_small(padded) {
+            return None;
+        }
+        let points: Vec<&[f64]> =
+            (0..padded).filter_map(|place| rows.get(place).or(rows.last())).map(|row| row.point).collect();
+        let rate = surface.scale() * surface.scale();
+        let entry = |x: f64, coordinate: f64| {
+            let exponent = -(rate * ((x - coordinate) * (x - coordinate)));
+            // The exponential is not meant for what is not a number.
+            if exponent <= 0.0 { exp_of_negative(exponent) } else { f64::NAN }
+        };
+        let tables = AxisTables::new(&runs, &points, entry, |a, b| a * b);
+        let number = |of: fn(&crate::weighted_average::Row<'_>) -> f64| {
+            (0..padded).map(|place| rows.get(place).map_or(0.0, of)).collect()
+        };
+        Some(Self {
+            surface,
+            runs,
+            tables,
+            weights: number(|row| row.weight),
+            weighted_values: number(|row| row.weighted_value),
+        })
+    }
+}
+
+impl OverGrid for Exponentials<'_> {
+    fn fill(&self, first: u64, estimates: &mut [f64]) {
+        fill(self, first, estimates);
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+fn fill(exponentials: &Exponentials<'_>, first: u64, estimates: &mut [f64]) {
+    let n_data = exponentials.tables.n_data();
+    let run = ExponentialsRun { exponentials, weights: vec![0.0; n_data], weighted_values: vec![0.0; n_data] };
+    exponentials.runs.fill(run, first, estimates, |point| exponentials.surface.predict(point));
+}
+
+struct ExponentialsRun<'a> {
+    exponentials: &'a Exponentials<'a>,
+    /// w Π exp(−c² (x − p)²) over all axes but those of a run, for each datum.
+    weights: Vec<f64>,
+    /// The same times J.
+    weighted_values: Vec<f64>,
+}
+
+impl Run for ExponentialsRun<'_> {
+    #[inline(always)]
+    fn start(&mut self, levels: &[u64]) {
+        let Exponentials { tables, weights, weighted_values, .. } = self.exponentials;
+        self.weights.fill(1.0);
+        for (axis, &level) in levels.iter().enumerate() {
+            self.weights.iter_mut().zip(tables.leading(axis, level)).for_each(|(product, factor)| *product *= factor);
+        }
+        for (into, (product, value)) in self.weighted_values.iter_mut().zip(self.weights.iter().zip(weighted_values)) {
+            *into = product * value;
+        }
+        self.weights.iter_mut().zip(weights).for_each(|(product, weight)| *product *= weight);
+    }
+
+    #[inline(always)]
+    fn block(&self, at: usize) -> [f64; WIDTH] {
+        let Exponentials { surface, tables, .. } = self.exponentials;
+        let (mut totals, mut sums) = ([0.0; WIDTH], [0.0; WIDTH]);
+        let numbers = self.weights.as_chunks::<GROUP>().0.iter().zip(self.weighted_values.as_chunks::<GROUP>().0);
+        for (factors, (weights, values)) in tables.of_run(at).iter().zip(numbers) {
+            for lane in 0..WIDTH {
+                let [a, b, c, d] =
+                    [factors[lane], factors[WIDTH + lane], factors[2 * WIDTH + lane], factors[3 * WIDTH + lane]];
+                totals[lane] += (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
+                sums[lane] += (values[0] * a + values[1] * b) + (values[2] * c + values[3] * d);
+            }
+        }
+        let mut averages = [0.0; WIDTH];
+        for lane in 0..WIDTH {
+            let average = surface.within(sums[lane] / totals[lane]);
+            averages[lane] = if totals[lane] >= LEAST_TOTAL { average } else { f64::NAN };
+        }
+        averages
+    }
+}
