@@ -32,7 +32,7 @@ const COMMANDS: &[(&[&str], Program)] = &[
     (&["benchmark", "plants", "speed"], studies("similarity,benchmark")),
     (&["calibrate"], studies("similarity,calibration")),
     (&["identify"], studies("similarity,identification")),
-    (&["ci", "tidy", "equations", "tutorials", "python", "licenses", "packages", "semver"], CHECKS),
+    (&["ci", "tidy", "equations", "fuzz", "tutorials", "python", "licenses", "machines", "packages", "semver"], CHECKS),
 ];
 
 const USAGE_ERROR: u8 = 2;

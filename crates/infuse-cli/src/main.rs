@@ -9,6 +9,7 @@ mod findings;
 mod folder;
 mod job_numbers;
 mod journal;
+mod left_running;
 mod number;
 mod pooled;
 mod problem;

@@ -13,6 +13,7 @@ use design_space::Region;
 use process_wrap::std::{ChildWrapper, CommandWrap};
 use serde_json::{Map, Value, json};
 
+use crate::left_running::Noted;
 use crate::number::{number_fault, plain};
 use crate::problem::{Input, Program, said, written};
 
@@ -98,9 +99,9 @@ impl Program {
         #[cfg(windows)]
         command.wrap(process_wrap::std::JobObject);
         let mut child = command.spawn().with_context(|| format!("cannot start `{program}`"))?;
-        let running = Running::new();
+        let (running, noted) = (Running::new(), Noted::new(folder, child.id()));
         let waited = self.wait(child.as_mut());
-        drop(running);
+        drop((running, noted));
         let status = match waited? {
             Waited::Ended(status) => {
                 // What it has left behind in its group ends with it.

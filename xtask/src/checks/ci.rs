@@ -7,7 +7,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 
 use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly, run_side_by_side};
-use crate::{licenses, packages, python, test_programs, tidy, tutorials};
+use crate::{fuzz, licenses, packages, python, test_programs, tidy, tutorials};
 
 /// One heading of the output.
 struct Step {
@@ -28,6 +28,7 @@ const STEPS: &[Step] = &[
     },
     Step { heading: "documentation", run: documentation },
     Step { heading: "examples", run: examples },
+    Step { heading: "files of the fuzzer", run: fuzz::replay },
     Step { heading: "tutorials", run: tutorials::check },
     Step { heading: "packages", run: packages::check },
     Step { heading: "licenses", run: || licenses::run(tutorials::Texts::Compare) },

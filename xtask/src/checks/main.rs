@@ -2,7 +2,9 @@
 #![expect(clippy::print_stdout, reason = "a program of the command line talks")]
 
 mod ci;
+mod fuzz;
 mod licenses;
+mod machines;
 mod packages;
 mod python;
 mod semver;
@@ -24,6 +26,8 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
+        ["fuzz", reader, minutes] => fuzz::run(reader, minutes),
+        ["machines"] => machines::run(),
         ["packages"] => packages::check(),
         ["semver", revision] => semver::check(revision),
         ["licenses"] => licenses::run(Texts::Compare),

@@ -26,6 +26,8 @@ pub(crate) use submission::SubmissionName;
 pub(crate) use undo::Last;
 use undo::Standing;
 
+use crate::left_running;
+
 /// The name of the file in the folder of a campaign.
 pub(crate) const JOURNAL: &str = "journal.jsonl";
 /// Where lines go that an interrupted call has left behind.
@@ -96,7 +98,7 @@ impl Writer {
         let text = text::read(&bytes).with_context(|| format!("{} cannot be read", path.display()))?;
         let mut writer =
             Self { path: path.clone(), file, n_bytes: bytes.len() as u64, checksum: text.checksum, _lock: lock };
-        let mut notices = Vec::new();
+        let mut notices = left_running::notices(folder);
         let rest = &bytes[text.n_bytes..];
         if !rest.is_empty() {
             writer.set_aside(folder, rest)?;

@@ -140,6 +140,43 @@ fn an_interrupt_while_a_batch_is_designed_ends_the_call_at_once() {
     assert!(!rig.journal().iter().any(|line| line["event"] == "planned"), "it was still searching");
 }
 
+/// Nobody hears of a kill; who comes next can tell.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_simulation_that_a_killed_call_has_left_running_is_named_by_the_next_one() {
+    let rig = Rig::new();
+    let script =
+        "echo $$ > started; if [ -e quick ]; then echo {spring} {damper gain} | cut -d' ' -f1; else sleep 100; fi";
+    rig.edit("table = \"simulation.csv\"", &format!("command = [\"sh\", \"-c\", '''{script}''']\njobs = 1"));
+    let mut asking = rig.command(&["ask"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let pid = || std::fs::read_to_string(rig.path("started")).unwrap_or_default().trim().to_owned();
+    let note = || rig.path(&format!(".infuse.running-{}", pid()));
+    while pid().is_empty() || !std::fs::read_to_string(note()).is_ok_and(|text| !text.is_empty()) {
+        assert!(asking.try_wait().unwrap().is_none(), "it asks until it is killed");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let (pid, note) = (pid(), note());
+    asking.kill().unwrap();
+    asking.wait().unwrap();
+    rig.write("quick", "");
+    let said = rig.infuse(&["ask"]);
+    assert!(
+        said.stderr.contains(&format!("process {pid}, which a killed call has begun, still runs")),
+        "{}",
+        said.stderr
+    );
+    assert!(said.stderr.contains(&format!("`kill -- -{pid}` ends it")), "{}", said.stderr);
+    said.ok();
+    let ended = std::process::Command::new("kill").args(["-KILL", "--", &format!("-{pid}")]).status().unwrap();
+    assert!(ended.success(), "what was said ends it");
+    while rig.infuse(&["ask"]).stderr.contains("still runs") {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(!note.exists(), "said as long as it runs, and then forgotten");
+    rig.write(&format!(".infuse.running-{}", std::process::id()), "1");
+    assert!(!rig.infuse(&["ask"]).stderr.contains("still runs"), "a program that began at another time is another one");
+}
+
 #[test]
 fn the_rig_of_these_tests_is_what_it_says() {
     assert_eq!(measured(1, 22.0, 1.9), format!("{:.3}", truth(22.0, 1.9) + 0.2 * 12.9898_f64.sin()));

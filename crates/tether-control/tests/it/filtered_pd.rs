@@ -151,3 +151,9 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_loop_says_what_it_was_made_with() {
+    let pd = FilteredPd::new(0.25, -0.75, 1.5).expect("valid gains");
+    assert_eq!([pd.proportional(), pd.derivative(), pd.time_constant_s()], [0.25, -0.75, 1.5]);
+}
