@@ -412,6 +412,9 @@ proptest! {
 
 #[test]
 fn refuses_problems_without_a_solution() {
+    let error = Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), usize::MAX, Criterion::G);
+    let error = error.unwrap_err().to_string();
+    assert_eq!(error, format!("runs: {}, expected 6 to 1000000", usize::MAX));
     let (model, cube) = (Model::quadratic(2).unwrap(), Space::cube(2).unwrap());
     let new = |space: Space, n: usize| Problem::new(model.clone(), space, n, Criterion::G);
     let check = |problem: Result<Problem, Error>, message: &str| assert_eq!(problem.unwrap_err().to_string(), message);
