@@ -93,8 +93,8 @@ impl std::fmt::Debug for Watch<'_> {
 ///
 /// | runs | quadratic | additive quadratic |
 /// |---|---|---|
-/// | 18 | 77.87 and 77.87 % | 99.87 and 99.87 % |
-/// | 36 | 91.60 and 91.99 % | 99.87 and 99.87 % |
+/// | 18 | 77.77 and 77.77 % | 99.87 and 99.87 % |
+/// | 36 | 92.74 and 92.74 % | 99.87 and 99.87 % |
 ///
 /// With 24 levels no axis has a zero, so the additive model does not reach the 100 % of an orthogonal array here.
 ///

@@ -38,15 +38,22 @@ fn reaches_the_published_record_on_the_cube() {
 
 #[test]
 fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
-    let problem = Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), 7, Criterion::G).unwrap();
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| search(&problem, &settings(40)).unwrap())
-    };
-    let (one, three) = (on(1), on(3));
-    assert_eq!(one.design, three.design);
-    assert_eq!(one.report.best_start, three.report.best_start);
-    assert_eq!(one.report.times_found, three.report.times_found);
+    let levels = |count| Axis::equally_spaced(count).unwrap();
+    let mixed = Space::of_axes(vec![Axis::Continuous, levels(3), levels(5)]).unwrap();
+    for (space, n, starts) in
+        [(Space::cube(2).unwrap(), 7, 40), (Space::grid(&[6, 7, 8]).unwrap(), 12, 20), (mixed, 12, 20)]
+    {
+        let model = Model::quadratic(space.n_factors()).unwrap();
+        let problem = Problem::new(model, space, n, Criterion::G).unwrap();
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| search(&problem, &settings(starts)).unwrap())
+        };
+        let (one, three) = (on(1), on(3));
+        assert_eq!(one.design, three.design);
+        assert_eq!(one.report.best_start, three.report.best_start);
+        assert_eq!(one.report.times_found, three.report.times_found);
+    }
 }
 
 #[test]
