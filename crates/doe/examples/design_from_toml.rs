@@ -1,7 +1,8 @@
 //! From a problem in TOML to a design in CSV: `design_from_toml [problem.toml [design.csv]]`.
 //!
 //! Without a file to write to, the design is printed; the evaluation always is. Settings have nine significant digits, and
-//! the figures are those of the design as it is written. A search that takes long says on standard error how far it is.
+//! the figures are those of the design as it is written. More than 2000 runs need a limit in `seconds`. With `judged_levels`
+//! the criterion is over that grid, while the evaluation below it is over the whole space. A search that takes long says on standard error how far it is.
 
 mod problem;
 
@@ -71,7 +72,8 @@ fn design(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         0,
         io::sink(),
     )?;
-    let found = search(&problem, &file.settings()?)?;
+    let settings = file.settings()?;
+    let found = search(&problem, &settings)?;
     let n_fixed = problem.fixed().map_or(0, Design::n_runs);
     let design = found.design.rounded(&region, problem.space(), n_fixed)?;
     design.check_within(problem.space())?;
@@ -84,7 +86,7 @@ fn design(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         None => writeln!(stdout(), "{}", String::from_utf8(text)?)?,
     }
     let report = &found.report;
-    let efficiency = problem.criterion().efficiency(problem.model(), problem.space(), &design)?;
+    let efficiency = problem.criterion().efficiency(problem.model(), problem.judged(), &design)?;
     let times = match report.times_found {
         1 => "once".to_owned(),
         times => format!("{times} times"),

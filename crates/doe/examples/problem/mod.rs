@@ -30,8 +30,12 @@ pub(crate) fn finish(result: Result<(), Box<dyn Error>>) -> ExitCode {
 
 /// A digit, a comma and a digit in what stands after the equals sign.
 fn has_decimal_comma(line: &str) -> bool {
-    let value = line.split('#').next().unwrap_or_default().split('=').nth(1).unwrap_or_default().as_bytes();
-    value.windows(3).any(|three| three[0].is_ascii_digit() && three[1] == b',' && three[2].is_ascii_digit())
+    let value = line.split('#').next().unwrap_or_default().split('=').nth(1).unwrap_or_default().trim_start();
+    // Lists in a list are exponents, which need no space after a comma.
+    if value.starts_with("[[") {
+        return false;
+    }
+    value.as_bytes().windows(3).any(|three| three[0].is_ascii_digit() && three[1] == b',' && three[2].is_ascii_digit())
 }
 
 /// What a value between two levels lies between; nothing on a level and where any value is one.
@@ -61,6 +65,7 @@ pub(crate) struct ProblemFile {
     replicates: Option<Whole>,
     starts: Option<Whole>,
     seconds: Option<f64>,
+    judged_levels: Option<JudgedLevels>,
     seed: Option<Whole>,
     pub(crate) order_seed: Option<Whole>,
     parameters: Vec<Parameter>,
@@ -69,6 +74,17 @@ pub(crate) struct ProblemFile {
     #[serde(default)]
     fixed: Vec<BTreeMap<String, f64>>,
 }
+
+/// Levels of the grid that predictions are asked for on: the same of every parameter, or of each.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "expected a whole number of levels, or a list of them, one for each parameter")]
+enum JudgedLevels {
+    Same(Whole),
+    Each(Vec<Whole>),
+}
+
+/// More runs need `seconds`: a start takes minutes to hours, and there are 200.
+const MOST_RUNS_UNLIMITED: u64 = 2000;
 
 /// A whole number that is not negative. Its errors say so, and not of which type of a program it is.
 #[derive(Clone, Copy)]
@@ -116,8 +132,13 @@ fn fault_of_parameter(text: &str) -> Option<String> {
     parameters.into_iter().enumerate().find_map(|(index, table)| {
         let line = text.get(..table.span().start)?.matches('\n').count() + 1;
         let error = Parameter::deserialize(table.into_inner()).err()?;
-        Some(format!("line {line}, parameter {}: {}", index + 1, error.message()))
+        Some(format!("line {line}, parameter {}: {}", index + 1, in_plain_words(error.message())))
     })
+}
+
+/// A message without the types of a program.
+fn in_plain_words(message: &str) -> String {
+    message.replace("expected f64", "expected a number").replace("floating point `", "number `")
 }
 
 #[derive(Deserialize)]
@@ -136,7 +157,7 @@ impl ProblemFile {
             let hint = if has_decimal_comma(line) { "a decimal comma? write 20.5 and not 20,5\n" } else { "" };
             match fault_of_parameter(&text) {
                 Some(fault) if line.trim_start().starts_with("[[parameters]]") => format!("{path}: {fault}").into(),
-                _ => format!("{path}: {error}{hint}").into(),
+                _ => format!("{path}: {}{hint}", in_plain_words(&error.to_string())).into(),
             }
         })
     }
@@ -199,6 +220,31 @@ impl ProblemFile {
         Ok(Space::of_region(&region)?.forbid(self.boxes(&region)?)?)
     }
 
+    /// The grid that predictions are asked for on, less what is forbidden; none where that is the space.
+    fn judged(&self) -> Result<Option<Space>, Box<dyn Error>> {
+        let k = self.parameters.len();
+        let levels: Vec<u64> = match &self.judged_levels {
+            None => return Ok(None),
+            Some(JudgedLevels::Same(levels)) => vec![levels.0; k],
+            Some(JudgedLevels::Each(levels)) => levels.iter().map(|levels| levels.0).collect(),
+        };
+        if levels.len() != k {
+            let found = levels.len();
+            let noun = if found == 1 { "number" } else { "numbers" };
+            return Err(format!(
+                "judged_levels: {found} {noun}, expected one for each of the {k} parameters, or one for all"
+            )
+            .into());
+        }
+        let most = Problem::MOST_JUDGED as u64;
+        let count = |levels: u64| {
+            let fits = u32::try_from(levels).ok().filter(|_| (2..=most).contains(&levels));
+            fits.ok_or_else(|| format!("judged_levels: {levels}, expected 2 to {most}"))
+        };
+        let counts = levels.into_iter().map(count).collect::<Result<Vec<u32>, String>>()?;
+        Ok(Some(Space::grid(&counts)?.forbid(self.boxes(&self.region()?)?)?))
+    }
+
     /// Why a run within the bounds is not in the space; nothing if it is.
     fn fault_of(&self, region: &Region, run: &[f64]) -> Result<Option<String>, Box<dyn Error>> {
         let coded = region.coded(run)?;
@@ -249,6 +295,9 @@ impl ProblemFile {
         if let Some(fixed) = self.fixed()? {
             problem = problem.with_fixed_runs(fixed)?;
         }
+        if let Some(judged) = self.judged()? {
+            problem = problem.judged_over(judged)?;
+        }
         Ok(match self.replicates {
             Some(planned) => problem.with_replicates(Replicates::Planned(planned.count())).map_err(|error| match error {
                 doe::Error::TooFewRuns { n_runs, n_terms } => {
@@ -266,6 +315,13 @@ impl ProblemFile {
 
     pub(crate) fn settings(&self) -> Result<Settings, Box<dyn Error>> {
         let mut settings = Settings::default();
+        if self.seconds.is_none() && self.runs.0 > MOST_RUNS_UNLIMITED {
+            let runs = self.runs.0;
+            return Err(format!(
+                "runs = {runs}: the search may take hours, expected at most {MOST_RUNS_UNLIMITED} without `seconds`, which limits it"
+            )
+            .into());
+        }
         settings.seed = self.seed.map_or(settings.seed, |seed| seed.0);
         settings.starts = self.starts.map_or(settings.starts, |starts| starts.0);
         if let Some(seconds) = self.seconds {

@@ -23,10 +23,18 @@ pub(crate) enum Attempt {
     },
 }
 
+/// A start further behind the best before refinement is not refined, nor are more than so many of a round.
+pub(crate) const WORTH_REFINING: (f64, usize) = (0.004, 2);
+
 /// How the starts over one kind of space are made, and the best of them refined.
 pub(crate) trait Designer: Sync {
     /// One start, or as much of it as there is until `is_over`.
     fn start(&self, generator: &mut Pcg64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Attempt;
+
+    /// How far behind the best before refinement a start may be to be refined, and how many of a round are at most.
+    fn worth_refining(&self) -> (f64, usize) {
+        WORTH_REFINING
+    }
 
     /// A design taken to its local optimum, or as far as it comes until `is_over`, with its value; none if it is
     /// singular or not worth it.

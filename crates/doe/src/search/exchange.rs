@@ -23,6 +23,7 @@ use super::continuous::Continuous;
 use super::ending::IsOver;
 use super::frame::{Frame, Matrices};
 use super::incumbents::Incumbents;
+use super::settings::Effort;
 use super::smooth::Smooth;
 use crate::matrix::{dot, multiply};
 use crate::{Criterion, PredictionVariance};
@@ -34,6 +35,8 @@ pub(crate) struct Discrete<'a> {
     pub(crate) candidates: &'a Candidates<'a>,
     /// The same problem with continuous coordinates, whose solutions are rounded to start from.
     pub(crate) relaxed: Option<Continuous<'a>>,
+    /// How many of its solutions a start makes, to round the best of them.
+    pub(crate) n_relaxed: usize,
     /// Whether no run may be made twice, not even a fixed one.
     pub(crate) is_distinct: bool,
     /// Runs whose coordinates differ by no more are made twice.
@@ -56,6 +59,12 @@ const WATCHED_SHARE: f64 = 0.75;
 const BLOCK: usize = 32;
 /// Least relative improvement worth an exchange.
 const LEAST: f64 = 1e-9;
+
+/// Continuous starts of which a thorough start rounds the best: they take little time beside the exchanges after them. Few
+/// factors do without.
+pub(crate) fn n_relaxed(effort: Effort, n_factors: usize) -> usize {
+    if effort == Effort::Thorough && n_factors >= 3 { 8 } else { 1 }
+}
 
 impl Discrete<'_> {
     /// One start; `is_over` is asked before every run.
@@ -136,11 +145,9 @@ impl Discrete<'_> {
         }
         if let Some(relaxed) = &self.relaxed
             && generator.random_range(0..4) != 0
+            && let Some(x) = best_relaxed(relaxed, self.n_relaxed, generator, is_over)
         {
-            match relaxed.start(generator, &Incumbents::default(), is_over) {
-                Attempt::Found { x, .. } | Attempt::Cut { x, .. } => return self.rounded(&x),
-                _ => {}
-            }
+            return self.rounded(&x);
         }
         self.greedy(generator)
     }
@@ -229,6 +236,34 @@ impl Discrete<'_> {
         }
         Some(x)
     }
+}
+
+/// The best of some continuous starts; those that fall behind the ones before are given up. None if all fail.
+fn best_relaxed(
+    relaxed: &Continuous<'_>,
+    n_starts: usize,
+    generator: &mut Pcg64,
+    is_over: IsOver<'_>,
+) -> Option<Vec<f64>> {
+    let mut known = Incumbents::default();
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for _ in 0..n_starts {
+        let (x, value, was_cut) = match relaxed.start(generator, &known, is_over) {
+            Attempt::Found { x, value, stages } => {
+                known.note(&stages, value);
+                (x, value, false)
+            }
+            Attempt::Cut { x, value } => (x, value, true),
+            Attempt::Abandoned | Attempt::Failed => continue,
+        };
+        if best.as_ref().is_none_or(|best| value < best.0) {
+            best = Some((value, x));
+        }
+        if was_cut {
+            break;
+        }
+    }
+    best.map(|(_, x)| x)
 }
 
 /// Points with their regressors, point by point.
@@ -683,6 +718,7 @@ mod tests {
                 frame: &frame,
                 candidates: &candidates,
                 relaxed: None,
+                n_relaxed: 1,
                 apart: SAME_RUN,
                 is_distinct: false,
                 fixed: Vec::new(),

@@ -3,11 +3,11 @@
 
 use rand_pcg::Pcg64;
 
-use super::attempt::{Attempt, Designer};
+use super::attempt::{Attempt, Designer, WORTH_REFINING};
 use super::candidates::Candidates;
 use super::continuous::Continuous;
 use super::ending::IsOver;
-use super::exchange::Discrete;
+use super::exchange::{Discrete, n_relaxed};
 use super::frame::{Frame, lattice};
 use super::gridded::{gridded, thinned};
 use super::incumbents::Incumbents;
@@ -26,24 +26,36 @@ pub(crate) fn over_grid(problem: &Problem, shape: &BoxShape, runner: Runner<'_>)
     let continuous =
         |effort: Effort| Continuous { frame: &frame, shape: &relaxed, judged: &relaxed, lattice: &lattice, effort };
     let candidates = Candidates::grid(&grid, &frame.products);
+    let effort = runner.settings.effort;
     let search = Discrete {
         frame: &frame,
         candidates: &candidates,
         relaxed: Some(continuous(Effort::Quick)),
+        n_relaxed: if is_discrete { n_relaxed(effort, shape.axes.len()) } else { 1 },
         is_distinct: problem.replicates() != Replicates::Allowed,
         apart: if is_discrete { SAME_RUN } else { APART },
         fixed: problem.fixed_runs().map(<[f64]>::to_vec).collect(),
     };
-    let polish = continuous(runner.settings.effort);
+    let polish = continuous(effort);
     let off_grid = (!is_discrete).then_some(OffGrid { problem, shape, polish });
-    Ok(runner.run(&Gridded { search, off_grid }))
+    let is_mixed = !is_discrete && !shape.is_continuous();
+    let n_tries = if is_mixed && effort == Effort::Thorough { MIXED_TRIES } else { 1 };
+    Ok(runner.run(&Gridded { search, off_grid, n_tries }))
 }
 
 /// Starts on a grid, and where they are taken from there.
 struct Gridded<'a> {
     search: Discrete<'a>,
     off_grid: Option<OffGrid<'a>>,
+    /// Designs that a start makes, of which it keeps the best.
+    n_tries: usize,
 }
+
+/// Tries of a thorough start where some axes are continuous and others have levels: which runs get which levels decides, and
+/// what is best on the fine grid need not be off it.
+const MIXED_TRIES: usize = 5;
+/// Such a design is refined unless it is further behind the best on the grid than this, and so many per round at most.
+const MIXED_WORTH_REFINING: (f64, usize) = (0.05, 4);
 
 /// The box that the grid stands for.
 struct OffGrid<'a> {
@@ -54,7 +66,28 @@ struct OffGrid<'a> {
 
 impl Designer for Gridded<'_> {
     fn start(&self, generator: &mut Pcg64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Attempt {
-        self.search.start(generator, incumbents, is_over)
+        let mut best: Option<(f64, Vec<f64>)> = None;
+        let mut failed = Attempt::Failed;
+        for _ in 0..self.n_tries {
+            let attempt = self.search.start(generator, incumbents, is_over);
+            let was_cut = matches!(attempt, Attempt::Cut { .. });
+            match attempt {
+                Attempt::Found { x, value, .. } | Attempt::Cut { x, value } => {
+                    if best.as_ref().is_none_or(|best| value < best.0) {
+                        best = Some((value, x));
+                    }
+                }
+                other => failed = other,
+            }
+            if was_cut {
+                return best.map_or(failed, |(value, x)| Attempt::Cut { x, value });
+            }
+        }
+        best.map_or(failed, |(value, x)| Attempt::Found { x, value, stages: Vec::new() })
+    }
+
+    fn worth_refining(&self) -> (f64, usize) {
+        if self.n_tries > 1 { MIXED_WORTH_REFINING } else { WORTH_REFINING }
     }
 
     fn refine(&self, x: Vec<f64>, value: f64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Option<(Vec<f64>, f64)> {

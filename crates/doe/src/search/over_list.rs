@@ -6,7 +6,7 @@ use super::attempt::{Attempt, Designer};
 use super::candidates::Candidates;
 use super::continuous::Continuous;
 use super::ending::IsOver;
-use super::exchange::Discrete;
+use super::exchange::{Discrete, n_relaxed};
 use super::frame::{Frame, lattice};
 use super::incumbents::Incumbents;
 use super::problem::{Problem, Replicates};
@@ -41,6 +41,7 @@ pub(crate) fn over_list(problem: &Problem, list: &List, runner: Runner<'_>) -> R
         frame: &frame,
         candidates: &candidates,
         relaxed: is_boxed.then_some(relaxed),
+        n_relaxed: n_relaxed(runner.settings.effort, k),
         is_distinct: problem.replicates() != Replicates::Allowed,
         apart: SAME_RUN,
         fixed: problem.fixed_runs().map(map).collect(),

@@ -42,8 +42,9 @@ impl Problem {
     ///
     /// # Errors
     ///
-    /// [`Error::FactorMismatch`]; [`Error::TooFewRuns`] for fewer runs than terms; [`Error::Confounded`] if no
-    /// design from this space can tell the terms apart, with the terms.
+    /// [`Error::FactorMismatch`]; [`Error::TooFewRuns`] for fewer runs than terms; [`Error::Count`] for more than
+    /// [`MOST_RUNS`](Self::MOST_RUNS); [`Error::Confounded`] if no design from this space can tell the terms apart, with the
+    /// terms.
     pub fn new(model: Model, space: Space, n_runs: usize, criterion: Criterion) -> Result<Self, Error> {
         let (expected, found) = (model.n_factors(), space.n_factors());
         if expected != found {
@@ -51,6 +52,9 @@ impl Problem {
         }
         if n_runs < model.n_terms() {
             return Err(Error::TooFewRuns { n_runs, n_terms: model.n_terms() });
+        }
+        if n_runs > Self::MOST_RUNS {
+            return Err(Error::Count { name: "runs", found: n_runs, least: model.n_terms(), most: Self::MOST_RUNS });
         }
         check_support(&model, &space)?;
         let replicates = if space.n_points().is_none() { Replicates::Allowed } else { Replicates::Planned(0) };
@@ -120,6 +124,9 @@ impl Problem {
         self.judged = Some(judged);
         Ok(self)
     }
+
+    /// The largest number of runs.
+    pub const MOST_RUNS: usize = 1_000_000;
 
     /// The largest grid to judge over, in points.
     pub const MOST_JUDGED: usize = 100_000;

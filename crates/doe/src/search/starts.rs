@@ -33,10 +33,6 @@ pub(crate) struct Counts {
 
 /// Values closer than this count as the same design found again.
 const SAME_VALUE: f64 = 1e-6;
-/// A start this far behind the best before refinement is not refined.
-const WORTH_REFINING: f64 = 0.004;
-/// Starts refined per round at most.
-const REFINED: usize = 2;
 
 /// What runs the starts of any search.
 pub(crate) struct Runner<'a> {
@@ -142,9 +138,10 @@ impl<'a> Search<'a> {
 
     /// Which designs of a round to refine: the best of those found; without any so far, those cut.
     fn choose(&mut self, mut found: Vec<Contender>, cut: Vec<Contender>) -> Vec<Contender> {
-        let most = self.incumbents.best_before_refinement() + WORTH_REFINING;
+        let (behind, n_refined) = self.designer.worth_refining();
+        let most = self.incumbents.best_before_refinement() + behind;
         found.sort_by(Contender::order);
-        let n_worth = found.iter().take_while(|contender| contender.value <= most).count().min(REFINED);
+        let n_worth = found.iter().take_while(|contender| contender.value <= most).count().min(n_refined);
         self.counts.abandoned += (found.len() - n_worth) as u64;
         found.truncate(n_worth);
         if found.is_empty() && self.best.is_none() { cut } else { found }

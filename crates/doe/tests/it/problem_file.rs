@@ -39,3 +39,52 @@ fn a_fault_in_a_parameter_points_at_it_and_not_at_the_first() {
         "{fault}"
     );
 }
+
+/// A problem with two continuous parameters and these further lines.
+fn two_parameters(name: &str, lines: &str) -> ProblemFile {
+    let path = std::env::temp_dir().join(format!("infuse-doe-{}-{name}.toml", std::process::id()));
+    let head = format!("model = \"quadratic\"\ncriterion = \"G\"\n{lines}\n");
+    std::fs::write(&path, head + &parameter("a", 0.0) + &parameter("b", 0.0)).unwrap();
+    let read = ProblemFile::read(path.to_str().unwrap());
+    std::fs::remove_file(&path).unwrap();
+    read.unwrap()
+}
+
+#[test]
+fn many_runs_need_a_limit_of_the_time() {
+    let error = two_parameters("many", "runs = 100000").settings().unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "runs = 100000: the search may take hours, expected at most 2000 without `seconds`, which limits it"
+    );
+    assert!(two_parameters("limited", "runs = 100000\nseconds = 5.0").settings().is_ok());
+    assert!(two_parameters("few", "runs = 2000").settings().is_ok());
+}
+
+#[test]
+fn a_word_for_a_number_is_told_so_in_plain_words() {
+    let text = "runs = 8\nmodel = \"quadratic\"\ncriterion = \"G\"\n[[parameters]]\nname = \"a\"\nunit = \"m\"\nlower = \"x\"\nupper = 1.0\n";
+    let said = fault("word", text);
+    assert!(said.contains("invalid type: string \"x\", expected a number") && said.contains("line 7"), "{said}");
+    let listed = fault("exponents", &text.replace("\"quadratic\"", "[[0],[-1]]").replace("\"x\"", "0.0"));
+    assert!(listed.contains("a list of exponents") && !listed.contains("decimal comma"), "{listed}");
+}
+
+/// The best published design of seven runs has 80.239 %, judged on five levels of each parameter.
+#[test]
+fn a_file_may_ask_for_predictions_on_a_grid_only() {
+    let judged = |name, lines: &str| two_parameters(name, lines).problem();
+    let problem = judged("judged", "runs = 7\njudged_levels = 5").unwrap();
+    let found = doe::search(&problem, &doe::Settings::default()).unwrap();
+    assert!(found.efficiency.percent > 80.238, "{}", found.efficiency);
+    let said = problem.judged().over().to_string();
+    assert_eq!(said, "grid of 5 x 5 levels");
+    let each = judged("each", "runs = 7\njudged_levels = [5, 3]").unwrap();
+    assert_eq!(each.judged().over().to_string(), "grid of 5 x 3 levels");
+    let refused = |name, lines: &str| judged(name, lines).unwrap_err().to_string();
+    assert_eq!(
+        refused("three", "runs = 7\njudged_levels = [5, 5, 5]"),
+        "judged_levels: 3 numbers, expected one for each of the 2 parameters, or one for all"
+    );
+    assert_eq!(refused("one", "runs = 7\njudged_levels = 1"), "judged_levels: 1, expected 2 to 100000");
+}
