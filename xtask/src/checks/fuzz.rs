@@ -152,34 +152,32 @@ pub(crate) fn run(name: &str, minutes: &str) -> Result<()> {
     for (number, seed) in reader.seeds(&folder)?.iter().enumerate() {
         fs::copy(seed, seeds.join(number.to_string())).with_context(|| seed.display().to_string())?;
     }
-    // What a sheet tells is not to be written down: the next one is told the same campaign. Only the owner of a machine can.
-    let journal = folder.join("journal.jsonl");
-    let is_fixed = reader.file != "journal.jsonl" && changed_attribute("+i", &journal);
-    let fuzzed = fuzz(reader, &program, [&folder, &seeds, &found], minutes);
-    if is_fixed {
-        changed_attribute("-i", &journal);
-    }
-    fuzzed?;
+    fuzz(reader, &program, [&folder, &seeds, &found], minutes)?;
     keep(reader, &found.join("default/queue"))?;
-    tell(reader, &found.join("default"))
-}
-
-fn changed_attribute(change: &str, file: &Path) -> bool {
-    let output = Command::new("chattr").arg(change).arg(file).output();
-    output.is_ok_and(|output| output.status.success())
+    let hangs = reader.hangs(&target, &found.join("default/hangs"))?;
+    tell(reader, &found.join("default"), &hangs)
 }
 
 fn fuzz(reader: &Reader, program: &Path, [folder, seeds, found]: [&Path; 3], minutes: u32) -> Result<()> {
     let mut command = cargo(&["afl", "fuzz", "-t", "2000", "-m", "2000"])?;
     command.arg("-i").arg(seeds).arg("-o").arg(found).arg("-f").arg(folder.join(reader.file));
-    command.arg("-V").arg((60 * minutes).to_string()).arg("--").arg(program).args(reader.arguments(folder)?);
+    command.arg("-V").arg((60 * minutes).to_string()).arg("--");
+    // What a sheet tells is not to be written down, so that each one is told the same campaign: files may not grow beyond the
+    // length that the journal has.
+    let journal = folder.join("journal.jsonl");
+    if reader.folder == Folder::Campaign && reader.file != "journal.jsonl" {
+        let length = fs::metadata(&journal).with_context(|| journal.display().to_string())?.len();
+        let script = format!("trap '' XFSZ; ulimit -f {}; exec \"$0\" \"$@\"", length / 512);
+        command.args(["/bin/sh", "-c", &script]).env("AFL_SKIP_BIN_CHECK", "1");
+    }
+    command.arg(program).args(reader.arguments(folder)?);
     let settings = ["AFL_NO_UI", "AFL_SKIP_CPUFREQ", "AFL_NO_AFFINITY", "AFL_I_DONT_CARE_ABOUT_MISSING_CRASHES"];
     command.envs(settings.map(|name| (name, "1"))).env("AFL_CRASH_EXITCODE", PANIC.to_string());
     run_quietly(command.current_dir(folder))
 }
 
 /// What the run has found, as the fuzzer counts it.
-fn tell(reader: &Reader, found: &Path) -> Result<()> {
+fn tell(reader: &Reader, found: &Path, hangs: &[PathBuf]) -> Result<()> {
     let stats = found.join("fuzzer_stats");
     let text = fs::read_to_string(&stats).with_context(|| stats.display().to_string())?;
     let number = |name: &str| {
@@ -193,10 +191,10 @@ fn tell(reader: &Reader, found: &Path) -> Result<()> {
         number("run_time"),
         number("corpus_count"),
         number("saved_crashes"),
-        number("saved_hangs")
+        hangs.len()
     );
-    let is_clean = number("saved_crashes") == "0" && number("saved_hangs") == "0";
-    ensure!(is_clean, "what made them is under {}", found.display());
+    let is_clean = number("saved_crashes") == "0" && hangs.is_empty();
+    ensure!(is_clean, "what made them is under {}: {hangs:?}", found.display());
     Ok(())
 }
 
@@ -240,7 +238,7 @@ fn files_in(folder: &Path) -> Result<Vec<PathBuf>> {
 impl Reader {
     /// Builds the program in a folder of its own, by a subcommand of cargo that builds.
     fn built(&self, target: &Path, by: &str) -> Result<PathBuf> {
-        let mut command = cargo(&[by, "build", "--release", "--package", self.package])?;
+        let mut command = cargo(&[by, "build", "--release", "--all-features", "--package", self.package])?;
         match self.program {
             Program::Binary(name) => command.args(["--bin", name]),
             Program::Example(name) => command.args(["--example", name]),
@@ -298,24 +296,41 @@ impl Reader {
         Ok(seeds)
     }
 
+    /// Of the files that took the fuzzer's patience those that take ours, too: the machine may have been busy.
+    fn hangs(&self, target: &Path, found: &Path) -> Result<Vec<PathBuf>> {
+        let suspects = if found.is_dir() { files_in(found)? } else { Vec::new() };
+        Ok(self.feed(target, &suspects)?.into_iter().map(|(file, _)| file).collect())
+    }
+
     /// Feeds every kept file to the program as it is built.
     fn replay(&self, target: &Path) -> Result<()> {
+        let kept = root()?.join("fixtures/fuzz").join(self.name);
+        match self.feed(target, &files_in(&kept)?)?.into_iter().next() {
+            Some((file, error)) => Err(error.context(format!("with {}", file.display()))),
+            None => Ok(()),
+        }
+    }
+
+    /// Feeds files to the program; those with which it does not end well, and how.
+    fn feed(&self, target: &Path, files: &[PathBuf]) -> Result<Vec<(PathBuf, anyhow::Error)>> {
         let place = tempfile::tempdir().context("a folder for a while")?;
         let (folder, program) = (place.path().join("folder"), self.program_in(target));
         self.prepare(&folder, &program)?;
-        let kept = root()?.join("fixtures/fuzz").join(self.name);
         let before = files_in(&folder)?.into_iter().map(|file| Ok((file.clone(), fs::read(&file)?)));
         let before: Vec<(PathBuf, Vec<u8>)> = before.collect::<std::io::Result<_>>().context("the folder")?;
-        for file in files_in(&kept)? {
+        let mut faults = Vec::new();
+        for file in files {
             for (place, bytes) in &before {
                 fs::write(place, bytes).with_context(|| place.display().to_string())?;
             }
-            fs::copy(&file, folder.join(self.file)).with_context(|| file.display().to_string())?;
+            fs::copy(file, folder.join(self.file)).with_context(|| file.display().to_string())?;
             let mut command = Command::new(&program);
             command.args(self.arguments(&folder)?).current_dir(&folder);
-            ends_well(&mut command).with_context(|| format!("with {}", file.display()))?;
+            if let Err(error) = ends_well(&mut command) {
+                faults.push((file.clone(), error));
+            }
         }
-        Ok(())
+        Ok(faults)
     }
 }
 

@@ -146,7 +146,8 @@ pub struct Settings {
     #[serde(default = "default_design_starts")]
     pub design_starts: u64,
     /// Designs are searched among at most about this many cells, at least 1000: a larger set is
-    /// represented by a part of it. Default 400,000.
+    /// represented by a part of it. Default 400,000; for more than 15 terms [`new`](Self::new) takes so many that they have
+    /// 4,500,000 regressors, which keeps a search within some 150 MB.
     #[serde(default = "default_candidate_limit")]
     pub candidate_limit: u64,
 }
@@ -204,8 +205,21 @@ fn default_design_starts() -> u64 {
     2
 }
 
+/// Designs are searched among at least so many cells.
+const LEAST_CANDIDATES: u64 = 1000;
+
 fn default_candidate_limit() -> u64 {
     400_000
+}
+
+/// Up to so many terms the default number of candidates needs little memory.
+const FEW_TERMS: usize = 15;
+/// With more terms, as many candidates as have so many regressors together: 36 MB, of which a search holds a few copies.
+const MOST_REGRESSORS: usize = 4_500_000;
+
+fn candidate_limit(n_terms: usize) -> u64 {
+    let by_memory = if n_terms > FEW_TERMS { MOST_REGRESSORS / n_terms } else { usize::MAX };
+    default_candidate_limit().min(by_memory as u64).max(LEAST_CANDIDATES)
 }
 
 impl Settings {
@@ -216,6 +230,7 @@ impl Settings {
     /// the rest as documented per field.
     #[must_use]
     pub fn new(model: Model, n_experiments: usize, n_simulations: usize) -> Self {
+        let candidate_limit = candidate_limit(model.n_terms());
         Self {
             model,
             n_experiments,
@@ -233,7 +248,7 @@ impl Settings {
             max_iterations: default_max_iterations(),
             seed: default_seed(),
             design_starts: default_design_starts(),
-            candidate_limit: default_candidate_limit(),
+            candidate_limit,
         }
     }
 
@@ -287,7 +302,7 @@ impl Settings {
             count(name, value_shown, value >= least, expected)
         };
         positive_count("design_starts", self.design_starts, 1, "at least 1")?;
-        positive_count("candidate_limit", self.candidate_limit, 1000, "at least 1000")
+        positive_count("candidate_limit", self.candidate_limit, LEAST_CANDIDATES, "at least 1000")
     }
 
     fn validate_weights(&self) -> Result<(), Error> {

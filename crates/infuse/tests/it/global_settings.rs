@@ -17,6 +17,14 @@ fn check_refused(change: impl FnOnce(&mut global::Settings), message: &str) {
     assert!(error.to_string().contains(message), "{error}");
 }
 
+/// 24^4 cells are a list of all; a full quadratic regressor in six parameters has 28 terms.
+#[test]
+fn more_terms_mean_fewer_candidates_by_default() {
+    let limit = |k: usize| global::Settings::new(Model::quadratic(k).unwrap(), 60, 60).candidate_limit;
+    assert!(limit(2) == 400_000 && limit(4) == 400_000, "up to 15 terms");
+    assert!((150_000..165_000).contains(&limit(6)), "{}", limit(6));
+}
+
 #[test]
 fn settings_out_of_range_are_named() {
     check_refused(|settings| settings.n_experiments = 5, "`n_experiments` is 5, expected at least the number of terms");
