@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::distance::Distance;
 use crate::lanes::is_usable;
 use crate::over_grid::Squares;
-use crate::quotients::{GROUP, Groups, Quotients};
-use crate::weighted_average::{Datum, Packed, mean, squared_distances, used};
+use crate::quotients::{Groups, Quotients};
+use crate::weighted_average::{Datum, GROUP, Packed, mean, squared_distances, used};
 use crate::{Data, Error, GridPoints, LANES, Lanes, LeaveOneOut, OverGrid, Surface};
 
 /// The average of the values, each weighted by a power of the inverse distance to its point.
@@ -158,11 +158,6 @@ impl InverseDistance {
         averages
     }
 
-    #[inline(always)]
-    pub(crate) fn within(&self, average: f64) -> f64 {
-        self.packed.within(average)
-    }
-
     /// Estimates again with scaled distances where a lane is not a number.
     #[cold]
     fn repair<const L: usize>(&self, block: &[[f64; L]], estimates: &mut [f64; L]) {
@@ -258,7 +253,8 @@ impl Surface for InverseDistance {
         if self.weighting != Weighting::InverseSquare {
             return None;
         }
-        Squares::new(self, &self.groups, grid).map(|squares| Box::new(squares) as Box<dyn OverGrid>)
+        let alone = Box::new(|point: &[f64]| self.predict(point));
+        Squares::new(&self.packed, &self.groups, grid, alone).map(|squares| Box::new(squares) as Box<dyn OverGrid>)
     }
 
     /// ∇Ĵ = −q Σ ω_i (J_i − Ĵ)(p − p_i)/d_i² / Σ ω_i; zero at a data point if q > 1, none there if q ≤ 1.

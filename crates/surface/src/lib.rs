@@ -9,6 +9,7 @@ mod inverse_distance;
 mod lack_of_fit;
 mod lanes;
 mod leave_one_out;
+mod monomial;
 mod over_grid;
 mod points;
 mod polynomial;

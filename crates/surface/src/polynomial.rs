@@ -4,6 +4,7 @@ use doe::{Model, Term};
 use multiversion::multiversion;
 
 use crate::lanes::{check_factors, is_usable, one_lane};
+use crate::monomial::Monomial;
 use crate::over_grid::Powers;
 use crate::{Error, GridPoints, LANES, Lanes, OverGrid, Surface};
 
@@ -27,26 +28,6 @@ pub struct Polynomial {
     /// Those of the terms, then one of coefficient zero for each factor in no term.
     monomials: Vec<Monomial>,
     terms: Vec<Term>,
-}
-
-/// A coefficient and the factors it is multiplied by, each as often as its exponent says.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Monomial {
-    coefficient: f64,
-    factors: Vec<usize>,
-}
-
-impl Monomial {
-    /// Its factors from one on, each as often as its exponent says.
-    pub(crate) fn factors_from(&self, first: usize) -> impl Iterator<Item = usize> {
-        self.factors.iter().copied().filter(move |&factor| factor >= first)
-    }
-
-    /// Its value at a point with only the factors before one.
-    pub(crate) fn value_before(&self, end: usize, point: &[f64]) -> f64 {
-        let factors = self.factors.iter().filter(|&&factor| factor < end);
-        factors.fold(self.coefficient, |product, &factor| product * point[factor])
-    }
 }
 
 impl Polynomial {
@@ -100,11 +81,6 @@ impl Polynomial {
     /// Each term with its coefficient.
     pub fn parts(&self) -> impl Iterator<Item = (&Term, f64)> {
         self.terms.iter().zip(&self.monomials).map(|(term, monomial)| (term, monomial.coefficient))
-    }
-
-    /// Those of the terms, and one of coefficient zero for each factor in no term.
-    pub(crate) fn monomials(&self) -> &[Monomial] {
-        &self.monomials
     }
 
     fn of(n_factors: usize, terms: Vec<Term>, coefficients: Vec<f64>) -> Self {
@@ -168,7 +144,8 @@ impl Surface for Polynomial {
     }
 
     fn over_grid<'a>(&'a self, grid: &'a GridPoints) -> Option<Box<dyn OverGrid + 'a>> {
-        Powers::new(self, grid).map(|powers| Box::new(powers) as Box<dyn OverGrid>)
+        Powers::new(&self.monomials, grid, Box::new(|point| self.predict(point)))
+            .map(|powers| Box::new(powers) as Box<dyn OverGrid>)
     }
 
     fn gradient(&self, point: &[f64]) -> Option<Vec<f64>> {

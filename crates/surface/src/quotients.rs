@@ -1,10 +1,7 @@
 //! Σ w J/q and Σ w/q over many data with few divisions: four fractions are brought to one denominator, because a division costs
 //! as much as ten products.
 
-use crate::weighted_average::Packed;
-
-/// Data that share a denominator.
-pub(crate) const GROUP: usize = crate::over_grid::GROUP;
+use crate::weighted_average::{GROUP, Packed, Row};
 
 /// Where a product of four squared distances is below this, an estimate is computed in another way.
 const LEAST_PRODUCT: f64 = 1e-150;
@@ -36,9 +33,7 @@ impl Groups {
         let row = |place: usize| rows.get(place).or(rows.last());
         let coordinates: Vec<f64> = (0..padded).filter_map(row).flat_map(|row| row.point).copied().collect();
         let group = |first: usize| {
-            let number = |of: fn(&crate::weighted_average::Row<'_>) -> f64| {
-                std::array::from_fn(|place| rows.get(first + place).map_or(0.0, of))
-            };
+            let number = |of: fn(&Row<'_>) -> f64| std::array::from_fn(|place| rows.get(first + place).map_or(0.0, of));
             Group { weights: number(|row| row.weight), weighted_values: number(|row| row.weighted_value) }
         };
         let groups = (0..padded).step_by(GROUP).map(group).collect();

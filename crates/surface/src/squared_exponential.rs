@@ -119,11 +119,6 @@ impl SquaredExponential {
     }
 
     #[inline(always)]
-    pub(crate) fn within(&self, average: f64) -> f64 {
-        self.packed.within(average)
-    }
-
-    #[inline(always)]
     fn estimate<const L: usize>(&self, block: &[[f64; L]]) -> [f64; L] {
         let (mut totals, mut sums, mut nearest) = ([0.0; L], [0.0; L], [f64::INFINITY; L]);
         let rate = self.scale * self.scale;
@@ -185,7 +180,9 @@ impl Surface for SquaredExponential {
     }
 
     fn over_grid<'a>(&'a self, grid: &'a GridPoints) -> Option<Box<dyn OverGrid + 'a>> {
-        Exponentials::new(self, &self.packed, grid).map(|exponentials| Box::new(exponentials) as Box<dyn OverGrid>)
+        let alone = Box::new(|point: &[f64]| self.predict(point));
+        Exponentials::new(&self.packed, self.scale, grid, alone)
+            .map(|exponentials| Box::new(exponentials) as Box<dyn OverGrid>)
     }
 
     /// ∇Ĵ = 2 c² Σ ω_i (J_i − Ĵ) p_i / Σ ω_i.

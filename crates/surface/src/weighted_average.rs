@@ -2,6 +2,9 @@
 
 use crate::Data;
 
+/// Places that are summed before they are added to what others have summed, so that one sum need not wait for the last.
+pub(crate) const GROUP: usize = 4;
+
 /// One point that takes part in an average.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Datum<'a> {

@@ -129,7 +129,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// Longer files are not kept.
 const MOST_BYTES: u64 = 16_384;
 /// So many files are kept for each reader.
-const MOST_FILES: usize = 60;
+const MOST_FILES: usize = 40;
 
 /// Changes files of one reader for so many minutes, and keeps what reached something new.
 pub(crate) fn run(name: &str, minutes: &str) -> Result<()> {

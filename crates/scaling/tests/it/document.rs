@@ -200,3 +200,12 @@ fn nothing_else_is_needed_of_a_system() {
         convert(&law, "m = { value = 1.0, unit = \"kg\" }").unwrap_err().to_string().starts_with("m: the given ratios")
     );
 }
+
+/// A TOML integer has no point, and has to be exact.
+#[test]
+fn a_whole_number_stays_whole_as_long_as_it_is_exact() {
+    let converted =
+        |value: &str| convert(&full_scale(), &format!("a = {{ value = {value}, unit = \"m\" }}\n")).unwrap().text;
+    assert_eq!(converted("3"), "a = { value = 300, unit = \"m\" }\n");
+    assert_eq!(converted("1000000000000000"), "a = { value = 100000000000000000.0, unit = \"m\" }\n");
+}

@@ -4,27 +4,26 @@ use multiversion::multiversion;
 
 use crate::GridPoints;
 use crate::exponential::exp_of_negative;
-use crate::over_grid::{AxisTables, GROUP, OverGrid, RUN_OF_AVERAGE, Run, Runs, WIDTH};
-use crate::weighted_average::Packed;
-use crate::{SquaredExponential, Surface as _};
+use crate::over_grid::runs::{Alone, AxisTables, OverGrid, RUN_OF_AVERAGE, Run, Runs, WIDTH};
+use crate::weighted_average::{GROUP, Packed, Row};
 
 /// A sum of weights below this is computed in another way: some of its parts have vanished.
 const LEAST_TOTAL: f64 = 1e-150;
 
 /// exp(−c² (x − p)²) along each axis.
-#[derive(Debug)]
 pub(crate) struct Exponentials<'a> {
-    surface: &'a SquaredExponential,
+    packed: &'a Packed,
     runs: Runs<'a>,
     tables: AxisTables,
     /// One for each datum, and zero for those that fill up the last group.
     weights: Vec<f64>,
     weighted_values: Vec<f64>,
+    alone: Alone<'a>,
 }
 
 impl<'a> Exponentials<'a> {
     /// None where the grid is too large for tables.
-    pub(crate) fn new(surface: &'a SquaredExponential, packed: &Packed, grid: &'a GridPoints) -> Option<Self> {
+    pub(crate) fn new(packed: &'a Packed, scale: f64, grid: &'a GridPoints, alone: Alone<'a>) -> Option<Self> {
         let rows: Vec<_> = packed.rows().collect();
         let padded = rows.len().next_multiple_of(GROUP);
         let runs = Runs::of(grid, RUN_OF_AVERAGE);
@@ -33,22 +32,21 @@ impl<'a> Exponentials<'a> {
         }
         let points: Vec<&[f64]> =
             (0..padded).filter_map(|place| rows.get(place).or(rows.last())).map(|row| row.point).collect();
-        let rate = surface.scale() * surface.scale();
+        let rate = scale * scale;
         let entry = |x: f64, coordinate: f64| {
             let exponent = -(rate * ((x - coordinate) * (x - coordinate)));
             // The exponential is not meant for what is not a number.
             if exponent <= 0.0 { exp_of_negative(exponent) } else { f64::NAN }
         };
         let tables = AxisTables::new(&runs, &points, entry, |a, b| a * b);
-        let number = |of: fn(&crate::weighted_average::Row<'_>) -> f64| {
-            (0..padded).map(|place| rows.get(place).map_or(0.0, of)).collect()
-        };
+        let number = |of: fn(&Row<'_>) -> f64| (0..padded).map(|place| rows.get(place).map_or(0.0, of)).collect();
         Some(Self {
-            surface,
+            packed,
             runs,
             tables,
             weights: number(|row| row.weight),
             weighted_values: number(|row| row.weighted_value),
+            alone,
         })
     }
 }
@@ -63,7 +61,7 @@ impl OverGrid for Exponentials<'_> {
 fn fill(exponentials: &Exponentials<'_>, first: u64, estimates: &mut [f64]) {
     let n_data = exponentials.tables.n_data();
     let run = ExponentialsRun { exponentials, weights: vec![0.0; n_data], weighted_values: vec![0.0; n_data] };
-    exponentials.runs.fill(run, first, estimates, |point| exponentials.surface.predict(point));
+    exponentials.runs.fill(run, first, estimates, &exponentials.alone);
 }
 
 struct ExponentialsRun<'a> {
@@ -90,7 +88,7 @@ impl Run for ExponentialsRun<'_> {
 
     #[inline(always)]
     fn block(&self, at: usize) -> [f64; WIDTH] {
-        let Exponentials { surface, tables, .. } = self.exponentials;
+        let Exponentials { packed, tables, .. } = self.exponentials;
         let (mut totals, mut sums) = ([0.0; WIDTH], [0.0; WIDTH]);
         let numbers = self.weights.as_chunks::<GROUP>().0.iter().zip(self.weighted_values.as_chunks::<GROUP>().0);
         for (factors, (weights, values)) in tables.of_run(at).iter().zip(numbers) {
@@ -103,7 +101,7 @@ impl Run for ExponentialsRun<'_> {
         }
         let mut averages = [0.0; WIDTH];
         for lane in 0..WIDTH {
-            let average = surface.within(sums[lane] / totals[lane]);
+            let average = packed.within(sums[lane] / totals[lane]);
             averages[lane] = if totals[lane] >= LEAST_TOTAL { average } else { f64::NAN };
         }
         averages

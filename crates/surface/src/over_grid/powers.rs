@@ -2,18 +2,17 @@
 
 use multiversion::multiversion;
 
+use crate::GridPoints;
 use crate::lanes::MOST_FACTORS;
-use crate::over_grid::{OverGrid, Run, Runs, WIDTH};
-use crate::polynomial::{Monomial, Polynomial};
-use crate::{GridPoints, Surface as _};
+use crate::monomial::Monomial;
+use crate::over_grid::runs::{Alone, OverGrid, Run, Runs, WIDTH};
 
 /// Points of a run: some ten numbers for each stay in the second cache, and what is computed once a run counts for nothing.
 const RUN: usize = 1024;
 
 /// Products of powers of the coordinates along a run, and what stands before each.
-#[derive(Debug)]
 pub(crate) struct Powers<'a> {
-    polynomial: &'a Polynomial,
+    alone: Alone<'a>,
     runs: Runs<'a>,
     products: Vec<Product<'a>>,
 }
@@ -29,14 +28,14 @@ struct Product<'a> {
 
 impl<'a> Powers<'a> {
     /// None where the grid is too large for tables.
-    pub(crate) fn new(polynomial: &'a Polynomial, grid: &'a GridPoints) -> Option<Self> {
+    pub(crate) fn new(monomials: &'a [Monomial], grid: &'a GridPoints, alone: Alone<'a>) -> Option<Self> {
         let runs = Runs::of(grid, RUN);
-        if !runs.are_small(polynomial.monomials().len()) {
+        if !runs.are_small(monomials.len()) {
             return None;
         }
         let (n_leading, points) = (runs.leading_levels().len(), runs.points());
         let mut products: Vec<Product<'a>> = Vec::new();
-        for monomial in polynomial.monomials() {
+        for monomial in monomials {
             let has_same = |product: &&mut Product<'a>| {
                 product.monomials.iter().all(|other| other.factors_from(n_leading).eq(monomial.factors_from(n_leading)))
             };
@@ -50,7 +49,7 @@ impl<'a> Powers<'a> {
             along_run.resize(points.len().next_multiple_of(WIDTH), 0.0);
             products.push(Product { monomials: vec![monomial], along_run });
         }
-        Some(Self { polynomial, runs, products })
+        Some(Self { alone, runs, products })
     }
 }
 
@@ -63,7 +62,7 @@ impl OverGrid for Powers<'_> {
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
 fn fill(powers: &Powers<'_>, first: u64, estimates: &mut [f64]) {
     let run = PowersRun { powers, factors: vec![0.0; powers.products.len()] };
-    powers.runs.fill(run, first, estimates, |point| powers.polynomial.predict(point));
+    powers.runs.fill(run, first, estimates, &powers.alone);
 }
 
 struct PowersRun<'a> {

@@ -3,22 +3,22 @@
 use multiversion::multiversion;
 
 use crate::GridPoints;
-use crate::over_grid::{AxisTables, OverGrid, RUN_OF_AVERAGE, Run, Runs, WIDTH};
-use crate::quotients::{GROUP, Groups, Quotients};
-use crate::{InverseDistance, Surface as _};
+use crate::over_grid::runs::{Alone, AxisTables, OverGrid, RUN_OF_AVERAGE, Run, Runs, WIDTH};
+use crate::quotients::{Groups, Quotients};
+use crate::weighted_average::{GROUP, Packed};
 
 /// Squared differences along each axis.
-#[derive(Debug)]
 pub(crate) struct Squares<'a> {
-    surface: &'a InverseDistance,
+    packed: &'a Packed,
     groups: &'a Groups,
     runs: Runs<'a>,
     tables: AxisTables,
+    alone: Alone<'a>,
 }
 
 impl<'a> Squares<'a> {
     /// None where the grid is too large for tables, or so wide that products of distances might overflow.
-    pub(crate) fn new(surface: &'a InverseDistance, groups: &'a Groups, grid: &'a GridPoints) -> Option<Self> {
+    pub(crate) fn new(packed: &'a Packed, groups: &'a Groups, grid: &'a GridPoints, alone: Alone<'a>) -> Option<Self> {
         let mut levels = grid.levels().iter().flatten();
         let is_plain = groups.is_plain() && levels.all(|x| Groups::is_plain_coordinate(*x));
         let points: Vec<&[f64]> = groups.points().collect();
@@ -26,7 +26,7 @@ impl<'a> Squares<'a> {
         (is_plain && runs.are_small(points.len())).then(|| {
             let tables =
                 AxisTables::new(&runs, &points, |x, coordinate| (x - coordinate) * (x - coordinate), |a, b| a + b);
-            Self { surface, groups, runs, tables }
+            Self { packed, groups, runs, tables, alone }
         })
     }
 }
@@ -40,7 +40,7 @@ impl OverGrid for Squares<'_> {
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
 fn fill(squares: &Squares<'_>, first: u64, estimates: &mut [f64]) {
     let run = SquaresRun { squares, of_run: vec![0.0; squares.tables.n_data()] };
-    squares.runs.fill(run, first, estimates, |point| squares.surface.predict(point));
+    squares.runs.fill(run, first, estimates, &squares.alone);
 }
 
 struct SquaresRun<'a> {
@@ -63,7 +63,7 @@ impl Run for SquaresRun<'_> {
 
     #[inline(always)]
     fn block(&self, at: usize) -> [f64; WIDTH] {
-        let Squares { surface, groups, tables, .. } = self.squares;
+        let Squares { packed, groups, tables, .. } = self.squares;
         let mut quotients = Quotients::<WIDTH>::new();
         let numbers = groups.of_four().iter().zip(self.of_run.as_chunks::<GROUP>().0);
         for (along_run, (group, of_run)) in tables.of_run(at).iter().zip(numbers) {
@@ -75,6 +75,6 @@ impl Run for SquaresRun<'_> {
             }
             quotients.add(&squares, group);
         }
-        quotients.averages().map(|average| surface.within(average))
+        quotients.averages().map(|average| packed.within(average))
     }
 }
