@@ -26,6 +26,7 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["ci"] => ci::run(),
         ["tidy"] => tidy::run(),
+        ["fuzz"] => fuzz::replay(),
         ["fuzz", reader, minutes] => fuzz::run(reader, minutes),
         ["machines"] => machines::run(),
         ["packages"] => packages::check(),
