@@ -155,5 +155,6 @@ proptest! {
 #[test]
 fn a_loop_says_what_it_was_made_with() {
     let pd = FilteredPd::new(0.25, -0.75, 1.5).expect("valid gains");
-    assert_eq!([pd.proportional(), pd.derivative(), pd.time_constant_s()], [0.25, -0.75, 1.5]);
+    let said = [pd.proportional(), pd.derivative(), pd.time_constant_s()].map(f64::to_bits);
+    assert_eq!(said, [0.25_f64, -0.75, 1.5].map(f64::to_bits));
 }
