@@ -14,13 +14,16 @@ use infuse::{Error, Outcome, TrialId};
 use crate::campaign::{Experiments, Imported, Reading};
 use crate::journal::{Assessed, BY_ITSELF, Constrained, Event, Journal, Measured, Purpose, Submitted, Told};
 use crate::problem::{PROBLEM, Problem, Simulator, linear_in_words};
-use crate::simulator::{Job, Simulated, identity, table};
+use crate::simulator::{Job, Rows, identity};
 
 /// Designs of which a command simulates all.
 const MOST_SIMULATED: u64 = 20_000;
 /// A table with a smaller share of the designs is continued by a surface through some of its rows: so many at most.
 const DENSE: f64 = 0.5;
 const MOST_ROWS: usize = 400;
+
+/// What was simulated of some designs, in the order of the cells.
+pub(super) type Costs = Rc<[(Cell, f64)]>;
 
 /// Where a campaign stands.
 #[derive(Debug, Clone)]
@@ -44,7 +47,9 @@ pub(crate) struct Campaign {
     /// What was known after each batch.
     pub(super) history: BTreeMap<usize, Assessed>,
     /// The rows of a simulator that is a table, once they were read.
-    rows: Rc<OnceCell<HashMap<Cell, Simulated>>>,
+    rows: Rc<OnceCell<Rows>>,
+    /// Their costs, where the loop may ask for them.
+    costs_of_rows: Rc<OnceCell<Costs>>,
     /// The loop before anything was told.
     empty: Loop,
     /// The loop with all that was told, once it was asked for.
@@ -142,6 +147,7 @@ impl Campaign {
             empty,
             history: BTreeMap::new(),
             rows: Rc::new(OnceCell::new()),
+            costs_of_rows: Rc::new(OnceCell::new()),
             now: RefCell::new(None),
             assessed: OnceCell::new(),
             doubtful: OnceCell::new(),
@@ -234,12 +240,12 @@ impl Campaign {
     }
 
     /// The rows of the table that is the simulator.
-    pub(super) fn rows(&self) -> Result<&HashMap<Cell, Simulated>> {
+    pub(super) fn rows(&self) -> Result<&Rows> {
         if let (Simulator::Table(path), None) = (&self.problem.simulator, self.rows.get()) {
-            let rows = table(&self.folder.join(path), &self.problem, &self.grid)?;
+            let rows = Rows::of_table(&self.folder, path, &self.problem, &self.grid)?;
             let _ = self.rows.set(rows);
         }
-        Ok(self.rows.get_or_init(HashMap::new))
+        Ok(self.rows.get_or_init(|| Rows::none(self.problem.constraints.len())))
     }
 
     /// What is to be simulated before the campaign can go on.
@@ -254,26 +260,29 @@ impl Campaign {
         cells.into_iter().map(|cell| Ok((cell, self.grid.point(cell)?))).collect()
     }
 
-    /// Every simulated cost that is known.
-    pub(super) fn simulated(&self) -> Result<BTreeMap<Cell, f64>> {
+    /// Every simulated cost that is known, in the order of the cells.
+    pub(super) fn simulated(&self) -> Result<Costs> {
         let response = &self.problem.response;
-        Ok(match &self.problem.simulator {
-            Simulator::Table(_) => {
-                let rows = self.rows()?.iter().filter(|(cell, _)| self.empty.allows(**cell));
-                rows.map(|(&cell, row)| (cell, response.cost(row.value))).collect()
-            }
-            Simulator::Program { .. } => {
-                let by = identity(&self.problem.simulator);
-                let of_it = self.memory.iter().filter(|(_, known)| known.by == by);
-                of_it.filter_map(|(&cell, known)| Some((cell, response.cost(known.result.value()?)))).collect()
-            }
-        })
+        if let Simulator::Table(_) = &self.problem.simulator {
+            let rows = self.rows()?;
+            let costs = || {
+                let allowed = rows.iter().filter(|(cell, _)| self.empty.allows(*cell));
+                allowed.map(|(cell, row)| (cell, response.cost(row.value))).collect()
+            };
+            return Ok(Rc::clone(self.costs_of_rows.get_or_init(costs)));
+        }
+        let by = identity(&self.problem.simulator);
+        let of_it = self.memory.iter().filter(|(_, known)| known.by == by);
+        let cost = |(&cell, known): (&Cell, &Remembered)| Some((cell, response.cost(known.result.value()?)));
+        let mut costs: Vec<(Cell, f64)> = of_it.filter_map(cost).collect();
+        costs.sort_by_key(|&(cell, _)| cell);
+        Ok(costs.into())
     }
 
     /// What was simulated of the responses that have to stay within bounds, in the order of the constraints.
     fn simulated_constraints(&self, cell: Cell) -> Result<Vec<Option<f64>>> {
         Ok(match &self.problem.simulator {
-            Simulator::Table(_) => self.rows()?.get(&cell).map(|row| row.constrained.clone()).unwrap_or_default(),
+            Simulator::Table(_) => self.rows()?.get(cell).map(|row| row.constrained()).unwrap_or_default(),
             Simulator::Program { .. } => {
                 self.memory.get(&cell).map(|known| self.problem.in_order(&known.constrained)).unwrap_or_default()
             }
@@ -301,15 +310,14 @@ impl Campaign {
 
     /// The design that the simulation likes best, of those that were simulated and keep to the bounds, as it says.
     pub(super) fn choice_of_the_simulation(&self) -> Result<Option<Cell>> {
-        let mut simulated = self.simulated()?;
-        if !self.problem.constraints.is_empty() {
-            let kept = simulated.into_iter().map(|(cell, cost)| Ok((cell, cost, self.is_within_by_simulation(cell)?)));
-            let kept = kept.collect::<Result<Vec<_>>>()?;
-            simulated = kept.into_iter().filter(|(_, _, within)| *within).map(|(cell, cost, _)| (cell, cost)).collect();
+        let mut best: Option<(Cell, f64)> = None;
+        for &(cell, cost) in self.simulated()?.iter() {
+            let is_better = best.is_none_or(|(_, least)| cost.total_cmp(&least).is_lt());
+            if is_better && self.is_within_by_simulation(cell)? && self.why_not(cell).is_none() {
+                best = Some((cell, cost));
+            }
         }
-        let allowed = simulated.iter().filter(|(cell, _)| self.why_not(**cell).is_none());
-        let best = allowed.min_by(|a, b| a.1.total_cmp(b.1).then(a.0.cmp(b.0)));
-        Ok(best.map(|(&cell, _)| cell))
+        Ok(best.map(|(cell, _)| cell))
     }
 
     /// How many designs were simulated, where those are not all.
@@ -439,8 +447,8 @@ impl Campaign {
             None => Err("it was never simulated".to_owned()),
         };
         let looked_up = |cell: Cell| {
-            let row = rows.get(&cell).ok_or_else(|| "no row".to_owned())?;
-            Ok(Responses { objective: response.cost(row.value), constrained: row.constrained.clone() })
+            let row = rows.get(cell).ok_or_else(|| "no row".to_owned())?;
+            Ok(Responses { objective: response.cost(row.value), constrained: row.constrained() })
         };
         let mut look_up = |cell: Cell, _: &[f64]| match access {
             Access::All => remembered(cell),
@@ -579,8 +587,8 @@ fn by_constraints(problem: &Problem, error: Error) -> anyhow::Error {
 }
 
 /// The best rows, those of planned cells, and others all over the table: at most 400.
-fn some_rows(rows: &BTreeMap<Cell, f64>, planned: &BTreeSet<Cell>) -> Vec<(Cell, f64)> {
-    let mut order: Vec<(Cell, f64)> = rows.iter().map(|(&cell, &cost)| (cell, cost)).collect();
+fn some_rows(rows: &[(Cell, f64)], planned: &BTreeSet<Cell>) -> Vec<(Cell, f64)> {
+    let mut order = rows.to_vec();
     if order.len() <= MOST_ROWS {
         return order;
     }

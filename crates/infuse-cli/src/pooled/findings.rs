@@ -193,13 +193,14 @@ pub(super) fn none_better(problem: &Problem, certificate: &Certificate) -> Strin
 /// What the simulation is worth.
 fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     let simulated = campaign.simulated()?;
-    let constant =
-        simulated.values().next().filter(|first| simulated.values().all(|other| other.to_bits() == first.to_bits()));
+    let is_first =
+        |(_, other): &(_, f64)| simulated.first().is_some_and(|(_, first)| other.to_bits() == first.to_bits());
+    let is_constant = simulated.iter().all(is_first);
     Ok(match found.simulation {
         _ if simulated.is_empty() => {
             Finding::new("There is no simulation to learn from: every one failed, or none was run.")
         }
-        _ if simulated.len() > 1 && constant.is_some() => {
+        _ if simulated.len() > 1 && is_constant => {
             Finding::new("The simulation gives the same value everywhere: it tells nothing.")
         }
         None => Finding::new("What the simulation is worth, too few experiments tell."),

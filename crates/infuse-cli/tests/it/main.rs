@@ -9,6 +9,7 @@ mod constraints;
 mod interruptions;
 mod journals;
 mod kills;
+mod long_tables;
 mod mixed;
 mod plants;
 mod pooled;

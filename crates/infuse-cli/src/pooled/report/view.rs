@@ -62,7 +62,8 @@ impl<'a> View<'a> {
             return Ok(None);
         };
         let response = &campaign.problem.response;
-        let simulated = campaign.simulated()?.into_iter().map(|(cell, cost)| (cell, response.of_cost(cost)));
+        let costs = campaign.simulated()?;
+        let simulated = costs.iter().map(|&(cell, cost)| (cell, response.of_cost(cost)));
         let mut view = Self {
             campaign,
             access: campaign.access()?,

@@ -1,20 +1,23 @@
 //! Simulations: looked up, or run side by side.
 
-use std::collections::{BTreeMap, HashMap};
+mod index;
+mod rows;
+
+pub(crate) use rows::Rows;
+
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use design_space::{Cell, Grid};
 
 use crate::job_numbers::JobNumbers;
 use crate::journal::{Constrained, Measured};
-use crate::number::{plain, with_unit};
 use crate::problem::{Problem, Program, Simulator};
 use crate::program::Ran;
-use crate::sheet::{Fault, Table, none_of, point_columns};
 
 /// A point to simulate.
 pub(crate) type Job = (Cell, Vec<f64>);
@@ -49,9 +52,9 @@ pub(crate) fn simulate(
 ) -> Result<()> {
     match &problem.simulator {
         Simulator::Table(path) => {
-            let values = table(&folder.join(path), problem, grid)?;
+            let rows = Rows::of_table(folder, path, problem, grid)?;
             for job in jobs {
-                match values.get(&job.0) {
+                match rows.get(job.0) {
                     Some(row) => done(job, Measured::Value(row.value), row.named(problem))?,
                     None => done(job, Measured::Failed(format!("no row in {}", path.display())), BTreeMap::new())?,
                 }
@@ -117,71 +120,4 @@ fn hand_over(
         Ran::Failed(reason) => done(job, Measured::Failed(reason), BTreeMap::new()),
         Ran::Interrupted => Ok(()),
     })
-}
-
-/// What a table says of a design.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Simulated {
-    pub(crate) value: f64,
-    /// One per constraint, if the table has a column for it.
-    pub(crate) constrained: Vec<Option<f64>>,
-}
-
-impl Simulated {
-    fn named(&self, problem: &Problem) -> Constrained {
-        let pairs = problem.constraints.iter().zip(&self.constrained);
-        pairs.filter_map(|(held, value)| Some((held.name().to_owned(), (*value)?))).collect()
-    }
-}
-
-/// The values of a table, by cell.
-pub(crate) fn table(path: &Path, problem: &Problem, grid: &Grid) -> Result<HashMap<Cell, Simulated>> {
-    let parameters = problem.region.parameters();
-    let k = parameters.len();
-    let table = Table::read(path, &point_columns(problem))?;
-    let (mut values, mut faults): (HashMap<Cell, Simulated>, Vec<Fault>) = (HashMap::new(), Vec::new());
-    for row in table.rows() {
-        let mut point = Vec::with_capacity(k);
-        for (column, parameter) in parameters.iter().enumerate() {
-            match table.setting(row, column, parameter) {
-                Err(expected) => faults.push(table.fault(row, column, expected)),
-                Ok(value) => match parameter.snap(value) {
-                    Ok(level) if (level - value).abs() <= 1e-6 * parameter.width() => point.push(level),
-                    Ok(level) => {
-                        let level = with_unit(&plain(level), parameter.unit());
-                        faults.push(table.fault(
-                            row,
-                            column,
-                            format!("a level of the parameter, the nearest is {level}"),
-                        ));
-                    }
-                    Err(error) => faults.push(table.fault(row, column, error.to_string())),
-                },
-            }
-        }
-        let constrained = (0..problem.constraints.len()).map(|index| {
-            let column = k + 1 + index;
-            if table.cell(row, column).is_empty() {
-                return None;
-            }
-            table.number(row, column).map_err(|expected| faults.push(table.fault(row, column, expected))).ok()
-        });
-        let constrained: Vec<Option<f64>> = constrained.collect();
-        match table.number(row, k) {
-            Err(expected) => faults.push(table.fault(row, k, expected)),
-            Ok(value) if point.len() == k => {
-                let simulated = Simulated { value, constrained };
-                let earlier = values.insert(grid.nearest(&point)?, simulated.clone());
-                if earlier.is_some_and(|earlier| earlier != simulated) {
-                    faults.push(table.fault(row, k, "the value that an earlier row has for the same settings"));
-                }
-            }
-            Ok(_) => {}
-        }
-    }
-    none_of(&path.display().to_string(), &faults)?;
-    if values.is_empty() {
-        bail!("{}: no rows, expected one per simulated point", path.display());
-    }
-    Ok(values)
 }
