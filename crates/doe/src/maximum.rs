@@ -108,14 +108,26 @@ fn ascents(variance: &PredictionVariance, shape: &BoxShape, most: usize) -> (Vec
 }
 
 fn scan_list(variance: &PredictionVariance, list: &List) -> (usize, f64) {
-    let value = |(index, point): (usize, &[f64])| (index, variance.value(point));
-    let larger = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 || b.1 >= a.1 && b.0 < a.0 { b } else { a };
+    let highest = |(block, points): (usize, &[f64])| {
+        let mut values = [0.0; SCANNED_AT_ONCE];
+        let values = &mut values[..points.len() / list.n_factors];
+        variance.fill_values(points, values);
+        let places = (block * SCANNED_AT_ONCE..).zip(values.iter().copied());
+        places.fold((0, f64::NEG_INFINITY), higher)
+    };
     list.coordinates
-        .par_chunks_exact(list.n_factors)
+        .par_chunks(list.n_factors * SCANNED_AT_ONCE)
         .enumerate()
-        .with_min_len(1024)
-        .map(value)
-        .reduce(|| (0, f64::NEG_INFINITY), larger)
+        .map(highest)
+        .reduce(|| (0, f64::NEG_INFINITY), higher)
+}
+
+/// Points of a list that one thread looks at before it takes others.
+const SCANNED_AT_ONCE: usize = 1024;
+
+/// The larger value, and of equals the first.
+fn higher(a: (usize, f64), b: (usize, f64)) -> (usize, f64) {
+    if b.1 > a.1 || b.1 >= a.1 && b.0 < a.0 { b } else { a }
 }
 
 /// Line by line along the last axis, where v is a polynomial of one variable.

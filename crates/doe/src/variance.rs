@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use multiversion::multiversion;
+
 use crate::products::Products;
 use crate::{Design, Error, Information, Model};
 
@@ -113,6 +115,26 @@ impl PredictionVariance {
         monomials.map(term).sum()
     }
 
+    /// v at many coded points, one after the other in `points`: each to the bit as [`Self::value`] has it.
+    pub(crate) fn fill_values(&self, points: &[f64], values: &mut [f64]) {
+        let k = self.n_factors();
+        let factors: Vec<(u8, u8)> = self.products.monomials().flat_map(powers_above_zero).collect();
+        let mut ends = Vec::with_capacity(self.coefficients.len());
+        let mut end = 0;
+        for exponents in self.products.monomials() {
+            end += powers_above_zero(exponents).count();
+            ends.push(end);
+        }
+        let monomials = Sparse { coefficients: &self.coefficients, factors: &factors, ends: &ends };
+        let mut powers = vec![[1.0; LANES]; k * (self.largest_power() + 1)];
+        let (blocks, rest) = values.as_chunks_mut::<LANES>();
+        let (in_blocks, of_rest) = points.split_at((blocks.len() * LANES * k).min(points.len()));
+        sum_in_lanes(&monomials, in_blocks, k, &mut powers, blocks);
+        for (value, point) in rest.iter_mut().zip(of_rest.chunks_exact(k)) {
+            *value = self.value(point);
+        }
+    }
+
     /// Coefficients of v along one axis through a point, from the constant up.
     pub(crate) fn along(&self, point: &[f64], axis: usize, line: &mut [f64]) {
         let mut powers = [[0.0; 17]; Model::MOST_FACTORS];
@@ -165,6 +187,80 @@ impl PredictionVariance {
             Ok(())
         } else {
             Err(Error::DesignSpace(design_space::Error::PointLength { expected, found }))
+        }
+    }
+}
+
+/// Points side by side.
+const LANES: usize = 8;
+
+/// A polynomial, without the powers that are 1.
+struct Sparse<'a> {
+    coefficients: &'a [f64],
+    /// Axis and exponent, monomial after monomial.
+    factors: &'a [(u8, u8)],
+    /// Where those of each monomial end.
+    ends: &'a [usize],
+}
+
+fn powers_above_zero(exponents: &[u8]) -> impl Iterator<Item = (u8, u8)> {
+    (0..).zip(exponents).filter(|(_, exponent)| **exponent > 0).map(|(axis, &exponent)| (axis, exponent))
+}
+
+/// A block of points at a time; `powers` has a row per axis and power, of which the first, 1, is there already.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+fn sum_in_lanes(
+    monomials: &Sparse<'_>,
+    points: &[f64],
+    k: usize,
+    powers: &mut [[f64; LANES]],
+    values: &mut [[f64; LANES]],
+) {
+    let n_powers = powers.len() / k;
+    for (block, values) in points.chunks_exact(LANES * k).zip(values) {
+        for (axis, powers) in powers.chunks_exact_mut(n_powers).enumerate() {
+            let x: [f64; LANES] = std::array::from_fn(|lane| block[lane * k + axis]);
+            for e in 1..n_powers {
+                powers[e] = std::array::from_fn(|lane| powers[e - 1][lane] * x[lane]);
+            }
+        }
+        let (mut sum, mut begin) = ([-0.0; LANES], 0);
+        for (&coefficient, &end) in monomials.coefficients.iter().zip(monomials.ends) {
+            let mut product = [coefficient; LANES];
+            for &(axis, exponent) in &monomials.factors[begin..end] {
+                let power = &powers[usize::from(axis) * n_powers + usize::from(exponent)];
+                (0..LANES).for_each(|lane| product[lane] *= power[lane]);
+            }
+            (0..LANES).for_each(|lane| sum[lane] += product[lane]);
+            begin = end;
+        }
+        *values = sum;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_points_at_once_are_each_point_alone_to_the_bit() {
+        // 21 points are two blocks and a rest.
+        for (k, model) in [(1, Model::quadratic(1)), (3, Model::additive_quadratic(3)), (4, Model::quadratic(4))] {
+            let model = model.expect("a model");
+            let p = model.n_terms();
+            let mut state = 1.0_f64;
+            let mut next = || {
+                state = (state * 1.618_033_988_749 + 0.37).fract();
+                2.0 * state - 1.0
+            };
+            let matrix: Vec<f64> = (0..p * p).map(|_| next()).collect();
+            let variance = PredictionVariance::with_products(Arc::new(Products::of(&model)), &matrix);
+            let points: Vec<f64> = (0..21 * k).map(|_| next()).collect();
+            let mut values = vec![f64::NAN; 21];
+            variance.fill_values(&points, &mut values);
+            for (point, value) in points.chunks_exact(k).zip(values) {
+                assert_eq!(value.to_bits(), variance.value(point).to_bits(), "K = {k}, at {point:?}");
+            }
         }
     }
 }

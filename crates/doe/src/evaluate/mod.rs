@@ -195,7 +195,8 @@ fn precision(
     let information = Information::of(model, design)?;
     let variance = PredictionVariance::from_information(model, &information)?;
     let (points, sampling) = sample(space, settings.n_samples, settings.seed)?;
-    let values: Vec<f64> = points.chunks_exact(model.n_factors()).map(|point| variance.value(point)).collect();
+    let mut values = vec![0.0; points.len() / model.n_factors()];
+    variance.fill_values(&points, &mut values);
     let efficiencies: Vec<Efficiency> =
         Criterion::ALL.iter().map(|criterion| criterion.efficiency(model, space, design)).collect::<Result<_, _>>()?;
     let maximum = variance.maximum(space)?;
