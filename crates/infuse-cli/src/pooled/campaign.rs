@@ -14,7 +14,7 @@ use infuse::{Error, Outcome, TrialId};
 use crate::campaign::{Experiments, Imported, Reading};
 use crate::journal::{Assessed, BY_ITSELF, Constrained, Event, Journal, Measured, Purpose, Submitted, Told};
 use crate::problem::{PROBLEM, Problem, Simulator, linear_in_words};
-use crate::simulator::{Job, Rows, identity};
+use crate::simulator::{Job, Rows, identity, looked_up};
 
 /// Designs of which a command simulates all.
 const MOST_SIMULATED: u64 = 20_000;
@@ -242,7 +242,7 @@ impl Campaign {
     /// The rows of the table that is the simulator.
     pub(super) fn rows(&self) -> Result<&Rows> {
         if let (Simulator::Table(path), None) = (&self.problem.simulator, self.rows.get()) {
-            let rows = Rows::of_table(&self.folder, path, &self.problem, &self.grid)?;
+            let rows = looked_up(&self.folder, path, &self.problem, &self.grid)?;
             let _ = self.rows.set(rows);
         }
         Ok(self.rows.get_or_init(|| Rows::none(self.problem.constraints.len())))

@@ -11,7 +11,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use design_space::{Cell, Grid};
 
 use crate::job_numbers::JobNumbers;
@@ -52,7 +52,7 @@ pub(crate) fn simulate(
 ) -> Result<()> {
     match &problem.simulator {
         Simulator::Table(path) => {
-            let rows = Rows::of_table(folder, path, problem, grid)?;
+            let rows = looked_up(folder, path, problem, grid)?;
             for job in jobs {
                 match rows.get(job.0) {
                     Some(row) => done(job, Measured::Value(row.value), row.named(problem))?,
@@ -120,4 +120,22 @@ fn hand_over(
         Ran::Failed(reason) => done(job, Measured::Failed(reason), BTreeMap::new()),
         Ran::Interrupted => Ok(()),
     })
+}
+
+/// What a table in a campaign's folder says. A long one is read once: what it says is kept beside the journal, and taken
+/// from there for as long as neither the table nor what is asked of it changes.
+pub(crate) fn looked_up(folder: &Path, path: &Path, problem: &Problem, grid: &Grid) -> Result<Rows> {
+    let path = folder.join(path);
+    let name = path.display().to_string();
+    let bytes = std::fs::read(&path).with_context(|| name.clone())?;
+    if bytes.len() < index::LEAST_BYTES {
+        return rows::read(&bytes, &name, problem, grid);
+    }
+    let key = index::key(&bytes, problem);
+    if let Some(rows) = index::read(folder, &key, grid) {
+        return Ok(rows);
+    }
+    let rows = rows::read(&bytes, &name, problem, grid)?;
+    index::write(folder, &key, &rows);
+    Ok(rows)
 }

@@ -1,11 +1,8 @@
 //! The rows of a table of simulations, by design.
 
-use std::path::Path;
-
 use anyhow::{Context as _, Result, bail};
 use design_space::{Cell, Grid, Parameter};
 
-use super::index;
 use crate::journal::Constrained;
 use crate::number::{plain, with_unit};
 use crate::problem::Problem;
@@ -46,24 +43,6 @@ impl Simulated<'_> {
 }
 
 impl Rows {
-    /// Of a table in a campaign's folder. A long one is read once: what it says is kept beside the journal, and taken
-    /// from there for as long as neither the table nor what is asked of it changes.
-    pub(crate) fn of_table(folder: &Path, path: &Path, problem: &Problem, grid: &Grid) -> Result<Self> {
-        let path = folder.join(path);
-        let name = || path.display().to_string();
-        let bytes = std::fs::read(&path).with_context(name)?;
-        if bytes.len() < index::LEAST_BYTES {
-            return read(&bytes, &name(), problem, grid);
-        }
-        let key = index::key(&bytes, problem);
-        if let Some(rows) = index::read(folder, &key, grid) {
-            return Ok(rows);
-        }
-        let rows = read(&bytes, &name(), problem, grid)?;
-        index::write(folder, &key, &rows);
-        Ok(rows)
-    }
-
     /// Each design once, and the rows that say something else than an earlier one of the same design.
     fn sorted(mut found: Vec<Found>, n_constraints: usize) -> (Self, Vec<usize>) {
         // A table in the order of the cells, as most are, is sorted at a glance.
@@ -131,7 +110,8 @@ struct Found {
     constrained: Vec<f64>,
 }
 
-fn read(bytes: &[u8], name: &str, problem: &Problem, grid: &Grid) -> Result<Rows> {
+/// The rows of the table with this name.
+pub(super) fn read(bytes: &[u8], name: &str, problem: &Problem, grid: &Grid) -> Result<Rows> {
     let parameters = problem.region.parameters();
     let k = parameters.len();
     let table = Table::parse(bytes, &point_columns(problem)).with_context(|| name.to_owned())?;

@@ -13,7 +13,7 @@ use crate::journal::Measured;
 use crate::number::{grouped, plain, seconds, with_unit};
 use crate::problem::{PROBLEM, Problem, Program, Simulator};
 use crate::program::{Ran, is_interrupted};
-use crate::simulator::Rows;
+use crate::simulator::looked_up;
 use crate::spread::spread;
 
 /// Designs that are tried until one gives a value: shares of the width of each parameter.
@@ -75,7 +75,7 @@ fn try_simulator(folder: &Path, problem: &Problem, grid: &Grid, designs: &[Vec<f
         |finding: Finding, json: Value| Tried { findings: vec![finding], json, took: None, can_be_built: None };
     match &problem.simulator {
         Simulator::Table(path) => {
-            let rows = Rows::of_table(folder, path, problem, grid)?.len();
+            let rows = looked_up(folder, path, problem, grid)?.len();
             let (n_rows, n_cells) = (grouped(rows as u64), grouped(grid.n_cells()));
             let sentence = format!("{}: {n_rows} of {n_cells} designs are simulated.", path.display());
             Ok(nothing(Finding::new(sentence).with("rows", rows as f64, "1"), json!({ "rows": rows })))
