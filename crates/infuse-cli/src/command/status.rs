@@ -54,12 +54,20 @@ pub(crate) fn known(campaign: &dyn Campaign) -> Result<(Vec<Vec<Finding>>, Value
 fn in_the_queue(campaign: &dyn Campaign) -> Result<Vec<Finding>> {
     let of_simulations = campaign.submitted().iter().any(|one| !one.is_of_experiments());
     let n_simulations = if of_simulations { campaign.waits_for_simulations()? } else { 0 };
-    let kinds = [(n_simulations, "simulation", "ask"), (n_queued_experiments(campaign), "experiment", "run")];
-    let waiting = kinds.into_iter().filter(|(n, ..)| *n > 0).map(|(n, what, command)| {
+    let problem = campaign.problem();
+    let of_experiments = problem.experiment.as_ref().and_then(|experiment| experiment.queue.as_ref());
+    let kinds = [
+        (n_simulations, "simulation", "ask", problem.simulator.queue().map(|(_, queue)| queue)),
+        (n_queued_experiments(campaign), "experiment", "run", of_experiments),
+    ];
+    let waiting = kinds.into_iter().filter(|(n, ..)| *n > 0).map(|(n, what, command, queue)| {
         let infuse = infuse(campaign.folder());
+        let stops = match queue {
+            Some(queue) if !queue.cancel.is_empty() => format!(", `{infuse} cancel` stops those in the queue"),
+            _ => String::new(),
+        };
         let sentence = format!(
-            "{} in the queue or to be queued: `{infuse} {command}` takes what has ended and waits for the others, `{infuse} cancel` \
-             stops them.",
+            "{} in the queue or to be queued: `{infuse} {command}` takes what has ended and waits for the others{stops}.",
             count(n, what)
         );
         Finding::new(sentence).with(&format!("{what}s waited for"), n as f64, "1")

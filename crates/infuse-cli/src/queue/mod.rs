@@ -3,7 +3,8 @@
 //! A batch of runs is a folder, a result is a file in it, and the journal has a submission before the scheduler does. So whoever is
 //! killed, nothing is lost, and nothing is submitted twice: killed before the scheduler took it, its name is in no list and there
 //! is no result, and it is submitted again; killed after, its name is in the list, or its results are there.
-//! A list that cannot be had means that nobody knows, never that a job is gone.
+//! A list that cannot be had means that nobody knows, never that a job is gone; and one that has never shown any name yet may
+//! leave names out, so nothing is submitted again on its word.
 
 mod runs;
 mod scheduler;
@@ -14,10 +15,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use design_space::Region;
 use sha2::{Digest as _, Sha256};
 
+use crate::echo::echo;
 use crate::journal::{Measured, SubmissionName, Submitted, now};
 use crate::problem::{Program, Queue};
 use crate::program;
@@ -27,8 +29,11 @@ pub(crate) use task::{Key, Task};
 
 /// Tasks of one submission, at most: Slurm's own limit is 1001, and counts from 0.
 const MOST_TASKS: usize = 1000;
-/// A name that was not in the list so often in a row is not in the queue: what it left may come late over a network.
+/// A name that was not in the list so often in a row, without a result meanwhile, is not in the queue: what it left may come
+/// late over a network.
 const GONE: usize = 2;
+/// The same for a name that the scheduler took and no list has shown yet: it may show it late.
+const NEVER_SHOWN: usize = 10;
 /// Pieces of a pause, so that an interrupt is noticed.
 const PIECE: Duration = Duration::from_millis(50);
 
@@ -43,6 +48,24 @@ pub(crate) struct Queued<'a> {
     pub(crate) by: &'a str,
     /// Every submission of the journal that is of the same kind.
     pub(crate) submitted: &'a [Submitted],
+}
+
+impl Queued<'_> {
+    /// Why a submission is not made again.
+    fn never_shown(&self, name: &str, runs: &Runs, listed: &str) -> String {
+        let printed = match listed.trim() {
+            "" => "nothing".to_owned(),
+            listed => format!("`{}`", echo(listed)),
+        };
+        format!(
+            "{}: `submit` took `{name}`, and `list` has not shown it once, looked at {NEVER_SHOWN} times without a result in \
+             between. It printed {printed}. A list that leaves jobs out or cuts their names would have all submitted again while \
+             it runs, so nothing was; whole names are needed, as in `squeue --me --format=%j`. Put `list` right and call again: \
+             nothing is lost. If the scheduler has lost it, remove {} and call again: it is submitted anew",
+            self.queue.section,
+            runs.taken(name).display()
+        )
+    }
 }
 
 /// What happened, to be written down at once.
@@ -60,8 +83,10 @@ struct Batch {
     /// Submissions so far.
     names: Vec<String>,
     runs: Runs,
-    /// How often in a row its last submission was not listed.
+    /// How often in a row its last submission was not listed, and no result came.
     n_absent: usize,
+    /// Runs that were waited for when it was looked at last.
+    n_waiting: usize,
 }
 
 impl Batch {
@@ -75,6 +100,30 @@ impl Batch {
     fn n_taken(&self) -> usize {
         self.names.iter().filter(|name| self.runs.said(name).is_some()).count()
     }
+
+    /// Takes in what a list says of the last submission.
+    fn look(&mut self, listed: &str, n_waiting: usize) -> Result<()> {
+        let is_listed = self.names.last().is_some_and(|name| scheduler::is_listed(listed, name));
+        if let (true, Some(name)) = (is_listed, self.names.last()) {
+            self.runs.note_shown(name)?;
+        }
+        let is_alive = is_listed || n_waiting < self.n_waiting;
+        self.n_absent = if is_alive { 0 } else { self.n_absent + 1 };
+        self.n_waiting = n_waiting;
+        Ok(())
+    }
+
+    /// The last submission, if the scheduler took it and no list has shown it.
+    fn never_shown(&self) -> Option<&str> {
+        self.names
+            .last()
+            .map(String::as_str)
+            .filter(|name| self.runs.said(name).is_some() && !self.runs.was_shown(name))
+    }
+
+    fn is_gone(&self) -> bool {
+        self.n_absent >= if self.never_shown().is_some() { NEVER_SHOWN } else { GONE }
+    }
 }
 
 /// Queues these, and waits until each has a result, or a person wants to stop; `show` is told how many runs wait for theirs, and
@@ -87,6 +136,8 @@ pub(crate) fn run_all<'a>(
 ) -> Result<()> {
     let mut waiting: BTreeMap<Key, &Task> = tasks.iter().map(|task| (task.key, task)).collect();
     let mut batches = batches(of);
+    let mut shows_names =
+        of.submitted.iter().any(|one| Runs::of(of.folder, &one.name.batch).was_shown(&one.name.to_string()));
     let _running = program::Running::new();
     take_results(&batches, &mut waiting, &mut happened)?;
     loop {
@@ -115,10 +166,14 @@ pub(crate) fn run_all<'a>(
             }
         };
         for batch in &mut batches {
-            let is_listed = batch.names.last().is_some_and(|name| scheduler::is_listed(&listed, name));
-            batch.n_absent = if is_listed { 0 } else { batch.n_absent + 1 };
-            if batch.n_absent < GONE || batch.waiting(&waiting).next().is_none() {
+            let n_waiting = batch.waiting(&waiting).count();
+            batch.look(&listed, n_waiting)?;
+            shows_names |= batch.n_absent == 0 && batch.never_shown().is_none();
+            if n_waiting == 0 || !batch.is_gone() {
                 continue;
+            }
+            if let (false, Some(name)) = (shows_names, batch.never_shown()) {
+                bail!("{}", of.never_shown(name, &batch.runs, &listed));
             }
             if batch.n_taken() < of.queue.tries {
                 submit(of, batch, &waiting, &mut happened)?;
@@ -139,7 +194,7 @@ fn batches(of: Queued<'_>) -> Vec<Batch> {
             continue;
         }
         let (runs, names) = (Runs::of(of.folder, stem), vec![name]);
-        batches.push(Batch { stem: stem.clone(), keys: Key::of(one), names, runs, n_absent: 0 });
+        batches.push(Batch { stem: stem.clone(), keys: Key::of(one), names, runs, n_absent: 0, n_waiting: usize::MAX });
     }
     batches
 }
@@ -155,7 +210,7 @@ fn begin(of: Queued<'_>, keys: &[Key], n_before: usize) -> Batch {
     let id: String = hash.finalize().iter().take(4).map(|byte| format!("{byte:02x}")).collect();
     let stem = format!("infuse-{id}");
     let runs = Runs::of(of.folder, &stem);
-    Batch { stem, keys: keys.to_vec(), names: Vec::new(), runs, n_absent: 0 }
+    Batch { stem, keys: keys.to_vec(), names: Vec::new(), runs, n_absent: 0, n_waiting: usize::MAX }
 }
 
 fn take_results<'a>(
@@ -194,7 +249,7 @@ fn submit<'a>(
     let experiments = batch.keys.iter().filter_map(|key| key.id()).collect();
     happened(Happened::Submitted(Submitted { name: submission, cells, experiments, by, at: now() }))?;
     batch.names.push(name.clone());
-    batch.n_absent = 0;
+    (batch.n_absent, batch.n_waiting) = (0, usize::MAX);
     let (first, last) = (tasks.first().copied().unwrap_or(1), tasks.last().copied().unwrap_or(1));
     let filled = [
         ("{name}", name.clone()),
@@ -247,7 +302,9 @@ pub(crate) fn cancel<'a>(
         if !scheduler::is_listed(&listed, &name) {
             continue;
         }
-        let said = Runs::of(folder, &one.name.batch).said(&name).unwrap_or_default();
+        let runs = Runs::of(folder, &one.name.batch);
+        runs.note_shown(&name)?;
+        let said = runs.said(&name).unwrap_or_default();
         let job = said.split_whitespace().next_back().unwrap_or_default().to_owned();
         scheduler::run(folder, queue, &queue.cancel, &[("{name}", name), ("{job}", job)])?;
         n += 1;

@@ -89,7 +89,26 @@ impl Runs {
         std::fs::read_to_string(self.taken(name)).ok()
     }
 
-    fn taken(&self, name: &str) -> PathBuf {
+    /// The file that notes it.
+    pub(super) fn taken(&self, name: &str) -> PathBuf {
         self.path.join(format!("{name}.taken"))
+    }
+
+    /// Notes that a list has shown a submission.
+    pub(super) fn note_shown(&self, name: &str) -> Result<()> {
+        if self.was_shown(name) {
+            return Ok(());
+        }
+        let path = self.shown(name);
+        std::fs::write(&path, "").with_context(|| path.display().to_string())
+    }
+
+    /// Whether a list has ever shown a submission.
+    pub(super) fn was_shown(&self, name: &str) -> bool {
+        self.shown(name).exists()
+    }
+
+    fn shown(&self, name: &str) -> PathBuf {
+        self.path.join(format!("{name}.shown"))
     }
 }

@@ -82,7 +82,7 @@ fn whoever_is_killed_nothing_is_lost_and_nothing_runs_twice() {
         stopped_after(&rig, n_begun, "-KILL");
         let text = rig.infuse(&["status"]).ok();
         let queue = "in the queue or to be queued: `infuse run` takes what has ended";
-        assert!(text.contains(queue) && text.contains("`infuse cancel` stops them"), "{text}");
+        assert!(text.contains(queue) && text.contains("`infuse cancel` stops those in the queue"), "{text}");
         assert!(rig.infuse(&["run"]).ok().contains("Ended: "));
         check_each_once(&rig, 8);
     }
@@ -108,7 +108,12 @@ fn an_interrupt_leaves_the_queue_at_work_and_cancel_stops_it() {
 #[test]
 fn what_the_queue_loses_and_what_fails_is_told_as_failed() {
     let rig = queued(&format!("{KEYS}tries = 2\n"));
-    rig.write("submit.sh", &SUBMIT.replace("sh $script $task;", "[ $((task % 2)) = 0 ] || sh $script $task;"));
+    rig.write(
+        "submit.sh",
+        &SUBMIT
+            .replace("(for task", "(sleep 0.3; for task")
+            .replace("sh $script $task;", "[ $((task % 2)) = 0 ] || sh $script $task;"),
+    );
     rig.write("make.sh", "[ $3 = 1 ] && { echo 'no cable' >&2; exit 3; }\necho $1\n");
     rig.infuse(&["run", "--batches", "1"]).ok();
     let why: Vec<String> = rig.journal().iter().filter_map(|line| line["failed"].as_str().map(str::to_owned)).collect();

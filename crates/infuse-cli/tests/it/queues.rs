@@ -170,7 +170,9 @@ fn a_submission_that_is_refused_is_made_again_and_counts_as_no_try() {
 
 #[test]
 fn what_the_queue_loses_is_submitted_again_and_in_the_end_has_failed() {
+    // Long enough in the list to be seen there.
     let lossy = SUBMIT
+        .replace("(for task", "(sleep 0.3; for task")
         .replace("sh $script $task;", "[ $((task % 2)) = 0 ] || case $name in LOST) ;; *) sh $script $task ;; esac;");
     let rig = queued(&format!("{KEYS}tries = 2\n"));
     rig.write("submit.sh", &lossy.replace("LOST", "*-1"));
@@ -189,6 +191,40 @@ fn what_the_queue_loses_is_submitted_again_and_in_the_end_has_failed() {
         .filter(|line| line["failed"].as_str().is_some_and(|why| why.contains("the queue lost it 2 times")))
         .count();
     assert!(lost >= 3, "{lost}");
+}
+
+#[test]
+fn a_list_that_never_shows_a_name_has_nothing_submitted_again() {
+    // `squeue --me` cuts names to eight characters.
+    for list in ["ls jobs | cut -c1-8\n", "true\n"] {
+        let rig = queued(KEYS);
+        rig.write("slow", "");
+        // Each task takes longer than the patience of the call.
+        rig.write("simulate.sh", &rig.read("simulate.sh").replace("sleep 0.1", "sleep 0.8"));
+        rig.write("list.sh", list);
+        let error = rig.infuse(&["ask"]).error();
+        assert!(error.contains("`list` has not shown it once") && error.contains("whole names"), "{error}");
+        assert!(
+            error.contains(if list.contains("cut") { "It printed `infuse-" } else { "It printed nothing" }),
+            "{error}"
+        );
+        assert_eq!(lines(&rig, "submissions.log").len(), 1, "submitted once");
+        assert!(rig.journal().iter().all(|line| line.get("failed").is_none()), "nothing has failed");
+        rig.write("list.sh", LIST);
+        rig.infuse(&["ask"]).ok();
+        check_each_once(&rig);
+        assert!(lines(&rig, "submissions.log").iter().all(|name| name.ends_with("-1")), "each once");
+    }
+    // What it has truly lost is submitted again if somebody says so.
+    let rig = queued(KEYS);
+    rig.write("submit.sh", "echo $1 >> submissions.log; echo job $1\n");
+    let error = rig.infuse(&["ask"]).error();
+    let taken = error.split_once("remove ").and_then(|(_, rest)| rest.split_once(" and call again")).unwrap().0;
+    std::fs::remove_file(taken).unwrap();
+    rig.write("submit.sh", SUBMIT);
+    rig.infuse(&["ask"]).ok();
+    check_each_once(&rig);
+    assert!(lines(&rig, "submissions.log").iter().any(|name| name.ends_with("-2")), "once more");
 }
 
 #[test]
