@@ -9,11 +9,35 @@ use serde_json::Value;
 use crate::campaign::{Campaign, changes};
 use crate::journal::{Event, FORMAT, JOURNAL, Journal, Writer, now};
 use crate::problem::{Method, PROBLEM, Problem};
+use crate::shell::sheet_path;
 use crate::{dissertation, pooled};
+
+/// Sheets with higher numbers are not looked for.
+const MOST_BATCHES: usize = 200;
 
 /// The campaign of a folder, for reading.
 pub(crate) fn read(folder: &Path) -> Result<Box<dyn Campaign>> {
-    replay(folder, Journal::read(folder)?)
+    let journal = Journal::read(folder)?;
+    check_sheets(folder, &Problem::read(folder)?, &journal)?;
+    replay(folder, journal)
+}
+
+/// Sheets of a campaign whose journal is gone: nothing of them is known, and nothing may be begun as if they were not there.
+fn check_sheets(folder: &Path, problem: &Problem, journal: &Journal) -> Result<()> {
+    // Of a journal that was cut, what is left is gone on with.
+    let is_there = std::fs::metadata(folder.join(JOURNAL)).is_ok_and(|file| file.len() > 0);
+    if is_there || !journal.all.is_empty() {
+        return Ok(());
+    }
+    let sheets = (1..=MOST_BATCHES).map(|batch| sheet_path(folder, problem.sheets, batch, None));
+    if let Some(first) = sheets.into_iter().find(|sheet| sheet.exists()) {
+        bail!(
+            "there is {}, but no {JOURNAL}: nothing of the sheets is known without it; if it was moved, put it back, and if the \
+             campaign is to begin anew, move the sheets away",
+            first.display()
+        );
+    }
+    Ok(())
 }
 
 /// The campaign that follows from a journal.
@@ -31,6 +55,7 @@ pub(crate) fn open(folder: &Path, wait: Duration) -> Result<(Box<dyn Campaign>, 
     let problem = Problem::read(folder)?;
     // What is wrong with the settings is said before anything is written.
     let there = Journal::read(folder)?;
+    check_sheets(folder, &problem, &there)?;
     core(&problem, method_of(&problem, &there)?, &there)?;
     let (mut writer, mut journal) = Writer::open(folder, wait)?;
     let method = method_of(&problem, &journal)?;
@@ -86,12 +111,12 @@ fn core(problem: &Problem, method: Method, journal: &Journal) -> Result<Value> {
     match method {
         // All data count anew at every step, so its settings may change from batch to batch.
         Method::Pooled => {
-            problem.pooled_settings()?;
+            problem.pooled_settings().context(PROBLEM)?;
             core["method"] = method.name().into();
         }
         Method::Dissertation => {
             let careful = is_careful(journal);
-            let mut settings = serde_json::to_value(problem.dissertation_settings(careful)?)?;
+            let mut settings = serde_json::to_value(problem.dissertation_settings(careful).context(PROBLEM)?)?;
             if let Some(settings) = settings.as_object_mut() {
                 settings.remove("max_iterations");
                 if !careful {

@@ -121,6 +121,8 @@ pub(crate) trait Campaign {
     fn why(&self, asked: &[f64]) -> Result<Finding>;
     /// One HTML page.
     fn page(&self, journal: &Journal) -> Result<String>;
+    /// The pictures of the report that a person looks at beside the rig.
+    fn pictures(&self) -> Result<String>;
     /// What is expected of a design, given by its settings.
     fn what_if(&self, _asked: &[f64]) -> Result<(Vec<Finding>, Value)> {
         bail!("`infuse what-if` needs `method` = \"pooled\"")

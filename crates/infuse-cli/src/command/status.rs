@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use page::Finding;
 use serde_json::{Value, json};
 
@@ -11,16 +11,12 @@ use super::{Output, settings};
 use crate::campaign::{Campaign, Stage};
 use crate::findings::{next, standing};
 use crate::folder;
-use crate::journal::JOURNAL;
 use crate::number::count;
-use crate::shell::{infuse, sheet_path};
+use crate::shell::infuse;
 
 pub(crate) fn status(folder: &Path, why: Option<&str>) -> Result<Output> {
     let mut campaign = folder::read(folder)?;
     let notices = campaign.take_notices();
-    if let Some(reason) = sheets_without_a_journal(&*campaign) {
-        bail!(reason);
-    }
     let stage = campaign.stage()?;
     let (mut blocks, for_machines) = known(&*campaign)?;
     blocks.push(vec![next(&*campaign, &stage)]);
@@ -101,22 +97,4 @@ fn for_every_method(campaign: &dyn Campaign, stage: &Stage) -> Value {
         "imported": campaign.imported().len(),
         "worth": problem.worth,
     })
-}
-
-/// Sheets with higher numbers are not looked for.
-const MOST_BATCHES: usize = 200;
-
-/// Sheets of a campaign whose journal is gone: nothing of them is known.
-fn sheets_without_a_journal(campaign: &dyn Campaign) -> Option<String> {
-    let folder = campaign.folder();
-    if folder.join(JOURNAL).exists() {
-        return None;
-    }
-    let sheets = (1..=MOST_BATCHES).map(|batch| sheet_path(folder, campaign.problem().sheets, batch, None));
-    let first = sheets.into_iter().find(|sheet| sheet.exists())?;
-    Some(format!(
-        "there is {}, but no {JOURNAL}: nothing of the sheets is known without it; if it was moved, put it back, and if the campaign is to begin anew, move \
-         the sheets away",
-        first.display()
-    ))
 }

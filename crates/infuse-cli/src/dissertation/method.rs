@@ -143,6 +143,10 @@ impl campaign::Campaign for Campaign {
     fn page(&self, journal: &Journal) -> Result<String> {
         report::page(self, journal)
     }
+
+    fn pictures(&self) -> Result<String> {
+        report::pictures(self)
+    }
 }
 
 impl Campaign {

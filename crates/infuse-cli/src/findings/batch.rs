@@ -6,6 +6,7 @@ use page::Finding;
 
 use crate::campaign::Campaign;
 use crate::number::count;
+use crate::problem::heading;
 use crate::shell::tell_with;
 
 /// The experiments that are waited for, and what to do with them. The sheet may have been there before.
@@ -45,9 +46,13 @@ pub(crate) fn handed_out(
     } else {
         format!("They are in {place}, which was there already and is left as it is.")
     }));
+    let problem = campaign.problem();
+    let measured = std::iter::once(problem.response.heading())
+        .chain(problem.constraints.iter().map(|held| heading(held.name(), &held.unit)));
+    let measured: Vec<String> = measured.map(|heading| format!("`{heading}`")).collect();
     found.push(Finding::new(format!(
-        "Run them, fill in `{}` (or, for a run without a result, the reason under `failed`), then: {}",
-        campaign.problem().response.heading(),
+        "Run them, fill in {} (or, for a run without a result, the reason under `failed`), then: {}",
+        measured.join(", "),
         tell_with(campaign.folder(), sheet),
     )));
     found

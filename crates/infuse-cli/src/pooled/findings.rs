@@ -70,7 +70,8 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
         let design = problem.describe(&campaign.grid.point(cell)?);
         let there = campaign.standing(cell)?.map_or_else(String::new, |there| {
             let chance = likely_to_keep(campaign, &there);
-            format!(", where {} is expected{chance}", value_to(response, there.mean, resolution(found)))
+            let known_to = resolution(found).max(there.deviation);
+            format!(", where {} is expected{chance}", value_to(response, there.mean, known_to))
         });
         let sentence = match campaign.n_simulated_of_many()? {
             Some(n) => {
@@ -93,10 +94,14 @@ pub(super) fn set_aside(campaign: &Campaign, found: &Assessment) -> Vec<Origin> 
 /// What is expected at a design, with its band.
 fn expected(campaign: &Campaign, found: &Assessment, here: &Standing) -> Finding {
     let response = &campaign.problem.response;
+    let beyond = match response.fault(response.of_cost(here.mean)) {
+        Some(possible) => format!(" That cannot be measured, only {possible}: the surface knows no bounds."),
+        None => String::new(),
+    };
     let sentence = format!(
-        "{} there: {} expected, give or take {} (90 %).",
+        "{} there: {} expected, give or take {} (90 %).{beyond}",
         response.name,
-        value_to(response, here.mean, resolution(found)),
+        value_to(response, here.mean, resolution(found).max(here.deviation)),
         amount(response, NINE_IN_TEN * here.deviation)
     );
     Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit).with(
@@ -314,7 +319,7 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
         "batch {}: {}; {} expected, {promise}",
         campaign.batches.len(),
         campaign.problem.describe(&here.point),
-        value_to(response, here.mean, resolution(found)),
+        value_to(response, here.mean, resolution(found).max(here.deviation)),
     );
     Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit).with(
         "bound",

@@ -176,6 +176,10 @@ impl campaign::Campaign for Campaign {
         report::page(self, journal)
     }
 
+    fn pictures(&self) -> Result<String> {
+        report::pictures(self)
+    }
+
     fn what_if(&self, asked: &[f64]) -> Result<(Vec<Finding>, Value)> {
         what_if::of_design(self, asked)
     }

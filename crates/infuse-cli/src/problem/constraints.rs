@@ -118,6 +118,18 @@ pub(super) fn linear(entries: Vec<LinearEntry>, region: &Region) -> Result<Vec<L
             "[[linear_constraint]]: `sum` is empty, expected some of {} with their factors",
             named.join(", ")
         );
+        if let Some((name, factor)) = sum.iter().find(|(_, factor)| !factor.is_finite()) {
+            anyhow::bail!("[[linear_constraint]]: `sum` has {factor:?} for `{name}`, expected a finite factor");
+        }
+        ensure!(
+            sum.values().any(|factor| *factor != 0.0),
+            "[[linear_constraint]]: every factor of `sum` is 0, expected one at least that is not"
+        );
+        for (key, bound) in [("lower", lower), ("upper", upper)] {
+            if let Some(bound) = bound.filter(|bound| !bound.is_finite()) {
+                anyhow::bail!("[[linear_constraint]]: `{key}` is {bound:?}, expected a finite number");
+            }
+        }
         ensure!(
             lower.is_some() || upper.is_some(),
             "[[linear_constraint]] has neither `lower` nor `upper`, expected one of them or both"

@@ -94,7 +94,14 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
     let line = text.lines().nth(line).unwrap_or_default();
     let value = line.split('#').next().unwrap_or_default().split('=').nth(1).unwrap_or_default().as_bytes();
     let is_comma = value.windows(3).any(|w| w[0].is_ascii_digit() && w[1] == b',' && w[2].is_ascii_digit());
-    let hint = if is_comma { "\na decimal comma? write 20.5 and not 20,5" } else { "" };
+    let is_list = value.trim_ascii_start().starts_with(b"[");
+    let several = ["parameter", "constraint", "linear_constraint"];
+    let in_one_bracket = several.iter().find(|name| line.trim() == format!("[{name}]"));
+    let hint = match in_one_bracket {
+        Some(name) => format!("\nwrite [[{name}]] with two brackets: there may be several"),
+        None if is_comma && !is_list => "\na decimal comma? write 20.5 and not 20,5".to_owned(),
+        None => String::new(),
+    };
     anyhow!("{}{hint}", in_plain_words(&error.to_string()))
 }
 
@@ -221,7 +228,8 @@ fn program(
     );
     ensure!(
         input == Input::Json || missing.is_empty() || unknown.is_empty(),
-        "`command` has {}, which is no parameter, expected some of {}",
+        "`command` has {}, which is no parameter, expected some of {}; braces of its own are for a command that names every \
+         parameter, or stand in a script",
         in_braces(&unknown),
         in_braces(&names().collect::<Vec<_>>()),
     );

@@ -62,6 +62,8 @@ pub(super) enum Separator {
     Comma,
     /// A semicolon or a tab: a comma within a cell may stand for the decimal point.
     Other,
+    /// Fields of a form: the same, where it can be nothing else.
+    Form,
     /// Cells are cells.
     Workbook,
 }

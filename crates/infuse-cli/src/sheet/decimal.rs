@@ -11,6 +11,8 @@ pub(super) enum Commas {
     Refused,
     /// The decimal point.
     Decimal,
+    /// The decimal point, but where three digits follow: then it may stand between thousands.
+    DecimalIfNothingElse,
     /// Some numbers of the table have a decimal point, among them this one in this row.
     Mixed { row: usize, text: String },
 }
@@ -18,8 +20,10 @@ pub(super) enum Commas {
 impl Commas {
     /// From all cells that are to be numbers, each with its row.
     pub(super) fn of<'a>(separator: Separator, numbers: impl Iterator<Item = (usize, &'a str)>) -> Self {
-        if separator != Separator::Other {
-            return Self::Refused;
+        match separator {
+            Separator::Comma | Separator::Workbook => return Self::Refused,
+            Separator::Form => return Self::DecimalIfNothingElse,
+            Separator::Other => {}
         }
         for (row, text) in numbers {
             if text.contains('.') && !text.contains(',') && split(text).is_some() {
@@ -46,19 +50,26 @@ impl Commas {
             };
         }
         if !text.contains(',') {
-            return Err(fault.to_owned());
+            // A unit that agrees may stand beside it.
+            let is_number = text.parse::<f64>().is_ok();
+            return Err(if is_number { fault.to_owned() } else { "a number like 12.5".to_owned() });
         }
         match (text.matches(',').count(), text.contains('.'), self) {
+            (1, false, Self::DecimalIfNothingElse) if !(is_digits(text) && is_grouped(text)) => {
+                parse(&text.replace(',', ".")).map_err(str::to_owned)
+            }
             (1, false, Self::Decimal) => parse(&text.replace(',', ".")).map_err(str::to_owned),
             (1, false, Self::Mixed { row, text }) => Err(format!(
                 "a number with a decimal point, not a comma, as row {row} has `{}`: one table has one of them",
                 echo(text)
             )),
-            (1, false, Self::Refused) if is_digits(text) && is_grouped(text) => Err(format!(
-                "a number with a decimal point, not a comma: it may be {} or {}",
-                text.replace(',', "."),
-                text.replace(',', "")
-            )),
+            (1, false, Self::Refused | Self::DecimalIfNothingElse) if is_digits(text) && is_grouped(text) => {
+                Err(format!(
+                    "a number with a decimal point, not a comma: it may be {} or {}",
+                    text.replace(',', "."),
+                    text.replace(',', "")
+                ))
+            }
             _ if is_digits(text) && is_any_grouped(text) => {
                 Err("a number like 1234.5, with nothing between the thousands".to_owned())
             }
@@ -140,6 +151,9 @@ mod tests {
             let error = Commas::Decimal.number(text, "").expect_err("two kinds");
             assert!(error.contains("between the thousands"), "{error}");
         }
+        let typed = Commas::of(Separator::Form, std::iter::empty());
+        assert_eq!((typed.number("7,5", ""), typed.number("8,1250", "")), (Ok(7.5), Ok(8.125)));
+        assert!(typed.number("1,234", "").expect_err("a thousand?").contains("it may be 1.234 or 1234"));
         let mixed = Commas::of(Separator::Other, [(2, "7,5"), (3, "8.5")].into_iter());
         assert_eq!(mixed.number("8.5", ""), Ok(8.5));
         assert!(mixed.number("7,5", "").expect_err("mixed").contains("row 3 has `8.5`"));

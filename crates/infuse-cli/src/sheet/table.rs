@@ -114,7 +114,7 @@ impl Table {
     pub(super) fn of_row(columns: &[Column], cells: &[String]) -> Result<Self> {
         let headings = columns.iter().map(|column| Cell::plain(column.heading())).collect();
         let cells = cells.iter().map(Cell::plain).collect();
-        Self::of(vec![(1, headings), (2, cells)], Separator::Other, columns)
+        Self::of(vec![(1, headings), (2, cells)], Separator::Form, columns)
     }
 
     fn of(records: Vec<(usize, Vec<Cell>)>, separator: Separator, columns: &[Column]) -> Result<Self> {

@@ -397,6 +397,12 @@ fn a_sheet_of_another_campaign_is_not_taken_for_this_one() {
     std::fs::remove_file(rig.path("journal.jsonl")).unwrap();
     rig.edit("seed = 1", "seed = 2");
     let error = rig.infuse(&["ask"]).error();
+    assert!(error.contains("there is sheet-1.csv, but no journal.jsonl"), "{error}");
+    std::fs::rename(rig.path("sheet-1.csv"), rig.path("old.csv")).unwrap();
+    rig.infuse(&["ask", "--sheet", "mine.csv"]).ok();
+    // Beside a journal the sheet of another campaign is told by its settings.
+    std::fs::rename(rig.path("old.csv"), rig.path("sheet-1.csv")).unwrap();
+    let error = rig.infuse(&["ask"]).error();
     assert!(error.contains("sheet-1.csv is there already"), "{error}");
     rig.infuse(&["ask", "--sheet", "other.csv"]).ok();
 }

@@ -23,7 +23,12 @@ fn another_seed_does_not_make_a_stale_sheet_that_of_the_batch() {
     rig.infuse(&["ask"]).ok();
     std::fs::remove_file(rig.path("journal.jsonl")).unwrap();
     rig.edit("seed = 1", "seed = 5");
-    assert!(rig.infuse(&["ask"]).error().contains("sheet-1.csv is there already"));
+    for call in [["ask"], ["status"], ["report"], ["log"], ["check"]] {
+        assert!(rig.infuse(&call).error().contains("sheet-1.csv, but no journal.jsonl"), "{call:?}");
+    }
+    rig.infuse(&["tell", "sheet-1.csv"]).error();
+    assert!(!rig.path("journal.jsonl").exists(), "a call that was refused leaves nothing");
+    std::fs::remove_file(rig.path("sheet-1.csv")).unwrap();
     for foreign in ["simulation.csv", "."] {
         assert!(rig.infuse(&["ask", "--sheet", foreign]).error().contains("is no sheet of this campaign"));
     }

@@ -117,11 +117,13 @@ fn refused(status: u16, why: &str) -> Parsed {
 }
 
 /// What may be loaded by a page: nothing from elsewhere, and no script.
-const POLICY: &str =
-    "default-src 'none'; style-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
+const POLICY: &str = "default-src 'none'; style-src 'self'; frame-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
 /// The report has its style in itself.
 const POLICY_OF_REPORT: &str =
     "default-src 'none'; style-src 'unsafe-inline'; form-action 'none'; base-uri 'none'; frame-ancestors 'none'";
+/// Pictures are shown within the page.
+const POLICY_OF_PICTURES: &str =
+    "default-src 'none'; style-src 'unsafe-inline'; form-action 'none'; base-uri 'none'; frame-ancestors 'self'";
 
 #[derive(Debug)]
 pub(super) struct Response {
@@ -144,6 +146,11 @@ impl Response {
 
     pub(super) fn html(status: u16, html: String) -> Self {
         Self::new(status, "text/html; charset=utf-8", html)
+    }
+
+    /// A page with its style in itself, within another, which is loaded again after so many seconds.
+    pub(super) fn pictures(html: String, refresh_s: u32) -> Self {
+        Self { policy: POLICY_OF_PICTURES, ..Self::html(200, html) }.with("Refresh", refresh_s.to_string())
     }
 
     /// A page with its style in itself.
@@ -187,9 +194,10 @@ impl Response {
             _ => "Internal Server Error",
         };
         let Self { status, kind, policy, headers, body } = self;
+        let within = if *policy == POLICY_OF_PICTURES { "SAMEORIGIN" } else { "DENY" };
         let mut head = format!(
             "HTTP/1.1 {status} {reason}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\n\
-             Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\n\
+             Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nX-Frame-Options: {within}\r\n\
              Referrer-Policy: same-origin\r\nCross-Origin-Resource-Policy: same-origin\r\n\
              Content-Security-Policy: {policy}\r\n",
             body.len()

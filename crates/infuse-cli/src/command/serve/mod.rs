@@ -25,7 +25,7 @@ use anyhow::{Context as _, Result};
 use super::Output;
 use connection::Slot;
 use guard::{Guard, token};
-use routes::Site;
+use routes::{Drawn, Site};
 use work::Work;
 
 /// More at once are turned away.
@@ -41,8 +41,13 @@ pub(super) fn serve(folder: &Path, wait: Duration, port: u16, token_file: Option
     writeln!(std::io::stdout(), "http://127.0.0.1:{port}/?token={token}").context("standard output")?;
     writeln!(std::io::stderr(), "note: whoever has this address may write to the campaign; Ctrl-C ends the page")?;
     std::io::stdout().flush().context("standard output")?;
-    let site =
-        Arc::new(Site { folder: folder.to_path_buf(), wait, guard: Guard { token, port }, work: Work::default() });
+    let site = Arc::new(Site {
+        folder: folder.to_path_buf(),
+        wait,
+        guard: Guard { token, port },
+        work: Work::default(),
+        pictures: Drawn::default(),
+    });
     let open = Arc::new(AtomicUsize::new(0));
     loop {
         match listener.accept() {

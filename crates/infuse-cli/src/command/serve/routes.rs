@@ -1,7 +1,8 @@
 //! Which answer belongs to which request.
 
-use std::path::PathBuf;
-use std::time::Duration;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, SystemTime};
 
 use anyhow::{Context as _, Result, ensure};
 
@@ -14,7 +15,8 @@ use super::sheet::{Shown, page};
 use super::work::{State, Work};
 use crate::campaign::Wish;
 use crate::folder;
-use crate::journal::Journal;
+use crate::journal::{JOURNAL, Journal};
+use crate::problem::PROBLEM;
 
 /// What is served, and to whom.
 #[derive(Debug)]
@@ -24,7 +26,17 @@ pub(super) struct Site {
     pub(super) wait: Duration,
     pub(super) guard: Guard,
     pub(super) work: Work,
+    pub(super) pictures: Drawn,
 }
+
+/// The pictures that were drawn last, and the state of the folder that they show.
+pub(super) type Drawn = Mutex<Option<(Vec<FileState>, String)>>;
+
+/// How long a file is, and when it was written.
+type FileState = Option<(u64, SystemTime)>;
+
+/// Pictures are looked at again after so long, and drawn again if anything was written meanwhile.
+const PICTURES_S: u32 = 5;
 
 impl Site {
     pub(super) fn answer(&self, request: &Request) -> Response {
@@ -35,6 +47,7 @@ impl Site {
             (Method::Get, "/") => self.sheet(200, Refused::new(), None),
             (Method::Get, "/style.css") => Ok(Response::css(include_str!("style.css"))),
             (Method::Get, "/report") => self.report(),
+            (Method::Get, "/pictures") => Ok(self.pictures()),
             (Method::Get, "/status.json") => {
                 status::status(&self.folder, None).map(|output| Response::json(&output.json))
             }
@@ -48,7 +61,7 @@ impl Site {
             (Method::Post, "/confirm") => self.confirm(request),
             (Method::Post, "/more") => self.more(request),
             (Method::Post, "/cancel") => self.cancel(),
-            (_, "/" | "/style.css" | "/report" | "/status.json" | "/tell" | "/ask") => {
+            (_, "/" | "/style.css" | "/report" | "/pictures" | "/status.json" | "/tell" | "/ask") => {
                 Ok(Response::plain(405, "this is not how it is asked for"))
             }
             _ => Ok(Response::plain(404, "there is no such page")),
@@ -70,6 +83,21 @@ impl Site {
     fn report(&self) -> Result<Response> {
         let campaign = folder::read(&self.folder)?;
         Ok(Response::report(campaign.page(&Journal::read(&self.folder)?)?))
+    }
+
+    /// What cannot be drawn now may be drawn the next time.
+    fn pictures(&self) -> Response {
+        let drawn = || -> Result<String> {
+            let state = [JOURNAL, PROBLEM].map(|name| file_state(&self.folder.join(name))).to_vec();
+            let mut kept = self.pictures.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some((_, html)) = kept.as_ref().filter(|(of, _)| *of == state) {
+                return Ok(html.clone());
+            }
+            let html = folder::read(&self.folder)?.pictures()?;
+            *kept = Some((state, html.clone()));
+            Ok(html)
+        };
+        Response::pictures(drawn().unwrap_or_else(|error| fault(&format!("{error:#}"))), PICTURES_S)
     }
 
     fn tell(&self, request: &Request) -> Result<Response> {
@@ -192,6 +220,11 @@ impl Site {
         ensure!(!matches!(self.work.state(), State::Busy(_)), "experiments are being chosen: wait until that is done");
         Ok(())
     }
+}
+
+fn file_state(path: &Path) -> FileState {
+    let metadata = std::fs::metadata(path).ok()?;
+    Some((metadata.len(), metadata.modified().ok()?))
 }
 
 /// How many lines the journal had when a page was made.

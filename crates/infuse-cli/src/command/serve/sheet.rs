@@ -42,6 +42,10 @@ pub(super) fn page(campaign: &dyn Campaign, shown: &Shown) -> Result<String> {
         @if !is_waiting { (form(campaign, &shown.refused)) }
         h2 { "What is known" }
         @for block in &shown.known { section { (sentences(block)) } }
+        @if campaign.experiments().readings.values().any(|reading| reading.first.as_ref().is_some_and(|first| first.value().is_some())) {
+            h2 { "Pictures" }
+            iframe class="pictures" src="/pictures" title="Pictures of what is known, drawn again as results come" {}
+        }
         (more(campaign, is_busy))
     };
     Ok(document(title, is_waiting.then_some(REFRESH_S), &body))

@@ -20,6 +20,9 @@ use crate::journal::Journal;
 use crate::report::provenance;
 use last::Last;
 
+/// Before the first batch is complete.
+const NO_SURFACE: &str = "No batch is closed yet, so there is no surface.";
+
 /// The page, from top to bottom. The journal is the one that the campaign follows from.
 pub(super) fn page(campaign: &Campaign, journal: &Journal) -> Result<String> {
     let last = Last::of(campaign)?;
@@ -33,11 +36,25 @@ pub(super) fn page(campaign: &Campaign, journal: &Journal) -> Result<String> {
             curves::write(&mut page, last)?;
             maps::write(&mut page, last)?;
         }
-        None => page.paragraph("No batch is closed yet, so there is no surface."),
+        None => page.paragraph(NO_SURFACE),
     }
     left::write(&mut page, campaign)?;
     bounds::write(&mut page, campaign)?;
     sheets::write(&mut page, campaign)?;
     provenance::write(&mut page, &campaign.problem, journal, settings::rows(campaign));
+    Ok(page.html())
+}
+
+/// Its pictures without the rest: batch by batch, along each parameter, and over pairs of them.
+pub(super) fn pictures(campaign: &Campaign) -> Result<String> {
+    let mut page = Page::new("Pictures");
+    match Last::of(campaign)? {
+        Some(last) => {
+            trends::write(&mut page, campaign, &replay::observed_errors(campaign)?);
+            curves::write(&mut page, &last)?;
+            maps::write(&mut page, &last)?;
+        }
+        None => page.paragraph(NO_SURFACE),
+    }
     Ok(page.html())
 }

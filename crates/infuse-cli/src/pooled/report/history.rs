@@ -28,6 +28,12 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
         page.paragraph("No batch gave a result yet.");
         return Ok(());
     }
+    write_charts(page, campaign);
+    write_table(page, campaign, &best_of_batches(campaign));
+    Ok(())
+}
+
+pub(super) fn write_charts(page: &mut Page, campaign: &Campaign) {
     let of_batches = best_of_batches(campaign);
     let mut charts = vec![expected(campaign, &of_batches), bound(campaign), left(campaign), best_so_far(campaign)];
     charts.extend(spent(campaign));
@@ -47,8 +53,6 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
          every experiment of the campaign, and the best so far{kept}.{below}"
     );
     page.charts(&charts, &[], &caption);
-    write_table(page, campaign, &of_batches);
-    Ok(())
 }
 
 /// The best mean of an experiment of each batch that kept to its bounds.

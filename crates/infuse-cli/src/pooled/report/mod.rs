@@ -59,3 +59,17 @@ pub(super) fn page(campaign: &Campaign, journal: &Journal) -> Result<String> {
     provenance::write(&mut page, &campaign.problem, journal, settings::rows(campaign)?);
     Ok(page.html())
 }
+
+/// Its pictures without the rest: batch by batch, along each parameter, and measured against expected.
+pub(super) fn pictures(campaign: &Campaign) -> Result<String> {
+    let mut page = Page::new("Pictures");
+    match View::of(campaign)? {
+        Some(view) => {
+            history::write_charts(&mut page, campaign);
+            curves::write(&mut page, &view)?;
+            fit::write(&mut page, &view);
+        }
+        None => page.paragraph(NO_RESULT),
+    }
+    Ok(page.html())
+}
