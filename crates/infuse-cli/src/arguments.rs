@@ -153,6 +153,8 @@ pub(crate) enum Command {
         #[arg(long, value_name = "FILE")]
         token_file: Option<PathBuf>,
     },
+    /// Print the license of this program, and those of all that it contains of others
+    Licenses,
     /// Print what makes a shell complete `infuse` and its options
     Completions {
         /// The shell

@@ -5,8 +5,11 @@ use anyhow::{Result, bail};
 use crate::number::plain;
 use crate::program::Ran;
 
-/// So many plain whole numbers in a row are enough to be sure.
+/// So many plain whole numbers in a row are enough to be sure if they follow each other without a gap.
 const SURE: usize = 5;
+/// And so many if each is larger than all before: others submit in between. Of different designs one such series in 40,000
+/// is no numbers of jobs. Runs side by side may be exchanged, so it takes as many times more.
+const SURE_WITH_GAPS: usize = 8;
 
 /// The scheduler's own command, if a `command` calls one, itself or through a shell or `env`: it prints the number of a
 /// job and no value.
@@ -27,10 +30,11 @@ pub(crate) fn submits_a_job(command: &[String]) -> Option<&str> {
     of_slurm.or_else(|| called.iter().take(n_looked_at).find(|name| **name == "hq" && submits).copied())
 }
 
-/// Watches what a command prints, run by run: whole numbers that follow each other are the numbers of jobs.
+/// Watches what a command prints, run by run: whole numbers that follow each other, or that rise all the time, are the
+/// numbers of jobs.
 ///
-/// A response may be whole, and two of them may follow each other, but not the first five of different designs. Once
-/// anything else was printed nothing is suspected any more.
+/// A response may be whole, and two of them may follow each other, but not the first five of different designs, nor do eight
+/// rise from the first to the last. Once anything else was printed nothing is suspected any more.
 #[derive(Debug, Default)]
 pub(crate) struct JobNumbers {
     seen: Vec<f64>,
@@ -53,15 +57,13 @@ impl JobNumbers {
             return Ok(false);
         }
         self.seen.push(*value);
-        let (mut sorted, slack) = (self.seen.clone(), (side_by_side - 1) as f64);
-        sorted.sort_by(f64::total_cmp);
-        let is_gap = |pair: &[f64]| pair[1] - pair[0] < 0.5;
-        let width = sorted[sorted.len() - 1] - sorted[0];
-        self.is_settled = sorted.windows(2).any(is_gap) || width > (sorted.len() - 1) as f64 + slack + 0.5;
-        if !self.is_settled && self.seen.len() >= SURE {
+        let (is_dense, rises) = (self.is_dense(side_by_side), self.rises(side_by_side));
+        self.is_settled = !is_dense && !rises;
+        let n = self.seen.len();
+        if is_dense && n >= SURE || rises && n >= SURE_WITH_GAPS * side_by_side {
             let seen: Vec<String> = self.seen.iter().map(|value| plain(*value)).collect();
             bail!(
-                "`command` printed {} for {} designs: whole numbers that follow each other are the numbers of jobs and no \
+                "`command` printed {} for {} designs: whole numbers that rise from run to run are the numbers of jobs and no \
                  values; let the queue's own table submit the program, or, if they are values, print {{\"value\": {}}}",
                 seen.join(", "),
                 seen.len(),
@@ -69,6 +71,26 @@ impl JobNumbers {
             );
         }
         Ok(!self.is_settled)
+    }
+
+    /// All different, and with no more gaps than runs that have not ended leave.
+    fn is_dense(&self, side_by_side: usize) -> bool {
+        let mut sorted = self.seen.clone();
+        sorted.sort_by(f64::total_cmp);
+        let (Some(first), Some(last)) = (sorted.first(), sorted.last()) else { return true };
+        let is_twice = |pair: &[f64]| pair[1] - pair[0] < 0.5;
+        let most = (sorted.len() - 1 + side_by_side - 1) as f64 + 0.5;
+        !sorted.windows(2).any(is_twice) && last - first <= most
+    }
+
+    /// Each larger than those that had ended when it began.
+    fn rises(&self, side_by_side: usize) -> bool {
+        let later = self.seen.iter().skip(side_by_side);
+        let mut highest = f64::NEG_INFINITY;
+        self.seen.iter().zip(later).all(|(earlier, later)| {
+            highest = highest.max(*earlier);
+            *later > highest
+        })
     }
 }
 
@@ -128,7 +150,12 @@ mod tests {
             held_back(&[3.0, 4.0, 4.0, 5.0, 6.0, 7.0, 8.0], 1),
             (vec![true, true, false, false, false, false, false], false)
         );
-        assert_eq!(held_back(&[12.0, 31.0, 14.0], 1), (vec![true, false, false], false));
+        // Others submit in between; or two jobs for each run, two runs at a time.
+        let with_gaps = [4711.0, 4715.0, 4716.0, 4722.0, 4723.0, 4730.0, 4731.0, 4739.0];
+        assert_eq!(held_back(&with_gaps, 1), (vec![true; 7], true));
+        let exchanged: Vec<f64> = (0..16).map(|run| 100.0 + 2.0 * f64::from(run ^ 1)).collect();
+        assert_eq!(held_back(&exchanged, 2), (vec![true; 15], true));
+        assert_eq!(held_back(&[12.0, 31.0, 14.0], 1), (vec![true, true, false], false));
         let mut numbers = JobNumbers::default();
         let said = Ran::Value { value: 4.0, others: BTreeMap::new(), is_plain_and_whole: false };
         assert!(!numbers.suspects(&said, 1).expect("an object"));

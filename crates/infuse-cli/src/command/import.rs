@@ -39,7 +39,18 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     let events = found.into_iter().enumerate().map(|(index, one)| {
         let source = source_of(&one, source);
         let sheet::Imported { point, result, constrained, .. } = one;
-        Event::Imported { row: index + 1, rows, point, result, constrained, source, from: from.clone(), at: at.clone() }
+        let units = campaign.problem().units_of(&constrained);
+        Event::Imported {
+            row: index + 1,
+            rows,
+            point,
+            result,
+            constrained,
+            units,
+            source,
+            from: from.clone(),
+            at: at.clone(),
+        }
     });
     let events: Vec<Event> = events.collect();
     campaign.record(&mut writer, events)?;

@@ -115,6 +115,19 @@ fn told(problem: &Problem, task: &Task, result: Measured, others: BTreeMap<Strin
         (None, Measured::Failed(_)) => (result, Constrained::new()),
     };
     let (actual, note, id) = (BTreeMap::new(), String::new(), task.key.id().unwrap_or_default());
-    let (from, at) = (BY_ITSELF.to_owned(), now());
-    Event::Told(Told { row: 1, rows: 1, id, result, constrained, actual, repeat: 0, corrects: false, note, from, at })
+    let (from, at, units) = (BY_ITSELF.to_owned(), now(), problem.units_of(&constrained));
+    Event::Told(Told {
+        row: 1,
+        rows: 1,
+        id,
+        result,
+        constrained,
+        units,
+        actual,
+        repeat: 0,
+        corrects: false,
+        note,
+        from,
+        at,
+    })
 }

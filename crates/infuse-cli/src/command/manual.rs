@@ -20,6 +20,13 @@ pub(super) fn completions(shell: Shell) -> Result<Output> {
     Ok(Output { json: json!({ "shell": shell.to_string(), "completions": text }), text, notices: Vec::new() })
 }
 
+/// The license of the program, and of what it contains of others.
+pub(super) fn licenses() -> Output {
+    let (own, others) = (include_str!("../../LICENSE"), include_str!("../../THIRD-PARTY-LICENSES.txt"));
+    let text = format!("{}\n\n{}", own.trim_end(), others.trim_end());
+    Output { json: json!({ "license": own, "of_others": others }), text, notices: Vec::new() }
+}
+
 /// The manual page of the program, or all pages into a folder: that of the program and one for each command.
 pub(super) fn manual(folder: Option<&Path>) -> Result<Output> {
     let command = Arguments::command();

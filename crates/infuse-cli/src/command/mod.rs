@@ -71,6 +71,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
         Command::Status { why } => status::status(folder, why.as_deref()),
         Command::Report { output } => report::report(folder, output.as_deref()),
         Command::Completions { shell } => manual::completions(*shell),
+        Command::Licenses => Ok(manual::licenses()),
         Command::Man { folder } => manual::manual(folder.as_deref()),
         Command::Serve { port, token_file } => serve::serve(folder, wait, *port, token_file.as_deref()),
         Command::Run { batches, anyway } => run::run(folder, wait, *batches, *anyway),

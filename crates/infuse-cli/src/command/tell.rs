@@ -44,11 +44,24 @@ pub(crate) fn take(
 ) -> Result<(Vec<Finding>, Value)> {
     let n_closed = campaign.n_closed();
     let rows = fresh.len();
-    let at = now();
+    let (at, problem) = (now(), campaign.problem().clone());
     let event = |(index, (answer, corrects)): (usize, (Answer, bool))| {
         let Answer { id, result, constrained, actual, repeat, note, .. } = answer;
-        let (from, at) = (from.to_owned(), at.clone());
-        Event::Told(Told { row: index + 1, rows, id, result, constrained, actual, repeat, corrects, note, from, at })
+        let (from, at, units) = (from.to_owned(), at.clone(), problem.units_of(&constrained));
+        Event::Told(Told {
+            row: index + 1,
+            rows,
+            id,
+            result,
+            constrained,
+            units,
+            actual,
+            repeat,
+            corrects,
+            note,
+            from,
+            at,
+        })
     };
     let events: Vec<Event> = fresh.into_iter().enumerate().map(event).collect();
     campaign.record(writer, events)?;

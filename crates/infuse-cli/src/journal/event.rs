@@ -64,6 +64,9 @@ pub(crate) enum Event {
         /// Of the responses that have to stay within bounds.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         constrained: Constrained,
+        /// The units of those, by name, as they were then.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        units: BTreeMap<String, String>,
         source: String,
         from: String,
         at: String,
@@ -122,6 +125,9 @@ pub(crate) struct Told {
     /// Of the responses that have to stay within bounds.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(crate) constrained: Constrained,
+    /// The units of those, by name, as they were then.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) units: BTreeMap<String, String>,
     /// Settings really made, where they are not those asked for.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(crate) actual: BTreeMap<String, f64>,

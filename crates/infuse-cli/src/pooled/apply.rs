@@ -1,5 +1,7 @@
 //! How each line of a journal changes a campaign.
 
+use std::collections::BTreeMap;
+
 use anyhow::{Context as _, Result, bail, ensure};
 use design_space::Cell;
 use infuse::TrialId;
@@ -9,6 +11,7 @@ use super::buildable::some_are_refused;
 use super::campaign::{Batch, Campaign, Checked, Remembered};
 use crate::campaign::Imported;
 use crate::journal::{Assessed, Event, JOURNAL, Purpose, Submitted, Writer};
+use crate::problem::PROBLEM;
 
 impl Campaign {
     /// An event of the journal; an error names its line.
@@ -104,11 +107,13 @@ impl Campaign {
                 self.submitted.retain(Submitted::is_of_experiments);
             }
             Event::Told(told) => {
+                self.check_units(&told.units)?;
                 self.experiments.tell(told)?;
                 // What is known now is to be said anew; what was known before stands.
                 self.history.remove(&self.batches.len());
             }
-            Event::Imported { point, result, constrained, source, .. } => {
+            Event::Imported { point, result, constrained, units, source, .. } => {
+                self.check_units(&units)?;
                 self.imported.push(Imported { point, result, constrained, source });
             }
             Event::Withdrawn { source, .. } => {
@@ -127,6 +132,21 @@ impl Campaign {
             Event::Undone { .. } => bail!("what was taken back is left out before"),
             Event::Campaign { .. } => bail!("expected the event `campaign` on the first line only"),
             Event::Opened { .. } | Event::Learned(_) => bail!("the event belongs to `method` = \"dissertation\""),
+        }
+        Ok(())
+    }
+
+    /// What was measured in one unit is not read in another; a constraint that is no more has none.
+    fn check_units(&self, units: &BTreeMap<String, String>) -> Result<()> {
+        for held in &self.problem.constraints {
+            if let Some(then) = units.get(held.name()).filter(|then| **then != held.unit) {
+                bail!(
+                    "{PROBLEM} was changed after `{}` was measured: its `unit` was {then:?} and is {:?}; change it back, or call \
+                     the constraint otherwise",
+                    held.name(),
+                    held.unit
+                );
+            }
         }
         Ok(())
     }

@@ -199,6 +199,12 @@ impl Problem {
         constraints.all(|held| value_of(held.name()).is_none_or(|value| held.constraint.allows(value)))
     }
 
+    /// The units of those constraints of which there is a value.
+    pub(crate) fn units_of(&self, constrained: &BTreeMap<String, f64>) -> BTreeMap<String, String> {
+        let measured = self.constraints.iter().filter(|held| constrained.contains_key(held.name()));
+        measured.map(|held| (held.name().to_owned(), held.unit.clone())).collect()
+    }
+
     /// Values by the names of constraints, in their order.
     pub(crate) fn in_order(&self, constrained: &BTreeMap<String, f64>) -> Vec<Option<f64>> {
         self.constraints.iter().map(|held| constrained.get(held.name()).copied()).collect()

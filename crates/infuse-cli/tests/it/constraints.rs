@@ -57,6 +57,19 @@ fn batch(rig: &Rig) -> bool {
 const TRAVEL: &str = "[[constraint]]\nname = \"travel\"\nunit = \"mm\"\nupper = 10.2\n";
 
 #[test]
+fn a_constraint_that_was_measured_keeps_its_unit() {
+    let rig = rig_of(TRAVEL, &(parameter("a") + &parameter("b")));
+    assert!(batch(&rig));
+    rig.edit("name = \"travel\"\nunit = \"mm\"", "name = \"travel\"\nunit = \"m\"");
+    for call in ["status", "ask", "report"] {
+        let error = rig.infuse(&[call]).error();
+        assert!(error.contains("after `travel` was measured: its `unit` was \"mm\" and is \"m\""), "{error}");
+    }
+    rig.edit("name = \"travel\"\nunit = \"m\"", "name = \"travel\"\nunit = \"mm\"");
+    rig.infuse(&["status"]).ok();
+}
+
+#[test]
 fn recommended_design_keeps_to_the_bound_and_the_page_and_the_tables_say_so() {
     let rig = rig_of(TRAVEL, &(parameter("a") + &parameter("b")));
     while batch(&rig) {}
