@@ -168,9 +168,19 @@ fn of(folder: &Path, problem: Problem, method: Method, mut journal: Journal) -> 
 }
 
 /// Whether a journal's beginning agrees with the problem as it is now.
+/// What a parameter is called for, plant or controller, is shown and changes no result.
+fn without_roles(core: &Value) -> Value {
+    let mut core = core.clone();
+    let parameters = core.get_mut("parameter").and_then(Value::as_array_mut).into_iter().flatten();
+    for parameter in parameters.filter_map(Value::as_object_mut) {
+        parameter.remove("role");
+    }
+    core
+}
+
 fn check_begun(format: u32, then: &Value, now: &Value) -> Result<()> {
     ensure!(format == FORMAT, "the journal has format {format}, expected {FORMAT}");
-    let changed = changes(then, now);
+    let changed = changes(&without_roles(then), &without_roles(now));
     ensure!(
         changed.is_empty(),
         "{PROBLEM} was changed after the journal had begun: {}; change it back, or begin a new campaign in another folder and \

@@ -13,9 +13,11 @@ use crate::findings::{ended, handed_out};
 use crate::folder;
 use crate::journal::{Event, now};
 use crate::sheet;
+use crate::sheet::check_ending;
 use crate::shell::{infuse, sheet_path};
 
 pub(crate) fn ask(folder: &Path, wait: Duration, sheet: Option<&Path>, wish: Wish, resimulate: bool) -> Result<Output> {
+    sheet.map_or(Ok(()), check_ending)?;
     let (mut campaign, mut writer) = folder::open(folder, wait)?;
     let mut notices = campaign.take_notices();
     if resimulate {

@@ -8,8 +8,10 @@ use anyhow::Result;
 use super::Output;
 use super::ask::waiting;
 use crate::folder;
+use crate::sheet::check_ending;
 
 pub(crate) fn confirm(folder: &Path, wait: Duration, runs: usize, sheet: Option<&Path>) -> Result<Output> {
+    sheet.map_or(Ok(()), check_ending)?;
     let (mut campaign, mut writer) = folder::open(folder, wait)?;
     let notices = campaign.take_notices();
     campaign.confirm(&mut writer, runs)?;

@@ -3,12 +3,27 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use infuse::pooled::Trial;
 
 use super::columns::Columns;
 use super::table::Column;
 use crate::problem::{Problem, written};
+
+/// Whether a sheet can be written under this name.
+///
+/// # Errors
+///
+/// It has the ending of another kind of table.
+pub(crate) fn check_ending(path: &Path) -> Result<()> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    ensure!(
+        !["xls", "xlsm", "xlsb", "ods", "numbers"].contains(&&*ending),
+        "{}: a sheet is written as text (.csv) or as a workbook (.xlsx), not as .{ending}",
+        path.display()
+    );
+    Ok(())
+}
 
 /// Writes these trials, in the order in which they are to be run. The file is there whole or not at all.
 pub(crate) fn write(path: &Path, problem: &Problem, trials: &[(Trial, Option<u64>)]) -> Result<()> {

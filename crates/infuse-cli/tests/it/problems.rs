@@ -14,6 +14,17 @@ fn assert_refused(from: &str, to: &str, words: &[&str]) {
 }
 
 #[test]
+fn what_a_parameter_is_called_for_may_be_changed_at_any_time() {
+    let rig = Rig::pooled();
+    rig.batch();
+    let status = rig.status();
+    rig.edit("role = \"plant\"\n", "");
+    assert_eq!(rig.status()["best"], status["best"]);
+    rig.edit("unit = \"N/mm\"", "unit = \"kN/m\"");
+    assert!(rig.infuse(&["status"]).error().contains("`parameter[1].unit` was"), "all else stands");
+}
+
+#[test]
 fn slips_in_the_problem_are_told() {
     assert_refused("seed = 1", "sead = 1", &["campaign.toml", "sead", "line 6"]);
     assert_refused("lower = 10", "lower = 10,5", &["a decimal comma? write 20.5 and not 20,5"]);

@@ -104,6 +104,13 @@ fn the_same_sheet_has_the_same_bytes_and_is_left_alone() {
     assert!(one.infuse(&["status"]).ok().contains("infuse tell sheet-1.xlsx"));
     // Whatever campaign.toml says, a name says what is meant.
     let rig = Rig::pooled();
+    for name in ["old.xls", "open.ODS"] {
+        assert!(
+            rig.infuse(&["ask", "--sheet", name]).error().contains("as text (.csv) or as a workbook (.xlsx)"),
+            "{name}"
+        );
+    }
+    assert!(!rig.path("journal.jsonl").exists(), "nothing was handed out");
     rig.infuse(&["ask", "--sheet", "mine.XLSX"]).ok();
     assert_eq!(cells(&rig, "mine.XLSX")[0][5], Data::String(RESPONSE.to_owned()));
     rig.edit("seed = 1", "seed = 1\nsheets = \"ods\"");
