@@ -8,7 +8,7 @@ use page::Finding;
 use super::bands::{NINE_IN_TEN, resolution};
 use super::bounds::{constrained_there, likely_to_keep, not_sure};
 use super::campaign::{Campaign, Origin};
-use super::warnings::warnings;
+use super::warnings::{suspects, warnings};
 use crate::findings::{amount, on_bounds, value_to};
 use crate::number::{count, percent, plain, short, with_unit};
 use crate::problem::Problem;
@@ -32,7 +32,7 @@ pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<F
     let sure_to_keep = found.recommended.suffices || campaign.problem.constraints.is_empty();
     let mut best = vec![best(campaign, found)?];
     // Before anything that sounds good.
-    best.splice(0..0, not_sure(campaign, &found.recommended));
+    best.splice(0..0, suspects(campaign, found).into_iter().chain(not_sure(campaign, &found.recommended)));
     let mut certified = vec![certificate(campaign, found)];
     certified.extend(sure_to_keep.then(|| left(found)));
     Ok(vec![
@@ -297,7 +297,8 @@ pub(super) fn lesson(campaign: &Campaign) -> Result<Vec<Finding>> {
     let Some(found) = campaign.assessment()? else {
         return Ok(vec![Finding::new("No experiment gave a result yet, so nothing is known.")]);
     };
-    let mut lesson: Vec<Finding> = not_sure(campaign, &found.recommended).into_iter().collect();
+    let mut lesson: Vec<Finding> =
+        suspects(campaign, &found).into_iter().chain(not_sure(campaign, &found.recommended)).collect();
     lesson.push(recommendation(campaign, &found).detail(expected(campaign, &found, &found.recommended)));
     lesson.push(certificate(campaign, &found));
     lesson.extend(warnings(campaign, &found)?);

@@ -41,7 +41,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
         };
         warnings.push(Finding::new(sentence).with("standard errors", contradiction.deviations, "1"));
     }
-    warnings.extend(outliers(campaign, found));
+    warnings.extend(set_aside(campaign, found));
     warnings.extend(given_noise(campaign));
     warnings.extend(all_equal(campaign));
     Ok(warnings)
@@ -78,47 +78,54 @@ fn all_equal(campaign: &Campaign) -> Option<Finding> {
     })
 }
 
-/// What was measured that the others do not expect, with what to do about it.
-fn outliers(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
+/// What counts, and is far from what all others say: nothing else is worth much before it is known to be true.
+pub(super) fn suspects(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
+    let (n, named) = outliers(campaign, found, false)?;
+    let remedy = remedy(campaign, found);
+    let sentence = format!(
+        "Careful: far from what all others say: {named}. Look at the notes of those runs; {remedy}. Run it again before you \
+         believe what is recommended."
+    );
+    Some(Finding::new(sentence).with("outliers", n as f64, "1"))
+}
+
+/// What does not count, and why.
+fn set_aside(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
+    let (n, named) = outliers(campaign, found, true)?;
+    let remedy = remedy(campaign, found);
+    let sentence = format!(
+        "Set aside, because other runs of the same settings gave something else, which all others expect: {named}. Look at \
+         the notes of those runs; {remedy}."
+    );
+    Some(Finding::new(sentence).with("outliers", n as f64, "1"))
+}
+
+/// How many were measured that the others do not expect, set aside or not, and which.
+fn outliers(campaign: &Campaign, found: &Assessment, set_aside: bool) -> Option<(usize, String)> {
     let response = &campaign.problem.response;
     let origins = campaign.origins();
-    let named = |aside: bool| {
-        let meant = found.outliers.iter().filter(move |outlier| outlier.set_aside == aside);
-        let named = meant.clone().take(MOST_NAMED).filter_map(|outlier| {
-            let side =
-                if outlier.deviations > 0.0 { response.worse_side() } else { better_side(response.worse_side()) };
-            let origin = *origins.get(outlier.reading)?;
-            let far = short(outlier.deviations.abs());
-            Some(format!("{} ({far} standard deviations {side})", campaign.full_name_of(origin)))
-        });
-        (meant.count(), named.collect::<Vec<_>>().join(", "))
-    };
-    let imported = found.outliers.iter().any(|one| matches!(origins.get(one.reading), Some(Origin::Imported(_))));
-    let remedy = match imported {
+    let meant = found.outliers.iter().filter(|outlier| outlier.set_aside == set_aside);
+    let named = meant.clone().take(MOST_NAMED).filter_map(|outlier| {
+        let side = if outlier.deviations > 0.0 { response.worse_side() } else { better_side(response.worse_side()) };
+        let origin = *origins.get(outlier.reading)?;
+        let far = short(outlier.deviations.abs());
+        Some(format!("{} ({far} standard deviations {side})", campaign.full_name_of(origin)))
+    });
+    let (n, named) = (meant.count(), named.collect::<Vec<_>>().join(", "));
+    let more = if n > MOST_NAMED { format!(" and {} more", n - MOST_NAMED) } else { String::new() };
+    (n > 0).then(|| (n, format!("{named}{more}")))
+}
+
+/// What to do about outliers.
+fn remedy(campaign: &Campaign, found: &Assessment) -> &'static str {
+    let origins = campaign.origins();
+    match found.outliers.iter().any(|one| matches!(origins.get(one.reading), Some(Origin::Imported(_)))) {
         true => {
             "`infuse tell --correct` puts a slip right, a run that was spoilt is told as failed, and what was imported is \
              taken back with `infuse import --withdraw`"
         }
         false => "`infuse tell --correct` puts a slip right, and a run that was spoilt is told as failed",
-    };
-    let sentences = [
-        (
-            named(true),
-            "Set aside, because other runs of the same settings gave something else, which all others expect",
-            "",
-        ),
-        (
-            named(false),
-            "Careful: far from what all others say",
-            " Run it again before you believe what is recommended.",
-        ),
-    ];
-    let said = sentences.into_iter().filter(|((n, _), _, _)| *n > 0).map(|((n, named), what, advice)| {
-        let more = if n > MOST_NAMED { format!(" and {} more", n - MOST_NAMED) } else { String::new() };
-        let sentence = format!("{what}: {named}{more}. Look at the notes of those runs; {remedy}.{advice}");
-        Finding::new(sentence).with("outliers", n as f64, "1")
-    });
-    said.collect()
+    }
 }
 
 /// Whether repeats speak against the noise that was given.

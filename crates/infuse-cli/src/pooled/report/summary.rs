@@ -49,8 +49,11 @@ fn first_and_rest(blocks: Vec<Vec<Finding>>) -> (Vec<Finding>, Vec<Finding>) {
     let (mut first, mut rest) = (Vec::new(), Vec::new());
     for (index, block) in blocks.into_iter().enumerate() {
         let mut findings = block.into_iter();
-        if [BEST, CERTIFICATE].contains(&index) {
-            first.extend(findings.next());
+        match index {
+            // What stands before the recommended design says how far to believe it.
+            BEST => first.extend(findings.by_ref()),
+            CERTIFICATE => first.extend(findings.next()),
+            _ => {}
         }
         rest.extend(findings);
     }
