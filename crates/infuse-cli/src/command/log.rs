@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
+use design_space::Cell;
 use serde_json::{Value, json};
 
 use super::Output;
@@ -89,6 +90,17 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
                     add("changed", format!("[loop]: {}.", changed(then, now)));
                 }
             }
+            // A batch that is submitted again is so without what it has given.
+            Event::Submitted(submitted) if !submitted.is_of_experiments() => {
+                let has_result = |cell: &Cell| {
+                    let before = events[..index].iter().map(|(_, event)| event);
+                    let simulated = |event: &Event| matches!(event, Event::Simulated { cell: of, by, .. } if of == cell && *by == submitted.by);
+                    before.skip_while(|event| !is_first_of(event, submitted)).any(simulated)
+                };
+                let n = submitted.cells.iter().filter(|cell| !has_result(cell)).count();
+                add("submitted", format!("{} to the queue, as {}.", count(n, "simulation"), submitted.name));
+                continue;
+            }
             _ => {}
         }
         if let Some((what, sentence)) = said(campaign, event, group) {
@@ -96,6 +108,11 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
         }
     }
     entries
+}
+
+/// Whether this is the first submission of the same batch.
+fn is_first_of(event: &Event, submitted: &Submitted) -> bool {
+    matches!(event, Event::Submitted(first) if first.name.batch == submitted.name.batch)
 }
 
 fn begun(campaign: &dyn Campaign) -> String {

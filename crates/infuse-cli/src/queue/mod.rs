@@ -87,6 +87,8 @@ struct Batch {
     n_absent: usize,
     /// Runs that were waited for when it was looked at last.
     n_waiting: usize,
+    /// Submissions that the scheduler is known to have taken since a result came.
+    n_fruitless: usize,
 }
 
 impl Batch {
@@ -96,9 +98,10 @@ impl Batch {
         numbered.filter(|(_, key)| tasks.contains_key(key))
     }
 
-    /// Submissions that the scheduler is known to have taken.
-    fn n_taken(&self) -> usize {
-        self.names.iter().filter(|name| self.runs.said(name).is_some()).count()
+    /// With its submissions so far: which of them gave a result is not known any more.
+    fn of_journal(stem: &str, keys: Vec<Key>, runs: Runs, names: Vec<String>) -> Self {
+        let n_fruitless = names.iter().filter(|name| runs.said(name).is_some()).count();
+        Self { stem: stem.to_owned(), keys, names, runs, n_absent: 0, n_waiting: usize::MAX, n_fruitless }
     }
 
     /// Takes in what a list says of the last submission.
@@ -107,7 +110,11 @@ impl Batch {
         if let (true, Some(name)) = (is_listed, self.names.last()) {
             self.runs.note_shown(name)?;
         }
-        let is_alive = is_listed || n_waiting < self.n_waiting;
+        let has_result = n_waiting < self.n_waiting;
+        if has_result && self.n_waiting < usize::MAX {
+            self.n_fruitless = 0;
+        }
+        let is_alive = is_listed || has_result;
         self.n_absent = if is_alive { 0 } else { self.n_absent + 1 };
         self.n_waiting = n_waiting;
         Ok(())
@@ -175,7 +182,7 @@ pub(crate) fn run_all<'a>(
             if let (false, Some(name)) = (shows_names, batch.never_shown()) {
                 bail!("{}", of.never_shown(name, &batch.runs, &listed));
             }
-            if batch.n_taken() < of.queue.tries {
+            if batch.n_fruitless < of.queue.tries {
                 submit(of, batch, &waiting, &mut happened)?;
             } else {
                 give_up(of, batch, &mut waiting, &mut happened)?;
@@ -186,17 +193,19 @@ pub(crate) fn run_all<'a>(
 
 /// Those of the journal that are of this command.
 fn batches(of: Queued<'_>) -> Vec<Batch> {
-    let mut batches: Vec<Batch> = Vec::new();
+    let mut found: Vec<(&Submitted, Vec<String>)> = Vec::new();
     for one in of.submitted.iter().filter(|one| one.by == of.by) {
-        let (stem, name) = (&one.name.batch, one.name.to_string());
-        if let Some(batch) = batches.iter_mut().find(|batch| batch.stem == *stem) {
-            batch.names.push(name);
-            continue;
+        let name = one.name.to_string();
+        match found.iter_mut().find(|(first, _)| first.name.batch == one.name.batch) {
+            Some((_, names)) => names.push(name),
+            None => found.push((one, vec![name])),
         }
-        let (runs, names) = (Runs::of(of.folder, stem), vec![name]);
-        batches.push(Batch { stem: stem.clone(), keys: Key::of(one), names, runs, n_absent: 0, n_waiting: usize::MAX });
     }
-    batches
+    let batch = |(first, names): (&Submitted, Vec<String>)| {
+        let stem = &first.name.batch;
+        Batch::of_journal(stem, Key::of(first), Runs::of(of.folder, stem), names)
+    };
+    found.into_iter().map(batch).collect()
 }
 
 fn begin(of: Queued<'_>, keys: &[Key], n_before: usize) -> Batch {
@@ -210,7 +219,7 @@ fn begin(of: Queued<'_>, keys: &[Key], n_before: usize) -> Batch {
     let id: String = hash.finalize().iter().take(4).map(|byte| format!("{byte:02x}")).collect();
     let stem = format!("infuse-{id}");
     let runs = Runs::of(of.folder, &stem);
-    Batch { stem, keys: keys.to_vec(), names: Vec::new(), runs, n_absent: 0, n_waiting: usize::MAX }
+    Batch::of_journal(&stem, keys.to_vec(), runs, Vec::new())
 }
 
 fn take_results<'a>(
@@ -249,7 +258,8 @@ fn submit<'a>(
     let experiments = batch.keys.iter().filter_map(|key| key.id()).collect();
     happened(Happened::Submitted(Submitted { name: submission, cells, experiments, by, at: now() }))?;
     batch.names.push(name.clone());
-    (batch.n_absent, batch.n_waiting) = (0, usize::MAX);
+    let n_waiting = batch.waiting(waiting).count();
+    (batch.n_absent, batch.n_waiting) = (0, n_waiting);
     let (first, last) = (tasks.first().copied().unwrap_or(1), tasks.last().copied().unwrap_or(1));
     let filled = [
         ("{name}", name.clone()),
@@ -264,6 +274,7 @@ fn submit<'a>(
         let again = if batch.keys.iter().any(|key| key.id().is_some()) { "run" } else { "ask" };
         format!("{} `submit` failed: nothing is lost, {again} again", of.queue.section)
     })?;
+    batch.n_fruitless += 1;
     batch.runs.note_taken(&name, &said)
 }
 
@@ -278,7 +289,7 @@ fn give_up<'a>(
     for (number, key) in lost {
         if let Some(task) = waiting.remove(&key) {
             let reason = format!(
-                "the queue lost it {} times; {number}.sh in {} is what it was to run",
+                "the queue lost it {} times, and gave nothing else meanwhile; {number}.sh in {} is what it was to run",
                 of.queue.tries,
                 batch.runs.path().display()
             );

@@ -194,6 +194,32 @@ fn what_the_queue_loses_is_submitted_again_and_in_the_end_has_failed() {
 }
 
 #[test]
+fn a_job_that_dies_after_some_runs_is_tried_as_long_as_it_gives_results() {
+    let rig = queued(&format!("{KEYS}tries = 2\nruns_per_task = 9\n"));
+    rig.edit("simulations = 9", "simulations = \"all\"");
+    rig.edit("step = 2", "levels = 3");
+    rig.edit("step = 0.2", "levels = 3");
+    // Every third run ends the job that it belongs to, and gives nothing.
+    let dies = "echo x >> count\n[ $(($(wc -l < count) % 3)) = 0 ] && kill -9 $(cat job.pid) && exit 1\n";
+    rig.write("simulate.sh", &format!("{dies}{SIMULATE}"));
+    let submit = SUBMIT
+        .replace("(for task", "(sleep 0.3; for task")
+        .replace("sh $script $task;", "{ sh $script $task & echo $! > job.pid; wait; };");
+    rig.write("submit.sh", &submit);
+    rig.infuse(&["ask"]).ok();
+    let journal = rig.journal();
+    assert!(journal.iter().all(|line| line.get("failed").is_none()), "nothing has failed");
+    assert!(lines(&rig, "submissions.log").len() > 2, "more than `tries` submissions");
+    // The log says what each submission was to run.
+    let log = rig.infuse(&["log"]).ok();
+    let counts: Vec<usize> = log
+        .lines()
+        .filter_map(|line| line.split_once("submitted")?.1.split_whitespace().next()?.parse().ok())
+        .collect();
+    assert!(counts[0] == 9 && counts.windows(2).all(|pair| pair[1] < pair[0]), "{log}");
+}
+
+#[test]
 fn a_list_that_never_shows_a_name_has_nothing_submitted_again() {
     // `squeue --me` cuts names to eight characters.
     for list in ["ls jobs | cut -c1-8\n", "true\n"] {
