@@ -34,7 +34,10 @@ use command::Output;
 const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return not_understood(&error),
+    };
     // Without it an interrupt ends the program at once, which loses nothing either.
     let _ = ctrlc::set_handler(|| program::interrupt(i32::from(INTERRUPTED)));
     let outcome = command::run(&arguments);
@@ -51,6 +54,18 @@ fn main() -> ExitCode {
         Ok(_) if written.is_ok() => ExitCode::SUCCESS,
         _ => ExitCode::FAILURE,
     }
+}
+
+/// Help and version that were asked for, or what is wrong with the words of the command.
+fn not_understood(error: &clap::Error) -> ExitCode {
+    let wants_json = std::env::args_os().skip(1).take_while(|word| word != "--").any(|word| word == "--json");
+    if !error.use_stderr() || !wants_json {
+        error.exit();
+    }
+    let text = error.to_string();
+    let said = text.strip_prefix("error: ").unwrap_or(&text).trim_end();
+    let _ = writeln!(std::io::stdout(), "{}", serde_json::json!({ "error": said }));
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }
 
 fn show(output: &Output, is_json: bool) -> std::io::Result<()> {

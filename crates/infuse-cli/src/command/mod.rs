@@ -73,7 +73,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
         Command::Completions { shell } => manual::completions(*shell),
         Command::Licenses => Ok(manual::licenses()),
         Command::Man { folder } => manual::manual(folder.as_deref()),
-        Command::Serve { port, token_file } => serve::serve(folder, wait, *port, token_file.as_deref()),
+        Command::Serve { port, token_file } => {
+            serve::serve(folder, wait, *port, token_file.as_deref(), arguments.common.json)
+        }
         Command::Run { batches, anyway } => run::run(folder, wait, *batches, *anyway),
     }
 }

@@ -35,6 +35,19 @@ fn another_seed_does_not_make_a_stale_sheet_that_of_the_batch() {
 }
 
 #[test]
+fn a_slip_on_the_command_line_is_json_for_who_asked_for_it() {
+    let rig = Rig::pooled();
+    for words in [&["--json", "aks"][..], &["tell", "--json"], &["status", "--json", "--nonsense"]] {
+        let said = rig.infuse(words);
+        assert!(!said.is_success && said.stderr.is_empty(), "{words:?}: {}", said.stderr);
+        let json: serde_json::Value = serde_json::from_str(&said.stdout).unwrap();
+        assert!(json["error"].as_str().is_some_and(|error| !error.starts_with("error")), "{json}");
+    }
+    assert!(rig.infuse(&["aks"]).error().contains("unrecognized subcommand"), "in words for all others");
+    assert!(rig.infuse(&["--json", "--help"]).ok().contains("Usage"), "help is text");
+}
+
+#[test]
 fn a_simulator_that_removes_the_journal_is_noticed() {
     let rig = Rig::pooled();
     rig.edit(

@@ -21,6 +21,7 @@ use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result};
+use serde_json::json;
 
 use super::Output;
 use connection::Slot;
@@ -32,13 +33,21 @@ use work::Work;
 const MOST_CONNECTIONS: usize = 64;
 
 /// Serves until the process is interrupted.
-pub(super) fn serve(folder: &Path, wait: Duration, port: u16, token_file: Option<&Path>) -> Result<Output> {
+pub(super) fn serve(
+    folder: &Path,
+    wait: Duration,
+    port: u16,
+    token_file: Option<&Path>,
+    is_json: bool,
+) -> Result<Output> {
     // What is wrong with the folder is said in the shell.
     crate::folder::read(folder)?;
     let token = token(token_file)?;
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).with_context(|| format!("port {port}"))?;
     let port = listener.local_addr().context("the port")?.port();
-    writeln!(std::io::stdout(), "http://127.0.0.1:{port}/?token={token}").context("standard output")?;
+    let address = format!("http://127.0.0.1:{port}/?token={token}");
+    let said = if is_json { json!({ "address": address }).to_string() } else { address };
+    writeln!(std::io::stdout(), "{said}").context("standard output")?;
     writeln!(std::io::stderr(), "note: whoever has this address may write to the campaign; Ctrl-C ends the page")?;
     std::io::stdout().flush().context("standard output")?;
     let site = Arc::new(Site {
