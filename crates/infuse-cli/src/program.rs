@@ -242,7 +242,9 @@ fn value_of(output: &str) -> Ran {
         match (value, failed) {
             (Some(value), None) => {
                 let others = object.iter().filter(|(name, _)| *name != "value");
-                let others = others.filter_map(|(name, other)| Some((name.clone(), other.as_f64()?)));
+                // Nothing is nothing; what is no number is kept as none, so that who needs one can say so.
+                let others = others.filter(|(_, other)| !other.is_null());
+                let others = others.map(|(name, other)| (name.clone(), other.as_f64().unwrap_or(f64::NAN)));
                 return finite(value, others.collect(), false);
             }
             (None, Some(reason)) => return Ran::Failed(reason.to_owned()),

@@ -19,7 +19,7 @@ use crate::problem::Response;
 #[derive(Debug, Clone)]
 pub(crate) struct Experiments {
     region: Region,
-    /// The parameters that make a plant: its runs are made one after the other.
+    /// The parameters that make a plant, the dearest to change first: its runs are made one after the other.
     plant: Vec<usize>,
     /// Every experiment that was ever handed out, by id.
     pub(crate) trials: BTreeMap<u64, Trial>,
@@ -112,15 +112,23 @@ impl Experiments {
             generator = Pcg64::seed_from_u64(generator.random());
         }
         trials.shuffle(&mut generator);
-        // Plants in random order, and in random order what is run on each.
+        // In random order what is dearest to change, for each setting of it in random order what is next dearest, and so on
+        // down to what is run on each plant: nothing dear is changed twice.
         let plant = |trial: &Trial| self.plant.iter().map(|&place| trial.point[place].to_bits()).collect::<Vec<u64>>();
-        let mut plants: Vec<Vec<u64>> = Vec::new();
+        let mut begun: Vec<Vec<u64>> = Vec::new();
         for (trial, _) in &trials {
-            if !plants.contains(&plant(trial)) {
-                plants.push(plant(trial));
+            let whole = plant(trial);
+            for part in (1..=whole.len()).map(|n| &whole[..n]) {
+                if !begun.iter().any(|other| other == part) {
+                    begun.push(part.to_vec());
+                }
             }
         }
-        trials.sort_by_key(|(trial, _)| plants.iter().position(|other| *other == plant(trial)));
+        trials.sort_by_cached_key(|(trial, _)| {
+            let whole = plant(trial);
+            let place = |n: usize| begun.iter().position(|other| *other == whole[..n]);
+            (1..=whole.len()).map(place).collect::<Vec<_>>()
+        });
         for of_plant in trials.chunk_by_mut(|(a, _), (b, _)| plant(a) == plant(b)) {
             part_repeats(of_plant);
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::progress::Progress;
 use crate::journal::{Constrained, Event, Measured, Submitted};
-use crate::number::{count, rounded};
+use crate::number::{count, number_fault, rounded};
 use crate::problem::Problem;
 use crate::program;
 use crate::queue::{self, Happened, Key, Queued, Task};
@@ -35,7 +35,8 @@ pub(crate) fn simulate_missing(
     let mut progress = Progress::new("simulations", jobs.len());
     let bar = progress.bar();
     let by = identity(&problem.simulator);
-    let simulated = |cell: Cell, point: &[f64], result: Measured, constrained: Constrained| {
+    let simulated = |cell: Cell, point: &[f64], result: Measured, others: Constrained| {
+        let (result, constrained) = checked(problem, result, others);
         let point = point.iter().copied().map(rounded).collect();
         Event::Simulated { cell, point, result, constrained, by: by.clone() }
     };
@@ -59,13 +60,13 @@ pub(crate) fn simulate_missing(
             let ended = |happens: Happened<'_>| match happens {
                 Happened::Submitted(submitted) => happened(Event::Submitted(submitted)),
                 Happened::Ended(task, result, others) => {
-                    happened(simulated(task.key.cell(), &task.point, result, Problem::numbers(others)))
+                    happened(simulated(task.key.cell(), &task.point, result, others))
                 }
             };
             queue::run_all(of, &tasks, ended, |n, trouble| progress.queued(n, trouble))
         }
         None => simulate(folder, problem, grid, jobs, |(cell, point), result, others| {
-            happened(simulated(*cell, point, result, Problem::numbers(others)))
+            happened(simulated(*cell, point, result, others))
         }),
     };
     bar.finish_and_clear();
@@ -79,6 +80,20 @@ pub(crate) fn simulate_missing(
         bail!("interrupted: {} of {} are remembered, {rest}", done.n_done, count(jobs.len(), "simulation"));
     }
     Ok(done)
+}
+
+/// What a run gave, with every number beside the value: a constraint may be added when it has been run. One whose value of a
+/// constraint is no number has failed.
+pub(crate) fn checked(problem: &Problem, result: Measured, mut others: Constrained) -> (Measured, Constrained) {
+    let Measured::Value(_) = result else { return (result, Constrained::new()) };
+    let is_fault = |name: &str| others.get(name).is_some_and(|value| number_fault(*value).is_some());
+    if let Some(held) = problem.constraints.iter().find(|held| is_fault(held.name())) {
+        let reason =
+            format!("what it gave as `{}` is no number, expected one, or null where there is none", held.name());
+        return (Measured::Failed(reason), Constrained::new());
+    }
+    others.retain(|_, value| number_fault(*value).is_none());
+    (result, others)
 }
 
 /// In words, if some gave no value.

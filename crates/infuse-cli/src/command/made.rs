@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context as _, Result, bail};
 
-use crate::campaign::{Campaign, Progress};
+use crate::campaign::{Campaign, Progress, checked};
 use crate::job_numbers::JobNumbers;
 use crate::journal::{BY_ITSELF, Constrained, Event, Measured, Submitted, Told, Writer, now};
 use crate::number::count;
@@ -111,8 +111,7 @@ fn told(problem: &Problem, task: &Task, result: Measured, others: BTreeMap<Strin
         (Some((value, expected)), _) => {
             (Measured::Failed(format!("it returned {value}, expected {expected}")), Constrained::new())
         }
-        (None, Measured::Value(_)) => (result, Problem::numbers(others)),
-        (None, Measured::Failed(_)) => (result, Constrained::new()),
+        (None, _) => checked(problem, result, others),
     };
     let (actual, note, id) = (BTreeMap::new(), String::new(), task.key.id().unwrap_or_default());
     let (from, at, units) = (BY_ITSELF.to_owned(), now(), problem.units_of(&constrained));

@@ -136,7 +136,7 @@ impl Campaign {
             settings,
             grid,
             notices,
-            experiments: Experiments::of(&problem.region, problem.plant()),
+            experiments: Experiments::of(&problem.region, &problem.plant()),
             problem,
             batches: Vec::new(),
             planned: BTreeSet::new(),

@@ -12,7 +12,7 @@ use crate::number::with_unit;
 #[derive(Debug, Clone)]
 pub(crate) struct Costs {
     /// The parameters that make the plant, by their places.
-    pub(crate) plant: Vec<usize>,
+    plant: Vec<usize>,
     /// To change each of them.
     changes: Vec<f64>,
     experiment: f64,
@@ -56,6 +56,13 @@ impl Costs {
         }
         let unit = entry.cost_unit.clone().unwrap_or_default();
         Ok(Some(Self { plant, changes, experiment, unit, most: entry.plants }))
+    }
+
+    /// The parameters that make the plant, the dearest to change first; of equals in the order of the file.
+    pub(super) fn by_falling_cost(&self) -> Vec<usize> {
+        let mut order: Vec<(usize, f64)> = self.plant.iter().copied().zip(self.changes.iter().copied()).collect();
+        order.sort_by(|a, b| b.1.total_cmp(&a.1));
+        order.into_iter().map(|(place, _)| place).collect()
     }
 
     /// As the loop has it: in experiments.

@@ -174,9 +174,9 @@ impl Problem {
         parts.collect::<Vec<_>>().join(", ")
     }
 
-    /// The parameters that make a plant, by their places; none where all are as easy to set.
-    pub(crate) fn plant(&self) -> &[usize] {
-        self.costs.as_ref().map_or(&[], |costs| &costs.plant)
+    /// The parameters that make a plant, by their places, the dearest to change first; none where all are as easy to set.
+    pub(crate) fn plant(&self) -> Vec<usize> {
+        self.costs.as_ref().map_or_else(Vec::new, Costs::by_falling_cost)
     }
 
     /// Those numbers that belong to constraints.
@@ -184,12 +184,6 @@ impl Problem {
         others.retain(|name, value| {
             self.constraints.iter().any(|held| held.name() == name) && crate::number::number_fault(*value).is_none()
         });
-        others
-    }
-
-    /// Every number that a program gave beside the value: a constraint may be added when it has been run.
-    pub(crate) fn numbers(mut others: BTreeMap<String, f64>) -> BTreeMap<String, f64> {
-        others.retain(|_, value| crate::number::number_fault(*value).is_none());
         others
     }
 

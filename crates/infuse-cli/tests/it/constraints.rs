@@ -57,6 +57,25 @@ fn batch(rig: &Rig) -> bool {
 const TRAVEL: &str = "[[constraint]]\nname = \"travel\"\nunit = \"mm\"\nupper = 10.2\n";
 
 #[test]
+fn a_simulated_constraint_that_is_no_number_is_never_dropped_in_silence() {
+    let rig = rig_of(TRAVEL, &format!("{}{}", parameter("a"), parameter("b")));
+    let simulate =
+        |travel: &str| rig.write("simulate.sh", &format!("echo '{{\"value\": 1.5, \"travel\": {travel}}}'\n"));
+    for travel in ["\"11.2\"", "true", "[1]"] {
+        simulate(travel);
+        let checked = rig.infuse(&["check"]).error();
+        assert!(checked.contains("what it gave as `travel` is no number"), "{travel}: {checked}");
+        let refused = rig.infuse(&["ask"]).error();
+        assert!(refused.contains("what it gave as `travel` is no number"), "{travel}: {refused}");
+    }
+    // Nothing is nothing, and is said by `check`.
+    simulate("null");
+    let text = rig.infuse(&["check"]).stdout;
+    assert!(text.contains("It says nothing of travel: experiments alone will."), "{text}");
+    assert!(!text.contains("is no number"), "{text}");
+}
+
+#[test]
 fn a_constraint_that_was_measured_keeps_its_unit() {
     let rig = rig_of(TRAVEL, &(parameter("a") + &parameter("b")));
     assert!(batch(&rig));

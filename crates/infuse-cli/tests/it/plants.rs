@@ -71,6 +71,45 @@ fn a_batch_keeps_to_its_plants_and_its_sheet_goes_from_one_to_the_next() {
 }
 
 #[test]
+fn what_is_dearest_to_change_is_changed_least() {
+    // The cheaper part comes first in the file: the order is by cost.
+    let rig = Rig::empty();
+    let parameter = |name: &str, more: &str| {
+        format!("[[parameter]]\nname = \"{name}\"\nunit = \"mm\"\nlower = 0\nupper = 10\nstep = 5\n{more}")
+    };
+    rig.write(
+        "campaign.toml",
+        &format!(
+            "title = \"Tail\"\nseed = 3\n{}{}{}[response]\nname = \"cost\"\nunit = \"N\"\ngoal = \"minimize\"\n\
+             [simulator]\ncommand = [\"sh\", \"one.sh\", \"{{pad}}\", \"{{spring}}\", \"{{gain}}\"]\n[loop]\nexperiments = 18\nbatches = 2\nexperiment_cost = 0.5\n",
+            parameter("pad", "change_cost = 2\n"),
+            parameter("spring", "change_cost = 6\n"),
+            parameter("gain", ""),
+        ),
+    );
+    rig.write("one.sh", "awk -v a=\"$1\" -v b=\"$2\" 'BEGIN { print a + b }'\n");
+    ask(&rig);
+    let mut sheet = csv::Reader::from_path(rig.path("sheet-1.csv")).unwrap();
+    let at = |name: &str, sheet: &mut csv::Reader<std::fs::File>| {
+        sheet.headers().unwrap().iter().position(|heading| heading == format!("{name} [mm]")).unwrap()
+    };
+    let (spring, pad) = (at("spring", &mut sheet), at("pad", &mut sheet));
+    let rows: Vec<csv::StringRecord> = sheet.records().map(|record| record.unwrap()).collect();
+    let blocks = |of: &dyn Fn(&csv::StringRecord) -> String| {
+        let mut in_order: Vec<String> = rows.iter().map(of).collect();
+        let distinct: BTreeSet<String> = in_order.iter().cloned().collect();
+        in_order.dedup();
+        (in_order.len(), distinct.len())
+    };
+    let (changes, springs) = blocks(&|row| row[spring].to_owned());
+    assert!(springs > 1, "one spring alone shows nothing");
+    assert_eq!(changes, springs, "each spring is mounted once");
+    let (changes, plants) = blocks(&|row| format!("{} {}", &row[spring], &row[pad]));
+    assert!(plants > springs, "the pad has to change on a spring");
+    assert_eq!(changes, plants, "each plant is put together once");
+}
+
+#[test]
 fn without_costs_what_has_the_role_of_a_plant_is_the_plant() {
     let rig = rig_of("", "plants = 2\n");
     assert!(batch(&rig) <= 2 && batch(&rig) <= 2);

@@ -9,6 +9,7 @@ use page::Finding;
 use serde_json::{Value, json};
 
 use super::budget::is_allowed;
+use crate::campaign::checked;
 use crate::journal::Measured;
 use crate::number::{grouped, plain, seconds, with_unit};
 use crate::problem::{PROBLEM, Problem, Program, Simulator};
@@ -94,7 +95,13 @@ fn run_one(folder: &Path, problem: &Problem, program: &Program, designs: &[Vec<f
         let (start, at) = (Instant::now(), problem.describe(point));
         match program.run(folder, &problem.region, point, None)? {
             Ran::Value { value, others, .. } => {
-                let (took, others) = (start.elapsed(), problem.of_constraints(others));
+                let took = start.elapsed();
+                if let (Measured::Failed(reason), _) = checked(problem, Measured::Value(value), others.clone()) {
+                    findings.push(Finding::new(format!("Careful: the simulation of {at} counts as failed: {reason}.")));
+                    reasons.push(json!({ "settings": problem.named(point), "reason": Measured::Failed(reason) }));
+                    continue;
+                }
+                let others = problem.of_constraints(others);
                 let mut said = vec![with_unit(&plain(value), &problem.response.unit)];
                 let (known, unknown): (Vec<_>, Vec<_>) =
                     problem.constraints.iter().partition(|held| others.contains_key(held.name()));
