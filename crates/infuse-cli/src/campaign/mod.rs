@@ -6,11 +6,12 @@ mod progress;
 mod reading;
 mod simulations;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
-use design_space::Grid;
+use design_space::{Cell, Grid};
 use infuse::pooled::Trial;
 use page::Finding;
 use serde_json::Value;
@@ -104,7 +105,7 @@ pub(crate) trait Campaign {
     /// Runs that were handed to a queue.
     fn submitted(&self) -> &[Submitted];
     /// How many simulations the campaign waits for.
-    fn waits_for_simulations(&self) -> Result<usize>;
+    fn waits_for_simulations(&self) -> Result<BTreeSet<Cell>>;
     /// The experiments from before the campaign that are in use.
     fn imported(&self) -> Vec<Imported>;
     /// From when on, and for what, those count that are imported now.

@@ -1,8 +1,10 @@
 //! What commands ask of a campaign, answered by the dissertation's loop.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::Result;
+use design_space::Cell;
 use infuse::global::StopReason;
 use infuse::pooled::Trial;
 use page::Finding;
@@ -87,8 +89,9 @@ impl campaign::Campaign for Campaign {
         &self.submitted
     }
 
-    fn waits_for_simulations(&self) -> Result<usize> {
-        Ok(self.missing_simulations(&identity(&self.problem.simulator))?.len())
+    fn waits_for_simulations(&self) -> Result<BTreeSet<Cell>> {
+        let missing = self.missing_simulations(&identity(&self.problem.simulator))?;
+        Ok(missing.into_iter().map(|(cell, _)| cell).collect())
     }
 
     fn imported(&self) -> Vec<Imported> {

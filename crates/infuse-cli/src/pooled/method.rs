@@ -1,9 +1,11 @@
 //! What commands ask of a campaign, answered by the pooled loop.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Result;
+use design_space::Cell;
 use infuse::pooled::{Settings, Trial};
 use page::Finding;
 use serde_json::{Value, json};
@@ -97,8 +99,8 @@ impl campaign::Campaign for Campaign {
         &self.submitted
     }
 
-    fn waits_for_simulations(&self) -> Result<usize> {
-        Ok(self.missing_simulations()?.len())
+    fn waits_for_simulations(&self) -> Result<BTreeSet<Cell>> {
+        Ok(self.missing_simulations()?.into_iter().map(|(cell, _)| cell).collect())
     }
 
     fn imported(&self) -> Vec<Imported> {

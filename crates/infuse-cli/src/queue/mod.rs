@@ -9,6 +9,7 @@
 mod runs;
 mod scheduler;
 mod script;
+mod stages;
 mod task;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -25,6 +26,7 @@ use crate::problem::{Program, Queue};
 use crate::program;
 use runs::Runs;
 use script::ranges;
+pub(crate) use stages::{Stages, stages};
 pub(crate) use task::{Key, Task};
 
 /// Tasks of one submission, at most: Slurm's own limit is 1001, and counts from 0.
@@ -317,7 +319,8 @@ pub(crate) fn cancel<'a>(
         runs.note_shown(&name)?;
         let said = runs.said(&name).unwrap_or_default();
         let job = said.split_whitespace().next_back().unwrap_or_default().to_owned();
-        scheduler::run(folder, queue, &queue.cancel, &[("{name}", name), ("{job}", job)])?;
+        scheduler::run(folder, queue, &queue.cancel, &[("{name}", name.clone()), ("{job}", job)])?;
+        runs.note_stopped(&name)?;
         n += 1;
     }
     Ok(n)

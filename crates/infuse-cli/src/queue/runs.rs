@@ -111,4 +111,19 @@ impl Runs {
     fn shown(&self, name: &str) -> PathBuf {
         self.path.join(format!("{name}.shown"))
     }
+
+    /// Notes that a submission was stopped from here.
+    pub(super) fn note_stopped(&self, name: &str) -> Result<()> {
+        let path = self.stopped(name);
+        std::fs::write(&path, "").with_context(|| path.display().to_string())
+    }
+
+    /// Whether a submission was stopped from here.
+    pub(super) fn was_stopped(&self, name: &str) -> bool {
+        self.stopped(name).exists()
+    }
+
+    fn stopped(&self, name: &str) -> PathBuf {
+        self.path.join(format!("{name}.stopped"))
+    }
 }

@@ -81,7 +81,7 @@ fn whoever_is_killed_nothing_is_lost_and_nothing_runs_twice() {
         rig.write("slow", "");
         stopped_after(&rig, n_begun, "-KILL");
         let text = rig.infuse(&["status"]).ok();
-        let queue = "in the queue or to be queued: `infuse run` takes what has ended";
+        let queue = " begun: `infuse run` takes what has ended";
         assert!(text.contains(queue) && text.contains("`infuse cancel` stops those in the queue"), "{text}");
         assert!(rig.infuse(&["run"]).ok().contains("Ended: "));
         check_each_once(&rig, 8);

@@ -101,7 +101,8 @@ fn whoever_is_killed_nothing_is_lost_and_nothing_runs_twice() {
         rig.write("slow", "");
         stopped_after(&rig, n_begun, "-KILL");
         let text = rig.infuse(&["status"]).ok();
-        assert!(text.contains("in the queue or to be queued: `infuse ask` takes what has ended"), "{text}");
+        assert!(text.contains(" in the queue or to be queued, "), "{text}");
+        assert!(text.contains(" begun: `infuse ask` takes what has ended"), "{text}");
         let asked = rig.infuse(&["ask"]).ok();
         assert!(asked.contains("Batch 1: 4 experiments"), "{asked}");
         check_each_once(&rig);
@@ -129,6 +130,19 @@ fn what_is_cancelled_is_submitted_again_without_what_had_ended() {
     // The run that was under way ends by itself.
     std::thread::sleep(Duration::from_millis(400));
     let n_before = lines(&rig, "submissions.log").len();
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains(" stopped by `infuse cancel`: `infuse ask` takes what has ended"), "{text}");
+    assert!(!text.contains("stops those in the queue"), "nothing is left to stop: {text}");
+    let (known, findings) = (rig.journal(), rig.status()["findings"].clone());
+    let n_of = |label: &str| {
+        let values =
+            findings.as_array().unwrap().iter().flat_map(|one| one["numbers"].as_array().cloned().unwrap_or_default());
+        values.into_iter().find(|value| value["name"] == label).unwrap()["value"].as_f64().unwrap() as u64
+    };
+    let n_taken = known.iter().filter(|line| line["event"] == "simulated").count() as u64;
+    let n_run = lines(&rig, "ran.log").len() as u64;
+    assert_eq!(n_of("simulations ended"), n_run - n_taken, "what has run and is not in the journal");
+    assert_eq!(n_of("simulations stopped") + n_of("simulations ended"), n_of("simulations waited for"));
     rig.infuse(&["ask"]).ok();
     assert!(lines(&rig, "submissions.log").len() > n_before);
     check_each_once(&rig);
