@@ -26,7 +26,7 @@ pub enum Mechanism {
 }
 
 impl Mechanism {
-    fn identifies(self) -> bool {
+    pub(super) fn identifies(self) -> bool {
         self != Self::ResponseCorrection
     }
 }
@@ -58,7 +58,8 @@ pub struct Reading {
 
 /// One closed iteration.
 #[non_exhaustive]
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Turn {
     /// The unknowns of the model that was optimized.
     pub unknowns: Vec<f64>,
@@ -89,27 +90,28 @@ pub struct Turn {
 /// model's family and found, all differences are zero, and so is J_cor; if θ does not change, J_cor is what it was, bit for
 /// bit; if θ absorbs half of a difference, J_cor holds the other half.
 ///
-/// A campaign of this loop is not written to a file.
+/// The value is the whole state, and serializes as [`Loop`] does: the model is not part of it.
 ///
 /// Source: Section 3.5. The rule of step 2 is ours: the dissertation names the combination and does not say how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IdentifyingLoop {
-    inner: Loop,
-    mechanism: Mechanism,
-    unknowns: Unknowns,
-    fit: identification::Settings,
-    measurements: Measurements,
+    pub(super) inner: Loop,
+    pub(super) mechanism: Mechanism,
+    pub(super) unknowns: Unknowns,
+    pub(super) fit: identification::Settings,
+    pub(super) measurements: Measurements,
     /// Of the open iteration, or the one that comes next if nothing new was measured.
-    now: Now,
-    turns: Vec<Turn>,
+    pub(super) now: Now,
+    pub(super) turns: Vec<Turn>,
 }
 
 /// The model that is optimized.
-#[derive(Debug, Clone, PartialEq)]
-struct Now {
-    unknowns: Vec<f64>,
-    identification: Option<Identification>,
-    carried: Local,
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Now {
+    pub(super) unknowns: Vec<f64>,
+    pub(super) identification: Option<Identification>,
+    pub(super) carried: Local,
 }
 
 impl IdentifyingLoop {

@@ -95,12 +95,15 @@
 //!
 //! When it is read, every closed iteration must follow from its optimum and the outcomes of its trials, number for number:
 //! that takes no more than sums, products and differences, so it holds on every machine. Where the next optimum is found
-//! may differ elsewhere in the last digits, as the simulation itself may.
+//! may differ elsewhere in the last digits, as the simulation itself may. The same goes for `IdentifyingLoop`; of it what the model
+//! with unknowns has said, fits and slopes, is taken as it stands.
 
 mod ask_tell;
 mod campaign;
 #[cfg(feature = "identification")]
 mod identifying;
+#[cfg(feature = "identification")]
+mod identifying_state;
 mod numerical;
 mod report;
 mod settings;

@@ -67,7 +67,7 @@ fn replayed(state: State) -> Result<Loop, Error> {
 
 /// A saved iteration, if it can be the next of this campaign: its optimum, its trials, and their outcomes as if each
 /// came in now.
-fn checked(campaign: &Loop, saved: OpenIteration) -> Result<OpenIteration, Error> {
+pub(super) fn checked(campaign: &Loop, saved: OpenIteration) -> Result<OpenIteration, Error> {
     let iteration = campaign.iteration();
     check_may_go_on(campaign, iteration)?;
     check_numerical(campaign, &saved.numerical, iteration)?;

@@ -1,5 +1,6 @@
 //! What a fit found.
 
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 use super::settings::Noise;
@@ -7,7 +8,8 @@ use super::undetermined::Direction;
 use crate::Error;
 
 /// A bound that an unknown has run against.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Bound {
     /// The lower one.
     Lower,
@@ -17,7 +19,8 @@ pub enum Bound {
 
 /// Why a search ended.
 #[non_exhaustive]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum FitStop {
     /// A step made no difference, or there is no slope left.
     Converged,
@@ -29,7 +32,8 @@ pub enum FitStop {
 
 /// One unknown after a fit.
 #[non_exhaustive]
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Estimate {
     /// Its name.
     pub name: String,
@@ -78,7 +82,8 @@ impl Estimate {
 
 /// What a fit found.
 #[non_exhaustive]
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Identification {
     /// The unknowns, in their order.
     pub estimates: Vec<Estimate>,
@@ -108,8 +113,8 @@ pub struct Identification {
     pub n_steps: usize,
     /// Why the last search ended.
     pub stop: FitStop,
-    /// Correlations by unknown and unknown; NaN where there is none.
-    pub(super) correlations: Vec<Vec<f64>>,
+    /// Correlations by unknown and unknown; none where one has no standard error.
+    pub(super) correlations: Vec<Vec<Option<f64>>>,
 }
 
 impl Identification {
@@ -122,8 +127,7 @@ impl Identification {
     /// Correlation of two estimates, −1 to 1, by their numbers from 0; none where one has no standard error.
     #[must_use]
     pub fn correlation(&self, i: usize, j: usize) -> Option<f64> {
-        let entry = self.correlations.get(i)?.get(j).copied()?;
-        entry.is_finite().then_some(entry)
+        self.correlations.get(i)?.get(j).copied()?
     }
 
     /// How many times as large as the noise the residuals are: the root of the sum of squares over the degrees of freedom. None without

@@ -187,7 +187,10 @@ impl Fitted {
                 degrees_of_freedom: (settings.noise == Noise::Estimated).then_some(degrees_of_freedom),
             }
         });
-        let correlation = |i: usize, j: usize| covariance[i][j] / (covariance[i][i] * covariance[j][j]).sqrt();
+        let correlation = |i: usize, j: usize| {
+            let entry = covariance[i][j] / (covariance[i][i] * covariance[j][j]).sqrt();
+            entry.is_finite().then_some(entry)
+        };
         Identification {
             estimates: estimates.collect(),
             undetermined: directions(unknowns, &self.all.rows(&open), &errors),

@@ -1,10 +1,13 @@
 //! What was measured.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Error;
 use crate::checks::{check_count, check_each, check_finite};
 
 /// The readings of one experiment.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct Row {
     pub(super) design: Vec<f64>,
     pub(super) values: Vec<f64>,
@@ -12,11 +15,33 @@ pub(super) struct Row {
 }
 
 /// What was measured: at each design one reading of every response, with its standard deviation.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, try_from = "Fields")]
 pub struct Measurements {
     responses: Vec<String>,
     rows: Vec<Row>,
     n_failed: usize,
+}
+
+/// As they stand in a file, before they are checked.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Fields {
+    responses: Vec<String>,
+    rows: Vec<Row>,
+    n_failed: usize,
+}
+
+impl TryFrom<Fields> for Measurements {
+    type Error = Error;
+
+    fn try_from(Fields { responses, rows, n_failed }: Fields) -> Result<Self, Error> {
+        let mut measurements = Self { n_failed, ..Self::new(responses)? };
+        for Row { design, values, deviations } in rows {
+            measurements.push(&design, &values, &deviations)?;
+        }
+        Ok(measurements)
+    }
 }
 
 impl Measurements {
@@ -89,6 +114,11 @@ impl Measurements {
     #[must_use]
     pub fn n_failed(&self) -> usize {
         self.n_failed
+    }
+
+    /// Where each experiment with readings was made, in the order of telling.
+    pub(crate) fn designs(&self) -> impl Iterator<Item = &[f64]> {
+        self.rows.iter().map(|row| row.design.as_slice())
     }
 
     /// Readings of all experiments together.

@@ -1,12 +1,14 @@
 //! Directions that data leave open, in words.
 
 use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
 
 use super::unknowns::Unknowns;
 
 /// A change of the unknowns that what was measured does not tell.
 #[non_exhaustive]
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Direction {
     /// Change of each unknown in its unit; the largest is a tenth of a range.
     pub change: Vec<f64>,

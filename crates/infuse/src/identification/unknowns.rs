@@ -1,14 +1,32 @@
 //! The numbers of a model that are sought.
 
 use design_space::Region;
+use serde::{Deserialize, Serialize};
 
 use crate::Error;
 
 /// Numbers of a model that are sought: names, units and bounds as a region, and where each is believed to be.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, try_from = "Fields")]
 pub struct Unknowns {
     region: Region,
     start: Vec<f64>,
+}
+
+/// As they stand in a file, before they are checked.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Fields {
+    region: Region,
+    start: Vec<f64>,
+}
+
+impl TryFrom<Fields> for Unknowns {
+    type Error = Error;
+
+    fn try_from(Fields { region, start }: Fields) -> Result<Self, Error> {
+        Self::new(region, start)
+    }
 }
 
 impl Unknowns {

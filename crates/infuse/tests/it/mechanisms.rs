@@ -171,3 +171,109 @@ fn readings_that_cannot_be_are_refused_and_change_nothing() {
     assert!(matches!(refused(id, reading(vec![1.0, f64::NAN], 1.0)), Error::Entry { name: "values", index: 1, .. }));
     assert!(matches!(refused(infuse::TrialId::new(9), reading(vec![1.0; 2], 1.0)), Error::UnknownTrial { .. }));
 }
+
+fn text(campaign: &IdentifyingLoop) -> String {
+    serde_json::to_string(campaign).unwrap()
+}
+
+fn again(campaign: &IdentifyingLoop) -> IdentifyingLoop {
+    serde_json::from_str(&text(campaign)).unwrap()
+}
+
+/// A rig that loses a trial in nine, and reads digits that no decimal has.
+fn awkward(trial: &Trial) -> Result<Reading, String> {
+    if trial.id.number() % 9 == 4 {
+        return Err("ballast lost".into());
+    }
+    let mut responses = responses(&TRUTH, &trial.point, 0.7);
+    responses[0] += 1e-3 * (trial.id.number() as f64).sin();
+    Ok(Reading { cost: responses.iter().sum(), responses, standard_deviations: vec![0.01, 0.02] })
+}
+
+#[test]
+fn saving_and_loading_at_every_point_changes_no_bit() {
+    for mechanism in [Mechanism::ResponseCorrection, Mechanism::Identification, Mechanism::Both] {
+        let mut kept = campaign(mechanism, settings(0.5, 4), unknowns([-0.4, 0.6]));
+        let mut restored = again(&kept);
+        while let Ask::Trials(asked) = kept.ask(&mut Family).unwrap() {
+            restored = again(&restored);
+            assert_eq!(restored.ask(&mut Family).unwrap(), Ask::Trials(asked.clone()));
+            for trial in asked.iter().rev() {
+                restored = again(&restored);
+                kept.tell(trial.id, awkward(trial)).unwrap();
+                restored.tell(trial.id, awkward(trial)).unwrap();
+                assert_eq!(restored, kept, "{mechanism:?}, after trial {}", trial.id);
+            }
+        }
+        assert_eq!(kept.turns().len(), 4, "{mechanism:?}: long enough to mean something");
+        assert_eq!(again(&kept), kept);
+        assert_eq!(again(&kept).identified(&mut Family).unwrap(), kept.identified(&mut Family).unwrap());
+    }
+}
+
+/// Two closed turns and one open with three trials told.
+fn in_the_middle(mechanism: Mechanism) -> serde_json::Value {
+    let mut campaign = campaign(mechanism, settings(0.5, 4), unknowns([-0.4, 0.6]));
+    for told in [5, 5, 3] {
+        let Ask::Trials(asked) = campaign.ask(&mut Family).unwrap() else { panic!("it goes on") };
+        for trial in &asked[..told] {
+            campaign.tell(trial.id, awkward(trial)).unwrap();
+        }
+    }
+    serde_json::to_value(&campaign).unwrap()
+}
+
+#[track_caller]
+fn check_refused(mechanism: Mechanism, pointer: &str, value: serde_json::Value, message: &str) {
+    let mut state = in_the_middle(mechanism);
+    *state.pointer_mut(pointer).expect("the field is there") = value;
+    let error = serde_json::from_str::<IdentifyingLoop>(&state.to_string()).unwrap_err();
+    assert!(error.to_string().contains(message), "{pointer}: {error}");
+}
+
+#[test]
+fn a_saved_campaign_that_was_tampered_with_is_refused() {
+    use serde_json::json;
+    let check = |pointer: &str, value, message: &str| check_refused(Mechanism::Both, pointer, value, message);
+    check("/format", json!(2), "format 2, expected 1");
+    check("/settings/trust/0", json!(3.0), "expected 0 < R < 2");
+    check("/settings/trust/0", json!(0.4), "follows from its optimum");
+    check("/unknowns/start/0", json!(9.0), "the value is 9.0");
+    check("/fit/max_steps", json!(0), "`max_steps`");
+    check("/turns/0/unknowns/0", json!(0.1), "`unknowns` of turn 1, expected those that its identification found");
+    check("/turns/1/unknowns/0", json!(0.1), "`unknowns` of turn 2, expected those that its identification found");
+    check("/turns/0/carried/offset", json!(0.1), "`carried` of turn 1, expected nothing in the first turn");
+    check("/turns/1/carried/slope", json!([0.1]), "`carried` of turn 2, expected a finite slope for each parameter");
+    check("/turns/1/carried/slope/0", json!(0.1), "the correction that was known");
+    check("/turns/1/report/trials/1/outcome", json!({"value": 9.0}), "follows from its optimum");
+    check("/turns/1/report/correction/offset", json!(1.0), "follows from its optimum");
+    check("/now/carried/slope/0", json!(0.5), "the correction that was known");
+    check("/corrections", json!([]), "one for each turn, of finite numbers");
+    check("/corrections/1/offset", json!(0.5), "the last one with which the open turn began");
+    check("/measurements/rows/0/design/0", json!(0.5), "`measurements` of turn 3, expected the readings of all trials");
+    check("/measurements/n_failed", json!(0), "expected the readings of all trials that were told");
+    check("/measurements/rows/0/deviations/0", json!(0.0), "a positive number");
+    check("/open/trials/0/outcome", json!(null), "expected the readings of all trials that were told");
+    check_refused(Mechanism::Identification, "/settings/trust/0", json!(0.5), "zeros, where nothing is corrected");
+    let carried = "`carried` of turn 2, expected the correction after the turn before";
+    check_refused(Mechanism::ResponseCorrection, "/turns/1/carried/slope/0", json!(0.5), carried);
+}
+
+#[test]
+fn unknown_keys_of_a_saved_campaign_are_refused() {
+    for pointer in [
+        "",
+        "/unknowns",
+        "/fit",
+        "/measurements",
+        "/measurements/rows/0",
+        "/turns/1",
+        "/turns/1/identification",
+        "/now",
+    ] {
+        let mut state = in_the_middle(Mechanism::Both);
+        state.pointer_mut(pointer).unwrap().as_object_mut().unwrap().insert("spare".into(), 1.into());
+        let error = serde_json::from_str::<IdentifyingLoop>(&state.to_string()).unwrap_err();
+        assert!(error.to_string().contains("unknown field `spare`"), "{pointer}: {error}");
+    }
+}
