@@ -1,5 +1,6 @@
 //! `cargo xtask speed`: how fast this is, each figure a ratio to a reference in the same run.
 
+mod builds;
 mod page;
 mod tasks;
 mod theirs;
@@ -26,14 +27,15 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     let mut theirs = Theirs::start(root)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build()?;
     let tasks = tasks(root)?;
-    let bar = progress("tasks", tasks.len());
+    let bar = progress("tasks, then builds from nothing", tasks.len() + builds::COUNT);
     let mut rows = Vec::with_capacity(tasks.len());
     for task in tasks {
         rows.push(pool.install(|| measured(task, &mut theirs))?);
         bar.inc(1);
     }
+    let built = builds::measured(root, || bar.inc(1))?;
     bar.finish();
-    page::write(root, &rows, THREADS, theirs.versions())
+    page::write(root, &rows, &built, THREADS, theirs.versions())
 }
 
 /// Ours and the reference in turn, so that whatever else the machine does slows both.

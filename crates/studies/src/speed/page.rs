@@ -20,6 +20,13 @@ pub(super) struct Row {
     pub(super) seconds: Vec<[f64; 2]>,
 }
 
+/// What was built from nothing.
+#[derive(Debug)]
+pub(super) struct Built {
+    pub(super) words: &'static str,
+    pub(super) seconds: f64,
+}
+
 impl Row {
     /// How many times as fast as the reference: lowest, median and highest over the rounds.
     fn ratios(&self) -> [f64; 3] {
@@ -33,11 +40,11 @@ impl Row {
     }
 }
 
-pub(super) fn write(root: &Path, rows: &[Row], n_threads: usize, versions: &str) -> Result<()> {
-    kept::write(root, &[(PAGE, markdown(rows, n_threads, versions))])
+pub(super) fn write(root: &Path, rows: &[Row], built: &[Built], n_threads: usize, versions: &str) -> Result<()> {
+    kept::write(root, &[(PAGE, markdown(rows, built, n_threads, versions))])
 }
 
-fn markdown(rows: &[Row], n_threads: usize, versions: &str) -> String {
+fn markdown(rows: &[Row], built: &[Built], n_threads: usize, versions: &str) -> String {
     let met = |row: &&Row| row.ratios()[1] >= row.goal;
     let named = |rows: Vec<&Row>| match rows.as_slice() {
         [] => "none".to_owned(),
@@ -47,6 +54,16 @@ fn markdown(rows: &[Row], n_threads: usize, versions: &str) -> String {
     for row in rows {
         let [low, median, high] = row.ratios().map(|ratio| number(ratio, 1));
         text += &format!("- {}: {median} ({low} to {high}) times as fast as {}.\n", row.task, row.reference);
+    }
+    if let [first, .., all] = built {
+        text += &format!(
+            "- From nothing, {} is compiled in {} s; {} in {} s, {} times as long.\n",
+            first.words,
+            number(first.seconds, 0),
+            all.words,
+            number(all.seconds, 0),
+            number(all.seconds / first.seconds, 1)
+        );
     }
     text += &format!(
         "\nThe goal is met by: {}. It is missed by: {}.\n\n",
@@ -59,12 +76,28 @@ fn markdown(rows: &[Row], n_threads: usize, versions: &str) -> String {
          highest ratio of a round. Surfaces and the process are asked at all 331,776 points of 24 levels in four factors, surfaces once \
          as a grid, of which only the levels are in memory, and once as points like any others; ours on {} threads, the reference ({versions}) on those that it takes, in slices that stay in the cache. Both give the same sums to 1e-9, \
          but for the process: ours has a quadratic trend besides.\n\n\
+         ## From nothing\n\n{}\n\
+         Release builds, each in an empty target folder of its own, with all packages fetched before.\n\n\
          Written by `cargo xtask speed`, which needs a Python with numpy, scipy and scikit-learn; times are those of the machine, so \
          that `cargo xtask ci` does not repeat them.\n",
         rows.first().map_or(0, |row| row.seconds.len()),
-        n_threads
+        n_threads,
+        builds_table(built).markdown()
     );
     text
+}
+
+fn builds_table(built: &[Built]) -> Table {
+    let all = built.last().map_or(f64::NAN, |all| all.seconds);
+    let row = |one: &Built| vec![one.words.to_owned(), number(one.seconds, 0), number(100.0 * one.seconds / all, 0)];
+    Table {
+        columns: vec![
+            Column::words("what is compiled"),
+            Column::number("time", "s"),
+            Column::number("of everything", "%"),
+        ],
+        rows: built.iter().map(row).collect(),
+    }
 }
 
 fn table(rows: &[Row]) -> Table {
@@ -103,8 +136,11 @@ mod tests {
         let off =
             row.ratios().into_iter().zip([10.0_f64, 15.0, 40.0]).map(|(found, expected)| (found - expected).abs());
         assert!(off.fold(0.0, f64::max) < 1e-9, "{:?}", row.ratios());
-        let text = markdown(&[row], 2, "numpy 2");
+        let built = [Built { words: "the half", seconds: 20.0 }, Built { words: "the whole", seconds: 50.0 }];
+        let text = markdown(&[row], &built, 2, "numpy 2");
         assert!(text.contains("- a task: 15.0 (10.0 to 40.0) times as fast as a reference."), "{text}");
         assert!(text.contains("The goal is met by: a task. It is missed by: none."), "{text}");
+        let compiled = "- From nothing, the half is compiled in 20 s; the whole in 50 s, 2.5 times as long.";
+        assert!(text.contains(compiled) && text.contains("| the half | 20 | 40 |"), "{text}");
     }
 }
