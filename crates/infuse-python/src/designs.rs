@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{Matrix, matrix};
+use crate::background::interruptible;
 use crate::error::{Error, refusal};
 use crate::parameters::ModelChoice;
 
@@ -81,7 +82,7 @@ pub(crate) fn search<'py>(
         problem = problem.with_replicates(Replicates::Planned(count)).map_err(refusal)?;
     }
     let settings = options.settings()?;
-    let found = py.detach(|| doe::search(&problem, &settings)).map_err(refusal)?;
+    let found = interruptible(py, move || doe::search(&problem, &settings))?.map_err(refusal)?;
     let result = PyDict::new(py);
     result.set_item("runs", matrix(py, found.design.n_factors(), found.design.coordinates().to_vec())?)?;
     result.set_item("percent", found.efficiency.percent)?;

@@ -10,6 +10,7 @@ use water_channel::{
 };
 
 use crate::arrays::{Matrix, matrix};
+use crate::background::interruptible;
 use crate::error::{Error, refusal};
 
 const RIG: &str = include_str!("../../../fixtures/bat/rig.toml");
@@ -51,6 +52,10 @@ impl Channel {
         }
         let fidelity = fidelity_named(fidelity)?;
         let places = variables.iter().map(|name| place(name)).collect::<PyResult<Vec<Place>>>()?;
+        if let Some(number) = (0..places.len()).find(|&number| places[..number].contains(&places[number])) {
+            let name = &variables[number];
+            return Err(Error::new_err(format!("variable `{name}` is there by another name, too, expected each once")));
+        }
         let request = |row: &[f64]| {
             let mut rig = self.rig.clone();
             places.iter().zip(row).for_each(|(place, &number)| place.set(&mut rig, number));
@@ -59,7 +64,11 @@ impl Channel {
         let requests: Vec<FlightRequest> = designs.rows().map(request).collect();
         let settings = FlightSettings::with_steps(steps_per_sample);
         settings.validate().map_err(refusal)?;
-        let flights = py.detach(|| fly_all(&requests, &self.profile, &settings, |_| {}));
+        let profile = self.profile.clone();
+        let (requests, flights) = interruptible(py, move || {
+            let flights = fly_all(&requests, &profile, &settings, |_| {});
+            (requests, flights)
+        })?;
         self.results(py, &requests, &flights)
     }
 }
@@ -112,13 +121,29 @@ fn fidelity_named(name: &str) -> PyResult<Fidelity> {
 }
 
 /// Where in a rig a number goes.
+#[derive(Clone, Copy)]
 enum Place {
     CenterOfMass,
     PitchSetPoint,
     Field(&'static bat_dynamics::Field),
 }
 
+impl PartialEq for Place {
+    fn eq(&self, other: &Self) -> bool {
+        self.path() == other.path()
+    }
+}
+
 impl Place {
+    /// Section and key in the rig's file.
+    fn path(&self) -> (&'static str, &'static str) {
+        match self {
+            Self::CenterOfMass => ("body", "center_of_mass_x"),
+            Self::PitchSetPoint => ("", "pitch_set_point"),
+            Self::Field(field) => (field.section, field.name),
+        }
+    }
+
     fn set(&self, rig: &mut Rig, number: f64) {
         match self {
             Self::CenterOfMass => rig.plant.body.center_of_mass_x = number / 100.0,

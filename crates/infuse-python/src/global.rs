@@ -5,10 +5,11 @@ use infuse::{Outcome, TrialId};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 
-use crate::error::refusal;
-use crate::parameters::{ModelChoice, ParameterTuple, region_of_numbers, tuples};
-use crate::saved::saved_as;
-use crate::simulator::{PythonSimulator, result};
+use crate::background::interruptible;
+use crate::error::{refusal, settings_of};
+use crate::parameters::{ModelChoice, ParameterTuple, region_of_numbers, snap, tuples};
+use crate::saved::{saved_as, unpacked};
+use crate::simulator::{one_each, result};
 
 const FORMAT: u32 = 1;
 const KIND: &str = "global";
@@ -30,7 +31,7 @@ impl GlobalLoop {
         let region = region_of_numbers(parameters)?;
         let mut settings: Value = serde_json::from_str(settings).map_err(refusal)?;
         settings["model"] = serde_json::to_value(model.model(region.n_parameters())?).map_err(refusal)?;
-        let settings: Settings = serde_json::from_value(settings).map_err(refusal)?;
+        let settings: Settings = settings_of(settings, &["model", "n_experiments", "n_simulations"])?;
         Ok(Self { campaign: Loop::new(&region, settings).map_err(refusal)? })
     }
 
@@ -38,7 +39,7 @@ impl GlobalLoop {
     #[staticmethod]
     fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
         let mut saved = saved_as(KIND, FORMAT, text)?;
-        let campaign = py.detach(|| serde_json::from_value(saved["campaign"].take())).map_err(refusal)?;
+        let campaign = interruptible(py, move || unpacked(saved["campaign"].take()))??;
         Ok(Self { campaign })
     }
 
@@ -73,8 +74,7 @@ impl GlobalLoop {
 
     /// Outstanding trials as JSON; those of a new batch if there are none. All its simulations are asked for at once.
     fn ask(&mut self, py: Python<'_>, simulate: Py<PyAny>) -> PyResult<String> {
-        let campaign = &mut self.campaign;
-        py.detach(|| open(campaign, &PythonSimulator::new(simulate)))?;
+        open(py, &mut self.campaign, &simulate)?;
         self.outstanding()
     }
 
@@ -94,12 +94,28 @@ impl GlobalLoop {
             (Some(value), None) => Outcome::Value(value),
             (_, reason) => Outcome::Failed { reason: reason.unwrap_or_default() },
         };
-        let (id, campaign) = (TrialId::new(id), &mut self.campaign);
-        py.detach(|| match actual {
-            Some(actual) => campaign.tell_at(id, &actual, outcome),
-            None => campaign.tell(id, outcome),
-        })
-        .map_err(refusal)
+        let mut actual = actual;
+        if let Some(actual) = &mut actual {
+            let asked = self.campaign.outstanding().into_iter().find(|trial| trial.id.number() == id);
+            snap(actual, asked.as_ref().map_or(&[], |trial| &trial.point));
+        }
+        let (id, mut campaign) = (TrialId::new(id), self.campaign.clone());
+        self.campaign = interruptible(py, move || {
+            match actual {
+                Some(actual) => campaign.tell_at(id, &actual, outcome),
+                None => campaign.tell(id, outcome),
+            }
+            .map(|()| campaign)
+        })?
+        .map_err(refusal)?;
+        Ok(())
+    }
+
+    /// The trials of the batch that is open, with what is known of them, as JSON.
+    fn open_records(&self) -> PyResult<String> {
+        let state = serde_json::to_value(&self.campaign).map_err(refusal)?;
+        let trials = &state["open"]["trials"];
+        Ok(if trials.is_array() { trials.to_string() } else { "[]".to_owned() })
     }
 
     fn add_earlier(&mut self, point: Vec<f64>, value: f64, source: String) -> PyResult<()> {
@@ -117,20 +133,27 @@ impl GlobalLoop {
 
     /// What the last closed batch came to, as JSON.
     fn assess(&self, py: Python<'_>) -> PyResult<Option<String>> {
-        let campaign = &self.campaign;
-        py.detach(|| assessment(campaign)).map_err(refusal)
+        let campaign = self.campaign.clone();
+        interruptible(py, move || assessment(&campaign))?.map_err(refusal)
     }
 }
 
 /// Opens the next batch, unless there is one, or the campaign has ended.
-fn open(campaign: &mut Loop, simulator: &PythonSimulator) -> PyResult<()> {
-    let Some(plan) = campaign.plan().map_err(refusal)? else { return Ok(()) };
+fn open(py: Python<'_>, campaign: &mut Loop, simulate: &Py<PyAny>) -> PyResult<()> {
+    let now = campaign.clone();
+    let Some(plan) = interruptible(py, move || now.plan())?.map_err(refusal)? else { return Ok(()) };
     let points = plan.simulations.iter().map(|&cell| campaign.point(cell));
     let points: Vec<Vec<f64>> = points.collect::<Result<_, _>>().map_err(refusal)?;
     // The plan has them in the order in which the loop asks.
-    let mut responses = simulator.one_each(&points)?.into_iter();
-    let mut answer = |_, _: &[f64]| responses.next().map_or_else(|| Err("no response".to_owned()), result);
-    campaign.open(&plan, &mut answer).map(drop).map_err(refusal)
+    let mut responses = one_each(py, simulate, &points)?.into_iter();
+    let mut now = campaign.clone();
+    let (now, opened) = interruptible(py, move || {
+        let mut answer = |_, _: &[f64]| responses.next().map_or_else(|| Err("no response".to_owned()), result);
+        let opened = now.open(&plan, &mut answer).map(drop);
+        (now, opened)
+    })?;
+    *campaign = now;
+    opened.map_err(refusal)
 }
 
 fn assessment(campaign: &Loop) -> Result<Option<String>, infuse::Error> {

@@ -4,6 +4,7 @@
 //! `python/infuse/`, gives them names and types. Whatever computes for long lets other Python threads run meanwhile.
 
 mod arrays;
+mod background;
 mod designs;
 mod error;
 mod flights;

@@ -48,6 +48,15 @@ pub(crate) fn tuples(region: &Region) -> Vec<ParameterTuple> {
     region.parameters().iter().map(one).collect()
 }
 
+/// Numbers that are these but for rounding to twelve digits, with all digits.
+pub(crate) fn snap(numbers: &mut [f64], exact: &[f64]) {
+    for (number, &exact) in numbers.iter_mut().zip(exact) {
+        if (*number - exact).abs() <= 1e-11 * exact.abs() {
+            *number = exact;
+        }
+    }
+}
+
 /// A model by its name, or by the exponents of its terms.
 #[derive(FromPyObject, Debug)]
 pub(crate) enum ModelChoice {

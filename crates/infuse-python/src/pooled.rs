@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use design_space::{Cell, Grid, Region};
+use design_space::{Cell, Grid, Parameter, Region};
 use infuse::pooled::{Ask, Assessment, Earlier, Loop, Record, Responses, Settings, Simulate, StopReason, Trial};
 use infuse::{Outcome, TrialId};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
@@ -10,10 +10,11 @@ use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::arrays::{Matrix, matrix};
-use crate::error::{Error, refusal};
-use crate::parameters::{ParameterTuple, region, tuples};
-use crate::saved::saved_as;
-use crate::simulator::{Answer, PythonSimulator};
+use crate::background::interruptible_with;
+use crate::error::{Error, refusal, settings_of};
+use crate::parameters::{ParameterTuple, region, snap, tuples};
+use crate::saved::{saved_as, unpacked};
+use crate::simulator::{Answer, RemoteSimulator, call};
 
 const FORMAT: u32 = 1;
 
@@ -55,14 +56,13 @@ pub(crate) struct PooledLoop {
 impl PooledLoop {
     #[new]
     fn new(parameters: Vec<ParameterTuple>, settings: &str) -> PyResult<Self> {
-        Self::begin(&region(parameters)?, settings_of(settings)?)
+        Self::begin(&region(parameters)?, read(settings)?)
     }
 
     #[staticmethod]
     fn from_json(text: &str) -> PyResult<Self> {
         let saved = saved_as(KIND, FORMAT, text)?;
-        let saved: Saved = serde_json::from_value(saved).map_err(refusal)?;
-        Self::replayed(saved)
+        Self::replayed(unpacked(saved)?)
     }
 
     fn to_json(&self) -> PyResult<String> {
@@ -76,7 +76,7 @@ impl PooledLoop {
             simulated: self.simulated.clone(),
             due: self.due.clone(),
             stopped: self.stopped,
-            constrained: self.constrained(),
+            constrained: self.told_constrained(),
             simulated_constrained: self.simulated_constrained.clone(),
         };
         serde_json::to_string_pretty(&saved).map_err(refusal)
@@ -95,7 +95,7 @@ impl PooledLoop {
     }
 
     fn set_settings(&mut self, settings: &str) -> PyResult<()> {
-        self.campaign.set_settings(settings_of(settings)?).map_err(refusal)?;
+        self.campaign.set_settings(read(settings)?).map_err(refusal)?;
         self.stopped = None;
         Ok(())
     }
@@ -163,6 +163,7 @@ impl PooledLoop {
         actual: Option<Vec<f64>>,
         again: bool,
     ) -> PyResult<()> {
+        let actual = actual.map(|actual| self.snapped(id, actual));
         let (id, outcome) = (TrialId::new(id), outcome(value, failed));
         match (again, actual) {
             (true, actual) => self.campaign.correct(id, actual.as_deref(), outcome),
@@ -170,6 +171,17 @@ impl PooledLoop {
             (false, None) => self.campaign.tell(id, outcome),
         }
         .map_err(refusal)
+    }
+
+    /// What was told of the constrained responses of trials, by their numbers, in the order of the constraints.
+    fn constrained(&self) -> BTreeMap<u64, Vec<Option<f64>>> {
+        self.told_constrained()
+    }
+
+    /// Whether a constrained response was measured or simulated anywhere.
+    fn has_constrained(&self) -> bool {
+        let is_earlier = self.campaign.earlier().iter().any(|earlier| !earlier.constrained.is_empty());
+        is_earlier || !self.told_constrained().is_empty() || !self.simulated_constrained.is_empty()
     }
 
     /// The constrained responses of a trial, in the order of the constraints.
@@ -207,9 +219,12 @@ impl PooledLoop {
         value: Option<f64>,
         failed: Option<String>,
         source: String,
+        constrained: Vec<Option<f64>>,
     ) -> PyResult<()> {
         match outcome(value, failed) {
-            Outcome::Value(value) => self.campaign.add_earlier(&point, value, source),
+            Outcome::Value(objective) => {
+                self.campaign.add_earlier(&point, Responses { objective, constrained }, source)
+            }
             Outcome::Failed { reason } => self.campaign.add_earlier_failure(&point, reason, source),
         }
         .map_err(refusal)
@@ -236,7 +251,7 @@ impl PooledLoop {
         simulate: Option<Py<PyAny>>,
     ) -> PyResult<Option<String>> {
         let cells = self.cells(&points)?;
-        let standings = self.with(py, simulate, |campaign, simulate| campaign.standings(&cells, simulate))?;
+        let standings = self.with(py, simulate, move |campaign, simulate| campaign.standings(&cells, simulate))?;
         standings.map(|standings| serde_json::to_string(&standings).map_err(refusal)).transpose()
     }
 
@@ -248,7 +263,7 @@ impl PooledLoop {
         simulate: Option<Py<PyAny>>,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let cells = self.cells(&points)?;
-        let found = self.with(py, simulate, |campaign, simulate| campaign.expectations(&cells, simulate))?;
+        let found = self.with(py, simulate, move |campaign, simulate| campaign.expectations(&cells, simulate))?;
         let numbers = found.map(|all| all.iter().flat_map(|one| [one.mean, one.deviation, one.feasible]).collect());
         numbers.map(|numbers| matrix(py, 3, numbers)).transpose()
     }
@@ -271,7 +286,7 @@ impl PooledLoop {
     }
 
     /// What was told of the constrained responses of trials.
-    fn constrained(&self) -> BTreeMap<u64, Vec<Option<f64>>> {
+    fn told_constrained(&self) -> BTreeMap<u64, Vec<Option<f64>>> {
         let of = |record: &Record| (record.trial.id.number(), self.campaign.constrained(record.trial.id).to_vec());
         self.campaign.records().iter().map(of).filter(|(_, values)| !values.is_empty()).collect()
     }
@@ -315,9 +330,11 @@ impl PooledLoop {
                 .map_err(refusal)?;
             }
         }
-        for Earlier { point, outcome, source, .. } in earlier {
+        for Earlier { point, outcome, source, constrained } in earlier {
             match outcome {
-                Outcome::Value(value) => read.campaign.add_earlier(&point, value, source),
+                Outcome::Value(objective) => {
+                    read.campaign.add_earlier(&point, Responses { objective, constrained }, source)
+                }
                 Outcome::Failed { reason } => read.campaign.add_earlier_failure(&point, reason, source),
             }
             .map_err(refusal)?;
@@ -335,20 +352,31 @@ impl PooledLoop {
         Ok(Self { due, stopped, ..read })
     }
 
-    /// Lets the loop work while other Python threads run. Where the simulation raises, the campaign stays as it was.
-    fn with<T: Send>(
+    /// Settings that were made, the asked ones with all their digits where they are those but for rounding to twelve.
+    fn snapped(&self, id: u64, mut actual: Vec<f64>) -> Vec<f64> {
+        let trial = self.campaign.records().iter().map(|record| &record.trial).find(|trial| trial.id.number() == id);
+        snap(&mut actual, trial.map_or(&[], |trial| &trial.point));
+        actual
+    }
+
+    /// Lets the loop work while other Python threads run. Where the simulation raises, and after Ctrl-C, the campaign stays as
+    /// it was.
+    fn with<T: Send + 'static>(
         &mut self,
         py: Python<'_>,
         simulate: Option<Py<PyAny>>,
-        work: impl FnOnce(&mut Loop, Option<&mut dyn Simulate>) -> Result<T, infuse::Error> + Send,
+        work: impl FnOnce(&mut Loop, Option<&mut dyn Simulate>) -> Result<T, infuse::Error> + Send + 'static,
     ) -> PyResult<T> {
-        let mut simulator = simulate.map(PythonSimulator::new);
-        let mut campaign = self.campaign.clone();
-        let outcome = py.detach(|| {
-            let simulate = simulator.as_mut().map(|simulator| simulator as &mut dyn Simulate);
-            work(&mut campaign, simulate)
-        });
-        let answers = simulator.map_or(Ok(Vec::new()), PythonSimulator::finish)?;
+        let (mut campaign, is_simulated) = (self.campaign.clone(), simulate.is_some());
+        let answer = |points: &[Vec<f64>]| match &simulate {
+            Some(function) => call(py, function, points),
+            None => Ok(Vec::new()),
+        };
+        let (campaign, outcome, answers) = interruptible_with(py, answer, move |caller| {
+            let mut simulator = RemoteSimulator::new(caller);
+            let outcome = work(&mut campaign, is_simulated.then_some(&mut simulator as &mut dyn Simulate));
+            (campaign, outcome, simulator.answers)
+        })?;
         for Answer { cell, value, constrained } in answers {
             self.simulated.insert(cell.index(), value.is_finite().then_some(value));
             if !constrained.is_empty() {
@@ -361,18 +389,25 @@ impl PooledLoop {
 
     /// The designs nearest to these settings.
     fn cells(&self, points: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Cell>> {
-        nearest(self.campaign.grid(), &Matrix::of(points))
+        nearest(self.campaign.grid(), self.campaign.region(), &Matrix::of(points))
     }
 }
 
-/// The cells nearest to these settings, which must be within the bounds.
-fn nearest(grid: &Grid, points: &Matrix) -> PyResult<Vec<Cell>> {
-    points.rows().map(|point| grid.nearest(point)).collect::<Result<Vec<_>, _>>().map_err(refusal)
+/// The cells nearest to these settings, which must be within the bounds, but for rounding to twelve digits.
+fn nearest(grid: &Grid, region: &Region, points: &Matrix) -> PyResult<Vec<Cell>> {
+    let lower: Vec<f64> = region.parameters().iter().map(Parameter::lower).collect();
+    let upper: Vec<f64> = region.parameters().iter().map(Parameter::upper).collect();
+    let cell = |point: &[f64]| {
+        let mut point = point.to_vec();
+        snap(&mut point, &lower);
+        snap(&mut point, &upper);
+        grid.nearest(&point)
+    };
+    points.rows().map(cell).collect::<Result<Vec<_>, _>>().map_err(refusal)
 }
 
-fn settings_of(text: &str) -> PyResult<Settings> {
-    let settings: serde_json::Value = serde_json::from_str(text).map_err(refusal)?;
-    serde_json::from_value(settings).map_err(refusal)
+fn read(settings: &str) -> PyResult<Settings> {
+    settings_of(serde_json::from_str(settings).map_err(refusal)?, &["n_experiments"])
 }
 
 /// A failure with its reason, or a response; one that is not finite is refused by the loop.

@@ -6,6 +6,7 @@ use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 use crate::arrays::matrix;
+use crate::background::Caller;
 use crate::error::Error;
 
 /// What a function said of a design.
@@ -17,46 +18,36 @@ pub(crate) struct Answer {
     pub(crate) constrained: Vec<Option<f64>>,
 }
 
-/// A function that takes an array of n × k settings and returns n responses, NaN where there is none.
-#[derive(Debug)]
-pub(crate) struct PythonSimulator {
-    function: Py<PyAny>,
+/// A Python function, from the thread that works: the one that called runs it.
+pub(crate) struct RemoteSimulator<'a> {
+    caller: &'a Caller,
     /// What it was asked, with its answers.
     pub(crate) answers: Vec<Answer>,
-    /// What it raised; it is not called again then.
-    raised: Option<PyErr>,
 }
 
-impl PythonSimulator {
-    pub(crate) fn new(function: Py<PyAny>) -> Self {
-        Self { function, answers: Vec::new(), raised: None }
+impl<'a> RemoteSimulator<'a> {
+    pub(crate) fn new(caller: &'a Caller) -> Self {
+        Self { caller, answers: Vec::new() }
     }
+}
 
-    /// The answers, or the exception that the function raised.
-    pub(crate) fn finish(self) -> PyResult<Vec<Answer>> {
-        self.raised.map_or(Ok(self.answers), Err)
-    }
+/// One response at each of these points.
+pub(crate) fn one_each(py: Python<'_>, function: &Py<PyAny>, points: &[Vec<f64>]) -> PyResult<Vec<f64>> {
+    let responses = call(py, function, points)?;
+    if responses.len() == points.len() { Ok(responses) } else { Err(wrong_number(responses.len(), points.len())) }
+}
 
-    /// One response at each of these points.
-    pub(crate) fn one_each(&self, points: &[Vec<f64>]) -> PyResult<Vec<f64>> {
-        let responses = self.call(points)?;
-        if responses.len() == points.len() { Ok(responses) } else { Err(wrong_number(responses.len(), points.len())) }
+/// The responses of a function at these points, as many at each. It takes an array of n × k settings; NaN is none.
+pub(crate) fn call(py: Python<'_>, function: &Py<PyAny>, points: &[Vec<f64>]) -> PyResult<Vec<f64>> {
+    let n_columns = points.first().map_or(0, Vec::len);
+    let argument = matrix(py, n_columns, points.concat())?;
+    let answer = function.bind(py).call1((argument,))?;
+    let responses: PyReadonlyArray1<'_, f64> = answer.cast::<PyArray1<f64>>()?.try_readonly()?;
+    let responses: Vec<f64> = responses.as_array().iter().copied().collect();
+    if points.is_empty() || !responses.len().is_multiple_of(points.len()) {
+        return Err(wrong_number(responses.len(), points.len()));
     }
-
-    /// The responses at these points, as many at each.
-    fn call(&self, points: &[Vec<f64>]) -> PyResult<Vec<f64>> {
-        Python::attach(|py| {
-            let n_columns = points.first().map_or(0, Vec::len);
-            let argument = matrix(py, n_columns, points.concat())?;
-            let answer = self.function.bind(py).call1((argument,))?;
-            let responses: PyReadonlyArray1<'_, f64> = answer.cast::<PyArray1<f64>>()?.try_readonly()?;
-            let responses: Vec<f64> = responses.as_array().iter().copied().collect();
-            if points.is_empty() || !responses.len().is_multiple_of(points.len()) {
-                return Err(wrong_number(responses.len(), points.len()));
-            }
-            Ok(responses)
-        })
-    }
+    Ok(responses)
 }
 
 fn wrong_number(found: usize, expected: usize) -> PyErr {
@@ -68,7 +59,7 @@ pub(crate) fn result(response: f64) -> Result<f64, String> {
     if response.is_finite() { Ok(response) } else { Err(format!("the simulation returned {response}")) }
 }
 
-impl PythonSimulator {
+impl RemoteSimulator<'_> {
     /// The response, and behind it those on which there are constraints.
     fn answer(&mut self, cell: Cell, values: &[f64]) -> Result<Responses, String> {
         let constrained: Vec<Option<f64>> =
@@ -78,19 +69,15 @@ impl PythonSimulator {
     }
 }
 
-impl Simulate for PythonSimulator {
+impl Simulate for RemoteSimulator<'_> {
     fn responses(&mut self, cells: &[Cell], points: &[Vec<f64>]) -> Vec<Result<Responses, String>> {
-        let responses = match &self.raised {
-            Some(_) => None,
-            None => self.call(points).map_err(|raised| self.raised = Some(raised)).ok(),
-        };
-        match responses {
+        match self.caller.call(points) {
             Some(responses) => {
                 let per_design = responses.len() / points.len().max(1);
                 let of_designs = responses.chunks(per_design.max(1)).zip(cells);
                 of_designs.map(|(values, &cell)| self.answer(cell, values)).collect()
             }
-            None => vec![Err("the simulation raised an exception".to_owned()); points.len()],
+            None => vec![Err("nobody waits for it".to_owned()); points.len()],
         }
     }
 }

@@ -8,7 +8,8 @@ use surface::process::{AveragedProcess, Hyperparameters, Marginals, Places, Samp
 use surface::{Data, LeaveOneOut, Rows, Surface};
 
 use crate::arrays::{Matrix, matrix};
-use crate::error::{Error, refusal};
+use crate::background::interruptible;
+use crate::error::{Error, refusal, settings_of};
 use crate::parameters::ModelChoice;
 
 fn data(points: &PyReadonlyArray2<'_, f64>, values: Vec<f64>, weights: Option<Vec<f64>>) -> PyResult<Data> {
@@ -200,11 +201,11 @@ impl SquaredExponential {
         scale: Option<f64>,
     ) -> PyResult<Self> {
         let data = data(&points, values, weights)?;
-        let fit = || match scale {
+        let fit = move || match scale {
             Some(scale) => surface::SquaredExponential::fit(data, scale),
             None => surface::SquaredExponential::fit_scale(data),
         };
-        py.detach(fit).map(Self).map_err(refusal)
+        interruptible(py, fit)?.map(Self).map_err(refusal)
     }
 
     fn predict<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
@@ -258,7 +259,7 @@ impl GaussianProcess {
     ) -> PyResult<Self> {
         let sites = sites(&data(&points, values, weights)?, simulated)?;
         let settings = sampler(settings, sites.places().simulated().is_some())?;
-        py.detach(|| AveragedProcess::new(sites, &settings))
+        interruptible(py, move || AveragedProcess::new(sites, &settings))?
             .map(|process| Self(Process::Averaged(process)))
             .map_err(refusal)
     }
@@ -340,8 +341,7 @@ fn sites(data: &Data, simulated: Option<Vec<f64>>) -> PyResult<Sites> {
 }
 
 fn parsed<T: serde::de::DeserializeOwned>(text: &str) -> PyResult<T> {
-    let value: serde_json::Value = serde_json::from_str(text).map_err(refusal)?;
-    serde_json::from_value(value).map_err(refusal)
+    settings_of(serde_json::from_str(text).map_err(refusal)?, &["particles", "seed"])
 }
 
 #[derive(serde::Deserialize)]

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -77,7 +81,7 @@ def test_an_exception_of_a_simulation_is_passed_on_and_changes_nothing() -> None
 
 
 def test_a_simulation_with_too_few_answers_is_refused() -> None:
-    with pytest.raises(Error, match="responses for"):
+    with pytest.raises(Error, match=r"the simulation gave an array of shape \(4094,\), expected \(4095,\)"):
         PooledLoop(MANY, 8).ask(lambda points: points[:-1, 0])
     with pytest.raises(ValueError):
         PooledLoop(MANY, 8).ask(lambda points: ["a"] * len(points))
@@ -265,3 +269,35 @@ def test_the_worth_ends_a_campaign() -> None:
     assert found is not None and found.certificate.bound <= 0.2 and found.further_batches == 0
     loop.change(worth=None)
     assert loop.stopped is None and len(loop.ask(simulation)) == 6
+
+
+def test_a_copy_is_a_campaign_of_its_own() -> None:
+    loop = after_batches(1)
+    for other in (copy.copy(loop), copy.deepcopy(loop), pickle.loads(pickle.dumps(loop))):
+        assert other.records() == loop.records() and other.parameters == loop.parameters
+        assert other.ask(simulation) == copy.deepcopy(loop).ask(simulation)
+        assert len(other.records()) > len(loop.records()), "the original is as before"
+
+
+INTERRUPTED = """
+import os, signal, threading, time
+import infuse
+
+loop = infuse.PooledLoop([infuse.Parameter(name, "", 0.0, 1.0, levels=21) for name in "abcdefg"], 40, particles=200)
+for trial in loop.ask():
+    loop.tell(trial.id, sum(value * value for value in trial.settings.values()))
+threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+began = time.perf_counter()
+try:
+    loop.ask()
+    print("it was done before")
+except KeyboardInterrupt:
+    print("heard" if time.perf_counter() - began < 1.5 else "late", len(loop.outstanding()), loop.batch, flush=True)
+os._exit(0)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C is sent otherwise there")
+def test_ctrl_c_is_heard_while_rust_works_and_changes_nothing() -> None:
+    found = subprocess.run([sys.executable, "-c", INTERRUPTED], check=True, capture_output=True, text=True)
+    assert found.stdout == "heard 0 1\n"

@@ -5,14 +5,28 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from numpy.typing import ArrayLike
 
 from infuse import _native
-from infuse._parameters import Designs, Names, Parameter, Settings, Simulate, batched, numbers, of_tuple, rows, tuples_of
-from infuse.pooled import as_json, replace
+from infuse._checks import whole, word
+from infuse._parameters import (
+    Designs,
+    Names,
+    Parameter,
+    Settings,
+    Simulate,
+    batched,
+    check_names,
+    numbers,
+    of_tuple,
+    paired,
+    rows,
+    tuples_of,
+)
+from infuse.doe import _model
+from infuse.pooled import as_json, read, replace
 from infuse.trials import Outcome, Record, Trial, frame, named, outcome, records, settings_row, told, trials
 
 if TYPE_CHECKING:
@@ -71,6 +85,9 @@ class GlobalLoop:
     settings of the Rust library, such as `replicates`, `confidence`, `first_screening`, `careful` or `correction`, go by
     their names.
 
+    Of `PooledLoop` it has neither constraints nor plants nor choices, and none of `correct`, `hand_out`, `change`, `due`,
+    `standings`, `expectations` and `surprises`: a batch is closed by its last outcome, and what follows from it stands.
+
     >>> loop = GlobalLoop([Parameter("x", "mm", 0.0, 10.0, levels=21)], "quadratic", 5, 8, max_iterations=2)
     >>> loop.run(lambda points: (points[:, 0] - 3) ** 2, lambda settings: (settings["x"] - 4) ** 2 + 1)
     'the limit on the batches was reached'
@@ -89,6 +106,7 @@ class GlobalLoop:
         max_iterations: int = 10,
         **settings: Any,
     ) -> None:
+        check_names(parameters)
         every = {
             "n_experiments": n_experiments,
             "n_simulations": n_simulations,
@@ -96,7 +114,7 @@ class GlobalLoop:
             "max_iterations": max_iterations,
             **settings,
         }
-        self._loop = _native.GlobalLoop(tuples_of(parameters), model_of(model), as_json(every))
+        self._loop = _native.GlobalLoop(tuples_of(parameters), _model(model), as_json(every))
         self._parameters = list(parameters)
 
     @classmethod
@@ -135,7 +153,8 @@ class GlobalLoop:
     def ask(self, simulate: Simulate) -> List[Trial]:
         """The experiments to run now; none after the end. A new batch is simulated first, all designs in one call."""
         call = batched(simulate)
-        assert call is not None, "there is a simulation"
+        if call is None:
+            raise _native.Error("no simulation, expected a function: this loop is not without one")
         return trials(self._names, self._loop.ask(call))
 
     def outstanding(self) -> List[Trial]:
@@ -145,30 +164,35 @@ class GlobalLoop:
     def tell(self, id: int, value: Outcome = None, *, failed: Optional[str] = None) -> None:
         """The outcome of a trial; the last one of a batch closes it. NaN and an exception are failures."""
         number, reason = outcome(value, failed)
-        self._loop.tell(id, number, reason, None)
+        self._loop.tell(whole("`id`", id, "the number of a trial"), number, reason, None)
 
     def tell_at(self, id: int, settings: Designs, value: Outcome = None, *, failed: Optional[str] = None) -> None:
         """The outcome of a trial that was made at other settings than those asked for."""
         number, reason = outcome(value, failed)
-        self._loop.tell(id, number, reason, settings_row(self._parameters, settings))
+        self._loop.tell(whole("`id`", id, "the number of a trial"), number, reason, settings_row(self._parameters, settings))
 
     def tell_frame(self, table: "pandas.DataFrame", value: str = "value") -> int:
-        """Takes results from a data frame with `id`, `value` and perhaps `failed`, all or nothing. How many there were."""
-        results = told(self._names, self.outstanding(), table, value)
+        """Takes results from a data frame as `frame` gives it, all or nothing. How many rows said something new.
+
+        It needs `id` and `value`, may have `failed` and a column per parameter; settings that are not those asked for then
+        count as made. Other columns are refused. Empty cells say nothing, and rows that say what is known are passed over.
+        """
+        results = told(self._names, (), self.records(), table, value)
         changed = self._loop.copy()
         for one in results:
-            changed.tell(one.id, one.value, one.failed, one.actual)
+            if one.outcome is not None:
+                changed.tell(one.id, *one.outcome, one.actual)
         self._loop = changed
         return len(results)
 
     def add_earlier(self, designs: Designs, values: ArrayLike, *, source: str = "") -> None:
         """Experiments made outside of the campaign: they train from the next batch on, and never validate."""
-        points, responses = rows(self._names, designs), numbers(values)
+        points, responses = rows(self._names, designs), numbers(paired(designs, values))
         if len(responses) != len(points):
             raise _native.Error(f"`values` has {len(responses)} entries, expected {len(points)}: one per design")
         changed = self._loop.copy()
         for point, response in zip(points.tolist(), responses):
-            changed.add_earlier(point, response, source)
+            changed.add_earlier(point, response, word("`source`", source))
         self._loop = changed
 
     def withdraw_earlier(self, source: str) -> int:
@@ -193,13 +217,13 @@ class GlobalLoop:
         return found
 
     def records(self) -> List[Record]:
-        """Every trial of the closed batches with its outcome."""
-        return records(self._names, (entry for report in self.reports() for entry in report["trials"]))
+        """Every trial so far with its outcome, those of the batch that is open last."""
+        closed = [entry for report in self.reports() for entry in report["trials"]]
+        return records(self._names, [*closed, *json.loads(self._loop.open_records())])
 
     def frame(self) -> "pandas.DataFrame":
-        """The trials to run, or if there are none those of the closed batches, as a data frame."""
-        found: Sequence[Union[Trial, Record]] = self.outstanding() or self.records()
-        return frame(self._names, found)
+        """Every trial so far as a data frame: `id`, `batch`, settings, `value`, `failed`."""
+        return frame(self._names, self.records())
 
     def run(self, simulate: Simulate, experiment: Callable[[Settings], Outcome]) -> str:
         """Asks and tells until the campaign ends, and says why."""
@@ -215,11 +239,42 @@ class GlobalLoop:
     @classmethod
     def load(cls, path: Union[str, "os.PathLike[str]"]) -> "GlobalLoop":
         """A campaign from its file. All but the outcomes and the choice of designs is computed again and must agree."""
-        return cls._around(_native.GlobalLoop.from_json(Path(path).read_text(encoding="utf-8")))
+        return read(path, cls._of_json)
+
+    @classmethod
+    def _of_json(cls, text: str) -> "GlobalLoop":
+        return cls._around(_native.GlobalLoop.from_json(text))
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return type(self)._of_json, (self._loop.to_json(),)
+
+    def __copy__(self) -> "GlobalLoop":
+        return self._around(self._loop.copy())
+
+    def __deepcopy__(self, memo: Any) -> "GlobalLoop":
+        return self._around(self._loop.copy())
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name in _LACKING:
+                raise AttributeError(f"`GlobalLoop` has no `{name}`, `PooledLoop` has: {_LACKING[name]}")
+            raise AttributeError(f"`GlobalLoop` has no `{name}`")
 
     def __repr__(self) -> str:
         return f"GlobalLoop({', '.join(self._names)}: {self.batch} batches closed)"
 
 
-def model_of(model: Union[str, Sequence[Sequence[int]]]) -> Union[str, List[List[int]]]:
-    return model if isinstance(model, str) else [list(term) for term in model]
+_LACKING = {
+    "correct": "the surfaces of a closed batch stand, and an open one takes an outcome once",
+    "hand_out": "the loop alone chooses the experiments of a batch; others are told by `add_earlier`",
+    "change": "the settings are those that the campaign was begun with",
+    "due": "all simulations of a batch are asked for at once by `ask`",
+    "tell_simulations": "all simulations of a batch are asked for at once by `ask`",
+    "forget_simulations": "the surfaces of a closed batch stand",
+    "n_simulated": "the simulations are in `reports`",
+    "tell_constrained": "this loop knows no constraints",
+    "standings": "what it says of designs is in `assess` and `reports`",
+    "expectations": "what it says of designs is in `assess` and `reports`",
+    "surprises": "what it says of experiments is in `reports`",
+}

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import List, Optional, Sequence, Union
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from infuse import _native
-from infuse._parameters import Floats, matrix
+from infuse._checks import twice, whole, word, words
+from infuse._parameters import Designs, Floats, Names, rows
 
 TERM_NAMES = ("heading", "pitch", "roll", "altitude", "reel speed", "zenith", "ballast")
 """Names of the terms of the cost (21)."""
@@ -65,18 +65,27 @@ class Channel:
 
     def fly(
         self,
-        designs: ArrayLike,
+        designs: Designs,
         variables: Sequence[str],
         *,
         fidelity: str = "numerical",
         steps_per_sample: int = 1,
     ) -> Flights:
-        """Flies every design, a row with one number per variable, side by side on all cores."""
-        return Flights(**self._channel.fly(matrix(designs), list(variables), fidelity, steps_per_sample))
+        """Flies every design, a row with one number per variable, side by side on all cores.
+
+        Dictionaries and data frames go by the names of the variables, and have no others.
+
+        >>> Channel().fly([{"pitch_set_point": 8.29, "center_of_mass": 45.7}], ["center_of_mass", "pitch_set_point"]).cost.round(3)
+        array([1.312])
+        """
+        names = _names(variables)
+        points = rows(names, designs, others=False)
+        steps = whole("`steps_per_sample`", steps_per_sample)
+        return Flights(**self._channel.fly(points, names, word("`fidelity`", fidelity), steps))
 
     def simulator(self, variables: Sequence[str], *, fidelity: str = "numerical") -> "Simulator":
         """The costs alone, as a simulation for the loops."""
-        return Simulator(self, list(variables), fidelity)
+        return Simulator(self, list(_names(variables)), fidelity)
 
 
 @dataclass(frozen=True)
@@ -87,7 +96,15 @@ class Simulator:
     variables: List[str]
     fidelity: str
 
-    def __call__(self, points: ArrayLike) -> Floats:
-        """n × k settings to n costs, NaN where a flight has none."""
+    def __call__(self, points: Designs) -> Floats:
+        """n × k settings to n costs, NaN where a flight has none; data frames go by name."""
         costs: Floats = self.channel.fly(points, self.variables, fidelity=self.fidelity).cost
         return np.ascontiguousarray(costs)
+
+
+def _names(variables: Sequence[str]) -> Names:
+    names = words("`variables`", variables, "a list of names")
+    again = twice(names)
+    if again is not None:
+        raise _native.Error(f"variable `{again}` comes twice, expected each once")
+    return Names.of(names)

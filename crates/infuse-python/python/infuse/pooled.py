@@ -7,11 +7,13 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Type, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar, Union
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from infuse import _native
+from infuse._checks import doubles, finite, missing, plain, shown, whole, word, words
 from infuse._parameters import (
     Designs,
     Floats,
@@ -19,9 +21,12 @@ from infuse._parameters import (
     Parameter,
     Settings,
     Simulate,
+    answers,
     batched,
+    check_names,
     numbers,
     of_tuple,
+    paired,
     rows,
     tuples_of,
 )
@@ -85,6 +90,13 @@ class Constraint:
     noise: Optional[float] = None
     """Standard deviation of one reading, where it is known."""
 
+    def __post_init__(self) -> None:
+        of = f"constraint `{word('constraint: `name`', self.name)}`"
+        for name in ("lower", "upper", "probability", "noise"):
+            value = getattr(self, name)
+            if value is not None or name == "probability":
+                object.__setattr__(self, name, finite(f"{of}: `{name}`", value))
+
 
 @dataclass(frozen=True)
 class LinearConstraint:
@@ -93,6 +105,16 @@ class LinearConstraint:
     sum: Dict[str, float]
     lower: Optional[float] = None
     upper: Optional[float] = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.sum, Mapping):
+            raise _native.Error(f"linear constraint: `sum` is {shown(self.sum)}, expected factors by names of parameters")
+        factors = {name: finite(f"linear constraint: the factor of `{name}`", one) for name, one in self.sum.items()}
+        object.__setattr__(self, "sum", factors)
+        for name in ("lower", "upper"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, finite(f"linear constraint: `{name}`", value))
 
 
 @dataclass(frozen=True)
@@ -104,6 +126,14 @@ class Plants:
     """At most so many plants in a batch."""
     change_costs: List[float] = dataclasses.field(default_factory=list)
     """What it costs to change each of the parameters, in experiments."""
+
+    def __post_init__(self) -> None:
+        names = words("plants: `parameters`", self.parameters, "a list of names of parameters")
+        object.__setattr__(self, "parameters", names)
+        if self.most is not None:
+            object.__setattr__(self, "most", whole("plants: `most`", self.most, "a whole number"))
+        costs = [finite("plants: `change_costs`", one) for one in doubles("plants: `change_costs`", list(self.change_costs))]
+        object.__setattr__(self, "change_costs", costs)
 
 
 @dataclass(frozen=True)
@@ -210,6 +240,67 @@ def _plants(names: Sequence[str], plants: Plants) -> Dict[str, Any]:
     return {"parameters": places, "most": plants.most, "change_costs": list(plants.change_costs)}
 
 
+_SETTINGS = (
+    "n_experiments",
+    "simulations",
+    "max_batches",
+    "noise",
+    "worth",
+    "confidence",
+    "particles",
+    "seed",
+    "structures",
+    "constraints",
+    "linear_constraints",
+    "plants",
+)
+
+
+def _constraint(entry: Union[Constraint, Mapping[str, Any]]) -> Dict[str, Any]:
+    if isinstance(entry, Mapping):
+        entry = Constraint(**entry)
+    if not isinstance(entry, Constraint):
+        raise _native.Error(f"`constraints` has {shown(entry)}, expected a list of `Constraint`")
+    return dataclasses.asdict(entry)
+
+
+def _linears(names: Sequence[str], entry: Union[LinearConstraint, Mapping[str, Any]]) -> List[Dict[str, Any]]:
+    if isinstance(entry, Mapping):
+        return [plain("linear constraint", entry)]
+    if not isinstance(entry, LinearConstraint):
+        raise _native.Error(f"`linear_constraints` has {shown(entry)}, expected a list of `LinearConstraint`")
+    return _linear(names, entry)
+
+
+def _listed(what: str, values: Any) -> List[Any]:
+    if isinstance(values, (str, Mapping, Constraint, LinearConstraint)) or not hasattr(values, "__iter__"):
+        raise _native.Error(f"`{what}` is {shown(values)}, expected a list")
+    return list(values)
+
+
+def _settings(parameters: Sequence[Parameter], given: Mapping[str, Any]) -> Dict[str, Any]:
+    """Settings as the compiled half takes them, of what stands in Python for constraints and plants."""
+    names, found = [parameter.name for parameter in parameters], dict(given)
+    unknown = [name for name in found if name not in _SETTINGS]
+    if unknown:
+        raise _native.Error(f"setting `{unknown[0]}` is unknown, expected one of {', '.join(_SETTINGS)}")
+    if "constraints" in found:
+        found["constraints"] = [_constraint(one) for one in _listed("constraints", found["constraints"])]
+        check_names((), [one["name"] for one in found["constraints"]])
+        taken = [one["name"] for one in found["constraints"] if one["name"] in names]
+        if taken:
+            raise _native.Error(f"constraint `{taken[0]}` is also the name of a parameter, expected another")
+    if "linear_constraints" in found:
+        each = _listed("linear_constraints", found["linear_constraints"])
+        found["linear_constraints"] = [one for linear in each for one in _linears(names, linear)]
+    plants = found.get("plants")
+    if isinstance(plants, Plants):
+        found["plants"] = _plants(names, plants)
+    elif plants is not None and not isinstance(plants, Mapping):
+        raise _native.Error(f"`plants` is {shown(plants)}, expected `Plants`")
+    return found
+
+
 class PooledLoop:
     """Which experiments to run next, what they taught, and when to stop.
 
@@ -254,7 +345,7 @@ class PooledLoop:
         linear_constraints: Sequence[LinearConstraint] = (),
         plants: Optional[Plants] = None,
     ) -> None:
-        names = [parameter.name for parameter in parameters]
+        check_names(parameters)
         settings: Dict[str, Any] = {
             "n_experiments": n_experiments,
             "simulations": simulations,
@@ -264,11 +355,11 @@ class PooledLoop:
             "confidence": confidence,
             "particles": particles,
             "seed": seed,
-            "constraints": [dataclasses.asdict(constraint) for constraint in constraints],
-            "linear_constraints": [one for linear in linear_constraints for one in _linear(names, linear)],
-            "plants": plants and _plants(names, plants),
+            "constraints": constraints,
+            "linear_constraints": linear_constraints,
+            "plants": plants,
         }
-        self._loop = _native.PooledLoop(tuples_of(parameters), as_json(settings))
+        self._loop = _native.PooledLoop(tuples_of(parameters), as_json(_settings(parameters, settings)))
         self._parameters = list(parameters)
 
     @classmethod
@@ -293,15 +384,27 @@ class PooledLoop:
         found: Dict[str, Any] = json.loads(self._loop.settings())
         return found
 
+    @property
+    def _constraints(self) -> List[str]:
+        return [constraint["name"] for constraint in self.settings.get("constraints", [])]
+
     def change(self, **settings: Any) -> None:
-        """Other settings from the next batch on.
+        """Other settings from the next batch on, as they are given to begin with: `constraints` as a list of `Constraint`.
+
+        A constraint of which something was told or simulated stays, in its place; its bounds may change, and others may follow.
 
         >>> loop = PooledLoop([Parameter("x", "mm", 0.0, 10.0, levels=11)], n_experiments=3)
         >>> loop.change(n_experiments=5, worth=0.1)
         >>> loop.settings["n_experiments"]
         5
         """
-        self._loop.set_settings(as_json({**self.settings, **settings}))
+        new = _settings(self._parameters, settings)
+        if "constraints" in new:
+            before, after = self._constraints, [one["name"] for one in new["constraints"]]
+            if after[: len(before)] != before and self._loop.has_constrained():
+                of = f"{', '.join(before)} first: values of them are known"
+                raise _native.Error(f"constraints: {', '.join(after) or 'none'}, expected {of}")
+        self._loop.set_settings(as_json({**self.settings, **new}))
 
     @property
     def batch(self) -> int:
@@ -327,10 +430,13 @@ class PooledLoop:
         """The experiments to run now: those without an outcome, or else a new batch.
 
         `simulate` takes an array of n × k settings and returns n responses, NaN where there is none. If it raises, the
-        campaign is as before. With `more` there is a new batch in any case, and its trials come last. Nothing to run
+        campaign is as before; so it is after Ctrl-C, which ends the call at once. With `more` there is a new batch in any case, and its trials come last. Nothing to run
         means that simulations are `due`, or that the campaign has `stopped`.
         """
-        return trials(self._names, self._loop.ask(batched(simulate), more))
+        return trials(self._names, self._loop.ask(self._batched(simulate), more))
+
+    def _batched(self, simulate: Optional[Simulate]) -> Optional[Callable[[Floats], Floats]]:
+        return batched(simulate, self._constraints)
 
     def outstanding(self) -> List[Trial]:
         """The trials without an outcome."""
@@ -346,7 +452,7 @@ class PooledLoop:
         value: Outcome = None,
         *,
         failed: Optional[str] = None,
-        constrained: Optional[Mapping[str, float]] = None,
+        constrained: Optional[Mapping[str, Optional[float]]] = None,
     ) -> None:
         """The outcome of a trial: a response, or why there is none. NaN and an exception are failures.
 
@@ -359,29 +465,63 @@ class PooledLoop:
         >>> loop.assess().recommended.constrained[0].within > 0.5
         True
         """
-        number, reason = outcome(value, failed)
+        self._tell(id, outcome(value, failed), None, constrained)
+
+    def _tell(
+        self,
+        id: int,
+        found: Tuple[Optional[float], Optional[str]],
+        actual: Optional[List[float]],
+        constrained: Optional[Mapping[str, Optional[float]]],
+    ) -> None:
+        """All or nothing."""
+        number, (value, reason) = whole("`id`", id, "the number of a trial"), found
         changed = self._loop.copy()
-        changed.tell(id, number, reason, None, False)
+        changed.tell(number, value, reason, actual, False)
         if constrained is not None:
-            changed.tell_constrained(id, self._in_order(constrained))
+            changed.tell_constrained(number, self._in_order(number, constrained))
         self._loop = changed
 
-    def tell_constrained(self, id: int, values: Mapping[str, float]) -> None:
-        """What was measured of the constraints of a trial, by their names: before or after its outcome, or to correct it."""
-        self._loop.tell_constrained(id, self._in_order(values))
+    def tell_constrained(self, id: int, values: Mapping[str, Optional[float]]) -> None:
+        """What was measured of the constraints of a trial, by their names: before or after its outcome, or to correct it.
 
-    def _in_order(self, values: Mapping[str, float]) -> List[Optional[float]]:
-        names: List[str] = [constraint["name"] for constraint in self.settings.get("constraints", [])]
+        What is not named stays as it was; NaN or `None` is nothing measured.
+        """
+        number = whole("`id`", id, "the number of a trial")
+        self._loop.tell_constrained(number, self._in_order(number, values))
+
+    def _in_order(self, id: int, values: Mapping[str, Optional[float]]) -> List[Optional[float]]:
+        known = dict(zip(self._constraints, self._loop.constrained().get(id, [])))
+        return [self._one(values, name, known.get(name)) for name in self._checked(values)]
+
+    def _checked(self, values: Mapping[str, Any]) -> List[str]:
+        """The names of the constraints, if those of the values are some of them."""
+        if not isinstance(values, Mapping):
+            raise _native.Error(f"constrained: {shown(values)}, expected numbers by the names of constraints")
+        names = self._constraints
         unknown = [name for name in values if name not in names]
         if unknown:
-            known = ", ".join(names) or "none: there is no constraint"
-            raise _native.Error(f"constrained: `{unknown[0]}` is no constraint, expected {known}")
-        return [float(values[name]) if name in values else None for name in names]
+            of = ", ".join(names) or "none: there is no constraint"
+            raise _native.Error(f"constrained: `{unknown[0]}` is no constraint, expected {of}")
+        return names
 
-    def tell_at(self, id: int, settings: Designs, value: Outcome = None, *, failed: Optional[str] = None) -> None:
+    @staticmethod
+    def _one(values: Mapping[str, Optional[float]], name: str, known: Optional[float]) -> Optional[float]:
+        if name not in values:
+            return known
+        return None if missing(values[name]) else finite(f"constrained: `{name}`", values[name])
+
+    def tell_at(
+        self,
+        id: int,
+        settings: Designs,
+        value: Outcome = None,
+        *,
+        failed: Optional[str] = None,
+        constrained: Optional[Mapping[str, Optional[float]]] = None,
+    ) -> None:
         """The outcome of a trial that was made at other settings than those asked for."""
-        number, reason = outcome(value, failed)
-        self._loop.tell(id, number, reason, settings_row(self._parameters, settings), False)
+        self._tell(id, outcome(value, failed), settings_row(self._parameters, settings), constrained)
 
     def correct(
         self, id: int, value: Outcome = None, *, failed: Optional[str] = None, settings: Optional[Designs] = None
@@ -389,13 +529,14 @@ class PooledLoop:
         """Another outcome for a trial that had one: it was misread."""
         number, reason = outcome(value, failed)
         actual = None if settings is None else settings_row(self._parameters, settings)
-        self._loop.tell(id, number, reason, actual, True)
+        self._loop.tell(whole("`id`", id, "the number of a trial"), number, reason, actual, True)
 
     def tell_frame(self, table: "pandas.DataFrame", value: str = "value") -> int:
-        """Takes results from a data frame with `id`, `value` and perhaps `failed`, all or nothing. How many there were.
+        """Takes results from a data frame as `frame` gives it, all or nothing. How many rows said something new.
 
-        Rows with neither value nor reason are left out. Where the frame has a column for each parameter, settings that
-        are not those asked for count as made.
+        It needs `id` and `value`, may have `failed`, a column per constraint, and one per parameter; settings that are not
+        those asked for then count as made. Other columns are refused. Empty cells (NaN, `None`, what pandas has for them) say
+        nothing, and rows that say what is known already are passed over.
 
         >>> loop = PooledLoop([Parameter("x", "mm", 0.0, 10.0, levels=11)], n_experiments=3, seed=4)
         >>> batch = loop.ask()
@@ -404,25 +545,38 @@ class PooledLoop:
         >>> loop.tell_frame(table)
         3
         """
-        results = told(self._names, self.outstanding(), table, value)
+        results = told(self._names, self._constraints, self.records(), table, value)
         changed = self._loop.copy()
         for one in results:
-            changed.tell(one.id, one.value, one.failed, one.actual, False)
+            if one.outcome is not None:
+                changed.tell(one.id, *one.outcome, one.actual, False)
+            if one.constrained is not None:
+                changed.tell_constrained(one.id, one.constrained)
         self._loop = changed
         return len(results)
 
     def tell_simulations(self, designs: Designs, values: ArrayLike) -> None:
-        """Simulated responses at designs of the grid; NaN where there is none."""
-        self._loop.tell_simulations(rows(self._names, designs), numbers(values))
+        """Simulated responses at designs of the grid, in the shapes of a simulation's answer; NaN where there is none."""
+        points, found = rows(self._names, designs), paired(designs, values)
+        each = [found] if len(points) == 1 and np.ndim(found) == 0 and found is not None else found
+        self._loop.tell_simulations(points, answers(each, len(points), self._constraints, "`values` is").tolist())
 
     def forget_simulations(self) -> None:
         """Forgets every simulation: the simulator was changed."""
         self._loop.forget_simulations()
 
     def add_earlier(
-        self, designs: Designs, values: Union[Outcome, ArrayLike] = None, *, failed: Optional[str] = None, source: str = ""
+        self,
+        designs: Designs,
+        values: Union[Outcome, ArrayLike] = None,
+        *,
+        failed: Optional[str] = None,
+        constrained: Optional[Mapping[str, Optional[ArrayLike]]] = None,
+        source: str = "",
     ) -> None:
         """Experiments made outside of the campaign, on the grid or off it: they count as much as any other.
+
+        `constrained` has what was measured of the constraints, one value per design; NaN is nothing measured.
 
         >>> loop = PooledLoop([Parameter("x", "mm", 0.0, 10.0, levels=11)], n_experiments=3)
         >>> loop.add_earlier([{"x": 1.5}, {"x": 2.5}], [0.3, float("nan")], source="last year")
@@ -433,13 +587,31 @@ class PooledLoop:
         if failed is not None or values is None or isinstance(values, BaseException):
             found = [outcome(values if isinstance(values, BaseException) else None, failed)] * len(points)
         else:
-            found = [outcome(value, None) for value in numbers(values)]
+            found = [outcome(value, None) for value in numbers(paired(designs, values))]
         if len(found) != len(points):
             raise _native.Error(f"`values` has {len(found)} entries, expected {len(points)}: one per design")
+        others = self._earlier(designs, len(points), constrained or {})
         changed = self._loop.copy()
-        for point, (number, reason) in zip(points.tolist(), found):
-            changed.add_earlier(point, number, reason, source)
+        for point, (number, reason), of_one in zip(points.tolist(), found, others):
+            if reason is not None and any(one is not None for one in of_one):
+                raise _native.Error(f"constrained: {of_one}, expected nothing for an earlier experiment that failed")
+            changed.add_earlier(point, number, reason, word("`source`", source), of_one)
         self._loop = changed
+
+    def _earlier(
+        self, designs: Designs, n: int, values: Mapping[str, Optional[ArrayLike]]
+    ) -> List[List[Optional[float]]]:
+        """Constrained values of n designs, each in the order of the constraints; none at all where none is given."""
+        if not values:
+            return [[] for _ in range(n)]
+        columns: List[List[float]] = []
+        for name in self._checked(values):
+            of_one = values.get(name)
+            column = [np.nan] * n if of_one is None else numbers(paired(designs, of_one), f"constrained: `{name}`")
+            if len(column) != n:
+                raise _native.Error(f"constrained: `{name}` has {len(column)} entries, expected {n}: one per design")
+            columns.append(column)
+        return [[None if missing(one) else one for one in of_one] for of_one in zip(*columns)]
 
     def withdraw_earlier(self, source: str) -> int:
         """Takes back the earlier experiments from this source. How many there were."""
@@ -447,7 +619,7 @@ class PooledLoop:
 
     def assess(self, simulate: Optional[Simulate] = None) -> Optional[Assessment]:
         """What the experiments so far come to; nothing before the first response."""
-        text = self._loop.assess(batched(simulate))
+        text = self._loop.assess(self._batched(simulate))
         if text is None:
             return None
         found = json.loads(text)
@@ -469,24 +641,24 @@ class PooledLoop:
 
     def standings(self, designs: Designs, simulate: Optional[Simulate] = None) -> Optional[List[Standing]]:
         """What is known of designs, beside the recommended one; nothing before the first response."""
-        text = self._loop.standings(rows(self._names, designs), batched(simulate))
+        text = self._loop.standings(rows(self._names, designs), self._batched(simulate))
         return None if text is None else [self._standing(entry) for entry in json.loads(text)]
 
     def expectations(self, designs: Designs, simulate: Optional[Simulate] = None) -> Optional[Floats]:
         """n × 3: expected response, its standard deviation, and the probability that there is one, at many designs."""
-        return self._loop.expectations(rows(self._names, designs), batched(simulate))
+        return self._loop.expectations(rows(self._names, designs), self._batched(simulate))
 
     def surprises(self, simulate: Optional[Simulate] = None) -> Optional[Floats]:
         """How far each reading is from what all others say, in standard deviations; earlier experiments first."""
-        return self._loop.surprises(batched(simulate))
+        return self._loop.surprises(self._batched(simulate))
 
     def records(self) -> List[Record]:
         """Every trial so far with its outcome."""
-        return records(self._names, json.loads(self._loop.records()))
+        return records(self._names, json.loads(self._loop.records()), self._constraints, self._loop.constrained())
 
     def frame(self) -> "pandas.DataFrame":
-        """Every trial so far as a data frame: `id`, `batch`, settings, `value`, `failed`."""
-        return frame(self._names, self.records())
+        """Every trial so far as a data frame: `id`, `batch`, settings, `value`, a column per constraint, `failed`."""
+        return frame(self._names, self.records(), self._constraints)
 
     def run(self, simulate: Optional[Simulate], experiment: Callable[[Settings], Outcome]) -> str:
         """Asks and tells until the campaign stops, and says why.
@@ -499,7 +671,8 @@ class PooledLoop:
             if len(due) > 0:
                 if simulate is None:
                     raise _native.Error("simulations are due, expected a simulation")
-                self.tell_simulations(due, simulate(due))
+                call = batched(simulate, self._constraints)
+                self._loop.tell_simulations(due, [] if call is None else call(due).tolist())
             for trial in batch:
                 self.tell(trial.id, experiment(trial.settings))
         return self.stopped
@@ -511,19 +684,54 @@ class PooledLoop:
     @classmethod
     def load(cls, path: Union[str, "os.PathLike[str]"]) -> "PooledLoop":
         """A campaign from its file: it goes on with the same bits."""
-        return cls._around(_native.PooledLoop.from_json(Path(path).read_text(encoding="utf-8")))
+        return read(path, cls._of_json)
+
+    @classmethod
+    def _of_json(cls, text: str) -> "PooledLoop":
+        return cls._around(_native.PooledLoop.from_json(text))
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return type(self)._of_json, (self._loop.to_json(),)
+
+    def __copy__(self) -> "PooledLoop":
+        return self._around(self._loop.copy())
+
+    def __deepcopy__(self, memo: Any) -> "PooledLoop":
+        return self._around(self._loop.copy())
 
     def __repr__(self) -> str:
         told_so_far = sum(record.value is not None or record.failed is not None for record in self.records())
         return f"PooledLoop({', '.join(self._names)}: batch {self.batch}, {told_so_far} outcomes)"
 
 
-def as_json(settings: Dict[str, Any]) -> str:
-    """JSON of settings; NaN has none."""
-    try:
-        return json.dumps(settings, allow_nan=False)
-    except (TypeError, ValueError) as error:
-        raise _native.Error(f"settings: {error}") from None
+_WHOLE = (
+    "n_experiments",
+    "n_simulations",
+    "simulations",
+    "max_batches",
+    "max_iterations",
+    "particles",
+    "seed",
+    "replicates",
+    "first_screening",
+    "design_starts",
+    "candidate_limit",
+)
+_FINITE = ("noise", "worth", "confidence", "experiment_weight", "simulation_weight")
+_OPTIONAL = ("simulations", "noise", "worth")
+
+
+def as_json(settings: Mapping[str, Any]) -> str:
+    """JSON of settings; numpy's numbers are numbers, NaN and infinities are none."""
+
+    def one(name: str, value: Any) -> Any:
+        if value is None and name in _OPTIONAL:
+            return None
+        if name in _WHOLE:
+            return whole(f"setting `{name}`", value)
+        return finite(f"setting `{name}`", value) if name in _FINITE else plain(f"setting `{name}`", value)
+
+    return json.dumps({name: one(name, value) for name, value in settings.items()}, allow_nan=False)
 
 
 def replace(path: Union[str, "os.PathLike[str]"], text: str) -> None:
@@ -531,3 +739,13 @@ def replace(path: Union[str, "os.PathLike[str]"], text: str) -> None:
     beside = Path(f"{os.fspath(path)}.new")
     beside.write_text(text + "\n", encoding="utf-8")
     beside.replace(path)
+
+
+def read(path: Union[str, "os.PathLike[str]"], of_json: Callable[[str], T]) -> T:
+    """A campaign from a file, which errors name."""
+    try:
+        return of_json(Path(path).read_text(encoding="utf-8"))
+    except UnicodeDecodeError as error:
+        raise _native.Error(f"{os.fspath(path)}: no text ({error.reason} at byte {error.start})") from None
+    except _native.Error as error:
+        raise _native.Error(f"{os.fspath(path)}: {error}") from None

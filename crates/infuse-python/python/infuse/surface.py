@@ -1,6 +1,7 @@
 """Response surfaces, fitted once on arrays and asked at many points.
 
-Points are n × k and coded to the original box by the caller, as `infuse.doe.coded` does; values are n.
+Points are n × k and coded to the original box by the caller, as `infuse.doe.coded` does; values are n. A surface that was
+fitted on a data frame takes data frames by the names of its columns.
 """
 
 from __future__ import annotations
@@ -11,35 +12,55 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from infuse import _native
-from infuse._parameters import Floats, matrix, numbers
+from infuse._checks import finite
+from infuse._parameters import Designs, Floats, Names, is_frame, matrix, numbers, rows
 from infuse.doe import Model, _model
 from infuse.pooled import as_json
 
 
-def _optional(values: Optional[ArrayLike]) -> Optional[List[float]]:
-    return None if values is None else numbers(values)
+def _optional(values: Optional[ArrayLike], what: str) -> Optional[List[float]]:
+    return None if values is None else numbers(values, what)
 
 
-class _Surface:
+class _Fitted:
+    """What was fitted on points, and knows the names of their columns if they had any."""
+
+    _columns: Optional[Names] = None
+
+    def _first(self, points: Designs) -> Floats:
+        """The points it is fitted on."""
+        if is_frame(points):
+            frame: Any = points
+            self._columns = Names.of([str(column) for column in frame.columns])
+        return self._at(points)
+
+    def _at(self, points: Designs) -> Floats:
+        """Any points."""
+        if self._columns is not None and is_frame(points):
+            return rows(self._columns, points, others=False)
+        return matrix(points)  # type: ignore[arg-type]
+
+
+class _Surface(_Fitted):
     """What every surface can do."""
 
     _surface: Union[_native.Regression, _native.InverseDistance, _native.SquaredExponential]
 
-    def __call__(self, points: ArrayLike) -> Floats:
+    def __call__(self, points: Designs) -> Floats:
         """The estimate at each point."""
         return self.predict(points)
 
-    def predict(self, points: ArrayLike) -> Floats:
+    def predict(self, points: Designs) -> Floats:
         """The estimate at each point."""
-        return self._surface.predict(matrix(points))
+        return self._surface.predict(self._at(points))
 
-    def gradient(self, points: ArrayLike) -> Floats:
+    def gradient(self, points: Designs) -> Floats:
         """Slopes at each point, n × k; NaN where there is none."""
-        return self._surface.gradient(matrix(points))
+        return self._surface.gradient(self._at(points))
 
-    def minimum(self, points: ArrayLike) -> Optional[Tuple[int, float]]:
+    def minimum(self, points: Designs) -> Optional[Tuple[int, float]]:
         """Which of the points has the smallest estimate, and that."""
-        return self._surface.minimum(matrix(points))
+        return self._surface.minimum(self._at(points))
 
     def leave_one_out(self) -> Floats:
         """Value less what the surface through all others says, at each point."""
@@ -59,9 +80,9 @@ class Regression(_Surface):
     _surface: _native.Regression
 
     def __init__(
-        self, points: ArrayLike, values: ArrayLike, *, model: Model = "quadratic", weights: Optional[ArrayLike] = None
+        self, points: Designs, values: ArrayLike, *, model: Model = "quadratic", weights: Optional[ArrayLike] = None
     ) -> None:
-        self._surface = _native.Regression(matrix(points), numbers(values), _optional(weights), _model(model))
+        self._surface = _native.Regression(self._first(points), numbers(values), _optional(weights, "`weights`"), _model(model))
 
     @property
     def terms(self) -> List[str]:
@@ -93,9 +114,9 @@ class Regression(_Surface):
         """Share of the variation that the model explains."""
         return self._surface.r_squared()
 
-    def variance(self, points: ArrayLike) -> Floats:
+    def variance(self, points: Designs) -> Floats:
         """Variance of the estimated mean at each point; NaN without degrees of freedom."""
-        return self._surface.variance(matrix(points))
+        return self._surface.variance(self._at(points))
 
     def lack_of_fit(self) -> Tuple[float, float]:
         """F of the test against the scatter of replicates, and its probability if the model is right."""
@@ -113,9 +134,9 @@ class InverseDistance(_Surface):
     _surface: _native.InverseDistance
 
     def __init__(
-        self, points: ArrayLike, values: ArrayLike, *, power: float = 2.0, weights: Optional[ArrayLike] = None
+        self, points: Designs, values: ArrayLike, *, power: float = 2.0, weights: Optional[ArrayLike] = None
     ) -> None:
-        self._surface = _native.InverseDistance(matrix(points), numbers(values), _optional(weights), power)
+        self._surface = _native.InverseDistance(self._first(points), numbers(values), _optional(weights, "`weights`"), finite("`power`", power))
 
 
 class SquaredExponential(_Surface):
@@ -130,13 +151,14 @@ class SquaredExponential(_Surface):
 
     def __init__(
         self,
-        points: ArrayLike,
+        points: Designs,
         values: ArrayLike,
         *,
         scale: Optional[float] = None,
         weights: Optional[ArrayLike] = None,
     ) -> None:
-        self._surface = _native.SquaredExponential(matrix(points), numbers(values), _optional(weights), scale)
+        at = None if scale is None else finite("`scale`", scale)
+        self._surface = _native.SquaredExponential(self._first(points), numbers(values), _optional(weights, "`weights`"), at)
 
     @property
     def scale(self) -> float:
@@ -144,7 +166,7 @@ class SquaredExponential(_Surface):
         return self._surface.scale()
 
 
-class GaussianProcess:
+class GaussianProcess(_Fitted):
     """Trend, simulation and a Matérn residual, averaged over what the values leave possible; with mean and variance.
 
     `simulated` is what a simulation says at the points; predictions then need it, too. `noise` is the standard deviation
@@ -159,7 +181,7 @@ class GaussianProcess:
 
     def __init__(
         self,
-        points: ArrayLike,
+        points: Designs,
         values: ArrayLike,
         *,
         simulated: Optional[ArrayLike] = None,
@@ -172,13 +194,17 @@ class GaussianProcess:
         pairs = None if structures is None else [_structure(*one) for one in structures]
         settings = as_json({"structures": pairs, "noise": noise, "particles": particles, "seed": seed})
         self._process = _native.GaussianProcess.averaged(
-            matrix(points), numbers(values), _optional(weights), _optional(simulated), settings
+            self._first(points),
+            numbers(values),
+            _optional(weights, "`weights`"),
+            _optional(simulated, "`simulated`"),
+            settings,
         )
 
     @classmethod
     def given(
         cls,
-        points: ArrayLike,
+        points: Designs,
         values: ArrayLike,
         *,
         lengths: Sequence[float],
@@ -202,24 +228,24 @@ class GaussianProcess:
             "trend": trend_variance,
             "simulation": simulation_variance,
             "residual": residual_variance,
-            "lengths": [float(length) for length in lengths],
+            "lengths": lengths,
             "noise": noise_variance,
         }
         self = cls.__new__(cls)
         self._process = _native.GaussianProcess.given(
-            matrix(points),
+            self._first(points),
             numbers(values),
-            _optional(weights),
-            _optional(simulated),
+            _optional(weights, "`weights`"),
+            _optional(simulated, "`simulated`"),
             as_json(_structure(simulation, residual)),
             as_json(hyperparameters),
-            (center, scale),
+            (finite("`center`", center), finite("`scale`", scale)),
         )
         return self
 
-    def predict(self, points: ArrayLike, *, simulated: Optional[ArrayLike] = None) -> Tuple[Floats, Floats]:
+    def predict(self, points: Designs, *, simulated: Optional[ArrayLike] = None) -> Tuple[Floats, Floats]:
         """Mean and variance of the response at each point, without the noise of a value."""
-        found = self._process.predict(matrix(points), _optional(simulated))
+        found = self._process.predict(self._at(points), _optional(simulated, "`simulated`"))
         return np.ascontiguousarray(found[:, 0]), np.ascontiguousarray(found[:, 1])
 
     @property
