@@ -19,7 +19,7 @@ def main() -> None:
     loop = infuse.PooledLoop(PARAMETERS, n_experiments=8, max_batches=3, seed=1)
     while trials := loop.ask(simulate):
         for trial in trials:
-            loop.tell(trial.id, rig([list(trial.settings.values())])[0])
+            loop.tell(trial.id, rig(trial.settings)[0])
         found = loop.assess(simulate)
         if found is not None:
             best, bound = found.recommended, found.certificate

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import subprocess
 import sys
+from pathlib import Path
+
+import pytest
 
 import infuse
 
@@ -36,3 +40,14 @@ def test_importing_it_imports_nothing_large_but_numpy() -> None:
 def test_the_version_is_that_of_the_crate() -> None:
     assert infuse.__version__ == "0.1.0"
     assert all(hasattr(infuse, name) for name in infuse.__all__)
+
+
+def test_the_wheel_carries_the_licenses_of_all_that_it_contains() -> None:
+    try:
+        found = importlib.metadata.files("infuse-bat") or []
+    except importlib.metadata.PackageNotFoundError:
+        pytest.skip("there is no wheel: the library was put in place as it was compiled")
+    kept = {path.name: path for path in found if "licenses" in path.parts}
+    for name in ("LICENSE", "THIRD-PARTY-LICENSES.txt"):
+        text = (Path(__file__).parents[3] / name).read_text(encoding="utf-8")
+        assert kept[name].read_text(encoding="utf-8") == text
