@@ -1,5 +1,6 @@
 //! Work on a thread of its own, while the one that called listens for Ctrl-C and runs what Python has to run.
 
+use std::panic::resume_unwind;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::Duration;
@@ -27,16 +28,20 @@ pub(crate) struct Caller {
     answers: Receiver<Vec<f64>>,
 }
 
+/// Why a thread ends that nobody waits for.
+struct Abandoned;
+
 impl Caller {
-    /// The answer at these points; none if nobody waits for the work any more.
-    pub(crate) fn call(&self, points: &[Vec<f64>]) -> Option<Vec<f64>> {
-        self.wanted.send(Wanted::Answer(points.to_vec())).ok()?;
-        self.answers.recv().ok()
+    /// The answer at these points. Where nobody waits for the work any more it is not gone on with: its thread, which is its
+    /// own, ends here without a word.
+    pub(crate) fn call(&self, points: &[Vec<f64>]) -> Vec<f64> {
+        let answer = self.wanted.send(Wanted::Answer(points.to_vec())).ok().and_then(|()| self.answers.recv().ok());
+        answer.unwrap_or_else(|| resume_unwind(Box::new(Abandoned)))
     }
 }
 
 /// Does the work while other Python threads run. Ctrl-C ends the call with its exception; the work then goes on unheard until
-/// its own end, and what it came to is dropped.
+/// its own end, or until it asks for an answer, and what it came to is dropped.
 pub(crate) fn interruptible<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> T + Send + 'static,
@@ -74,6 +79,6 @@ pub(crate) fn interruptible_with<T: Send + 'static>(
     }
     match py.detach(|| thread.join()) {
         Ok(result) => Ok(result),
-        Err(panic) => std::panic::resume_unwind(panic),
+        Err(panic) => resume_unwind(panic),
     }
 }

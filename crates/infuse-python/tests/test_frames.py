@@ -98,6 +98,7 @@ def test_what_was_not_meant_is_refused_with_its_row_and_column() -> None:
         (lambda: loop.tell_frame(pandas.concat([table, table[["spring"]]], axis=1)), "column `spring` comes twice"),
         (lambda: loop.tell_frame({"id": 1}), "a dict, expected a data frame"),  # type: ignore[arg-type]
         (lambda: loop.tell_frame(table.assign(value=1.0, cost=2.0), "cost"), "row 0: `value` and `cost` differ"),
+        (lambda: loop.tell_frame(table, "spring"), "the column of values is `spring`, expected one of its own"),
     ])
     assert all(record.value is None and record.failed is None for record in loop.records()), "all or nothing"
     assert loop.tell_frame(table.assign(cost=2.0), "cost") == 4

@@ -56,6 +56,20 @@ def test_settings_are_refused_by_their_names() -> None:
         (lambda: pooled(confidence="0.9"), "setting `confidence` is '0.9', expected a finite number"),
         (lambda: Constraint("t", upper=np.nan), "constraint `t`: `upper` is nan, expected a finite number"),
         (lambda: Constraint("t", lower="1"), "constraint `t`: `lower` is '1', expected a finite number"),  # type: ignore[arg-type]
+        (
+            lambda: LinearConstraint({"x": 0.0}, upper=1.0),
+            "linear constraint: `sum` is {'x': 0.0}, expected one factor at least that is not 0",
+        ),
+        (
+            lambda: LinearConstraint({"x": 1.0}, lower=2.0, upper=1.0),
+            "linear constraint: `lower` is 2.0, expected at most `upper`, 1.0",
+        ),
+        (
+            lambda: Plants(["x"], change_costs=3.0),  # type: ignore[arg-type]
+            "plants: `change_costs` is 3.0, expected a number per parameter",
+        ),
+        (lambda: Parameter("x", "", 0.0, 1.0, levels=2**40), "parameter `x`: `levels` is 1099511627776, expected a whole number"),
+        (lambda: doe.coded(LEVELS, np.array([["1,5"]], dtype=object)), "points: entry 0 is '1,5', expected a number"),
         (lambda: dissertation(careful=3), "setting `careful`: it is `3`, expected True or False"),
         (lambda: dissertation(correction={"gain": 1}), "setting `correction`: it is `1`, expected a name or a dictionary"),
         (

@@ -47,8 +47,8 @@ def finite(what: str, value: Any) -> float:
     return number
 
 
-def whole(what: str, value: Any, expected: str = "a whole number from 0 on") -> int:
-    """One whole number; 3.0 is one."""
+def whole(what: str, value: Any, expected: str = "a whole number from 0 on", beyond: int = 2**64) -> int:
+    """One whole number of those below `beyond`; 3.0 is one."""
     number: Optional[int] = None
     if isinstance(value, (float, np.floating)) and math.isfinite(value) and float(value).is_integer():
         number = int(value)
@@ -57,7 +57,7 @@ def whole(what: str, value: Any, expected: str = "a whole number from 0 on") -> 
             number = operator.index(value)
         except TypeError:
             pass
-    if number is None or not 0 <= number < 2**64:
+    if number is None or not 0 <= number < beyond:
         raise _native.Error(f"{what} is {shown(value)}, expected {expected}")
     return number
 
@@ -91,8 +91,9 @@ def doubles(what: str, values: Any) -> NDArray[np.float64]:
     except ValueError:
         raise _native.Error(f"{what}: rows of different lengths, expected an array of numbers") from None
     if array.dtype.kind == "O":
-        one = [math.nan if missing(value) else real(what, value, "numbers") for value in array.reshape(-1)]
-        return np.array(one, dtype=np.float64).reshape(array.shape)
+        every = enumerate(array.reshape(-1))
+        found = [math.nan if missing(one) else real(f"{what}: entry {place}", one) for place, one in every]
+        return np.array(found, dtype=np.float64).reshape(array.shape)
     if array.dtype.kind not in "iuf":
         kind = {"c": "complex numbers", "U": "texts", "S": "texts", "b": "truth values"}.get(array.dtype.kind)
         raise _native.Error(f"{what}: an array of {kind or array.dtype}, expected numbers")

@@ -58,7 +58,7 @@ class Parameter:
         for bound in ("lower", "upper"):
             object.__setattr__(self, bound, real(f"{of}: `{bound}`", getattr(self, bound)))
         if self.levels is not None:
-            object.__setattr__(self, "levels", whole(f"{of}: `levels`", self.levels, "a whole number"))
+            object.__setattr__(self, "levels", whole(f"{of}: `levels`", self.levels, "a whole number", 2**32))
         if self.choices is not None:
             names = words(f"{of}: `choices`", self.choices, "a list of names")
             if len(names) < 2:
@@ -324,7 +324,8 @@ def with_frames(parameters: Sequence[Parameter], simulate: Callable[["pandas.Dat
     """A simulation that takes data frames, a column per parameter, as one that takes arrays.
 
     A series or data frame that it returns goes by its index: rows in another order are put back into that of the table, and
-    an index that is not the table's is refused. What has no index is in the order of the table.
+    an index that is not the table's is refused. What has no index, or one that was made anew (`reset_index`), is taken in the
+    order of the table.
 
     >>> parameters = [Parameter("spring", "N/mm", 10.0, 50.0, levels=5)]
     >>> simulate = with_frames(parameters, lambda frame: (frame["spring"] - 30) ** 2)

@@ -197,7 +197,7 @@ class GlobalLoop:
 
     def withdraw_earlier(self, source: str) -> int:
         """Takes back the earlier experiments from this source. How many there were."""
-        return self._loop.withdraw_earlier(source)
+        return self._loop.withdraw_earlier(word("`source`", source))
 
     def assess(self) -> Optional[GlobalAssessment]:
         """What the last closed batch came to; nothing before the first."""

@@ -66,7 +66,7 @@ def _axes(factors: Factors) -> List[Optional[int]]:
         raise _native.Error(f"factor `{choice}` has choices, expected numbers")
     of = "`factors`: a number of levels"
     counts = [one.levels if isinstance(one, Parameter) else one for one in factors]
-    return [None if one is None else whole(of, one, "a whole number, or None") for one in counts]
+    return [None if one is None else whole(of, one, "a whole number, or None", 2**32) for one in counts]
 
 
 def _names(factors: Optional[Factors]) -> Optional[Names]:

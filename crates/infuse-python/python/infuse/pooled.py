@@ -96,6 +96,8 @@ class Constraint:
             value = getattr(self, name)
             if value is not None or name == "probability":
                 object.__setattr__(self, name, finite(f"{of}: `{name}`", value))
+        if self.lower is None and self.upper is None:
+            raise _native.Error(f"{of}: neither `lower` nor `upper`, expected at least one of the two bounds")
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,10 @@ class LinearConstraint:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, finite(f"linear constraint: `{name}`", value))
+        if not any(factors.values()):
+            raise _native.Error(f"linear constraint: `sum` is {shown(factors)}, expected one factor at least that is not 0")
+        if self.lower is not None and self.upper is not None and self.lower > self.upper:
+            raise _native.Error(f"linear constraint: `lower` is {self.lower}, expected at most `upper`, {self.upper}")
 
 
 @dataclass(frozen=True)
@@ -132,8 +138,10 @@ class Plants:
         object.__setattr__(self, "parameters", names)
         if self.most is not None:
             object.__setattr__(self, "most", whole("plants: `most`", self.most, "a whole number"))
-        costs = [finite("plants: `change_costs`", one) for one in doubles("plants: `change_costs`", list(self.change_costs))]
-        object.__setattr__(self, "change_costs", costs)
+        costs = doubles("plants: `change_costs`", self.change_costs)
+        if costs.ndim != 1:
+            raise _native.Error(f"plants: `change_costs` is {shown(self.change_costs)}, expected a number per parameter")
+        object.__setattr__(self, "change_costs", [finite("plants: `change_costs`", one) for one in costs])
 
 
 @dataclass(frozen=True)
@@ -433,7 +441,9 @@ class PooledLoop:
         campaign is as before; so it is after Ctrl-C, which ends the call at once. With `more` there is a new batch in any case, and its trials come last. Nothing to run
         means that simulations are `due`, or that the campaign has `stopped`.
         """
-        return trials(self._names, self._loop.ask(self._batched(simulate), more))
+        if not isinstance(more, (bool, np.bool_)):
+            raise _native.Error(f"`more` is {shown(more)}, expected True or False")
+        return trials(self._names, self._loop.ask(self._batched(simulate), bool(more)))
 
     def _batched(self, simulate: Optional[Simulate]) -> Optional[Callable[[Floats], Floats]]:
         return batched(simulate, self._constraints)
@@ -615,7 +625,7 @@ class PooledLoop:
 
     def withdraw_earlier(self, source: str) -> int:
         """Takes back the earlier experiments from this source. How many there were."""
-        return self._loop.withdraw_earlier(source)
+        return self._loop.withdraw_earlier(word("`source`", source))
 
     def assess(self, simulate: Optional[Simulate] = None) -> Optional[Assessment]:
         """What the experiments so far come to; nothing before the first response."""

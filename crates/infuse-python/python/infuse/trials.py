@@ -133,6 +133,8 @@ class _Table:
 
     def _check(self) -> None:
         columns = list(self.table.columns)
+        if self.value in ("id", "batch", "failed", *self.names, *self.constraints):
+            raise _native.Error(f"data frame: the column of values is `{self.value}`, expected one of its own")
         usual = ["id", "batch", *self.names, self.value, *self.constraints, "failed"]
         unknown = [column for column in columns if column not in usual and column != "value"]
         again = twice(columns)
