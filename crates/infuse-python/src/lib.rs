@@ -1,7 +1,8 @@
 //! The compiled half of the Python package `infuse`: what it shares with the Rust libraries, and nothing else.
 //!
 //! Numbers in bulk cross as numpy arrays, and what has a structure as JSON, which keeps every bit of a double. The other half, in
-//! `python/infuse/`, gives them names and types. Whatever computes for long lets other Python threads run meanwhile.
+//! `python/infuse/`, gives them names and types. Whatever computes for long lets other Python threads run meanwhile, and
+//! hears Ctrl-C.
 
 mod arrays;
 mod background;

@@ -27,8 +27,9 @@ def refused(simulate: Callable[[Any], Any], message: str, **settings: Any) -> No
 
 
 def test_two_responses_as_two_rows_are_refused_and_not_read_in_another_order() -> None:
-    refused(lambda p: np.array([simulation(p), travel(p)]), r"shape \(2, 441\), expected \(441,\) or \(441, 2\)", constraints=TRAVEL)
-    refused(lambda p: (simulation(p), travel(p)), r"shape \(2, 441\), expected \(441,\) or \(441, 2\)", constraints=TRAVEL)
+    rows = r"shape \(2, 441\), expected \(441,\) or \(441, 2\)"
+    refused(lambda p: np.array([simulation(p), travel(p)]), rows, constraints=TRAVEL)
+    refused(lambda p: (simulation(p), travel(p)), rows, constraints=TRAVEL)
     refused(lambda p: (simulation(p), travel(p)), r"the simulation gave an array of shape \(2, 441\), expected \(441,\)$")
     refused(lambda p: np.stack([simulation(p), travel(p)], 1), r"shape \(441, 2\), expected \(441,\)$")
     refused(lambda p: np.stack([simulation(p)] * 3, 1), r"shape \(441, 3\), expected \(441,\) or", constraints=TRAVEL)

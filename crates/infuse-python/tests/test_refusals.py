@@ -183,7 +183,10 @@ def test_a_change_takes_what_the_beginning_takes() -> None:
     check([
         (lambda: loop.change(constraints=both[1:]), "constraints: heat, expected travel first: values of them are known"),
         (lambda: loop.change(constraints="travel"), "`constraints` is 'travel', expected a list"),
-        (lambda: loop.change(constraints=[both[0], both[0]]), "constraint `travel` comes twice; one constraint may have both bounds"),
+        (
+            lambda: loop.change(constraints=[both[0], both[0]]),
+            "constraint `travel` comes twice; one constraint may have both bounds",
+        ),
         (lambda: loop.change(noise=np.inf), "setting `noise` is inf, expected a finite number"),
     ])
     with pytest.raises(Error, match="setting `n_experiment` is unknown, expected one of n_experiments, "):
@@ -211,8 +214,14 @@ def test_earlier_and_other_settings_bring_their_constrained_values(tmp_path: Pat
     earlier.save(tmp_path / "c.json")
     assert known(PooledLoop.load(tmp_path / "c.json")) == known(earlier)
     check([
-        (lambda: earlier.add_earlier(at, values, constrained={"stroke": travel}), "constrained: `stroke` is no constraint, expected travel"),
-        (lambda: earlier.add_earlier(at, values, constrained={"travel": [1.0]}), "constrained: `travel` has 1 entries, expected 3: one per design"),
+        (
+            lambda: earlier.add_earlier(at, values, constrained={"stroke": travel}),
+            "constrained: `stroke` is no constraint, expected travel",
+        ),
+        (
+            lambda: earlier.add_earlier(at, values, constrained={"travel": [1.0]}),
+            "constrained: `travel` has 1 entries, expected 3: one per design",
+        ),
         (
             lambda: earlier.add_earlier({"x": 1.0}, failed="it broke", constrained={"travel": 1.0}),
             "constrained: [1.0], expected nothing for an earlier experiment that failed",

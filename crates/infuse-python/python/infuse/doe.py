@@ -115,7 +115,8 @@ def search(
     """A design of so many runs for a model, good by a criterion: D, A, G, E, T or I.
 
     The same seed and number of starts give the same design on any number of threads. `fixed` runs (coded) come first and
-    count in `runs`; `replicates` of the others are second runs. A data frame of fixed runs goes by the names of the parameters.
+    count in `runs`; `replicates` of the others are second runs. A data frame of fixed runs goes by the names of the
+    parameters.
 
     >>> design = search(2, 8, starts=50)
     >>> design.runs.shape, round(design.efficiency, 2)

@@ -75,7 +75,8 @@ class Channel:
 
         Dictionaries and data frames go by the names of the variables, and have no others.
 
-        >>> Channel().fly([{"pitch_set_point": 8.29, "center_of_mass": 45.7}], ["center_of_mass", "pitch_set_point"]).cost.round(3)
+        >>> designs = [{"pitch_set_point": 8.29, "center_of_mass": 45.7}]
+        >>> Channel().fly(designs, ["center_of_mass", "pitch_set_point"]).cost.round(3)
         array([1.312])
         """
         names = _names(variables)

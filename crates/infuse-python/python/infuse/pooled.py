@@ -399,7 +399,8 @@ class PooledLoop:
     def change(self, **settings: Any) -> None:
         """Other settings from the next batch on, as they are given to begin with: `constraints` as a list of `Constraint`.
 
-        A constraint of which something was told or simulated stays, in its place; its bounds may change, and others may follow.
+        A constraint of which something was told or simulated stays, in its place; its bounds may change, and others may
+        follow.
 
         >>> loop = PooledLoop([Parameter("x", "mm", 0.0, 10.0, levels=11)], n_experiments=3)
         >>> loop.change(n_experiments=5, worth=0.1)
@@ -437,9 +438,10 @@ class PooledLoop:
     def ask(self, simulate: Optional[Simulate] = None, *, more: bool = False) -> List[Trial]:
         """The experiments to run now: those without an outcome, or else a new batch.
 
-        `simulate` takes an array of n × k settings and returns n responses, NaN where there is none. If it raises, the
-        campaign is as before; so it is after Ctrl-C, which ends the call at once. With `more` there is a new batch in any case, and its trials come last. Nothing to run
-        means that simulations are `due`, or that the campaign has `stopped`.
+        `simulate` takes an array of n × k settings and returns n responses, or with c constraints n × (1 + c); NaN where
+        there is none. If it raises, the campaign is as before; so it is after Ctrl-C, which ends the call at once. With `more`
+        there is a new batch in any case, and its trials come last. Nothing to run means that simulations are `due`, or that
+        the campaign has `stopped`.
         """
         if not isinstance(more, (bool, np.bool_)):
             raise _native.Error(f"`more` is {shown(more)}, expected True or False")

@@ -82,7 +82,8 @@ class Regression(_Surface):
     def __init__(
         self, points: Designs, values: ArrayLike, *, model: Model = "quadratic", weights: Optional[ArrayLike] = None
     ) -> None:
-        self._surface = _native.Regression(self._first(points), numbers(values), _optional(weights, "`weights`"), _model(model))
+        of_each = _optional(weights, "`weights`")
+        self._surface = _native.Regression(self._first(points), numbers(values), of_each, _model(model))
 
     @property
     def terms(self) -> List[str]:
@@ -136,7 +137,8 @@ class InverseDistance(_Surface):
     def __init__(
         self, points: Designs, values: ArrayLike, *, power: float = 2.0, weights: Optional[ArrayLike] = None
     ) -> None:
-        self._surface = _native.InverseDistance(self._first(points), numbers(values), _optional(weights, "`weights`"), finite("`power`", power))
+        of_each, exponent = _optional(weights, "`weights`"), finite("`power`", power)
+        self._surface = _native.InverseDistance(self._first(points), numbers(values), of_each, exponent)
 
 
 class SquaredExponential(_Surface):
@@ -157,8 +159,8 @@ class SquaredExponential(_Surface):
         scale: Optional[float] = None,
         weights: Optional[ArrayLike] = None,
     ) -> None:
-        at = None if scale is None else finite("`scale`", scale)
-        self._surface = _native.SquaredExponential(self._first(points), numbers(values), _optional(weights, "`weights`"), at)
+        of_each, c = _optional(weights, "`weights`"), None if scale is None else finite("`scale`", scale)
+        self._surface = _native.SquaredExponential(self._first(points), numbers(values), of_each, c)
 
     @property
     def scale(self) -> float:
