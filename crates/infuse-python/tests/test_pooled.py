@@ -283,7 +283,7 @@ INTERRUPTED = """
 import os, signal, threading, time
 import infuse
 
-loop = infuse.PooledLoop([infuse.Parameter(name, "", 0.0, 1.0, levels=21) for name in "abcdefg"], 40, particles=200)
+loop = infuse.PooledLoop([infuse.Parameter(name, "", 0.0, 1.0, levels=21) for name in "abcdefg"], 100, particles=1000)
 for trial in loop.ask():
     loop.tell(trial.id, sum(value * value for value in trial.settings.values()))
 threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
@@ -292,7 +292,7 @@ try:
     loop.ask()
     print("it was done before")
 except KeyboardInterrupt:
-    print("heard" if time.perf_counter() - began < 1.5 else "late", len(loop.outstanding()), loop.batch, flush=True)
+    print("heard" if time.perf_counter() - began < 2.5 else "late", len(loop.outstanding()), loop.batch, flush=True)
 os._exit(0)
 """
 
