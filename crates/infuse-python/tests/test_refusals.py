@@ -223,6 +223,10 @@ def test_earlier_and_other_settings_bring_their_constrained_values(tmp_path: Pat
             "constrained: `travel` has 1 entries, expected 3: one per design",
         ),
         (
+            lambda: earlier.add_earlier(pandas.DataFrame({"x": [1.0], "travel": [2.0]}), [1.0]),
+            "data frame: column `travel` is a constraint, expected its values in `constrained`",
+        ),
+        (
             lambda: earlier.add_earlier({"x": 1.0}, failed="it broke", constrained={"travel": 1.0}),
             "constrained: [1.0], expected nothing for an earlier experiment that failed",
         ),

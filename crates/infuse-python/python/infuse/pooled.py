@@ -24,6 +24,7 @@ from infuse._parameters import (
     answers,
     batched,
     check_names,
+    is_frame,
     numbers,
     of_tuple,
     paired,
@@ -614,6 +615,11 @@ class PooledLoop:
         self, designs: Designs, n: int, values: Mapping[str, Optional[ArrayLike]]
     ) -> List[List[Optional[float]]]:
         """Constrained values of n designs, each in the order of the constraints; none at all where none is given."""
+        columns_of: Any = designs
+        left = [name for name in self._constraints if is_frame(designs) and name in columns_of.columns]
+        for name in left:
+            if name not in values:
+                raise _native.Error(f"data frame: column `{name}` is a constraint, expected its values in `constrained`")
         if not values:
             return [[] for _ in range(n)]
         columns: List[List[float]] = []
