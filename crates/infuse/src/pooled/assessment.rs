@@ -166,7 +166,8 @@ impl Look {
             certificate,
             further_batches: None,
         };
-        Ok(Self { assessment, pool: pool.reduced(settings.seed, batch), again })
+        let doubted = knowledge.sceptic.as_ref().map(|sceptic| sceptic.marginals(&pool.places));
+        Ok(Self { assessment, pool: pool.reduced(doubted.as_ref(), settings.seed, batch), again })
     }
 
     /// The cells of the next batch.

@@ -27,12 +27,15 @@ pub(crate) struct Picks {
 /// One pick in so many, and at least one of a batch of so many, is for the one who does not believe the simulation. With one in eight
 /// wells that the simulation lacks are found later, with one in four more of the best is missed elsewhere.
 const DOUBTED: usize = 6;
+/// One in so many while there are fewer readings than for two batches: nothing has been seen yet of where the simulation misleads.
+const DOUBTED_AT_FIRST: usize = 2;
 const FEWEST: usize = 4;
 
 /// Picks `count` cells of the pool, repeats allowed: each makes the expected minimum of the mean after the batch as low as a
 /// single pick can, those before it and the pending experiments counted in. A cell where experiments may fail counts as much
-/// less as they are likely to (Frazier et al. 2009; Wu and Frazier 2016 for batches). The last pick in six goes to
-/// where the sceptic sees least of what may still be best, so that a simulation that misleads is found out sooner.
+/// less as they are likely to (Frazier et al. 2009; Wu and Frazier 2016 for batches). The last pick in six, and
+/// the last half of the batch after the first, goes to where the sceptic sees least of what may still be best, so that a simulation
+/// that misleads is found out sooner.
 ///
 /// Where responses have to stay within bounds, a design is worth its mean as far as it is likely to keep to them, and the highest
 /// mean of all otherwise; so a run is worth what it teaches of either (Ungredda and Branke 2024).
@@ -58,7 +61,10 @@ pub(crate) fn pick(
     let pending: Vec<usize> =
         pending.iter().filter_map(|cell| pool.cells.iter().position(|candidate| candidate == cell)).collect();
     let before = spread(&believed.joint);
-    let n_doubted = if count < FEWEST { 0 } else { (count / DOUBTED).max(1) };
+    let sites = knowledge.process.sites();
+    let is_early = sites.places().n_places() + sites.n_repeats() < 2 * count;
+    let share = if is_early { DOUBTED_AT_FIRST } else { DOUBTED };
+    let n_doubted = if count < FEWEST { 0 } else { (count / share).max(1) };
     let mut cells = Vec::with_capacity(count);
     for step in 0..pending.len() + count {
         let normals = outcomes(step as u32, scramble);

@@ -18,6 +18,9 @@ const LOWEST_SIMULATED: usize = 400;
 const STARTS: usize = 6;
 const AROUND: usize = 40;
 const PROMISING: usize = 375;
+/// So many of the promising ones are the sceptic's: where the simulation misleads, what it calls bad is never promising to who
+/// believes it.
+const DOUBTED: usize = 100;
 const OTHERS: usize = 125;
 
 /// Cells with their places, and what the surface says of each.
@@ -122,8 +125,9 @@ impl Pool {
         Ok(self.followed_by(more))
     }
 
-    /// The part of it on which joint distributions are affordable: the promising cells, and others at random.
-    pub(crate) fn reduced(&self, seed: u64, batch: usize) -> Self {
+    /// The part of it on which joint distributions are affordable: the promising cells, those that the sceptic finds promising, if
+    /// there is one, and others at random.
+    pub(crate) fn reduced(&self, sceptic: Option<&Marginals>, seed: u64, batch: usize) -> Self {
         let order = self.by_lower_bound(2.0);
         if self.cells.len() <= SMALL as usize {
             return self.clone();
@@ -132,11 +136,14 @@ impl Pool {
         if order.len() <= SMALL as usize {
             return self.select(&order);
         }
-        let (promising, others) = order.split_at(PROMISING);
-        let mut rows = promising.to_vec();
+        let n_doubted = sceptic.map_or(0, |_| DOUBTED);
+        let mut rows = order[..PROMISING - n_doubted].to_vec();
+        let mut chosen: BTreeSet<usize> = rows.iter().copied().collect();
+        let doubted = sceptic.map(|marginals| self.by_lower_bound_of(marginals, 2.0)).unwrap_or_default();
+        rows.extend(doubted.into_iter().filter(|&row| chosen.insert(row)).take(n_doubted));
+        let mut left: Vec<usize> = order.into_iter().filter(|row| !chosen.contains(row)).collect();
         let mut rng = stream(seed, Purpose::Pool, batch);
         rng.set_word_pos(1 << 32);
-        let mut left = others.to_vec();
         for _ in 0..OTHERS.min(left.len()) {
             let index = rng.random_range(0..left.len());
             rows.push(left.swap_remove(index));

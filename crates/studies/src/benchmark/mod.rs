@@ -21,11 +21,16 @@ use crate::reproduction::progress;
 use families::{FAMILIES, Family};
 use methods::{METHODS, Method};
 use results::{Results, Row};
-use task::{LEVELS, SEEDS, Task, descend};
+use task::{FRESH_FAMILIES, FRESH_SEEDS, LEVELS, SEEDS, Task, descend};
 
 /// Where the rows of our methods, and those of the peers, are kept.
 const OURS: &str = "fixtures/benchmark";
 const PEERS: &str = "fixtures/peers/results";
+
+/// The pooled loop, by the name of its rows.
+const OWN: &str = METHODS[0].name;
+/// Its campaigns on fresh seeds: apart, so that peers are compared on the others.
+const FRESH: &str = "pooled-fresh";
 
 /// Runs what is missing among the kept campaigns, and writes the page.
 pub(crate) fn run(root: &Path) -> Result<()> {
@@ -33,31 +38,44 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     for method in quick.into_iter().chain(slow) {
         let mut results = Results::read(&root.join(OURS), method.name)?;
         // Seed by seed, so that a run that is cut short has all families.
-        let missing: Vec<(&Family, u64)> = (1..=SEEDS)
-            .flat_map(|seed| FAMILIES.iter().map(move |family| (family, seed)))
-            .filter(|(family, seed)| method.can(family) && !results.has(family.name, *seed))
-            .collect();
-        let bar = progress(&format!("campaigns: {}", method.words), missing.len());
-        // A few campaigns at a time, so that a killed run loses no more than these.
-        for some in missing.chunks(8) {
-            let rows: Vec<Vec<Row>> = some
-                .par_iter()
-                .map(|(family, seed)| {
-                    let rows = campaign(method, family, *seed)?;
-                    bar.inc(1);
-                    Ok(rows)
-                })
-                .collect::<Result<_>>()?;
-            results.append(rows.concat())?;
+        let all = (1..=SEEDS).flat_map(|seed| FAMILIES.iter().map(move |family| (family, seed)));
+        run_missing(method, &mut results, all)?;
+        if method.name == OWN {
+            let fresh = || FAMILIES.iter().filter(|family| FRESH_FAMILIES.contains(&family.name));
+            let all = FRESH_SEEDS.flat_map(|seed| fresh().map(move |family| (family, seed)));
+            run_missing(method, &mut Results::read(&root.join(OURS), FRESH)?, all)?;
         }
-        bar.finish();
     }
     write_page(root)
 }
 
+fn run_missing<'a>(
+    method: &Method,
+    results: &mut Results,
+    campaigns: impl Iterator<Item = (&'a Family, u64)>,
+) -> Result<()> {
+    let is_missing = |(family, seed): &(&Family, u64)| method.can(family) && !results.has(family.name, *seed);
+    let missing: Vec<(&Family, u64)> = campaigns.filter(is_missing).collect();
+    let bar = progress(&format!("campaigns: {}", method.words), missing.len());
+    // A few campaigns at a time, so that a killed run loses no more than these.
+    for some in missing.chunks(8) {
+        let rows: Vec<Vec<Row>> = some
+            .par_iter()
+            .map(|(family, seed)| {
+                let rows = campaign(method, family, *seed)?;
+                bar.inc(1);
+                Ok(rows)
+            })
+            .collect::<Result<_>>()?;
+        results.append(rows.concat())?;
+    }
+    bar.finish();
+    Ok(())
+}
+
 /// Writes the page from the campaigns that are kept, and runs none.
 pub(crate) fn write_page(root: &Path) -> Result<()> {
-    page::write(root, &kept(root)?)
+    page::write(root, &kept(root)?, &fresh(root)?)
 }
 
 /// That the kept rows are what the methods give today, on a few campaigns, and that the page follows from them.
@@ -72,7 +90,11 @@ pub(crate) fn check(root: &Path) -> Result<()> {
             ensure!(same, "{} on {}, seed {seed}: other rows than kept in {OURS}", method.words, family.name);
         }
     }
-    page::check(root, &kept_results)
+    page::check(root, &kept_results, &fresh(root)?)
+}
+
+fn fresh(root: &Path) -> Result<Results> {
+    Results::read(&root.join(OURS), FRESH)
 }
 
 fn kept(root: &Path) -> Result<Vec<Results>> {

@@ -1,5 +1,7 @@
 //! A pair to run a campaign on: its grid, its budget, its noise.
 
+use std::ops::RangeInclusive;
+
 use anyhow::Result;
 use design_space::{Cell, Grid, Parameter, Region};
 use rand::SeedableRng;
@@ -10,6 +12,9 @@ use super::families::{Family, Pair};
 
 /// Campaigns of each family, seeds from 1.
 pub(super) const SEEDS: u64 = 20;
+/// Campaigns on which nothing was chosen, of the families where most was: those whose simulation hides the best.
+pub(super) const FRESH_SEEDS: RangeInclusive<u64> = 61..=120;
+pub(super) const FRESH_FAMILIES: [&str; 2] = ["hidden-2", "hidden-4"];
 pub(super) const BATCHES: usize = 5;
 /// Levels of each factor.
 pub(super) const LEVELS: u32 = 24;
