@@ -4,7 +4,7 @@ use page::{Axis, CountFigure, LineFigure, Panel, Series, count_figure, line_figu
 
 use super::judge::Verdict;
 use super::kept::Case;
-use super::row::{Method, Study, World};
+use super::row::{Method, Reading, Row, Study, World};
 use super::tables::Both;
 
 fn color(verdict: Verdict) -> &'static str {
@@ -107,4 +107,100 @@ pub(super) fn regret(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) 
         panels: all.map(panel).collect(),
         shaded: None,
     })
+}
+
+/// What spans less than this is drawn on an axis of its own.
+const A_DECADE: f64 = 5.0;
+
+/// What is drawn of a design against the iterations that chose it.
+struct Quantity {
+    study: Study,
+    words: &'static str,
+    unit: &'static str,
+    of: fn(&Row) -> f64,
+    /// Whether ratios say more than differences.
+    is_square: bool,
+}
+
+const fn quantity(study: Study, words: &'static str, unit: &'static str, of: fn(&Row) -> f64) -> Quantity {
+    Quantity { study, words, unit, of, is_square: false }
+}
+
+/// What Figures 16 to 18 and Table 3 follow over one campaign.
+const OF_CHAPTER4: [Quantity; 5] = [
+    square(Study::Chapter4, "heading squared", |row| row.of(Reading::Heading)),
+    square(Study::Chapter4, "roll error squared", |row| row.of(Reading::Roll)),
+    square(Study::Chapter4, "pitch error squared", |row| row.of(Reading::Pitch)),
+    quantity(Study::Chapter4, "center of mass", "% of chord", |row| row.point[0]),
+    quantity(Study::Chapter4, "pitch set point", "deg", |row| row.point[1]),
+];
+
+/// What Figures 20 to 22, 24, 26 and 28 do.
+const OF_CHAPTER7: [Quantity; 8] = [
+    quantity(Study::Two, "2 parameters: left of the space", "%", |row| 100.0 * row.share),
+    quantity(Study::Two, "2 parameters: S of (39)", "s", |row| row.spread),
+    square(Study::Two, "2 parameters: heading squared", |row| row.of(Reading::Heading)),
+    square(Study::Two, "2 parameters: pitch error squared", |row| row.of(Reading::Pitch)),
+    quantity(Study::Four, "4 parameters: left of the space", "%", |row| 100.0 * row.share),
+    quantity(Study::Four, "4 parameters: S of (39)", "s", |row| row.spread),
+    square(Study::Four, "4 parameters: heading squared", |row| row.of(Reading::Heading)),
+    square(Study::Four, "4 parameters: pitch error squared", |row| row.of(Reading::Pitch)),
+];
+
+const fn square(study: Study, words: &'static str, of: fn(&Row) -> f64) -> Quantity {
+    Quantity { is_square: true, ..quantity(study, words, "deg²", of) }
+}
+
+/// One curve of Chapters 4 and 7 each as bands over all plants and seeds: the designs of the dissertation's loop, iteration by iteration.
+pub(super) fn steps(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -> [String; 2] {
+    let figure = |title: &str, quantities: &[Quantity]| {
+        let has = |quantity: &&Quantity| cases.iter().any(|case| case.study == quantity.study);
+        line_figure(&LineFigure {
+            title: title.to_owned(),
+            x_axis: Axis::new("iteration", "1"),
+            panels: quantities.iter().filter(has).map(|quantity| panel_of(quantity, cases, batches)).collect(),
+            shaded: None,
+        })
+    };
+    [
+        figure("Chapter 4: designs of the loop, over plants and seeds", &OF_CHAPTER4),
+        figure("Chapter 7: designs of the loop, over plants and seeds", &OF_CHAPTER7),
+    ]
+}
+
+fn panel_of(quantity: &Quantity, cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -> Panel {
+    let [_, last] = batches(quantity.study);
+    // In Chapter 4 the first iteration is the optimum of the model.
+    let first = usize::from(quantity.study == Study::Chapter4);
+    let x: Vec<f64> = (first..=last).map(|step| step as f64).collect();
+    let values = |world: World, step: usize| -> Vec<f64> {
+        let mine = cases.iter().filter(|case| case.study == quantity.study && case.world == world);
+        let rows = mine.flat_map(|case| case.rows.iter());
+        let rows = rows.filter(|row| row.step == step);
+        let rows = rows.filter(|row| row.method == if step == 0 { Method::Numerical } else { Method::Dissertation });
+        rows.map(|row| (quantity.of)(row)).filter(|value| value.is_finite()).collect()
+    };
+    let mut series = Vec::new();
+    let mut drawn = Vec::new();
+    for world in World::OF_CAMPAIGNS {
+        let label = |which: &str| format!("{} water, {which}", world.name());
+        let at = |share: f64| -> Vec<f64> {
+            (first..=last).map(|step| quantile(&values(world, step), share).unwrap_or(f64::NAN)).collect()
+        };
+        let [low, median, high] = [0.25, 0.5, 0.75].map(at);
+        drawn.extend(low.iter().chain(&high).copied().filter(|value| value.is_finite()));
+        series.push(Series::line(&label("median"), &x, &median));
+        for quartile in [low, high] {
+            series.push(Series::line(&label("quartiles"), &x, &quartile).dashed().colored_as(&label("median")));
+        }
+    }
+    let y_axis = Axis::new(quantity.words, quantity.unit);
+    let [low, high] =
+        drawn.iter().fold([f64::INFINITY, 0.0_f64], |[low, high], value| [low.min(*value), high.max(*value)]);
+    let y_axis = match quantity.is_square {
+        true if high > A_DECADE * low => y_axis.in_decades(drawn),
+        true => y_axis.in_ratios(drawn),
+        false => y_axis.around(drawn),
+    };
+    Panel { x_axis: Some(Axis::new("iteration", "1").counting(first, last)), y_axis, series }
 }

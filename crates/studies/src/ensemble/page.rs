@@ -19,6 +19,8 @@ use crate::kept;
 const PAGE: &str = "docs/results-ensemble.md";
 const VERDICTS: &str = "docs/results-ensemble.svg";
 const REGRET: &str = "docs/results-ensemble-regret.svg";
+const OF_CHAPTER4: &str = "docs/results-ensemble-chapter4.svg";
+const OF_CHAPTER7: &str = "docs/results-ensemble-chapter7.svg";
 
 pub(super) fn write(root: &Path, setup: &Setup, store: &Store) -> Result<()> {
     kept::write(root, &texts(setup, store))
@@ -39,15 +41,18 @@ pub(super) fn judged(setup: &Setup, cases: &[Case<'_>]) -> Vec<Both> {
     claims::all(setup).into_iter().map(both).collect()
 }
 
-fn texts(setup: &Setup, store: &Store) -> [(&'static str, String); 3] {
+fn texts(setup: &Setup, store: &Store) -> [(&'static str, String); 5] {
     let cases = cases(&store.done);
     let all = judged(setup, &cases);
     let batches = |study: Study| batches(setup, study);
     let regret = figures::regret(&cases, &batches);
+    let [of_chapter4, of_chapter7] = figures::steps(&cases, &batches);
     [
         (PAGE, markdown(setup, store, &cases, &all)),
         (VERDICTS, format!("{}\n", figures::verdicts(&all))),
         (REGRET, format!("{regret}\n")),
+        (OF_CHAPTER4, format!("{of_chapter4}\n")),
+        (OF_CHAPTER7, format!("{of_chapter7}\n")),
     ]
 }
 
@@ -105,6 +110,10 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
              iteration is the one around which its experiments are made, so that the first is the same.\n\n";
     text += "## What designs show\n\nMedians over plants and seeds with quartiles.\n\n";
     text += &tables::flights(cases).markdown();
+    text += "\n![Chapter 4, iteration by iteration](results-ensemble-chapter4.svg)\n\nWhat Figures 16 to 18 and Table 3 show of one campaign, over all: the \
+             designs of the dissertation's loop, means over their flights. At the first stands the optimum of the model.\n";
+    text += "\n![Chapter 7, iteration by iteration](results-ensemble-chapter7.svg)\n\nWhat Figures 20 to 22, 24, 26 and 28 show of one campaign, over \
+             all; at 0 the optimum of the model.\n";
     text += "\n## What is left of the space\n\nAfter each iteration of the dissertation's loop, median over plants and seeds with quartiles.\n\n";
     let published = |study: Study, step: usize| {
         let case = setup.chapter7.cases.get(usize::from(study == Study::Four))?;
@@ -205,12 +214,16 @@ fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> V
     let seconds: f64 = store.done.iter().map(|done| done.found.seconds).sum();
     let plants = |study: Study| cases.iter().filter(|case| case.study == study && case.world == World::Still).count();
     let words = Study::ALL.map(|study| format!("{} ({})", plants(study), study.words()));
+    let of_four = match setup.campaigns.seeds_of_four {
+        same if same == setup.campaigns.seeds => String::new(),
+        other => format!(" ({other} with four parameters)"),
+    };
     findings.push(format!(
-        "{} plants, {} seeds ({} with four parameters), two worlds: {flights:.0} flights in {:.0} minutes. Plants by study: {}. No experiment was \
+        "{} plants, {} seeds{}, two worlds: {flights:.0} flights in {:.0} minutes. Plants by study: {}. No experiment was \
          made in water.",
         setup.plants.len(),
         setup.campaigns.seeds,
-        setup.campaigns.seeds_of_four,
+        of_four,
         seconds / 60.0,
         words.join(", ")
     ));
