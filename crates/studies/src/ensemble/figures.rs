@@ -109,7 +109,7 @@ pub(super) fn regret(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) 
     })
 }
 
-/// What spans less than this is drawn on an axis of its own.
+/// Squares that span more than this are drawn by decades.
 const A_DECADE: f64 = 5.0;
 
 /// What is drawn of a design against the iterations that chose it.
@@ -118,7 +118,7 @@ struct Quantity {
     words: &'static str,
     unit: &'static str,
     of: fn(&Row) -> f64,
-    /// Whether ratios say more than differences.
+    /// Whether it may span decades.
     is_square: bool,
 }
 
@@ -197,10 +197,7 @@ fn panel_of(quantity: &Quantity, cases: &[Case<'_>], batches: &dyn Fn(Study) -> 
     let y_axis = Axis::new(quantity.words, quantity.unit);
     let [low, high] =
         drawn.iter().fold([f64::INFINITY, 0.0_f64], |[low, high], value| [low.min(*value), high.max(*value)]);
-    let y_axis = match quantity.is_square {
-        true if high > A_DECADE * low => y_axis.in_decades(drawn),
-        true => y_axis.in_ratios(drawn),
-        false => y_axis.around(drawn),
-    };
+    let is_wide = quantity.is_square && high > A_DECADE * low;
+    let y_axis = if is_wide { y_axis.in_decades(drawn) } else { y_axis.around(drawn) };
     Panel { x_axis: Some(Axis::new("iteration", "1").counting(first, last)), y_axis, series }
 }
