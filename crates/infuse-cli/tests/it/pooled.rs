@@ -79,15 +79,19 @@ pub(crate) fn best(rig: &Rig) -> (f64, f64) {
 }
 
 #[test]
-fn the_template_ends_at_the_optimum_of_the_rig_in_two_batches() {
-    let rig = Rig::pooled();
-    let mut n_batches = 0;
-    while rig.batch() {
-        n_batches += 1;
-    }
-    assert!(n_batches <= 3, "{n_batches}");
+fn the_template_ends_at_the_optimum_of_the_rig_in_three_batches_on_average() {
+    let campaigns = (1..=6).map(|seed| {
+        let rig = Rig::pooled();
+        rig.edit("seed = 1", &format!("seed = {seed}"));
+        let n_batches = (0..).take_while(|_| rig.batch()).count();
+        assert_eq!(rig.status()["best"], json!({ "spring": 22.0, "damper gain": 1.9 }), "seed {seed}");
+        (rig, n_batches)
+    });
+    let mut campaigns: Vec<(Rig, usize)> = campaigns.collect();
+    let n_batches: usize = campaigns.iter().map(|(_, n_batches)| n_batches).sum();
+    assert!(n_batches <= 18, "{n_batches} in six campaigns");
+    let (rig, n_batches) = campaigns.swap_remove(0);
     let status = rig.status();
-    assert_eq!(status["best"], json!({ "spring": 22.0, "damper gain": 1.9 }));
     // The smallest of the table, as anyone can look it up.
     assert_eq!(status["simulation_alone"], json!({ "spring": 18.0, "damper gain": 1.3 }));
     assert!(status["bound"].as_f64() <= Some(0.2), "{status}");
