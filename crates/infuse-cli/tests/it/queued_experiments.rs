@@ -81,8 +81,10 @@ fn whoever_is_killed_nothing_is_lost_and_nothing_runs_twice() {
         rig.write("slow", "");
         stopped_after(&rig, n_begun, "-KILL");
         let text = rig.infuse(&["status"]).ok();
-        let queue = " begun: `infuse run` takes what has ended";
-        assert!(text.contains(queue) && text.contains("`infuse cancel` stops those in the queue"), "{text}");
+        assert!(text.contains("`infuse run` takes what has ended"), "{text}");
+        // On a busy machine all of them may have ended by now.
+        let is_begun = text.contains(" begun: ");
+        assert!(!is_begun || text.contains("`infuse cancel` stops those in the queue"), "{text}");
         assert!(rig.infuse(&["run"]).ok().contains("Ended: "));
         check_each_once(&rig, 8);
     }
