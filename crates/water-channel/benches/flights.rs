@@ -118,9 +118,9 @@ fn one_pose_from_images(bencher: Bencher<'_, '_>) {
 }
 
 /// What each thing that is off by default costs, in lanes at one step per sample, the making of the water's table included.
-#[divan::bench(args = ["off", "turbulence", "shedding", "asymmetry", "all three", "a seed each"], sample_count = 10)]
+#[divan::bench(args = ["off", "turbulence", "shedding", "asymmetry", "all three", "a seed each", "cameras", "all and cameras"], sample_count = 10)]
 fn lanes_with_what_is_off_by_default(bencher: Bencher<'_, '_>, what: &str) {
-    let on = |name: &str| what == name || ["all three", "a seed each"].contains(&what);
+    let on = |name: &str| what == name || ["all three", "a seed each", "all and cameras"].contains(&what);
     let turbulence = Turbulence { intensity: 0.03, lateral_intensity: 0.03, vertical_intensity: 0.03, length_m: 0.1 };
     let shedding = Shedding { strouhal: 0.2, width_m: 0.092, lift_coefficient: 0.05, plane_rad: 0.5 };
     let water = MovingWater {
@@ -135,6 +135,10 @@ fn lanes_with_what_is_off_by_default(bencher: Bencher<'_, '_>, what: &str) {
             let asymmetry = &mut request.rig.plant.asymmetry;
             (asymmetry.center_of_mass_y_m, asymmetry.offset_lateral_m, asymmetry.line_port_m) = (2e-4, 0.04, 5e-4);
         }
+    }
+    if what.contains("cameras") {
+        let sensing = SensingFile::read(fixture("sensing.toml")).expect("the fixture reads").sensing;
+        requests.iter_mut().for_each(|request| request.rig.sensing = Some(sensing.clone()));
     }
     let seeds: Vec<u64> = (0..requests.len() as u64).collect();
     let (settings, pool) = (FlightSettings::with_steps(1), pool(1));

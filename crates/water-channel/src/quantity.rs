@@ -193,4 +193,9 @@ quantities! {
     PixelEdge: "px", NonNegative;
     PixelError: "px", NonNegative;
     Samples: "samples", Whole;
+    Chords: "chord", Finite;
+    Mass: "kg", Positive;
+    Volume: "m^3", NonNegative;
+    Inertia: "kg*m^2", NonNegative;
+    Product: "kg*m^2", Finite;
 }

@@ -8,6 +8,7 @@ use tether_control::{Controller, ControllerParameters, FilteredPd, SetPoints};
 
 use crate::error::{Error, FileError};
 use crate::file;
+use crate::masses::{Masses, MassesTable};
 use crate::plant_table::PlantTable;
 use crate::quantity::{Altitude, Attitude, LengthPerAngle, PerSecond, Period, Plain, Record, SpeedPerAngle};
 use crate::sensing::{Sensing, SensingTable, Viewer};
@@ -31,6 +32,9 @@ pub struct Rig {
     pub sample_time_s: f64,
     /// Cameras and dots through which the controller sees the body; without them it sees the state.
     pub sensing: Option<Sensing>,
+    /// What moves along with a design; without it a design moves the center of mass and the areas alone, as if other ballast saw to
+    /// the rest.
+    pub masses: Option<Masses>,
 }
 
 /// A rig with the title and the provenance of every number of its file.
@@ -48,7 +52,17 @@ pub struct Rig {
 /// | `[controller.altitude]`: `proportional`, `derivative`, `time_constant` | 1/s, 1, s (> 0) |
 /// | `[controller.pitch]`, `[controller.roll]`: the same | m/(s*rad), m/rad, s (> 0) |
 ///
-/// An optional section `[sensing]` is that of [`SensingFile`](crate::SensingFile).
+/// An optional section `[sensing]` is that of [`SensingFile`](crate::SensingFile). So is `[masses]`, for a body whose mass follows
+/// the design; the body of the file, ballast and fins included, is then the one with the center of mass of the file, and its area
+/// factors have to be 1. See [`MassModel`](bat_dynamics::MassModel).
+///
+/// | key of `[masses]` | unit (range) |
+/// |---|---|
+/// | `[masses.ballast]`: `mass` | kg (> 0) |
+/// | `x`: along the chord; `y`: to starboard, zero where left out; `height`: above the joint | chord, m, m |
+/// | `[masses.horizontal_stabilizer]`, `[masses.vertical_stabilizer]`: `mass`, `volume` | kg (> 0), m^3 (>= 0) |
+/// | `offset_x`: aft of the root; `offset_height`, `offset_lateral`: from it, the latter zero where left out | chord, m, m |
+/// | `inertia_xx`, `inertia_yy`, `inertia_zz`; `inertia_xz`, zero where left out | kg*m^2 (>= 0); kg*m^2 |
 ///
 /// # Numbers in files
 /// Every number is a table `{ value, unit, provenance, source }`; `provenance` is one of [`Provenance`](crate::Provenance).
@@ -65,18 +79,27 @@ pub struct RigFile {
 }
 
 impl Rig {
+    /// The parameters of the plant, with what moves along with the design where it should be.
+    ///
+    /// # Errors
+    /// [`Error::Plant`] for masses or a design out of range.
+    pub fn parameters(&self) -> Result<Parameters, Error> {
+        self.masses.as_ref().map_or(Ok(self.plant), |masses| masses.parameters(&self.plant))
+    }
+
     /// The plant at a fidelity, checked.
     ///
     /// # Errors
     /// [`Error::Plant`] for a parameter out of range.
     pub fn plant(&self, fidelity: Fidelity) -> Result<Plant, Error> {
-        Ok(Plant::new(&self.plant, fidelity)?)
+        Ok(Plant::new(&self.parameters()?, fidelity)?)
     }
 
-    /// x_cm − x_cb in per cent of chord: how far the center of mass lies aft of the center of buoyancy, which (21) weighs.
+    /// x_cm − x_cb in per cent of chord: how far the center of mass lies aft of the center of buoyancy, which (21) weighs. Of a rig
+    /// that cannot be, which no flight is made of, as its numbers stand.
     #[must_use]
     pub fn ballast_pct_chord(&self) -> f64 {
-        let body = &self.plant.body;
+        let body = self.parameters().unwrap_or(self.plant).body;
         100.0 * (body.center_of_mass_x - body.center_of_buoyancy_x)
     }
 
@@ -102,9 +125,9 @@ impl Rig {
     /// The cameras, if there are any, for poses of the center of mass, checked.
     ///
     /// # Errors
-    /// [`Error::Sensing`] for what [`Viewer::new`] refuses.
+    /// [`Error::Sensing`] for what [`Viewer::new`] refuses; [`Error::Plant`] for masses or a design out of range.
     pub fn viewer(&self) -> Result<Option<Viewer>, Error> {
-        let body = &self.plant.body;
+        let body = self.parameters()?.body;
         let center_of_mass_m =
             [-(body.center_of_mass_x - body.joint_x) * body.chord_m, 0.0, -body.center_of_mass_height_m];
         self.sensing.as_ref().map(|sensing| Viewer::new(sensing, center_of_mass_m)).transpose()
@@ -127,6 +150,7 @@ impl RigFile {
     pub fn parse(text: &str) -> Result<Self, FileError> {
         let (table, records) = file::parse::<RigTable>(text)?;
         let title = table.title.clone();
+        table.check_factors()?;
         let rig = table.rig().map_err(FileError::Inconsistent)?;
         rig.plant(Fidelity::STALLED_WITH_ADDED_MASS).map_err(FileError::Inconsistent)?;
         rig.controller().map_err(FileError::Inconsistent)?;
@@ -143,6 +167,7 @@ struct RigTable {
     plant: PlantTable,
     controller: ControllerTable,
     sensing: Option<SensingTable>,
+    masses: Option<MassesTable>,
 }
 
 #[derive(Deserialize)]
@@ -174,11 +199,29 @@ struct AngleLoop {
 }
 
 impl RigTable {
+    /// Masses are those of the body at area factors of 1.
+    fn check_factors(&self) -> Result<(), FileError> {
+        let plant = &self.plant.0;
+        let factors = [
+            ("horizontal_stabilizer", plant.horizontal_stabilizer.area_factor),
+            ("vertical_stabilizer", plant.vertical_stabilizer.area_factor),
+        ];
+        let other = factors.into_iter().find(|(_, factor)| self.masses.is_some() && (factor - 1.0).abs() > 0.0);
+        other.map_or(Ok(()), |(section, factor)| {
+            Err(FileError::Value {
+                key: format!("plant.{section}.area_factor"),
+                found: factor.to_string(),
+                expected: "1, as there is a section `masses`".to_owned(),
+            })
+        })
+    }
+
     fn rig(self) -> Result<Rig, Error> {
         let ControllerTable { sample_time, altitude, pitch, roll, .. } = &self.controller;
         let angle = |pd: &AngleLoop| FilteredPd::new(pd.proportional.0, pd.derivative.0, pd.time_constant.0);
+        let plant = self.plant.0;
         Ok(Rig {
-            plant: self.plant.0,
+            plant,
             altitude: FilteredPd::new(altitude.proportional.0, altitude.derivative.0, altitude.time_constant.0)?,
             pitch: angle(pitch)?,
             roll: angle(roll)?,
@@ -189,6 +232,7 @@ impl RigTable {
             },
             sample_time_s: sample_time.0,
             sensing: self.sensing.map(SensingTable::sensing),
+            masses: self.masses.map(|masses| masses.at(plant.body.center_of_mass_x)),
         })
     }
 }

@@ -135,20 +135,30 @@ const OF_CHAPTER4: [Quantity; 5] = [
     quantity(Study::Chapter4, "pitch set point", "deg", |row| row.point[1]),
 ];
 
-/// What Figures 20 to 22, 24, 26 and 28 do.
-const OF_CHAPTER7: [Quantity; 8] = [
+/// What Figures 20, 22, 24 and 26 to 28 do, the roll offset and the zenith angle in place of a flight.
+const OF_CHAPTER7: [Quantity; 14] = [
     quantity(Study::Two, "2 parameters: left of the space", "%", |row| 100.0 * row.share),
     quantity(Study::Two, "2 parameters: S of (39)", "s", |row| row.spread),
     square(Study::Two, "2 parameters: heading squared", |row| row.of(Reading::Heading)),
     square(Study::Two, "2 parameters: pitch error squared", |row| row.of(Reading::Pitch)),
+    quantity(Study::Two, "2 parameters: roll offset", "deg", |row| row.of(Reading::RollOffset)),
+    quantity(Study::Two, "2 parameters: zenith angle", "deg", |row| row.of(Reading::Zenith)),
+    square_of(Study::Two, "2 parameters: altitude error squared", "cm²", |row| row.of(Reading::Altitude)),
     quantity(Study::Four, "4 parameters: left of the space", "%", |row| 100.0 * row.share),
     quantity(Study::Four, "4 parameters: S of (39)", "s", |row| row.spread),
     square(Study::Four, "4 parameters: heading squared", |row| row.of(Reading::Heading)),
     square(Study::Four, "4 parameters: pitch error squared", |row| row.of(Reading::Pitch)),
+    quantity(Study::Four, "4 parameters: roll offset", "deg", |row| row.of(Reading::RollOffset)),
+    quantity(Study::Four, "4 parameters: zenith angle", "deg", |row| row.of(Reading::Zenith)),
+    square_of(Study::Four, "4 parameters: altitude error squared", "cm²", |row| row.of(Reading::Altitude)),
 ];
 
 const fn square(study: Study, words: &'static str, of: fn(&Row) -> f64) -> Quantity {
-    Quantity { is_square: true, ..quantity(study, words, "deg²", of) }
+    square_of(study, words, "deg²", of)
+}
+
+const fn square_of(study: Study, words: &'static str, unit: &'static str, of: fn(&Row) -> f64) -> Quantity {
+    Quantity { is_square: true, ..quantity(study, words, unit, of) }
 }
 
 /// One curve of Chapters 4 and 7 each as bands over all plants and seeds: the designs of the dissertation's loop, iteration by iteration.

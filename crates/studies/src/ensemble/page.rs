@@ -112,7 +112,7 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
     text += &tables::flights(cases).markdown();
     text += "\n![Chapter 4, iteration by iteration](results-ensemble-chapter4.svg)\n\nWhat Figures 16 to 18 and Table 3 show of one campaign, over all: the \
              designs of the dissertation's loop, means over their flights. At the first stands the optimum of the model.\n";
-    text += "\n![Chapter 7, iteration by iteration](results-ensemble-chapter7.svg)\n\nWhat Figures 20 to 22, 24, 26 and 28 show of one campaign, over \
+    text += "\n![Chapter 7, iteration by iteration](results-ensemble-chapter7.svg)\n\nWhat Figures 20, 22, 24, 26 and 28 show of one campaign, and of Figure 27 the roll offset and the zenith angle, over \
              all; at 0 the optimum of the model.\n";
     text += "\n## What is left of the space\n\nAfter each iteration of the dissertation's loop, median over plants and seeds with quartiles.\n\n";
     let published = |study: Study, step: usize| {

@@ -13,6 +13,7 @@ mod golden;
 mod kick;
 mod landscape;
 mod log;
+mod masses;
 mod open_loop;
 mod profile;
 mod reference;
