@@ -4,8 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-pub(crate) use crate::rules::Verdict;
 use crate::rules::Judged;
+pub(crate) use crate::rules::Verdict;
 use crate::words::capitalized;
 use page::{Column, Finding, Table};
 
@@ -109,10 +109,14 @@ pub(crate) fn finding(claim: &Claim) -> Finding {
 /// Heading of [`by_verdict`] on every page.
 pub(crate) const BY_VERDICT: &str = "What became of the claims";
 
+/// Where more of it stands.
+const ELSEWHERE: &str = "The words are those of the [page over all chapters](reproduction.md), which has their rules; this is one plant, and many stand on \
+    the [page of the ensemble](results-ensemble.md).";
+
 /// The same for a page of `docs/`.
 pub(crate) fn by_verdict_markdown(claims: &[Claim]) -> String {
     let list: String = by_verdict(claims).iter().map(Finding::markdown).collect();
-    format!("## {BY_VERDICT}\n\n{list}")
+    format!("## {BY_VERDICT}\n\n{list}\n{ELSEWHERE}\n")
 }
 
 /// Claims with what became of them, for the page of their study.
@@ -132,9 +136,7 @@ pub(crate) fn found<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Vec<Stri
 
 /// What decides each, with its verdict.
 pub(crate) fn decided(claims: &[Claim]) -> Vec<String> {
-    let words = |claim: &Claim| {
-        format!("{}, {}: {}. {}", claim.place, claim.says, claim.verdict_words(), claim.found)
-    };
+    let words = |claim: &Claim| format!("{}, {}: {}. {}", claim.place, claim.says, claim.verdict_words(), claim.found);
     claims.iter().map(words).collect()
 }
 
@@ -178,9 +180,9 @@ mod tests {
             claim("It turns", Verdict::NotReproduced),
         ];
         assert_eq!(
-            by_verdict_markdown(&claims),
+            by_verdict_markdown(&claims).replace(ELSEWHERE, "").trim_end(),
             "## What became of the claims\n\n- Reproduced, 1 of 3:\n  - It costs.\n- Not reproduced, 2 of 3:\n  - It flies: 0 of \
-             20.\n  - It turns.\n"
+             20.\n  - It turns."
         );
     }
 
@@ -189,7 +191,10 @@ mod tests {
         let judged = Judged::of(Count { holding: 18, cases: 20 }, Standing::StandIn).beside(0.63);
         let words = |judged| Claim::new(Place::Table(1), "It turns", judged, String::new()).verdict_words();
         assert_eq!(words(judged), "not discriminating: 18 of 20; by chance 63 %");
-        assert_eq!(words(judged.beside(0.2)), "reproduced in kind: 18 of 20; by chance 20 % (count exactly at the limit)");
+        assert_eq!(
+            words(judged.beside(0.2)),
+            "reproduced in kind: 18 of 20; by chance 20 % (count exactly at the limit)"
+        );
         let given = Claim::given(Place::Table(1), "It is put in", Verdict::TakenOver, String::new());
         assert_eq!(given.verdict_words(), "taken over");
     }

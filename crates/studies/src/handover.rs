@@ -86,7 +86,13 @@ mod tests {
         let folder = tempfile::tempdir().expect("a writable directory");
         let out = folder.path().to_owned();
         let claims = vec![
-            Claim::new(Place::Table(3), "The cost falls", Judged::of(Count::one(true), Standing::StandIn), "15 %".into()).shown_in(&["a"]),
+            Claim::new(
+                Place::Table(3),
+                "The cost falls",
+                Judged::of(Count::one(true), Standing::StandIn),
+                "15 %".into(),
+            )
+            .shown_in(&["a"]),
             Claim::given(Place::Contribution(1), "A loop", Verdict::Calibrated, "none".into()),
         ];
         let picture = Picture { name: "a".into(), svg: "<svg/>".into(), caption: "A fall".into() };

@@ -336,9 +336,20 @@ mod tests {
 
     #[test]
     fn counts_follow_their_numbers() {
-        use Verdict::{Calibrated, Check, InKind, NotDiscriminating, NotReproduced, PartlyCalibrated, Reproduced, TakenOver};
-        let one =
-            claims(&[Reproduced, InKind, InKind, NotReproduced, NotDiscriminating, PartlyCalibrated, Calibrated, TakenOver, Check]);
+        use Verdict::{
+            Calibrated, Check, InKind, NotDiscriminating, NotReproduced, PartlyCalibrated, Reproduced, TakenOver,
+        };
+        let one = claims(&[
+            Reproduced,
+            InKind,
+            InKind,
+            NotReproduced,
+            NotDiscriminating,
+            PartlyCalibrated,
+            Calibrated,
+            TakenOver,
+            Check,
+        ]);
         assert_eq!(
             count_words(one.iter()),
             "Of 9 claims 1 is reproduced, 2 in kind, 0 in part, and 1 not. The others do not count: 1 does not discriminate, 1 was partly \

@@ -120,7 +120,7 @@ impl Count {
         self.cases == 0 || 100 * self.holding < FEW_PCT * self.cases
     }
 
-    /// Whether one case more or less changes the word, because the share is that of a rule to the digit.
+    /// Whether the share is that of a rule to the digit.
     pub(crate) fn is_tie(self) -> bool {
         self.cases > 0 && [MOST_PCT, FEW_PCT].iter().any(|limit| 100 * self.holding == limit * self.cases)
     }
@@ -183,21 +183,24 @@ impl Judged {
         }
     }
 
-    /// Whether chance meets it in exactly as many cases as the rule allows.
-    pub(crate) fn is_chance_tie(&self) -> bool {
-        self.by_chance.is_some_and(|chance| (chance - BY_CHANCE).abs() <= SAME)
+    /// Whether its word hangs on one case, and whether on one draw, because a share is that of a rule to the digit.
+    pub(crate) fn ties(&self) -> [bool; 2] {
+        let differs = |other: Self| other.verdict() != self.verdict();
+        let one_less = Count { holding: self.count.holding.saturating_sub(1), ..self.count };
+        let is_even = self.by_chance.is_some_and(|chance| (chance - BY_CHANCE).abs() <= SAME);
+        [
+            self.count.is_tie() && differs(Self { count: one_less, ..*self }),
+            is_even && differs(self.beside(BY_CHANCE + 2.0 * SAME)),
+        ]
     }
 
-    /// Where its word hangs on a single case, in words to be added; most often nothing.
+    /// The same in words to be added; most often nothing.
     pub(crate) fn tie_words(&self) -> &'static str {
-        if !self.verdict().counts() {
-            return "";
-        }
-        match (self.count.is_tie(), self.is_chance_tie()) {
-            (true, true) => " (both exactly at the limit)",
-            (true, false) => " (count exactly at the limit)",
-            (false, true) => " (chance exactly at the limit)",
-            (false, false) => "",
+        match self.ties() {
+            [true, true] => " (both exactly at the limit)",
+            [true, false] => " (count exactly at the limit)",
+            [false, true] => " (chance exactly at the limit)",
+            [false, false] => "",
         }
     }
 
@@ -206,8 +209,9 @@ impl Judged {
         self.by_chance.filter(|chance| chance.is_finite()).map_or(String::new(), |chance| {
             let pct = 100.0 * chance;
             // Not 50 where the rule says another word than at 50.
-            let digits = usize::from((pct - 50.0).abs() < 0.5 && !self.is_chance_tie());
-            format!("; by chance {pct:.digits$} %")
+            let digits = usize::from((pct - 50.0).abs() < 0.5 && (chance - BY_CHANCE).abs() > SAME);
+            let is_more = matches!(self.verdict(), Verdict::InKind | Verdict::InPart) && chance > self.count.share();
+            format!("; by chance {pct:.digits$} %{}", if is_more { ", which is more" } else { "" })
         })
     }
 }
@@ -247,7 +251,8 @@ pub(crate) fn words() -> Vec<(&'static str, String)> {
         ("Taken over", "it says what is put in.".to_owned()),
         (
             "Check",
-            "it follows from the equations whatever the numbers are, so that no plant of this structure could fail it: it tests the program."
+            "it follows from the equations whatever the numbers are, so that no plant of this structure could fail it, as an identity or the similarity of models in \
+             equations without viscosity: it tests the program."
                 .to_owned(),
         ),
         (
@@ -328,13 +333,17 @@ mod tests {
                 let fitted = verdict(holding, 20, Standing::FittedEnds, chance);
                 let sure = verdict(holding, 20, Standing::Sure, chance);
                 assert!(!fitted.counts() || fitted == Verdict::NotReproduced, "{holding}: {fitted}");
-                assert_eq!(sure, if holding == 20 { Verdict::Check } else { Verdict::NotReproduced }, "one failure tells");
+                assert_eq!(
+                    sure,
+                    if holding == 20 { Verdict::Check } else { Verdict::NotReproduced },
+                    "one failure tells"
+                );
             }
         }
     }
 
     #[test]
-    fn ties_are_said_where_the_word_counts() {
+    fn ties_are_said_where_a_word_hangs_on_them() {
         let judged = |holding, cases, chance| Judged {
             count: Count { holding, cases },
             standing: Standing::StandIn,
@@ -345,11 +354,13 @@ mod tests {
         assert_eq!(words(135, 150, Some(0.3)), " (count exactly at the limit)");
         assert_eq!(words(15, 150, None), " (count exactly at the limit)");
         assert_eq!(words(140, 150, Some(0.5)), " (chance exactly at the limit)");
-        assert_eq!(words(140, 150, Some(0.51)), "", "it does not count");
+        assert_eq!(words(135, 150, Some(0.51)), "", "it does not count either way");
+        assert_eq!(words(15, 150, Some(0.51)), " (count exactly at the limit)", "with one less it would count as not");
         assert_eq!(words(136, 150, Some(0.499)), "");
         assert_eq!(judged(140, 150, Some(0.503)).chance_words(), "; by chance 50.3 %");
         assert_eq!(judged(140, 150, Some(0.5)).chance_words(), "; by chance 50 %");
         assert_eq!(judged(140, 150, None).chance_words(), "");
+        assert_eq!(judged(39, 150, Some(0.496)).chance_words(), "; by chance 49.6 %, which is more");
     }
 
     #[test]

@@ -201,7 +201,11 @@ impl<'a> Of<'a> {
         };
         let regret = |dropped: bool, words: &str| {
             let worst = regrets(dropped);
-            if worst.is_finite() { format!(" The largest regret where it was {words} is {} s.", digits(worst)) } else { String::new() }
+            if worst.is_finite() {
+                format!(" The largest regret where it was {words} is {} s.", digits(worst))
+            } else {
+                String::new()
+            }
         };
         let all = lawful.len();
         Claim::new(

@@ -164,7 +164,11 @@ impl<'a> Ways<'a> {
 
     fn without_infusion(self) -> Way<'a> {
         let how = "The optimum of the numerical model is built; no experiment is made.";
-        ("no infusion", how.to_owned(), Box::new(move |_| Ok(End { cell: self.numerical, keeps_best: None, left: None })))
+        (
+            "no infusion",
+            how.to_owned(),
+            Box::new(move |_| Ok(End { cell: self.numerical, keeps_best: None, left: None })),
+        )
     }
 
     fn without_a_model(self, alone: &'a Alone) -> Way<'a> {
@@ -223,7 +227,13 @@ mod tests {
 
     #[test]
     fn seeds_are_compared_one_by_one() {
-        let choice = |regrets: &[f64]| Choice { label: "", how: String::new(), regrets: regrets.to_vec(), lost: None, left: None };
+        let choice = |regrets: &[f64]| Choice {
+            label: "",
+            how: String::new(),
+            regrets: regrets.to_vec(),
+            lost: None,
+            left: None,
+        };
         let (one, other) = (choice(&[1.0, 2.0, 3.0]), choice(&[1.0, 3.0, 2.0]));
         assert_eq!([one.beats(&other), other.beats(&one), one.beats(&one)], [1, 1, 0], "a tie beats nothing");
         assert!((one.median() - 2.0).abs() < 1e-12 && (one.worst() - 3.0).abs() < 1e-12, "{one:?}");

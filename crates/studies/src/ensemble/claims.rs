@@ -394,7 +394,12 @@ fn of_four(setup: &Setup) -> Vec<Claim> {
             "at most half of it is left",
             path(|_, path| path.last().is_some_and(|row| row.share <= MUCH)),
         ),
-        claim(section("5.5"), "4 parameters: the z-test at 90 % keeps what may be the optimum", KEPT_OF_FOUR, Test::Kept),
+        claim(
+            section("5.5"),
+            "4 parameters: the z-test at 90 % keeps what may be the optimum",
+            KEPT_OF_FOUR,
+            Test::Kept,
+        ),
         claim(Place::Table(6), "4 parameters: the design space shrinks at every iteration", SHRINKS, path(shrinks)),
         claim(Place::Table(6), "4 parameters: infusion moves the center of mass aft", AFT, Test::End(Box::new(aft))),
         claim(

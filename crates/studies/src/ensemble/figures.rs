@@ -25,7 +25,10 @@ pub(super) fn verdicts(all: &[Both]) -> String {
     let bars = bars.map(|(study, k, world)| {
         let mine = all.iter().filter(|both| both.claim.study == study);
         let count = |verdict: Verdict| mine.clone().filter(|both| both.judged[k].is(verdict)).count();
-        (format!("{}, {} water", study.words(), world.name()), KINDS.iter().map(|(verdict, _)| count(*verdict)).collect())
+        (
+            format!("{}, {} water", study.words(), world.name()),
+            KINDS.iter().map(|(verdict, _)| count(*verdict)).collect(),
+        )
     });
     count_figure(&CountFigure {
         title: "What became of the claims over the ensemble".to_owned(),

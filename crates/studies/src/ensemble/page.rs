@@ -223,6 +223,7 @@ fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> V
     if !in_kind.is_empty() {
         findings.push(format!("In kind in moving water: {in_kind}."));
     }
+    findings.extend(told::without_simulation(all, cases));
     findings.extend(told::ties(setup, all));
     findings.push(told::worth(cases));
     findings.extend(World::OF_CAMPAIGNS.map(|world| regrets(cases, world)));

@@ -301,7 +301,8 @@ pub(super) fn decides(all: &[(&Both, usize, Decided)]) -> Table {
     claims.dedup_by(|a, b| std::ptr::eq(*a, *b));
     for both in claims {
         let cell = |world: usize| {
-            let own = all.iter().find(|(other, k, one)| std::ptr::eq(*other, both) && *k == world && one.p <= SIGNIFICANT);
+            let own =
+                all.iter().find(|(other, k, one)| std::ptr::eq(*other, both) && *k == world && one.p <= SIGNIFICANT);
             own.map(|(.., one)| {
                 format!(
                     "{}: {}; p {}, {}",

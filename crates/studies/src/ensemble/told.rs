@@ -3,9 +3,11 @@
 
 use super::claims::{JUDGED, Test};
 use super::file::Setup;
+use super::judge::met_by;
 use super::kept::Case;
-use super::row::{Study, World};
+use super::row::{Method, Study, World};
 use super::tables::Both;
+use crate::rules::Verdict;
 use crate::words::number;
 
 /// A model ranks designs well from this rank correlation on.
@@ -18,12 +20,13 @@ pub(super) fn ties(setup: &Setup, all: &[Both]) -> Vec<String> {
     let mut found = Vec::new();
     for (both, k) in all.iter().flat_map(|both| [(both, 0), (both, 1)]) {
         let judged = &both.judged[k];
-        let Some(rule) = judged.by_rule.filter(|rule| !rule.tie_words().is_empty()) else { continue };
+        let Some(rule) = judged.by_rule.filter(|rule| rule.ties().contains(&true)) else { continue };
+        let [count_ties, chance_ties] = rule.ties();
         let mut words = Vec::new();
-        if rule.count.is_tie() {
+        if count_ties {
             words.push(format!("it holds in {} cases, exactly {:.0} %", rule.count, 100.0 * rule.count.share()));
         }
-        if rule.is_chance_tie() {
+        if chance_ties {
             let designs = judged.shares.len() * setup.campaigns.random_designs as usize;
             let of = match both.claim.test {
                 Test::End(_) => format!(", {} of {designs} designs", designs / 2),
@@ -37,6 +40,25 @@ pub(super) fn ties(setup: &Setup, all: &[Both]) -> Vec<String> {
         format!("Words that hang on one case, because a share is exactly that of the rule: {}.", found.join("; "))
     });
     found.into_iter().collect()
+}
+
+/// Claims in kind in moving water that come out without any simulation as often.
+pub(super) fn without_simulation(all: &[Both], cases: &[Case<'_>]) -> Option<String> {
+    let words = all.iter().filter(|both| both.judged[1].is(Verdict::InKind)).filter_map(|both| {
+        let own = met_by(&both.claim, JUDGED, World::Moving, cases)?;
+        let alone = met_by(&both.claim, Method::Alone, World::Moving, cases)?;
+        (alone.share() >= own.share()).then(|| {
+            let [own, alone] = [own, alone].map(|count| 100.0 * count.share());
+            format!("{} ({alone:.1} % of the campaigns, with simulation {own:.1} %)", both.claim.place)
+        })
+    });
+    let words: Vec<String> = words.collect();
+    (!words.is_empty()).then(|| {
+        format!(
+            "In kind in moving water, but met as often by a regression on the same experiments that knows no simulation: {}.",
+            words.join("; ")
+        )
+    })
 }
 
 /// Lowest, median and highest.
@@ -68,7 +90,10 @@ pub(super) fn worth(cases: &[Case<'_>]) -> String {
             number(highest, 2)
         )
     } else {
-        format!("In {} plants a model ranks designs well in some study, with a rank correlation of {RANKS_WELL} or more", well.len())
+        format!(
+            "In {} plants a model ranks designs well in some study, with a rank correlation of {RANKS_WELL} or more",
+            well.len()
+        )
     };
     format!(
         "{verdict}. Rank correlation of model and stand-in over designs that nobody chose, and the share of these that is better than the model's \
@@ -99,7 +124,10 @@ pub(super) fn kept_best(all: &[Both], cases: &[Case<'_>]) -> String {
     let follows = if worse.is_empty() {
         "It never keeps it less often than a blind draw.".to_owned()
     } else {
-        format!("Less often than by a blind draw: {}; there the test drops the best sooner than other cells.", worse.join(", "))
+        format!(
+            "Less often than by a blind draw: {}; there the test drops the best sooner than other cells.",
+            worse.join(", ")
+        )
     };
     let still: Vec<&Case<'_>> =
         cases.iter().filter(|case| case.study == Study::Four && case.world != World::Cameras).collect();

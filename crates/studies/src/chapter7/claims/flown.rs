@@ -1,7 +1,7 @@
 //! What is said of the flights before and after infusion.
 
-use super::votes::Votes;
 use super::designs::standing;
+use super::votes::Votes;
 use super::words::median_words;
 use crate::chapter7::file::Case;
 use crate::chapter7::findings::Found;

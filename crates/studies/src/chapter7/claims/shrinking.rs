@@ -235,7 +235,10 @@ mod tests {
     fn the_test_has_to_do_better_than_a_blind_draw() {
         use crate::claims::Verdict;
         let verdict = |lost, left| keeps_best("It keeps the best", 20, lost, left).verdict;
-        assert_eq!([verdict(2, 0.3), verdict(3, 0.3), verdict(19, 0.3)].map(Verdict::short), ["in kind", "in part", "not"]);
+        assert_eq!(
+            [verdict(2, 0.3), verdict(3, 0.3), verdict(19, 0.3)].map(Verdict::short),
+            ["in kind", "in part", "not"]
+        );
         assert_eq!(verdict(0, 0.64), Verdict::NotDiscriminating, "64 of 100 draws keep it, too");
         assert!(keeps_best("It", 20, 13, 0.48).found.ends_with("keeps it less often than that."), "35 % beside 48");
     }
