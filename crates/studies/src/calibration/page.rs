@@ -114,8 +114,8 @@ fn markdown(calibration: &Calibration, store: &Store, seen: &[Seen], default_pla
              Figures 16 to 18 and 24 lie between fitted ends. Of the text no statement with a number was made evidence: all of them are held \
              out.\n\n";
     text += &held_out_table(calibration, seen).markdown();
-    text += "\n### The path of Table 6\n\nWhat its designs cost in the stand-in as a part of what row 0 costs; the dissertation prints a path \
-             that leads to a lower cost, and no cost.\n\n";
+    text += "\n### The path of Table 6\n\nWhat its designs cost in the stand-in as a part of what row 0 costs; the dissertation says that \
+             the system becomes better along them, and prints no cost.\n\n";
     text += &table_6_table(seen).markdown();
     text += "\n## What a model of these plants is worth\n\nRank correlation of model and stand-in over the box; the share of the box that \
              is better in the stand-in than the optimum of the model; R² of the printed regressor (61) and of the full quadratic in the \

@@ -133,3 +133,88 @@ pub(super) fn met_by(claim: &Claim, method: Method, world: World, cases: &[Case<
     }
     (!outcomes.is_empty()).then(|| Count::of(outcomes))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::claims::Place;
+    use crate::ensemble::claims;
+    use crate::ensemble::file::Setup;
+    use crate::ensemble::row::{N_READINGS, Reading, Study};
+
+    fn claim(place: &Place, study: Study) -> Claim {
+        let setup = Setup::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).expect("the ensemble");
+        let mut all = claims::all(&setup).into_iter();
+        all.find(|claim| claim.place == *place && claim.study == study).expect("a claim of this place")
+    }
+
+    fn row(method: Method, seed: u64, share: f64, keeps_best: f64, (reading, value): (Reading, f64)) -> Row {
+        let mut readings = [1.0; N_READINGS];
+        readings[reading as usize] = value;
+        let step = usize::from(method == JUDGED);
+        let (study, world, point) = (Study::Two, World::Moving, vec![50.0, 8.0]);
+        Row { study, world, method, seed, step, point, share, spread: 1.0, keeps_best, bound: 0.0, readings }
+    }
+
+    fn judged(claim: &Claim, plants: &[Vec<Row>]) -> Judged {
+        let cases: Vec<Case<'_>> = (1..)
+            .zip(plants)
+            .map(|(plant, rows)| Case {
+                study: claim.study,
+                world: World::Moving,
+                plant,
+                rows: rows.iter().collect(),
+                facts: Vec::new(),
+            })
+            .collect();
+        judge(claim, World::Moving, &cases)
+    }
+
+    /// Five campaigns that keep the best, or not, with so much of the space left.
+    fn campaigns(left: f64, keep: usize) -> Vec<Row> {
+        let keeps = |seed: usize| f64::from(u8::from(seed <= keep));
+        (1..=5).map(|seed| row(JUDGED, seed as u64, left, keeps(seed), (Reading::Cost, 1.0))).collect()
+    }
+
+    #[test]
+    fn what_the_test_keeps_is_held_against_a_blind_draw() {
+        let claim = claim(&Place::Section("5.5".to_owned()), Study::Two);
+        let found = judged(&claim, &[campaigns(0.6, 5), campaigns(0.7, 5)]);
+        assert_eq!(found.verdict(), Some(Verdict::NotDiscriminating), "{found:?}");
+        assert_eq!(found.words().as_deref(), Some("2 of 2 plants, 10 of 10 campaigns; by chance 65 %"));
+        let found = judged(&claim, &[campaigns(0.2, 5), campaigns(0.3, 4)]);
+        assert_eq!(found.verdict(), Some(Verdict::InKind), "nine of ten, one draw in four");
+        let words = "1 of 2 plants, 9 of 10 campaigns; by chance 25 % (count exactly at the limit)";
+        assert_eq!(found.words().as_deref(), Some(words), "a plant counts where all five hold");
+    }
+
+    #[test]
+    fn a_word_and_the_number_of_plants_do_not_contradict_each_other() {
+        let claim = claim(&Place::Section("5.5".to_owned()), Study::Two);
+        let plants: Vec<Vec<Row>> = (0..30).map(|_| campaigns(0.2, 4)).collect();
+        let found = judged(&claim, &plants);
+        assert_eq!((found.verdict(), found.n_holding()), (Some(Verdict::InPart), 0), "four of five on each plant");
+    }
+
+    #[test]
+    fn what_no_plant_could_fail_is_a_check() {
+        let claim = claim(&Place::Section("2.3".to_owned()), Study::Two);
+        let plant = |pitch: f64| vec![row(Method::Center, 0, 1.0, f64::NAN, (Reading::SteadyPitch, pitch))];
+        let verdict = |pitches: &[f64]| {
+            let plants: Vec<Vec<Row>> = pitches.iter().map(|pitch| plant(*pitch)).collect();
+            judged(&claim, &plants).verdict()
+        };
+        assert_eq!(verdict(&[0.0, 1e-8]), Some(Verdict::Check));
+        assert_eq!(verdict(&[0.0, 0.2]), Some(Verdict::NotReproduced), "if one fails it after all");
+    }
+
+    #[test]
+    fn fitted_ends_are_those_of_still_water() {
+        use crate::rules::Standing;
+        let claim = claim(&Place::Figure(24), Study::Two);
+        let standing = [World::Still, World::Moving].map(|world| claim.standing_in(world));
+        assert_eq!(standing, [Standing::FittedEnds, Standing::StandIn]);
+    }
+}
