@@ -17,6 +17,8 @@ use water_channel::{
 use water_channel::fly_seeded;
 
 #[cfg(feature = "global")]
+use crate::blind;
+#[cfg(feature = "global")]
 use crate::costs::key::Key;
 use crate::costs::{Cost, Store};
 #[cfg(feature = "global")]
@@ -267,7 +269,7 @@ impl Bat {
             FluidInertia::Neglected => "neglected",
             FluidInertia::Included => "included",
         });
-        for cost in self.flown_costs(&probes(region), fidelity, |_| {}) {
+        for cost in self.flown_costs(&blind::points(region, N_PROBES), fidelity, |_| {}) {
             key = match cost {
                 Ok(cost) => key.with(cost.to_le_bytes()),
                 Err(reason) => key.with(reason),
@@ -279,12 +281,4 @@ impl Bat {
 
 /// Designs whose costs stand for the program, all over a region.
 #[cfg(feature = "global")]
-fn probes(region: &Region) -> Vec<Vec<f64>> {
-    const N_PROBES: usize = 24;
-    let share = |probe: usize, factor: usize| (0.5 + probe as f64 * f64::from([2, 3, 5, 7][factor % 4]).sqrt()).fract();
-    let point = |probe: usize| {
-        let parameters = region.parameters().iter().enumerate();
-        parameters.map(|(factor, p)| p.lower() + share(probe, factor) * (p.upper() - p.lower())).collect()
-    };
-    (0..N_PROBES).map(point).collect()
-}
+const N_PROBES: usize = 24;

@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::rules::Judged;
+pub(crate) use crate::rules::Verdict;
 use crate::words::capitalized;
 use page::{Column, Finding, Table};
 
@@ -28,69 +30,14 @@ impl fmt::Display for Place {
     }
 }
 
-/// What became of a claim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Verdict {
-    /// It comes out, and nothing was fitted to it.
-    Reproduced,
-    /// What it says comes out, on a stand-in instead of an experiment or with other numbers.
-    InKind,
-    /// It comes out in some cases and not in others.
-    InPart,
-    /// It does not come out.
-    NotReproduced,
-    /// It comes out, but both ends of it were fitted: that the loop goes from one towards the other is all that it shows.
-    PartlyCalibrated,
-    /// It was fitted, so that it counts for nothing.
-    Calibrated,
-    /// It says what is put in, not what comes out.
-    TakenOver,
-}
-
-impl Verdict {
-    /// Of a claim about experiments: a stand-in cannot do more than show it in kind.
-    pub(crate) fn in_kind_if(holds: bool) -> Self {
-        if holds { Self::InKind } else { Self::NotReproduced }
-    }
-
-    /// The same where it was looked at in several cases.
-    pub(crate) fn in_kind_of(n_holding: usize, n_cases: usize) -> Self {
-        match n_holding {
-            0 => Self::NotReproduced,
-            n if n < n_cases => Self::InPart,
-            _ => Self::InKind,
-        }
-    }
-
-    /// The same of something whose two ends were fitted: it can fail, but it cannot count as reproduced.
-    pub(crate) fn between_fitted_ends(self) -> Self {
-        match self {
-            Self::Reproduced | Self::InKind | Self::InPart => Self::PartlyCalibrated,
-            other => other,
-        }
-    }
-}
-
-impl fmt::Display for Verdict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Reproduced => "reproduced",
-            Self::InKind => "reproduced in kind",
-            Self::InPart => "reproduced in part",
-            Self::NotReproduced => "not reproduced",
-            Self::PartlyCalibrated => "partly calibrated",
-            Self::Calibrated => "calibrated",
-            Self::TakenOver => "taken over",
-        })
-    }
-}
-
 /// One claim and what a study found about it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Claim {
     pub(crate) place: Place,
     pub(crate) says: String,
     pub(crate) verdict: Verdict,
+    /// What the verdict follows from by the rule; none of what was put in or fitted.
+    pub(crate) judged: Option<Judged>,
     /// The numbers that decide it, in a few words; empty where there are none.
     pub(crate) in_short: String,
     pub(crate) found: String,
@@ -99,8 +46,23 @@ pub(crate) struct Claim {
 }
 
 impl Claim {
-    pub(crate) fn new(place: Place, says: &str, verdict: Verdict, found: String) -> Self {
-        Self { place, says: says.to_owned(), verdict, in_short: String::new(), found, pictures: Vec::new() }
+    /// What was put in or fitted.
+    pub(crate) fn given(place: Place, says: &str, verdict: Verdict, found: String) -> Self {
+        let (says, in_short) = (says.to_owned(), String::new());
+        Self { place, says, verdict, judged: None, in_short, found, pictures: Vec::new() }
+    }
+
+    /// What was judged: by the one rule.
+    pub(crate) fn new(place: Place, says: &str, judged: Judged, found: String) -> Self {
+        Self { judged: Some(judged), ..Self::given(place, says, judged.verdict(), found) }
+    }
+
+    /// The verdict with what it follows from.
+    pub(crate) fn verdict_words(&self) -> String {
+        self.judged.map_or(self.verdict.to_string(), |judged| {
+            let (count, ties) = (judged.count, judged.tie_words());
+            format!("{}: {count}{}{ties}", self.verdict, judged.chance_words())
+        })
     }
 
     /// The same with the numbers that decide it.
@@ -115,20 +77,17 @@ impl Claim {
 
     /// The same, shown by these pictures.
     pub(crate) fn shown_in(self, pictures: &[&str]) -> Self {
-        Self { pictures: pictures.iter().map(|name| (*name).to_owned()).collect(), ..self }
+        self.with_pictures(pictures.iter().map(|name| (*name).to_owned()).collect())
+    }
+
+    pub(crate) fn with_pictures(self, pictures: Vec<String>) -> Self {
+        Self { pictures, ..self }
     }
 }
 
-/// Verdicts in the order in which a page begins with them.
-pub(crate) const ORDER: [Verdict; 7] = [
-    Verdict::Reproduced,
-    Verdict::InKind,
-    Verdict::InPart,
-    Verdict::NotReproduced,
-    Verdict::PartlyCalibrated,
-    Verdict::Calibrated,
-    Verdict::TakenOver,
-];
+/// What the words of a claim end with that is judged twice: with the truth of the dissertation, and with ours, which is harder.
+pub(crate) const WITH_STALL: &str = " (with stall alone, as printed)";
+pub(crate) const WITH_STAND_IN: &str = " (with our stand-in)";
 
 /// What was found in words: the claims by what became of them, with the numbers that decide them.
 pub(crate) fn by_verdict(claims: &[Claim]) -> Vec<Finding> {
@@ -139,7 +98,7 @@ pub(crate) fn by_verdict(claims: &[Claim]) -> Vec<Finding> {
         let head = head.with("claims", n as f64, "1");
         of(verdict).fold(head, |head, claim| head.detail(Finding::new(format!("{}.", claim.in_numbers()))))
     };
-    ORDER.into_iter().filter(|verdict| of(*verdict).next().is_some()).map(finding).collect()
+    Verdict::ALL.into_iter().filter(|verdict| of(*verdict).next().is_some()).map(finding).collect()
 }
 
 /// One claim with its place, its numbers and its verdict.
@@ -150,10 +109,14 @@ pub(crate) fn finding(claim: &Claim) -> Finding {
 /// Heading of [`by_verdict`] on every page.
 pub(crate) const BY_VERDICT: &str = "What became of the claims";
 
+/// Where more of it stands.
+const ELSEWHERE: &str = "The words are those of the [page over all chapters](reproduction.md), which has their rules; this is one plant, and many stand on \
+    the [page of the ensemble](results-ensemble.md).";
+
 /// The same for a page of `docs/`.
 pub(crate) fn by_verdict_markdown(claims: &[Claim]) -> String {
     let list: String = by_verdict(claims).iter().map(Finding::markdown).collect();
-    format!("## {BY_VERDICT}\n\n{list}")
+    format!("## {BY_VERDICT}\n\n{list}\n{ELSEWHERE}\n")
 }
 
 /// Claims with what became of them, for the page of their study.
@@ -161,7 +124,7 @@ pub(crate) fn table<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Table {
     let mut table =
         Table::new(vec![Column::new("Where", ""), Column::new("The dissertation says", ""), Column::new("Here", "")]);
     for claim in claims {
-        table.push(vec![claim.place.to_string(), claim.says.clone(), claim.verdict.to_string()]);
+        table.push(vec![claim.place.to_string(), claim.says.clone(), claim.verdict_words()]);
     }
     table
 }
@@ -171,9 +134,10 @@ pub(crate) fn found<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Vec<Stri
     claims.into_iter().map(|claim| format!("{}, {}: {}", claim.place, claim.says, claim.found)).collect()
 }
 
-/// What decides each, by its place and its verdict, for a page that has said before what the dissertation says.
+/// What decides each, with its verdict.
 pub(crate) fn decided(claims: &[Claim]) -> Vec<String> {
-    claims.iter().map(|claim| format!("{}, {}: {}", claim.place, claim.verdict, claim.found)).collect()
+    let words = |claim: &Claim| format!("{}, {}: {}. {}", claim.place, claim.says, claim.verdict_words(), claim.found);
+    claims.iter().map(words).collect()
 }
 
 /// What stands above them.
@@ -196,6 +160,7 @@ pub(crate) fn table_with_commands<'a>(claims: impl IntoIterator<Item = (&'a Clai
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rules::{Count, Standing};
 
     #[test]
     fn places_are_listed_as_the_dissertation_is_read() {
@@ -208,23 +173,29 @@ mod tests {
 
     #[test]
     fn claims_are_listed_by_verdict_with_their_numbers() {
-        let claim = |says, verdict| Claim::new(Place::Table(1), says, verdict, String::new());
+        let claim = |says, verdict| Claim::given(Place::Table(1), says, verdict, String::new());
         let claims = [
             claim("It flies", Verdict::NotReproduced).in_short("0 of 20"),
             claim("It costs", Verdict::Reproduced),
             claim("It turns", Verdict::NotReproduced),
         ];
         assert_eq!(
-            by_verdict_markdown(&claims),
+            by_verdict_markdown(&claims).replace(ELSEWHERE, "").trim_end(),
             "## What became of the claims\n\n- Reproduced, 1 of 3:\n  - It costs.\n- Not reproduced, 2 of 3:\n  - It flies: 0 of \
-             20.\n  - It turns.\n"
+             20.\n  - It turns."
         );
     }
 
     #[test]
-    fn what_was_fitted_never_counts_as_reproduced() {
-        use Verdict::{Calibrated, InKind, InPart, NotReproduced, PartlyCalibrated, Reproduced};
-        let verdicts = [Reproduced, InKind, InPart, NotReproduced, Calibrated].map(Verdict::between_fitted_ends);
-        assert_eq!(verdicts, [PartlyCalibrated, PartlyCalibrated, PartlyCalibrated, NotReproduced, Calibrated]);
+    fn a_verdict_is_read_with_what_it_follows_from() {
+        let judged = Judged::of(Count { holding: 18, cases: 20 }, Standing::StandIn).beside(0.63);
+        let words = |judged| Claim::new(Place::Table(1), "It turns", judged, String::new()).verdict_words();
+        assert_eq!(words(judged), "not discriminating: 18 of 20; by chance 63 %");
+        assert_eq!(
+            words(judged.beside(0.2)),
+            "reproduced in kind: 18 of 20; by chance 20 % (count exactly at the limit)"
+        );
+        let given = Claim::given(Place::Table(1), "It is put in", Verdict::TakenOver, String::new());
+        assert_eq!(given.verdict_words(), "taken over");
     }
 }

@@ -45,7 +45,10 @@ const SECTIONS: [(&str, &str); 24] = [
     ("3.1", "The terms of the cost (21), which are put in."),
     ("3.3", "How the model is optimized: `infuse::codesign`; which strategy is better is said in Section 1.1."),
     ("3.4", "Experiments around an optimum: steps of `infuse::gradient::Loop`."),
-    ("3.5", "The correction (27), whose sign is repaired; what it leads to is in Table 3."),
+    (
+        "3.5",
+        "The correction (27), whose sign is repaired; what it leads to is in Table 3. The other way of correction, numbers of the plant identified: `docs/results-identification.md`.",
+    ),
     ("4.1", "What it shows is in Table 3 and Figures 16 to 18."),
     ("5.2", "That all runs are made under the same conditions."),
     ("5.3", "Which surfaces there are: steps of `infuse::global::Loop`."),

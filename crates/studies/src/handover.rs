@@ -78,6 +78,7 @@ impl Handover {
 mod tests {
     use super::*;
     use crate::claims::{Place, Verdict};
+    use crate::rules::{Count, Judged, Standing};
     use page::Column;
 
     #[test]
@@ -85,8 +86,14 @@ mod tests {
         let folder = tempfile::tempdir().expect("a writable directory");
         let out = folder.path().to_owned();
         let claims = vec![
-            Claim::new(Place::Table(3), "The cost falls", Verdict::in_kind_if(true), "15 %".into()).shown_in(&["a"]),
-            Claim::new(Place::Contribution(1), "A loop", Verdict::in_kind_if(false), "none".into()),
+            Claim::new(
+                Place::Table(3),
+                "The cost falls",
+                Judged::of(Count::one(true), Standing::StandIn),
+                "15 %".into(),
+            )
+            .shown_in(&["a"]),
+            Claim::given(Place::Contribution(1), "A loop", Verdict::Calibrated, "none".into()),
         ];
         let picture = Picture { name: "a".into(), svg: "<svg/>".into(), caption: "A fall".into() };
         let mut table = Table::new(vec![Column::new("cost", "s")]);

@@ -10,6 +10,7 @@
 mod bat;
 #[cfg(feature = "benchmark")]
 mod benchmark;
+mod blind;
 #[cfg(feature = "calibration")]
 mod calibration;
 #[cfg(feature = "similarity")]
@@ -47,6 +48,7 @@ mod provenance;
 #[cfg(feature = "ensemble")]
 mod reproduce_all;
 mod reproduction;
+mod rules;
 #[cfg(feature = "benchmark")]
 mod speed;
 mod study_file;

@@ -4,13 +4,14 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
-use crate::claims::{self, Claim, ORDER, Place, Verdict};
+use crate::claims::{self, Claim, Place, WITH_STAND_IN};
 use crate::ensemble::{self, OverEnsemble};
 use crate::exemptions;
 use crate::first_screen::FirstScreen;
 use crate::handover::Handover;
 use crate::memory;
 use crate::reproduction::{self, Extent, Picture, Reproduction, markdown_list};
+use crate::rules::{self, Verdict};
 use page::{Axis, Column, CountFigure, Finding, Link, Page, Table, count_figure, palette};
 
 const DIRECTORY: &str = "target/reproduction";
@@ -20,17 +21,17 @@ const PICTURE: &str = "reproduction.svg";
 const NOTE: &str = "No experiment was made: the water channel is replaced by a stand-in, the numerical model plus stall plus added mass. \
     A claim about experiments can therefore be reproduced in kind at most, and what was fitted counts for nothing: the plant to rows 1 \
     of Table 3 and 0 of Table 5, the stand-in to the best designs of Tables 3 and 5, the weights of the costs to both tables, in Table 3 \
-    with the costs at both ends. What leads from one fitted end to the other is called partly calibrated and does not count as reproduced.";
+    with the costs at both ends. What leads from one fitted end to the other is called partly calibrated and does not count as reproduced: neither do flights there, \
+    though they were not fitted one by one, because the cost that they add up to was (Figures 16 to 18 and 24).";
 
-const WORDS: &str = "Reproduced: it comes out, and nothing was fitted to it. In kind: what it says comes out, on a stand-in or with \
-    other numbers. In part: in some cases and not in others. Not reproduced: it does not come out. Partly calibrated: both ends were \
-    fitted; that the loop goes from the one towards the other is all that came out. Calibrated: it was fitted. Taken over: it says what is \
-    put in. Flights between fitted ends (Figures 16 to 18 and 24) were not fitted one by one, but the cost that they add up to was.";
+const CASES: &str = "In the column of the one plant the cases are the campaigns without noise and with every seed of it, or what a row says. By chance: 64 designs \
+    spread over the box, flown as the end of the loop is. Claims of Chapter 6 are judged twice, with the truth that the dissertation flies, the \
+    model with stall, and with the stand-in, which is ours and harder.";
 
 const CLAIM_CAPTION: &str = "Every contribution, section, table and figure that says something of results, with what the latest run found. \
     Commands go after `cargo xtask`. Over the ensemble: in how many plants that meet the published numbers, and in how many of their \
     campaigns, in still and in moving water.";
-const OF_ENSEMBLE: &str = "The rules and the words of the ensemble are on [its page](results-ensemble.md).";
+const OF_ENSEMBLE: &str = "More of the ensemble is on [its page](results-ensemble.md).";
 
 const EXEMPT_CAPTION: &str =
     "Sections and figures without a claim, and why; equations have a page of their own, `docs/equations.md`.";
@@ -55,15 +56,19 @@ struct Over {
 
 impl Over {
     fn of(&self, claim: &Claim) -> Option<&OverEnsemble> {
-        self.claims.iter().find(|over| over.place == claim.place && over.says == claim.says)
+        self.claims.iter().find(|over| over.is_of(claim))
     }
 
     /// Those that no chapter has.
     fn alone<'a>(&'a self, listed: &'a [Listed<'_>]) -> impl Iterator<Item = &'a OverEnsemble> {
-        let has = |over: &&OverEnsemble| {
-            listed.iter().any(|one| one.claim.place == over.place && one.claim.says == over.says)
-        };
-        self.claims.iter().filter(move |over| !has(over))
+        self.claims.iter().filter(move |over| !listed.iter().any(|one| over.is_of(one.claim)))
+    }
+}
+
+impl OverEnsemble {
+    /// Whether a chapter judges the same; the ensemble flies the stand-in.
+    fn is_of(&self, claim: &Claim) -> bool {
+        self.place == claim.place && self.says == claim.says.strip_suffix(WITH_STAND_IN).unwrap_or(&claim.says)
     }
 }
 
@@ -116,15 +121,17 @@ pub(crate) fn write_page(root: &Path, studies: &[Reproduction], check: bool) -> 
 
 /// What became of the claims, study by study.
 fn verdicts(chapters: &[Chapter<'_>]) -> Picture {
-    let kinds = ORDER.map(|verdict| {
+    let kinds = Verdict::ALL.map(|verdict| {
         let color = match verdict {
             Verdict::Reproduced => palette::GREEN,
             Verdict::InKind => "#7fc8ae",
             Verdict::InPart => palette::ORANGE,
             Verdict::NotReproduced => palette::VERMILION,
+            Verdict::NotDiscriminating => "#888888",
             Verdict::PartlyCalibrated => "#999999",
             Verdict::Calibrated => "#bbbbbb",
-            Verdict::TakenOver => "#dddddd",
+            Verdict::TakenOver => "#cccccc",
+            Verdict::Check => "#dddddd",
         };
         (verdict.to_string(), color)
     });
@@ -132,7 +139,7 @@ fn verdicts(chapters: &[Chapter<'_>]) -> Picture {
         chapter.handover.claims.iter().filter(|claim| claim.verdict == verdict).count()
     };
     let bars = chapters.iter().map(|chapter| {
-        let counts = ORDER.iter().map(|verdict| count(chapter, *verdict)).collect();
+        let counts = Verdict::ALL.iter().map(|verdict| count(chapter, *verdict)).collect();
         (chapter.study.title.to_owned(), counts)
     });
     let figure = CountFigure {
@@ -144,8 +151,8 @@ fn verdicts(chapters: &[Chapter<'_>]) -> Picture {
     Picture {
         name: "verdicts".to_owned(),
         svg: count_figure(&figure),
-        caption: "A box for each claim, by the study that looked at it and by what became of it; gray ones were fitted or put in, and \
-                  count for nothing."
+        caption: "A box for each claim, by the study that looked at it and by what became of it; gray ones count for nothing: \
+                  chance meets them too, they were fitted or put in, or they could not fail."
             .to_owned(),
     }
 }
@@ -159,7 +166,8 @@ fn first_screen<'a>(listed: &[Listed<'_>], over: &Over, picture: &'a Picture) ->
         "The same over an ensemble of plants that meet the published numbers, the one plant of the chapters being one of many:",
     );
     let over = over.counts.iter().map(|words| Finding::new(words.clone())).fold(head_over, Finding::detail);
-    FirstScreen { findings: vec![counts(listed), over, contributions.fold(head, Finding::detail)], picture }
+    let few = Finding::new(few_words(listed.iter().map(|one| one.claim)));
+    FirstScreen { findings: vec![counts(listed), few, over, contributions.fold(head, Finding::detail)], picture }
 }
 
 /// Whether a study has claims of the dissertation.
@@ -191,22 +199,39 @@ const WIDTHS_PCT: [u32; 5] = [12, 33, 12, 16, 27];
 fn count_words<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
     let count = |verdict: Verdict| claims.clone().filter(|claim| claim.verdict == verdict).count();
     let be = |n: usize, [one, many]: [&str; 2]| format!("{n} {}", if n == 1 { one } else { many });
+    let twice = claims.clone().filter(|claim| claim.says.ends_with(WITH_STAND_IN)).count();
+    let twice = match twice {
+        0 => String::new(),
+        n => format!(" ({n} of them those of Chapter 6 a second time, with our stand-in)"),
+    };
     format!(
-        "Of {} claims {} reproduced, {} in kind, {} in part, and {} not. {} partly calibrated, {} calibrated, and {}: none of these counts.",
+        "Of {} claims{twice} {} reproduced, {} in kind, {} in part, and {} not. The others do not count: {} not discriminate, {} partly \
+         calibrated, {} calibrated, {}, and {}.",
         claims.clone().count(),
         be(count(Verdict::Reproduced), ["is", "are"]),
         count(Verdict::InKind),
         count(Verdict::InPart),
         count(Verdict::NotReproduced),
+        be(count(Verdict::NotDiscriminating), ["does", "do"]),
         be(count(Verdict::PartlyCalibrated), ["was", "were"]),
         count(Verdict::Calibrated),
-        be(count(Verdict::TakenOver), ["is an input", "are inputs"])
+        be(count(Verdict::TakenOver), ["is an input", "are inputs"]),
+        be(count(Verdict::Check), ["is a check", "are checks"])
     )
+}
+
+/// How much the verdicts that count rest on: few cases make strong words easily.
+fn few_words<'a>(claims: impl Iterator<Item = &'a Claim>) -> String {
+    let cases: Vec<usize> =
+        claims.filter(|claim| claim.verdict.counts()).filter_map(|claim| Some(claim.judged?.count.cases)).collect();
+    let one = cases.iter().filter(|n| **n == 1).count();
+    let few = cases.iter().filter(|n| (2..10).contains(*n)).count();
+    format!("Of the {} that count {one} rest on a single case and {few} on two to nine.", cases.len())
 }
 
 fn counts(listed: &[Listed<'_>]) -> Finding {
     let finding = Finding::new(count_words(listed.iter().map(|one| one.claim)));
-    ORDER.into_iter().fold(finding, |finding, verdict| {
+    Verdict::ALL.into_iter().fold(finding, |finding, verdict| {
         let n = listed.iter().filter(|one| one.claim.verdict == verdict).count();
         finding.with(&verdict.to_string(), n as f64, "1")
     })
@@ -244,7 +269,9 @@ fn page(
     };
     first.show_in(&mut page);
     page.paragraph(NOTE);
-    page.paragraph(WORDS);
+    page.paragraph(rules::WORDS_HEAD);
+    page.list(&rules::words().iter().map(|(word, meaning)| format!("{word}: {meaning}")).collect::<Vec<_>>());
+    page.paragraph(CASES);
     page.heading("The pages");
     page.links(&studies.iter().map(|study| link(root, study)).collect::<Vec<_>>());
     page.heading("Claim by claim");
@@ -281,7 +308,8 @@ fn markdown(listed: &[Listed<'_>], over: &Over, first: &str) -> String {
     format!(
         "# What of the dissertation comes out\n\n{first}\n\
          Written by `cargo xtask reproduce-all`; `cargo xtask ci` fails when this page is not what the command finds.\n\n\
-         {NOTE}\n\n{WORDS}\n\n{CLAIM_CAPTION} {OF_ENSEMBLE}\n\n{}\n{}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
+         {NOTE}\n\n{}\n{CASES}\n\n{CLAIM_CAPTION} {OF_ENSEMBLE}\n\n{}\n{}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
+        rules::words_markdown(),
         table(listed, over).markdown(),
         claims::FOUND,
         markdown_list(&claims::found(listed.iter().map(|one| one.claim))),
@@ -303,24 +331,73 @@ mod tests {
     use super::*;
 
     fn claims(verdicts: &[Verdict]) -> Vec<Claim> {
-        verdicts.iter().map(|verdict| Claim::new(Place::Table(1), "it", *verdict, String::new())).collect()
+        verdicts.iter().map(|verdict| Claim::given(Place::Table(1), "it", *verdict, String::new())).collect()
     }
 
     #[test]
     fn counts_follow_their_numbers() {
-        use Verdict::{Calibrated, InKind, NotReproduced, PartlyCalibrated, Reproduced, TakenOver};
-        let one = claims(&[Reproduced, InKind, InKind, NotReproduced, PartlyCalibrated, Calibrated, TakenOver]);
+        use Verdict::{
+            Calibrated, Check, InKind, NotDiscriminating, NotReproduced, PartlyCalibrated, Reproduced, TakenOver,
+        };
+        let one = claims(&[
+            Reproduced,
+            InKind,
+            InKind,
+            NotReproduced,
+            NotDiscriminating,
+            PartlyCalibrated,
+            Calibrated,
+            TakenOver,
+            Check,
+        ]);
         assert_eq!(
             count_words(one.iter()),
-            "Of 7 claims 1 is reproduced, 2 in kind, 0 in part, and 1 not. 1 was partly calibrated, 1 calibrated, and 1 is an input: \
-             none of these counts."
+            "Of 9 claims 1 is reproduced, 2 in kind, 0 in part, and 1 not. The others do not count: 1 does not discriminate, 1 was partly \
+             calibrated, 1 calibrated, 1 is an input, and 1 is a check."
         );
-        let two = claims(&[Reproduced, Reproduced, PartlyCalibrated, PartlyCalibrated, TakenOver, TakenOver]);
+        let mut two = claims(&[Reproduced, Reproduced, PartlyCalibrated, PartlyCalibrated, TakenOver, TakenOver]);
+        two[0].says += WITH_STAND_IN;
         assert_eq!(
             count_words(two.iter()),
-            "Of 6 claims 2 are reproduced, 0 in kind, 0 in part, and 0 not. 2 were partly calibrated, 0 calibrated, and 2 are inputs: \
-             none of these counts."
+            "Of 6 claims (1 of them those of Chapter 6 a second time, with our stand-in) 2 are reproduced, 0 in kind, 0 in part, and 0 not. \
+             The others do not count: 0 do not discriminate, 2 were partly calibrated, 0 calibrated, 2 are inputs, and 0 are checks."
         );
+    }
+
+    #[test]
+    fn the_counts_of_the_committed_page_are_those_of_its_table() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reproduction.md");
+        let page = std::fs::read_to_string(path).expect("the committed page");
+        let rows = page.lines().filter(|line| line.starts_with("| ") && line.contains("| `reproduce-"));
+        let cells: Vec<&str> = rows.filter_map(|row| row.split(" | ").nth(2)).filter(|cell| *cell != "–").collect();
+        let claims: Vec<Verdict> = cells
+            .iter()
+            .map(|cell| {
+                let word = cell.split(':').next().unwrap_or_default();
+                *Verdict::ALL.iter().find(|verdict| verdict.to_string() == word).expect("a word of the rules")
+            })
+            .collect();
+        let count = |verdict: Verdict| claims.iter().filter(|one| **one == verdict).count();
+        let head = page.lines().find(|line| line.starts_with("- Of ")).expect("the counts");
+        assert!(head.starts_with(&format!("- Of {} claims", claims.len())), "{head}");
+        for (verdict, words) in [
+            (Verdict::InKind, "in kind,"),
+            (Verdict::InPart, "in part, and"),
+            (Verdict::NotReproduced, "not. The others"),
+        ] {
+            assert!(head.contains(&format!(" {} {words}", count(verdict))), "{verdict}: {head}");
+        }
+        let others = claims.iter().filter(|verdict| !verdict.counts()).count();
+        assert!(others > 0 && head.contains(&format!("{} d", count(Verdict::NotDiscriminating))), "{head}");
+    }
+
+    #[test]
+    fn the_ensemble_has_a_claim_of_chapter_6_with_the_stand_in_once() {
+        let over = OverEnsemble { place: Place::Table(1), says: "it".to_owned(), words: String::new() };
+        let mut claims = claims(&[Verdict::InKind, Verdict::InKind]);
+        claims[0].says += crate::claims::WITH_STALL;
+        claims[1].says += WITH_STAND_IN;
+        assert_eq!(claims.iter().map(|claim| over.is_of(claim)).collect::<Vec<_>>(), [false, true]);
     }
 
     #[test]

@@ -158,12 +158,21 @@ impl Calibration {
         fly(std::slice::from_ref(candidate), spots, &self.profile, &self.settings).pop().unwrap_or_default()
     }
 
-    /// Where a start begins, by its number alone: between the plant that all begin with and one that is evenly drawn over the ranges.
-    pub(super) fn start(&self, number: u64) -> Vec<f64> {
+    /// How far a start goes from the plant that all begin with to one that is drawn over the ranges, as a share.
+    pub(super) fn reach_of(&self, number: u64) -> f64 {
+        self.drawn(number).0
+    }
+
+    fn drawn(&self, number: u64) -> (f64, ChaCha8Rng) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number);
         let [least, most] = self.reach;
-        let reach = least + (most - least) * rng.random::<f64>();
+        (least + (most - least) * rng.random::<f64>(), rng)
+    }
+
+    /// Where a start begins, by its number alone: between the plant that all begin with and one that is evenly drawn over the ranges.
+    pub(super) fn start(&self, number: u64) -> Vec<f64> {
+        let (reach, mut rng) = self.drawn(number);
         let within = |share: f64| share.clamp(INSIDE, 1.0 - INSIDE);
         let share = |free: &Free| {
             let known = within(free.share(free.start.unwrap_or_else(|| free.value(&self.base))));
@@ -209,6 +218,7 @@ mod tests {
         for number in 0..50 {
             let start = calibration.start(number);
             assert_eq!(start, calibration.start(number));
+            assert!((calibration.reach[0]..=calibration.reach[1]).contains(&calibration.reach_of(number)));
             for (free, value) in calibration.free.iter().zip(calibration.values(&start)) {
                 let share = free.share(value);
                 assert!((INSIDE - 1e-9..=1.0 - INSIDE + 1e-9).contains(&share), "{}: {value}", free.key);

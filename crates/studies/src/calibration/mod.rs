@@ -1,4 +1,4 @@
-//! `cargo xtask calibrate`: plants that meet what the dissertation prints, as different as that allows.
+//! `cargo xtask calibrate`: plants that meet what the dissertation prints, fitted from starts about one plant.
 
 mod attempt;
 mod candidate;

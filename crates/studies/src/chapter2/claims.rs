@@ -5,13 +5,17 @@ use anyhow::Result;
 use super::file::Analysis;
 use super::findings::{Findings, REPAIRED_19, power_of_length};
 use super::models::{Case, Releases};
-use crate::claims::{Claim, Place, Verdict};
+use crate::claims::{Claim, Place};
+use crate::rules::{Count, Judged, Standing};
 
 /// What the dissertation claims in this chapter, and what of it came out.
 pub(crate) fn claims(findings: &Findings<'_>) -> Result<Vec<Claim>> {
     let setup = findings.setup;
     let same = |analysis: &Analysis| analysis.groups.span_same_space(&analysis.listed);
-    let reproduced = |holds: bool| if holds { Verdict::Reproduced } else { Verdict::NotReproduced };
+    let theory = |holds: bool| Judged::of(Count::one(holds), Standing::Theory);
+    let in_kind = |holds: bool| Judged::of(Count::one(holds), Standing::StandIn);
+    // Of similar models by construction: the equations that fly here have no viscosity.
+    let sure = |holds: bool| Judged::of(Count::one(holds), Standing::Sure);
     let apart = |case: Case| {
         let departures = findings.releases(case).map(Releases::apart_when_normalized);
         departures.map_or([f64::INFINITY; 2], |apart| [apart.heading, apart.lateral])
@@ -41,7 +45,7 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Result<Vec<Claim>> {
         Claim::new(
             Place::Contribution(4),
             "Dynamic equivalence between the full-scale and the lab-scale system",
-            Verdict::in_kind_if(same(&setup.plant) && flights < COLLAPSED),
+            sure(same(&setup.plant) && flights < COLLAPSED),
             format!(
                 "The closed-loop test flown with the laboratory's files and with the converted ones differs in dimensionless form by \
                  {} of the peak. Reynolds number and turbulence are outside of this similarity, in the dissertation and here.",
@@ -52,35 +56,35 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Result<Vec<Claim>> {
         Claim::new(
             Place::Table(1),
             "The variables of Table 1 give the 11 groups (15)",
-            reproduced(same(&setup.plant)),
+            theory(same(&setup.plant)),
             findings.groups_sentence(&setup.plant, "(15)"),
         )
         .in_short(groups(&setup.plant)),
         Claim::new(
             Place::Section("2.4.2".to_owned()),
             "The controller's variables give the 8 groups of (19)",
-            Verdict::in_kind_if(same(&setup.controller)),
+            in_kind(same(&setup.controller)),
             findings.groups_sentence(&setup.controller, REPAIRED_19),
         )
         .in_short(groups(&setup.controller)),
         Claim::new(
             Place::Section("2.4".to_owned()),
             "How speeds, times and gains go with the length",
-            if n_agreeing < setup.file.stated.len() { Verdict::InKind } else { Verdict::Reproduced },
+            Judged::of(Count { holding: n_agreeing, cases: setup.file.stated.len() }, Standing::Theory),
             findings.law_sentence()?,
         )
         .in_short(format!("{n_agreeing} of {} stated powers of length follow", setup.file.stated.len())),
         Claim::new(
             Place::Table(2),
             "Three scale models match in every group",
-            reproduced(mismatches == 0),
+            theory(mismatches == 0),
             findings.mismatch_sentence(),
         )
         .in_short(format!("{mismatches} of the {} groups that Table 2 determines does not match", n_checked)),
         Claim::new(
             Place::Figure(11),
             "The heading of three scale models collapses against normalized time",
-            Verdict::in_kind_if(similar[0] < COLLAPSED),
+            sure(similar[0] < COLLAPSED),
             curve(0),
         )
         .in_short(apart_words(0))
@@ -88,7 +92,7 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Result<Vec<Claim>> {
         Claim::new(
             Place::Figure(12),
             "So does the lateral position, normalized",
-            Verdict::in_kind_if(similar[1] < COLLAPSED),
+            sure(similar[1] < COLLAPSED),
             curve(1),
         )
         .in_short(apart_words(1))

@@ -242,7 +242,8 @@ pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim], first: &str) -
          Written by `cargo xtask reproduce-chapter4`; `cargo xtask ci` fails when this page is not what the command finds.\n\
          The water channel is replaced by a stand-in: the numerical model plus stall plus added mass.\n\
          Rows marked calibrated were fitted and reproduce nothing; see [departures](departures.md) for what is ours.\n\n{}\n\
-         ## Table 3: dissertation / this run\n\n{}\n\
+         ## Table 3: dissertation / this run\n\n\
+         The same with numbers of the plant identified from the experiments, alone and with the correction, is on the [page of identification](results-identification.md).\n\n{}\n\
          The calibrated costs leave room for a fall of at most {:.1} % (from the first row to the stand-in's best design, \
          {} at {:.3} s); the loop takes {:.1} %, the dissertation's {:.1} %.\n\n\
          ## What was calibrated\n\n{}\n## What moves the optimum\n\n{PHYSICS_CAPTION}\n\n{}\n## What is predicted\n\n{}\n## Where the wells of the stand-in are\n\n{}\n\n## Every loop, without noise\n\n{VARIANT_CAPTION}\n\n{}\n\

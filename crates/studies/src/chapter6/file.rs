@@ -59,6 +59,11 @@ impl TruthEntry {
         if self.added_mass { format!("the {}", self.label) } else { self.label.clone() }
     }
 
+    /// Whether it is the stand-in for the water channel, and not what the dissertation calls true.
+    pub(crate) fn is_ours(&self) -> bool {
+        self.added_mass
+    }
+
     pub(crate) fn fidelity(&self) -> Fidelity {
         Fidelity {
             lift: if self.stall { Lift::Stalled } else { Lift::Attached },

@@ -45,11 +45,6 @@ impl Findings {
         (0..self.setup.spaces.len()).flat_map(|space| (0..self.setup.n_truths()).map(move |truth| (space, truth)))
     }
 
-    /// A space and a truth in words.
-    pub(crate) fn field_words(&self, space: usize, truth: usize) -> String {
-        format!("{}, {}", self.setup.spaces[space].entry.label, self.setup.truth(truth).short)
-    }
-
     /// A point with its units.
     pub(crate) fn point_words(&self, space: usize, point: &[f64]) -> String {
         self.setup.spaces[space].space.words(point)

@@ -6,6 +6,7 @@ use water_channel::LogRow;
 
 use super::campaigns::Ended;
 use super::file::{Case, Setup};
+use crate::blind::Blind;
 
 /// The optimum of the first and of the last iteration, flown in the truth.
 #[derive(Clone, Debug)]
@@ -13,6 +14,8 @@ pub(crate) struct BeforeAfter {
     pub(crate) space: usize,
     pub(crate) truth: usize,
     pub(crate) designs: [Flown; 2],
+    /// Designs that nobody chose.
+    pub(crate) blind: Blind<Flown>,
 }
 
 /// How a design flies.
@@ -32,18 +35,20 @@ pub(crate) fn all(setup: &Setup, shown: &[&Ended]) -> Result<Vec<BeforeAfter>> {
 
 fn before_after(setup: &Setup, ended: &Ended) -> Result<BeforeAfter> {
     let Case { space, truth, .. } = ended.case;
-    let fly = |report: Option<&global::Report>| -> Result<Flown> {
-        let point = report.context("no iteration was made")?.screening.optimum.clone();
-        let bat = &setup.spaces[space].bat;
-        let logged = bat.logged(&point, setup.truth(truth).fidelity())?;
+    let fly = |point: &[f64]| -> Result<Flown> {
+        let logged = setup.spaces[space].bat.logged(point, setup.truth(truth).fidelity())?;
         Ok(Flown {
             cost: logged.cost.total,
             heading_deg2: logged.mean(|row| row.heading_rad.to_degrees().powi(2)),
             zenith_deg: logged.mean(|row| row.zenith_rad().to_degrees()),
             footprint_m2: logged.mean(LogRow::footprint_m2),
-            point,
+            point: point.to_vec(),
         })
     };
+    let optimum = |report: Option<&global::Report>| -> Result<Flown> {
+        fly(&report.context("no iteration was made")?.screening.optimum)
+    };
     let reports = ended.campaign.reports();
-    Ok(BeforeAfter { space, truth, designs: [fly(reports.first())?, fly(reports.last())?] })
+    let designs = [optimum(reports.first())?, optimum(reports.last())?];
+    Ok(BeforeAfter { space, truth, designs, blind: Blind::read(setup.spaces[space].space.region(), fly) })
 }

@@ -4,6 +4,7 @@ use anyhow::Result;
 
 use super::file::Case;
 use crate::bat::STAND_IN;
+use crate::blind::Blind;
 use crate::logged::{Logged, Reading};
 
 /// What Figures 24 and 26 to 28 show, with a name and a unit.
@@ -125,4 +126,6 @@ pub(crate) struct BeforeAfter {
     pub(crate) after: Flown,
     /// The same with noise, seed by seed.
     pub(crate) after_seeds: Vec<Means>,
+    /// Designs that nobody chose.
+    pub(crate) blind: Blind<(Vec<f64>, Means)>,
 }

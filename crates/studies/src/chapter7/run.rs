@@ -9,6 +9,7 @@ use super::pooled::Pooled;
 use super::wrong::Choice;
 use super::{claims, figures, page, tables, wrong};
 use crate::bat::{MODEL, STAND_IN};
+use crate::blind::Blind;
 use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space, StandInRig};
 use crate::handover::Handover;
 use crate::memory::Memory;
@@ -169,5 +170,6 @@ pub(crate) fn fly_before_after(case: &Case, numerical: &Optimum, runs: &Runs) ->
         before: Flown::fly(case, &numerical.point).context("the numerical optimum")?,
         after: Flown::fly(case, &runs.quiet.last()?.point).context("the infused optimum")?,
         after_seeds: after_seeds.collect::<Result<_>>()?,
+        blind: Blind::read(case.space.region(), |point| Ok((point.to_vec(), Flown::fly(case, point)?.means()))),
     })
 }

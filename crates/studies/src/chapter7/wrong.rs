@@ -27,6 +27,8 @@ pub(crate) struct Choice {
     pub(crate) regrets: Vec<f64>,
     /// In how many campaigns the truly best cell was dropped; none where nothing is dropped.
     pub(crate) lost: Option<usize>,
+    /// Share of the cells that were left at the end, in the mean: a blind draw of as many keeps the best so often.
+    pub(crate) left: Option<f64>,
 }
 
 impl Choice {
@@ -48,6 +50,7 @@ impl Choice {
 struct End {
     cell: Cell,
     keeps_best: Option<bool>,
+    left: Option<f64>,
 }
 
 /// One seed of one choice.
@@ -94,7 +97,9 @@ impl Choice {
         let regret = |end: &End| truth.cost(end.cell).as_ref().map_or(f64::INFINITY, |cost| cost - best_cost);
         let kept: Option<Vec<bool>> = ends.iter().map(|end| end.keeps_best).collect();
         let lost = kept.map(|kept| kept.iter().filter(|kept| !**kept).count());
-        Self { label, how, regrets: ends.iter().map(regret).collect(), lost }
+        let left: Option<Vec<f64>> = ends.iter().map(|end| end.left).collect();
+        let left = left.map(|left| left.iter().sum::<f64>() / left.len() as f64);
+        Self { label, how, regrets: ends.iter().map(regret).collect(), lost, left }
     }
 }
 
@@ -142,7 +147,8 @@ impl<'a> Ways<'a> {
     fn end(self, campaign: &global::Loop) -> Result<End> {
         let last = campaign.reports().last().context("a campaign without an iteration")?;
         let keeps_best = Some(campaign.retained().contains(self.best));
-        Ok(End { cell: last.screening.optimum_cell, keeps_best })
+        let left = Some(campaign.retained().share());
+        Ok(End { cell: last.screening.optimum_cell, keeps_best, left })
     }
 
     fn as_it_is(self) -> Way<'a> {
@@ -158,7 +164,11 @@ impl<'a> Ways<'a> {
 
     fn without_infusion(self) -> Way<'a> {
         let how = "The optimum of the numerical model is built; no experiment is made.";
-        ("no infusion", how.to_owned(), Box::new(move |_| Ok(End { cell: self.numerical, keeps_best: None })))
+        (
+            "no infusion",
+            how.to_owned(),
+            Box::new(move |_| Ok(End { cell: self.numerical, keeps_best: None, left: None })),
+        )
     }
 
     fn without_a_model(self, alone: &'a Alone) -> Way<'a> {
@@ -167,7 +177,7 @@ impl<'a> Ways<'a> {
              regression on them, its lowest cell.",
             alone.n_experiments()
         );
-        let run = |rig: &StandInRig<'_>| Ok(End { cell: alone.lowest(rig)?, keeps_best: None });
+        let run = |rig: &StandInRig<'_>| Ok(End { cell: alone.lowest(rig)?, keeps_best: None, left: None });
         ("experiments only, one batch", how, Box::new(run))
     }
 
@@ -217,7 +227,13 @@ mod tests {
 
     #[test]
     fn seeds_are_compared_one_by_one() {
-        let choice = |regrets: &[f64]| Choice { label: "", how: String::new(), regrets: regrets.to_vec(), lost: None };
+        let choice = |regrets: &[f64]| Choice {
+            label: "",
+            how: String::new(),
+            regrets: regrets.to_vec(),
+            lost: None,
+            left: None,
+        };
         let (one, other) = (choice(&[1.0, 2.0, 3.0]), choice(&[1.0, 3.0, 2.0]));
         assert_eq!([one.beats(&other), other.beats(&one), one.beats(&one)], [1, 1, 0], "a tie beats nothing");
         assert!((one.median() - 2.0).abs() < 1e-12 && (one.worst() - 3.0).abs() < 1e-12, "{one:?}");

@@ -76,7 +76,7 @@ impl Looked {
     fn new(setup: &Setup, judged: &Judged, properties: &[Property]) -> Option<Self> {
         let place = |number: u64| setup.plants.iter().position(|plant| plant.number == number);
         let (plants, shares): (Vec<usize>, Vec<f64>) =
-            judged.shares.iter().filter_map(|share| Some((place(share.plant)?, share.value()))).unzip();
+            judged.shares.iter().filter_map(|share| Some((place(share.plant)?, share.count.share()))).unzip();
         let high = shares.iter().filter(|share| **share > 0.5).count();
         if high < FEWEST || shares.len() - high < FEWEST {
             return None;
@@ -142,7 +142,8 @@ fn shares_as_large(values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ensemble::judge::{Share, Verdict};
+    use crate::ensemble::judge::Share;
+    use crate::rules::Count;
 
     fn setup() -> Setup {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -152,11 +153,10 @@ mod tests {
     fn judged(setup: &Setup, holds: impl Fn(usize) -> bool) -> Judged {
         let share = |(k, plant): (usize, &crate::calibration::Plant)| Share {
             plant: plant.number,
-            holding: if holds(k) { 5 } else { 0 },
-            campaigns: 5,
+            count: Count { holding: if holds(k) { 5 } else { 0 }, cases: 5 },
         };
         let shares = setup.plants.iter().enumerate().map(share).collect();
-        Judged { shares, by_chance: None, verdict: Verdict::InPart }
+        Judged { shares, by_rule: None }
     }
 
     #[test]

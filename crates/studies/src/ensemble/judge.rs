@@ -1,62 +1,15 @@
-//! One rule for all claims: what became of each over all plants, in a world.
-
-use std::fmt;
+//! What became of each claim over all plants, in a world, by the rules of all pages.
 
 use super::claims::{Claim, JUDGED, Test};
 use super::kept::Case;
-use super::row::{Row, World};
-
-/// What comes out in so large a share of the campaigns is reproduced in kind.
-pub(super) const MOST: f64 = 0.9;
-/// What comes out in less is not reproduced.
-pub(super) const FEW: f64 = 0.1;
-/// What a larger share of the designs that nobody chose meets says nothing of a loop.
-pub(super) const BY_CHANCE: f64 = 0.5;
-
-/// What became of a claim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
-    InKind,
-    InPart,
-    Not,
-    /// A design that nobody chose would meet it, too.
-    NotDiscriminating,
-    /// Both ends were fitted.
-    PartlyCalibrated,
-    /// No campaign of it is kept, or it is not asked in this world.
-    NotJudged,
-}
-
-impl Verdict {
-    pub(super) const COUNTED: [Self; 5] =
-        [Self::InKind, Self::InPart, Self::Not, Self::NotDiscriminating, Self::PartlyCalibrated];
-}
-
-impl fmt::Display for Verdict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::InKind => "in kind",
-            Self::InPart => "in part",
-            Self::Not => "not",
-            Self::NotDiscriminating => "not discriminating",
-            Self::PartlyCalibrated => "partly calibrated",
-            Self::NotJudged => "not judged",
-        })
-    }
-}
+use super::row::{Method, Row, World};
+use crate::rules::{Count, Judged as ByRule, Verdict};
 
 /// A plant by its number, and in how many of its campaigns a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Share {
     pub(super) plant: u64,
-    pub(super) holding: usize,
-    pub(super) campaigns: usize,
-}
-
-impl Share {
-    pub(super) fn value(&self) -> f64 {
-        self.holding as f64 / self.campaigns.max(1) as f64
-    }
+    pub(super) count: Count,
 }
 
 /// What became of a claim in a world.
@@ -64,51 +17,37 @@ impl Share {
 pub(super) struct Judged {
     /// Plants with at least one campaign.
     pub(super) shares: Vec<Share>,
-    /// Share of the designs that nobody chose that would meet it, mean over plants; none where no single design can.
-    pub(super) by_chance: Option<f64>,
-    pub(super) verdict: Verdict,
+    /// Over all campaigns of all plants; none where there are none, or where it is not asked in this world.
+    pub(super) by_rule: Option<ByRule>,
 }
 
 impl Judged {
-    /// Plants with a claim in more than half of their campaigns.
+    pub(super) fn verdict(&self) -> Option<Verdict> {
+        self.by_rule.map(|judged| judged.verdict())
+    }
+
+    pub(super) fn is(&self, verdict: Verdict) -> bool {
+        self.verdict() == Some(verdict)
+    }
+
+    /// Plants of which the word "in kind" is true by the same rule.
     pub(super) fn n_holding(&self) -> usize {
-        self.shares.iter().filter(|share| share.value() > 0.5).count()
+        self.shares.iter().filter(|share| share.count.most()).count()
     }
 
-    pub(super) fn campaigns(&self) -> [usize; 2] {
-        let sum = |of: fn(&Share) -> usize| self.shares.iter().map(of).sum();
-        [sum(|share| share.holding), sum(|share| share.campaigns)]
-    }
-
-    /// In words; none where it is not judged.
+    /// In how many plants and campaigns, and by chance; none where it is not judged.
     pub(super) fn words(&self) -> Option<String> {
-        if self.verdict == Verdict::NotJudged {
-            return None;
-        }
-        let [holding, campaigns] = self.campaigns();
+        let by_rule = self.by_rule?;
+        let count = by_rule.count;
         let plants = format!("{} of {} plants", self.n_holding(), self.shares.len());
-        Some(if self.shares.len() == 1 {
-            format!("{holding} of {campaigns} cases")
-        } else if campaigns == self.shares.len() {
+        let counts = if self.shares.len() == 1 {
+            format!("{count} cases")
+        } else if count.cases == self.shares.len() {
             plants
         } else {
-            format!("{plants}, {holding} of {campaigns} campaigns")
-        })
-    }
-}
-
-/// The rule: by the share of all campaigns, by what chance would give, and by what was fitted.
-pub(super) fn verdict(share: f64, by_chance: Option<f64>, is_fitted: bool) -> Verdict {
-    if share < FEW {
-        Verdict::Not
-    } else if by_chance.is_some_and(|chance| chance > BY_CHANCE) {
-        Verdict::NotDiscriminating
-    } else if is_fitted {
-        Verdict::PartlyCalibrated
-    } else if share >= MOST {
-        Verdict::InKind
-    } else {
-        Verdict::InPart
+            format!("{plants}, {count} campaigns")
+        };
+        Some(format!("{counts}{}{}", by_rule.chance_words(), by_rule.tie_words()))
     }
 }
 
@@ -120,28 +59,26 @@ pub(super) fn judge(claim: &Claim, world: World, cases: &[Case<'_>]) -> Judged {
     for case in mine {
         let (outcomes, chance) = outcomes(claim, case);
         if !outcomes.is_empty() {
-            let holding = outcomes.iter().filter(|holds| **holds).count();
-            shares.push(Share { plant: case.plant, holding, campaigns: outcomes.len() });
+            shares.push(Share { plant: case.plant, count: Count::of(outcomes) });
             chances.extend(chance);
         }
     }
+    let sum = |of: fn(&Share) -> usize| shares.iter().map(of).sum();
+    let count = Count { holding: sum(|share| share.count.holding), cases: sum(|share| share.count.cases) };
     let by_chance = (!chances.is_empty()).then(|| chances.iter().sum::<f64>() / chances.len() as f64);
-    let mut judged = Judged { shares, by_chance, verdict: Verdict::NotJudged };
-    let [holding, campaigns] = judged.campaigns();
-    if campaigns > 0 {
-        let is_fitted = claim.is_fitted && world == World::Still;
-        judged.verdict = verdict(holding as f64 / campaigns as f64, by_chance, is_fitted);
-    }
-    judged
+    let by_rule = (count.cases > 0).then(|| ByRule { by_chance, ..ByRule::of(count, claim.standing_in(world)) });
+    Judged { shares, by_rule }
 }
 
-/// Campaign by campaign whether a claim holds, and for how many of the designs that nobody chose it would.
+/// Campaign by campaign whether a claim holds, and by chance: for how many of the designs that nobody chose it would, or for how many
+/// blind draws of as many cells as are left.
 fn outcomes(claim: &Claim, case: &Case<'_>) -> (Vec<bool>, Option<f64>) {
-    let paths: Vec<Vec<&Row>> = case.seeds(JUDGED).into_iter().map(|seed| case.path(JUDGED, seed)).collect();
+    let paths = paths(case);
     let random = case.random();
     let chance = |before: &Row, test: &dyn Fn(&Row, &Row) -> bool| {
         random.iter().filter(|row| test(before, row)).count() as f64 / random.len().max(1) as f64
     };
+    let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
     match &claim.test {
         Test::End(test) => {
             let Some(before) = case.numerical() else { return (Vec::new(), None) };
@@ -152,29 +89,132 @@ fn outcomes(claim: &Claim, case: &Case<'_>) -> (Vec<bool>, Option<f64>) {
             let pairs: Vec<(&Row, &Row)> =
                 paths.iter().filter_map(|path| Some((*path.first()?, *path.last()?))).collect();
             let chances: Vec<f64> = pairs.iter().map(|(before, _)| chance(before, test)).collect();
-            let mean = (!chances.is_empty()).then(|| chances.iter().sum::<f64>() / chances.len() as f64);
-            (pairs.into_iter().map(|(before, after)| test(before, after)).collect(), mean)
+            (pairs.into_iter().map(|(before, after)| test(before, after)).collect(), mean(&chances))
         }
         Test::Path(test) => (paths.iter().map(|path| test(case, path)).collect(), None),
+        Test::Kept => {
+            let ends: Vec<&Row> = paths.iter().filter_map(|path| path.last().copied()).collect();
+            let left: Vec<f64> = ends.iter().map(|row| row.share).collect();
+            (ends.iter().map(|row| row.keeps_best > 0.5).collect(), mean(&left))
+        }
         Test::Seed(test) => (case.seeds(JUDGED).into_iter().filter_map(|seed| test(case, seed)).collect(), None),
         Test::Plant(test) => (test(case).into_iter().collect(), None),
     }
 }
 
+/// The campaigns that are judged.
+fn paths<'a>(case: &Case<'a>) -> Vec<Vec<&'a Row>> {
+    case.seeds(JUDGED).into_iter().map(|seed| case.path(JUDGED, seed)).collect()
+}
+
+/// In how many cases the ends of another method meet a claim about the ends of the loop; none of other claims.
+pub(super) fn met_by(claim: &Claim, method: Method, world: World, cases: &[Case<'_>]) -> Option<Count> {
+    let mine = cases.iter().filter(|case| case.study == claim.study && Some(case.world) == claim.judged_by(world));
+    let mut outcomes = Vec::new();
+    for case in mine {
+        match &claim.test {
+            Test::End(test) => {
+                let before = case.numerical()?;
+                outcomes.extend(case.ends(method).into_iter().map(|end| test(before, end)));
+            }
+            Test::SinceFirst(test) => {
+                for path in paths(case) {
+                    let Some(before) = path.first() else { continue };
+                    // Methods with campaigns of their own: each beside the campaign of the same seed.
+                    let mut ends = case.ends(method);
+                    if method.has_seeds() {
+                        ends.retain(|end| end.seed == before.seed);
+                    }
+                    outcomes.extend(ends.into_iter().map(|end| test(before, end)));
+                }
+            }
+            _ => return None,
+        }
+    }
+    (!outcomes.is_empty()).then(|| Count::of(outcomes))
+}
+
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::claims::Place;
+    use crate::ensemble::claims;
+    use crate::ensemble::file::Setup;
+    use crate::ensemble::row::{N_READINGS, Reading, Study};
+
+    fn claim(place: &Place, study: Study) -> Claim {
+        let setup = Setup::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).expect("the ensemble");
+        let mut all = claims::all(&setup).into_iter();
+        all.find(|claim| claim.place == *place && claim.study == study).expect("a claim of this place")
+    }
+
+    fn row(method: Method, seed: u64, share: f64, keeps_best: f64, (reading, value): (Reading, f64)) -> Row {
+        let mut readings = [1.0; N_READINGS];
+        readings[reading as usize] = value;
+        let step = usize::from(method == JUDGED);
+        let (study, world, point) = (Study::Two, World::Moving, vec![50.0, 8.0]);
+        Row { study, world, method, seed, step, point, share, spread: 1.0, keeps_best, bound: 0.0, readings }
+    }
+
+    fn judged(claim: &Claim, plants: &[Vec<Row>]) -> Judged {
+        let cases: Vec<Case<'_>> = (1..)
+            .zip(plants)
+            .map(|(plant, rows)| Case {
+                study: claim.study,
+                world: World::Moving,
+                plant,
+                rows: rows.iter().collect(),
+                facts: Vec::new(),
+            })
+            .collect();
+        judge(claim, World::Moving, &cases)
+    }
+
+    /// Five campaigns that keep the best, or not, with so much of the space left.
+    fn campaigns(left: f64, keep: usize) -> Vec<Row> {
+        let keeps = |seed: usize| f64::from(u8::from(seed <= keep));
+        (1..=5).map(|seed| row(JUDGED, seed as u64, left, keeps(seed), (Reading::Cost, 1.0))).collect()
+    }
 
     #[test]
-    fn one_rule_for_every_claim() {
-        assert_eq!(verdict(0.95, Some(0.2), false), Verdict::InKind);
-        assert_eq!(verdict(0.90, None, false), Verdict::InKind);
-        assert_eq!(verdict(0.89, Some(0.5), false), Verdict::InPart);
-        assert_eq!(verdict(0.95, Some(0.51), false), Verdict::NotDiscriminating);
-        assert_eq!(verdict(0.95, Some(0.2), true), Verdict::PartlyCalibrated);
-        // Nothing keeps a claim from coming out as not reproduced.
-        for (chance, fitted) in [(None, true), (Some(0.9), true), (Some(0.9), false), (None, false)] {
-            assert_eq!(verdict(0.09, chance, fitted), Verdict::Not);
-        }
+    fn what_the_test_keeps_is_held_against_a_blind_draw() {
+        let claim = claim(&Place::Section("5.5".to_owned()), Study::Two);
+        let found = judged(&claim, &[campaigns(0.6, 5), campaigns(0.7, 5)]);
+        assert_eq!(found.verdict(), Some(Verdict::NotDiscriminating), "{found:?}");
+        assert_eq!(found.words().as_deref(), Some("2 of 2 plants, 10 of 10 campaigns; by chance 65 %"));
+        let found = judged(&claim, &[campaigns(0.2, 5), campaigns(0.3, 4)]);
+        assert_eq!(found.verdict(), Some(Verdict::InKind), "nine of ten, one draw in four");
+        let words = "1 of 2 plants, 9 of 10 campaigns; by chance 25 % (count exactly at the limit)";
+        assert_eq!(found.words().as_deref(), Some(words), "a plant counts where all five hold");
+    }
+
+    #[test]
+    fn a_word_and_the_number_of_plants_do_not_contradict_each_other() {
+        let claim = claim(&Place::Section("5.5".to_owned()), Study::Two);
+        let plants: Vec<Vec<Row>> = (0..30).map(|_| campaigns(0.2, 4)).collect();
+        let found = judged(&claim, &plants);
+        assert_eq!((found.verdict(), found.n_holding()), (Some(Verdict::InPart), 0), "four of five on each plant");
+    }
+
+    #[test]
+    fn what_no_plant_could_fail_is_a_check() {
+        let claim = claim(&Place::Section("2.3".to_owned()), Study::Two);
+        let plant = |pitch: f64| vec![row(Method::Center, 0, 1.0, f64::NAN, (Reading::SteadyPitch, pitch))];
+        let verdict = |pitches: &[f64]| {
+            let plants: Vec<Vec<Row>> = pitches.iter().map(|pitch| plant(*pitch)).collect();
+            judged(&claim, &plants).verdict()
+        };
+        assert_eq!(verdict(&[0.0, 1e-8]), Some(Verdict::Check));
+        assert_eq!(verdict(&[0.0, 0.2]), Some(Verdict::NotReproduced), "if one fails it after all");
+    }
+
+    #[test]
+    fn fitted_ends_are_those_of_still_water() {
+        use crate::rules::Standing;
+        let claim = claim(&Place::Figure(24), Study::Two);
+        let standing = [World::Still, World::Moving].map(|world| claim.standing_in(world));
+        assert_eq!(standing, [Standing::FittedEnds, Standing::StandIn]);
     }
 }

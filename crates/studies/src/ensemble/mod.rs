@@ -25,6 +25,7 @@ mod row;
 mod site;
 mod store;
 mod tables;
+mod told;
 mod unit;
 
 use std::path::Path;

@@ -9,12 +9,14 @@ use super::claims;
 use super::decides::{self, Decided, Property};
 use super::figures;
 use super::file::Setup;
-use super::judge::{BY_CHANCE, FEW, MOST, Verdict, judge};
+use super::judge::judge;
 use super::kept::{Case, cases};
 use super::row::{Method, Reading, Study, World};
 use super::store::Store;
 use super::tables::{self, Both};
+use super::told;
 use crate::kept;
+use crate::rules::{self, Verdict};
 
 const PAGE: &str = "docs/results-ensemble.md";
 const VERDICTS: &str = "docs/results-ensemble.svg";
@@ -80,16 +82,17 @@ const WORLDS: &str = "**Still water**: the stand-in as it was calibrated, its st
     flight, and no noise is added. What a design truly costs there is the mean over a few flights whose seeds are the same for all designs. \
     The numerical model knows nothing of either: it stays still and symmetric. Nothing was fitted in moving water.";
 
+const BEST_KNOWN: &str = "The best design known is the cheapest that any of them came upon, or a search in still water. With four parameters there \
+    was no such search, so that it is the cheapest that one of those compared here chose, and what lies above it is a lower limit; in moving \
+    water it is the least of some hundred means over a few flights.";
+
 fn rule(n_random: u64) -> String {
     format!(
-        "One rule for all. **In kind**: it holds in at least {:.0} % of the campaigns; **in part**: in at least {:.0} %; **not**: in fewer. \
-         **Not discriminating**: a design that nobody chose would meet it too, in more than {:.0} % of the cases ({n_random} Sobol points, mean over \
-         plants); it does not count. **Partly calibrated**: both ends were fitted in still water; it does not count either. A plant is counted \
-         where more than half of its campaigns are. Significantly, greatly, much: at most half of what was there before. A statement about \
-         a plant counts each plant once, and no design can meet it by chance, nor one about the steps of a campaign.",
-        100.0 * MOST,
-        100.0 * FEW,
-        100.0 * BY_CHANCE
+        "{}\nOver the ensemble the cases are the campaigns of all plants. A plant is counted where the claim would be in kind on it alone: with \
+         five seeds, where all five of its campaigns hold. By chance: {n_random} Sobol points in place of the end of the loop, mean over plants; \
+         for the test that drops cells, the share of cells that are left. A statement about a plant counts each plant once, and no design can \
+         meet it by chance, nor one about how much an iteration drops.",
+        rules::words_markdown()
     )
 }
 
@@ -102,8 +105,14 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
     text += &format!("{HOW}\n\n{WORLDS}\n\n{}\n\n", rule(setup.campaigns.random_designs));
     text += "## Claim by claim\n\n";
     text += &tables::claims(all).markdown();
-    text += "\n## Who chooses how well\n\nWith equal numbers of experiments, except for those who make none. Medians over plants and seeds with \
-             quartiles; the best design known is the cheapest that any of them, or a search in still water, came upon.\n\n";
+    text += "\n## Who else meets it\n\nClaims about the end of the loop that come out somewhere: in how many per cent of the cases it meets them, and \
+             in how many those who do not use it, or a model. Beside the model's optimum, or the loop's first design, as above.\n\n";
+    text += &tables::met_by_others(all, cases).markdown();
+    text += &format!(
+        "\n## Who chooses how well\n\nWith equal numbers of experiments, except for those who make none. Medians over plants and seeds with \
+         quartiles. {BEST_KNOWN} {}\n\n",
+        told::at_bound(setup, cases)
+    );
     text += &tables::baselines(cases).markdown();
     text += "\n![Cost above the best known against experiments](results-ensemble-regret.svg)\n\nMedians over all plants and seeds, and \
              quartiles; what is less than 0.1 % is drawn there. At 0 experiments: the optimum of the numerical model. In Chapter 4 the loop's design of an \
@@ -120,6 +129,7 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
         Some(case.published.get(step)?.share)
     };
     text += &tables::spaces(cases, &published).markdown();
+    text += &format!("\n{}\n", told::kept_best(all, cases));
     text += &format!(
         "\n## Noise that has a cause\n\nIn moving water the same design costs something else in every flight: over {} flights of each \
          random design. In still water the files add at most {:.0} % of the cost (Chapter 4) and {:.0} % of its range (Chapter 7).\n\n",
@@ -143,7 +153,7 @@ fn decided(setup: &Setup, cases: &[Case<'_>], all: &[Both]) -> String {
     let mut entries: Vec<(&Both, usize, Vec<Property>)> = Vec::new();
     for both in all {
         for (k, world) in World::OF_CAMPAIGNS.into_iter().enumerate() {
-            if both.judged[k].verdict != Verdict::NotJudged {
+            if both.judged[k].verdict().is_some_and(Verdict::counts) {
                 entries.push((both, k, decides::properties(setup, cases, both.claim.study, world)));
             }
         }
@@ -158,11 +168,11 @@ fn decided(setup: &Setup, cases: &[Case<'_>], all: &[Both]) -> String {
     let count = |p: fn(&Decided) -> f64| decided.iter().filter(|(.., one)| p(one) <= tables::SIGNIFICANT).count();
     let [own, of_all] = [count(|one| one.p), count(|one| one.p_of_all)];
     let mut text = format!(
-        "\n## What decides\n\n{looked} claims, still and moving water counted apart, hold in at least three plants and fail in at least three. For \
-         each, the property of the plants that goes with it most closely by rank correlation, out of {n_properties}: the numbers that were free \
+        "\n## What decides\n\nOf the claims that count, {looked}, still and moving water taken apart, hold in more than half of the campaigns of at \
+         least three plants and fail so in at least three. For each, the property of the plants that goes with it most closely by rank correlation, out of {n_properties}: the numbers that were free \
          in the calibration, and what the model is worth. p is the share of {} random orders of the plants that give a correlation as large with \
          any property of the same claim; then the share of orders in which any of these claims has a p as small. {own} reach {} for their own properties, {} would by chance; {of_all} for all \
-         claims.",
+         claims. Each claim stands in one row: property, rank correlation, p for its own properties, p for all claims.",
         decides::N_ORDERS,
         tables::SIGNIFICANT,
         crate::words::number(tables::SIGNIFICANT * looked as f64, 1),
@@ -182,23 +192,28 @@ pub(super) fn counts(all: &[Both]) -> Vec<String> {
 }
 
 fn count_words(all: &[Both], k: usize) -> String {
-    let of = |verdict: Verdict| all.iter().filter(|both| both.judged[k].verdict == verdict).count();
-    let judged = all.iter().filter(|both| both.judged[k].verdict != Verdict::NotJudged).count();
+    let of = |verdict: Verdict| all.iter().filter(|both| both.judged[k].is(verdict)).count();
+    let judged = all.iter().filter(|both| both.judged[k].verdict().is_some()).count();
     format!(
-        "In {} water, of {judged} claims {} hold in kind, {} in part, {} do not; {} do not discriminate and {} were partly calibrated, which \
-         do not count.",
+        "In {} water, of {judged} claims {} hold in kind, {} in part, {} do not. The others do not count: {} do not discriminate, {} were partly \
+         calibrated, and {} could not fail.",
         World::OF_CAMPAIGNS[k].name(),
         of(Verdict::InKind),
         of(Verdict::InPart),
-        of(Verdict::Not),
+        of(Verdict::NotReproduced),
         of(Verdict::NotDiscriminating),
-        of(Verdict::PartlyCalibrated)
+        of(Verdict::PartlyCalibrated),
+        of(Verdict::Check)
     )
 }
 
 fn listed(all: &[Both], k: usize, verdict: Verdict) -> String {
-    let mine = all.iter().filter(|both| both.judged[k].verdict == verdict);
-    mine.map(|both| format!("{} ({})", both.claim.says, both.claim.place)).collect::<Vec<_>>().join("; ")
+    let mine = all.iter().filter(|both| both.judged[k].is(verdict));
+    let words = mine.map(|both| {
+        let tie = both.judged[k].by_rule.map_or("", |judged| judged.tie_words());
+        format!("{} ({}){tie}", both.claim.says, both.claim.place)
+    });
+    words.collect::<Vec<_>>().join("; ")
 }
 
 /// The first screen.
@@ -208,6 +223,9 @@ fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> V
     if !in_kind.is_empty() {
         findings.push(format!("In kind in moving water: {in_kind}."));
     }
+    findings.extend(told::without_simulation(all, cases));
+    findings.extend(told::ties(setup, all));
+    findings.push(told::worth(cases));
     findings.extend(World::OF_CAMPAIGNS.map(|world| regrets(cases, world)));
     findings.push(noise_words(cases));
     let flights: f64 = cases.iter().filter_map(|case| case.fact(super::store::LAST)).sum();
@@ -256,7 +274,7 @@ fn regrets(cases: &[Case<'_>], world: World) -> String {
     };
     let studies = Study::ALL.into_iter().filter(has).map(Study::words).collect::<Vec<_>>().join("; ");
     format!(
-        "Cost above the best design known in {} water, median in % ({studies}): dissertation's loop {}; pooled loop {}; Sobol points and a Gaussian \
+        "Cost above the best design known in {} water, median in % ({studies}, the last a lower limit): dissertation's loop {}; pooled loop {}; Sobol points and a Gaussian \
          process {}; optimum of the model {}; center of the box {}; random design {}.",
         world.name(),
         each(Method::Dissertation),

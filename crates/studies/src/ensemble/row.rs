@@ -90,6 +90,11 @@ impl Method {
         Self::Best,
     ];
 
+    /// Whether it is run once for each seed.
+    pub(super) fn has_seeds(self) -> bool {
+        matches!(self, Self::Dissertation | Self::Pooled | Self::Alone | Self::Process)
+    }
+
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Numerical => "numerical",

@@ -2,11 +2,12 @@
 
 use page::{Column, Summary, Table};
 
-use super::claims::Claim;
+use super::claims::{Claim, JUDGED};
 use super::decides::Decided;
-use super::judge::Judged;
+use super::judge::{Judged, met_by};
 use super::kept::Case;
 use super::row::{Method, Reading, Study, World};
+use crate::rules::{Count, Verdict};
 use crate::words::number;
 
 /// A claim with what became of it in still and in moving water.
@@ -20,15 +21,11 @@ impl Both {
     pub(super) fn words(&self) -> String {
         let each = World::OF_CAMPAIGNS.into_iter().zip(&self.judged).filter_map(|(world, judged)| {
             let words = judged.words()?;
-            Some(format!("{}: {}, {words}", world.name(), judged.verdict))
+            Some(format!("{}: {}, {words}", world.name(), judged.verdict()?.short()))
         });
         let each: Vec<String> = each.collect();
         if each.is_empty() { "–".to_owned() } else { each.join("; ") }
     }
-}
-
-fn per_cent(share: f64) -> String {
-    if share.is_finite() { format!("{:.0} %", 100.0 * share) } else { "–".to_owned() }
 }
 
 /// What became of the claims.
@@ -43,8 +40,8 @@ pub(super) fn claims(all: &[Both]) -> Table {
     for Both { claim, judged } in all {
         let mut row = vec![claim.place.to_string(), claim.says.to_owned(), claim.rule.to_owned()];
         row.extend(judged.iter().map(|judged| {
-            let chance = judged.by_chance.map_or(String::new(), |chance| format!("; by chance {}", per_cent(chance)));
-            judged.words().map_or("–".to_owned(), |words| format!("**{}**: {words}{chance}", judged.verdict))
+            let words = judged.verdict().zip(judged.words());
+            words.map_or("–".to_owned(), |(verdict, words)| format!("**{}**: {words}", verdict.short()))
         }));
         table.push(row);
     }
@@ -77,6 +74,27 @@ fn with_quartiles(summary: &Summary, decimals: usize) -> String {
     let words = |value: f64| number(value, decimals);
     let Summary { median, lower_quartile, upper_quartile, .. } = *summary;
     format!("{} ({} to {})", words(median), words(lower_quartile), words(upper_quartile))
+}
+
+/// Of claims about the end of the loop that are met somewhere, in how many per cent of their cases others meet them.
+pub(super) fn met_by_others(all: &[Both], cases: &[Case<'_>]) -> Table {
+    let ways = WAYS.iter().filter(|(method, _)| *method != Method::Numerical);
+    let heads = ["Where", "The dissertation says", "Water"].map(|name| Column::new(name, ""));
+    let mut table = Table::new(heads.into_iter().chain(ways.clone().map(|(_, name)| Column::new(name, "%"))).collect());
+    for (both, (world, judged)) in
+        all.iter().flat_map(|both| World::OF_CAMPAIGNS.into_iter().zip(&both.judged).map(move |one| (both, one)))
+    {
+        let claim = &both.claim;
+        let count = |method: Method| met_by(claim, method, world, cases);
+        if judged.verdict().is_none_or(|verdict| verdict == Verdict::NotReproduced) || count(JUDGED).is_none() {
+            continue;
+        }
+        let words = |count: Option<Count>| count.map_or("–".to_owned(), |count| number(100.0 * count.share(), 1));
+        let mut row = vec![claim.place.to_string(), claim.says.to_owned(), world.name().to_owned()];
+        row.extend(ways.clone().map(|(method, _)| words(count(*method))));
+        table.push(row);
+    }
+    table
 }
 
 /// Who ends how far above the best design known.
@@ -277,23 +295,29 @@ pub(super) fn cameras(cases: &[Case<'_>]) -> Table {
 pub(super) const SIGNIFICANT: f64 = 0.05;
 
 pub(super) fn decides(all: &[(&Both, usize, Decided)]) -> Table {
-    let mut table = Table::new(vec![
-        Column::new("Claim", ""),
-        Column::new("Water", ""),
-        Column::new("Property", ""),
-        Column::new("Rank correlation", "1"),
-        Column::new("p, its properties", "1"),
-        Column::new("p, all claims", "1"),
-    ]);
-    for (both, world, decided) in all.iter().filter(|(.., decided)| decided.p <= SIGNIFICANT) {
-        table.push(vec![
-            format!("{}, {}", both.claim.place, both.claim.says),
-            World::OF_CAMPAIGNS[*world].name().to_owned(),
-            decided.property.clone(),
-            number(decided.correlation, 2),
-            number(decided.p, 3),
-            number(decided.p_of_all, 3),
-        ]);
+    let mut table =
+        Table::new(["Claim", "Still water", "Moving water"].map(|name| Column::new(name, "")).into_iter().collect());
+    let mut claims: Vec<&Both> = all.iter().map(|(both, ..)| *both).collect();
+    claims.dedup_by(|a, b| std::ptr::eq(*a, *b));
+    for both in claims {
+        let cell = |world: usize| {
+            let own =
+                all.iter().find(|(other, k, one)| std::ptr::eq(*other, both) && *k == world && one.p <= SIGNIFICANT);
+            own.map(|(.., one)| {
+                format!(
+                    "{}: {}; p {}, {}",
+                    one.property,
+                    number(one.correlation, 2),
+                    number(one.p, 3),
+                    number(one.p_of_all, 3)
+                )
+            })
+        };
+        let cells = [cell(0), cell(1)];
+        if cells.iter().any(Option::is_some) {
+            let [still, moving] = cells.map(|cell| cell.unwrap_or("–".to_owned()));
+            table.push(vec![format!("{}, {}", both.claim.place, both.claim.says), still, moving]);
+        }
     }
     table
 }

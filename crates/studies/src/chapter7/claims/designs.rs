@@ -3,14 +3,13 @@
 use super::votes::{Votes, count};
 use super::words::{FITTED, median_words, table_place};
 use crate::chapter7::campaigns::Steps;
-use crate::chapter7::file::{Case, Row, Standing};
+use crate::chapter7::file::{Case, Row, Standing as RowStanding};
 use crate::chapter7::findings::Found;
 use crate::claims::{Claim, Place, Verdict};
+use crate::rules::{Count, Judged, NEAR, Standing};
 use crate::variable::Variable;
 use crate::words::number;
 
-/// Within this part of each parameter's width a design counts as the published one.
-const NEAR: f64 = 0.1;
 /// A design is at an edge of the box within this part of the width: rounding.
 const AT_EDGE: f64 = 1e-9;
 
@@ -40,9 +39,9 @@ fn end(steps: &Steps) -> &[f64] {
     steps.0.last().map_or(&[], |step| &step.point)
 }
 
-/// With the cap of what lies between fitted ends.
-fn verdict(case: &Case, votes: &Votes) -> Verdict {
-    if case.ends_are_fitted() { votes.verdict().between_fitted_ends() } else { votes.verdict() }
+/// What can become of a claim about the ends of the loop.
+pub(super) fn standing(case: &Case) -> Standing {
+    if case.ends_are_fitted() { Standing::FittedEnds } else { Standing::StandIn }
 }
 
 /// A warning where both ends were fitted.
@@ -59,17 +58,12 @@ pub(super) fn aft(case: &Case, found: &Found) -> Option<Claim> {
     let runs = found.main();
     let published = |row: Option<&Row>| row.map_or(f64::NAN, |row| row.point[k]);
     let others = found.runs.iter().skip(1).map(|runs| format!(" With the {}: {}.", runs.label, votes(runs).words()));
-    Some(Claim {
-        place: table_place(case),
-        pictures: Vec::new(),
-        says: "infusion moves the center of mass aft".to_owned(),
-        verdict: verdict(case, &votes(runs)),
-        in_short: format!(
-            "{}; from {start:.2} to {:.2} % of chord without noise",
-            votes(runs).words(),
-            place(&runs.quiet)
-        ),
-        found: format!(
+    let by_chance = found.flights.blind.share(|(point, _)| point[k] > start);
+    let claim = Claim::new(
+        table_place(case),
+        "infusion moves the center of mass aft",
+        Judged::of(votes(runs).count(), standing(case)).beside(by_chance),
+        format!(
             "{}{}: from {start:.2} % of chord (numerical optimum) to {:.2} without noise, {} in the median; published {:.2} to {:.2}.{}",
             fitted_words(case),
             votes(runs).sentence(),
@@ -79,7 +73,12 @@ pub(super) fn aft(case: &Case, found: &Found) -> Option<Claim> {
             published(case.published.last()),
             others.collect::<String>()
         ),
-    })
+    );
+    Some(claim.in_short(format!(
+        "{}; from {start:.2} to {:.2} % of chord without noise",
+        votes(runs).words(),
+        place(&runs.quiet)
+    )))
 }
 
 pub(super) fn numerical_row(case: &Case, found: &Found) -> Claim {
@@ -87,23 +86,24 @@ pub(super) fn numerical_row(case: &Case, found: &Found) -> Claim {
     let departures = row.map_or(Vec::new(), |row| departures(case, &row.point, &found.numerical.point));
     let near = departures.iter().filter(|departure| **departure <= NEAR).count();
     let standing = row.map_or("", |row| row.standing.words());
-    Claim {
-        place: table_place(case),
-        pictures: Vec::new(),
-        says: "the numerical optimum is row 0".to_owned(),
-        verdict: match row {
-            Some(row) if row.standing != Standing::Predicted => Verdict::Calibrated,
-            _ => Verdict::in_kind_of(near, departures.len()),
-        },
-        in_short: format!("{near} of {} parameters within {:.0} % of their widths", departures.len(), 100.0 * NEAR),
-        found: format!(
-            "{} here ({standing}); departures {} % of the parameters' widths. Up to {:.0} % counts as near: {near} of {} are.",
-            case.space.words(&found.numerical.point),
-            percents(&departures),
-            100.0 * NEAR,
-            departures.len()
-        ),
-    }
+    let says = "the numerical optimum is row 0";
+    let words = format!(
+        "{} here ({standing}); departures {} % of the parameters' widths. Up to {:.0} % in each counts as near: {near} of {} are.",
+        case.space.words(&found.numerical.point),
+        percents(&departures),
+        100.0 * NEAR,
+        departures.len()
+    );
+    let claim = match row {
+        Some(row) if row.standing != RowStanding::Predicted => {
+            Claim::given(table_place(case), says, Verdict::Calibrated, words)
+        }
+        _ => {
+            let count = Count::one(!departures.is_empty() && is_near(&departures));
+            Claim::new(table_place(case), says, Judged::of(count, Standing::StandIn), words)
+        }
+    };
+    claim.in_short(format!("{near} of {} parameters within {:.0} % of their widths", departures.len(), 100.0 * NEAR))
 }
 
 /// How the campaigns end beside the last printed row.
@@ -114,18 +114,12 @@ fn last_row_votes(row: &Row, case: &Case, runs: &crate::chapter7::campaigns::Run
 pub(super) fn last_row(case: &Case, found: &Found) -> Option<Claim> {
     let row = case.published.last()?;
     let votes = last_row_votes(row, case, found.main());
-    Some(Claim {
-        place: table_place(case),
-        pictures: Vec::new(),
-        says: "the loop ends at the last printed row".to_owned(),
-        verdict: if row.standing == Standing::Predicted {
-            votes.verdict()
-        } else {
-            votes.verdict().between_fitted_ends()
-        },
-        in_short: votes.words(),
-        found: last_row_words(case, found)?,
-    })
+    let standing = if row.standing == RowStanding::Predicted { Standing::StandIn } else { Standing::FittedEnds };
+    let by_chance = found.flights.blind.share(|(point, _)| is_near(&departures(case, &row.point, point)));
+    let judged = Judged::of(votes.count(), standing).beside(by_chance);
+    let claim =
+        Claim::new(table_place(case), "the loop ends at the last printed row", judged, last_row_words(case, found)?);
+    Some(claim.in_short(votes.words()))
 }
 
 /// The same as a paragraph.
@@ -140,13 +134,13 @@ pub(in crate::chapter7) fn last_row_words(case: &Case, found: &Found) -> Option<
         .skip(1)
         .map(|runs| format!(" With the {}: {}.", runs.label, last_row_votes(row, case, runs).words()));
     let fitted = match row.standing {
-        Standing::Predicted => "",
-        Standing::Calibrated | Standing::DesignCalibrated => {
+        RowStanding::Predicted => "",
+        RowStanding::Calibrated | RowStanding::DesignCalibrated => {
             " The best design of the stand-in was fitted to this row; the loop does not get there."
         }
     };
     let votes = last_row_votes(row, case, runs);
-    let fitted = if votes.verdict() == Verdict::NotReproduced { fitted } else { "" };
+    let fitted = if votes.count().few() { fitted } else { "" };
     Some(format!(
         "The last row is {}, ours without noise {}: departures {} % of the parameters' widths. If up to {:.0} % in each counts as reached, \
          {}. {} of {} seeds end on an edge of the box.{}{fitted}",
@@ -168,17 +162,12 @@ pub(super) fn system(case: &Case, found: &Found) -> Claim {
     let votes = Votes::of(&runs.quiet, &runs.noisy, |steps| cost(steps) < before);
     let median = super::words::median(runs.noisy.iter().map(cost));
     let fall = |after: f64| number(100.0 * (1.0 - after / before), 1);
-    Claim {
-        place: Place::Contribution(6),
-        pictures: Vec::new(),
-        says: "infusion gives a better system than the numerical model alone".to_owned(),
-        verdict: verdict(case, &votes),
-        in_short: format!(
-            "{}; the true cost falls from {before:.3} to {:.3} s without noise",
-            votes.words(),
-            cost(&runs.quiet)
-        ),
-        found: format!(
+    let by_chance = found.flights.blind.share(|(_, means)| means.cost < before);
+    Claim::new(
+        Place::Contribution(6),
+        "infusion gives a better system than the numerical model alone",
+        Judged::of(votes.count(), standing(case)).beside(by_chance),
+        format!(
             "{}{}: true cost {before:.3} s at the numerical optimum, {:.3} s at the infused one without noise (a fall of {} %), \
              {median:.3} s in the median ({} %); the best known design would be a fall of {} %.",
             fitted_words(case),
@@ -188,7 +177,12 @@ pub(super) fn system(case: &Case, found: &Found) -> Claim {
             fall(median),
             fall(found.best.cost)
         ),
-    }
+    )
+    .in_short(format!(
+        "{}; the true cost falls from {before:.3} to {:.3} s without noise",
+        votes.words(),
+        cost(&runs.quiet)
+    ))
 }
 
 #[cfg(test)]

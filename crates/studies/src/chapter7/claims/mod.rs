@@ -10,7 +10,8 @@ pub(super) use designs::last_row_words;
 
 use super::file::Case;
 use super::findings::{Findings, Found};
-use crate::claims::{Claim, Place, Verdict};
+use crate::claims::{Claim, Place};
+use crate::rules::{Count, Judged, Standing};
 
 /// What the dissertation says of its results, and what of it came out.
 pub(crate) fn all(findings: &Findings) -> Vec<Claim> {
@@ -22,7 +23,7 @@ pub(crate) fn all(findings: &Findings) -> Vec<Claim> {
         }
     }
     all.push(framework(findings));
-    all.extend(keeps_best(findings));
+    all.extend(findings.cases().filter_map(|(case, found)| keeps_best(case, found)));
     all
 }
 
@@ -54,11 +55,17 @@ fn framework(findings: &Findings) -> Claim {
         cases.flat_map(|(_, found)| better(found)).collect()
     };
     let (free, fitted) = (of(false), of(true));
+    let chances: Vec<f64> = findings
+        .cases()
+        .filter(|(case, _)| !case.ends_are_fitted())
+        .map(|(_, found)| found.flights.blind.share(|(_, means)| means.cost < found.numerical_true_cost))
+        .collect();
+    let by_chance = chances.iter().sum::<f64>() / chances.len() as f64;
     let words = |better: &[bool]| format!("{} of {}", votes::count(better), better.len());
     Claim::new(
         Place::Contribution(2),
         "A global framework of optimal designs, response surfaces and hypothesis tests",
-        Verdict::in_kind_of(votes::count(&free), free.len()),
+        Judged::of(Count::of(free.iter().copied()), Standing::StandIn).beside(by_chance),
         format!(
             "`infuse::global::Loop` with (36) repaired ends truly better than the numerical model alone in {} campaigns whose ends were not \
              calibrated, which decide here, and in {} between calibrated ends.",
@@ -70,10 +77,12 @@ fn framework(findings: &Findings) -> Claim {
 }
 
 /// The test of Section 5.5, where the wrong choices are compared: the loop as it is comes first.
-fn keeps_best(findings: &Findings) -> Option<Claim> {
-    let lost = findings.cases().map(|(case, found)| {
-        let own = found.choices.first()?;
-        Some((case.entry.label.as_str(), own.regrets.len(), own.lost?))
-    });
-    Some(shrinking::keeps_best(&lost.collect::<Option<Vec<_>>>()?))
+fn keeps_best(case: &Case, found: &Found) -> Option<Claim> {
+    let own = found.choices.first()?;
+    let says = if case.space.variables.len() == 2 {
+        "The z-test at 90 % keeps what may be the optimum, with the settings of Chapter 7".to_owned()
+    } else {
+        format!("{}: the z-test at 90 % keeps what may be the optimum", case.entry.label)
+    };
+    Some(shrinking::keeps_best(&says, own.regrets.len(), own.lost?, own.left?))
 }

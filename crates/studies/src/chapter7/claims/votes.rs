@@ -1,6 +1,6 @@
 //! Whether something holds without noise, and for how many of its seeds.
 
-use crate::claims::Verdict;
+use crate::rules::Count;
 use crate::words::capitalized;
 
 /// A yes or no without noise, and how often with it.
@@ -14,13 +14,9 @@ impl Votes {
         Self { quiet: holds(quiet), noisy: noisy.iter().map(holds).collect() }
     }
 
-    /// It holds if it does without noise and for nine in ten seeds, in part if it ever does.
-    pub(super) fn verdict(&self) -> Verdict {
-        match (self.quiet, by_seeds(&self.noisy)) {
-            (true, Verdict::InKind) => Verdict::InKind,
-            (false, Verdict::NotReproduced) => Verdict::NotReproduced,
-            _ => Verdict::InPart,
-        }
+    /// The campaign without noise is one among all.
+    pub(super) fn count(&self) -> Count {
+        Count::of(std::iter::once(self.quiet).chain(self.noisy.iter().copied()))
     }
 
     /// The same as the beginning of a sentence.
@@ -42,25 +38,15 @@ pub(super) fn count(holds: &[bool]) -> usize {
     holds.iter().filter(|holds| **holds).count()
 }
 
-/// The verdict of the seeds alone, for what is said of noise.
-pub(super) fn by_seeds(holds: &[bool]) -> Verdict {
-    match count(holds) {
-        0 => Verdict::NotReproduced,
-        n if 10 * n < 9 * holds.len() => Verdict::InPart,
-        _ => Verdict::InKind,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_verdict_needs_the_quiet_campaign_and_nine_in_ten_seeds() {
-        let votes = |quiet, n: usize| Votes { quiet, noisy: (0..10).map(|k| k < n).collect() };
-        let verdicts = [(true, 10), (true, 9), (true, 8), (false, 10), (true, 0), (false, 1), (false, 0)]
-            .map(|(quiet, n)| votes(quiet, n).verdict());
-        use Verdict::{InKind, InPart, NotReproduced};
-        assert_eq!(verdicts, [InKind, InKind, InPart, InPart, InPart, InPart, NotReproduced]);
+    fn the_campaign_without_noise_is_one_among_all() {
+        let votes = |quiet, n: usize| Votes { quiet, noisy: (0..20).map(|k| k < n).collect() }.count();
+        assert_eq!([votes(true, 20), votes(false, 3)].map(|count| (count.holding, count.cases)), [(21, 21), (3, 21)]);
+        assert!(votes(true, 0).few() && votes(false, 2).few(), "one or two of 21");
+        assert!(!votes(true, 2).few() && votes(true, 18).most() && !votes(true, 17).most(), "3, 19 and 18 of 21");
     }
 }

@@ -4,9 +4,6 @@ use crate::chapter7::file::Case;
 use crate::claims::Place;
 use page::Summary;
 
-/// An improvement is called great, significant or much when what is left is at most this part.
-pub(super) const GREATLY: f64 = 0.5;
-
 /// What a claim says first when there was nothing to find at either end.
 pub(super) const FITTED: &str = "Numerical optimum and best design of the stand-in were both calibrated; that the loop goes from the one towards \
     the other is what came out.";

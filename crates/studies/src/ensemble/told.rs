@@ -1,0 +1,161 @@
+//! What the page says in sentences of more than one row: where a word hangs on one case, what the models are worth, what the test keeps,
+//! where campaigns run into a bound.
+
+use super::claims::{JUDGED, Test};
+use super::file::Setup;
+use super::judge::met_by;
+use super::kept::Case;
+use super::row::{Method, Study, World};
+use super::tables::Both;
+use crate::rules::Verdict;
+use crate::words::number;
+
+/// A model ranks designs well from this rank correlation on.
+const RANKS_WELL: f64 = 0.7;
+/// On a bound within this part of the width: rounding.
+const AT_BOUND: f64 = 1e-6;
+
+/// The words that hang on a single case.
+pub(super) fn ties(setup: &Setup, all: &[Both]) -> Vec<String> {
+    let mut found = Vec::new();
+    for (both, k) in all.iter().flat_map(|both| [(both, 0), (both, 1)]) {
+        let judged = &both.judged[k];
+        let Some(rule) = judged.by_rule.filter(|rule| rule.ties().contains(&true)) else { continue };
+        let [count_ties, chance_ties] = rule.ties();
+        let mut words = Vec::new();
+        if count_ties {
+            words.push(format!("it holds in {} cases, exactly {:.0} %", rule.count, 100.0 * rule.count.share()));
+        }
+        if chance_ties {
+            let designs = judged.shares.len() * setup.campaigns.random_designs as usize;
+            let of = match both.claim.test {
+                Test::End(_) => format!(", {} of {designs} designs", designs / 2),
+                _ => String::new(),
+            };
+            words.push(format!("by chance in exactly 50 %{of}"));
+        }
+        found.push(format!("{}, {} water: {}", both.claim.place, World::OF_CAMPAIGNS[k].name(), words.join(", ")));
+    }
+    let found = (!found.is_empty()).then(|| {
+        format!("Words that hang on one case, because a share is exactly that of the rule: {}.", found.join("; "))
+    });
+    found.into_iter().collect()
+}
+
+/// Claims in kind in moving water that come out without any simulation as often.
+pub(super) fn without_simulation(all: &[Both], cases: &[Case<'_>]) -> Option<String> {
+    let words = all.iter().filter(|both| both.judged[1].is(Verdict::InKind)).filter_map(|both| {
+        let own = met_by(&both.claim, JUDGED, World::Moving, cases)?;
+        let alone = met_by(&both.claim, Method::Alone, World::Moving, cases)?;
+        (alone.share() >= own.share()).then(|| {
+            let [own, alone] = [own, alone].map(|count| 100.0 * count.share());
+            format!("{} ({alone:.1} % of the campaigns, with simulation {own:.1} %)", both.claim.place)
+        })
+    });
+    let words: Vec<String> = words.collect();
+    (!words.is_empty()).then(|| {
+        format!(
+            "In kind in moving water, but met as often by a regression on the same experiments that knows no simulation: {}.",
+            words.join("; ")
+        )
+    })
+}
+
+/// Lowest, median and highest.
+fn spread(values: &[f64], digits: usize) -> String {
+    let at = |share: f64| number(page::quantile(values, share).unwrap_or(f64::NAN), digits);
+    format!("{} ({} to {})", at(0.5), at(0.0), at(1.0))
+}
+
+/// What the models of these plants are worth, over designs that nobody chose.
+pub(super) fn worth(cases: &[Case<'_>]) -> String {
+    let of = |study: Study| cases.iter().filter(move |case| case.study == study && case.world == World::Still);
+    let mut words = Vec::new();
+    for study in Study::ALL {
+        let ranks: Vec<f64> = of(study).filter_map(|case| case.fact("rank_correlation")).collect();
+        let better: Vec<f64> =
+            of(study).filter_map(|case| Some(100.0 * case.random_better(case.numerical()?))).collect();
+        if !ranks.is_empty() {
+            words.push(format!("{} {} and {} %", study.words(), spread(&ranks, 2), spread(&better, 0)));
+        }
+    }
+    let all = cases.iter().filter_map(|case| Some((case.fact("rank_correlation")?, case.plant)));
+    let mut well: Vec<u64> = all.clone().filter(|(rank, _)| *rank >= RANKS_WELL).map(|(_, plant)| plant).collect();
+    well.sort_unstable();
+    well.dedup();
+    let highest = all.map(|(rank, _)| rank).fold(f64::NEG_INFINITY, f64::max);
+    let verdict = if well.is_empty() {
+        format!(
+            "No plant of this ensemble has a model that ranks designs well: the highest rank correlation, of all studies in both waters, is {}",
+            number(highest, 2)
+        )
+    } else {
+        format!(
+            "In {} plants a model ranks designs well in some study, with a rank correlation of {RANKS_WELL} or more",
+            well.len()
+        )
+    };
+    format!(
+        "{verdict}. Rank correlation of model and stand-in over designs that nobody chose, and the share of these that is better than the model's \
+         optimum, in still water, median (lowest to highest plant): {}.",
+        words.join("; ")
+    )
+}
+
+/// What the test that drops cells keeps, beside blind draws.
+pub(super) fn kept_best(all: &[Both], cases: &[Case<'_>]) -> String {
+    let mut words = Vec::new();
+    let mut worse = Vec::new();
+    for both in all.iter().filter(|both| matches!(both.claim.test, Test::Kept)) {
+        for (world, judged) in World::OF_CAMPAIGNS.into_iter().zip(&both.judged) {
+            let Some((rule, chance)) = judged.by_rule.and_then(|rule| Some((rule, rule.by_chance?))) else { continue };
+            let case = format!("{} in {} water", both.claim.study.words(), world.name());
+            words.push(format!(
+                "{case} {} campaigns, {:.1} %, and by a blind draw {:.1} %",
+                rule.count,
+                100.0 * rule.count.share(),
+                100.0 * chance
+            ));
+            if rule.count.share() < chance {
+                worse.push(case);
+            }
+        }
+    }
+    let follows = if worse.is_empty() {
+        "It never keeps it less often than a blind draw.".to_owned()
+    } else {
+        format!(
+            "Less often than by a blind draw: {}; there the test drops the best sooner than other cells.",
+            worse.join(", ")
+        )
+    };
+    let still: Vec<&Case<'_>> =
+        cases.iter().filter(|case| case.study == Study::Four && case.world != World::Cameras).collect();
+    let ends = still.iter().flat_map(|case| case.ends(JUDGED));
+    format!(
+        "The test of Section 5.5 keeps the best design known in so many campaigns, where a blind draw of as many cells as are left would keep it \
+         as often as they are a part of the space: {}. {follows} With four parameters, {} campaigns, the best known is the cheapest that any \
+         compared method chose, and a better one may have been dropped or kept unseen.",
+        words.join("; "),
+        ends.count()
+    )
+}
+
+/// Campaigns of Chapter 4 that end on the upper bound of the pitch.
+pub(super) fn at_bound(setup: &Setup, cases: &[Case<'_>]) -> String {
+    let Some(pitch) = setup.chapter4.problem.region().parameters().get(1) else { return String::new() };
+    let is_at = |x: f64| x >= pitch.upper() - AT_BOUND * pitch.width();
+    let words = World::OF_CAMPAIGNS.map(|world| {
+        let mine = cases.iter().filter(|case| case.study == Study::Chapter4 && case.world == world);
+        let ends: Vec<f64> = mine.flat_map(|case| case.ends(JUDGED)).map(|row| row.point[1]).collect();
+        let n = ends.iter().filter(|x| is_at(**x)).count();
+        format!("{n} of {} campaigns in {} water", ends.len(), world.name())
+    });
+    let printed = setup.chapter4.file.published.last().map_or(f64::NAN, |row| row.pitch_set_point);
+    format!(
+        "In Chapter 4 the dissertation's loop ends exactly on the upper bound of the pitch, {} deg, in {}. That bound is ours: of these \
+         campaigns, that the pitch rises (Table 3) says no more than that they run into it, beyond the {printed} deg to which the optimum of the stand-in was fitted.",
+        pitch.upper(),
+        words.join(" and ")
+    )
+}
