@@ -19,6 +19,7 @@ pub(super) const PEERS: &[Peer] = &[
     Peer { name: "botorch", words: "BoTorch" },
     Peer { name: "botorch-multifidelity", words: "BoTorch, two fidelities" },
     Peer { name: "smt", words: "SMT, two fidelities" },
+    Peer { name: "baybe", words: "BayBE" },
     Peer { name: "optuna", words: "Optuna TPE" },
 ];
 
