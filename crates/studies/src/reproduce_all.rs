@@ -163,7 +163,7 @@ fn first_screen<'a>(listed: &[Listed<'_>], over: &Over, picture: &'a Picture) ->
     let contributions = contributions.map(|one| claims::finding(one.claim));
     let head = Finding::new("The contributions that the dissertation names:");
     let head_over = Finding::new(
-        "The same over an ensemble of plants that meet the published numbers, the one plant of the chapters being one of many:",
+        "The same over an ensemble of plants that meet the published numbers, a cloud about one start, of which the one plant of the chapters is the middle:",
     );
     let over = over.counts.iter().map(|words| Finding::new(words.clone())).fold(head_over, Finding::detail);
     let few = Finding::new(few_words(listed.iter().map(|one| one.claim)));

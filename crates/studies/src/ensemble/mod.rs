@@ -1,4 +1,4 @@
-//! `cargo xtask reproduce-all --ensemble`: the claims of Chapters 4 and 7 on every plant that the published numbers allow.
+//! `cargo xtask reproduce-all --ensemble`: the claims of Chapters 4 and 7 on plants that meet the published numbers.
 //!
 //! The one plant of the other studies is one of these, their medoid, in still water, with equal sides and a state that is known: on it most
 //! claims can neither hold nor fail. Here campaigns are run on all plants of `fixtures/bat/ensemble`, each in two worlds ([`row`]),

@@ -237,8 +237,8 @@ fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> V
         other => format!(" ({other} with four parameters)"),
     };
     findings.push(format!(
-        "{} plants, {} seeds{}, two worlds: {flights:.0} flights in {:.0} minutes. Plants by study: {}. No experiment was \
-         made in water.",
+        "{} plants, {} seeds{}, two worlds: {flights:.0} flights in {:.0} minutes. Plants by study: {}. They are a cloud about one plant, and not as many \
+         independent answers ([how they were drawn](results-calibration.md)). No experiment was made in water.",
         setup.plants.len(),
         setup.campaigns.seeds,
         of_four,
