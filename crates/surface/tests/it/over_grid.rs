@@ -2,7 +2,7 @@
 
 use doe::Model;
 use proptest::prelude::*;
-use surface::{Confounded, Data, GridPoints, Kind, PointSource as _, Surface};
+use surface::{Confounded, Data, GridPoints, Kind, LANES, PointSource as _, Surface};
 
 use crate::{any_data, check_exact, inverse_distance, kinds, squared_exponential};
 
@@ -24,6 +24,24 @@ fn check_same(found: &[f64], expected: &[f64], size: f64, what: &str) {
     for (index, (a, b)) in found.iter().zip(expected).enumerate() {
         let is_same = (a - b).abs() <= 1e-12 * size || (!a.is_finite() && !b.is_finite());
         assert!(is_same, "{what}, point {index}: {a:?}, one by one {b:?}");
+    }
+}
+
+/// Runs along the last axis that are shorter and longer than a block, begin and end within one, and at any first point.
+#[test]
+fn a_block_holds_the_points_of_the_grid_one_after_the_other() {
+    for lengths in [vec![3, 2], vec![2, 7], vec![3, 2, 11], vec![29]] {
+        let levels = lengths.iter().map(|&n| (0..n).map(f64::from).collect()).collect::<Vec<Vec<f64>>>();
+        let grid = GridPoints::new(levels).expect("a grid");
+        for first in 0..grid.n_points() {
+            let n_filled = LANES.min((grid.n_points() - first) as usize);
+            let mut block = vec![[f64::NAN; LANES]; lengths.len()];
+            grid.fill(first, n_filled, &mut block);
+            for lane in 0..n_filled {
+                let found: Vec<f64> = block.iter().map(|axis| axis[lane]).collect();
+                assert_eq!(Some(found), grid.point(first + lane as u64), "{lengths:?} from {first}, lane {lane}");
+            }
+        }
     }
 }
 

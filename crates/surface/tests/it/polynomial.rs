@@ -17,6 +17,7 @@ fn has_the_values_and_slopes_of_its_closed_form() {
     assert!((cubic().predict(&point) - (2.0 - x * y + 3.0 * x * x * y)).abs() < 1e-15);
     assert_eq!(cubic().gradient(&point), Some(vec![-y + 6.0 * x * y, -x + 3.0 * x * x, 0.0]));
     assert!(cubic().variance(&point).is_none());
+    assert_eq!(cubic().n_factors(), 3, "those of its model");
 }
 
 #[test]
