@@ -47,6 +47,8 @@ mod provenance;
 #[cfg(feature = "ensemble")]
 mod reproduce_all;
 mod reproduction;
+#[cfg(feature = "calibration")]
+mod seal;
 #[cfg(feature = "benchmark")]
 mod speed;
 mod study_file;
