@@ -49,6 +49,8 @@ mod provenance;
 mod reproduce_all;
 mod reproduction;
 mod rules;
+#[cfg(feature = "calibration")]
+mod seal;
 #[cfg(feature = "benchmark")]
 mod speed;
 mod study_file;

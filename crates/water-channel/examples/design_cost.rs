@@ -27,7 +27,9 @@ Flies a design of the Buoyant Air Turbine through the test and prints its cost i
   --fixtures         folder with rig.toml, test-profile.toml and cost-chapter7.toml
   --help             this text
 
-A design that cannot fly the test ends with exit code 1 and the reason, a wrong argument with exit code 2.
+A design that cannot fly the test ends with exit code 1 and the reason, a wrong argument with exit code 2. With cameras in
+rig.toml a test cannot be flown if they give no pose of the body at the start; where later images give none, so that poses
+are held, a warning on stderr says how many.
 ";
 
 /// Wrong arguments.
@@ -128,6 +130,12 @@ impl Channel {
         let fidelity = if design.stand_in { Fidelity::STALLED_WITH_ADDED_MASS } else { Fidelity::NUMERICAL };
         // One step per sample: the numerics of the study of Chapter 7.
         let flight = fly(&FlightRequest { rig, fidelity }, &self.profile, &FlightSettings::with_steps(1))?;
+        if let Some(held) = flight.held_share.filter(|held| *held > 0.0) {
+            eprintln!(
+                "warning: {:.1} % of the images gave no pose: the controller was told the last one again",
+                100.0 * held
+            );
+        }
         let cost = self.weights.cost(&flight.integrals, ballast_pct_chord).total;
         Ok(match design.run {
             Some(run) => BoundedNoise::new(NOISE, 1)?.measured(cost, run),

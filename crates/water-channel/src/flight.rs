@@ -9,7 +9,7 @@ use crate::cost::Integrals;
 use crate::energy::{Energy, Meter};
 use crate::error::{Error, FlightError};
 use crate::footprint::footprint_m2;
-use crate::integrate::{Ending, Sample, Setup, integrate};
+use crate::integrate::{Ending, Sample, Setup, integrate, pose_of};
 use crate::log::{FlightLog, LogRow};
 use crate::profile::TestProfile;
 use crate::rig::Rig;
@@ -42,6 +42,9 @@ pub struct Flight {
     pub final_state: FlightState,
     /// What the turbine of the test gave and the winches took, if the test has one.
     pub energy: Option<Energy>,
+    /// The share of its images of which no pose could be had, so that the controller was told the last one again; none without
+    /// cameras.
+    pub held_share: Option<f64>,
 }
 
 impl Flight {
@@ -142,6 +145,9 @@ impl Ready {
         start[1] += departure.azimuth_rad;
         start[2] += departure.twist_rad;
         check_state(&start, 0.0)?;
+        if let Some(viewer) = &viewer {
+            viewer.check_start(&pose_of(&plant, &start, profile.flow().at(0.0)))?;
+        }
         let density_kg_m3 = request.rig.plant.fluid.density_kg_m3;
         let meter =
             profile.turbine().map(|turbine| Meter { turbine: *turbine, density_kg_m3, energy: Energy::default() });
@@ -158,6 +164,7 @@ impl Ready {
                 trim: self.trim,
                 final_state: ending.final_state,
                 energy: ending.energy,
+                held_share: ending.held_share,
             }),
         }
     }
@@ -166,7 +173,7 @@ impl Ready {
 /// Flies `request` through `profile`, from trim at the profile's first flow or the departure from it that the profile sets.
 ///
 /// # Errors
-/// [`FlightError`]: the flight cannot start, leaves the model, or a line goes slack where that is an error.
+/// [`FlightError`]: the flight cannot start, by cameras that see too little for a pose either, leaves the model, or a line goes slack where that is an error.
 pub fn fly(request: &FlightRequest, profile: &TestProfile, settings: &FlightSettings) -> Result<Flight, FlightError> {
     settings.validate()?;
     let ready = Ready::new(request, &mut Tables::of(profile), None)?;

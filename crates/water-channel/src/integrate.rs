@@ -72,6 +72,7 @@ pub(crate) struct Ending {
     pub(crate) final_state: FlightState,
     pub(crate) failure: Option<FlightError>,
     pub(crate) energy: Option<Energy>,
+    pub(crate) held_share: Option<f64>,
 }
 
 /// What can be seen at one sample, before the plant moves on.
@@ -336,7 +337,8 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
             break;
         }
     }
-    endings(&state, &sums, watchers, duration_s)
+    let held = memory.trackers.map(|tracker| tracker.map(|tracker| tracker.held_share()));
+    endings(&state, &sums, watchers, held, duration_s)
 }
 
 impl<'a, const N: usize> Memory<'a, N> {
@@ -393,19 +395,29 @@ fn observe<T: Carrier<N>, const N: usize>(
     state: &FlightState<T>,
     water: &Water,
 ) -> [Option<Estimate>; N] {
+    let poses = poses(plant, state, water);
+    core::array::from_fn(|lane| trackers[lane].as_mut().map(|tracker| tracker.observe(&poses[lane])))
+}
+
+/// Where each lane is in the ground frame, as cameras see it.
+#[inline(always)]
+fn poses<T: Carrier<N>, const N: usize>(plant: &Plant<T>, state: &FlightState<T>, water: &Water) -> [Pose; N] {
     let seen = sight(plant, state, &water.flow.cast());
     let (right, up) = (water.lateral(&seen).split(), seen.altitude.split());
     let upstream = water.upstream(&seen).split();
     let (roll, pitch, heading) = (seen.roll.split(), seen.pitch.split(), seen.heading.split());
-    core::array::from_fn(|lane| {
-        let pose = Pose {
-            position_m: [upstream[lane], right[lane], -up[lane]],
-            roll_rad: roll[lane],
-            pitch_rad: pitch[lane],
-            heading_rad: heading[lane] + water.flow.direction_rad,
-        };
-        trackers[lane].as_mut().map(|tracker| tracker.observe(&pose))
+    core::array::from_fn(|lane| Pose {
+        position_m: [upstream[lane], right[lane], -up[lane]],
+        roll_rad: roll[lane],
+        pitch_rad: pitch[lane],
+        heading_rad: heading[lane] + water.flow.direction_rad,
     })
+}
+
+/// Where a plant is in the ground frame, in a flow.
+pub(crate) fn pose_of(plant: &Plant, state: &FlightState, flow: Flow) -> Pose {
+    let [pose] = poses::<f64, 1>(plant, state, &Water::new(flow));
+    pose
 }
 
 /// What each lane ends with, after a last look at its state.
@@ -417,6 +429,7 @@ fn endings<T: Carrier<N>, const N: usize>(
     state: &FlightState<T>,
     sums: &[T; N_SUMS],
     mut watchers: [Watcher; N],
+    held: [Option<f64>; N],
     duration_s: f64,
 ) -> [Ending; N] {
     let end = core::array::from_fn::<_, N, _>(|lane| state.map(|x| x.split()[lane]));
@@ -434,6 +447,7 @@ fn endings<T: Carrier<N>, const N: usize>(
             final_state: end[lane],
             failure: watcher.failure,
             energy: watcher.meter.map(|meter| meter.energy),
+            held_share: held[lane],
         };
         lane += 1;
         ending

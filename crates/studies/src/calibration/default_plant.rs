@@ -150,14 +150,11 @@ fn replace(entry: &mut InlineTable, name: &str, mut value: Value) -> Result<()> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibration::ENSEMBLE;
     use crate::calibration::store::Store;
 
     fn ensemble() -> (Calibration, Store) {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let calibration = Calibration::read(&root).expect("a file");
-        let store = Store::read(&root.join(ENSEMBLE), calibration.keys()).expect("an ensemble");
-        (calibration, store)
+        crate::calibration::read(&root).expect("an ensemble")
     }
 
     /// By numpy: rows of members.csv as shares, linear or of the logarithm, `linalg.norm` of all differences.

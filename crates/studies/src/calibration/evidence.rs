@@ -121,6 +121,7 @@ pub(super) fn bounds(entries: &[BoxEntry]) -> Result<[Bounds; 2]> {
     for entry in entries {
         let bounds = [entry.center_of_mass, entry.pitch_set_point];
         for ([lower, upper], name) in bounds.into_iter().zip(["center_of_mass", "pitch_set_point"]) {
+            ensure!(lower.is_finite() && upper.is_finite(), "box of {}: {name} must have finite ends", entry.study);
             ensure!(
                 lower < upper,
                 "box of {}: {name} goes from {lower} to {upper}: the first must be lower",
@@ -142,7 +143,11 @@ impl EvidenceEntry {
         let inside = design.iter().zip(bounds[study]).all(|(value, [lower, upper])| (lower..=upper).contains(value));
         ensure!(inside, "{label}: {design:?} is not in the box of {name}");
         ensure!(optimum || cost.is_some(), "{label}: evidence is an optimum, or has a cost, or both");
-        ensure!(cost.is_none_or(|cost| cost > 0.0), "{label}: cost = {cost:?}: it must be positive");
+        ensure!(
+            cost.is_none_or(|cost| cost.is_finite() && cost > 0.0),
+            "{label}: cost = {}: it must be positive and finite",
+            cost.unwrap_or(f64::NAN)
+        );
         let (fidelity, bounds) = (fidelity.fidelity(), bounds[study]);
         Ok(Evidence { label, study, fidelity, design, is_optimum: optimum, cost, bounds })
     }
@@ -175,6 +180,33 @@ impl Evidence {
         }
         residuals.extend(self.cost.map(|cost| (costs[0] / cost - 1.0) / tolerance.cost));
         residuals
+    }
+
+    /// What it asks for and what was found, number by number; `costs` are those of the spots.
+    fn rows(&self, costs: &[f64], tolerance: &Tolerance) -> Vec<Found> {
+        let mut rows = Vec::new();
+        if self.is_optimum {
+            let (steps, _) = self.displacement(costs, tolerance);
+            let design = core::array::from_fn(|k| self.design[k] + steps[k] * tolerance.of_design()[k]);
+            rows.extend(self.places(design, tolerance));
+        }
+        rows.extend(self.cost.map(|printed| {
+            let (found, allowed) = (costs[0], tolerance.cost * printed);
+            Found { label: self.label.clone(), what: "cost, s", printed, found, allowed }
+        }));
+        rows
+    }
+
+    /// Its optimum, where the lowest cost was found at a design.
+    pub(super) fn places(&self, design: [f64; 2], tolerance: &Tolerance) -> [Found; 2] {
+        let names = ["center of mass, % chord", "pitch set point, deg"];
+        core::array::from_fn(|k| Found {
+            label: self.label.clone(),
+            what: names[k],
+            printed: self.design[k],
+            found: design[k],
+            allowed: tolerance.of_design()[k],
+        })
     }
 
     /// From the design to the lowest cost within the bounds, as the quadratic through the spots has it, in tolerances; and what
@@ -229,6 +261,25 @@ fn lowest_within([a, b, c]: [f64; 3], g: [f64; 2], room: Bounds) -> [f64; 2] {
     edges.min_by(|x, y| value(*x).total_cmp(&value(*y))).unwrap_or([0.0; 2])
 }
 
+/// A published number, and what a plant has in its place.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Found {
+    /// Of the evidence.
+    pub(super) label: String,
+    pub(super) what: &'static str,
+    pub(super) printed: f64,
+    pub(super) found: f64,
+    /// How far apart both may be.
+    pub(super) allowed: f64,
+}
+
+impl Found {
+    /// How far apart they are, in units of what is allowed.
+    pub(super) fn tolerances(&self) -> f64 {
+        (self.found - self.printed).abs() / self.allowed
+    }
+}
+
 /// A design that was better than the optimum of some evidence, where it should not be.
 #[derive(Debug, Clone)]
 pub(super) struct Rival {
@@ -257,6 +308,18 @@ impl<'a> Aims<'a> {
     pub(super) fn spots(&self) -> Vec<Spot> {
         let rivals = self.rivals.iter().map(|rival| Spot::new(self.evidence[rival.evidence].fidelity, rival.design));
         self.evidence.iter().flat_map(Evidence::spots).chain(rivals).collect()
+    }
+
+    /// All that is asked for, row by row; `flown` belongs to the spots.
+    pub(super) fn rows(&self, candidate: &Candidate, flown: &[Flown]) -> Vec<Found> {
+        let mut rest = flown;
+        let rows = self.evidence.iter().flat_map(|evidence| {
+            let (own, others) = rest.split_at(evidence.spots().len());
+            rest = others;
+            let costs: Vec<f64> = own.iter().map(|flown| flown.cost(&candidate.weights[evidence.study])).collect();
+            evidence.rows(&costs, &self.tolerance)
+        });
+        rows.collect()
     }
 
     /// In tolerances; `flown` belongs to the spots.
@@ -325,6 +388,23 @@ mod tests {
         assert!((x + 1.0).abs() < 1e-9 && (y - 3.0).abs() < 1e-9, "{x} {y}");
         let [x, y] = found([[40.0, 60.0], [0.0, 11.0]], |x, y| 50.0 + x * x + y * y + x * y - x - 5.0 * y);
         assert!(x.abs() < 1e-9 && (y - 1.0).abs() < 1e-9, "{x} {y}");
+    }
+
+    /// The rows of evidence are its residuals, in the units of what is printed.
+    #[test]
+    fn rows_say_what_the_residuals_say() {
+        let evidence = Evidence { cost: Some(52.0), ..evidence([[40.0, 60.0], [0.0, 30.0]]) };
+        let cost = |x: f64, y: f64| 50.0 + x * x + y * y + x * y - x - 5.0 * y;
+        let spots = evidence.spots();
+        let costs: Vec<f64> = spots.iter().map(|spot| cost(spot.design[0] - 48.0, spot.design[1] - 10.0)).collect();
+        let rows = evidence.rows(&costs, &TOLERANCE);
+        let residuals = evidence.residuals(&costs, &TOLERANCE);
+        assert_eq!((rows.len(), residuals.len()), (3, 3));
+        for (row, residual) in rows.iter().zip(residuals) {
+            assert!((row.tolerances() - residual.abs()).abs() < 1e-9, "{row:?} {residual}");
+        }
+        // The lowest point by hand.
+        assert!((rows[0].found - 47.0).abs() < 1e-9 && (rows[1].found - 13.0).abs() < 1e-9, "{rows:?}");
     }
 
     /// A saddle has no lowest point: it is looked for downhill, and at the bound.

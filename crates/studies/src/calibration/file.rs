@@ -12,9 +12,16 @@ use super::candidate::{Candidate, Flown, Spot, fly};
 use super::evidence::{self, Bounds, BoxEntry, Evidence, EvidenceEntry, HeldOutEntry, Tolerance};
 use super::free::{Free, FreeEntry};
 use super::outcome::Member;
+use super::store::{Range, Shape};
+use crate::costs::key::Key;
+use crate::seal::{decisive, drop_entries};
 use crate::study_file;
 
 const FILE: &str = "fixtures/bat/calibration.toml";
+/// Keys that do not decide what comes of a start; what `files` names counts by its contents.
+const BESIDE: [&str; 4] = ["members", "most_starts", "held_out", "files"];
+/// What stands before the keys of free numbers in the files of the default plant.
+const BEFORE: [&str; 3] = ["", "chapter4.", "chapter7."];
 /// Starts stay this far inside of their ranges.
 const INSIDE: f64 = 0.05;
 
@@ -59,6 +66,7 @@ pub(super) struct Calibration {
     pub(super) base: Candidate,
     /// The files of the default plant: rig, and the weights of each study.
     pub(super) files: [PathBuf; 3],
+    profile_file: PathBuf,
     pub(super) profile: TestProfile,
     pub(super) settings: FlightSettings,
     pub(super) boxes: [Bounds; 2],
@@ -77,7 +85,8 @@ impl Calibration {
         let FilesEntry { rig, profile, chapter4, chapter7 } = &file.files;
         let files = [rig, chapter4, chapter7].map(|name| directory.join(name));
         let rig = RigFile::read(directory.join(rig))?.rig;
-        let profile = ProfileFile::read(directory.join(profile))?.profile;
+        let profile_file = directory.join(profile);
+        let profile = ProfileFile::read(&profile_file)?.profile;
         let weights = [chapter4, chapter7].map(|name| CostFile::read(directory.join(name)));
         let [chapter4, chapter7] = weights;
         let (chapter4, chapter7) = (chapter4?, chapter7?);
@@ -86,7 +95,12 @@ impl Calibration {
             ensure!(weight == 0.0, "{name}: `k8_net_energy` is {weight}: it must be 0, the studies weigh no energy");
         }
         let base = Candidate { rig, weights: [chapter4.weights, chapter7.weights] };
-        ensure!(file.members > 0, "members = 0: it must be at least 1");
+        let members = file.members;
+        ensure!(
+            members >= 2,
+            "members = {members}: it must be at least 2, the default plant is the one nearest to all others"
+        );
+        ensure!(file.most_starts > 0, "most_starts = 0: it must be at least 1");
         let [least, most] = file.reach;
         ensure!(
             0.0 < least && least <= most && most <= 1.0,
@@ -98,8 +112,20 @@ impl Calibration {
         file.tolerance.check()?;
         let boxes = evidence::bounds(&file.boxes)?;
         ensure!(!file.evidence.is_empty(), "no [[evidence]]: there is nothing to fit");
-        let evidence = file.evidence.into_iter().map(|entry| entry.check(&boxes)).collect::<Result<_>>()?;
+        let evidence: Vec<Evidence> =
+            file.evidence.into_iter().map(|entry| entry.check(&boxes)).collect::<Result<_>>()?;
+        ensure!(
+            !file.held_out.is_empty(),
+            "no [[held_out]]: the page needs a published number that nothing is fitted to"
+        );
         let held_out = file.held_out.into_iter().map(|entry| entry.check(&boxes)).collect::<Result<_>>()?;
+        for (index, one) in evidence.iter().enumerate() {
+            ensure!(
+                evidence[..index].iter().all(|other| other.label != one.label),
+                "evidence `{}` stands twice",
+                one.label
+            );
+        }
         let free: Vec<Free> = file.free.into_iter().map(FreeEntry::check).collect::<Result<_>>()?;
         ensure!(!free.is_empty(), "no [[free]] number: there is nothing to choose");
         for (index, one) in free.iter().enumerate() {
@@ -114,6 +140,7 @@ impl Calibration {
             reach: file.reach,
             base,
             files,
+            profile_file,
             profile,
             settings,
             boxes,
@@ -124,6 +151,26 @@ impl Calibration {
         })
     }
 
+    /// What the tables of what was found hold: the columns, and a name of all that decides what comes of a start.
+    pub(super) fn shape(&self, root: &Path) -> Result<Shape> {
+        let of = |path: &Path, beside: &[&str]| {
+            let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+            decisive(&text, beside).with_context(|| path.display().to_string())
+        };
+        let free: Vec<String> = self.free.iter().flat_map(|free| free.keys().map(str::to_owned)).collect();
+        let mut key = Key::default().with(of(&root.join(FILE), &BESIDE)?.to_string());
+        key = key.with(of(&self.profile_file, &[])?.to_string());
+        // The plants that are kept differ from the default plant in these numbers, and do not depend on its own.
+        for (path, before) in self.files.iter().zip(BEFORE) {
+            let mut table = of(path, &[])?;
+            drop_entries(&mut table, before, &free);
+            key = key.with(table.to_string());
+        }
+        let range = |free: &Free| Range { key: free.key.clone(), lower: free.lower, upper: free.upper };
+        Ok(Shape { key: key.name(), ranges: self.free.iter().map(range).collect() })
+    }
+
+    #[cfg(feature = "ensemble")]
     pub(super) fn keys(&self) -> Vec<String> {
         self.free.iter().map(|free| free.key.clone()).collect()
     }
@@ -206,8 +253,88 @@ mod tests {
         refuses("start = 0.0002379", "start = 0.2379", &["plant.body.volume", "0.2379", "0.000207 to 0.0002394"]);
         refuses("start = 0.0002379", "", &["plant.body.volume", "no start"]);
         refuses("members = 30", "member = 30", &["member"]);
-        refuses("members = 30", "members = 0", &["members = 0", "at least 1"]);
+        refuses("members = 30", "members = 1", &["members = 1", "at least 2"]);
+        refuses("most_starts = 400", "most_starts = 0", &["most_starts = 0", "at least 1"]);
+        refuses("most_starts = 400", "most_starts = -1", &["most_starts", "-1"]);
+        refuses("reach = [0.1, 0.5]", "reach = [0.5, 0.1]", &["reach = [0.5, 0.1]", "least <= most"]);
+        refuses("reach = [0.1, 0.5]", "reach = [0.1, nan]", &["reach = [0.1, NaN]"]);
+        refuses(
+            "center_of_mass = [45.65, 51.25]",
+            "center_of_mass = [51.25, 45.65]",
+            &["box of chapter4", "center_of_mass"],
+        );
+        refuses("pitch_set_point = [0.0, 22.0]", "pitch_set_point = [0.0, inf]", &["box of chapter4", "finite"]);
+        refuses("cost = 4.35", "cost = inf", &["Table 3, row 1", "inf", "positive"]);
+        refuses("cost = 0.02", "cost = -0.02", &["tolerance.cost = -0.02", "positive"]);
+        refuses(
+            "Table 3, row 1: the experiment there",
+            "Table 3, row 1: optimum of the model",
+            &["evidence", "stands twice"],
+        );
+        refuses("lower = 0.000207", "lower = nan", &["plant.body.volume", "NaN"]);
+        refuses("start = 0.0002379", "start = nan", &["plant.body.volume", "NaN"]);
         refuses("cost = 0.02", "cost = 0.0", &["tolerance.cost = 0", "positive"]);
+    }
+
+    /// A file without the tables of this name.
+    fn without(name: &str) -> String {
+        let read = study_file::read_changed("calibration.toml", Calibration::of, |text| {
+            let mut table: toml::Table = text.parse().expect("a file");
+            table.remove(name);
+            table.to_string()
+        });
+        format!("{:#}", read.expect_err("an error"))
+    }
+
+    #[test]
+    fn missing_tables_are_named() {
+        for name in ["evidence", "held_out", "free", "box", "tolerance"] {
+            assert!(without(name).contains(name), "{}", without(name));
+        }
+    }
+
+    /// Numbers decide what comes of a start; words, counts and the free numbers of the default plant do not.
+    #[test]
+    fn key_of_what_is_kept_follows_from_what_decides() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let folder = tempfile::tempdir().expect("a folder");
+        let bat = folder.path().join("fixtures/bat");
+        std::fs::create_dir_all(&bat).expect("a folder");
+        let names = ["calibration.toml", "rig.toml", "test-profile.toml", "cost-chapter4.toml", "cost-chapter7.toml"];
+        for name in names {
+            std::fs::copy(root.join("fixtures/bat").join(name), bat.join(name)).expect("a copy");
+        }
+        let key = || Calibration::read(folder.path()).and_then(|file| file.shape(folder.path())).expect("a key").key;
+        let before = key();
+        let after = |name: &str, from: &str, to: &str| {
+            let text = std::fs::read_to_string(bat.join(name)).expect("a file");
+            assert!(text.contains(from), "{name} has no {from}");
+            std::fs::write(bat.join(name), text.replacen(from, to, 1)).expect("written");
+            let key = key();
+            std::fs::write(bat.join(name), text).expect("written");
+            key
+        };
+        for (from, to) in [
+            ("members = 30", "members = 40"),
+            ("most_starts = 400", "most_starts = 500"),
+            ("reason = \"15 to 33 %", "reason = \"about 15 to 33 %"),
+            ("cost = 6.12", "cost = 6.13"),
+            ("# Fitted until", "# It is fitted until"),
+        ] {
+            assert_eq!(before, after("calibration.toml", from, to), "{to}");
+        }
+        assert_eq!(before, after("rig.toml", "the ensemble, its medoid", "the ensemble"));
+        for (name, from, to) in [
+            ("calibration.toml", "cost = 5.81", "cost = 5.50"),
+            ("calibration.toml", "upper = 0.0002394", "upper = 0.0002395"),
+            ("calibration.toml", "seed = 1", "seed = 2"),
+            ("calibration.toml", "reach = [0.1, 0.5]", "reach = [0.1, 0.6]"),
+            ("calibration.toml", "cost = 0.02", "cost = 0.03"),
+            ("test-profile.toml", "0.205", "0.206"),
+            ("rig.toml", "value = 1000.0", "value = 1001.0"),
+        ] {
+            assert_ne!(before, after(name, from, to), "{name}: {to}");
+        }
     }
 
     /// Starts are drawn by number, so that they do not depend on how a run was cut; each stays within its ranges.

@@ -10,7 +10,7 @@ use super::outcome::Refusal;
 /// A fit goes on until no residual is above this share of its tolerance.
 const AIM: f64 = 0.3;
 /// And has met the evidence when none is above this one.
-const MET: f64 = 0.8;
+pub(super) const MET: f64 = 0.8;
 /// Differences are taken anew where a step leaves more of the sum of squares.
 const STALE: f64 = 0.15;
 const SLOW: f64 = 0.6;
@@ -35,7 +35,14 @@ pub(super) struct Fitted {
     pub(super) candidate: Candidate,
     pub(super) residuals: Vec<f64>,
     /// Of the spots of its aims.
-    flown: Vec<Flown>,
+    pub(super) flown: Vec<Flown>,
+}
+
+/// Why a fit has no plant, and where it ended, if it could begin.
+#[derive(Debug)]
+pub(super) struct Unmet {
+    pub(super) refusal: Refusal,
+    pub(super) at: Option<Box<Fitted>>,
 }
 
 /// A fit at work.
@@ -49,10 +56,10 @@ impl<'a> Fit<'a> {
         Self { calibration, aims }
     }
 
-    /// From these coordinates on; with the largest residual that is left where the evidence is not met.
-    pub(super) fn run(&self, start: &[f64]) -> Result<Fitted, (Refusal, Option<f64>)> {
+    /// From these coordinates on.
+    pub(super) fn run(&self, start: &[f64]) -> Result<Fitted, Unmet> {
         let Some(mut now) = self.at(&[start.to_vec()]).pop().flatten() else {
-            return Err((Refusal::CannotFly, None));
+            return Err(Unmet { refusal: Refusal::CannotFly, at: None });
         };
         let mut damping = 1e-2;
         let mut turns = 0..;
@@ -89,8 +96,11 @@ impl<'a> Fit<'a> {
             }
             (now, damping) = (next, softer);
         }
-        let worst = worst(&now.residuals);
-        if worst <= MET { Ok(now) } else { Err((Refusal::NotMet, Some(worst))) }
+        if worst(&now.residuals) <= MET {
+            Ok(now)
+        } else {
+            Err(Unmet { refusal: Refusal::NotMet, at: Some(Box::new(now)) })
+        }
     }
 
     /// A step that lowers the residuals, shortened until it does, and the damping for the next one.

@@ -16,7 +16,7 @@ use crate::variable::{Variable, point_words};
 #[serde(deny_unknown_fields)]
 pub(crate) struct StudyFile {
     pub(crate) title: String,
-    files: FilesEntry,
+    pub(crate) files: FilesEntry,
     parameter: Vec<LoopParameter>,
     #[serde(rename = "loop")]
     iterations: LoopEntry,

@@ -10,6 +10,7 @@ use serde::Deserialize;
 use water_channel::{ProfileFile, Rig, Sensing, SensingFile, TestProfile};
 
 use crate::costs::key::Key;
+use crate::seal::drop_entries;
 use crate::study_file::{self, check_seeds};
 use crate::{calibration, chapter4, chapter7};
 
@@ -207,12 +208,7 @@ fn text(folder: &Path, name: &str) -> Result<String> {
 /// What all plants have in common of a file of the default plant: all but the numbers that are free.
 fn common(text: &str, before: &str, free: &[String]) -> Result<String> {
     let mut table: toml::Table = text.parse()?;
-    for key in free.iter().filter_map(|key| key.strip_prefix(before)) {
-        let mut path: Vec<&str> = key.split('.').collect();
-        let last = path.pop().unwrap_or_default();
-        let section = path.iter().try_fold(&mut table, |table, name| table.get_mut(*name)?.as_table_mut());
-        section.and_then(|section| section.remove(last));
-    }
+    drop_entries(&mut table, before, free);
     Ok(table.to_string())
 }
 

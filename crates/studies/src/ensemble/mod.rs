@@ -30,7 +30,7 @@ mod unit;
 
 use std::path::Path;
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail};
 
 use crate::calibration::Plant;
 use crate::claims::Place;
@@ -108,6 +108,20 @@ fn open(root: &Path, setup: &Setup) -> Result<Store> {
     Store::read(&root.join(FOLDER), &setup.key)
 }
 
+/// The same, with nothing missing.
+fn open_whole(root: &Path, setup: &Setup) -> Result<Store> {
+    let store = open(root, setup)?;
+    let works = works(setup);
+    let missing: Vec<Unit> = works.iter().map(Work::unit).filter(|unit| !store.has(unit)).collect();
+    if let Some((work, plant)) = missing.first() {
+        let (n, all) = (missing.len(), works.len());
+        bail!(
+            "{FOLDER}: {n} of {all} studies of a plant are missing, {work} of plant {plant} first: run `cargo xtask reproduce-all --ensemble`"
+        );
+    }
+    Ok(store)
+}
+
 /// What became of a claim over the ensemble, for the page over all chapters.
 pub(crate) struct OverEnsemble {
     pub(crate) place: Place,
@@ -118,7 +132,7 @@ pub(crate) struct OverEnsemble {
 /// All claims that were judged, and how many became what in each world, from what is kept.
 pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
     let setup = Setup::read(root)?;
-    let store = open(root, &setup)?;
+    let store = open_whole(root, &setup)?;
     let cases = kept::cases(&store.done);
     let all = page::judged(&setup, &cases);
     let counts = page::counts(&all);
@@ -133,21 +147,14 @@ pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
 /// Writes the page from what is kept, and runs nothing.
 pub(crate) fn write_page(root: &Path) -> Result<()> {
     let setup = Setup::read(root)?;
-    let store = open(root, &setup)?;
+    let store = open_whole(root, &setup)?;
     page::write(root, &setup, &store)
 }
 
 /// That the page follows from what is kept, and that a plant flies as it did when that was kept.
 pub(crate) fn check(root: &Path) -> Result<()> {
     let setup = Setup::read(root)?;
-    let store = open(root, &setup)?;
-    for work in works(&setup) {
-        ensure!(
-            store.has(&work.unit()),
-            "{FOLDER}: nothing of {:?}: run `cargo xtask reproduce-all --ensemble`",
-            work.unit()
-        );
-    }
+    let store = open_whole(root, &setup)?;
     cameras::fly_again(&setup, &store.done)?;
     page::check(root, &setup, &store)
 }

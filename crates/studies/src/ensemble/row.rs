@@ -240,28 +240,28 @@ impl Row {
     }
 
     pub(super) fn read(cells: &[String]) -> Result<Self> {
-        ensure!(cells.len() == row_head().len(), "{} cells, {} are needed", cells.len(), row_head().len());
-        let at = |k: usize| number(&cells[k]);
-        let coordinates = &cells[N_OWN..N_OWN + N_COORDINATES];
+        let head = row_head();
+        ensure!(cells.len() == head.len(), "{} cells, {} are needed", cells.len(), head.len());
+        let column = |k: usize| format!("column `{}`", head[k]);
+        let at = |k: usize| number(&cells[k]).with_context(|| column(k));
+        let whole = |k: usize| -> Result<u64> {
+            cells[k].parse().ok().with_context(|| format!("{}: `{}` is no whole number", column(k), cells[k]))
+        };
         let mut readings = [f64::NAN; N_READINGS];
         for (k, reading) in readings.iter_mut().enumerate() {
             *reading = at(N_OWN + N_COORDINATES + k)?;
         }
         Ok(Self {
-            study: named(&Study::ALL, Study::name, &cells[0])?,
-            world: named(&World::ALL, World::name, &cells[1])?,
-            method: named(&Method::ALL, Method::name, &cells[2])?,
-            seed: cells[3].parse().context("seed")?,
-            step: cells[4].parse().context("step")?,
+            study: named(&Study::ALL, Study::name, &cells[0]).with_context(|| column(0))?,
+            world: named(&World::ALL, World::name, &cells[1]).with_context(|| column(1))?,
+            method: named(&Method::ALL, Method::name, &cells[2]).with_context(|| column(2))?,
+            seed: whole(3)?,
+            step: whole(4)? as usize,
             share: at(5)?,
             spread: at(6)?,
             keeps_best: at(7)?,
             bound: at(8)?,
-            point: coordinates
-                .iter()
-                .filter(|text| !text.is_empty())
-                .map(|text| number(text))
-                .collect::<Result<_>>()?,
+            point: (N_OWN..N_OWN + N_COORDINATES).filter(|k| !cells[*k].is_empty()).map(at).collect::<Result<_>>()?,
             readings,
         })
     }
@@ -273,12 +273,14 @@ impl Fact {
     }
 
     pub(super) fn read(cells: &[String]) -> Result<Self> {
-        ensure!(cells.len() == fact_head().len(), "{} cells, {} are needed", cells.len(), fact_head().len());
+        let head = fact_head();
+        ensure!(cells.len() == head.len(), "{} cells, {} are needed", cells.len(), head.len());
+        let column = |k: usize| format!("column `{}`", head[k]);
         Ok(Self {
-            study: named(&Study::ALL, Study::name, &cells[0])?,
-            world: named(&World::ALL, World::name, &cells[1])?,
+            study: named(&Study::ALL, Study::name, &cells[0]).with_context(|| column(0))?,
+            world: named(&World::ALL, World::name, &cells[1]).with_context(|| column(1))?,
             name: cells[2].clone(),
-            value: number(&cells[3])?,
+            value: number(&cells[3]).with_context(|| column(3))?,
         })
     }
 }

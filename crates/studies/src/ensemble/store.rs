@@ -2,16 +2,19 @@
 //!
 //! A unit counts as done when its last line is in the last table; what an interrupted run left of another is dropped when the
 //! store is opened, with a word. The first line of each table names what its rows follow from.
+//!
+//! Beside the time that a unit took stands how many lines it has in the other tables, and their sums ([`crate::seal`]): a line that
+//! was changed, taken out or added is an error when the store is opened.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Error, Result, anyhow, bail, ensure};
 
 use super::row::{Fact, Row, Unit, fact_head, row_head};
-use crate::kept;
+use crate::{kept, seal};
 
 /// What a unit of work found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,12 +31,22 @@ pub(super) struct Done {
     pub(super) found: Found,
 }
 
+/// A line of a table.
+#[derive(Debug)]
+struct Line {
+    /// From 1, of the file.
+    number: usize,
+    unit: Unit,
+    /// Behind those of the unit.
+    cells: Vec<String>,
+}
+
 /// One table: lines of cells, the first two of them the unit.
 #[derive(Debug)]
 struct Lines {
     path: PathBuf,
     first: String,
-    lines: Vec<(Unit, Vec<String>)>,
+    lines: Vec<Line>,
     /// Whether the file holds more than whole lines.
     torn: bool,
 }
@@ -53,28 +66,28 @@ impl Lines {
         }
         let rest = text.strip_prefix(&first).with_context(|| format!("{}: {OTHER}", path.display()))?;
         let whole = rest.rfind('\n').map_or(0, |end| end + 1);
-        let line = |line: &str| -> Result<(Unit, Vec<String>)> {
+        let line = |number: usize, line: &str| -> Result<Line> {
             let mut cells = line.split(',').map(str::to_owned);
-            let unit = cells.next().zip(cells.next()).context("no unit")?;
-            Ok(((unit.0, unit.1.parse().context("plant")?), cells.collect()))
+            let (work, plant) = cells.next().zip(cells.next()).context("no unit")?;
+            let plant = plant.parse().ok().with_context(|| format!("column `plant`: `{plant}` is no number"))?;
+            Ok(Line { number, unit: (work, plant), cells: cells.collect() })
         };
-        let lines = rest[..whole].lines().enumerate();
-        let lines =
-            lines.map(|(number, text)| line(text).with_context(|| format!("{}: line {}", path.display(), number + 3)));
+        let lines = (LINES_BEFORE + 1..).zip(rest[..whole].lines());
+        let lines = lines.map(|(number, text)| line(number, text).with_context(|| place(&path, number)));
         Ok(Self { torn: whole < rest.len(), lines: lines.collect::<Result<_>>()?, path, first })
     }
 
     /// Keeps lines of these units only.
     fn keep(&mut self, units: &BTreeSet<Unit>) {
         let before = self.lines.len();
-        self.lines.retain(|(unit, _)| units.contains(unit));
+        self.lines.retain(|line| units.contains(&line.unit));
         self.torn |= self.lines.len() < before;
     }
 
     /// Writes what is kept where the file holds something else; whether something was dropped.
     fn drop_unfinished(&self) -> Result<bool> {
         if self.torn || !self.path.exists() {
-            let text: String = self.lines.iter().map(|(unit, cells)| text_of(unit, cells)).collect();
+            let text: String = self.lines.iter().map(|line| text_of(&line.unit, &line.cells)).collect();
             kept::replace(&self.path, (self.first.clone() + &text).as_bytes())?;
         }
         Ok(self.torn)
@@ -88,9 +101,87 @@ impl Lines {
         file.sync_all().with_context(words)
     }
 
-    fn of<'a>(&'a self, unit: &'a Unit) -> impl Iterator<Item = &'a Vec<String>> {
-        self.lines.iter().filter(move |(own, _)| own == unit).map(|(_, cells)| cells)
+    /// The lines of each unit.
+    fn by_unit(&self) -> BTreeMap<&Unit, Vec<&Line>> {
+        let mut lines: BTreeMap<&Unit, Vec<&Line>> = BTreeMap::new();
+        for line in &self.lines {
+            lines.entry(&line.unit).or_default().push(line);
+        }
+        lines
     }
+
+    /// What lines say, by one reader; an error names file and line.
+    fn read_all<T>(&self, lines: &[&Line], read: fn(&[String]) -> Result<T>) -> Result<Vec<T>> {
+        let read = |line: &&Line| {
+            let words = |error: Error| anyhow!("{}: {error:#}; {REMEDY}", place(&self.path, line.number));
+            read(&line.cells).map_err(words)
+        };
+        lines.iter().map(read).collect()
+    }
+
+    /// That the lines of a unit are those that were counted and summed when it was done.
+    fn check(&self, unit: &Unit, lines: &[&Line], Sum { count, sum }: &Sum) -> Result<()> {
+        let found = Sum::of(unit, lines.iter().map(|line| &line.cells));
+        let words = || format!("{}: {}, plant {}", self.path.display(), unit.0, unit.1);
+        ensure!(found.count == *count, "{}: {} lines of {count} are there; {REMEDY}", words(), found.count);
+        let first = lines.first().map_or(0, |line| line.number);
+        ensure!(found.sum == *sum, "{}: some of its lines, from line {first} on, were changed; {REMEDY}", words());
+        Ok(())
+    }
+}
+
+/// How many lines a unit has in a table, and the sum of their text.
+#[derive(Debug, PartialEq)]
+struct Sum {
+    count: usize,
+    sum: String,
+}
+
+impl Sum {
+    fn of<'a>(unit: &Unit, lines: impl Iterator<Item = &'a Vec<String>>) -> Self {
+        let texts: Vec<String> = lines.map(|cells| text_of(unit, cells)).collect();
+        Self { count: texts.len(), sum: seal::sum(&texts.concat()) }
+    }
+}
+
+/// What stands in the table of times.
+#[derive(Debug)]
+struct Time {
+    seconds: f64,
+    /// Of designs, and of facts.
+    sums: [Sum; 2],
+}
+
+const TIME_HEAD: [&str; 5] = ["seconds", "designs", "sum_of_designs", "facts", "sum_of_facts"];
+
+impl Time {
+    fn cells(&self) -> Vec<String> {
+        let sums = self.sums.iter().flat_map(|Sum { count, sum }| [count.to_string(), sum.clone()]);
+        std::iter::once(format!("{:.1}", self.seconds)).chain(sums).collect()
+    }
+
+    fn read(cells: &[String]) -> Result<Self> {
+        let [seconds, designs, sum_of_designs, facts, sum_of_facts] = cells else {
+            bail!("{} cells, {} are needed", cells.len(), TIME_HEAD.len());
+        };
+        let sum = |column: &str, count: &String, sum: &String| -> Result<Sum> {
+            let count = count.parse().ok().with_context(|| format!("column `{column}`: `{count}` is no number"))?;
+            Ok(Sum { count, sum: sum.clone() })
+        };
+        Ok(Self {
+            seconds: seconds.parse().ok().with_context(|| format!("column `seconds`: `{seconds}` is no number"))?,
+            sums: [sum("designs", designs, sum_of_designs)?, sum("facts", facts, sum_of_facts)?],
+        })
+    }
+}
+
+/// The first line and the head.
+const LINES_BEFORE: usize = 2;
+const REMEDY: &str = "take the tables back from version control, or take all lines of this plant and work out of all three tables and run \
+                      `cargo xtask reproduce-all --ensemble`";
+
+fn place(path: &Path, number: usize) -> String {
+    format!("{}: line {number}", path.display())
 }
 
 const OTHER: &str =
@@ -117,26 +208,38 @@ impl Store {
     pub(super) fn read(folder: &Path, key: &str) -> Result<Self> {
         let lines = |name: &str, head: &[String]| Lines::read(folder.join(name), key, head);
         let mut rows = lines("designs.csv", &row_head())?;
-        let mut times = lines("times.csv", &["seconds".to_owned()])?;
+        let mut times = lines("times.csv", &TIME_HEAD.map(str::to_owned))?;
         let mut facts = lines("facts.csv", &fact_head())?;
         let is_last = |cells: &Vec<String>| cells.get(2).is_some_and(|name| name == LAST);
         let mut units: Vec<Unit> = Vec::new();
-        for (unit, cells) in &facts.lines {
+        for Line { unit, cells, .. } in &facts.lines {
             if is_last(cells) && !units.contains(unit) {
                 units.push(unit.clone());
             }
         }
         let ended: BTreeSet<Unit> = units.iter().cloned().collect();
         [&mut rows, &mut times, &mut facts].into_iter().for_each(|table| table.keep(&ended));
+        let (of_rows, of_times, of_facts) = (rows.by_unit(), times.by_unit(), facts.by_unit());
+        let none = Vec::new();
         let done = units.into_iter().map(|unit| {
-            let found = Found {
-                rows: rows.of(&unit).map(|cells| Row::read(cells)).collect::<Result<_>>()?,
-                facts: facts.of(&unit).map(|cells| Fact::read(cells)).collect::<Result<_>>()?,
-                seconds: times.of(&unit).next().and_then(|cells| cells.first()?.parse().ok()).unwrap_or(0.0),
+            let [rows_of, times_of, facts_of] =
+                [&of_rows, &of_times, &of_facts].map(|lines| lines.get(&unit).unwrap_or(&none));
+            let found_rows = rows.read_all(rows_of, Row::read)?;
+            let found_facts = facts.read_all(facts_of, Fact::read)?;
+            let [Time { seconds, sums: [designs, of_the_facts] }] = &times.read_all(times_of, Time::read)?[..] else {
+                bail!(
+                    "{}: {} lines of {}, plant {}: there must be one; {REMEDY}",
+                    times.path.display(),
+                    times_of.len(),
+                    unit.0,
+                    unit.1
+                );
             };
-            Ok(Done { unit, found })
+            rows.check(&unit, rows_of, designs)?;
+            facts.check(&unit, facts_of, of_the_facts)?;
+            Ok(Done { found: Found { rows: found_rows, facts: found_facts, seconds: *seconds }, unit })
         });
-        let done = done.collect::<Result<Vec<_>>>().with_context(|| folder.display().to_string())?;
+        let done = done.collect::<Result<Vec<_>>>()?;
         Ok(Self { rows, times, facts, done })
     }
 
@@ -159,7 +262,8 @@ impl Store {
         let rows: Vec<_> = found.rows.iter().map(Row::cells).collect();
         let facts: Vec<_> = found.facts.iter().map(Fact::cells).collect();
         self.rows.append(&unit, &rows)?;
-        self.times.append(&unit, &[vec![format!("{:.1}", found.seconds)]])?;
+        let sums = [Sum::of(&unit, rows.iter()), Sum::of(&unit, facts.iter())];
+        self.times.append(&unit, &[Time { seconds: found.seconds, sums }.cells()])?;
         self.facts.append(&unit, &facts)?;
         // As a later run will read it, so that what follows from it does not depend on when that is.
         found.rows = rows.iter().map(|cells| Row::read(cells)).collect::<Result<_>>()?;
@@ -247,6 +351,47 @@ mod tests {
         assert_eq!(own.rows[2].cells(), read.rows[2].cells());
         assert_eq!(read.rows[0].point[1].to_bits(), 0.333_333_f64.to_bits());
         assert_eq!((read.facts.len(), read.facts[1].name.as_str(), read.seconds), (2, LAST, 1.5));
+    }
+
+    #[test]
+    fn damage_is_named_with_file_line_and_column() {
+        let refuse = |name: &str, change: &dyn Fn(&str) -> String, words: &[&str]| {
+            let folder = tempfile::tempdir().expect("a folder");
+            go_on(folder.path());
+            let path = folder.path().join(name);
+            let text = fs::read_to_string(&path).expect("a table");
+            let changed = change(&text);
+            assert_ne!(text, changed);
+            fs::write(&path, changed).expect("written");
+            let error = format!("{:#}", Store::read(folder.path(), "key").expect_err("a damaged table"));
+            assert!(words.iter().chain(&["version control", name]).all(|word| error.contains(word)), "{error}");
+        };
+        // Lines 3 to 5 are of plant 0, 6 to 8 of plant 1.
+        let in_line = |number: usize, from: &'static str, to: &'static str| {
+            move |text: &str| -> String {
+                let lines = (1..).zip(text.lines()).map(|(k, line)| {
+                    let line = if k == number { line.replacen(from, to, 1) } else { line.to_owned() };
+                    line + "\n"
+                });
+                lines.collect()
+            }
+        };
+        let without = |number: usize| {
+            move |text: &str| -> String {
+                (1..).zip(text.lines()).filter(|(k, _)| *k != number).map(|(_, line)| line.to_owned() + "\n").collect()
+            }
+        };
+        refuse("designs.csv", &in_line(7, "0.125", "xyz"), &["line 7", "column `cost_s`", "`xyz`"]);
+        refuse("designs.csv", &in_line(7, ",dissertation", ""), &["line 7", "23 cells, 24"]);
+        refuse("designs.csv", &in_line(7, "moving", "mowing"), &["line 7", "column `world`", "`mowing`"]);
+        refuse("designs.csv", &in_line(7, ",3,", ",x,"), &["line 7", "column `step`", "`x`"]);
+        refuse("designs.csv", &in_line(7, "0.125", "0.126"), &["two, plant 1", "from line 6 on", "changed"]);
+        refuse("designs.csv", &without(7), &["two, plant 1", "2 lines of 3"]);
+        refuse("facts.csv", &in_line(3, "0.25", "0.5"), &["two, plant 0", "changed"]);
+        refuse("facts.csv", &in_line(3, "0.25", "a"), &["line 3", "column `value`", "`a`"]);
+        refuse("facts.csv", &without(3), &["two, plant 0", "1 lines of 2"]);
+        refuse("times.csv", &without(4), &["0 lines of two, plant 1"]);
+        refuse("times.csv", &in_line(4, "1.5", "?"), &["line 4", "column `seconds`"]);
     }
 
     #[test]

@@ -12,9 +12,15 @@ use water_channel::N_TERMS;
 use super::which::Which;
 use crate::calibration::{Candidate, Free, FreeEntry};
 use crate::chapter4::Setup;
+use crate::costs::key::Key;
+use crate::seal::decisive;
 use crate::study_file;
 
 const FILE: &str = "fixtures/bat/identification.toml";
+/// Keys that do not decide what comes of a campaign; the study file that is named counts by its contents.
+const BESIDE: [&str; 3] = ["seeds", "study", "held_out"];
+/// And those of the study file.
+const BESIDE_OF_STUDY: [&str; 2] = ["published", "files"];
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -64,6 +70,8 @@ struct HeldOutEntry {
 pub(super) struct Study {
     pub(super) title: String,
     pub(super) setup: Setup,
+    /// Its file.
+    study: String,
     n_seeds: u64,
     pub(super) loops: Vec<LoopEntry>,
     pub(super) fit: Settings,
@@ -114,6 +122,7 @@ impl Study {
         Ok(Self {
             title: file.title,
             setup,
+            study: file.study,
             n_seeds: file.seeds,
             loops: file.loops,
             fit: file.fit,
@@ -121,6 +130,23 @@ impl Study {
             free,
             unknowns,
         })
+    }
+
+    /// Names all that decides what comes of a campaign.
+    pub(super) fn key(&self, root: &Path) -> Result<String> {
+        let path = root.join(FILE);
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let of = |path: &Path, beside: &[&str]| {
+            let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+            Ok::<_, anyhow::Error>(decisive(&text, beside).with_context(|| path.display().to_string())?.to_string())
+        };
+        let key = Key::default().with(of(&path, &BESIDE)?);
+        let mut key = key.with(of(&folder.join(&self.study), &BESIDE_OF_STUDY)?);
+        let files = &self.setup.file.files;
+        for name in [&files.rig, &files.profile, &files.cost] {
+            key = key.with(of(&folder.join(name), &[])?);
+        }
+        Ok(key.name())
     }
 
     /// As the first variant of the study file, the one that the dissertation prints.

@@ -41,6 +41,9 @@ pub struct Tracker<'a> {
     view: View,
     bundles: Vec<Bundle>,
     last: Option<Pose>,
+    /// Images, and those of which no pose could be had.
+    images: usize,
+    held: usize,
     /// Estimates on their way to the controller, oldest first.
     on_the_way: VecDeque<Estimate>,
 }
@@ -51,7 +54,7 @@ impl<'a> Tracker<'a> {
     pub fn new(viewer: &'a Viewer) -> Self {
         let on_the_way = VecDeque::with_capacity(viewer.delay_samples() + 1);
         let (noise, view) = (PixelNoise::new(viewer.seed()), View::default());
-        Self { viewer, noise, view, bundles: Vec::new(), last: None, on_the_way }
+        Self { viewer, noise, view, bundles: Vec::new(), last: None, images: 0, held: 0, on_the_way }
     }
 
     /// Takes the images of a body at `truth` and returns the estimate that arrives at this sample.
@@ -67,9 +70,17 @@ impl<'a> Tracker<'a> {
             Err(hold) => (last, Some(hold)),
         };
         self.last = Some(pose);
+        self.images += 1;
+        self.held += usize::from(hold.is_some());
         let cameras_seeing = (0..self.viewer.n_cameras()).filter(|camera| self.view.seen_by(*camera) > 0).count();
         let newest = Estimate { pose, dots_seen: self.view.dots_seen(), cameras_seeing, hold };
         self.on_the_way.push_back(newest);
         self.on_the_way.pop_front().unwrap_or(newest)
+    }
+
+    /// The share of the images so far of which no pose could be had, so that the last one was held; 0 before the first image.
+    #[must_use]
+    pub fn held_share(&self) -> f64 {
+        self.held as f64 / self.images.max(1) as f64
     }
 }

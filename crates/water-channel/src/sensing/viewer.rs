@@ -161,6 +161,16 @@ impl Viewer {
         self.eyes.len()
     }
 
+    /// That cameras and dots, without noise and quantization, give a pose of a body at `start`.
+    pub(crate) fn check_start(&self, start: &Pose) -> Result<(), Error> {
+        let exact = Self { noise_px: 0.0, step_px: 0.0, ..self.clone() };
+        let view = exact.look(start, &mut PixelNoise::new(self.seed));
+        let Err(hold) = self.locate(&view, start) else { return Ok(()) };
+        let cameras_seeing = (0..self.n_cameras()).filter(|camera| view.seen_by(*camera) > 0).count();
+        let (dots_seen, dots, cameras) = (view.dots_seen(), self.marks.len(), self.n_cameras());
+        Err(Error::NoFirstPose { hold, dots_seen, dots, cameras_seeing, cameras })
+    }
+
     pub(crate) fn delay_samples(&self) -> usize {
         self.delay_samples
     }

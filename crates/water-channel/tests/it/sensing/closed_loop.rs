@@ -166,6 +166,43 @@ fn flight_goes_on_with_the_last_pose_while_dots_are_out_of_view() {
     assert_close(told.pose.altitude_m(), row.altitude_m, 1e-9, "regained");
 }
 
+/// The share that a flight tells is that of its log, alone and side by side; a delay counts for nothing.
+#[test]
+fn flight_tells_on_how_many_images_a_pose_was_held() {
+    let mut narrow = perfect();
+    narrow.cameras = narrow.cameras.split_off(2);
+    (narrow.cameras[0].region.top_px, narrow.cameras[0].region.bottom_px) = (205.0, 275.0);
+    let flow = steps(&[(0.0, 0.245, 0.0), (2.0, 0.245, 25.0), (8.0, 0.245, 0.0)]);
+    let profile = TestProfile::new(30.0, flow, Vec::new()).unwrap();
+    let requests =
+        [with(first_row(), narrow), with(first_row(), Sensing { delay_samples: 3, ..perfect() }), first_row()];
+    let shares: Vec<Option<f64>> = fly_all(&requests, &profile, &FlightSettings::default(), |_| {})
+        .into_iter()
+        .map(|flight| flight.unwrap().held_share)
+        .collect();
+    let log = logged(&requests[0], &profile);
+    let held = log.rows.iter().filter(|row| row.estimate.unwrap().hold.is_some()).count();
+    assert!(held > 0);
+    assert_eq!(shares, [Some(held as f64 / log.rows.len() as f64), Some(0.0), None]);
+}
+
+/// Cameras that look away.
+#[test]
+fn flight_whose_cameras_give_no_pose_at_the_start_does_not_start() {
+    let mut away = cameras();
+    for camera in &mut away.cameras {
+        camera.pose.heading_rad += std::f64::consts::PI;
+        camera.pose.pitch_rad = -camera.pose.pitch_rad;
+    }
+    let request = with(first_row(), away);
+    let words = "cannot start: sensing: no pose can be had where the flight begins: three dots or fewer are seen (0 of";
+    let alone = fly(&request, &short_test(1.0), &FlightSettings::default()).unwrap_err();
+    assert!(alone.to_string().starts_with(words), "{alone}");
+    let together = fly_all(&[first_row(), request], &short_test(1.0), &FlightSettings::default(), |_| {});
+    assert!(together[0].is_ok());
+    assert_eq!(together[1], Err(alone));
+}
+
 /// Nine flights: some with cameras, with seeds and delays of their own, some without, one that cannot start.
 fn company() -> Vec<FlightRequest> {
     (0..9)
