@@ -4,8 +4,6 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::sensing::Hold;
-
 /// An error in a parameter, profile or cost file: which file, which key, what was found, what was allowed.
 #[non_exhaustive]
 #[derive(Debug, Error)]
@@ -94,12 +92,12 @@ pub enum Error {
     },
     /// Cameras and dots that, even without noise, give no pose of the body where a flight begins.
     #[error(
-        "sensing: no pose can be had where the flight begins: {hold} ({dots_seen} of {dots} dots by {cameras_seeing} of {cameras} cameras); \
+        "sensing: no pose can be had where the flight begins: {reason} ({dots_seen} of {dots} dots by {cameras_seeing} of {cameras} cameras); \
          cameras or dots must stand otherwise"
     )]
     NoFirstPose {
         /// Why not.
-        hold: Hold,
+        reason: String,
         /// Dots that at least one camera sees.
         dots_seen: usize,
         /// All dots.

@@ -33,11 +33,9 @@ use file::Calibration;
 #[cfg(feature = "identification")]
 pub(crate) use free::{Free, FreeEntry};
 use shortfall::shortfall;
-use store::{REMEDY, Store};
+use store::{AT_ONCE, REMEDY, Store};
 
 const ENSEMBLE: &str = "fixtures/bat/ensemble";
-/// Starts at once, so that a killed run loses no more than these.
-const AT_ONCE: u64 = 2;
 
 /// The file, and what is kept of it: from its own ranges, and each plant within them.
 fn read(root: &Path) -> Result<(Calibration, Store)> {

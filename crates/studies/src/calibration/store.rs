@@ -8,7 +8,6 @@ use std::str::FromStr;
 
 use anyhow::{Context as _, Result, anyhow, ensure};
 
-use super::AT_ONCE;
 use super::outcome::{Member, Refusal, Start};
 use crate::kept;
 use crate::seal::{self, Form};
@@ -40,6 +39,8 @@ pub(super) struct Store {
     pub(super) members: Vec<Member>,
 }
 
+/// Starts at once, so that a killed run loses no more than these.
+pub(super) const AT_ONCE: u64 = 2;
 const KEPT: &str = "kept";
 const STARTS: &str = "starts.csv";
 const MEMBERS: &str = "members.csv";

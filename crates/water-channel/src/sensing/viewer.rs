@@ -168,7 +168,7 @@ impl Viewer {
         let Err(hold) = self.locate(&view, start) else { return Ok(()) };
         let cameras_seeing = (0..self.n_cameras()).filter(|camera| view.seen_by(*camera) > 0).count();
         let (dots_seen, dots, cameras) = (view.dots_seen(), self.marks.len(), self.n_cameras());
-        Err(Error::NoFirstPose { hold, dots_seen, dots, cameras_seeing, cameras })
+        Err(Error::NoFirstPose { reason: hold.to_string(), dots_seen, dots, cameras_seeing, cameras })
     }
 
     pub(crate) fn delay_samples(&self) -> usize {
