@@ -1,6 +1,7 @@
 //! What it changes that ballast moves mass and inertia when the center of mass is shifted: costs of designs with and without.
 //!
 //! `cargo run --release --package water-channel --example moving_masses`
+#![expect(clippy::print_stdout, reason = "an example prints")]
 
 use bat_dynamics::{Ballast, Fidelity, MassModel};
 use water_channel::{CostFile, FlightRequest, FlightSettings, Masses, ProfileFile, Rig, RigFile, fly_all};

@@ -137,3 +137,55 @@ impl Joint {
         self.covariance.chunks_exact(self.n_places().max(1))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+
+    fn joint(means: [f64; 2], covariance: [f64; 4]) -> Joint {
+        Joint { means: means.to_vec(), covariance: covariance.to_vec() }
+    }
+
+    fn check(found: &[f64], expected: &[f64], tolerance: f64) {
+        assert_eq!(found.len(), expected.len(), "numbers");
+        for (a, b) in found.iter().zip(expected) {
+            assert!((a - b).abs() <= tolerance, "{found:?}, expected {expected:?}");
+        }
+    }
+
+    #[test]
+    fn mixture_has_the_variance_within_its_parts_and_between_them() {
+        let parts = [joint([1.0, 5.0], [2.0, 0.5, 0.5, 1.0]), joint([3.0, -1.0], [1.0, -0.2, -0.2, 4.0])];
+        let mixture = Joint::of_mixture(&parts);
+        check(mixture.means(), &[2.0, 2.0], 1e-15);
+        // The mean of the two, and what means that are (1, −3) and (−1, 3) away from theirs add.
+        check(&mixture.covariance, &[1.5 + 1.0, 0.15 - 3.0, 0.15 - 3.0, 2.5 + 9.0], 1e-14);
+    }
+
+    #[test]
+    fn draws_have_the_means_and_the_covariance() {
+        let joint = joint([1.0, -2.0], [4.0, 1.5, 1.5, 1.0]);
+        let count = 40_000;
+        let draws = joint.draws(count, &mut ChaCha8Rng::seed_from_u64(1));
+        assert_eq!((draws.len(), draws[0].len()), (count, 2), "one value per place, for each draw");
+        let mean = |of: &dyn Fn(&[f64]) -> f64| draws.iter().map(|draw| of(draw)).sum::<f64>() / count as f64;
+        check(&[mean(&|draw| draw[0]), mean(&|draw| draw[1])], &[1.0, -2.0], 0.04);
+        let about = |a: usize, b: usize| mean(&|draw| (draw[a] - joint.means[a]) * (draw[b] - joint.means[b]));
+        check(&[about(0, 0), about(0, 1), about(1, 1)], &[4.0, 1.5, 1.0], 0.12);
+    }
+
+    #[test]
+    fn what_rounding_has_made_indefinite_is_drawn_with_little_more_on_the_diagonal() {
+        let rng = &mut ChaCha8Rng::seed_from_u64(2);
+        let off = 1.0 + 1e-6;
+        for draw in joint([0.0, 0.0], [1.0, off, off, 1.0]).draws(200, rng) {
+            assert!((draw[0] - draw[1]).abs() < 0.05, "{draw:?}: as good as the same number");
+        }
+        for draw in joint([3.0, 4.0], [0.0; 4]).draws(5, rng) {
+            check(&draw, &[3.0, 4.0], 1e-100);
+        }
+    }
+}

@@ -9,8 +9,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use surface::process::{
-    AveragedProcess, Covariance, GaussianProcess, Hyperparameters, Places, Residual, SamplerSettings, SimulationUse,
-    Sites, Structure,
+    AveragedProcess, Contrast, Covariance, GaussianProcess, Hyperparameters, Places, Residual, SamplerSettings,
+    SimulationUse, Sites, Structure,
 };
 use surface::{Data, Error};
 
@@ -300,6 +300,33 @@ proptest! {
         };
         prop_assert_eq!(with(1), with(2));
     }
+}
+
+#[test]
+fn means_alone_and_differences_are_those_of_the_marginals() {
+    let points: Vec<f64> = (0..16).map(|i| (f64::from(i) * 0.61).sin()).collect();
+    let values: Vec<f64> = points.chunks_exact(2).map(|p| p[0] - 2.0 * p[1] * p[1]).collect();
+    let process = process_of(&points, &values, 4);
+    let places = Places::new(2, &[0.2, 0.1, -0.9, 0.8, 0.5, -0.3]).expect("valid places");
+    let marginals = process.marginals(&places);
+    check_list(&process.means(&places), &marginals.means, TOLERANCE, "means");
+    let contrasts = process.contrasts(&places);
+    assert_eq!(contrasts.len(), settings(4).particles, "one of each particle");
+    for place in 0..3 {
+        let mean = contrasts.iter().map(|each| each.means[place]).sum::<f64>() / contrasts.len() as f64;
+        check_close(mean, marginals.means[place] - marginals.means[0], 1e-7, "difference to the first place");
+    }
+    let both = Places::new(2, &[0.2, 0.1]).expect("a place").followed_by(&places);
+    assert_eq!(both.n_places(), 4, "one and three");
+    check_list(&process.means(&both)[1..], &marginals.means, TOLERANCE, "means of those that follow");
+}
+
+#[test]
+fn what_is_known_exactly_is_below_or_not() {
+    let contrast = Contrast { means: vec![0.0, -1.0, 1.0, -1.0], variances: vec![0.0, 0.0, 0.0, 4.0] };
+    let found: Vec<f64> = (0..4).map(|place| contrast.probability_below(place)).collect();
+    // The last by a table of the normal distribution: half a standard deviation.
+    check_list(&found, &[0.0, 1.0, 0.0, 0.691_462_461_274_013], 1e-12, "probabilities");
 }
 
 #[test]
