@@ -75,7 +75,7 @@ fn unknown_key_is_an_error_at_every_level() {
     rig(
         "title =",
         "titel = \"x\"\ntitle =",
-        "unknown key `titel` (is it `title`?); known here: controller, plant, sensing, title",
+        "unknown key `titel` (is it `title`?); known here: controller, masses, plant, sensing, title",
     );
     rig(
         "[plant.winch]",
