@@ -28,15 +28,18 @@
 //! | flow, controller, watching | 2 | 5 |
 //! | not attributable | 4 | 6 |
 //!
-//! What is off by default costs, in lanes on one thread at one step per sample, fastest of twenty on 2026-11-22 on the same machine beside other work:
+//! What is off by default costs, in lanes on one thread at one step per sample, fastest of twenty on 2026-11-22 on the same machine beside other work, and
+//! fastest of ten in one run on 2026-11-23 on a slower one (4.7 ms a flight with all off) with nothing else running:
 //!
-//! | on | time against all off |
-//! |---|---|
-//! | turbulence in three directions | 1.14 |
-//! | vortex shedding | 1.11 |
-//! | asymmetry | 1.26 |
-//! | all three, one seed for the batch | 1.29 |
-//! | all three, a seed for each flight | 1.66: making the table of a flight takes 1.1 ms |
+//! | on | time against all off | on the slower machine |
+//! |---|---|---|
+//! | turbulence in three directions | 1.14 | 1.01 |
+//! | vortex shedding | 1.11 | 0.99 |
+//! | asymmetry | 1.26 | 1.07 |
+//! | all three, one seed for the batch | 1.29 | 1.10 |
+//! | all three, a seed for each flight | 1.66: making the table of a flight takes 1.1 ms | 1.37 |
+//! | cameras | | 4.91 |
+//! | all three, one seed for the batch, and cameras | | 5.05 |
 
 use bat_dynamics::Fidelity;
 use divan::counter::ItemsCount;
