@@ -12,7 +12,7 @@ use crate::handover::Handover;
 use crate::memory;
 use crate::reproduction::{self, Extent, Picture, Reproduction, markdown_list};
 use crate::rules::{self, Verdict};
-use page::{Axis, Column, CountFigure, Finding, Link, Page, Table, count_figure, palette};
+use page::{Axis, Column, CountFigure, Finding, Link, Page, Table, count_figure};
 
 const DIRECTORY: &str = "target/reproduction";
 const NAME: &str = "reproduction.md";
@@ -121,20 +121,7 @@ pub(crate) fn write_page(root: &Path, studies: &[Reproduction], check: bool) -> 
 
 /// What became of the claims, study by study.
 fn verdicts(chapters: &[Chapter<'_>]) -> Picture {
-    let kinds = Verdict::ALL.map(|verdict| {
-        let color = match verdict {
-            Verdict::Reproduced => palette::GREEN,
-            Verdict::InKind => "#7fc8ae",
-            Verdict::InPart => palette::ORANGE,
-            Verdict::NotReproduced => palette::VERMILION,
-            Verdict::NotDiscriminating => "#888888",
-            Verdict::PartlyCalibrated => "#999999",
-            Verdict::Calibrated => "#bbbbbb",
-            Verdict::TakenOver => "#cccccc",
-            Verdict::Check => "#dddddd",
-        };
-        (verdict.to_string(), color)
-    });
+    let kinds = Verdict::ALL.map(|verdict| (verdict.to_string(), verdict.color()));
     let count = |chapter: &Chapter<'_>, verdict: Verdict| {
         chapter.handover.claims.iter().filter(|claim| claim.verdict == verdict).count()
     };

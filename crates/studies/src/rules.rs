@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+#[cfg(feature = "ensemble")]
+use page::palette;
 use serde::{Deserialize, Serialize};
 
 /// What comes out in at least so many per cent of the cases is reproduced in kind.
@@ -57,6 +59,22 @@ impl Verdict {
     /// Whether it says something of the dissertation.
     pub(crate) fn counts(self) -> bool {
         matches!(self, Self::Reproduced | Self::InKind | Self::InPart | Self::NotReproduced)
+    }
+
+    /// In pictures; what does not count is gray.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn color(self) -> &'static str {
+        match self {
+            Self::Reproduced => palette::GREEN,
+            Self::InKind => "#7fc8ae",
+            Self::InPart => palette::ORANGE,
+            Self::NotReproduced => palette::VERMILION,
+            Self::NotDiscriminating => "#888888",
+            Self::PartlyCalibrated => "#999999",
+            Self::Calibrated => "#bbbbbb",
+            Self::TakenOver => "#cccccc",
+            Self::Check => "#dddddd",
+        }
     }
 
     /// In few words, where it is clear what is spoken of.

@@ -131,6 +131,43 @@ impl Opened<'_> {
     }
 }
 
+/// Copies of files of `fixtures/bat` in a folder of their own, for what a change in one of them does to a key.
+#[cfg(test)]
+#[derive(Debug)]
+pub(crate) struct Copies(tempfile::TempDir);
+
+#[cfg(test)]
+impl Copies {
+    pub(crate) fn of(names: &[&str]) -> Self {
+        let copies = Self(tempfile::tempdir().expect("a folder"));
+        std::fs::create_dir_all(copies.root().join(BAT)).expect("a folder");
+        let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        for name in names.iter().map(|name| Path::new(BAT).join(name)) {
+            std::fs::copy(fixtures.join(&name), copies.root().join(&name)).expect("a copy");
+        }
+        copies
+    }
+
+    /// What stands in for the folder of the workspace.
+    pub(crate) fn root(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// What is read with `to` in place of `from`, which has to be there; then the file is as before.
+    pub(crate) fn with<T>(&self, name: &str, [from, to]: [&str; 2], read: impl Fn() -> T) -> T {
+        let path = self.root().join(BAT).join(name);
+        let text = std::fs::read_to_string(&path).expect("a file");
+        assert!(text.contains(from), "{name} has no {from}");
+        std::fs::write(&path, text.replacen(from, to, 1)).expect("written");
+        let found = read();
+        std::fs::write(&path, text).expect("written");
+        found
+    }
+}
+
+#[cfg(test)]
+const BAT: &str = "fixtures/bat";
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -233,6 +233,7 @@ impl Calibration {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::seal::Copies;
 
     fn refuses(from: &str, to: &str, words: &[&str]) {
         study_file::assert_refused("calibration.toml", Calibration::of, [from, to], words);
@@ -296,24 +297,11 @@ mod tests {
     /// Numbers decide what comes of a start; words, counts and the free numbers of the default plant do not.
     #[test]
     fn key_of_what_is_kept_follows_from_what_decides() {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let folder = tempfile::tempdir().expect("a folder");
-        let bat = folder.path().join("fixtures/bat");
-        std::fs::create_dir_all(&bat).expect("a folder");
         let names = ["calibration.toml", "rig.toml", "test-profile.toml", "cost-chapter4.toml", "cost-chapter7.toml"];
-        for name in names {
-            std::fs::copy(root.join("fixtures/bat").join(name), bat.join(name)).expect("a copy");
-        }
-        let key = || Calibration::read(folder.path()).and_then(|file| file.shape(folder.path())).expect("a key").key;
+        let copies = Copies::of(&names);
+        let key = || Calibration::read(copies.root()).and_then(|file| file.shape(copies.root())).expect("a key").key;
         let before = key();
-        let after = |name: &str, from: &str, to: &str| {
-            let text = std::fs::read_to_string(bat.join(name)).expect("a file");
-            assert!(text.contains(from), "{name} has no {from}");
-            std::fs::write(bat.join(name), text.replacen(from, to, 1)).expect("written");
-            let key = key();
-            std::fs::write(bat.join(name), text).expect("written");
-            key
-        };
+        let after = |name: &str, from: &str, to: &str| copies.with(name, [from, to], key);
         for (from, to) in [
             ("members = 30", "members = 40"),
             ("most_starts = 400", "most_starts = 500"),

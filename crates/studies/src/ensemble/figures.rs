@@ -1,34 +1,31 @@
 //! The pictures of the page.
 
-use page::{Axis, CountFigure, LineFigure, Panel, Series, count_figure, line_figure, palette, quantile};
+use page::{Axis, CountFigure, LineFigure, Panel, Series, count_figure, line_figure, quantile};
 
 use super::kept::Case;
 use super::row::{Method, Reading, Row, Study, World};
 use super::tables::Both;
 use crate::rules::Verdict;
 
-/// What becomes of claims here, with a color: those that do not count are gray.
-const KINDS: [(Verdict, &str); 6] = [
-    (Verdict::InKind, palette::GREEN),
-    (Verdict::InPart, palette::ORANGE),
-    (Verdict::NotReproduced, palette::VERMILION),
-    (Verdict::NotDiscriminating, "#bbbbbb"),
-    (Verdict::PartlyCalibrated, "#888888"),
-    (Verdict::Check, "#dddddd"),
+/// What becomes of claims here.
+const KINDS: [Verdict; 6] = [
+    Verdict::InKind,
+    Verdict::InPart,
+    Verdict::NotReproduced,
+    Verdict::NotDiscriminating,
+    Verdict::PartlyCalibrated,
+    Verdict::Check,
 ];
 
 /// What became of the claims, by study and water.
 pub(super) fn verdicts(all: &[Both]) -> String {
-    let kinds = KINDS.map(|(verdict, color)| (verdict.short().to_owned(), color));
+    let kinds = KINDS.map(|verdict| (verdict.short().to_owned(), verdict.color()));
     let worlds = World::OF_CAMPAIGNS.into_iter().enumerate();
     let bars = Study::ALL.into_iter().flat_map(|study| worlds.clone().map(move |(k, world)| (study, k, world)));
     let bars = bars.map(|(study, k, world)| {
         let mine = all.iter().filter(|both| both.claim.study == study);
         let count = |verdict: Verdict| mine.clone().filter(|both| both.judged[k].is(verdict)).count();
-        (
-            format!("{}, {} water", study.words(), world.name()),
-            KINDS.iter().map(|(verdict, _)| count(*verdict)).collect(),
-        )
+        (format!("{}, {} water", study.words(), world.name()), KINDS.iter().map(|verdict| count(*verdict)).collect())
     });
     count_figure(&CountFigure {
         title: "What became of the claims over the ensemble".to_owned(),

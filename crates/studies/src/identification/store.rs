@@ -185,6 +185,7 @@ fn misfit(study: &Study, turn: &KeptTurn) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::seal::Copies;
 
     fn root() -> PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -243,22 +244,11 @@ mod tests {
     /// Numbers of the study and of the files that it names decide; words and the count of seeds do not.
     #[test]
     fn key_follows_from_what_decides() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let bat = folder.path().join("fixtures/bat");
-        std::fs::create_dir_all(&bat).expect("a folder");
-        for name in ["identification.toml", "chapter4.toml", "rig.toml", "test-profile.toml", "cost-chapter4.toml"] {
-            std::fs::copy(root().join("fixtures/bat").join(name), bat.join(name)).expect("a copy");
-        }
-        let key = || Study::read(folder.path()).and_then(|study| study.key(folder.path())).expect("a key");
+        let names = ["identification.toml", "chapter4.toml", "rig.toml", "test-profile.toml", "cost-chapter4.toml"];
+        let copies = Copies::of(&names);
+        let key = || Study::read(copies.root()).and_then(|study| study.key(copies.root())).expect("a key");
         let before = key();
-        let after = |name: &str, from: &str, to: &str| {
-            let text = std::fs::read_to_string(bat.join(name)).expect("a file");
-            assert!(text.contains(from), "{name} has no {from}");
-            std::fs::write(bat.join(name), text.replacen(from, to, 1)).expect("written");
-            let key = key();
-            std::fs::write(bat.join(name), text).expect("written");
-            key
-        };
+        let after = |name: &str, from: &str, to: &str| copies.with(name, [from, to], key);
         assert_eq!(before, after("identification.toml", "seeds = 20", "seeds = 10"));
         assert_eq!(before, after("identification.toml", "reason = \"a rotor", "reason = \"one rotor"));
         assert_eq!(before, after("chapter4.toml", "experiment_cost = 6.85", "experiment_cost = 6.86"));
