@@ -19,44 +19,73 @@ pub(crate) struct Bundle {
     pub(crate) weight: Lanes,
 }
 
-/// Writes `sightings` into `bundles`, which keeps its memory.
-#[inline(always)]
-pub(crate) fn bundle(bundles: &mut Vec<Bundle>, eyes: &[Eye], marks: &[Mark], sightings: &[Sighting]) {
-    bundles.clear();
-    let n = sightings.len();
-    let mut from = 0;
-    while from < n {
-        let at = |k: usize| sightings[if from + k < n { from + k } else { n - 1 }];
-        let counts = |k: usize| if from + k < n { 1.0 } else { 0.0 };
-        let seen = [at(0), at(1), at(2), at(3)];
-        bundles.push(of_four(eyes, marks, &seen, Lanes([counts(0), counts(1), counts(2), counts(3)])));
-        from += LANES;
+/// The sightings of an image four side by side, with the memory of the image before.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Bundles {
+    list: Vec<Bundle>,
+    /// Dot and camera of each sighting.
+    of: Vec<(usize, usize)>,
+}
+
+impl Bundles {
+    /// The bundles of these sightings, by the eyes and marks that all earlier ones were by. Where the same cameras see the same
+    /// dots as before, which is what most images show, only the pixels are new.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, eyes: &[Eye], marks: &[Mark], sightings: &[Sighting]) -> &[Bundle] {
+        let seen = || sightings.iter().map(|sighting| (sighting.dot, sighting.camera));
+        let as_before = self.of.len() == sightings.len() && self.of.iter().copied().eq(seen());
+        if !as_before {
+            self.of.clear();
+            self.of.extend(seen());
+            self.list.clear();
+            self.list.extend(sightings.chunks(LANES).map(|four| of_four(eyes, marks, four)));
+        }
+        for (bundle, four) in self.list.iter_mut().zip(sightings.chunks(LANES)) {
+            bundle.pixel = pixels(four);
+        }
+        &self.list
     }
 }
 
-/// Written out: `array::map` is not inlined here, and would take longer than all the rest.
+/// Written out here and below: `array::map` is not inlined, and would take longer than all the rest.
 #[inline(always)]
-fn of_four(eyes: &[Eye], marks: &[Mark], seen: &[Sighting; LANES], weight: Lanes) -> Bundle {
-    let [a, b, c, d] = seen;
-    let [e, f, g, h] = [&eyes[a.camera], &eyes[b.camera], &eyes[c.camera], &eyes[d.camera]];
+fn pixels(four: &[Sighting]) -> [Lanes; 2] {
+    let [a, b, c, d] = filled_up(four);
+    [Lanes([a.pixel[0], b.pixel[0], c.pixel[0], d.pixel[0]]), Lanes([a.pixel[1], b.pixel[1], c.pixel[1], d.pixel[1]])]
+}
+
+/// Up to four sightings, and the last of them in the place of each that is missing.
+#[inline(always)]
+fn filled_up(four: &[Sighting]) -> [&Sighting; LANES] {
+    let at = |k: usize| &four[if k < four.len() { k } else { four.len() - 1 }];
+    [at(0), at(1), at(2), at(3)]
+}
+
+#[inline(always)]
+fn of_four(eyes: &[Eye], marks: &[Mark], four: &[Sighting]) -> Bundle {
+    let [a, b, c, d] = filled_up(four);
+    let counts = |k: usize| if k < four.len() { 1.0 } else { 0.0 };
     Bundle {
         place: abreast(&marks[a.dot].place, &marks[b.dot].place, &marks[c.dot].place, &marks[d.dot].place),
-        eye: Eye {
-            position: abreast(&e.position, &f.position, &g.position, &h.position),
-            ahead: abreast(&e.ahead, &f.ahead, &g.ahead, &h.ahead),
-            right: abreast(&e.right, &f.right, &g.right, &h.right),
-            below: abreast(&e.below, &f.below, &g.below, &h.below),
-            focal_px: Lanes([e.focal_px, f.focal_px, g.focal_px, h.focal_px]),
-            center_px: [
-                Lanes([e.center_px[0], f.center_px[0], g.center_px[0], h.center_px[0]]),
-                Lanes([e.center_px[1], f.center_px[1], g.center_px[1], h.center_px[1]]),
-            ],
-        },
-        pixel: [
-            Lanes([a.pixel[0], b.pixel[0], c.pixel[0], d.pixel[0]]),
-            Lanes([a.pixel[1], b.pixel[1], c.pixel[1], d.pixel[1]]),
+        eye: eyes_abreast(&[&eyes[a.camera], &eyes[b.camera], &eyes[c.camera], &eyes[d.camera]]),
+        pixel: pixels(four),
+        weight: Lanes([counts(0), counts(1), counts(2), counts(3)]),
+    }
+}
+
+/// Four cameras side by side.
+#[inline(always)]
+pub(crate) fn eyes_abreast(&[e, f, g, h]: &[&Eye; LANES]) -> Eye<Lanes> {
+    Eye {
+        position: abreast(&e.position, &f.position, &g.position, &h.position),
+        ahead: abreast(&e.ahead, &f.ahead, &g.ahead, &h.ahead),
+        right: abreast(&e.right, &f.right, &g.right, &h.right),
+        below: abreast(&e.below, &f.below, &g.below, &h.below),
+        focal_px: Lanes([e.focal_px, f.focal_px, g.focal_px, h.focal_px]),
+        center_px: [
+            Lanes([e.center_px[0], f.center_px[0], g.center_px[0], h.center_px[0]]),
+            Lanes([e.center_px[1], f.center_px[1], g.center_px[1], h.center_px[1]]),
         ],
-        weight,
     }
 }
 

@@ -4,7 +4,7 @@ use core::fmt;
 
 use super::bundle::Bundle;
 use super::normal_equations::NormalEquations;
-use super::pose::Pose;
+use super::pose::{Attitude, Pose};
 use super::triple::times;
 use multiversion::multiversion;
 
@@ -57,20 +57,21 @@ impl fmt::Display for Hold {
 /// not lessen the sum of squares.
 ///
 /// Compiled for several instruction sets, none of which contracts a product and a sum: all give the same bits.
-#[multiversion(targets("x86_64+avx+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
 pub(crate) fn locate(bundles: &[Bundle], guess: &Pose) -> Result<Pose, Hold> {
-    let mut pose = *guess;
-    let mut sums = NormalEquations::new(bundles, &pose).ok_or(Hold::NotConverged)?;
+    let (mut pose, mut attitude) = (*guess, guess.attitude());
+    let mut sums = NormalEquations::new(bundles, &pose, &attitude).ok_or(Hold::NotConverged)?;
     let mut damping = 0.0;
     for _ in 0..MOST_STEPS {
         let step = sums.step(damping).ok_or(Hold::Singular)?;
-        let next = moved(&pose, &step).ok_or(Hold::Singular)?;
+        let next = moved(&pose, &attitude, &step).ok_or(Hold::Singular)?;
         if largest(&step) < LAST_STEP && damping <= FIRST_DAMPING {
             return Ok(next.usual());
         }
-        match NormalEquations::new(bundles, &next) {
+        let turned = next.attitude();
+        match NormalEquations::new(bundles, &next, &turned) {
             Some(after) if after.cost() <= sums.cost() => {
-                (pose, sums) = (next, after);
+                (pose, attitude, sums) = (next, turned, after);
                 damping = if damping > FIRST_DAMPING { 0.1 * damping } else { 0.0 };
             }
             _ => damping = if damping > 0.0 { 10.0 * damping } else { FIRST_DAMPING },
@@ -86,7 +87,7 @@ fn largest(&[a, b, c, d, e, f]: &[f64; 6]) -> f64 {
 
 /// The pose after a step of shifts and turns along G.
 #[inline(always)]
-fn moved(pose: &Pose, step: &[f64; 6]) -> Option<Pose> {
+fn moved(pose: &Pose, attitude: &Attitude, step: &[f64; 6]) -> Option<Pose> {
     let &[x, y, z, a, b, c] = step;
-    Some(pose.moved([x, y, z], times(&pose.angles_of_turn()?, [a, b, c])))
+    Some(pose.moved([x, y, z], times(&attitude.angles_of_turn()?, [a, b, c])))
 }

@@ -12,6 +12,7 @@ mod arrangement;
 mod bundle;
 mod camera;
 mod dot;
+mod images;
 mod locate;
 mod normal_equations;
 mod pose;

@@ -6,7 +6,7 @@ use bat_dynamics::{Lanes, Real};
 use nalgebra::{Cholesky, Matrix6};
 
 use super::bundle::Bundle;
-use super::pose::Pose;
+use super::pose::{Attitude, Pose};
 use super::triple::{Triple, add, constant, cross, times};
 
 /// A pivot below this share of its diagonal entry is zero but for rounding.
@@ -24,13 +24,13 @@ pub(crate) struct NormalEquations {
 }
 
 impl NormalEquations {
-    /// The sums over all bundles at `pose`; `None` where a dot would not be ahead of a camera that sees it.
+    /// The sums over all bundles at `pose`, whose `attitude` is known; `None` where a dot would not be ahead of a camera that sees it.
     ///
     /// A dot at `a` from the point of the pose moves by `shift + turn × a`, so that with the slope w of a pixel by the
     /// dot's place its slopes by shift and turn are w and `a × w`.
     #[inline(always)]
-    pub(crate) fn new(bundles: &[Bundle], pose: &Pose) -> Option<Self> {
-        let rows = pose.rows_gb();
+    pub(crate) fn new(bundles: &[Bundle], pose: &Pose, attitude: &Attitude) -> Option<Self> {
+        let rows = attitude.rows_gb();
         let r_gb: [Triple<Lanes>; 3] = [constant(rows[0]), constant(rows[1]), constant(rows[2])];
         let position = constant(pose.position_m);
         let mut sums = [Lanes::constant(0.0); ENTRIES];

@@ -24,14 +24,15 @@ impl Pose {
     #[inline(always)]
     #[must_use]
     pub fn rows_gb(&self) -> [[f64; 3]; 3] {
+        self.attitude().rows_gb()
+    }
+
+    #[inline(always)]
+    pub(crate) fn attitude(&self) -> Attitude {
         // The plant's own functions: the same bits on every machine.
         let (Lanes([sr, sp, sh, _]), Lanes([cr, cp, ch, _])) =
             Lanes([self.roll_rad, self.pitch_rad, self.heading_rad, 0.0]).sin_cos();
-        [
-            [ch * cp, ch * sp * sr - sh * cr, ch * sp * cr + sh * sr],
-            [sh * cp, sh * sp * sr + ch * cr, sh * sp * cr - ch * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
+        Attitude { sines: [sr, sp, sh], cosines: [cr, cp, ch] }
     }
 
     /// Height of the point above the origin of G, in m.
@@ -45,21 +46,6 @@ impl Pose {
     pub fn numbers(&self) -> [f64; 6] {
         let [x, y, z] = self.position_m;
         [x, y, z, self.roll_rad, self.pitch_rad, self.heading_rad]
-    }
-
-    /// From a small turn in rad, along G, to the changes of roll, pitch and heading that make it.
-    ///
-    /// ```text
-    /// omega = a_phi phi̇ + a_theta thetȧ + a_psi psi̇     a_phi   = [cos theta cos psi, cos theta sin psi, −sin theta]
-    ///                                                    a_theta = [−sin psi, cos psi, 0],  a_psi = [0, 0, 1]
-    /// ```
-    ///
-    /// `None` with the nose straight up or down, where roll and heading are the same turn.
-    #[inline(always)]
-    pub(crate) fn angles_of_turn(&self) -> Option<[Triple; 3]> {
-        let (Lanes([sp, sh, ..]), Lanes([cp, ch, ..])) = Lanes([self.pitch_rad, self.heading_rad, 0.0, 0.0]).sin_cos();
-        let roll = [ch / cp, sh / cp, 0.0];
-        (cp.abs() > 1e-9).then_some([roll, [-sh, ch, 0.0], [sp * roll[0], sp * roll[1], 1.0]])
     }
 
     /// The pose a step further: a shift in m and changes of roll, pitch and heading in rad.
@@ -91,6 +77,41 @@ impl Pose {
     }
 }
 
+/// Sines and cosines of roll, pitch and heading, for all that is asked of a pose at once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Attitude {
+    sines: Triple,
+    cosines: Triple,
+}
+
+impl Attitude {
+    /// Rows of `R_gb`.
+    #[inline(always)]
+    pub(crate) fn rows_gb(&self) -> [Triple; 3] {
+        let ([sr, sp, sh], [cr, cp, ch]) = (self.sines, self.cosines);
+        [
+            [ch * cp, ch * sp * sr - sh * cr, ch * sp * cr + sh * sr],
+            [sh * cp, sh * sp * sr + ch * cr, sh * sp * cr - ch * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    }
+
+    /// From a small turn in rad, along G, to the changes of roll, pitch and heading that make it.
+    ///
+    /// ```text
+    /// omega = a_phi phi̇ + a_theta thetȧ + a_psi psi̇     a_phi   = [cos theta cos psi, cos theta sin psi, −sin theta]
+    ///                                                    a_theta = [−sin psi, cos psi, 0],  a_psi = [0, 0, 1]
+    /// ```
+    ///
+    /// `None` with the nose straight up or down, where roll and heading are the same turn.
+    #[inline(always)]
+    pub(crate) fn angles_of_turn(&self) -> Option<[Triple; 3]> {
+        let ([_, sp, sh], [_, cp, ch]) = (self.sines, self.cosines);
+        let roll = [ch / cp, sh / cp, 0.0];
+        (cp.abs() > 1e-9).then_some([roll, [-sh, ch, 0.0], [sp * roll[0], sp * roll[1], 1.0]])
+    }
+}
+
 /// The angle in (−pi, pi]; one that lies there keeps its bits.
 fn wrapped(angle_rad: f64) -> f64 {
     if angle_rad > -PI && angle_rad <= PI { angle_rad } else { PI - (PI - angle_rad).rem_euclid(2.0 * PI) }
@@ -110,12 +131,12 @@ mod tests {
     fn small_turn_is_the_turn_of_its_angles() {
         let pose = Pose { position_m: [0.0; 3], roll_rad: 0.3, pitch_rad: -0.4, heading_rad: 2.0 };
         let turn = Vector3::new(3e-7, -2e-7, 5e-7);
-        let angles = matrix(pose.angles_of_turn().unwrap()) * turn;
+        let angles = matrix(pose.attitude().angles_of_turn().unwrap()) * turn;
         let after = matrix(pose.moved([0.0; 3], angles.into()).rows_gb());
         let expected = (Matrix3::identity() + turn.cross_matrix()) * matrix(pose.rows_gb());
         assert!((after - expected).amax() < 1e-12, "{}", after - expected);
         let upright = Pose { pitch_rad: PI / 2.0, ..pose };
-        assert_eq!(upright.angles_of_turn(), None, "roll and heading are one turn");
+        assert_eq!(upright.attitude().angles_of_turn(), None, "roll and heading are one turn");
     }
 
     #[test]

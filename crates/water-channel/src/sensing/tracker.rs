@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use tether_control::Measurement;
 
-use super::bundle::Bundle;
+use super::bundle::Bundles;
 use super::locate::Hold;
 use super::pose::Pose;
 use super::view::{PixelNoise, View};
@@ -39,7 +39,7 @@ pub struct Tracker<'a> {
     viewer: &'a Viewer,
     noise: PixelNoise,
     view: View,
-    bundles: Vec<Bundle>,
+    bundles: Bundles,
     last: Option<Pose>,
     /// Images, and those of which no pose could be had.
     images: usize,
@@ -54,7 +54,7 @@ impl<'a> Tracker<'a> {
     pub fn new(viewer: &'a Viewer) -> Self {
         let on_the_way = VecDeque::with_capacity(viewer.delay_samples() + 1);
         let (noise, view) = (PixelNoise::new(viewer.seed()), View::default());
-        Self { viewer, noise, view, bundles: Vec::new(), last: None, images: 0, held: 0, on_the_way }
+        Self { viewer, noise, view, bundles: Bundles::default(), last: None, images: 0, held: 0, on_the_way }
     }
 
     /// Takes the images of a body at `truth` and returns the estimate that arrives at this sample.
@@ -72,7 +72,7 @@ impl<'a> Tracker<'a> {
         self.last = Some(pose);
         self.images += 1;
         self.held += usize::from(hold.is_some());
-        let cameras_seeing = (0..self.viewer.n_cameras()).filter(|camera| self.view.seen_by(*camera) > 0).count();
+        let cameras_seeing = self.view.cameras_seeing(self.viewer.n_cameras());
         let newest = Estimate { pose, dots_seen: self.view.dots_seen(), cameras_seeing, hold };
         self.on_the_way.push_back(newest);
         self.on_the_way.pop_front().unwrap_or(newest)

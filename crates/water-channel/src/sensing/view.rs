@@ -19,6 +19,7 @@ pub struct Sighting {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct View {
     sightings: Vec<Sighting>,
+    dots_seen: usize,
 }
 
 impl View {
@@ -26,7 +27,9 @@ impl View {
     #[must_use]
     pub fn new(mut sightings: Vec<Sighting>) -> Self {
         sightings.sort_by_key(|sighting| (sighting.dot, sighting.camera));
-        Self { sightings }
+        let mut view = Self::default();
+        sightings.into_iter().for_each(|sighting| view.push(sighting));
+        view
     }
 
     /// The sightings.
@@ -38,8 +41,7 @@ impl View {
     /// How many dots at least one camera sees.
     #[must_use]
     pub fn dots_seen(&self) -> usize {
-        let repeats = self.sightings.windows(2).filter(|pair| pair[0].dot == pair[1].dot).count();
-        self.sightings.len() - repeats
+        self.dots_seen
     }
 
     /// How many dots the camera of this index sees; a camera may well see none.
@@ -48,13 +50,23 @@ impl View {
         self.sightings.iter().filter(|sighting| sighting.camera == camera).count()
     }
 
+    /// How many of the first `n_cameras` cameras see at least one dot.
+    pub(crate) fn cameras_seeing(&self, n_cameras: usize) -> usize {
+        let sees = |camera: &usize| self.sightings.iter().any(|sighting| sighting.camera == *camera);
+        (0..n_cameras).filter(sees).count()
+    }
+
     /// Forgets all sightings and keeps their memory.
     pub(crate) fn clear(&mut self) {
         self.sightings.clear();
+        self.dots_seen = 0;
     }
 
     /// Adds a sighting that comes after all others in the order of a view.
+    #[inline(always)]
     pub(crate) fn push(&mut self, sighting: Sighting) {
+        let is_new = self.sightings.last().is_none_or(|last| last.dot != sighting.dot);
+        self.dots_seen += usize::from(is_new);
         self.sightings.push(sighting);
     }
 }

@@ -3,14 +3,13 @@
 use nalgebra::{Matrix3, Matrix6};
 
 use super::arrangement::Sensing;
-use super::bundle::{Bundle, bundle};
-use super::camera::{Eye, Region};
-use super::dot::{Mark, marks};
+use super::bundle::Bundles;
+use super::dot::marks;
+use super::images::{self, Images};
 use super::locate::{FEWEST_DOTS, Hold, locate};
 use super::normal_equations::NormalEquations;
 use super::pose::Pose;
-use super::triple::{add, dot as dot_product, minus, times};
-use super::view::{PixelNoise, Sighting, View};
+use super::view::{PixelNoise, View};
 use crate::error::Error;
 
 /// Largest delay in samples.
@@ -24,11 +23,7 @@ const LONGEST_DELAY: usize = 10_000;
 /// fins, lines and rotor hide nothing.
 #[derive(Clone, Debug)]
 pub struct Viewer {
-    eyes: Vec<Eye>,
-    regions: Vec<Region>,
-    marks: Vec<Mark>,
-    noise_px: f64,
-    step_px: f64,
+    images: Images,
     delay_samples: usize,
     seed: u64,
 }
@@ -59,11 +54,7 @@ impl Viewer {
             return refuse("delay", format!("{delay_samples} samples"), "a whole number from 0 to 10000");
         }
         Ok(Self {
-            eyes: cameras.iter().enumerate().map(|(index, camera)| camera.eye(index)).collect::<Result<_, _>>()?,
-            regions: cameras.iter().map(|camera| camera.region).collect(),
-            marks: marks(dots, reference_m)?,
-            noise_px: *pixel_noise_px,
-            step_px: *quantization_px,
+            images: Images::new(cameras, marks(dots, reference_m)?, *pixel_noise_px, *quantization_px)?,
             delay_samples: *delay_samples,
             seed: *seed,
         })
@@ -81,34 +72,7 @@ impl Viewer {
 
     /// [`Viewer::look`] into the memory of a view.
     pub(crate) fn look_into(&self, view: &mut View, pose: &Pose, noise: &mut PixelNoise) {
-        view.clear();
-        let r_gb = pose.rows_gb();
-        for (dot, mark) in self.marks.iter().enumerate() {
-            let (place, normal) = (add(pose.position_m, times(&r_gb, mark.place)), times(&r_gb, mark.normal));
-            for (camera, (eye, region)) in self.eyes.iter().zip(&self.regions).enumerate() {
-                let faces = dot_product(normal, minus(eye.position, place)) > 0.0;
-                if !faces {
-                    continue;
-                }
-                let seen = eye.project(place);
-                if seen.depth > 0.0 && region.contains(seen.pixel) {
-                    let pixel = [self.told(seen.pixel[0], noise), self.told(seen.pixel[1], noise)];
-                    view.push(Sighting { dot, camera, pixel });
-                }
-            }
-        }
-    }
-
-    /// A pixel coordinate as the image processing tells it: noise first, then the middle of a step.
-    fn told(&self, exact_px: f64, noise: &mut PixelNoise) -> f64 {
-        let mut told = exact_px;
-        if self.noise_px > 0.0 {
-            told += self.noise_px * noise.draw();
-        }
-        if self.step_px > 0.0 {
-            told = self.step_px * ((told / self.step_px).floor() + 0.5);
-        }
-        told
+        images::take(&self.images, view, pose, noise);
     }
 
     /// The pose whose pixels are closest to those of `view` in the sense of least squares, sought from `guess`.
@@ -121,16 +85,15 @@ impl Viewer {
         if !self.knows(view) {
             return Err(Hold::NotConverged);
         }
-        self.locate_with(&mut Vec::new(), view, guess)
+        self.locate_with(&mut Bundles::default(), view, guess)
     }
 
     /// [`Viewer::locate`] for a view of this viewer, with the memory of earlier ones.
-    pub(crate) fn locate_with(&self, bundles: &mut Vec<Bundle>, view: &View, guess: &Pose) -> Result<Pose, Hold> {
+    pub(crate) fn locate_with(&self, bundles: &mut Bundles, view: &View, guess: &Pose) -> Result<Pose, Hold> {
         if view.dots_seen() < FEWEST_DOTS {
             return Err(Hold::TooFewDots);
         }
-        bundle(bundles, &self.eyes, &self.marks, view.sightings());
-        locate(bundles, guess)
+        locate(bundles.take(&self.images.eyes, &self.images.marks, view.sightings()), guess)
     }
 
     /// Covariance of x, y, z in m and roll, pitch, heading in rad at `pose`, from `view` with pixels of the standard
@@ -142,32 +105,32 @@ impl Viewer {
         if !self.knows(view) {
             return None;
         }
-        let mut bundles = Vec::new();
-        bundle(&mut bundles, &self.eyes, &self.marks, view.sightings());
-        let of_turns = NormalEquations::new(&bundles, pose)?.inverse()?;
+        let (mut bundles, attitude) = (Bundles::default(), pose.attitude());
+        let bundles = bundles.take(&self.images.eyes, &self.images.marks, view.sightings());
+        let of_turns = NormalEquations::new(bundles, pose, &attitude)?.inverse()?;
         let mut to_angles = Matrix6::identity();
-        let rows = pose.angles_of_turn()?;
+        let rows = attitude.angles_of_turn()?;
         to_angles.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::from_fn(|i, j| rows[i][j]));
         Some(to_angles * of_turns * to_angles.transpose() * (deviation_px * deviation_px))
     }
 
     fn knows(&self, view: &View) -> bool {
-        view.sightings().iter().all(|seen| seen.dot < self.marks.len() && seen.camera < self.eyes.len())
+        view.sightings().iter().all(|seen| seen.dot < self.images.marks.len() && seen.camera < self.n_cameras())
     }
 
     /// How many cameras there are.
     #[must_use]
     pub fn n_cameras(&self) -> usize {
-        self.eyes.len()
+        self.images.eyes.len()
     }
 
     /// That cameras and dots, without noise and quantization, give a pose of a body at `start`.
     pub(crate) fn check_start(&self, start: &Pose) -> Result<(), Error> {
-        let exact = Self { noise_px: 0.0, step_px: 0.0, ..self.clone() };
-        let view = exact.look(start, &mut PixelNoise::new(self.seed));
+        let mut view = View::default();
+        images::take(&self.images.exact(), &mut view, start, &mut PixelNoise::new(self.seed));
         let Err(hold) = self.locate(&view, start) else { return Ok(()) };
-        let cameras_seeing = (0..self.n_cameras()).filter(|camera| view.seen_by(*camera) > 0).count();
-        let (dots_seen, dots, cameras) = (view.dots_seen(), self.marks.len(), self.n_cameras());
+        let cameras_seeing = view.cameras_seeing(self.n_cameras());
+        let (dots_seen, dots, cameras) = (view.dots_seen(), self.images.marks.len(), self.n_cameras());
         Err(Error::NoFirstPose { reason: hold.to_string(), dots_seen, dots, cameras_seeing, cameras })
     }
 
