@@ -3,7 +3,7 @@
 use water_channel::LogRow;
 
 use super::findings::{Findings, in_table4};
-use super::panels::{Design, PanelFlights};
+use super::panels::PanelFlights;
 use crate::reproduction::Picture;
 use crate::variable::Variable;
 use page::{
@@ -59,14 +59,10 @@ pub(crate) fn figure14(findings: &Findings<'_>, panels: &[PanelFlights<'_>], nam
 pub(crate) fn lowest(findings: &Findings<'_>) -> Picture {
     let setup = findings.setup;
     let x = setup.center_of_mass.places();
-    let lowest = |panel: &PanelFlights<'_>, column: usize| {
-        let designs = panel.rows.iter().filter_map(|row| row.get(column)).filter(|design| design.is_stable());
-        designs.filter_map(Design::cost).reduce(f64::min).unwrap_or(f64::NAN)
-    };
     let series: Vec<(&str, Vec<f64>)> = findings
         .stand_in
         .iter()
-        .map(|panel| (&*panel.configuration.label, (0..x.len()).map(|column| lowest(panel, column)).collect()))
+        .map(|panel| (&*panel.configuration.label, (0..x.len()).map(|place| panel.lowest_at(place)).collect()))
         .collect();
     let shown = series.iter().flat_map(|(_, costs)| costs).copied().filter(|cost| cost.is_finite());
     let figure = LineFigure {

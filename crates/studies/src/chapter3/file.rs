@@ -150,6 +150,21 @@ impl Setup {
         })
     }
 
+    /// The same study on another plant.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn on(&self, rig: Rig) -> Self {
+        Self {
+            title: self.title.clone(),
+            rig,
+            profile: self.profile.clone(),
+            records: Vec::new(),
+            configurations: self.configurations.clone(),
+            center_of_mass: self.center_of_mass.clone(),
+            trim_pitch: self.trim_pitch.clone(),
+            ..*self
+        }
+    }
+
     /// A design to be flown: center of mass in per cent of chord, trim pitch in degrees.
     pub(crate) fn request(&self, configuration: &Configuration, design: [f64; 2], fidelity: Fidelity) -> FlightRequest {
         let mut rig = self.rig.clone();

@@ -9,4 +9,8 @@ mod panels;
 mod run;
 mod tables;
 
+#[cfg(feature = "ensemble")]
+pub(crate) use file::Setup;
+#[cfg(feature = "ensemble")]
+pub(crate) use panels::PanelFlights;
 pub(crate) use run::CHAPTER;

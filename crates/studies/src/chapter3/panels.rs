@@ -87,6 +87,12 @@ impl<'a> PanelFlights<'a> {
         self.rows.iter().flatten()
     }
 
+    /// The lowest cost of the stable designs with the center of mass at this place along its axis; not finite where none is stable.
+    pub(crate) fn lowest_at(&self, place: usize) -> f64 {
+        let designs = self.rows.iter().filter_map(|row| row.get(place)).filter(|design| design.is_stable());
+        designs.filter_map(Design::cost).reduce(f64::min).unwrap_or(f64::NAN)
+    }
+
     /// The stable designs that `counts`, with their costs.
     fn stable(&self, counts: impl Fn(&Design) -> bool) -> impl Iterator<Item = (&Design, f64)> {
         let stable = self.designs().filter(move |design| design.is_stable() && counts(design));

@@ -188,6 +188,18 @@ impl Setup {
         Ok(setup)
     }
 
+    /// The same study on another plant, in the spaces of so many parameters.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn on(&self, n_parameters: usize, bat: impl Fn(&Bat) -> Bat) -> Self {
+        let mine = self.spaces.iter().filter(|space| space.space.region().n_parameters() == n_parameters);
+        let spaces = mine.map(|setup| SpaceSetup {
+            entry: setup.entry.clone(),
+            space: setup.space.clone(),
+            bat: bat(&setup.bat),
+        });
+        Self { spaces: spaces.collect(), file: self.file.clone() }
+    }
+
     /// Every campaign of the study: all of a space side by side.
     pub(crate) fn cases(&self) -> Vec<Case> {
         let mut cases = Vec::new();

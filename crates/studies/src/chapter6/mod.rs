@@ -10,4 +10,8 @@ mod page;
 mod run;
 mod tables;
 
+#[cfg(feature = "ensemble")]
+pub(crate) use campaigns::{Campaigns, fly};
+#[cfg(feature = "ensemble")]
+pub(crate) use file::{Case, Setup};
 pub(crate) use run::CHAPTER;

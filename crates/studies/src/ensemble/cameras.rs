@@ -13,12 +13,15 @@ use crate::calibration::Plant;
 /// The seed whose last design is flown.
 const SEED: u64 = 1;
 
-/// The kept rows of a plant in moving water: the optimum of the model, and where the loop ended.
-fn before_and_after(done: &[Done], study: Study, plant: u64) -> Vec<&Row> {
-    let rows = || {
-        let mine = done.iter().filter(move |done| done.unit == (study.name().to_owned(), plant));
-        mine.flat_map(|done| &done.found.rows).filter(|row| row.world == World::Moving)
-    };
+/// The kept rows of a plant in moving water.
+pub(super) fn rows_of(done: &[Done], study: Study, plant: u64) -> impl Iterator<Item = &Row> {
+    let mine = done.iter().filter(move |done| done.unit == (study.name().to_owned(), plant));
+    mine.flat_map(|done| &done.found.rows).filter(|row| row.world == World::Moving)
+}
+
+/// Of these the optimum of the model, and where the loop ended.
+pub(super) fn before_and_after(done: &[Done], study: Study, plant: u64) -> Vec<&Row> {
+    let rows = || rows_of(done, study, plant);
     let before = rows().find(|row| row.method == Method::Numerical);
     let path = rows().filter(|row| row.method == Method::Dissertation && row.seed == SEED);
     before.into_iter().chain(path.max_by_key(|row| row.step)).collect()

@@ -21,7 +21,8 @@ const KINDS: [Verdict; 6] = [
 pub(super) fn verdicts(all: &[Both]) -> String {
     let kinds = KINDS.map(|verdict| (verdict.short().to_owned(), verdict.color()));
     let worlds = World::OF_CAMPAIGNS.into_iter().enumerate();
-    let bars = Study::ALL.into_iter().flat_map(|study| worlds.clone().map(move |(k, world)| (study, k, world)));
+    let bars =
+        Study::OF_CAMPAIGNS.into_iter().flat_map(|study| worlds.clone().map(move |(k, world)| (study, k, world)));
     let bars = bars.map(|(study, k, world)| {
         let mine = all.iter().filter(|both| both.claim.study == study);
         let count = |verdict: Verdict| mine.clone().filter(|both| both.judged[k].is(verdict)).count();
@@ -39,11 +40,11 @@ pub(super) fn verdicts(all: &[Both]) -> String {
 const LEAST_DRAWN_PCT: f64 = 0.1;
 
 /// A reading of a way after a batch, over all plants and seeds.
-type Curve<'a> = dyn Fn(usize) -> Vec<f64> + 'a;
+pub(super) type Curve<'a> = dyn Fn(usize) -> Vec<f64> + 'a;
 
-/// Median, solid, and quartiles, dashed.
-fn band(label: &str, x: &[f64], curve: &Curve<'_>) -> Vec<Series> {
-    let drawn = |value: f64| if value.is_finite() { value.max(LEAST_DRAWN_PCT) } else { f64::NAN };
+/// Median, solid, and quartiles, dashed; what is less than the least that is drawn is drawn there.
+pub(super) fn band(label: &str, x: &[f64], least: f64, curve: &Curve<'_>) -> Vec<Series> {
+    let drawn = |value: f64| if value.is_finite() { value.max(least) } else { f64::NAN };
     let at = |share: f64| -> Vec<f64> {
         (0..x.len()).map(|step| quantile(&curve(step), share).map_or(f64::NAN, drawn)).collect()
     };
@@ -77,8 +78,8 @@ pub(super) fn regret(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) 
                     .collect()
             }
         };
-        let mut series = band("dissertation's loop", &x, &of(Method::Dissertation));
-        series.extend(band("pooled loop", &x, &of(Method::Pooled)));
+        let mut series = band("dissertation's loop", &x, LEAST_DRAWN_PCT, &of(Method::Dissertation));
+        series.extend(band("pooled loop", &x, LEAST_DRAWN_PCT, &of(Method::Pooled)));
         let of_all = |method: Method| -> Vec<f64> {
             mine.iter().flat_map(|case| case.ends(method).into_iter().map(|row| 100.0 * case.regret(row))).collect()
         };
@@ -99,7 +100,7 @@ pub(super) fn regret(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) 
         }
     };
     let has = |study: Study| cases.iter().any(|case| case.study == study);
-    let all = Study::ALL.into_iter().filter(|study| has(*study));
+    let all = Study::OF_CAMPAIGNS.into_iter().filter(|study| has(*study));
     let all = all.flat_map(|study| World::OF_CAMPAIGNS.map(|world| (study, world)));
     line_figure(&LineFigure {
         title: "True cost above that of the best design known, over plants and seeds".to_owned(),
@@ -136,21 +137,25 @@ const OF_CHAPTER4: [Quantity; 5] = [
 ];
 
 /// What Figures 20, 22, 24 and 26 to 28 do, the roll offset and the zenith angle in place of a flight.
-const OF_CHAPTER7: [Quantity; 14] = [
-    quantity(Study::Two, "2 parameters: left of the space", "%", |row| 100.0 * row.share),
-    quantity(Study::Two, "2 parameters: S of (39)", "s", |row| row.spread),
-    square(Study::Two, "2 parameters: heading squared", |row| row.of(Reading::Heading)),
-    square(Study::Two, "2 parameters: pitch error squared", |row| row.of(Reading::Pitch)),
-    quantity(Study::Two, "2 parameters: roll offset", "deg", |row| row.of(Reading::RollOffset)),
-    quantity(Study::Two, "2 parameters: zenith angle", "deg", |row| row.of(Reading::Zenith)),
-    square_of(Study::Two, "2 parameters: altitude error squared", "cm²", |row| row.of(Reading::Altitude)),
-    quantity(Study::Four, "4 parameters: left of the space", "%", |row| 100.0 * row.share),
-    quantity(Study::Four, "4 parameters: S of (39)", "s", |row| row.spread),
-    square(Study::Four, "4 parameters: heading squared", |row| row.of(Reading::Heading)),
-    square(Study::Four, "4 parameters: pitch error squared", |row| row.of(Reading::Pitch)),
-    quantity(Study::Four, "4 parameters: roll offset", "deg", |row| row.of(Reading::RollOffset)),
-    quantity(Study::Four, "4 parameters: zenith angle", "deg", |row| row.of(Reading::Zenith)),
-    square_of(Study::Four, "4 parameters: altitude error squared", "cm²", |row| row.of(Reading::Altitude)),
+const OF_TWO: [Quantity; 7] = [
+    quantity(Study::Two, "left of the space", "%", |row| 100.0 * row.share),
+    quantity(Study::Two, "S of (39)", "s", |row| row.spread),
+    square(Study::Two, "heading squared", |row| row.of(Reading::Heading)),
+    square(Study::Two, "pitch error squared", |row| row.of(Reading::Pitch)),
+    quantity(Study::Two, "roll offset", "deg", |row| row.of(Reading::RollOffset)),
+    quantity(Study::Two, "zenith angle", "deg", |row| row.of(Reading::Zenith)),
+    square_of(Study::Two, "altitude error squared", "cm²", |row| row.of(Reading::Altitude)),
+];
+
+/// The same with four parameters.
+const OF_FOUR: [Quantity; 7] = [
+    quantity(Study::Four, "left of the space", "%", |row| 100.0 * row.share),
+    quantity(Study::Four, "S of (39)", "s", |row| row.spread),
+    square(Study::Four, "heading squared", |row| row.of(Reading::Heading)),
+    square(Study::Four, "pitch error squared", |row| row.of(Reading::Pitch)),
+    quantity(Study::Four, "roll offset", "deg", |row| row.of(Reading::RollOffset)),
+    quantity(Study::Four, "zenith angle", "deg", |row| row.of(Reading::Zenith)),
+    square_of(Study::Four, "altitude error squared", "cm²", |row| row.of(Reading::Altitude)),
 ];
 
 const fn square(study: Study, words: &'static str, of: fn(&Row) -> f64) -> Quantity {
@@ -162,7 +167,7 @@ const fn square_of(study: Study, words: &'static str, unit: &'static str, of: fn
 }
 
 /// One curve of Chapters 4 and 7 each as bands over all plants and seeds: the designs of the dissertation's loop, iteration by iteration.
-pub(super) fn steps(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -> [String; 2] {
+pub(super) fn steps(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -> [String; 3] {
     let figure = |title: &str, quantities: &[Quantity]| {
         let has = |quantity: &&Quantity| cases.iter().any(|case| case.study == quantity.study);
         line_figure(&LineFigure {
@@ -174,7 +179,8 @@ pub(super) fn steps(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -
     };
     [
         figure("Chapter 4: designs of the loop, over plants and seeds", &OF_CHAPTER4),
-        figure("Chapter 7: designs of the loop, over plants and seeds", &OF_CHAPTER7),
+        figure("Chapter 7, 2 parameters: designs of the loop, over plants and seeds", &OF_TWO),
+        figure("Chapter 7, 4 parameters: designs of the loop, over plants and seeds", &OF_FOUR),
     ]
 }
 

@@ -10,19 +10,23 @@ use serde::Deserialize;
 use water_channel::{ProfileFile, Rig, Sensing, SensingFile, TestProfile};
 
 use crate::costs::key::Key;
+use crate::reproduction::Extent;
 use crate::seal::drop_entries;
 use crate::study_file::{self, check_seeds};
-use crate::{calibration, chapter4, chapter7};
+use crate::{calibration, chapter3, chapter4, chapter6, chapter7};
 
 const FOLDER: &str = "fixtures/bat";
 const FILE: &str = "ensemble.toml";
 /// What all rows follow from, beside this program.
-const TEXTS: [&str; 8] = [
+const TEXTS: [&str; 11] = [
     FILE,
     "calibration.toml",
     "ensemble/members.csv",
     "test-profile.toml",
+    "test-profile-open-loop.toml",
+    "chapter3.toml",
     "chapter4.toml",
+    "chapter6.toml",
     "chapter7.toml",
     "moving-water.toml",
     "sensing.toml",
@@ -37,13 +41,27 @@ struct StudyFile {
     title: String,
     files: FilesEntry,
     campaigns: Campaigns,
+    cameras: Regions,
     hull: HullEntry,
+}
+
+/// Where cameras look for dots: margins about where these are in still water.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Regions {
+    pub(super) camera: String,
+    /// Counted from 1.
+    pub(super) dots: Vec<usize>,
+    pub(super) margins_px: Vec<f64>,
+    pub(super) shown_px: f64,
 }
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FilesEntry {
+    chapter3: String,
     chapter4: String,
+    chapter6: String,
     chapter7: String,
     water: String,
     sensing: String,
@@ -107,12 +125,15 @@ pub(super) struct Setup {
     /// Names of the numbers that were free in the plants.
     pub(super) keys: Vec<String>,
     pub(super) plants: Vec<calibration::Plant>,
+    pub(super) chapter3: chapter3::Setup,
     pub(super) chapter4: chapter4::Setup,
+    pub(super) chapter6: chapter6::Setup,
     pub(super) chapter7: chapter7::Setup,
     pub(super) still: TestProfile,
     /// The same test in water that moves, for its first seed.
     moving: ProfileFile,
     pub(super) sensing: Sensing,
+    pub(super) regions: Regions,
     hull: HullEntry,
     /// Names all that rows follow from.
     pub(super) key: String,
@@ -143,19 +164,35 @@ impl Setup {
     ) -> Result<Self> {
         file.campaigns.check()?;
         file.hull.check()?;
+        file.cameras.check()?;
         let profile_text = std::fs::read_to_string(folder.join("test-profile.toml")).context("test-profile.toml")?;
         let water = &file.files.water;
+        let sensing = SensingFile::read(folder.join(&file.files.sensing))?.sensing;
+        let names: Vec<&str> = sensing.cameras.iter().map(|camera| camera.name.as_str()).collect();
+        ensure!(
+            names.contains(&file.cameras.camera.as_str()),
+            "cameras.camera = `{}`: it must be one of {}",
+            file.cameras.camera,
+            names.join(", ")
+        );
         let water_text = std::fs::read_to_string(folder.join(water)).with_context(|| water.clone())?;
+        let n_dots = sensing.dots.len();
+        for number in &file.cameras.dots {
+            ensure!((1..=n_dots).contains(number), "cameras.dots: {number}: each must be from 1 to {n_dots}");
+        }
         Ok(Self {
             title: file.title,
             campaigns: file.campaigns,
             keys,
             plants,
+            chapter3: chapter3::Setup::read(&folder.join(&file.files.chapter3))?,
             chapter4: chapter4::Setup::read(&folder.join(&file.files.chapter4))?,
+            chapter6: chapter6::Setup::read(&folder.join(&file.files.chapter6), Extent::Default)?,
             chapter7: chapter7::Setup::read(&folder.join(&file.files.chapter7))?,
             still: ProfileFile::parse(&profile_text).context("test-profile.toml")?.profile,
             moving: in_water(&profile_text, &water_text).with_context(|| water.clone())?,
-            sensing: SensingFile::read(folder.join(&file.files.sensing))?.sensing,
+            sensing,
+            regions: file.cameras,
             hull: file.hull,
             key,
         })
@@ -179,6 +216,18 @@ impl Setup {
             set(&mut rig, &entry.key, entry.value);
         }
         rig
+    }
+
+    /// One of the cameras without the others, and some of the dots.
+    pub(super) fn one_camera(&self) -> Sensing {
+        let mut sensing = self.sensing.clone();
+        sensing.cameras.retain(|camera| camera.name == self.regions.camera);
+        let mut number = 0;
+        sensing.dots.retain(|_| {
+            number += 1;
+            self.regions.dots.contains(&number)
+        });
+        sensing
     }
 
     /// What was estimated of the moving world, number by number: key, value with unit, source.
@@ -239,6 +288,28 @@ impl Campaigns {
             self.coarser.is_finite() && self.coarser >= 1.0,
             "campaigns.coarser = {}: it must be 1 or more",
             self.coarser
+        );
+        Ok(())
+    }
+}
+
+impl Regions {
+    fn check(&self) -> Result<()> {
+        study_file::check_not_empty([("cameras.margins_px", self.margins_px.len())])?;
+        for margin in &self.margins_px {
+            ensure!(
+                margin.is_finite() && *margin >= 0.0,
+                "cameras.margins_px: {margin}: each must be finite and not negative"
+            );
+        }
+        ensure!(
+            self.margins_px.windows(2).all(|pair| pair[0] < pair[1]),
+            "cameras.margins_px: each must be more than the one before"
+        );
+        ensure!(
+            self.margins_px.iter().any(|margin| margin.to_bits() == self.shown_px.to_bits()),
+            "cameras.shown_px = {}: it must be one of cameras.margins_px",
+            self.shown_px
         );
         Ok(())
     }
@@ -307,6 +378,10 @@ mod tests {
 
     #[test]
     fn mistakes_are_named() {
+        refuses("margins_px = [0.0,", "margins_px = [-1.0,", &["cameras.margins_px", "-1", "not negative"]);
+        refuses("camera = \"below\"", "camera = \"above\"", &["cameras.camera = `above`", "side, downstream, below"]);
+        refuses("dots = [5,", "dots = [11,", &["cameras.dots: 11", "1 to 10"]);
+        refuses("shown_px = 40.0", "shown_px = 41.0", &["cameras.shown_px = 41", "one of"]);
         refuses("seeds = 5", "seed = 5", &["unknown field `seed`"]);
         refuses("seeds = 5", "seeds = 0", &["campaigns.seeds = 0", "1 to 1000"]);
         refuses("random_designs = 64", "random_designs = 1", &["random_designs = 1", "from 2"]);

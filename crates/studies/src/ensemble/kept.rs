@@ -4,7 +4,7 @@ use super::row::{Fact, Method, Row, Study, World};
 use super::store::Done;
 
 /// A study on a plant in a world.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Case<'a> {
     pub(super) study: Study,
     pub(super) world: World,

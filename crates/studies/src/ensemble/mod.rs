@@ -13,7 +13,9 @@
 
 mod cameras;
 mod claims;
+mod curves;
 mod decides;
+mod evidence;
 mod facts;
 mod figures;
 mod file;
@@ -70,6 +72,8 @@ enum Work<'a> {
     Study(Study, &'a Plant),
     /// The designs of a plant seen by cameras.
     Cameras(&'a Plant),
+    /// Figures 14, 21 and 27 on a plant.
+    Curves(&'a Plant),
     /// Designs of experiments, which know no plant.
     Designs,
 }
@@ -78,11 +82,13 @@ enum Work<'a> {
 fn works(setup: &Setup) -> Vec<Work<'_>> {
     let of_four = setup.campaigns.plants_of_four.min(setup.plants.len());
     let plants = |study: Study| if study == Study::Four { &setup.plants[..of_four] } else { &setup.plants[..] };
-    let studies =
-        Study::ALL.into_iter().flat_map(|study| plants(study).iter().map(move |plant| Work::Study(study, plant)));
+    let studies = Study::OF_CAMPAIGNS
+        .into_iter()
+        .flat_map(|study| plants(study).iter().map(move |plant| Work::Study(study, plant)));
     let mut works: Vec<Work<'_>> = studies.collect();
     works.push(Work::Designs);
     works.extend(plants(Study::Four).iter().map(Work::Cameras));
+    works.extend(plants(Study::Four).iter().map(Work::Curves));
     works
 }
 
@@ -91,6 +97,7 @@ impl Work<'_> {
         match self {
             Self::Study(study, plant) => (study.name().to_owned(), plant.number),
             Self::Cameras(plant) => ("cameras".to_owned(), plant.number),
+            Self::Curves(plant) => ("curves".to_owned(), plant.number),
             Self::Designs => ("designs".to_owned(), 0),
         }
     }
@@ -99,6 +106,7 @@ impl Work<'_> {
         match self {
             Self::Study(study, plant) => unit::run(setup, *study, plant, designs),
             Self::Cameras(plant) => cameras::run(setup, &store.done, plant),
+            Self::Curves(plant) => curves::run(setup, &store.done, plant, designs),
             Self::Designs => Ok((Found { facts: facts::designs(setup)?, ..Found::default() }, 0)),
         }
     }

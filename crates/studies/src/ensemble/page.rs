@@ -6,7 +6,9 @@ use anyhow::Result;
 use page::quantile;
 
 use super::claims;
+use super::curves;
 use super::decides::{self, Decided, Property};
+use super::evidence;
 use super::figures;
 use super::file::Setup;
 use super::judge::judge;
@@ -22,7 +24,11 @@ const PAGE: &str = "docs/results-ensemble.md";
 const VERDICTS: &str = "docs/results-ensemble.svg";
 const REGRET: &str = "docs/results-ensemble-regret.svg";
 const OF_CHAPTER4: &str = "docs/results-ensemble-chapter4.svg";
-const OF_CHAPTER7: &str = "docs/results-ensemble-chapter7.svg";
+const OF_TWO: &str = "docs/results-ensemble-chapter7-two.svg";
+const OF_FOUR: &str = "docs/results-ensemble-chapter7-four.svg";
+const OF_CHAPTER3: &str = "docs/results-ensemble-chapter3.svg";
+const OF_CHAPTER6: &str = "docs/results-ensemble-chapter6.svg";
+const LOST_DOTS: &str = "docs/results-ensemble-lost-dots.svg";
 
 pub(super) fn write(root: &Path, setup: &Setup, store: &Store) -> Result<()> {
     kept::write(root, &texts(setup, store))
@@ -43,18 +49,22 @@ pub(super) fn judged(setup: &Setup, cases: &[Case<'_>]) -> Vec<Both> {
     claims::all(setup).into_iter().map(both).collect()
 }
 
-fn texts(setup: &Setup, store: &Store) -> [(&'static str, String); 5] {
+fn texts(setup: &Setup, store: &Store) -> [(&'static str, String); 9] {
     let cases = cases(&store.done);
     let all = judged(setup, &cases);
     let batches = |study: Study| batches(setup, study);
     let regret = figures::regret(&cases, &batches);
-    let [of_chapter4, of_chapter7] = figures::steps(&cases, &batches);
+    let [of_chapter4, of_two, of_four] = figures::steps(&cases, &batches);
     [
         (PAGE, markdown(setup, store, &cases, &all)),
         (VERDICTS, format!("{}\n", figures::verdicts(&all))),
         (REGRET, format!("{regret}\n")),
         (OF_CHAPTER4, format!("{of_chapter4}\n")),
-        (OF_CHAPTER7, format!("{of_chapter7}\n")),
+        (OF_TWO, format!("{of_two}\n")),
+        (OF_FOUR, format!("{of_four}\n")),
+        (OF_CHAPTER3, format!("{}\n", curves::lowest(setup, &cases))),
+        (OF_CHAPTER6, format!("{}\n", curves::errors(setup, &cases))),
+        (LOST_DOTS, format!("{}\n", curves::headings(setup, &cases))),
     ]
 }
 
@@ -69,6 +79,7 @@ fn batches(setup: &Setup, study: Study) -> [usize; 2] {
             [2 * settings.experiment_steps.len() + 1, settings.max_iterations]
         }
         Study::Two => of_case(0),
+        Study::Chapter3 | Study::Chapter6 => [0, 0],
         Study::Four => of_case(1),
     }
 }
@@ -121,8 +132,10 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
     text += &tables::flights(cases).markdown();
     text += "\n![Chapter 4, iteration by iteration](results-ensemble-chapter4.svg)\n\nWhat Figures 16 to 18 and Table 3 show of one campaign, over all: the \
              designs of the dissertation's loop, means over their flights. At the first stands the optimum of the model.\n";
-    text += "\n![Chapter 7, iteration by iteration](results-ensemble-chapter7.svg)\n\nWhat Figures 20, 22, 24, 26 and 28 show of one campaign, and of Figure 27 the roll offset and the zenith angle, over \
-             all; at 0 the optimum of the model.\n";
+    text += "\n![Chapter 7, 2 parameters, iteration by iteration](results-ensemble-chapter7-two.svg)\n\nWhat Figures 20, 22, 24, 26 and 28 show of one \
+             campaign, and of Figure 27 the roll offset and the zenith angle, over all; at 0 the optimum of the model. With four parameters:\n";
+    text += "\n![Chapter 7, 4 parameters, iteration by iteration](results-ensemble-chapter7-four.svg)\n";
+    text += &curves_words(setup, cases);
     text += "\n## What is left of the space\n\nAfter each iteration of the dissertation's loop, median over plants and seeds with quartiles.\n\n";
     let published = |study: Study, step: usize| {
         let case = setup.chapter7.cases.get(usize::from(study == Study::Four))?;
@@ -142,9 +155,47 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
              each plant are flown again with the three cameras of `sensing.toml`, whose dots may leave the view: then the pose is held. Medians \
              over plants.\n\n";
     text += &tables::cameras(cases).markdown();
+    text += &format!(
+        "\nThe dissertation has spikes in the heading of the model's optimum, where a pair of dots leaves the region of interest for a moment. With three cameras and ten \
+         dots no pair is missed. Here one camera, `{}`, sees dots {} alone, and looks for them only about where it sees them while the center of the box flies \
+         in still water, with a few pixels to spare on each side; then designs fly in moving water. Below four dots the last pose is held. \
+         Errors of the heading that is told are drawn and listed with {} px to spare, the largest of each {} s, where the flight comes to its end; the loop's designs are those of the first seed.\n\n![Figure 27 over plants](results-ensemble-lost-dots.svg)\n\n{}",
+        setup.regions.camera,
+        setup.regions.dots.iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
+        setup.regions.shown_px,
+        curves::BIN_S,
+        curves::table_of_headings(setup, cases).markdown()
+    );
+    text += &evidence::section(all, cases);
     text += &decided(setup, cases, all);
     text += "\n## What was estimated\n\nOf the moving world the dissertation says nothing.\n\n";
     text += &tables::estimates(&setup.estimates()).markdown();
+    text
+}
+
+/// The section on curves that no campaign gives.
+fn curves_words(setup: &Setup, cases: &[Case<'_>]) -> String {
+    let mut text = format!(
+        "\n## Open loop, on all plants\n\nFigure 14: of the stable designs with the same center of mass the one whose trim pitch gives the lowest cost \
+         (20), in the stand-in. Panels from the top: {}. Where less than half of the plants have a stable design nothing is drawn. The table looks within Table 4 alone; medians \
+         over plants with quartiles.\n\n![Figure 14 over plants](results-ensemble-chapter3.svg)\n\n{}",
+        setup.chapter3.configurations.iter().map(|one| one.label.as_str()).collect::<Vec<_>>().join("; "),
+        curves::table_of_lowest(setup, cases).markdown()
+    );
+    text += &format!(
+        "\n## The corrected model, on all plants\n\nFigure 21 with two parameters: the norm (42) of the error of the corrected model over what is left, as a \
+         share of that without correction, {}. Medians over plants with quartiles; what a campaign ends with, because one cell is left, is carried on. With four parameters it would take {} flights of each plant; the \
+         [page of Chapter 6](results-chapter6.md) has it for one.\n\n![Figure 21 over plants](results-ensemble-chapter6.svg)\n\n{}",
+        setup.chapter6.first_variant().label,
+        setup
+            .chapter6
+            .spaces
+            .iter()
+            .map(|space| space.space.n_cells() * setup.chapter6.fidelities().len())
+            .max()
+            .unwrap_or(0),
+        curves::table_of_errors(setup, cases).markdown()
+    );
     text
 }
 
@@ -228,10 +279,12 @@ fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> V
     findings.push(told::worth(cases));
     findings.extend(World::OF_CAMPAIGNS.map(|world| regrets(cases, world)));
     findings.push(noise_words(cases));
-    let flights: f64 = cases.iter().filter_map(|case| case.fact(super::store::LAST)).sum();
+    findings.push(curves::lost_in_words(setup, cases));
+    let facts = store.done.iter().flat_map(|done| &done.found.facts);
+    let flights: f64 = facts.filter(|fact| fact.name == super::store::LAST).map(|fact| fact.value).sum();
     let seconds: f64 = store.done.iter().map(|done| done.found.seconds).sum();
     let plants = |study: Study| cases.iter().filter(|case| case.study == study && case.world == World::Still).count();
-    let words = Study::ALL.map(|study| format!("{} ({})", plants(study), study.words()));
+    let words = Study::OF_CAMPAIGNS.map(|study| format!("{} ({})", plants(study), study.words()));
     let of_four = match setup.campaigns.seeds_of_four {
         same if same == setup.campaigns.seeds => String::new(),
         other => format!(" ({other} with four parameters)"),
@@ -269,10 +322,10 @@ fn regrets(cases: &[Case<'_>], world: World) -> String {
     };
     let has = |study: &Study| median(*study, Method::Numerical).is_some();
     let each = |method: Method| {
-        let all = Study::ALL.into_iter().filter(has).filter_map(|study| median(study, method));
+        let all = Study::OF_CAMPAIGNS.into_iter().filter(has).filter_map(|study| median(study, method));
         all.map(|regret| format!("{:.1}", 100.0 * regret)).collect::<Vec<_>>().join(", ")
     };
-    let studies = Study::ALL.into_iter().filter(has).map(Study::words).collect::<Vec<_>>().join("; ");
+    let studies = Study::OF_CAMPAIGNS.into_iter().filter(has).map(Study::words).collect::<Vec<_>>().join("; ");
     format!(
         "Cost above the best design known in {} water, median in % ({studies}, the last a lower limit): dissertation's loop {}; pooled loop {}; Sobol points and a Gaussian \
          process {}; optimum of the model {}; center of the box {}; random design {}.",

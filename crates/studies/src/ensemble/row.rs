@@ -30,7 +30,11 @@ impl World {
 /// What is optimized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum Study {
+    /// The open loop: curves only.
+    Chapter3,
     Chapter4,
+    /// Known truths: curves only.
+    Chapter6,
     /// Chapter 7, two parameters.
     Two,
     /// Chapter 7, four parameters.
@@ -38,10 +42,14 @@ pub(super) enum Study {
 }
 
 impl Study {
-    pub(super) const ALL: [Self; 3] = [Self::Chapter4, Self::Two, Self::Four];
+    pub(super) const ALL: [Self; 5] = [Self::Chapter3, Self::Chapter4, Self::Chapter6, Self::Two, Self::Four];
+    /// Those whose claims are judged here.
+    pub(super) const OF_CAMPAIGNS: [Self; 3] = [Self::Chapter4, Self::Two, Self::Four];
 
     pub(super) const fn name(self) -> &'static str {
         match self {
+            Self::Chapter3 => "chapter3",
+            Self::Chapter6 => "chapter6",
             Self::Chapter4 => "chapter4",
             Self::Two => "chapter7-2",
             Self::Four => "chapter7-4",
@@ -50,6 +58,8 @@ impl Study {
 
     pub(super) const fn words(self) -> &'static str {
         match self {
+            Self::Chapter3 => "Chapter 3",
+            Self::Chapter6 => "Chapter 6, 2 parameters",
             Self::Chapter4 => "Chapter 4",
             Self::Two => "Chapter 7, 2 parameters",
             Self::Four => "Chapter 7, 4 parameters",

@@ -103,6 +103,11 @@ impl Site {
     }
 }
 
+/// A plant with sides that differ, and the test in the water of the first flight that is the truth.
+pub(super) fn lopsided_in_water(setup: &Setup, plant: &Plant) -> Result<(Rig, TestProfile)> {
+    Ok((setup.lopsided(plant), seeded(setup, 1)?))
+}
+
 /// The test in the water of another seed.
 fn seeded(setup: &Setup, seed: u64) -> Result<TestProfile> {
     let profile = setup.moving().clone();

@@ -61,10 +61,10 @@ impl Lines {
         };
         if text.len() < first.len() {
             // Killed while it was begun, or another file.
-            ensure!(first.starts_with(&text), "{}: {}", path.display(), OTHER);
+            ensure!(first.starts_with(&text), "{}: {}", path.display(), other(&first));
             return Ok(Self { torn: path.exists(), path, first, lines: Vec::new() });
         }
-        let rest = text.strip_prefix(&first).with_context(|| format!("{}: {OTHER}", path.display()))?;
+        let rest = text.strip_prefix(&first).with_context(|| format!("{}: {}", path.display(), other(&first)))?;
         let whole = rest.rfind('\n').map_or(0, |end| end + 1);
         let line = |number: usize, line: &str| -> Result<Line> {
             let mut cells = line.split(',').map(str::to_owned);
@@ -184,8 +184,12 @@ fn place(path: &Path, number: usize) -> String {
     format!("{}: line {number}", path.display())
 }
 
-const OTHER: &str =
-    "its first line does not name the study, the plants and the rig of today: remove it to run all campaigns anew";
+fn other(first: &str) -> String {
+    format!(
+        "its first line does not name the study, the plants and the rig of today, which would be `{}`: remove it to run all campaigns anew",
+        first.lines().next().unwrap_or_default()
+    )
+}
 
 fn text_of(unit: &Unit, cells: &[String]) -> String {
     format!("{},{},{}\n", unit.0, unit.1, cells.join(","))

@@ -108,7 +108,9 @@ pub(super) fn baselines(cases: &[Case<'_>]) -> Table {
         Column::new("Random designs that are better", "%"),
         Column::new("Worse than the center", "%"),
     ]);
-    for (study, world) in Study::ALL.into_iter().flat_map(|study| World::OF_CAMPAIGNS.map(|world| (study, world))) {
+    for (study, world) in
+        Study::OF_CAMPAIGNS.into_iter().flat_map(|study| World::OF_CAMPAIGNS.map(|world| (study, world)))
+    {
         for (method, words) in WAYS {
             let (mut regrets, mut better, mut worse) = (Vec::new(), Vec::new(), 0);
             for case in cases_of(cases, study, world) {
@@ -147,7 +149,7 @@ pub(super) fn noise(cases: &[Case<'_>]) -> Table {
         Column::new("as a share of the cost", "%"),
         Column::new("as a share of its range over random designs", "%"),
     ]);
-    for study in Study::ALL {
+    for study in Study::OF_CAMPAIGNS {
         let (mut seconds, mut of_cost, mut of_range) = (Vec::new(), Vec::new(), Vec::new());
         for case in cases_of(cases, study, World::Moving) {
             let random = case.random();
@@ -223,7 +225,9 @@ pub(super) fn flights(cases: &[Case<'_>]) -> Table {
         ("altitude error squared, cm²", Reading::Altitude),
         ("footprint, cm²", Reading::Footprint),
     ];
-    for (study, world) in Study::ALL.into_iter().flat_map(|study| World::OF_CAMPAIGNS.map(|world| (study, world))) {
+    for (study, world) in
+        Study::OF_CAMPAIGNS.into_iter().flat_map(|study| World::OF_CAMPAIGNS.map(|world| (study, world)))
+    {
         let rows =
             |method: Method| -> Vec<_> { cases_of(cases, study, world).flat_map(|case| case.ends(method)).collect() };
         let all = [Method::Numerical, Method::Dissertation, Method::Random].map(rows);

@@ -71,7 +71,7 @@ fn spread(values: &[f64], digits: usize) -> String {
 pub(super) fn worth(cases: &[Case<'_>]) -> String {
     let of = |study: Study| cases.iter().filter(move |case| case.study == study && case.world == World::Still);
     let mut words = Vec::new();
-    for study in Study::ALL {
+    for study in Study::OF_CAMPAIGNS {
         let ranks: Vec<f64> = of(study).filter_map(|case| case.fact("rank_correlation")).collect();
         let better: Vec<f64> =
             of(study).filter_map(|case| Some(100.0 * case.random_better(case.numerical()?))).collect();

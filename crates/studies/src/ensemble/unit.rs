@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use design_space::Model;
 use infuse::global;
 use rayon::prelude::*;
@@ -65,6 +65,7 @@ pub(super) fn run(setup: &Setup, study: Study, plant: &Plant, designs: &Designs)
         Study::Chapter4 => of_chapter4(setup, plant),
         Study::Two => of_chapter7(setup, plant, Study::Two, 0, designs),
         Study::Four => of_chapter7(setup, plant, Study::Four, 1, designs),
+        Study::Chapter3 | Study::Chapter6 => bail!("no campaign is judged in it"),
     };
     let mut found = Found::default();
     let mut n_flights = 0;

@@ -1,0 +1,129 @@
+//! What the curves say in numbers.
+
+use page::{Column, Table, quantile};
+
+use super::figures::{DESIGNS, lost};
+use super::kept::{ERROR, ITERATIONS, LEFT, cases_of_figure21, of_bin, of_iteration, of_place, over};
+use crate::ensemble::file::Setup;
+use crate::ensemble::kept::Case;
+use crate::ensemble::row::{Study, World};
+use crate::words::number;
+
+/// Median and quartiles.
+fn quartiles(values: &[f64], digits: usize) -> String {
+    let at = |share: f64| quantile(values, share).map_or("–".to_owned(), |value| number(value, digits));
+    format!("{} ({} to {})", at(0.5), at(0.25), at(0.75))
+}
+
+/// Figure 14: where the lowest cost lies within Table 4, panel by panel.
+pub(in crate::ensemble) fn lowest(setup: &Setup, cases: &[Case<'_>]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Configuration", ""),
+        Column::new("Plants with a stable design", "1"),
+        Column::new("Lowest cost (20)", "s"),
+        Column::new("at center of mass", "% chord"),
+        Column::new("at an end of Table 4", "plants"),
+        Column::new("Highest of the curve over the lowest", "1"),
+    ]);
+    let study = &setup.chapter3;
+    let [from, to] = study.center_of_mass.table4.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let all = study.center_of_mass.places().into_iter().enumerate();
+    let places: Vec<(usize, f64)> = all.filter(|(_, x)| (from..=to).contains(x)).collect();
+    let ends = [places.first(), places.last()].map(|end| end.map(|(place, _)| *place));
+    for (panel, configuration) in study.configurations.iter().enumerate() {
+        let (mut costs, mut at, mut spans, mut at_an_end) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        for case in cases.iter().filter(|case| case.study == Study::Chapter3) {
+            let curve = places.iter().filter_map(|(place, x)| Some((*place, *x, case.fact(&of_place(panel, *place))?)));
+            let curve: Vec<(usize, f64, f64)> = curve.collect();
+            let lowest = curve.iter().min_by(|a, b| a.2.total_cmp(&b.2));
+            let highest = curve.iter().map(|(.., cost)| *cost).fold(f64::NAN, f64::max);
+            if let Some((place, x, cost)) = lowest {
+                costs.push(*cost);
+                at.push(*x);
+                spans.push(highest / cost);
+                at_an_end += usize::from(ends.contains(&Some(*place)));
+            }
+        }
+        table.push(vec![
+            configuration.label.clone(),
+            costs.len().to_string(),
+            quartiles(&costs, 4),
+            quartiles(&at, 2),
+            at_an_end.to_string(),
+            quartiles(&spans, 1),
+        ]);
+    }
+    table
+}
+
+/// Figure 21: the end, truth by truth and noise by noise.
+pub(in crate::ensemble) fn errors(setup: &Setup, cases: &[Case<'_>]) -> Table {
+    let study = &setup.chapter6;
+    let last = ITERATIONS[ITERATIONS.len() - 1];
+    let mut table = Table::new(vec![
+        Column::new("Truth", ""),
+        Column::new("Noise", "%"),
+        Column::new(&format!("Error after {last} iterations"), "% of that without correction"),
+        Column::new("Plants with less than without", ""),
+        Column::new("Space left", "%"),
+    ]);
+    for case in cases_of_figure21(study) {
+        let of = |what: &str| over(cases, Study::Chapter6, World::Still, &of_iteration(study, case, last, what));
+        let shares = |what: &str| of(what).into_iter().map(|share| 100.0 * share).collect::<Vec<_>>();
+        let errors = of(ERROR);
+        table.push(vec![
+            study.truth(case.truth).label.clone(),
+            number(100.0 * case.noise, 0),
+            quartiles(&shares(ERROR), 1),
+            format!("{} of {}", errors.iter().filter(|share| **share < 1.0).count(), errors.len()),
+            quartiles(&shares(LEFT), 1),
+        ]);
+    }
+    table
+}
+
+/// Figure 27: of how many designs poses are lost, by the pixels that the camera has to spare.
+pub(in crate::ensemble) fn headings(setup: &Setup, cases: &[Case<'_>]) -> Table {
+    let mut table = Table::new(vec![
+        Column::new("Design", ""),
+        Column::new("To spare on each side", "px"),
+        Column::new("Designs", "1"),
+        Column::new("lose poses", "1"),
+        Column::new("cannot fly so", "1"),
+        Column::new("Largest error of the heading", "deg"),
+        Column::new("worst plant", "deg"),
+    ]);
+    for (method, words) in DESIGNS {
+        for margin_px in &setup.regions.margins_px {
+            let [lose, fail, n] = lost(cases, method, *margin_px);
+            let is_shown = margin_px.to_bits() == setup.regions.shown_px.to_bits();
+            let largest = |case: &Case<'_>| {
+                (0..).map_while(|bin| case.fact(&of_bin(method, bin))).reduce(f64::max).filter(|_| is_shown)
+            };
+            let largest: Vec<f64> = cases.iter().filter_map(largest).collect();
+            table.push(vec![
+                words.to_owned(),
+                number(*margin_px, 0),
+                n.to_string(),
+                lose.to_string(),
+                fail.to_string(),
+                if largest.is_empty() { "–".to_owned() } else { quartiles(&largest, 1) },
+                quantile(&largest, 1.0).map_or("–".to_owned(), |value| number(value, 1)),
+            ]);
+        }
+    }
+    table
+}
+
+/// The same with the pixels that are drawn, in a sentence.
+pub(in crate::ensemble) fn lost_in_words(setup: &Setup, cases: &[Case<'_>]) -> String {
+    let of = |k: usize| lost(cases, DESIGNS[k].0, setup.regions.shown_px);
+    let ([by_model, model_falls, n], [by_loop, loop_falls, _], [by_chance, chance_falls, n_chance]) =
+        (of(0), of(1), of(2));
+    format!(
+        "Figure 27: before one camera with a narrow region of interest ({} px to spare) a heading is lost for a while, as in the dissertation, at the \
+         model's optimum in {by_model} of {n} plants, and at the end of the loop in {by_loop}; {model_falls} and {loop_falls} cannot fly so. Of {n_chance} designs that nobody \
+         chose {by_chance} lose it and {chance_falls} cannot fly.",
+        setup.regions.shown_px
+    )
+}
