@@ -10,6 +10,7 @@ mod interruptions;
 mod journals;
 mod kills;
 mod long_tables;
+mod memory;
 mod mixed;
 mod plants;
 mod pooled;

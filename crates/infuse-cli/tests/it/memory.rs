@@ -1,0 +1,64 @@
+//! How much memory a campaign takes whose designs nobody could list.
+
+use std::fs::File;
+use std::process::Stdio;
+use std::time::Duration;
+
+use crate::rig::Rig;
+
+/// 24^6 designs of a bowl whose simulation lies beside it, and experiments that are a command.
+fn rig(method: &str) -> Rig {
+    let rig = Rig::empty();
+    let parameter = |k: usize| {
+        format!("[[parameter]]\nname = \"p{k}\"\nunit = \"mm\"\nlower = 0\nupper = 23\nstep = 1\nrole = \"plant\"\n")
+    };
+    let parameters: String = (1..=6).map(parameter).collect();
+    let bowl = |at: f64| {
+        let squares: Vec<String> = (1..=6).map(|k| format!("({{p{k}}} - {at}) ^ 2")).collect();
+        format!("command = [\"awk\", \"BEGIN {{ print {} }}\"]", squares.join(" + "))
+    };
+    rig.write(
+        "campaign.toml",
+        &format!(
+            "title = \"Six parameters\"\nseed = 1\n{parameters}[response]\nname = \"y\"\nunit = \"N\"\ngoal = \"minimize\"\n\
+             [simulator]\n{}\n[experiment]\n{}\n[loop]\n{method}experiments = 18\nsimulations = 36\nbatches = 2\n",
+            bowl(14.0),
+            bowl(12.0)
+        ),
+    );
+    rig
+}
+
+/// The most memory that a call had at a time, in MB, as the kernel counts it; none where it does not say.
+fn peak_mb(rig: &Rig, arguments: &[&str]) -> Option<f64> {
+    let mut command = rig.command(arguments);
+    let errors = rig.path("errors");
+    command.stdout(Stdio::null()).stderr(File::create(&errors).unwrap());
+    let mut child = command.spawn().unwrap();
+    let path = format!("/proc/{}/status", child.id());
+    let mut peak = None;
+    loop {
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kb = line.and_then(|rest| rest.trim().trim_end_matches(" kB").parse::<f64>().ok());
+        peak = kb.map(|kb| kb / 1024.0).or(peak);
+        if let Some(status) = child.try_wait().unwrap() {
+            assert!(status.success(), "{}", std::fs::read_to_string(errors).unwrap());
+            return peak;
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// All designs as points would take 9 GB, a bit for each takes 24 MB.
+#[test]
+fn two_batches_over_two_hundred_million_designs_take_less_than_300_mb() {
+    for method in ["method = \"dissertation\"\nmodel = \"additive quadratic\"\n", ""] {
+        let rig = rig(method);
+        match peak_mb(&rig, &["run", "--batches", "2"]) {
+            Some(peak) => assert!(peak < 300.0, "{peak} MB with `{method}`"),
+            None => eprintln!("this system does not say how much memory a program had: nothing was tested"),
+        }
+        assert_eq!(rig.journal().iter().filter(|line| line["event"] == "planned").count(), 2);
+    }
+}
