@@ -9,8 +9,7 @@
 //! | in a batch of 576, two threads, per flight | 1.50 ms |  | 200,000 | 0.14 |
 //!
 //! The batch takes 0.87 s.
-//! With the cameras of the fixtures, ten dots and three cameras, a flight in lanes on one thread takes 22.1 ms at two steps where one that sees the state takes 5.9 ms in the same run (2026-11-22): 3.7 times as long.
-//! One pose, images and noise included, takes 1.2 us: two to three Gauss-Newton steps over two dozen sightings, about half of it in sums and solution, a sixth in putting sightings side by side, a third in dots, pixels and noise.
+//! One pose, images and noise included, takes 0.9 us: mostly two Gauss-Newton steps over two dozen sightings, two thirds of it in sums and solution, a third in dots, pixels and noise.
 //! One right-hand side with its share of the loop takes 230 ns in `f64` and 61 ns in lanes.
 //! Lanes exist only as far as the compiler packs straight-line code into vectors: the bench shows at once if a change loses that, since lanes then take longer than flights alone.
 //! Where the time goes, by sampling, in per cent (the `f64` column from a build in which the trigonometry is not inlined, so that it can be told apart):
@@ -28,18 +27,21 @@
 //! | flow, controller, watching | 2 | 5 |
 //! | not attributable | 4 | 6 |
 //!
-//! What is off by default costs, in lanes on one thread at one step per sample, fastest of twenty on 2026-11-22 on the same machine beside other work, and
-//! fastest of ten in one run on 2026-11-23 on a slower one (4.7 ms a flight with all off) with nothing else running:
+//! What is off by default costs, in lanes on one thread, medians of one run on 2026-11-24 with nothing else running (3.0 ms a flight with all off at one step,
+//! 5.5 ms at two):
 //!
-//! | on | time against all off | on the slower machine |
+//! | on | time against all off, 1 step per sample | 2 steps |
 //! |---|---|---|
-//! | turbulence in three directions | 1.14 | 1.01 |
-//! | vortex shedding | 1.11 | 0.99 |
-//! | asymmetry | 1.26 | 1.07 |
-//! | all three, one seed for the batch | 1.29 | 1.10 |
-//! | all three, a seed for each flight | 1.66: making the table of a flight takes 1.1 ms | 1.37 |
-//! | cameras | | 4.91 |
-//! | all three, one seed for the batch, and cameras | | 5.05 |
+//! | turbulence in three directions | 1.11 | |
+//! | vortex shedding | 1.11 | |
+//! | asymmetry | 1.24 | |
+//! | all three, one seed for the batch | 1.26 | 1.21 |
+//! | all three, a seed for each flight | 1.60: making the table of a flight takes 1.0 ms | |
+//! | cameras | 4.95 | 3.17 |
+//! | all three, one seed for the batch, and cameras | 5.42 | 3.50 |
+//!
+//! With all of it off a flight is no slower than before there was any: 0.94 times at one step and 0.96 at two, against commit `b3d192f` (lanes on one thread,
+//! six runs of each in turn).
 
 use bat_dynamics::Fidelity;
 use divan::counter::ItemsCount;
@@ -123,6 +125,16 @@ fn one_pose_from_images(bencher: Bencher<'_, '_>) {
 /// What each thing that is off by default costs, in lanes at one step per sample, the making of the water's table included.
 #[divan::bench(args = ["off", "turbulence", "shedding", "asymmetry", "all three", "a seed each", "cameras", "all and cameras"], sample_count = 10)]
 fn lanes_with_what_is_off_by_default(bencher: Bencher<'_, '_>, what: &str) {
+    lanes_with(bencher, what, 1);
+}
+
+/// The same at two steps per sample, as flights are flown unless somebody says otherwise.
+#[divan::bench(args = ["off", "all three", "cameras", "all and cameras"], sample_count = 10)]
+fn lanes_at_two_steps_with_what_is_off_by_default(bencher: Bencher<'_, '_>, what: &str) {
+    lanes_with(bencher, what, 2);
+}
+
+fn lanes_with(bencher: Bencher<'_, '_>, what: &str, steps_per_sample: usize) {
     let on = |name: &str| what == name || ["all three", "a seed each", "all and cameras"].contains(&what);
     let turbulence = Turbulence { intensity: 0.03, lateral_intensity: 0.03, vertical_intensity: 0.03, length_m: 0.1 };
     let shedding = Shedding { strouhal: 0.2, width_m: 0.092, lift_coefficient: 0.05, plane_rad: 0.5 };
@@ -144,7 +156,7 @@ fn lanes_with_what_is_off_by_default(bencher: Bencher<'_, '_>, what: &str) {
         requests.iter_mut().for_each(|request| request.rig.sensing = Some(sensing.clone()));
     }
     let seeds: Vec<u64> = (0..requests.len() as u64).collect();
-    let (settings, pool) = (FlightSettings::with_steps(1), pool(1));
+    let (settings, pool) = (FlightSettings::with_steps(steps_per_sample), pool(1));
     bencher.counter(ItemsCount::new(requests.len())).bench(|| {
         pool.install(|| match what {
             "a seed each" => fly_seeded(black_box(&requests), &seeds, &profile, &settings, |_| {}),

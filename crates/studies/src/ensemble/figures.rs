@@ -170,9 +170,10 @@ const fn square_of(study: Study, words: &'static str, unit: &'static str, of: fn
 pub(super) fn steps(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -> [String; 3] {
     let figure = |title: &str, quantities: &[Quantity]| {
         let has = |quantity: &&Quantity| cases.iter().any(|case| case.study == quantity.study);
+        let study = quantities[0].study;
         line_figure(&LineFigure {
             title: title.to_owned(),
-            x_axis: Axis::new("iteration", "1"),
+            x_axis: Axis::new("iteration", "1").counting(first_step(study), batches(study)[1]),
             panels: quantities.iter().filter(has).map(|quantity| panel_of(quantity, cases, batches)).collect(),
             shaded: None,
         })
@@ -184,10 +185,14 @@ pub(super) fn steps(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -
     ]
 }
 
+/// In Chapter 4 the first iteration is the optimum of the model.
+fn first_step(study: Study) -> usize {
+    usize::from(study == Study::Chapter4)
+}
+
 fn panel_of(quantity: &Quantity, cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -> Panel {
     let [_, last] = batches(quantity.study);
-    // In Chapter 4 the first iteration is the optimum of the model.
-    let first = usize::from(quantity.study == Study::Chapter4);
+    let first = first_step(quantity.study);
     let x: Vec<f64> = (first..=last).map(|step| step as f64).collect();
     let values = |world: World, step: usize| -> Vec<f64> {
         let mine = cases.iter().filter(|case| case.study == quantity.study && case.world == world);
@@ -215,5 +220,5 @@ fn panel_of(quantity: &Quantity, cases: &[Case<'_>], batches: &dyn Fn(Study) -> 
         drawn.iter().fold([f64::INFINITY, 0.0_f64], |[low, high], value| [low.min(*value), high.max(*value)]);
     let is_wide = quantity.is_square && high > A_DECADE * low;
     let y_axis = if is_wide { y_axis.in_decades(drawn) } else { y_axis.around(drawn) };
-    Panel { x_axis: Some(Axis::new("iteration", "1").counting(first, last)), y_axis, series }
+    Panel { x_axis: None, y_axis, series }
 }

@@ -32,11 +32,13 @@ impl Bundles {
     /// dots as before, which is what most images show, only the pixels are new.
     #[inline(always)]
     pub(crate) fn take(&mut self, eyes: &[Eye], marks: &[Mark], sightings: &[Sighting]) -> &[Bundle] {
-        let seen = || sightings.iter().map(|sighting| (sighting.dot, sighting.camera));
-        let as_before = self.of.len() == sightings.len() && self.of.iter().copied().eq(seen());
+        let mut as_before = self.of.len() == sightings.len();
+        for (before, seen) in self.of.iter().zip(sightings) {
+            as_before &= *before == (seen.dot, seen.camera);
+        }
         if !as_before {
             self.of.clear();
-            self.of.extend(seen());
+            self.of.extend(sightings.iter().map(|sighting| (sighting.dot, sighting.camera)));
             self.list.clear();
             self.list.extend(sightings.chunks(LANES).map(|four| of_four(eyes, marks, four)));
         }

@@ -1,5 +1,7 @@
 //! From a pose to what the cameras tell of it: four cameras side by side, dot after dot.
 
+#![expect(clippy::needless_range_loop, reason = "loops over indices stay in registers here; iterators are not inlined")]
+
 use bat_dynamics::{LANES, Lanes};
 use multiversion::multiversion;
 
@@ -68,20 +70,26 @@ impl Images {
 ///
 /// Compiled for several instruction sets, none of which contracts a product and a sum: all give the same bits. Rounding down is one
 /// instruction in two of them, and a call in the oldest.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+#[multiversion(targets("x86_64+avx+avx2"))]
 pub(crate) fn take(images: &Images, view: &mut View, pose: &Pose, noise: &mut PixelNoise) {
     view.clear();
     let r_gb = pose.rows_gb();
-    for (dot, mark) in images.marks.iter().enumerate() {
+    for dot in 0..images.marks.len() {
+        let mark = &images.marks[dot];
         let place = constant(add(pose.position_m, times(&r_gb, mark.place)));
         let normal = constant(times(&r_gb, mark.normal));
-        for (four, (eyes, regions)) in images.fours.iter().zip(images.regions.chunks(LANES)).enumerate() {
+        for four in 0..images.fours.len() {
+            let (eyes, first) = (&images.fours[four], four * LANES);
             let faces: Lanes = dot_product(normal, minus(eyes.position, place));
             let seen = eyes.project(place);
-            for (lane, region) in regions.iter().enumerate() {
+            for lane in 0..LANES {
+                let camera = first + lane;
+                if camera >= images.regions.len() {
+                    break;
+                }
                 let pixel = [seen.pixel[0].0[lane], seen.pixel[1].0[lane]];
-                if faces.0[lane] > 0.0 && seen.depth.0[lane] > 0.0 && region.contains(pixel) {
-                    view.push(Sighting { dot, camera: four * LANES + lane, pixel: images.told(pixel, noise) });
+                if faces.0[lane] > 0.0 && seen.depth.0[lane] > 0.0 && images.regions[camera].contains(pixel) {
+                    view.push(Sighting { dot, camera, pixel: images.told(pixel, noise) });
                 }
             }
         }

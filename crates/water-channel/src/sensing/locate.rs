@@ -57,7 +57,7 @@ impl fmt::Display for Hold {
 /// not lessen the sum of squares.
 ///
 /// Compiled for several instruction sets, none of which contracts a product and a sum: all give the same bits.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+#[multiversion(targets("x86_64+avx+avx2"))]
 pub(crate) fn locate(bundles: &[Bundle], guess: &Pose) -> Result<Pose, Hold> {
     let (mut pose, mut attitude) = (*guess, guess.attitude());
     let mut sums = NormalEquations::new(bundles, &pose, &attitude).ok_or(Hold::NotConverged)?;
