@@ -348,3 +348,25 @@ fn numbers_that_no_plant_has_are_refused_by_name() {
     let error = Plant::new(&p, Fidelity::NUMERICAL).unwrap_err().to_string();
     assert!(error.contains("no mass has this inertia"), "{error}");
 }
+
+/// Masses in a plane have second moments of determinant zero: products that are a little larger belong to no mass.
+#[test]
+fn products_of_inertia_end_where_all_mass_lies_in_a_plane() {
+    // Second moments about a plane with the normal n are 1 - n n': moments of inertia are sums of two of their diagonal.
+    for n in [[2.0, -1.0, 3.0], [2.0, 1.0, 3.0], [1.0, 3.0, -2.0], [3.0, 2.0, 2.0]].map(nalgebra::Vector3::<f64>::from) {
+        let second: nalgebra::Matrix3<f64> = nalgebra::Matrix3::identity() - n * n.transpose() / n.norm_squared();
+        let with = |share: f64| {
+            let mut p = rig();
+            let diagonal = second.diagonal();
+            p.body.inertia_xx_kg_m2 = diagonal[1] + diagonal[2];
+            p.body.inertia_yy_kg_m2 = diagonal[0] + diagonal[2];
+            p.body.inertia_zz_kg_m2 = diagonal[0] + diagonal[1];
+            p.body.inertia_xz_kg_m2 = share * second[(0, 2)];
+            p.asymmetry.inertia_xy_kg_m2 = share * second[(0, 1)];
+            p.asymmetry.inertia_yz_kg_m2 = share * second[(1, 2)];
+            Plant::new(&p, Fidelity::NUMERICAL)
+        };
+        assert!(with(0.999).is_ok(), "{n}");
+        assert!(with(1.001).unwrap_err().to_string().contains("no mass has this inertia"), "{n}");
+    }
+}

@@ -133,6 +133,32 @@ fn ballast_moved_aft_adds_inertia_by_the_theorem_of_parallel_axes() {
     assert!(more > 1e-6, "a change that counts: {more} kg m²");
 }
 
+/// The planform of a fin of twice the area is longer by the root of two, and its mass twice as large.
+#[test]
+fn products_of_inertia_of_a_fin_grow_by_the_square_of_its_area() {
+    let (p, own, factor) = (rig(), 1e-8, 1.7);
+    let product = |inertia_xz_kg_m2: f64| {
+        let fin = Fin {
+            mass_kg: 1e-3,
+            volume_m3: 0.0,
+            offset_x: 0.02,
+            offset_height_m: 0.01,
+            offset_lateral_m: 0.0,
+            inertia_kg_m2: [4e-8; 3],
+            inertia_xz_kg_m2,
+        };
+        let model = MassModel { vertical: Some(fin), ..MassModel::default() };
+        let design = PlantDesign {
+            center_of_mass_x: p.body.center_of_mass_x,
+            horizontal_area_factor: 1.0,
+            vertical_area_factor: factor,
+        };
+        model.parameters(&p, &design).unwrap().body.inertia_xz_kg_m2
+    };
+    let (found, expected) = (product(own) - product(0.0), (factor * factor - 1.0) * own);
+    assert!((found - expected).abs() < 1e-6 * own, "{found} instead of {expected}: the fin of the body is taken off");
+}
+
 #[test]
 fn masses_that_make_no_plant_are_refused_by_name() {
     let design = PlantDesign { center_of_mass_x: 0.49, horizontal_area_factor: 1.2, vertical_area_factor: 0.9 };

@@ -154,6 +154,7 @@ fn meaningless_requests_are_refused_by_name() {
         (TrimRequest { flow: Flow { speed_m_s: 0.2, direction_rad: f64::INFINITY }, ..good }, "flow direction"),
         (TrimRequest { pitch_rad: f64::NAN, ..good }, "pitch set point"),
         (TrimRequest { pitch_rad: 1.6, ..good }, "pitch set point"),
+        (TrimRequest { pitch_rad: core::f64::consts::FRAC_PI_2, ..good }, "pitch set point"),
         (TrimRequest { height: TrimHeight::TetherLength(0.0), ..good }, "tether length"),
         (TrimRequest { height: TrimHeight::Altitude(f64::NAN), ..good }, "altitude set point"),
     ];

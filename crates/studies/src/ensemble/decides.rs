@@ -152,6 +152,7 @@ mod tests {
 
     fn judged(setup: &Setup, holds: impl Fn(usize) -> bool) -> Judged {
         let share = |(k, plant): (usize, &crate::calibration::Plant)| Share {
+            chance: None,
             plant: plant.number,
             count: Count { holding: if holds(k) { 5 } else { 0 }, cases: 5 },
         };

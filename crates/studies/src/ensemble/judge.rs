@@ -3,13 +3,15 @@
 use super::claims::{Claim, JUDGED, Test};
 use super::kept::Case;
 use super::row::{Method, Row, World};
-use crate::rules::{Count, Judged as ByRule, Verdict};
+use crate::rules::{Count, Judged as ByRule, Standing, Verdict};
 
 /// A plant by its number, and in how many of its campaigns a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Share {
     pub(super) plant: u64,
     pub(super) count: Count,
+    /// In what share of the designs that nobody chose it would hold.
+    pub(super) chance: Option<f64>,
 }
 
 /// What became of a claim in a world.
@@ -22,6 +24,24 @@ pub(super) struct Judged {
 }
 
 impl Judged {
+    fn of(shares: Vec<Share>, standing: Standing) -> Self {
+        let sum = |of: fn(&Share) -> usize| shares.iter().map(of).sum();
+        let count = Count { holding: sum(|share| share.count.holding), cases: sum(|share| share.count.cases) };
+        let chances: Vec<f64> = shares.iter().filter_map(|share| share.chance).collect();
+        let by_chance = (!chances.is_empty()).then(|| chances.iter().sum::<f64>() / chances.len() as f64);
+        let by_rule = (count.cases > 0).then(|| ByRule { by_chance, ..ByRule::of(count, standing) });
+        Self { shares, by_rule }
+    }
+
+    /// The same judged on these plants alone.
+    pub(super) fn among(&self, plants: &[u64]) -> Self {
+        let shares = self.shares.iter().copied().filter(|share| plants.contains(&share.plant)).collect();
+        match self.by_rule {
+            Some(judged) => Self::of(shares, judged.standing),
+            None => Self { shares, by_rule: None },
+        }
+    }
+
     pub(super) fn verdict(&self) -> Option<Verdict> {
         self.by_rule.map(|judged| judged.verdict())
     }
@@ -55,19 +75,11 @@ impl Judged {
 pub(super) fn judge(claim: &Claim, world: World, cases: &[Case<'_>]) -> Judged {
     let by = claim.judged_by(world);
     let mine = cases.iter().filter(|case| case.study == claim.study && Some(case.world) == by);
-    let (mut shares, mut chances) = (Vec::new(), Vec::new());
-    for case in mine {
+    let shares = mine.filter_map(|case| {
         let (outcomes, chance) = outcomes(claim, case);
-        if !outcomes.is_empty() {
-            shares.push(Share { plant: case.plant, count: Count::of(outcomes) });
-            chances.extend(chance);
-        }
-    }
-    let sum = |of: fn(&Share) -> usize| shares.iter().map(of).sum();
-    let count = Count { holding: sum(|share| share.count.holding), cases: sum(|share| share.count.cases) };
-    let by_chance = (!chances.is_empty()).then(|| chances.iter().sum::<f64>() / chances.len() as f64);
-    let by_rule = (count.cases > 0).then(|| ByRule { by_chance, ..ByRule::of(count, claim.standing_in(world)) });
-    Judged { shares, by_rule }
+        (!outcomes.is_empty()).then(|| Share { plant: case.plant, count: Count::of(outcomes), chance })
+    });
+    Judged::of(shares.collect(), claim.standing_in(world))
 }
 
 /// Campaign by campaign whether a claim holds, and by chance: for how many of the designs that nobody chose it would, or for how many

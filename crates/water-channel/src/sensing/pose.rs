@@ -61,12 +61,13 @@ impl Pose {
 
     /// The same attitude with roll and heading in (−pi, pi] and pitch within a quarter turn, as the model reads them.
     pub(crate) fn usual(self) -> Self {
-        let upside = self.pitch_rad.abs() > PI / 2.0;
+        let within = Self { pitch_rad: wrapped(self.pitch_rad), ..self };
+        let upside = within.pitch_rad.abs() > PI / 2.0;
         let turned = if upside {
             let (roll_rad, heading_rad) = (self.roll_rad + PI, self.heading_rad + PI);
-            Self { roll_rad, pitch_rad: PI - self.pitch_rad, heading_rad, ..self }
+            Self { roll_rad, pitch_rad: PI - within.pitch_rad, heading_rad, ..self }
         } else {
-            self
+            within
         };
         Self {
             roll_rad: wrapped(turned.roll_rad),
@@ -141,7 +142,7 @@ mod tests {
 
     #[test]
     fn usual_angles_are_the_same_attitude() {
-        for (roll_rad, pitch_rad, heading_rad) in [(0.1, 2.0, 0.2), (4.0, 0.3, -3.5), (0.0, -3.0, 7.0)] {
+        for (roll_rad, pitch_rad, heading_rad) in [(0.1, 2.0, 0.2), (4.0, 0.3, -3.5), (0.0, -3.0, 7.0), (1.0, 5.0, 0.1), (0.2, -6.0, -9.0)] {
             let pose = Pose { position_m: [1.0, 2.0, 3.0], roll_rad, pitch_rad, heading_rad };
             let usual = pose.usual();
             assert!((matrix(usual.rows_gb()) - matrix(pose.rows_gb())).amax() < 1e-14, "{usual:?}");
