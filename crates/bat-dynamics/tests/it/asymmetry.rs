@@ -353,7 +353,8 @@ fn numbers_that_no_plant_has_are_refused_by_name() {
 #[test]
 fn products_of_inertia_end_where_all_mass_lies_in_a_plane() {
     // Second moments about a plane with the normal n are 1 - n n': moments of inertia are sums of two of their diagonal.
-    for n in [[2.0, -1.0, 3.0], [2.0, 1.0, 3.0], [1.0, 3.0, -2.0], [3.0, 2.0, 2.0]].map(nalgebra::Vector3::<f64>::from) {
+    for n in [[2.0, -1.0, 3.0], [2.0, 1.0, 3.0], [1.0, 3.0, -2.0], [3.0, 2.0, 2.0]].map(nalgebra::Vector3::<f64>::from)
+    {
         let second: nalgebra::Matrix3<f64> = nalgebra::Matrix3::identity() - n * n.transpose() / n.norm_squared();
         let with = |share: f64| {
             let mut p = rig();

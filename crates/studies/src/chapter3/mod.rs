@@ -10,6 +10,8 @@ mod run;
 mod tables;
 
 #[cfg(feature = "ensemble")]
+pub(crate) use claims::MATTERS;
+#[cfg(feature = "ensemble")]
 pub(crate) use file::Setup;
 #[cfg(feature = "ensemble")]
 pub(crate) use panels::PanelFlights;

@@ -13,7 +13,7 @@ use crate::first_screen::FirstScreen;
 use crate::gridded::SUP;
 use crate::provenance::provenance_table;
 use crate::reproduction::{Extent, Picture, markdown_list};
-use page::{Finding, Page, Table};
+use page::{Column, Finding, Page, Table};
 
 const NO_EXPERIMENT: &str = "No experiment was made. As in Section 6.2 a richer model takes the place of experiments and its costs are \
     read with noise of bounded size: stall alone, as printed, and beside it our stand-in for the water channel, stall and added mass. \
@@ -55,8 +55,13 @@ const FLIGHT_CAPTION: &str =
 const FIELD_CAPTION: &str = "The costs at every cell. The noise of an experiment is a part of the range of its truth. For two parameters \
     the best designs of the numerical model and of the stand-in were calibrated to rows 0 and 3 of Table 5; the others were not.";
 
-/// The picture that the page begins with.
-const FIRST: &str = "figure-21-2-parameters-stand-in";
+/// The picture that the page begins with: with all levels that of the space that has more of them.
+fn first_picture(extent: Extent) -> &'static str {
+    match extent {
+        Extent::Default | Extent::WithKept | Extent::Anew => "figure-21-2-parameters-stand-in",
+        Extent::Full => "figure-21-4-parameters-stand-in",
+    }
+}
 
 /// Campaigns of the first variant.
 fn main_table(findings: &Findings) -> Table {
@@ -67,9 +72,10 @@ fn other_table(findings: &Findings) -> Table {
     tables::campaigns_of(findings, findings.ended.iter().filter(|ended| ended.case.variant != 0))
 }
 
-/// The campaign that is followed iteration by iteration: two parameters, the stand-in.
+/// The campaign that is followed iteration by iteration: the stand-in in the space of the first picture.
 fn followed(findings: &Findings) -> Result<&Ended> {
-    findings.shown(0, findings.setup.n_truths() - 1)
+    let space = if findings.extent == Extent::Full { findings.setup.spaces.len() - 1 } else { 0 };
+    findings.shown(space, findings.setup.n_truths() - 1)
 }
 
 fn extent_words(findings: &Findings) -> String {
@@ -153,8 +159,9 @@ pub(crate) fn first_screen<'a>(
     ];
     found.extend(claims.iter().filter(|claim| FIRST_CLAIMS.contains(&claim.place)).map(claims::finding));
     found.push(example(findings)?);
-    let picture = pictures.iter().find(|picture| picture.name.starts_with(FIRST));
-    Ok(FirstScreen { findings: found, picture: picture.with_context(|| format!("no picture is called {FIRST}"))? })
+    let first = first_picture(findings.extent);
+    let picture = pictures.iter().find(|picture| picture.name.starts_with(first));
+    Ok(FirstScreen { findings: found, picture: picture.with_context(|| format!("no picture is called {first}"))? })
 }
 
 /// The page of the study.
@@ -179,7 +186,7 @@ pub(crate) fn page(
     page.heading(claims::BY_VERDICT);
     claims::by_verdict(claims).iter().for_each(|finding| page.finding(finding));
     let show = |page: &mut Page, names: &str| {
-        let others = pictures.iter().filter(|picture| !picture.name.starts_with(FIRST));
+        let others = pictures.iter().filter(|picture| !picture.name.starts_with(first_picture(findings.extent)));
         for picture in others.filter(|picture| picture.name.starts_with(names)) {
             picture.show_in(page);
         }
@@ -214,20 +221,56 @@ pub(crate) fn page(
 fn written_by(extent: Extent) -> &'static str {
     match extent {
         Extent::Default | Extent::WithKept | Extent::Anew => {
-            "Written by `cargo xtask reproduce-chapter6`; `cargo xtask ci` fails when this page is not what the command finds."
+            "Written by `cargo xtask reproduce-chapter6`; `cargo xtask ci` fails when this page is not what the command finds. What becomes of \
+             the claims with 24 levels for each of four parameters, as in Section 7.2, stands in [another page](results-chapter6-full.md)."
         }
         Extent::Full => {
             "Written by `cargo xtask reproduce-chapter6 --full`, which `cargo xtask ci` does not run: this page is kept from a run \
-             to its end. It names no claim of its own: what counts is the [page with fewer levels](results-chapter6.md)."
+             to its end (how long that took is in the README of `studies`). What `cargo xtask ci` makes anew, and `reproduction.md` counts, is the \
+             [page with fewer levels](results-chapter6.md); where the two differ is told below."
         }
     }
 }
 
+/// Every claim with fewer levels and with all.
+fn beside_fewer(claims: &[Claim], fewer: &[Claim]) -> String {
+    let mut table = Table::new(vec![
+        Column::new("Place", ""),
+        Column::new("Claim", ""),
+        Column::new("With fewer levels", ""),
+        Column::new("With all levels", ""),
+    ]);
+    for claim in claims.iter().filter(|claim| claim.judged.is_some()) {
+        let same = |other: &&Claim| other.place == claim.place && other.says == claim.says;
+        let other = fewer.iter().find(same).map_or("–".to_owned(), Claim::verdict_words);
+        table.push(vec![claim.place.to_string(), claim.says.clone(), other, claim.verdict_words()]);
+    }
+    format!("## With fewer levels, and with all\n\n{}\n", table.markdown())
+}
+
+/// How many verdicts are others than with fewer levels.
+pub(crate) fn changed(claims: &[Claim], fewer: &[Claim]) -> Finding {
+    let other = |claim: &&Claim| {
+        fewer
+            .iter()
+            .any(|other| other.place == claim.place && other.says == claim.says && other.verdict != claim.verdict)
+    };
+    let changed: Vec<&Claim> = claims.iter().filter(other).collect();
+    let words: Vec<String> = changed.iter().map(|claim| format!("{} ({})", claim.says, claim.place)).collect();
+    Finding::new(format!(
+        "{} of {} verdicts are others than with fewer levels: {}.",
+        changed.len(),
+        claims.iter().filter(|claim| claim.judged.is_some()).count(),
+        if words.is_empty() { "none".to_owned() } else { words.join("; ") }
+    ))
+    .with("verdicts changed", changed.len() as f64, "1")
+}
+
 /// The results as a page of `docs/`, without anything that differs from run to run.
-pub(crate) fn markdown(findings: &Findings, claims: &[Claim], first: &str) -> Result<String> {
+pub(crate) fn markdown(findings: &Findings, claims: &[Claim], fewer: Option<&[Claim]>, first: &str) -> Result<String> {
     Ok(format!(
         "# Chapter 6: results{}\n\n{first}\n{}\n\
-         See [departures](departures.md) for what is built instead of what is printed.\n\n{}\n{NO_EXPERIMENT}\n\n{OURS}\n\n{}\n\n{}\n\n\
+         See [departures](departures.md) for what is built instead of what is printed.\n\n{}\n{}{NO_EXPERIMENT}\n\n{OURS}\n\n{}\n\n{}\n\n\
          ## Campaigns with the first gain\n\n{CAMPAIGN_CAPTION}\n\n{}\n## Other gains, laws and regressors\n\n{VARIANT_CAPTION}\n\n{}\n\
          ## One campaign, iteration by iteration\n\n{}.\n{NORM_CAPTION}\n\n{}\n## How many iterations\n\n{HOW_MANY_CAPTION}\n\n{}\n\
          ## Before and after\n\n{FLIGHT_CAPTION}\n\n{}\n## The fields\n\n{FIELD_CAPTION}\n\n{}\n\
@@ -235,6 +278,7 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim], first: &str) -> Re
         if findings.extent == Extent::Full { ", with all levels" } else { "" },
         written_by(findings.extent),
         claims::by_verdict_markdown(claims),
+        fewer.map_or(String::new(), |fewer| beside_fewer(claims, fewer)),
         extent_words(findings),
         loop_words(findings),
         main_table(findings).markdown(),

@@ -7,7 +7,7 @@ use super::{claims, figures, flights, page, tables};
 use crate::bat::MODEL;
 use crate::handover::Handover;
 use crate::memory::Memory;
-use crate::reproduction::{self, Extent, Reproduction, Run, progress};
+use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use anyhow::Result;
 use std::path::Path;
 use std::time::Instant;
@@ -22,9 +22,33 @@ pub(crate) const CHAPTER: Reproduction = Reproduction {
 };
 
 pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
+    let out = CHAPTER.prepare(root, extent)?;
+    let (findings, pictures) = study(root, extent)?;
+    let claims = claims::claims(&findings);
+    let mut first = page::first_screen(&findings, &claims, &pictures)?;
+    let fewer = if extent == Extent::Full {
+        eprintln!("The same with fewer levels, to be put beside it:");
+        let fewer = claims::claims(&study(root, Extent::Default)?.0);
+        first.findings.insert(1, page::changed(&claims, &fewer));
+        Some(fewer)
+    } else {
+        None
+    };
+    let page = page::page(&findings, &claims, &pictures, &first)?;
+    let kept_picture = first.markdown(&CHAPTER.kept_picture_of(extent));
+    let results = page::markdown(&findings, &claims, fewer.as_deref(), &kept_picture)?;
+    reproduction::save_page(&out, &pictures, &page, &results, first.picture)?;
+    tables::iterations(&findings).write_csv(&out.join("iterations.csv"))?;
+    tables::campaigns(&findings).write_csv(&out.join("campaigns.csv"))?;
+    let handover = Handover::new(claims, &pictures);
+    handover.save(&out)?;
+    page::print(&findings, &handover.claims, &CHAPTER.out_of(extent))
+}
+
+/// All flights and campaigns, with their pictures.
+fn study(root: &Path, extent: Extent) -> Result<(Findings, Vec<Picture>)> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter6.toml"), extent)?;
-    let out = CHAPTER.prepare(root, extent)?;
     let memory = Memory::of(root, extent);
     for space in &setup.spaces {
         memory.remind(&space.bat, space.space.region(), &setup.fidelities())?;
@@ -53,18 +77,8 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let pictures = figures::all(&findings)?;
     bar.inc(1);
     bar.finish();
-
     findings.seconds = started.elapsed().as_secs_f64();
-    let claims = claims::claims(&findings);
-    let first = page::first_screen(&findings, &claims, &pictures)?;
-    let page = page::page(&findings, &claims, &pictures, &first)?;
-    let results = page::markdown(&findings, &claims, &first.markdown(&CHAPTER.kept_picture_of(extent)))?;
-    reproduction::save_page(&out, &pictures, &page, &results, first.picture)?;
-    tables::iterations(&findings).write_csv(&out.join("iterations.csv"))?;
-    tables::campaigns(&findings).write_csv(&out.join("campaigns.csv"))?;
-    let handover = Handover::new(claims, &pictures);
-    handover.save(&out)?;
-    page::print(&findings, &handover.claims, &CHAPTER.out_of(extent))
+    Ok((findings, pictures))
 }
 
 /// How long the flights will take, by the pace of a few.

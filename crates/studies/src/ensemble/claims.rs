@@ -34,7 +34,7 @@ pub(super) enum Test {
 /// A claim with what counts as holding.
 pub(super) struct Claim {
     pub(super) place: Place,
-    pub(super) says: &'static str,
+    pub(super) says: String,
     pub(super) study: Study,
     /// What counts.
     pub(super) rule: &'static str,
@@ -61,8 +61,17 @@ fn lower(reading: Reading, factor: f64) -> OfTwo {
 }
 
 impl Claim {
-    fn new(place: Place, says: &'static str, study: Study, rule: &'static str, test: Test) -> Self {
-        Self { place, says, study, rule, test, standing: Standing::StandIn, still_alone: false, by_cameras: false }
+    pub(super) fn new(place: Place, says: impl Into<String>, study: Study, rule: &'static str, test: Test) -> Self {
+        Self {
+            place,
+            says: says.into(),
+            study,
+            rule,
+            test,
+            standing: Standing::StandIn,
+            still_alone: false,
+            by_cameras: false,
+        }
     }
 
     fn fitted(self) -> Self {
@@ -74,7 +83,7 @@ impl Claim {
         Self { standing: Standing::Sure, ..self }
     }
 
-    fn still(self) -> Self {
+    pub(super) fn still(self) -> Self {
         Self { still_alone: true, ..self }
     }
 

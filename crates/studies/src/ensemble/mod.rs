@@ -147,7 +147,7 @@ pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
     let claims = all.into_iter().map(|both| OverEnsemble {
         words: both.words(),
         place: both.claim.place,
-        says: both.claim.says.to_owned(),
+        says: both.claim.says,
     });
     Ok((claims.collect(), counts))
 }
@@ -164,5 +164,6 @@ pub(crate) fn check(root: &Path) -> Result<()> {
     let setup = Setup::read(root)?;
     let store = open_whole(root, &setup)?;
     cameras::fly_again(&setup, &store.done)?;
+    setup.plants.first().map_or(Ok(()), |plant| curves::fly_again(&setup, &store.done, plant))?;
     page::check(root, &setup, &store)
 }

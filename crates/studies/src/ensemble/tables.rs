@@ -38,7 +38,7 @@ pub(super) fn claims(all: &[Both]) -> Table {
         Column::new("Moving water", ""),
     ]);
     for Both { claim, judged } in all {
-        let mut row = vec![claim.place.to_string(), claim.says.to_owned(), claim.rule.to_owned()];
+        let mut row = vec![claim.place.to_string(), claim.says.clone(), claim.rule.to_owned()];
         row.extend(judged.iter().map(|judged| {
             let words = judged.verdict().zip(judged.words());
             words.map_or("–".to_owned(), |(verdict, words)| format!("**{}**: {words}", verdict.short()))
@@ -90,7 +90,7 @@ pub(super) fn met_by_others(all: &[Both], cases: &[Case<'_>]) -> Table {
             continue;
         }
         let words = |count: Option<Count>| count.map_or("–".to_owned(), |count| number(100.0 * count.share(), 1));
-        let mut row = vec![claim.place.to_string(), claim.says.to_owned(), world.name().to_owned()];
+        let mut row = vec![claim.place.to_string(), claim.says.clone(), world.name().to_owned()];
         row.extend(ways.clone().map(|(method, _)| words(count(*method))));
         table.push(row);
     }

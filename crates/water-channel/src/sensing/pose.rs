@@ -142,7 +142,9 @@ mod tests {
 
     #[test]
     fn usual_angles_are_the_same_attitude() {
-        for (roll_rad, pitch_rad, heading_rad) in [(0.1, 2.0, 0.2), (4.0, 0.3, -3.5), (0.0, -3.0, 7.0), (1.0, 5.0, 0.1), (0.2, -6.0, -9.0)] {
+        for (roll_rad, pitch_rad, heading_rad) in
+            [(0.1, 2.0, 0.2), (4.0, 0.3, -3.5), (0.0, -3.0, 7.0), (1.0, 5.0, 0.1), (0.2, -6.0, -9.0)]
+        {
             let pose = Pose { position_m: [1.0, 2.0, 3.0], roll_rad, pitch_rad, heading_rad };
             let usual = pose.usual();
             assert!((matrix(usual.rows_gb()) - matrix(pose.rows_gb())).amax() < 1e-14, "{usual:?}");

@@ -15,6 +15,7 @@ fn power_is_cubic_between_cut_in_and_rated_and_falls_with_the_cube_of_the_cosine
     let power = |speed: f64, cos: f64| TURBINE.power_w(1000.0, speed, cos);
     assert_close(power(0.2, 1.0), 0.5 * 1000.0 * 0.005 * 0.4 * 0.008, 1e-15, "cubic");
     assert_close(power(0.2, 0.5), power(0.1, 1.0), 1e-15, "misaligned");
+    assert_close(power(0.1, 1.0), 0.5 * 1000.0 * 0.005 * 0.4 * 0.001, 1e-15, "at the cut-in speed");
     assert_close(power(0.3, 1.0), 0.02, 0.0, "rated");
     assert_close(power(0.099_999, 1.0), 0.0, 0.0, "below the cut-in speed");
     assert_close(power(0.3, -1.0), 0.0, 0.0, "from behind");
@@ -113,6 +114,7 @@ fn turbine_of_a_profile_file_is_read_and_checked() {
     for (text, message) in [
         (file("0", "0.8"), "`turbine.area` is 0 cm^2: it must be finite and more than zero"),
         (file("50", "1.2"), "`turbine.winch_efficiency` is 1.2 1: it must be more than zero and at most 1"),
+        (file("50", "0"), "`turbine.winch_efficiency` is 0 1: it must be more than zero and at most 1"),
     ] {
         assert_eq!(ProfileFile::parse(&text).unwrap_err().to_string(), message);
     }

@@ -14,6 +14,7 @@ mod kick;
 mod landscape;
 mod log;
 mod masses;
+mod noise;
 mod open_loop;
 mod profile;
 mod reference;

@@ -1,6 +1,6 @@
 //! Water that moves: the statistics of the turbulence against their closed forms, the shedding, and flights through both.
 
-use bat_dynamics::{Asymmetry, Flow, FlowHistory};
+use bat_dynamics::{Asymmetry, Flow, FlowHistory, FlowKnot, Transition};
 use serde_json::Value;
 use water_channel::{
     FlightRequest, FlightSettings, MovingWater, ProfileFile, Shedding, TestProfile, Turbulence, WaterRow, WaterTable,
@@ -174,6 +174,46 @@ fn wake_swings_at_the_strouhal_frequency_of_the_speed() {
         phase += core::f64::consts::TAU * WAKE.strouhal / WAKE.width_m * length;
         assert_close(at(&pair[1]), phase.sin(), 1e-9, "the phase is the integral of the speed");
     }
+}
+
+/// The phase is the integral of a speed that rises evenly: a quadratic in time.
+#[test]
+fn wake_follows_a_speed_that_changes_evenly() {
+    let wake = Shedding { lift_coefficient: 1.0, plane_rad: 0.0, ..WAKE };
+    let water = MovingWater { turbulence: None, shedding: Some(wake), seed: 5 };
+    let knot = |from_s: f64, speed_m_s: f64| FlowKnot {
+        from_s,
+        flow: Flow::straight(speed_m_s),
+        transition: Transition::Linear,
+    };
+    let flow = FlowHistory::new(vec![knot(0.0, 0.2), knot(20.0, 0.3)]).unwrap();
+    let table = table(&water, &flow, 20.0);
+    assert_close(table.sample_time_s(), SAMPLE_S, 0.0, "time between rows");
+    let at = |row: &WaterRow| row.wake_right;
+    let first = at(&table.rows()[0]).asin();
+    let rising = at(&table.rows()[1]) > at(&table.rows()[0]);
+    let first = if rising { first } else { core::f64::consts::PI - first };
+    for (k, row) in table.rows().iter().enumerate() {
+        let t = k as f64 * SAMPLE_S;
+        let length = 0.2 * t + 0.5 * (0.1 / 20.0) * t * t;
+        let phase = first + core::f64::consts::TAU * wake.strouhal / wake.width_m * length;
+        assert_close(at(row), phase.sin(), 1e-9, "the phase is the integral of the speed");
+    }
+}
+
+/// A table is flown with the sample time that it was made for, to a billionth of it.
+#[test]
+fn sample_time_of_a_table_is_that_of_the_controller() {
+    let flow = steps(&[(0.0, 0.205, 0.0)]);
+    let through = |sample_time_s: f64| {
+        let rows = table(&gusts(1), &flow, 10.0).rows().to_vec();
+        let profile = TestProfile::new(10.0, steps(&[(0.0, 0.205, 0.0)]), Vec::new()).unwrap();
+        let water = WaterTable::new(sample_time_s, rows).unwrap();
+        fly(&first_row(), &profile.with_water_table(water), &FlightSettings::with_steps(1))
+    };
+    assert!(through(SAMPLE_S * (1.0 + 1e-10)).is_ok());
+    let error = through(SAMPLE_S * (1.0 + 1e-8)).unwrap_err().to_string();
+    assert!(error.contains("sample time of the water") && error.contains("that of the controller"), "{error}");
 }
 
 fn short(duration_s: f64) -> TestProfile {

@@ -3,7 +3,8 @@
 use page::{Axis, LineFigure, Panel, Series, Shaded, line_figure, quantile};
 
 use super::kept::{
-    BIN_S, ERROR, ITERATIONS, LEFT, N_RANDOM, cases_of_figure21, of_bin, of_held, of_iteration, of_place, over,
+    BIN_S, ERROR, ITERATIONS, LEFT, N_RANDOM, WHOLE_IMAGE, cases_of_figure21, of_bin, of_held, of_iteration, of_place,
+    over,
 };
 use crate::chapter6;
 use crate::ensemble::figures::band;
@@ -101,14 +102,29 @@ pub(super) const DESIGNS: [(Method, &str); 3] = [
     (Method::Random, "designs that nobody chose"),
 ];
 
-/// Of how many designs of all plants poses are lost, with so many pixels to spare; how many cannot fly so; how many there are.
+/// Of how many designs of all plants poses are lost, with so many pixels to spare; how many cannot fly so; how many of them fly before the
+/// whole image: the others say nothing about regions.
 pub(super) fn lost(cases: &[Case<'_>], method: Method, margin_px: f64) -> [usize; 3] {
     let mut counts = [0; 3];
     for case in cases.iter().filter(|case| case.study == Study::Four && case.world == World::Cameras) {
-        for held in (0..=N_RANDOM as u64).filter_map(|seed| case.fact(&of_held(method, seed, margin_px))) {
+        let held = |seed: u64, margin_px: f64| case.fact(&of_held(method, seed, margin_px));
+        for seed in (0..=N_RANDOM as u64).filter(|seed| held(*seed, WHOLE_IMAGE).is_some_and(f64::is_finite)) {
+            let held = held(seed, margin_px).unwrap_or(f64::NAN);
             counts[0] += usize::from(held > 0.0);
             counts[1] += usize::from(held.is_nan());
             counts[2] += 1;
+        }
+    }
+    counts
+}
+
+/// How many designs there are, and how many of them cannot fly even before the whole image.
+pub(super) fn fallen(cases: &[Case<'_>], method: Method) -> [usize; 2] {
+    let mut counts = [0; 2];
+    for case in cases.iter().filter(|case| case.study == Study::Four && case.world == World::Cameras) {
+        for held in (0..=N_RANDOM as u64).filter_map(|seed| case.fact(&of_held(method, seed, WHOLE_IMAGE))) {
+            counts[0] += 1;
+            counts[1] += usize::from(held.is_nan());
         }
     }
     counts
@@ -157,7 +173,7 @@ pub(in crate::ensemble) fn headings(setup: &Setup, cases: &[Case<'_>]) -> String
         series: counts.into(),
     }]);
     line_figure(&LineFigure {
-        title: "Figure 27: errors of the heading where cameras lose dots, over plants".to_owned(),
+        title: "Errors of the heading where a camera loses dots, over plants".to_owned(),
         x_axis: Axis::new("time", "s"),
         panels: panels.collect(),
         shaded: None,

@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use rayon::prelude::*;
 use water_channel::{Camera, PixelNoise, Region, Rig, Sensing, TestProfile};
 
 use super::kept::{
-    BIN_S, ERROR, ITERATIONS, LEFT, N_RANDOM, cases_of_figure21, of_bin, of_held, of_iteration, of_place,
+    BIN_S, ERROR, ITERATIONS, LARGEST, LEFT, N_RANDOM, WHOLE_IMAGE, cases_of_figure21, of_bin, of_held, of_iteration,
+    of_place,
 };
 use crate::bat::{Bat, STAND_IN};
 use crate::calibration::Plant;
@@ -18,7 +19,7 @@ use crate::ensemble::file::Setup;
 use crate::ensemble::row::{Fact, Method, Row, Study, World};
 use crate::ensemble::site::lopsided_in_water;
 use crate::ensemble::store::{Done, Found};
-use crate::gridded::{Designs, Q2};
+use crate::gridded::{Designs, Q2, SUP};
 use crate::logged::Logged;
 
 /// All three on a plant.
@@ -74,7 +75,10 @@ fn errors(setup: &Setup, plant: &Plant, designs: &Designs) -> Result<Facts> {
             let until = campaign.accuracy.iterations.iter().take_while(|iteration| iteration.iteration <= wanted);
             let iteration = until.last().context("a campaign without an iteration")?;
             let norm = &iteration.norms[Q2];
-            for (what, value) in [(ERROR, norm.error / norm.gap), (LEFT, iteration.share_after)] {
+            let largest = &iteration.norms[SUP];
+            let readings =
+                [(ERROR, norm.error / norm.gap), (LARGEST, largest.error / largest.gap), (LEFT, iteration.share_after)];
+            for (what, value) in readings {
                 let name = of_iteration(&study, campaign.case, wanted, what);
                 facts.push(Fact { study: Study::Chapter6, world: World::Still, name, value });
             }
@@ -97,7 +101,7 @@ fn headings(setup: &Setup, done: &[Done], plant: &Plant) -> Result<Facts> {
     let calm = on(&camera, &setup.still).logged(&center, STAND_IN)?;
     let whole = on(&camera, &moving).request(&center, STAND_IN).rig;
     let seen = Seen::during(&calm, &whole)?;
-    let margins = &setup.regions.margins_px;
+    let margins = [setup.regions.margins_px.as_slice(), &[WHOLE_IMAGE]].concat();
     let machines: Vec<Bat> = margins.iter().map(|margin_px| on(&seen.regions(&camera, *margin_px), &moving)).collect();
     let rows: Vec<&Row> = before_and_after(done, Study::Four, plant.number)
         .into_iter()
@@ -171,6 +175,23 @@ impl Seen {
         let cameras = sensing.cameras.iter().zip(&self.0).map(|(camera, seen)| around(camera, seen)).collect();
         Sensing { cameras, ..sensing.clone() }
     }
+}
+
+/// That a plant still shows what was kept of Figures 14 and 27 on it.
+pub(in crate::ensemble) fn fly_again(setup: &Setup, done: &[Done], plant: &Plant) -> Result<()> {
+    let unit = ("curves".to_owned(), plant.number);
+    let kept = done.iter().find(|done| done.unit == unit).context("its curves were not kept")?;
+    let kept: Vec<Vec<String>> = kept.found.facts.iter().map(Fact::cells).collect();
+    for fact in lowest(setup, plant).0.into_iter().chain(headings(setup, done, plant)?.0) {
+        let (name, cells) = (fact.name.clone(), fact.cells());
+        ensure!(
+            kept.contains(&cells),
+            "plant {} flies otherwise than when its curves were kept: `{name}` is {} now",
+            plant.number,
+            fact.value
+        );
+    }
+    Ok(())
 }
 
 #[cfg(test)]

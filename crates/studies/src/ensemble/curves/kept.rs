@@ -10,6 +10,8 @@ pub(super) const ITERATIONS: [usize; 10] = [1, 2, 3, 5, 8, 12, 16, 22, 28, 33];
 pub(in crate::ensemble) const BIN_S: f64 = 5.0;
 /// The norm (42) of the error of the corrected model, as a share of that without correction.
 pub(super) const ERROR: &str = "error";
+/// The largest error of the corrected model, as a share of that without correction.
+pub(super) const LARGEST: &str = "largest";
 /// Share of the space after an iteration.
 pub(super) const LEFT: &str = "left";
 
@@ -38,6 +40,9 @@ pub(super) const N_RANDOM: usize = 16;
 pub(super) fn of_held(method: Method, seed: u64, margin_px: f64) -> String {
     format!("{}/{seed}/margin {margin_px} px/held", method.name())
 }
+
+/// A margin that leaves the whole image: what is lost there is not lost because of a region.
+pub(super) const WHOLE_IMAGE: f64 = f64::INFINITY;
 
 /// The largest error of the heading that was told, in deg, in a bin of time.
 pub(super) fn of_bin(method: Method, bin: usize) -> String {

@@ -2,7 +2,7 @@
 
 use page::{Column, Table, quantile};
 
-use super::figures::{DESIGNS, lost};
+use super::figures::{DESIGNS, fallen, lost};
 use super::kept::{ERROR, ITERATIONS, LEFT, cases_of_figure21, of_bin, of_iteration, of_place, over};
 use crate::ensemble::file::Setup;
 use crate::ensemble::kept::Case;
@@ -63,20 +63,28 @@ pub(in crate::ensemble) fn errors(setup: &Setup, cases: &[Case<'_>]) -> Table {
     let mut table = Table::new(vec![
         Column::new("Truth", ""),
         Column::new("Noise", "%"),
-        Column::new(&format!("Error after {last} iterations"), "% of that without correction"),
+        Column::new("Error after the first iteration", "% of that without correction"),
+        Column::new(&format!("after {last}"), "%"),
+        Column::new("of the worst plant", "%"),
         Column::new("Plants with less than without", ""),
         Column::new("Space left", "%"),
     ]);
     for case in cases_of_figure21(study) {
-        let of = |what: &str| over(cases, Study::Chapter6, World::Still, &of_iteration(study, case, last, what));
-        let shares = |what: &str| of(what).into_iter().map(|share| 100.0 * share).collect::<Vec<_>>();
-        let errors = of(ERROR);
+        let of = |what: &str, iteration: usize| {
+            over(cases, Study::Chapter6, World::Still, &of_iteration(study, case, iteration, what))
+        };
+        let shares = |what: &str, iteration: usize| -> Vec<f64> {
+            of(what, iteration).into_iter().map(|share| 100.0 * share).collect()
+        };
+        let (errors, at_the_end) = (of(ERROR, last), shares(ERROR, last));
         table.push(vec![
             study.truth(case.truth).label.clone(),
             number(100.0 * case.noise, 0),
-            quartiles(&shares(ERROR), 1),
+            quartiles(&shares(ERROR, ITERATIONS[0]), 0),
+            quartiles(&at_the_end, 1),
+            number(at_the_end.iter().copied().fold(f64::NAN, f64::max), 0),
             format!("{} of {}", errors.iter().filter(|share| **share < 1.0).count(), errors.len()),
-            quartiles(&shares(LEFT), 1),
+            quartiles(&shares(LEFT, last), 1),
         ]);
     }
     table
@@ -87,7 +95,7 @@ pub(in crate::ensemble) fn headings(setup: &Setup, cases: &[Case<'_>]) -> Table 
     let mut table = Table::new(vec![
         Column::new("Design", ""),
         Column::new("To spare on each side", "px"),
-        Column::new("Designs", "1"),
+        Column::new("Designs that fly before the whole image", "1"),
         Column::new("lose poses", "1"),
         Column::new("cannot fly so", "1"),
         Column::new("Largest error of the heading", "deg"),
@@ -117,13 +125,23 @@ pub(in crate::ensemble) fn headings(setup: &Setup, cases: &[Case<'_>]) -> Table 
 
 /// The same with the pixels that are drawn, in a sentence.
 pub(in crate::ensemble) fn lost_in_words(setup: &Setup, cases: &[Case<'_>]) -> String {
-    let of = |k: usize| lost(cases, DESIGNS[k].0, setup.regions.shown_px);
-    let ([by_model, model_falls, n], [by_loop, loop_falls, _], [by_chance, chance_falls, n_chance]) =
-        (of(0), of(1), of(2));
+    let each = DESIGNS.map(|(method, words)| {
+        let [lose, fall, n] = lost(cases, method, setup.regions.shown_px);
+        let falls = if fall > 0 { format!(" ({fall} more fall)") } else { String::new() };
+        format!("{words} {lose} of {n}{falls}")
+    });
     format!(
-        "Figure 27: before one camera with a narrow region of interest ({} px to spare) a heading is lost for a while, as in the dissertation, at the \
-         model's optimum in {by_model} of {n} plants, and at the end of the loop in {by_loop}; {model_falls} and {loop_falls} cannot fly so. Of {n_chance} designs that nobody \
-         chose {by_chance} lose it and {chance_falls} cannot fly.",
-        setup.regions.shown_px
+        "Spikes of the heading (Figure 26): before one camera with a narrow region of interest ({} px to spare) the heading is lost for a while, as in the dissertation; so it is at: {}.",
+        setup.regions.shown_px,
+        each.join("; ")
     )
+}
+
+/// What falls before the whole image, in a sentence.
+pub(in crate::ensemble) fn fallen_in_words(cases: &[Case<'_>]) -> String {
+    let each = DESIGNS.map(|(method, words)| {
+        let [n, fall] = fallen(cases, method);
+        format!("{words} {fall} of {n}")
+    });
+    format!("Before the whole image these cannot fly, and are left out: {}.", each.join("; "))
 }

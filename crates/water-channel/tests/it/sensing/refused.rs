@@ -109,6 +109,11 @@ fn mistakes_by_hand_are_named_with_their_field() {
         "sensing.camera[0].width of `side` = -1 px: it must be finite and more than zero",
     );
     by_hand(
+        |s| s.cameras[2].region = Region { left_px: 300.0, right_px: 300.0, ..Region::whole(640.0, 480.0) },
+        "sensing.camera[2].left and right of `below` = 300 and 300 px: it must be a region of interest within the image, \
+         the first less than the second",
+    );
+    by_hand(
         |s| s.cameras[2].region = Region { right_px: 700.0, ..Region::whole(640.0, 480.0) },
         "sensing.camera[2].left and right of `below` = 0 and 700 px: it must be a region of interest within the image, \
          the first less than the second",
