@@ -1,6 +1,6 @@
 //! A pair of dots leaves the view of the camera below: the heading that is told stands still, and jumps when they are back.
 //!
-//! An argument names a CSV file for the samples; Figure 27 of the dissertation shows such spikes.
+//! An argument names a CSV file for the samples; Figure 26 of the dissertation shows such spikes.
 #![expect(clippy::print_stdout, reason = "an example talks")]
 
 use std::error::Error;

@@ -72,7 +72,7 @@ enum Work<'a> {
     Study(Study, &'a Plant),
     /// The designs of a plant seen by cameras.
     Cameras(&'a Plant),
-    /// Figures 14, 21 and 27 on a plant.
+    /// Figures 14, 21 and 26 on a plant.
     Curves(&'a Plant),
     /// Designs of experiments, which know no plant.
     Designs,

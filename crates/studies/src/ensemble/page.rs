@@ -163,7 +163,7 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
          dots no pair is missed. Here one camera, `{}`, sees dots {} alone, and looks for them only about where it sees them while the center of the box flies \
          in still water, with a few pixels to spare on each side; then designs fly in moving water. Below four dots the last pose is held. \
          Four dots in a plane that a camera looks at squarely fit two poses, and a controller that is told the wrong one flies into the floor: {} \
-         Errors of the heading that is told are drawn and listed with {} px to spare, the largest of each {} s, one sample in four, the delay included, where the flight comes to its end; the loop's designs are those of the first seed.\n\n![Figure 27 over plants](results-ensemble-lost-dots.svg)\n\n{}",
+         Errors of the heading that is told are drawn and listed with {} px to spare, the largest of each {} s, one sample in four, the delay included, where the flight comes to its end; the loop's designs are those of the first seed.\n\n![Spikes of the heading over plants](results-ensemble-lost-dots.svg)\n\n{}",
         setup.regions.camera,
         setup.regions.dots.iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
         curves::fallen_in_words(cases),
@@ -182,7 +182,8 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
 fn curves_words(setup: &Setup, cases: &[Case<'_>]) -> String {
     let mut text = format!(
         "\n## Open loop, on all plants\n\nFigure 14: of the stable designs with the same center of mass the one whose trim pitch gives the lowest cost \
-         (20), in the stand-in. Panels from the top: {}. Where less than half of the plants have a stable design nothing is drawn. The table looks within Table 4 alone; medians \
+         (20), in the stand-in. Panels from the top: {}. Where less than half of the plants have a stable design nothing is drawn. The table looks within Table 4 alone, where nearly every curve falls to its aft end: there the range decides, and not the cost. The [page of Chapter 3](results-chapter3.md) \
+         compares all designs, here it is the best pitch at each place; medians \
          over plants with quartiles.\n\n![Figure 14 over plants](results-ensemble-chapter3.svg)\n\n{}",
         setup.chapter3.configurations.iter().map(|one| one.label.as_str()).collect::<Vec<_>>().join("; "),
         curves::table_of_lowest(setup, cases).markdown()

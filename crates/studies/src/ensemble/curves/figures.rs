@@ -1,4 +1,4 @@
-//! Figures 14, 21 and 27 over the ensemble, from what is kept of them.
+//! Figures 14, 21 and 26 over the ensemble, from what is kept of them.
 
 use page::{Axis, LineFigure, Panel, Series, Shaded, line_figure, quantile};
 
@@ -95,7 +95,7 @@ pub(in crate::ensemble) fn errors(setup: &Setup, cases: &[Case<'_>]) -> String {
     })
 }
 
-/// The designs of Figure 27, in words, and those that nobody chose.
+/// The designs of Figure 26, in words, and those that nobody chose.
 pub(super) const DESIGNS: [(Method, &str); 3] = [
     (Method::Numerical, "model's optimum"),
     (Method::Dissertation, "end of the loop"),
@@ -130,7 +130,7 @@ pub(super) fn fallen(cases: &[Case<'_>], method: Method) -> [usize; 2] {
     counts
 }
 
-/// Figure 27: errors of the heading that was told, and how many plants have any.
+/// Figure 26: errors of the heading that was told, and how many plants have any.
 pub(in crate::ensemble) fn headings(setup: &Setup, cases: &[Case<'_>]) -> String {
     let n_bins = (setup.still.duration_s() / BIN_S).ceil() as usize;
     let t: Vec<f64> = (0..n_bins).map(|bin| bin as f64 * BIN_S).collect();

@@ -1,4 +1,4 @@
-//! Figures 14, 21 and 27 on a plant.
+//! Figures 14, 21 and 26 on a plant.
 
 use std::time::Instant;
 
@@ -88,7 +88,7 @@ fn errors(setup: &Setup, plant: &Plant, designs: &Designs) -> Result<Facts> {
     Ok((facts, n_flights))
 }
 
-/// Of Figure 27, the optimum of the model, where the loop ended, and designs that nobody chose: what one camera that looks for dots in a
+/// Of Figure 26, the optimum of the model, where the loop ended, and designs that nobody chose: what one camera that looks for dots in a
 /// narrow region makes of the heading.
 fn headings(setup: &Setup, done: &[Done], plant: &Plant) -> Result<Facts> {
     let case = setup.chapter7.cases.get(1).context("chapter7.toml has no second case")?;
@@ -177,7 +177,7 @@ impl Seen {
     }
 }
 
-/// That a plant still shows what was kept of Figures 14 and 27 on it.
+/// That a plant still shows what was kept of Figures 14 and 26 on it.
 pub(in crate::ensemble) fn fly_again(setup: &Setup, done: &[Done], plant: &Plant) -> Result<()> {
     let unit = ("curves".to_owned(), plant.number);
     let kept = done.iter().find(|done| done.unit == unit).context("its curves were not kept")?;

@@ -1,4 +1,4 @@
-//! Figures 14, 21 and 27 over the ensemble: curves that no campaign of Chapters 4 and 7 gives.
+//! Figures 14, 21 and 26 over the ensemble: curves that no campaign of Chapters 4 and 7 gives.
 
 mod claims;
 mod figures;

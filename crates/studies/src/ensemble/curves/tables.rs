@@ -90,7 +90,7 @@ pub(in crate::ensemble) fn errors(setup: &Setup, cases: &[Case<'_>]) -> Table {
     table
 }
 
-/// Figure 27: of how many designs poses are lost, by the pixels that the camera has to spare.
+/// Figure 26: of how many designs poses are lost, by the pixels that the camera has to spare.
 pub(in crate::ensemble) fn headings(setup: &Setup, cases: &[Case<'_>]) -> Table {
     let mut table = Table::new(vec![
         Column::new("Design", ""),

@@ -26,7 +26,7 @@ fn headed(heading_rad: f64) -> Pose {
     Pose { position_m: [-0.15, 0.0, -0.56], roll_rad: 0.0, pitch_rad: 0.2, heading_rad }
 }
 
-/// Figure 27: the heading turns until a pair of dots leaves the view, and comes back.
+/// As in Figure 26 the heading turns until a pair of dots leaves the view, and comes back.
 #[test]
 fn heading_is_held_while_a_pair_of_dots_is_out_of_view_and_regained_after() {
     let sensing = from_below(28.0);
