@@ -48,6 +48,7 @@ fn texts_read_back() {
     }
     assert_eq!(factor("1.225/1000").to_string(), "49/40000");
     assert_eq!(factor("pi/180").to_string(), "pi/180");
+    assert_eq!(factor("pi^2").to_string(), "pi^2");
 }
 
 #[test]
@@ -105,4 +106,16 @@ fn only_positive_numbers_are_ratios() {
     );
     assert!("".parse::<Factor>().is_err());
     assert!("-3".parse::<Factor>().is_err());
+}
+
+/// More than 400 digits, or a power of ten beyond that, is no number: nobody means it, and it would fill the memory.
+#[test]
+fn decimals_end_at_400_digits() {
+    let digits = |n: usize| "9".repeat(n);
+    for text in ["1e400".to_owned(), "1e-400".to_owned(), digits(400)] {
+        assert!(text.parse::<Factor>().is_ok(), "{text}");
+    }
+    for text in ["1e401".to_owned(), "1e-401".to_owned(), "1e999999999".to_owned(), digits(401), digits(402)] {
+        assert!(text.parse::<Factor>().is_err(), "{text}");
+    }
 }

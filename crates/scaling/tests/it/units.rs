@@ -218,3 +218,11 @@ fn dimensions_take_any_base_symbol() {
     assert!(Dimension::base("a b").is_err());
     assert!("L^0".parse::<Dimension>().unwrap().is_one());
 }
+
+#[test]
+fn quotients_of_references_are_those_of_values() {
+    let dimension = |text: &str| Units::si().parse(text).unwrap().dimension;
+    assert_eq!(&dimension("m^2") / &dimension("m"), dimension("m"));
+    assert_eq!(&dimension("kg*m") / &dimension("s^2"), dimension("N"));
+    assert_eq!(&dimension("m") / &dimension("m"), Dimension::one());
+}
