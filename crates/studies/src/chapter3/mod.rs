@@ -14,5 +14,7 @@ pub(crate) use claims::MATTERS;
 #[cfg(feature = "ensemble")]
 pub(crate) use file::Setup;
 #[cfg(feature = "ensemble")]
+pub(crate) use findings::is_allowed;
+#[cfg(feature = "ensemble")]
 pub(crate) use panels::PanelFlights;
 pub(crate) use run::CHAPTER;

@@ -232,6 +232,11 @@ fn written_by(extent: Extent) -> &'static str {
     }
 }
 
+/// The same claim with fewer levels.
+fn twin<'a>(claim: &Claim, fewer: &'a [Claim]) -> Option<&'a Claim> {
+    fewer.iter().find(|other| other.place == claim.place && other.says == claim.says)
+}
+
 /// Every claim with fewer levels and with all.
 fn beside_fewer(claims: &[Claim], fewer: &[Claim]) -> String {
     let mut table = Table::new(vec![
@@ -241,8 +246,7 @@ fn beside_fewer(claims: &[Claim], fewer: &[Claim]) -> String {
         Column::new("With all levels", ""),
     ]);
     for claim in claims.iter().filter(|claim| claim.judged.is_some()) {
-        let same = |other: &&Claim| other.place == claim.place && other.says == claim.says;
-        let other = fewer.iter().find(same).map_or("–".to_owned(), Claim::verdict_words);
+        let other = twin(claim, fewer).map_or("–".to_owned(), Claim::verdict_words);
         table.push(vec![claim.place.to_string(), claim.says.clone(), other, claim.verdict_words()]);
     }
     format!("## With fewer levels, and with all\n\n{}\n", table.markdown())
@@ -250,12 +254,8 @@ fn beside_fewer(claims: &[Claim], fewer: &[Claim]) -> String {
 
 /// How many verdicts are others than with fewer levels.
 pub(crate) fn changed(claims: &[Claim], fewer: &[Claim]) -> Finding {
-    let other = |claim: &&Claim| {
-        fewer
-            .iter()
-            .any(|other| other.place == claim.place && other.says == claim.says && other.verdict != claim.verdict)
-    };
-    let changed: Vec<&Claim> = claims.iter().filter(other).collect();
+    let is_other = |claim: &&Claim| twin(claim, fewer).is_some_and(|other| other.verdict != claim.verdict);
+    let changed: Vec<&Claim> = claims.iter().filter(is_other).collect();
     let words: Vec<String> = changed.iter().map(|claim| format!("{} ({})", claim.says, claim.place)).collect();
     Finding::new(format!(
         "{} of {} verdicts are others than with fewer levels: {}.",

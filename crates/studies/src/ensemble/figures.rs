@@ -115,7 +115,6 @@ const A_DECADE: f64 = 5.0;
 
 /// What is drawn of a design against the iterations that chose it.
 struct Quantity {
-    study: Study,
     words: &'static str,
     unit: &'static str,
     of: fn(&Row) -> f64,
@@ -123,66 +122,51 @@ struct Quantity {
     is_square: bool,
 }
 
-const fn quantity(study: Study, words: &'static str, unit: &'static str, of: fn(&Row) -> f64) -> Quantity {
-    Quantity { study, words, unit, of, is_square: false }
+const fn quantity(words: &'static str, unit: &'static str, of: fn(&Row) -> f64) -> Quantity {
+    Quantity { words, unit, of, is_square: false }
 }
 
 /// What Figures 16 to 18 and Table 3 follow over one campaign.
 const OF_CHAPTER4: [Quantity; 5] = [
-    square(Study::Chapter4, "heading squared", |row| row.of(Reading::Heading)),
-    square(Study::Chapter4, "roll error squared", |row| row.of(Reading::Roll)),
-    square(Study::Chapter4, "pitch error squared", |row| row.of(Reading::Pitch)),
-    quantity(Study::Chapter4, "center of mass", "% of chord", |row| row.point[0]),
-    quantity(Study::Chapter4, "pitch set point", "deg", |row| row.point[1]),
+    square("heading squared", |row| row.of(Reading::Heading)),
+    square("roll error squared", |row| row.of(Reading::Roll)),
+    square("pitch error squared", |row| row.of(Reading::Pitch)),
+    quantity("center of mass", "% of chord", |row| row.point[0]),
+    quantity("pitch set point", "deg", |row| row.point[1]),
 ];
 
 /// What Figures 20, 22, 24 and 26 to 28 do, the roll offset and the zenith angle in place of a flight.
-const OF_TWO: [Quantity; 7] = [
-    quantity(Study::Two, "left of the space", "%", |row| 100.0 * row.share),
-    quantity(Study::Two, "S of (39)", "s", |row| row.spread),
-    square(Study::Two, "heading squared", |row| row.of(Reading::Heading)),
-    square(Study::Two, "pitch error squared", |row| row.of(Reading::Pitch)),
-    quantity(Study::Two, "roll offset", "deg", |row| row.of(Reading::RollOffset)),
-    quantity(Study::Two, "zenith angle", "deg", |row| row.of(Reading::Zenith)),
-    square_of(Study::Two, "altitude error squared", "cm²", |row| row.of(Reading::Altitude)),
+const OF_CHAPTER7: [Quantity; 7] = [
+    quantity("left of the space", "%", |row| 100.0 * row.share),
+    quantity("S of (39)", "s", |row| row.spread),
+    square("heading squared", |row| row.of(Reading::Heading)),
+    square("pitch error squared", |row| row.of(Reading::Pitch)),
+    quantity("roll offset", "deg", |row| row.of(Reading::RollOffset)),
+    quantity("zenith angle", "deg", |row| row.of(Reading::Zenith)),
+    square_of("altitude error squared", "cm²", |row| row.of(Reading::Altitude)),
 ];
 
-/// The same with four parameters.
-const OF_FOUR: [Quantity; 7] = [
-    quantity(Study::Four, "left of the space", "%", |row| 100.0 * row.share),
-    quantity(Study::Four, "S of (39)", "s", |row| row.spread),
-    square(Study::Four, "heading squared", |row| row.of(Reading::Heading)),
-    square(Study::Four, "pitch error squared", |row| row.of(Reading::Pitch)),
-    quantity(Study::Four, "roll offset", "deg", |row| row.of(Reading::RollOffset)),
-    quantity(Study::Four, "zenith angle", "deg", |row| row.of(Reading::Zenith)),
-    square_of(Study::Four, "altitude error squared", "cm²", |row| row.of(Reading::Altitude)),
-];
-
-const fn square(study: Study, words: &'static str, of: fn(&Row) -> f64) -> Quantity {
-    square_of(study, words, "deg²", of)
+const fn square(words: &'static str, of: fn(&Row) -> f64) -> Quantity {
+    square_of(words, "deg²", of)
 }
 
-const fn square_of(study: Study, words: &'static str, unit: &'static str, of: fn(&Row) -> f64) -> Quantity {
-    Quantity { is_square: true, ..quantity(study, words, unit, of) }
+const fn square_of(words: &'static str, unit: &'static str, of: fn(&Row) -> f64) -> Quantity {
+    Quantity { is_square: true, ..quantity(words, unit, of) }
 }
 
 /// One curve of Chapters 4 and 7 each as bands over all plants and seeds: the designs of the dissertation's loop, iteration by iteration.
 pub(super) fn steps(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -> [String; 3] {
-    let figure = |title: &str, quantities: &[Quantity]| {
-        let has = |quantity: &&Quantity| cases.iter().any(|case| case.study == quantity.study);
-        let study = quantities[0].study;
+    let figure = |study: Study, quantities: &[Quantity]| {
+        let mine: Vec<&Case<'_>> = cases.iter().filter(|case| case.study == study).collect();
+        let steps = [first_step(study), batches(study)[1]];
         line_figure(&LineFigure {
-            title: title.to_owned(),
-            x_axis: Axis::new("iteration", "1").counting(first_step(study), batches(study)[1]),
-            panels: quantities.iter().filter(has).map(|quantity| panel_of(quantity, cases, batches)).collect(),
+            title: format!("{}: designs of the loop, over plants and seeds", study.words()),
+            x_axis: Axis::new("iteration", "1").counting(steps[0], steps[1]),
+            panels: quantities.iter().map(|quantity| panel_of(quantity, &mine, steps)).collect(),
             shaded: None,
         })
     };
-    [
-        figure("Chapter 4: designs of the loop, over plants and seeds", &OF_CHAPTER4),
-        figure("Chapter 7, 2 parameters: designs of the loop, over plants and seeds", &OF_TWO),
-        figure("Chapter 7, 4 parameters: designs of the loop, over plants and seeds", &OF_FOUR),
-    ]
+    [figure(Study::Chapter4, &OF_CHAPTER4), figure(Study::Two, &OF_CHAPTER7), figure(Study::Four, &OF_CHAPTER7)]
 }
 
 /// In Chapter 4 the first iteration is the optimum of the model.
@@ -190,12 +174,10 @@ fn first_step(study: Study) -> usize {
     usize::from(study == Study::Chapter4)
 }
 
-fn panel_of(quantity: &Quantity, cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -> Panel {
-    let [_, last] = batches(quantity.study);
-    let first = first_step(quantity.study);
+fn panel_of(quantity: &Quantity, cases: &[&Case<'_>], [first, last]: [usize; 2]) -> Panel {
     let x: Vec<f64> = (first..=last).map(|step| step as f64).collect();
     let values = |world: World, step: usize| -> Vec<f64> {
-        let mine = cases.iter().filter(|case| case.study == quantity.study && case.world == world);
+        let mine = cases.iter().filter(|case| case.world == world);
         let rows = mine.flat_map(|case| case.rows.iter());
         let rows = rows.filter(|row| row.step == step);
         let rows = rows.filter(|row| row.method == if step == 0 { Method::Numerical } else { Method::Dissertation });

@@ -69,6 +69,11 @@ fn quartiles(values: &[f64]) -> String {
     format!("{} ({} to {})", words(at(0.5)), words(at(0.25)), words(at(0.75)))
 }
 
+/// Median with quartiles; a dash where there is nothing.
+pub(super) fn quartiles_of(values: &[f64], decimals: usize) -> String {
+    Summary::of(values).map_or("–".to_owned(), |summary| with_quartiles(&summary, decimals))
+}
+
 /// Median with quartiles.
 fn with_quartiles(summary: &Summary, decimals: usize) -> String {
     let words = |value: f64| number(value, decimals);
@@ -237,7 +242,7 @@ pub(super) fn flights(cases: &[Case<'_>]) -> Table {
         for (words, reading) in readings {
             let summary = |rows: &Vec<&super::row::Row>| {
                 let values: Vec<f64> = rows.iter().map(|row| row.of(reading)).collect();
-                Summary::of(&values).map_or("–".to_owned(), |summary| with_quartiles(&summary, 2))
+                quartiles_of(&values, 2)
             };
             let mut row = vec![study.words().to_owned(), world.name().to_owned(), words.to_owned()];
             row.extend(all.iter().map(summary));

@@ -56,9 +56,9 @@ fn pixels(four: &[Sighting]) -> [Lanes; 2] {
     [Lanes([a.pixel[0], b.pixel[0], c.pixel[0], d.pixel[0]]), Lanes([a.pixel[1], b.pixel[1], c.pixel[1], d.pixel[1]])]
 }
 
-/// Up to four sightings, and the last of them in the place of each that is missing.
+/// Up to four of something, and the last of them in the place of each that is missing.
 #[inline(always)]
-fn filled_up(four: &[Sighting]) -> [&Sighting; LANES] {
+pub(crate) fn filled_up<T>(four: &[T]) -> [&T; LANES] {
     let at = |k: usize| &four[if k < four.len() { k } else { four.len() - 1 }];
     [at(0), at(1), at(2), at(3)]
 }

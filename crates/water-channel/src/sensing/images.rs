@@ -5,7 +5,7 @@
 use bat_dynamics::{LANES, Lanes};
 use multiversion::multiversion;
 
-use super::bundle::eyes_abreast;
+use super::bundle::{eyes_abreast, filled_up};
 use super::camera::{Camera, Eye, Region};
 use super::dot::Mark;
 use super::pose::Pose;
@@ -30,11 +30,7 @@ impl Images {
     pub(crate) fn new(cameras: &[Camera], marks: Vec<Mark>, noise_px: f64, step_px: f64) -> Result<Self, Error> {
         let eyes: Vec<Eye> =
             cameras.iter().enumerate().map(|(index, camera)| camera.eye(index)).collect::<Result<_, _>>()?;
-        let four = |four: &[Eye]| {
-            let at = |k: usize| &four[k.min(four.len() - 1)];
-            eyes_abreast(&[at(0), at(1), at(2), at(3)])
-        };
-        let fours = eyes.chunks(LANES).map(four).collect();
+        let fours = eyes.chunks(LANES).map(|four| eyes_abreast(&filled_up(four))).collect();
         Ok(Self {
             eyes,
             fours,

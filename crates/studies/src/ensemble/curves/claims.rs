@@ -1,6 +1,6 @@
 //! What the dissertation says of Figures 14 and 21, as tests of a plant.
 
-use super::kept::{ITERATIONS, LARGEST, cases_of_figure21, of_iteration, of_place};
+use super::kept::{ITERATIONS, LARGEST, cases_of_figure21, of_iteration, of_place, places_in_table4};
 use crate::chapter3::MATTERS;
 use crate::claims::{Place, WITH_STALL};
 use crate::ensemble::claims::{Claim, Test};
@@ -35,19 +35,11 @@ type OfPlant = Box<dyn Fn(&Case<'_>) -> Option<bool>>;
 
 fn depends(setup: &Setup) -> OfPlant {
     let study = &setup.chapter3;
-    let [from, to] = study.center_of_mass.table4.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    let places: Vec<usize> = study
-        .center_of_mass
-        .places()
-        .iter()
-        .enumerate()
-        .filter(|(_, x)| (from..=to).contains(*x))
-        .map(|(k, _)| k)
-        .collect();
+    let places = places_in_table4(study);
     let n_panels = study.configurations.len();
     Box::new(move |case| {
         let spans = (0..n_panels).map(|panel| {
-            let costs: Vec<f64> = places.iter().filter_map(|place| case.fact(&of_place(panel, *place))).collect();
+            let costs: Vec<f64> = places.iter().filter_map(|(place, _)| case.fact(&of_place(panel, *place))).collect();
             let [low, high] = [costs.iter().copied().reduce(f64::min)?, costs.iter().copied().reduce(f64::max)?];
             Some(high / low)
         });

@@ -102,32 +102,32 @@ pub(super) const DESIGNS: [(Method, &str); 3] = [
     (Method::Random, "designs that nobody chose"),
 ];
 
+/// Of each design of a method on all plants the share of the images without a pose, with so many pixels to spare and before the whole image;
+/// not finite where it cannot fly so.
+fn held(cases: &[Case<'_>], method: Method, margin_px: f64) -> impl Iterator<Item = [f64; 2]> {
+    let mine = cases.iter().filter(|case| case.study == Study::Four && case.world == World::Cameras);
+    mine.flat_map(move |case| {
+        let held = move |seed: u64, margin_px: f64| case.fact(&of_held(method, seed, margin_px));
+        (0..=N_RANDOM as u64).filter_map(move |seed| Some([held(seed, margin_px)?, held(seed, WHOLE_IMAGE)?]))
+    })
+}
+
 /// Of how many designs of all plants poses are lost, with so many pixels to spare; how many cannot fly so; how many of them fly before the
 /// whole image: the others say nothing about regions.
 pub(super) fn lost(cases: &[Case<'_>], method: Method, margin_px: f64) -> [usize; 3] {
     let mut counts = [0; 3];
-    for case in cases.iter().filter(|case| case.study == Study::Four && case.world == World::Cameras) {
-        let held = |seed: u64, margin_px: f64| case.fact(&of_held(method, seed, margin_px));
-        for seed in (0..=N_RANDOM as u64).filter(|seed| held(*seed, WHOLE_IMAGE).is_some_and(f64::is_finite)) {
-            let held = held(seed, margin_px).unwrap_or(f64::NAN);
-            counts[0] += usize::from(held > 0.0);
-            counts[1] += usize::from(held.is_nan());
-            counts[2] += 1;
-        }
+    for [held, _] in held(cases, method, margin_px).filter(|[_, whole]| whole.is_finite()) {
+        counts[0] += usize::from(held > 0.0);
+        counts[1] += usize::from(held.is_nan());
+        counts[2] += 1;
     }
     counts
 }
 
 /// How many designs there are, and how many of them cannot fly even before the whole image.
 pub(super) fn fallen(cases: &[Case<'_>], method: Method) -> [usize; 2] {
-    let mut counts = [0; 2];
-    for case in cases.iter().filter(|case| case.study == Study::Four && case.world == World::Cameras) {
-        for held in (0..=N_RANDOM as u64).filter_map(|seed| case.fact(&of_held(method, seed, WHOLE_IMAGE))) {
-            counts[0] += 1;
-            counts[1] += usize::from(held.is_nan());
-        }
-    }
-    counts
+    let whole = || held(cases, method, WHOLE_IMAGE).map(|[held, _]| held);
+    [whole().count(), whole().filter(|held| held.is_nan()).count()]
 }
 
 /// Figure 26: errors of the heading that was told, and how many plants have any.

@@ -1,5 +1,6 @@
 //! Under which names curves are kept, and what is kept of them over all plants.
 
+use crate::chapter3;
 use crate::chapter6::{self, Case};
 use crate::ensemble::kept;
 use crate::ensemble::row::{Method, Study, World};
@@ -14,6 +15,12 @@ pub(super) const ERROR: &str = "error";
 pub(super) const LARGEST: &str = "largest";
 /// Share of the space after an iteration.
 pub(super) const LEFT: &str = "left";
+
+/// The places along the center of mass that Table 4 allows, with their numbers.
+pub(super) fn places_in_table4(study: &chapter3::Setup) -> Vec<(usize, f64)> {
+    let all = study.center_of_mass.places().into_iter().enumerate();
+    all.filter(|(_, x)| chapter3::is_allowed(study, *x)).collect()
+}
 
 /// The lowest cost of Figure 14 in a panel at a place along the center of mass.
 pub(super) fn of_place(panel: usize, place: usize) -> String {

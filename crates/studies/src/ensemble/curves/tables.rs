@@ -3,17 +3,12 @@
 use page::{Column, Table, quantile};
 
 use super::figures::{DESIGNS, fallen, lost};
-use super::kept::{ERROR, ITERATIONS, LEFT, cases_of_figure21, of_bin, of_iteration, of_place, over};
+use super::kept::{ERROR, ITERATIONS, LEFT, cases_of_figure21, of_bin, of_iteration, of_place, over, places_in_table4};
 use crate::ensemble::file::Setup;
 use crate::ensemble::kept::Case;
 use crate::ensemble::row::{Study, World};
+use crate::ensemble::tables::quartiles_of;
 use crate::words::number;
-
-/// Median and quartiles.
-fn quartiles(values: &[f64], digits: usize) -> String {
-    let at = |share: f64| quantile(values, share).map_or("–".to_owned(), |value| number(value, digits));
-    format!("{} ({} to {})", at(0.5), at(0.25), at(0.75))
-}
 
 /// Figure 14: where the lowest cost lies within Table 4, panel by panel.
 pub(in crate::ensemble) fn lowest(setup: &Setup, cases: &[Case<'_>]) -> Table {
@@ -26,9 +21,7 @@ pub(in crate::ensemble) fn lowest(setup: &Setup, cases: &[Case<'_>]) -> Table {
         Column::new("Highest of the curve over the lowest", "1"),
     ]);
     let study = &setup.chapter3;
-    let [from, to] = study.center_of_mass.table4.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    let all = study.center_of_mass.places().into_iter().enumerate();
-    let places: Vec<(usize, f64)> = all.filter(|(_, x)| (from..=to).contains(x)).collect();
+    let places = places_in_table4(study);
     let ends = [places.first(), places.last()].map(|end| end.map(|(place, _)| *place));
     for (panel, configuration) in study.configurations.iter().enumerate() {
         let (mut costs, mut at, mut spans, mut at_an_end) = (Vec::new(), Vec::new(), Vec::new(), 0);
@@ -47,10 +40,10 @@ pub(in crate::ensemble) fn lowest(setup: &Setup, cases: &[Case<'_>]) -> Table {
         table.push(vec![
             configuration.label.clone(),
             costs.len().to_string(),
-            quartiles(&costs, 4),
-            quartiles(&at, 2),
+            quartiles_of(&costs, 4),
+            quartiles_of(&at, 2),
             at_an_end.to_string(),
-            quartiles(&spans, 1),
+            quartiles_of(&spans, 1),
         ]);
     }
     table
@@ -80,11 +73,11 @@ pub(in crate::ensemble) fn errors(setup: &Setup, cases: &[Case<'_>]) -> Table {
         table.push(vec![
             study.truth(case.truth).label.clone(),
             number(100.0 * case.noise, 0),
-            quartiles(&shares(ERROR, ITERATIONS[0]), 0),
-            quartiles(&at_the_end, 1),
+            quartiles_of(&shares(ERROR, ITERATIONS[0]), 0),
+            quartiles_of(&at_the_end, 1),
             number(at_the_end.iter().copied().fold(f64::NAN, f64::max), 0),
             format!("{} of {}", errors.iter().filter(|share| **share < 1.0).count(), errors.len()),
-            quartiles(&shares(LEFT, last), 1),
+            quartiles_of(&shares(LEFT, last), 1),
         ]);
     }
     table
@@ -115,7 +108,7 @@ pub(in crate::ensemble) fn headings(setup: &Setup, cases: &[Case<'_>]) -> Table 
                 n.to_string(),
                 lose.to_string(),
                 fail.to_string(),
-                if largest.is_empty() { "–".to_owned() } else { quartiles(&largest, 1) },
+                quartiles_of(&largest, 1),
                 quantile(&largest, 1.0).map_or("–".to_owned(), |value| number(value, 1)),
             ]);
         }
