@@ -21,8 +21,9 @@ const KINDS: [Verdict; 6] = [
 pub(super) fn verdicts(all: &[Both]) -> String {
     let kinds = KINDS.map(|verdict| (verdict.short().to_owned(), verdict.color()));
     let worlds = World::OF_CAMPAIGNS.into_iter().enumerate();
-    let bars =
-        Study::OF_CAMPAIGNS.into_iter().flat_map(|study| worlds.clone().map(move |(k, world)| (study, k, world)));
+    let bars = Study::ALL.into_iter().flat_map(|study| worlds.clone().map(move |(k, world)| (study, k, world)));
+    let is_judged = |both: &Both, study, k: usize| both.claim.study == study && both.judged[k].verdict().is_some();
+    let bars = bars.filter(|(study, k, _)| all.iter().any(|both| is_judged(both, *study, *k)));
     let bars = bars.map(|(study, k, world)| {
         let mine = all.iter().filter(|both| both.claim.study == study);
         let count = |verdict: Verdict| mine.clone().filter(|both| both.judged[k].is(verdict)).count();

@@ -30,10 +30,10 @@ impl World {
 /// What is optimized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum Study {
-    /// The open loop: curves only.
+    /// The open loop: curves, and no campaign.
     Chapter3,
     Chapter4,
-    /// Known truths: curves only.
+    /// Known truths: curves, and no campaign that is kept.
     Chapter6,
     /// Chapter 7, two parameters.
     Two,
@@ -43,7 +43,7 @@ pub(super) enum Study {
 
 impl Study {
     pub(super) const ALL: [Self; 5] = [Self::Chapter3, Self::Chapter4, Self::Chapter6, Self::Two, Self::Four];
-    /// Those whose claims are judged here.
+    /// Those in which campaigns are run here.
     pub(super) const OF_CAMPAIGNS: [Self; 3] = [Self::Chapter4, Self::Two, Self::Four];
 
     pub(super) const fn name(self) -> &'static str {
