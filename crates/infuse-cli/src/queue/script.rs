@@ -4,11 +4,16 @@ use std::path::Path;
 
 use crate::shell::in_quotes as quoted;
 
+/// Seconds between the end of a run and that of its task, at most, if both are stopped.
+const PATIENCE: u32 = 2;
+
 /// The script of a submission: task k makes `runs_per_task` runs from number (k − 1) `runs_per_task` + 1 on, those that
 /// have a result excepted.
 ///
 /// A run writes to files of its own and renames them; last of all appears its `.done` with the exit code, so that a result is
 /// there as a whole or not at all, and twice does no harm.
+/// A scheduler that stops a task ends its processes one after the other, and the run may be first: what a signal ended waits a
+/// moment for the end of this shell, too, before it counts as a result.
 pub(super) fn of_a_task(runs: &Path, runs_per_task: usize, seconds: f64) -> String {
     let runs = quoted(&runs.display().to_string());
     format!(
@@ -28,6 +33,8 @@ while [ "$run" -le "$last" ]; do
         own="$run.$(hostname 2> /dev/null || echo here).$$"
         $limit sh "./$run.sh" > "$own.out" 2> "$own.err" < "$run.in"
         code=$?
+        # Hang-up, interrupt, kill, end: whoever stops the whole task ends this shell next, and there is no result.
+        case $code in 129 | 130 | 137 | 143) sleep {PATIENCE} ;; esac
         mv -f "$own.out" "$run.out" && mv -f "$own.err" "$run.err" || exit 1
         echo "$code" > "$own.done" && mv -f "$own.done" "$run.done" || exit 1
     fi

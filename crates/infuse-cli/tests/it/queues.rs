@@ -148,6 +148,40 @@ fn what_is_cancelled_is_submitted_again_without_what_had_ended() {
     check_each_once(&rig);
 }
 
+/// A scheduler ends the processes of a task one after the other, here the run well before the shell that waits for it.
+#[test]
+fn a_run_that_is_stopped_with_its_task_has_not_failed_and_one_that_ends_alone_has() {
+    for signal in ["TERM", "KILL"] {
+        let rig = queued(&KEYS.replace("\"rm\", \"jobs/{name}\"", "\"sh\", \"stop.sh\", \"{name}\""));
+        rig.write("simulate.sh", &format!("[ -e slow ] && {{ echo $$ > run.pid; exec sleep 30; }}\n{SIMULATE}"));
+        rig.write("slow", "");
+        rig.write("submit.sh", &SUBMIT.replace("sh $script $task;", "{ sh $script $task & echo $! > job.pid; wait; };"));
+        rig.write(
+            "stop.sh",
+            &format!("rm jobs/$1\nkill -{signal} $(cat run.pid)\nsleep 0.3\nkill -{signal} $(cat job.pid)\n"),
+        );
+        let mut child = rig.command(&["ask"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let start = Instant::now();
+        while lines(&rig, "run.pid").is_empty() && start.elapsed() < Duration::from_secs(20) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let said = rig.infuse(&["cancel"]).ok();
+        assert!(said.contains("Stopped: 1 submission"), "{said}");
+        std::fs::remove_file(rig.path("slow")).unwrap();
+        rig.infuse(&["ask"]).ok();
+        check_each_once(&rig);
+        assert!(rig.journal().iter().all(|line| line.get("failed").is_none()), "{signal}: nothing has failed");
+    }
+    // Out of memory, say.
+    let rig = queued(KEYS);
+    rig.write("simulate.sh", &format!("{SIMULATE}[ -e once ] || {{ touch once; kill -9 $$; }}\n"));
+    rig.infuse(&["ask"]).ok();
+    check_each_once(&rig);
+    assert_eq!(rig.journal().iter().filter(|line| line.get("failed").is_some()).count(), 1);
+}
+
 #[test]
 fn a_list_that_cannot_be_had_means_that_nobody_knows() {
     let rig = queued(KEYS);
