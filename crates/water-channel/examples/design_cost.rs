@@ -29,7 +29,7 @@ Flies a design of the Buoyant Air Turbine through the test and prints its cost i
 
 A design that cannot fly the test ends with exit code 1 and the reason, a wrong argument with exit code 2. With cameras in
 rig.toml a test cannot be flown if they give no pose of the body at the start; where later images give none, so that poses
-are held, a warning on stderr says how many.
+are held, a warning on stderr says how many, and another one names a camera that saw no dot in any image.
 ";
 
 /// Wrong arguments.
@@ -127,6 +127,7 @@ impl Channel {
             rig.plant.vertical_stabilizer.area_factor = factor;
         }
         let ballast_pct_chord = rig.ballast_pct_chord();
+        let cameras = rig.sensing.as_ref().map_or_else(Vec::new, |sensing| sensing.cameras.clone());
         let fidelity = if design.stand_in { Fidelity::STALLED_WITH_ADDED_MASS } else { Fidelity::NUMERICAL };
         // One step per sample: the numerics of the study of Chapter 7.
         let flight = fly(&FlightRequest { rig, fidelity }, &self.profile, &FlightSettings::with_steps(1))?;
@@ -135,6 +136,9 @@ impl Channel {
                 "warning: {:.1} % of the images gave no pose: the controller was told the last one again",
                 100.0 * held
             );
+        }
+        for name in flight.blind_cameras.iter().filter_map(|place| Some(&cameras.get(*place)?.name)) {
+            eprintln!("warning: camera `{name}` saw no dot in any image: see where it stands and how it is turned");
         }
         let cost = self.weights.cost(&flight.integrals, ballast_pct_chord).total;
         Ok(match design.run {

@@ -45,6 +45,9 @@ pub struct Flight {
     /// The share of its images of which no pose could be had, so that the controller was told the last one again; none without
     /// cameras.
     pub held_share: Option<f64>,
+    /// The cameras that saw no dot in any image, by their place in [`Sensing::cameras`](crate::Sensing::cameras): the others
+    /// may be enough for a pose, and whoever set such a camera up wants to know.
+    pub blind_cameras: Vec<usize>,
 }
 
 impl Flight {
@@ -164,7 +167,8 @@ impl Ready {
                 trim: self.trim,
                 final_state: ending.final_state,
                 energy: ending.energy,
-                held_share: ending.held_share,
+                held_share: ending.sight.as_ref().map(|sight| sight.held_share),
+                blind_cameras: ending.sight.map_or_else(Vec::new, |sight| sight.blind_cameras),
             }),
         }
     }

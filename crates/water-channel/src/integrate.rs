@@ -72,7 +72,14 @@ pub(crate) struct Ending {
     pub(crate) final_state: FlightState,
     pub(crate) failure: Option<FlightError>,
     pub(crate) energy: Option<Energy>,
-    pub(crate) held_share: Option<f64>,
+    pub(crate) sight: Option<Sighted>,
+}
+
+/// What the cameras of one flight came to.
+#[derive(Clone, Debug)]
+pub(crate) struct Sighted {
+    pub(crate) held_share: f64,
+    pub(crate) blind_cameras: Vec<usize>,
 }
 
 /// What can be seen at one sample, before the plant moves on.
@@ -337,8 +344,14 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
             break;
         }
     }
-    let held = memory.trackers.map(|tracker| tracker.map(|tracker| tracker.held_share()));
-    endings(&state, &sums, watchers, held, duration_s)
+    let sighted = memory.trackers.map(|tracker| {
+        let of = |tracker: Tracker<'_>| Sighted {
+            held_share: tracker.held_share(),
+            blind_cameras: tracker.blind_cameras().to_vec(),
+        };
+        tracker.map(of)
+    });
+    endings(&state, &sums, watchers, sighted, duration_s)
 }
 
 impl<'a, const N: usize> Memory<'a, N> {
@@ -429,7 +442,7 @@ fn endings<T: Carrier<N>, const N: usize>(
     state: &FlightState<T>,
     sums: &[T; N_SUMS],
     mut watchers: [Watcher; N],
-    held: [Option<f64>; N],
+    mut sighted: [Option<Sighted>; N],
     duration_s: f64,
 ) -> [Ending; N] {
     let end = core::array::from_fn::<_, N, _>(|lane| state.map(|x| x.split()[lane]));
@@ -447,7 +460,7 @@ fn endings<T: Carrier<N>, const N: usize>(
             final_state: end[lane],
             failure: watcher.failure,
             energy: watcher.meter.map(|meter| meter.energy),
-            held_share: held[lane],
+            sight: sighted[lane].take(),
         };
         lane += 1;
         ending

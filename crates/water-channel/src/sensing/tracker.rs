@@ -44,6 +44,8 @@ pub struct Tracker<'a> {
     /// Images, and those of which no pose could be had.
     images: usize,
     held: usize,
+    /// The cameras, by their place, that have seen no dot yet.
+    blind: Vec<usize>,
     /// Estimates on their way to the controller, oldest first.
     on_the_way: VecDeque<Estimate>,
 }
@@ -54,7 +56,8 @@ impl<'a> Tracker<'a> {
     pub fn new(viewer: &'a Viewer) -> Self {
         let on_the_way = VecDeque::with_capacity(viewer.delay_samples() + 1);
         let (noise, view) = (PixelNoise::new(viewer.seed()), View::default());
-        Self { viewer, noise, view, bundles: Bundles::default(), last: None, images: 0, held: 0, on_the_way }
+        let blind = (0..viewer.n_cameras()).collect();
+        Self { viewer, noise, view, bundles: Bundles::default(), last: None, images: 0, held: 0, blind, on_the_way }
     }
 
     /// Takes the images of a body at `truth` and returns the estimate that arrives at this sample.
@@ -72,6 +75,9 @@ impl<'a> Tracker<'a> {
         self.last = Some(pose);
         self.images += 1;
         self.held += usize::from(hold.is_some());
+        if !self.blind.is_empty() {
+            self.blind.retain(|camera| self.view.seen_by(*camera) == 0);
+        }
         let cameras_seeing = self.view.cameras_seeing(self.viewer.n_cameras());
         let newest = Estimate { pose, dots_seen: self.view.dots_seen(), cameras_seeing, hold };
         self.on_the_way.push_back(newest);
@@ -82,5 +88,11 @@ impl<'a> Tracker<'a> {
     #[must_use]
     pub fn held_share(&self) -> f64 {
         self.held as f64 / self.images.max(1) as f64
+    }
+
+    /// The cameras that have seen no dot in any image so far, by their place in [`Sensing::cameras`](super::Sensing::cameras).
+    #[must_use]
+    pub fn blind_cameras(&self) -> &[usize] {
+        &self.blind
     }
 }

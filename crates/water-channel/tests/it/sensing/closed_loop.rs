@@ -186,6 +186,20 @@ fn flight_tells_on_how_many_images_a_pose_was_held() {
     assert_eq!(shares, [Some(held as f64 / log.rows.len() as f64), Some(0.0), None]);
 }
 
+/// One of three cameras is turned to the floor: the others do, and the flight says which saw nothing; lane by lane, and alone.
+#[test]
+fn flight_tells_which_cameras_saw_no_dot_at_all() {
+    let mut turned = cameras();
+    turned.cameras[2].pose.pitch_rad = -turned.cameras[2].pose.pitch_rad;
+    let requests = [with(first_row(), cameras()), with(first_row(), turned), first_row()];
+    let blind: Vec<Vec<usize>> = fly_all(&requests, &short_test(2.0), &FlightSettings::default(), |_| {})
+        .into_iter()
+        .map(|flight| flight.unwrap().blind_cameras)
+        .collect();
+    assert_eq!(blind, [vec![], vec![2], vec![]]);
+    assert_eq!(fly(&requests[1], &short_test(2.0), &FlightSettings::default()).unwrap().blind_cameras, [2]);
+}
+
 /// Cameras that look away.
 #[test]
 fn flight_whose_cameras_give_no_pose_at_the_start_does_not_start() {
