@@ -12,6 +12,8 @@ const MOST_PCT: usize = 90;
 const FEW_PCT: usize = 10;
 /// What a larger share of the designs that nobody chose meets says nothing of a loop.
 const BY_CHANCE: f64 = 0.5;
+/// What comes out less often than by chance by more than so many standard errors is not reproduced.
+const STANDARD_ERRORS: f64 = 2.0;
 /// Significantly, greatly, much: at most this part of what was there is left.
 pub(crate) const MUCH: f64 = 0.5;
 /// A printed design is reached within this part of the width of each parameter.
@@ -192,13 +194,21 @@ impl Judged {
         match standing {
             Standing::Sure if count.all() => Verdict::Check,
             Standing::Sure => Verdict::NotReproduced,
-            _ if count.few() => Verdict::NotReproduced,
+            _ if count.few() || self.is_worse_than_chance() => Verdict::NotReproduced,
             _ if by_chance.is_some_and(|chance| chance > BY_CHANCE + SAME) => Verdict::NotDiscriminating,
             Standing::FittedEnds => Verdict::PartlyCalibrated,
             Standing::Theory if count.all() => Verdict::Reproduced,
             _ if count.most() => Verdict::InKind,
             _ => Verdict::InPart,
         }
+    }
+
+    /// Whether it comes out less often than by chance, and not by accident.
+    fn is_worse_than_chance(&self) -> bool {
+        self.by_chance.is_some_and(|chance| {
+            let standard_error = (chance * (1.0 - chance) / self.count.cases.max(1) as f64).sqrt();
+            self.count.share() < chance - STANDARD_ERRORS * standard_error - SAME && !self.count.most()
+        })
     }
 
     /// Whether its word hangs on one case, and whether on one draw, because a share is that of a rule to the digit.
@@ -228,7 +238,7 @@ impl Judged {
             let pct = 100.0 * chance;
             // Not 50 where the rule says another word than at 50.
             let digits = usize::from((pct - 50.0).abs() < 0.5 && (chance - BY_CHANCE).abs() > SAME);
-            let is_more = matches!(self.verdict(), Verdict::InKind | Verdict::InPart) && chance > self.count.share();
+            let is_more = self.verdict().counts() && chance > self.count.share();
             format!("; by chance {pct:.digits$} %{}", if is_more { ", which is more" } else { "" })
         })
     }
@@ -249,7 +259,8 @@ pub(crate) fn words() -> Vec<(&'static str, String)> {
         (
             "Not",
             format!(
-                "in fewer than {FEW_PCT} %. So with fewer than ten cases in kind means in all of them, not means in none; with a single case \
+                "in fewer than {FEW_PCT} %, or less often than by chance by more than {STANDARD_ERRORS} standard errors and in fewer than {MOST_PCT} %. So \
+                 with fewer than ten cases in kind means in all of them, not means in none; with a single case \
                  there is nothing between."
             ),
         ),
@@ -333,6 +344,19 @@ mod tests {
         assert_eq!(of(960.0 / 1920.0), Verdict::InKind);
         assert_eq!(of(961.0 / 1920.0), Verdict::NotDiscriminating);
         assert_eq!(of(f64::NAN), Verdict::InKind, "no designs were drawn");
+    }
+
+    #[test]
+    fn what_comes_out_less_often_than_by_chance_is_not_reproduced() {
+        use Verdict::{InKind, InPart, NotDiscriminating, NotReproduced};
+        let of = |holding, cases, chance| verdict(holding, cases, Standing::StandIn, Some(chance));
+        // A test that drops the best cell sooner than others.
+        assert_eq!([of(48, 150, 0.51), of(39, 150, 0.496)], [NotReproduced, NotReproduced]);
+        // Of 100 draws with a chance of 0.4, two standard errors are 9.8.
+        assert_eq!([of(31, 100, 0.4), of(30, 100, 0.4)], [InPart, NotReproduced]);
+        assert_eq!([of(93, 100, 0.99), of(60, 100, 0.62)], [NotDiscriminating; 2]);
+        assert_eq!(of(1, 2, 0.34), InPart, "few cases tell little");
+        assert_eq!(of(95, 100, 0.3), InKind);
     }
 
     #[test]

@@ -68,9 +68,10 @@ fn clippy() -> Result<()> {
     run_cargo(&[command.as_slice(), &packages, &deny].concat())
 }
 
-/// The examples are compiled with the tests, whose dependencies they share.
+/// The examples are compiled with the tests, whose dependencies they share. No kind of target is named: a library that has no
+/// tests, as its manifest says, would be compiled for them all the same.
 fn tests() -> Result<()> {
-    test_programs::run(&[&["--release"], workspace::packages(), &["--lib", "--bins", "--tests", "--examples"]].concat())
+    test_programs::run(&[&["--release"], workspace::packages()].concat())
 }
 
 fn documentation() -> Result<()> {
