@@ -3,7 +3,7 @@
 use bat_dynamics::{Asymmetry, Flow, FlowHistory, FlowKnot, Transition};
 use serde_json::Value;
 use water_channel::{
-    FlightRequest, FlightSettings, MovingWater, ProfileFile, Shedding, TestProfile, Turbulence, WaterRow, WaterTable,
+    FlightRequest, FlightSettings, MovingWater, ProfileFile, Shedding, TestProfile, Turbine, Turbulence, WaterRow, WaterTable,
     Window, fly, fly_all, fly_seeded,
 };
 
@@ -277,7 +277,9 @@ fn flights_in_moving_water_match_an_independent_integration_at_tight_tolerance()
     let water = WaterTable::new(SAMPLE_S, rows.collect()).unwrap();
     let flow = steps(&[(0.0, 0.245, 0.0), (10.0, 0.285, 0.15_f64.to_degrees())]);
     let pull = vec![Window { from_s: 4.0, to_s: 5.0, commands: [0.0, 0.0, -1.0] }];
-    let profile = TestProfile::new(20.0, flow, pull).unwrap().with_water_table(water);
+    let turbine =
+        Turbine { area_m2: 0.005, power_coefficient: 0.4, cut_in_m_s: 0.1, rated_power_w: 0.02, winch_efficiency: 0.8 };
+    let profile = TestProfile::new(20.0, flow, pull).unwrap().with_water_table(water).with_turbine(turbine).unwrap();
     for case in file["cases"].as_array().unwrap() {
         let request = moving_case(case);
         let flight = flown(&request, &profile, 8);
@@ -295,6 +297,11 @@ fn flights_in_moving_water_match_an_independent_integration_at_tight_tolerance()
         }
         let heading = case["integral_psi_error_squared"].as_f64().unwrap();
         assert_close(flight.integrals.heading_squared, heading, 1e-6 * heading, "heading");
+        let energy = flight.energy.unwrap();
+        for (what, found) in [("turbine", energy.turbine_j), ("winches", energy.winches_j)] {
+            let expected = case[what].as_f64().unwrap();
+            assert_close(found, expected, 1e-6 * expected, &format!("energy of the {what} of {}", case["name"]));
+        }
     }
 }
 
