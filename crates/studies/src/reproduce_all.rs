@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
+use crate::chapter6::{self, AllLevels};
 use crate::claims::{self, Claim, Place, WITH_STAND_IN};
 use crate::ensemble::{self, OverEnsemble};
 use crate::exemptions;
@@ -96,7 +97,11 @@ pub(crate) fn write_page(root: &Path, studies: &[Reproduction], check: bool) -> 
     let (claims, counts) = ensemble::over(root)?;
     let over = Over { claims, counts };
     let read = |study| Ok(Chapter { study, handover: Handover::read(&root.join(study.out()))? });
-    let chapters = chosen.into_iter().map(read).collect::<Result<Vec<_>>>()?;
+    let mut chapters = chosen.into_iter().map(read).collect::<Result<Vec<_>>>()?;
+    let all_levels = AllLevels::read(root)?;
+    let of_chapter6 = chapters.iter_mut().filter(|chapter| chapter.study.command == chapter6::CHAPTER.command);
+    let claims = of_chapter6.flat_map(|chapter| &mut chapter.handover.claims);
+    let n_overruled = claims.map(|claim| all_levels.overrule(claim)).filter(|is_other| *is_other).count();
     let mut listed: Vec<Listed<'_>> = chapters
         .iter()
         .flat_map(|chapter| chapter.handover.claims.iter().map(move |claim| Listed { claim, chapter }))
@@ -106,7 +111,7 @@ pub(crate) fn write_page(root: &Path, studies: &[Reproduction], check: bool) -> 
     exemptions::check(places)?;
     let out = root.join(DIRECTORY);
     let picture = verdicts(&chapters);
-    let first = first_screen(&listed, &over, &picture);
+    let first = first_screen(&listed, &over, n_overruled, &picture);
     reproduction::save(&out, "index.html", &page(root, studies, &chapters, (&listed, &over), &first)?.html())?;
     reproduction::save(&out, NAME, &markdown(&listed, &over, &first.markdown(PICTURE)))?;
     reproduction::save_kept_picture(&out, PICTURE, &picture)?;
@@ -145,7 +150,7 @@ fn verdicts(chapters: &[Chapter<'_>]) -> Picture {
 }
 
 /// What the pages begin with: how many claims came out, the contributions with their numbers, and all verdicts at once.
-fn first_screen<'a>(listed: &[Listed<'_>], over: &Over, picture: &'a Picture) -> FirstScreen<'a> {
+fn first_screen<'a>(listed: &[Listed<'_>], over: &Over, n_overruled: usize, picture: &'a Picture) -> FirstScreen<'a> {
     let contributions = listed.iter().filter(|one| matches!(one.claim.place, Place::Contribution(_)));
     let contributions = contributions.map(|one| claims::finding(one.claim));
     let head = Finding::new("The contributions that the dissertation names:");
@@ -153,7 +158,11 @@ fn first_screen<'a>(listed: &[Listed<'_>], over: &Over, picture: &'a Picture) ->
         "The same over an ensemble of plants that meet the published numbers, a cloud about one start, of which the one plant of the chapters is the middle:",
     );
     let over = over.counts.iter().map(|words| Finding::new(words.clone())).fold(head_over, Finding::detail);
-    let few = Finding::new(few_words(listed.iter().map(|one| one.claim)));
+    let few = few_words(listed.iter().map(|one| one.claim));
+    let few = Finding::new(format!(
+        "{few} Chapter 6 is run with fewer levels here; {n_overruled} of its claims come to another word with [all 24⁴ designs]\
+         (results-chapter6-full.md), and count as they do there."
+    ));
     FirstScreen { findings: vec![counts(listed), few, over, contributions.fold(head, Finding::detail)], picture }
 }
 
@@ -166,7 +175,11 @@ fn is_chapter(study: &Reproduction) -> bool {
 fn table(listed: &[Listed<'_>], over: &Over) -> Table {
     let mut table = claims::table_with_commands(listed.iter().map(|one| (one.claim, one.chapter.study.command)));
     table.columns.push(Column::new("Over the ensemble", ""));
-    let words = listed.iter().map(|one| over.of(one.claim).map_or("–".to_owned(), |over| over.words.clone()));
+    let words = listed.iter().map(|one| match over.of(one.claim) {
+        None => "–".to_owned(),
+        Some(over) if over.flown == one.chapter.study.title => over.words.clone(),
+        Some(over) => format!("on the campaigns of {}: {}", over.flown, over.words),
+    });
     table.rows.iter_mut().zip(words).for_each(|(row, words)| row.push(words));
     let mut rows: Vec<(Place, Vec<String>)> =
         listed.iter().map(|one| one.claim.place.clone()).zip(std::mem::take(&mut table.rows)).collect();

@@ -238,7 +238,7 @@ impl Judged {
             let pct = 100.0 * chance;
             // Not 50 where the rule says another word than at 50.
             let digits = usize::from((pct - 50.0).abs() < 0.5 && (chance - BY_CHANCE).abs() > SAME);
-            let is_more = self.verdict().counts() && chance > self.count.share();
+            let is_more = self.verdict().counts() && !self.count.few() && chance > self.count.share();
             format!("; by chance {pct:.digits$} %{}", if is_more { ", which is more" } else { "" })
         })
     }

@@ -1,5 +1,6 @@
 //! `cargo xtask reproduce-chapter6`: the study of Section 6.2 on a truth that is known, Figures 20 to 22.
 
+mod all_levels;
 mod campaigns;
 mod claims;
 mod figures;
@@ -10,6 +11,8 @@ mod page;
 mod run;
 mod tables;
 
+#[cfg(feature = "ensemble")]
+pub(crate) use all_levels::AllLevels;
 #[cfg(feature = "ensemble")]
 pub(crate) use campaigns::{Campaigns, fly};
 #[cfg(feature = "ensemble")]

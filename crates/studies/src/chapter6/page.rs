@@ -226,8 +226,8 @@ fn written_by(extent: Extent) -> &'static str {
         }
         Extent::Full => {
             "Written by `cargo xtask reproduce-chapter6 --full`, which `cargo xtask ci` does not run: this page is kept from a run \
-             to its end (how long that took is in the README of `studies`). What `cargo xtask ci` makes anew, and `reproduction.md` counts, is the \
-             [page with fewer levels](results-chapter6.md); where the two differ is told below."
+             to its end (how long that took is in the README of `studies`). What `cargo xtask ci` makes anew is the \
+             [page with fewer levels](results-chapter6.md); where the two differ is told below, and `reproduction.md` counts this one."
         }
     }
 }

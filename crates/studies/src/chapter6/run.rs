@@ -3,7 +3,7 @@
 use super::campaigns::{Campaigns, fly};
 use super::file::Setup;
 use super::findings::Findings;
-use super::{claims, figures, flights, page, tables};
+use super::{all_levels, claims, figures, flights, page, tables};
 use crate::bat::MODEL;
 use crate::handover::Handover;
 use crate::memory::Memory;
@@ -30,6 +30,7 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
         eprintln!("The same with fewer levels, to be put beside it:");
         let fewer = claims::claims(&study(root, Extent::Default)?.0);
         first.findings.insert(1, page::changed(&claims, &fewer));
+        all_levels::keep(root, &claims)?;
         Some(fewer)
     } else {
         None

@@ -17,10 +17,9 @@ use crate::{calibration, chapter3, chapter4, chapter6, chapter7};
 
 const FOLDER: &str = "fixtures/bat";
 const FILE: &str = "ensemble.toml";
-/// What all rows follow from, beside this program.
-const TEXTS: [&str; 11] = [
+/// What all rows follow from, beside this program. The plants name in their first line what they were calibrated by.
+const TEXTS: [&str; 10] = [
     FILE,
-    "calibration.toml",
     "ensemble/members.csv",
     "test-profile.toml",
     "test-profile-open-loop.toml",

@@ -133,6 +133,8 @@ fn open_whole(root: &Path, setup: &Setup) -> Result<Store> {
 /// What became of a claim over the ensemble, for the page over all chapters.
 pub(crate) struct OverEnsemble {
     pub(crate) place: Place,
+    /// The study that was flown for it, which need not be that of the chapter that has the same claim.
+    pub(crate) flown: &'static str,
     pub(crate) says: String,
     pub(crate) words: String,
 }
@@ -146,6 +148,7 @@ pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
     let counts = page::counts(&all);
     let claims = all.into_iter().map(|both| OverEnsemble {
         words: both.words(),
+        flown: both.claim.study.chapter(),
         place: both.claim.place,
         says: both.claim.says,
     });

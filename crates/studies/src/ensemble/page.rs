@@ -128,6 +128,9 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
         told::at_bound(setup, cases)
     );
     text += &tables::baselines(cases).markdown();
+    text += "\n### On the edge of the box\n\nHow many of these designs lie on an end of the range of some parameter. Where the optimum of the model \
+             does, a claim that the loop leads away from it can hardly fail; where the end does, the range decides, and not the loop.\n\n";
+    text += &told::edges(setup, cases).markdown();
     text += "\n![Cost above the best known against experiments](results-ensemble-regret.svg)\n\nMedians over all plants and seeds, and \
              quartiles; what is less than 0.1 % is drawn there. At 0 experiments: the optimum of the numerical model. In Chapter 4 the loop's design of an \
              iteration is the one around which its experiments are made, so that the first is the same.\n\n";
@@ -161,7 +164,7 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
     text += &format!(
         "\nThe dissertation has spikes in the heading of the model's optimum over the last 30 s (Figure 26, Section 7.2), where a pair of dots leaves the region of interest for a moment; here they come with the third pull at the port line. With three cameras and ten \
          dots no pair is missed. Here one camera, `{}`, sees dots {} alone, and looks for them only about where it sees them while the center of the box flies \
-         in still water, with a few pixels to spare on each side; then designs fly in moving water. Below four dots the last pose is held. \
+         in still water, with a few pixels to spare on each side; then designs fly in moving water. How many pixels was chosen after a look at flights of seven plants, so that the spikes are no prediction. Below four dots the last pose is held. \
          Four dots in a plane that a camera looks at squarely fit two poses, and a controller that is told the wrong one flies into the floor: {} \
          Errors of the heading that is told are drawn and listed with {} px to spare, the largest of each {} s, one sample in four, the delay included, where the flight comes to its end; the loop's designs are those of the first seed.\n\n![Spikes of the heading over plants](results-ensemble-lost-dots.svg)\n\n{}",
         setup.regions.camera,
@@ -230,7 +233,8 @@ fn decided(setup: &Setup, cases: &[Case<'_>], all: &[Both]) -> String {
          least three plants and fail so in at least three. For each, the property of the plants that goes with it most closely by rank correlation, out of {n_properties}: the numbers that were free \
          in the calibration, and what the model is worth. p is the share of {} random orders of the plants that give a correlation as large with \
          any property of the same claim; then the share of orders in which any of these claims has a p as small. {own} reach {} for their own properties, {} would by chance; {of_all} for all \
-         claims. Each claim stands in one row: property, rank correlation, p for its own properties, p for all claims.",
+         claims. Those {own} are shown, each claim in one row: property, rank correlation, p for its own properties, p for all claims; of the \
+         others nothing goes with them closely enough.",
         decides::N_ORDERS,
         tables::SIGNIFICANT,
         crate::words::number(tables::SIGNIFICANT * looked as f64, 1),

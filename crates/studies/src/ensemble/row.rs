@@ -56,6 +56,16 @@ impl Study {
         }
     }
 
+    /// Of which chapter it is.
+    pub(super) const fn chapter(self) -> &'static str {
+        match self {
+            Self::Chapter3 => "Chapter 3",
+            Self::Chapter4 => "Chapter 4",
+            Self::Chapter6 => "Chapter 6",
+            Self::Two | Self::Four => "Chapter 7",
+        }
+    }
+
     pub(super) const fn words(self) -> &'static str {
         match self {
             Self::Chapter3 => "Chapter 3",

@@ -1,13 +1,16 @@
 //! What the page says in sentences of more than one row: where a word hangs on one case, what the models are worth, what the test keeps,
 //! where campaigns run into a bound.
 
+use design_space::Region;
+use page::{Column, Table};
+
 use super::claims::{JUDGED, Test};
 use super::file::Setup;
 use super::judge::met_by;
 use super::kept::Case;
 use super::row::{Method, Study, World};
 use super::tables::Both;
-use crate::rules::Verdict;
+use crate::rules::{Count, Verdict};
 use crate::words::number;
 
 /// A model ranks designs well from this rank correlation on.
@@ -139,6 +142,52 @@ pub(super) fn kept_best(all: &[Both], cases: &[Case<'_>]) -> String {
         words.join("; "),
         ends.count()
     )
+}
+
+/// The box of a study, natural.
+fn region(setup: &Setup, study: Study) -> Option<&Region> {
+    match study {
+        Study::Chapter4 => Some(setup.chapter4.problem.region()),
+        Study::Two => setup.chapter7.cases.first().map(|case| case.space.region()),
+        Study::Four => setup.chapter7.cases.get(1).map(|case| case.space.region()),
+        Study::Chapter3 | Study::Chapter6 => None,
+    }
+}
+
+/// Whether a design lies on an end of the range of some parameter.
+fn is_on_edge(region: &Region, point: &[f64]) -> bool {
+    region.parameters().iter().zip(point).any(|(parameter, x)| {
+        let slack = AT_BOUND * parameter.width();
+        *x <= parameter.lower() + slack || *x >= parameter.upper() - slack
+    })
+}
+
+/// How many of the designs that were chosen lie on an edge of the box, where a parameter cannot go on as it went.
+pub(super) fn edges(setup: &Setup, cases: &[Case<'_>]) -> Table {
+    let mut table = Table::new(vec![
+        Column::words("study"),
+        Column::words("water"),
+        Column::words("optimum of the model, plants"),
+        Column::words("end of the dissertation's loop, campaigns"),
+        Column::words("end of the pooled loop, campaigns"),
+    ]);
+    for study in Study::OF_CAMPAIGNS {
+        let Some(region) = region(setup, study) else { continue };
+        for world in World::OF_CAMPAIGNS {
+            let mine = || cases.iter().filter(move |case| case.study == study && case.world == world);
+            let optima = Count::of(mine().filter_map(Case::numerical).map(|row| is_on_edge(region, &row.point)));
+            let ends =
+                |method| Count::of(mine().flat_map(|case| case.ends(method)).map(|row| is_on_edge(region, &row.point)));
+            table.push(vec![
+                study.words().to_owned(),
+                world.name().to_owned(),
+                optima.to_string(),
+                ends(JUDGED).to_string(),
+                ends(Method::Pooled).to_string(),
+            ]);
+        }
+    }
+    table
 }
 
 /// Campaigns of Chapter 4 that end on the upper bound of the pitch.

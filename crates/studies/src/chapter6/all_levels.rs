@@ -1,0 +1,124 @@
+//! What became of the claims of Chapter 6 with all 24⁴ designs: kept from a run of `--full`, which takes half an hour, for the page
+//! over all chapters, where a run with fewer levels stands in its place.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use serde::{Deserialize, Serialize};
+
+use crate::claims::{Claim, Place};
+use crate::kept;
+use crate::rules::Judged;
+
+const FILE: &str = "fixtures/bat/chapter6-all-levels.json";
+
+/// A claim as all levels judge it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Row {
+    place: Place,
+    says: String,
+    judged: Judged,
+}
+
+/// All that are judged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct AllLevels {
+    written_by: String,
+    rows: Vec<Row>,
+}
+
+impl AllLevels {
+    fn of(claims: &[Claim]) -> Self {
+        let row =
+            |claim: &Claim| Some(Row { place: claim.place.clone(), says: claim.says.clone(), judged: claim.judged? });
+        Self {
+            written_by: "cargo xtask reproduce-chapter6 --full".to_owned(),
+            rows: claims.iter().filter_map(row).collect(),
+        }
+    }
+
+    /// What is kept.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn read(root: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(root.join(FILE)).context(FILE)?;
+        serde_json::from_str(&text).with_context(|| format!("{FILE}: take it back from version control"))
+    }
+
+    /// Puts the judgement by all levels in the place of that by fewer, where it comes to another word. Whether it does.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn overrule(&self, claim: &mut Claim) -> bool {
+        let Some(row) = self.rows.iter().find(|row| row.place == claim.place && row.says == claim.says) else {
+            return false;
+        };
+        let whole = Claim::new(row.place.clone(), &row.says, row.judged, String::new());
+        if whole.verdict == claim.verdict {
+            return false;
+        }
+        claim.found = format!(
+            "With all levels: {}. With fewer: {}. Of these: {}",
+            whole.verdict_words(),
+            claim.verdict_words(),
+            claim.found
+        );
+        (claim.verdict, claim.judged) = (whole.verdict, whole.judged);
+        // What is told in short is told of fewer levels.
+        claim.in_short = format!("with all levels, {}", row.judged.count);
+        true
+    }
+}
+
+/// Keeps what a run with all levels came to.
+pub(super) fn keep(root: &Path, claims: &[Claim]) -> Result<()> {
+    let text = serde_json::to_string_pretty(&AllLevels::of(claims)).context(FILE)?;
+    kept::replace(&root.join(FILE), format!("{text}\n").as_bytes())
+}
+
+#[cfg(all(test, feature = "ensemble"))]
+mod tests {
+    use super::*;
+    use crate::claims::Verdict;
+    use crate::rules::{Count, Standing};
+
+    fn root() -> std::path::PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+    }
+
+    /// The page of the same run says the same of every claim.
+    #[test]
+    fn what_is_kept_is_what_the_page_says() {
+        let page = std::fs::read_to_string(root().join("docs/results-chapter6-full.md")).expect("a page");
+        let kept = AllLevels::read(&root()).expect("kept");
+        for Row { place, says, judged } in &kept.rows {
+            let claim = Claim::new(place.clone(), says, *judged, String::new());
+            let row = page.lines().find(|line| line.starts_with(&format!("| {place} | {says} |")));
+            let row = row.unwrap_or_else(|| panic!("{place}, {says} is not on the page"));
+            assert!(row.ends_with(&format!("| {} |", claim.verdict_words())), "{row}\n{}", claim.verdict_words());
+        }
+        let n = page
+            .lines()
+            .filter(|line| line.starts_with("| ") && line.contains(" of ") && line.matches(" | ").count() == 3);
+        assert_eq!(
+            n.filter(|line| line.contains("reproduced") || line.contains("check") || line.contains("discriminating"))
+                .count(),
+            kept.rows.len()
+        );
+    }
+
+    #[test]
+    fn all_levels_overrule_where_they_say_another_word() {
+        let judged = |holding| Judged::of(Count { holding, cases: 26 }, Standing::StandIn);
+        let fewer = |holding| Claim::new(Place::Section("5.5".into()), "It keeps", judged(holding), "So.".into());
+        let kept = AllLevels::of(&[fewer(16)]);
+        let mut claim = fewer(26);
+        assert!(kept.overrule(&mut claim));
+        assert_eq!((claim.verdict, claim.judged), (Verdict::InPart, Some(judged(16))));
+        let found =
+            "With all levels: reproduced in part: 16 of 26. With fewer: reproduced in kind: 26 of 26. Of these: So.";
+        assert_eq!(claim.found, found);
+        let mut same = fewer(17);
+        assert!(!kept.overrule(&mut same));
+        assert_eq!(same, fewer(17));
+    }
+}
