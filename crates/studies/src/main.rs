@@ -134,6 +134,8 @@ fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
         #[cfg(feature = "benchmark")]
         (None, ["speed"]) => Box::new(|| speed::run(root)),
         #[cfg(feature = "benchmark")]
+        (None, ["speed", "--flights"]) => Box::new(|| speed::flights(root)),
+        #[cfg(feature = "benchmark")]
         (None, ["plants"]) => Box::new(|| plants::run(root)),
         #[cfg(feature = "benchmark")]
         (None, ["plants", "--page"]) => Box::new(|| plants::write_page(root)),

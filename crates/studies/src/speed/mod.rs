@@ -2,6 +2,7 @@
 
 mod builds;
 mod page;
+mod switches;
 mod tasks;
 mod theirs;
 
@@ -10,6 +11,7 @@ use std::time::Instant;
 
 use anyhow::{Result, ensure};
 use page::Row;
+pub(crate) use switches::run as flights;
 use tasks::{Task, tasks};
 use theirs::Theirs;
 

@@ -1,0 +1,272 @@
+//! `cargo xtask speed --flights`: what everything that is off by default costs a flight, all in turn in one run.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context as _, Result};
+use bat_dynamics::Fidelity;
+use page::{Column, Table, quantile};
+use water_channel::{
+    Flight, FlightError, FlightRequest, FlightSettings, MovingWater, ProfileFile, RigFile, Sensing, SensingFile,
+    Shedding, TestProfile, Turbulence, fly_all, fly_seeded,
+};
+
+use crate::kept;
+use crate::reproduction::progress;
+use crate::words::number;
+
+const PAGE: &str = "docs/results-flights.md";
+/// Each variant so often, in turn.
+const ROUNDS: usize = 11;
+/// Flights of 300 s at a time, in lanes on one thread.
+const FLIGHTS: usize = 16;
+/// Steps per sample: as the studies fly, and as a flight is flown unless somebody says otherwise.
+const STEPS: [usize; 2] = [1, 2];
+/// Off asymmetries of the hull, in m: its center of mass, its horizontal stabilizer, its port line.
+const SIDES_M: [f64; 3] = [2e-4, 0.04, 5e-4];
+
+/// What is on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Variant {
+    words: &'static str,
+    turbulence: bool,
+    shedding: bool,
+    asymmetry: bool,
+    seed_each: bool,
+    cameras: bool,
+    /// How many times as long as a flight with all off it may take.
+    limit: Option<Limit>,
+}
+
+/// In hundredths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Limit(u32);
+
+impl Limit {
+    fn times(self) -> f64 {
+        f64::from(self.0) / 100.0
+    }
+}
+
+const OFF: Variant = Variant {
+    words: "all off",
+    turbulence: false,
+    shedding: false,
+    asymmetry: false,
+    seed_each: false,
+    cameras: false,
+    limit: None,
+};
+const ALL_THREE: Variant = Variant {
+    words: "turbulence, shedding and asymmetry, one water for all flights",
+    turbulence: true,
+    shedding: true,
+    asymmetry: true,
+    limit: Some(Limit(130)),
+    ..OFF
+};
+const VARIANTS: [Variant; 8] = [
+    OFF,
+    Variant { words: "turbulence in three directions", turbulence: true, ..OFF },
+    Variant { words: "vortex shedding", shedding: true, ..OFF },
+    Variant { words: "asymmetry", asymmetry: true, ..OFF },
+    ALL_THREE,
+    Variant { words: "turbulence, shedding and asymmetry, a water for each flight", seed_each: true, ..ALL_THREE },
+    Variant { words: "three cameras", cameras: true, ..OFF },
+    Variant {
+        words: "turbulence, shedding, asymmetry and three cameras",
+        cameras: true,
+        limit: Some(Limit(400)),
+        ..ALL_THREE
+    },
+];
+
+/// Seconds of the variants, round by round, at so many steps a sample.
+struct Timed {
+    steps_per_sample: usize,
+    rounds: Vec<[f64; VARIANTS.len()]>,
+}
+
+/// Measures all, and writes the page.
+pub(crate) fn run(root: &Path) -> Result<()> {
+    let folder = root.join("fixtures/bat");
+    let bench = Bench {
+        profile: ProfileFile::read(folder.join("test-profile.toml"))?.profile,
+        requests: requests(&RigFile::read(folder.join("rig.toml"))?),
+        sensing: SensingFile::read(folder.join("sensing.toml"))?.sensing,
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let bar = progress("rounds of flights", STEPS.len() * (ROUNDS + 1));
+    let timed = |steps_per_sample| -> Result<Timed> {
+        let mut rounds = Vec::with_capacity(ROUNDS);
+        for round in 0..=ROUNDS {
+            let times = pool.install(|| bench.round(steps_per_sample))?;
+            bar.inc(1);
+            // The first is for the caches.
+            if round > 0 {
+                rounds.push(times);
+            }
+        }
+        Ok(Timed { steps_per_sample, rounds })
+    };
+    let all = STEPS.into_iter().map(timed).collect::<Result<Vec<_>>>()?;
+    bar.finish();
+    kept::write(root, &[(PAGE, markdown(&all))])
+}
+
+fn requests(file: &RigFile) -> Vec<FlightRequest> {
+    let at = |low: f64, high: f64, k: usize| low + (high - low) * k as f64 / 3.0;
+    let request = |k: usize| {
+        let mut rig = file.rig.clone();
+        rig.plant.body.center_of_mass_x = at(0.4565, 0.5125, k / 4);
+        rig.set_points.pitch_rad = at(0.0, 22.0, k % 4).to_radians();
+        FlightRequest { rig, fidelity: Fidelity::STALLED_WITH_ADDED_MASS }
+    };
+    (0..FLIGHTS).map(request).collect()
+}
+
+struct Bench {
+    profile: TestProfile,
+    requests: Vec<FlightRequest>,
+    sensing: Sensing,
+}
+
+impl Bench {
+    /// Every variant once.
+    fn round(&self, steps_per_sample: usize) -> Result<[f64; VARIANTS.len()]> {
+        let mut seconds = [0.0; VARIANTS.len()];
+        for (variant, seconds) in VARIANTS.iter().zip(&mut seconds) {
+            *seconds = self.seconds(variant, steps_per_sample).context(variant.words)?;
+        }
+        Ok(seconds)
+    }
+
+    /// The table of the water is made within the time.
+    fn seconds(&self, variant: &Variant, steps_per_sample: usize) -> Result<f64> {
+        let intensity = 0.03;
+        let turbulence =
+            Turbulence { intensity, lateral_intensity: intensity, vertical_intensity: intensity, length_m: 0.1 };
+        let shedding = Shedding { strouhal: 0.2, width_m: 0.092, lift_coefficient: 0.05, plane_rad: 0.5 };
+        let water = MovingWater {
+            turbulence: variant.turbulence.then_some(turbulence),
+            shedding: variant.shedding.then_some(shedding),
+            seed: 1,
+        };
+        let profile = self.profile.clone().with_water(water)?;
+        let mut requests = self.requests.clone();
+        for request in &mut requests {
+            if variant.asymmetry {
+                let sides = &mut request.rig.plant.asymmetry;
+                [sides.center_of_mass_y_m, sides.offset_lateral_m, sides.line_port_m] = SIDES_M;
+            }
+            request.rig.sensing = variant.cameras.then(|| self.sensing.clone());
+        }
+        let seeds: Vec<u64> = (0..requests.len() as u64).collect();
+        let settings = FlightSettings::with_steps(steps_per_sample);
+        let start = Instant::now();
+        let flown = match variant.seed_each {
+            true => fly_seeded(&requests, &seeds, &profile, &settings, |_| {}),
+            false => fly_all(&requests, &profile, &settings, |_| {}),
+        };
+        let seconds = start.elapsed().as_secs_f64();
+        // A flight that ends early would make a variant look cheap.
+        flown.into_iter().collect::<Result<Vec<Flight>, FlightError>>()?;
+        Ok(seconds)
+    }
+}
+
+impl Timed {
+    /// Median time of a flight in ms.
+    fn median_ms(&self, variant: usize) -> f64 {
+        let times: Vec<f64> = self.rounds.iter().map(|round| 1e3 * round[variant] / FLIGHTS as f64).collect();
+        quantile(&times, 0.5).unwrap_or(f64::NAN)
+    }
+
+    /// How many times as long as with all off: lowest, median and highest over the rounds.
+    fn ratios(&self, variant: usize) -> [f64; 3] {
+        let ratios: Vec<f64> = self.rounds.iter().map(|round| round[variant] / round[0]).collect();
+        [0.0, 0.5, 1.0].map(|share| quantile(&ratios, share).unwrap_or(f64::NAN))
+    }
+}
+
+fn steps_words(steps_per_sample: usize) -> &'static str {
+    if steps_per_sample == 1 { "one step" } else { "two steps" }
+}
+
+fn markdown(all: &[Timed]) -> String {
+    let mut text = "# What is off by default, and what it costs\n\n".to_owned();
+    for (place, variant) in VARIANTS.iter().enumerate() {
+        let Some(limit) = variant.limit else { continue };
+        let words = all.iter().map(|timed| {
+            let [_, median, _] = timed.ratios(place);
+            let word = if median <= limit.times() { "met" } else { "missed" };
+            format!("{} times as long at {} a sample ({word})", number(median, 2), steps_words(timed.steps_per_sample))
+        });
+        text += &format!(
+            "- With {} a flight takes {}; the goal is at most {} times as long as with all off.\n",
+            variant.words,
+            words.collect::<Vec<_>>().join(", "),
+            number(limit.times(), 1)
+        );
+    }
+    text += "- The studies fly one step a sample, campaigns of the ensemble with a water for each flight and without cameras.\n\n";
+    let mut table = Table::new(vec![
+        Column::words("on"),
+        Column::number("steps per sample", ""),
+        Column::number("a flight", "ms"),
+        Column::number("times as long as with all off", ""),
+        Column::number("goal, at most", ""),
+    ]);
+    for timed in all {
+        for (place, variant) in VARIANTS.iter().enumerate() {
+            let [low, median, high] = timed.ratios(place).map(|ratio| number(ratio, 2));
+            table.push(vec![
+                variant.words.to_owned(),
+                timed.steps_per_sample.to_string(),
+                number(timed.median_ms(place), 2),
+                format!("{median} ({low} to {high})"),
+                variant.limit.map_or_else(String::new, |limit| number(limit.times(), 1)),
+            ]);
+        }
+    }
+    text += &table.markdown();
+    text += &format!(
+        "\nMedians of {} rounds of one run, every variant in turn in each round, after one round for the caches; in brackets the lowest and the \
+         highest ratio of a round. {FLIGHTS} flights of 300 s of the stand-in over the box of Chapter 4, four in lanes, on one thread; the making of \
+         the water's table and the images are within the time.\n\n\
+         Written by `cargo xtask speed --flights`; times are those of the machine, so that `cargo xtask ci` does not repeat them.\n",
+        all.first().map_or(0, |timed| timed.rounds.len())
+    );
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn goals_are_met_or_missed_by_the_median_of_the_ratios() {
+        let round = |all_three: f64| {
+            let mut seconds = [0.032; VARIANTS.len()];
+            (seconds[4], seconds[5], seconds[7]) = (0.032 * all_three, 0.064, 0.16);
+            seconds
+        };
+        let timed = Timed { steps_per_sample: 1, rounds: vec![round(1.2), round(1.25), round(1.9)] };
+        let text = markdown(&[timed]);
+        assert!(text.contains("one water for all flights a flight takes 1.25 times as long at one step a sample (met); the goal is at most 1.3 times"), "{text}");
+        assert!(
+            text.contains("a water for each flight a flight takes 2.00 times as long at one step a sample (missed)"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn the_first_variant_has_all_off() {
+        assert_eq!(VARIANTS[0], OFF);
+        assert!(
+            VARIANTS[1..]
+                .iter()
+                .all(|variant| variant.turbulence || variant.shedding || variant.asymmetry || variant.cameras)
+        );
+    }
+}
