@@ -3,8 +3,8 @@
 use bat_dynamics::{Asymmetry, Flow, FlowHistory, FlowKnot, Transition};
 use serde_json::Value;
 use water_channel::{
-    FlightRequest, FlightSettings, MovingWater, ProfileFile, Shedding, TestProfile, Turbine, Turbulence, WaterRow, WaterTable,
-    Window, fly, fly_all, fly_seeded,
+    FlightRequest, FlightSettings, MovingWater, ProfileFile, Shedding, TestProfile, Turbine, Turbulence, WaterRow,
+    WaterTable, Window, fly, fly_all, fly_seeded,
 };
 
 use crate::rigs::{assert_close, cost, first_row, fixture, flown, golden, kick, numbers, request_of, steps, text};
