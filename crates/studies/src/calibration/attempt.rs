@@ -25,9 +25,9 @@ pub(super) struct Attempt {
 
 impl Calibration {
     /// From a start to a plant that meets the evidence over the whole box, or why there is none.
-    pub(super) fn try_start(&self, number: u64) -> Result<Attempt> {
+    pub(super) fn try_start(&self, number: u64, reach: [f64; 2]) -> Result<Attempt> {
         let mut aims = Aims::new(&self.evidence, self.tolerance);
-        let mut coordinates = self.start(number);
+        let mut coordinates = self.start(number, reach);
         let refused = |refusal, worst, rows| {
             Ok(Attempt { start: Start { number, refusal: Some(refusal), worst }, member: None, rows })
         };

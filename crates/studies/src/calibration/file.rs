@@ -19,7 +19,7 @@ use crate::study_file;
 
 const FILE: &str = "fixtures/bat/calibration.toml";
 /// Keys that do not decide what comes of a start; what `files` names counts by its contents.
-const BESIDE: [&str; 4] = ["members", "most_starts", "held_out", "files"];
+const BESIDE: [&str; 5] = ["members", "most_starts", "held_out", "files", "beyond"];
 /// What stands before the keys of free numbers in the files of the default plant.
 const BEFORE: [&str; 3] = ["", "chapter4.", "chapter7."];
 /// Starts stay this far inside of their ranges.
@@ -34,6 +34,7 @@ struct CalibrationFile {
     seed: u64,
     reach: [f64; 2],
     steps_per_sample: usize,
+    beyond: BeyondEntry,
     files: FilesEntry,
     #[serde(rename = "box")]
     boxes: Vec<BoxEntry>,
@@ -42,6 +43,13 @@ struct CalibrationFile {
     held_out: Vec<HeldOutEntry>,
     tolerance: Tolerance,
     free: Vec<FreeEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BeyondEntry {
+    reach: [f64; 2],
+    starts: u64,
 }
 
 #[derive(Deserialize)]
@@ -62,6 +70,8 @@ pub(super) struct Calibration {
     pub(super) seed: u64,
     /// How far starts go from the plant where they begin toward one drawn over the ranges: at least and at most.
     pub(super) reach: [f64; 2],
+    /// The same of starts whose plants are no members, and how many of them there are.
+    pub(super) beyond: ([f64; 2], u64),
     /// The default plant: what is not free is as in it.
     pub(super) base: Candidate,
     /// The files of the default plant: rig, and the weights of each study.
@@ -101,12 +111,13 @@ impl Calibration {
             "members = {members}: it must be at least 2, the default plant is the one nearest to all others"
         );
         ensure!(file.most_starts > 0, "most_starts = 0: it must be at least 1");
-        let [least, most] = file.reach;
-        ensure!(
-            0.0 < least && least <= most && most <= 1.0,
-            "reach = {:?}: it must be two shares, 0 < least <= most <= 1",
-            file.reach
-        );
+        for (name, reach) in [("reach", file.reach), ("beyond.reach", file.beyond.reach)] {
+            let [least, most] = reach;
+            ensure!(
+                0.0 < least && least <= most && most <= 1.0,
+                "{name} = {reach:?}: it must be two shares, 0 < least <= most <= 1"
+            );
+        }
         let settings = FlightSettings::with_steps(file.steps_per_sample);
         settings.validate().context("steps_per_sample")?;
         file.tolerance.check()?;
@@ -138,6 +149,7 @@ impl Calibration {
             most_starts: file.most_starts,
             seed: file.seed,
             reach: file.reach,
+            beyond: (file.beyond.reach, file.beyond.starts),
             base,
             files,
             profile_file,
@@ -168,6 +180,12 @@ impl Calibration {
         }
         let range = |free: &Free| Range { key: free.key.clone(), lower: free.lower, upper: free.upper };
         Ok(Shape { key: key.name(), ranges: self.free.iter().map(range).collect() })
+    }
+
+    /// Of the starts from farther away: what decides of the others, and how far they go.
+    pub(super) fn shape_beyond(&self, shape: &Shape) -> Shape {
+        let key = Key::default().with(&shape.key).with(format!("{:?}", self.beyond.0));
+        Shape { key: key.name(), ranges: shape.ranges.clone() }
     }
 
     #[cfg(feature = "ensemble")]
@@ -207,19 +225,18 @@ impl Calibration {
 
     /// How far a start goes from the plant that all begin with to one that is drawn over the ranges, as a share.
     pub(super) fn reach_of(&self, number: u64) -> f64 {
-        self.drawn(number).0
+        self.drawn(number, self.reach).0
     }
 
-    fn drawn(&self, number: u64) -> (f64, ChaCha8Rng) {
+    fn drawn(&self, number: u64, [least, most]: [f64; 2]) -> (f64, ChaCha8Rng) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(number);
-        let [least, most] = self.reach;
         (least + (most - least) * rng.random::<f64>(), rng)
     }
 
     /// Where a start begins, by its number alone: between the plant that all begin with and one that is evenly drawn over the ranges.
-    pub(super) fn start(&self, number: u64) -> Vec<f64> {
-        let (reach, mut rng) = self.drawn(number);
+    pub(super) fn start(&self, number: u64, reach: [f64; 2]) -> Vec<f64> {
+        let (reach, mut rng) = self.drawn(number, reach);
         let within = |share: f64| share.clamp(INSIDE, 1.0 - INSIDE);
         let share = |free: &Free| {
             let known = within(free.share(free.start.unwrap_or_else(|| free.value(&self.base))));
@@ -259,6 +276,7 @@ mod tests {
         refuses("most_starts = 400", "most_starts = -1", &["most_starts", "-1"]);
         refuses("reach = [0.1, 0.5]", "reach = [0.5, 0.1]", &["reach = [0.5, 0.1]", "least <= most"]);
         refuses("reach = [0.1, 0.5]", "reach = [0.1, nan]", &["reach = [0.1, NaN]"]);
+        refuses("reach = [0.5, 1.0]", "reach = [0.5, 1.5]", &["beyond.reach = [0.5, 1.5]", "most <= 1"]);
         refuses(
             "center_of_mass = [45.65, 51.25]",
             "center_of_mass = [51.25, 45.65]",
@@ -331,15 +349,15 @@ mod tests {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let calibration = Calibration::read(&root).expect("a file");
         for number in 0..50 {
-            let start = calibration.start(number);
-            assert_eq!(start, calibration.start(number));
+            let start = calibration.start(number, calibration.reach);
+            assert_eq!(start, calibration.start(number, calibration.reach));
             assert!((calibration.reach[0]..=calibration.reach[1]).contains(&calibration.reach_of(number)));
             for (free, value) in calibration.free.iter().zip(calibration.values(&start)) {
                 let share = free.share(value);
                 assert!((INSIDE - 1e-9..=1.0 - INSIDE + 1e-9).contains(&share), "{}: {value}", free.key);
             }
         }
-        assert_ne!(calibration.start(0), calibration.start(1));
+        assert_ne!(calibration.start(0, calibration.reach), calibration.start(1, calibration.reach));
     }
 
     /// It is chosen among what came of them.
@@ -347,10 +365,10 @@ mod tests {
     fn starts_do_not_depend_on_the_default_plant() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let mut calibration = Calibration::read(&root).expect("a file");
-        let before = calibration.start(3);
+        let before = calibration.start(3, calibration.reach);
         for free in &calibration.free {
             free.set(&mut calibration.base, free.at(0.5)).expect("within its range");
         }
-        assert_eq!(calibration.start(3), before);
+        assert_eq!(calibration.start(3, calibration.reach), before);
     }
 }

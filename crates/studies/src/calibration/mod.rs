@@ -36,12 +36,18 @@ use shortfall::shortfall;
 use store::{AT_ONCE, REMEDY, Store};
 
 const ENSEMBLE: &str = "fixtures/bat/ensemble";
+const BEYOND: &str = "fixtures/bat/ensemble/beyond";
 
 /// The file, and what is kept of it: from its own ranges, and each plant within them.
 fn read(root: &Path) -> Result<(Calibration, Store)> {
     let calibration = Calibration::read(root)?;
     let store = Store::read(&root.join(ENSEMBLE), calibration.shape(root)?)?;
     Ok((calibration, store))
+}
+
+/// What came of starts from farther away.
+fn read_beyond(root: &Path, calibration: &Calibration) -> Result<Store> {
+    Store::read(&root.join(BEYOND), calibration.shape_beyond(&calibration.shape(root)?))
 }
 
 /// The same, with each plant flown to see that it meets its evidence.
@@ -91,28 +97,49 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     eprintln!("{}: {} of {} kept so far", calibration.title, store.members.len(), calibration.n_members);
     let bar = progress("plants kept", calibration.n_members);
     bar.inc(store.members.len() as u64);
-    let mut next = store.starts.last().map_or(0, |start| start.number + 1);
-    while store.members.len() < calibration.n_members && next < calibration.most_starts {
-        let some: Vec<u64> = (next..calibration.most_starts.min(next + AT_ONCE)).collect();
-        next += some.len() as u64;
-        let found = some.par_iter().map(|number| calibration.try_start(*number)).collect::<Result<Vec<_>>>()?;
-        let found = found.into_iter().map(|Attempt { start, member, .. }| (start, member)).collect();
+    while store.members.len() < calibration.n_members && store.next() < calibration.most_starts {
         let before = store.members.len();
-        store.add(found)?;
+        try_some(&calibration, &mut store, calibration.reach, calibration.most_starts)?;
         bar.inc((store.members.len() - before) as u64);
     }
     bar.finish();
     if store.members.len() < calibration.n_members {
         return Err(shortfall(&calibration, &store)?);
     }
-    page::write(root, &calibration, &store)
+    let (reach, n_starts) = calibration.beyond;
+    let mut beyond = read_beyond(root, &calibration)?;
+    let bar = progress("starts from farther away", usize::try_from(n_starts)?);
+    bar.inc(beyond.next());
+    while beyond.next() < n_starts {
+        let before = beyond.next();
+        try_some(&calibration, &mut beyond, reach, n_starts)?;
+        bar.inc(beyond.next() - before);
+    }
+    bar.finish();
+    page::write(root, &calibration, &store, &beyond)
+}
+
+/// Tries the next starts, a few at once and no more than `most` in all, and keeps what came of them.
+fn try_some(calibration: &Calibration, store: &mut Store, reach: [f64; 2], most: u64) -> Result<()> {
+    let next = store.next();
+    let some: Vec<u64> = (next..most.min(next + AT_ONCE)).collect();
+    let found = some.par_iter().map(|number| calibration.try_start(*number, reach)).collect::<Result<Vec<_>>>()?;
+    store.add(found.into_iter().map(|Attempt { start, member, .. }| (start, member)).collect())
+}
+
+/// The starts from farther away, all of them tried.
+fn all_beyond(root: &Path, calibration: &Calibration) -> Result<Store> {
+    let beyond = read_beyond(root, calibration)?;
+    let (n, wanted) = (beyond.next(), calibration.beyond.1);
+    ensure!(n >= wanted, "{BEYOND} has {n} starts of {wanted}: run `cargo xtask calibrate`");
+    Ok(beyond)
 }
 
 /// Writes the page of the plants that are kept.
 pub(crate) fn write_page(root: &Path) -> Result<()> {
     let (calibration, store) = flown(root)?;
     enough(&calibration, &store)?;
-    page::write(root, &calibration, &store)
+    page::write(root, &calibration, &store, &all_beyond(root, &calibration)?)
 }
 
 /// Writes the plant that is nearest to all others into the files of the default plant.
@@ -164,5 +191,5 @@ pub(crate) fn check(root: &Path) -> Result<()> {
     let default_plant = std::slice::from_ref(&calibration.base);
     meet(&calibration, default_plant, |_| "the default plant: ".to_owned(), "run `cargo xtask calibrate --default`")?;
     eprintln!("{} plants and the default plant fly and meet their evidence", store.members.len());
-    page::check(root, &calibration, &store)
+    page::check(root, &calibration, &store, &all_beyond(root, &calibration)?)
 }

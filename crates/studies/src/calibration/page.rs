@@ -33,23 +33,23 @@ struct Seen {
     diagnostics: [Diagnostics; 2],
 }
 
-pub(super) fn write(root: &Path, calibration: &Calibration, store: &Store) -> Result<()> {
-    kept::write(root, &texts(root, calibration, store)?)
+pub(super) fn write(root: &Path, calibration: &Calibration, store: &Store, beyond: &Store) -> Result<()> {
+    kept::write(root, &texts(root, calibration, store, beyond)?)
 }
 
 /// That the committed page follows from the plants that are kept.
-pub(super) fn check(root: &Path, calibration: &Calibration, store: &Store) -> Result<()> {
+pub(super) fn check(root: &Path, calibration: &Calibration, store: &Store, beyond: &Store) -> Result<()> {
     let remedy = "does not follow from the plants kept: run `cargo xtask calibrate --page`";
-    kept::check(root, &texts(root, calibration, store)?, remedy)
+    kept::check(root, &texts(root, calibration, store, beyond)?, remedy)
 }
 
-fn texts(root: &Path, calibration: &Calibration, store: &Store) -> Result<[(&'static str, String); 2]> {
+fn texts(root: &Path, calibration: &Calibration, store: &Store, beyond: &Store) -> Result<[(&'static str, String); 2]> {
     let candidates = calibration.candidates(&store.members)?;
     let table_6 = chapter7::table_6(root)?;
     let see = |candidate: &Candidate| see(calibration, candidate, &table_6);
     let seen: Vec<Seen> = candidates.par_iter().map(see).collect::<Result<_>>()?;
     let default_plant = DefaultPlant::of(calibration, &store.members)?;
-    Ok([(PAGE, markdown(calibration, store, &seen, &default_plant)), (PICTURE, picture(calibration, store))])
+    Ok([(PAGE, markdown(calibration, [store, beyond], &seen, &default_plant)), (PICTURE, picture(calibration, store))])
 }
 
 fn see(calibration: &Calibration, candidate: &Candidate, table_6: &[[f64; 4]]) -> Result<Seen> {
@@ -96,9 +96,14 @@ fn n_fifths(calibration: &Calibration, store: &Store, index: usize) -> usize {
     (0..5).filter(|fifth| shares().any(|share| (share * 5.0).floor().clamp(0.0, 4.0) as usize == *fifth)).count()
 }
 
-fn markdown(calibration: &Calibration, store: &Store, seen: &[Seen], default_plant: &DefaultPlant<'_>) -> String {
+fn markdown(
+    calibration: &Calibration,
+    [store, beyond]: [&Store; 2],
+    seen: &[Seen],
+    default_plant: &DefaultPlant<'_>,
+) -> String {
     let mut text = format!("# {}\n\n", calibration.title);
-    for sentence in findings(calibration, store, seen).into_iter().chain([default_words(default_plant)]) {
+    for sentence in findings(calibration, [store, beyond], seen).into_iter().chain([default_words(default_plant)]) {
         text += &format!("- {sentence}\n");
     }
     text += "\n![Where the plants lie in their ranges](results-calibration.svg)\n\n\
@@ -127,13 +132,17 @@ fn markdown(calibration: &Calibration, store: &Store, seen: &[Seen], default_pla
     text
 }
 
-fn findings(calibration: &Calibration, store: &Store, seen: &[Seen]) -> Vec<String> {
-    let n = store.members.len();
+/// How many starts were refused for which reason.
+fn refused(store: &Store) -> String {
     let refused = Refusal::ALL.into_iter().filter_map(|refusal| {
         let count = store.starts.iter().filter(|start| start.refusal == Some(refusal)).count();
         (count > 0).then(|| format!("{count}: {}", refusal.words()))
     });
-    let refused: Vec<String> = refused.collect();
+    refused.collect::<Vec<_>>().join("; ")
+}
+
+fn findings(calibration: &Calibration, [store, beyond]: [&Store; 2], seen: &[Seen]) -> Vec<String> {
+    let n = store.members.len();
     let fifths: Vec<usize> = (0..calibration.free.len()).map(|k| n_fifths(calibration, store, k)).collect();
     let wide = fifths.iter().filter(|count| **count >= 4).count();
     let of =
@@ -150,20 +159,25 @@ fn findings(calibration: &Calibration, store: &Store, seen: &[Seen]) -> Vec<Stri
             calibration.tolerance.pitch_set_point,
             100.0 * calibration.tolerance.cost,
             store.starts.len(),
-            refused.join("; ")
+            refused(store)
         ),
         format!(
             "This is a cloud about one plant, and not all that the evidence allows: starts went {:.0} to {:.0} % of the way from the one where \
              all begin to one drawn over the ranges. A free number spreads in the mean by {:.3} of its range (standard deviation over the \
              plants), evenly drawn ones by {:.3}; of {} free numbers {wide} lie in at least four of the five fifths of their range. Kept were, by \
-             reach, {}; nothing beyond {:.0} % was tried, so that a narrow row does not show that the evidence pins a number down.",
+             reach, {}; of {} starts of {:.0} to {:.0} %, tried beside them, {} ({}). With these a free number would spread by {:.3}.",
             100.0 * calibration.reach[0],
             100.0 * calibration.reach[1],
-            mean_spread(calibration, store),
+            mean_spread(calibration, &store.members),
             (1.0_f64 / 12.0).sqrt(),
             fifths.len(),
             by_reach(calibration, store),
-            100.0 * calibration.reach[1]
+            beyond.starts.len(),
+            100.0 * calibration.beyond.0[0],
+            100.0 * calibration.beyond.0[1],
+            beyond.members.len(),
+            refused(beyond),
+            mean_spread(calibration, &[store.members.as_slice(), &beyond.members].concat()),
         ),
         format!(
             "Predicted: the experiment of Table 3, row 2, costs {} s where {printed} is printed (median, lowest to highest): {}. Along the printed \
@@ -186,9 +200,9 @@ fn findings(calibration: &Calibration, store: &Store, seen: &[Seen]) -> Vec<Stri
 }
 
 /// Standard deviation of a number over the plants, as a share of its range, in the mean over all numbers.
-fn mean_spread(calibration: &Calibration, store: &Store) -> f64 {
+fn mean_spread(calibration: &Calibration, members: &[Member]) -> f64 {
     let of = |(index, free): (usize, &Free)| {
-        let shares: Vec<f64> = store.members.iter().map(|member| free.share(member.values[index])).collect();
+        let shares: Vec<f64> = members.iter().map(|member| free.share(member.values[index])).collect();
         let mean = shares.iter().sum::<f64>() / shares.len() as f64;
         (shares.iter().map(|share| (share - mean).powi(2)).sum::<f64>() / shares.len() as f64).sqrt()
     };

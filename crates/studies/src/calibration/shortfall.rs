@@ -28,7 +28,7 @@ pub(super) fn shortfall(calibration: &Calibration, store: &Store) -> Result<Erro
     );
     match nearest(&store.starts) {
         Some(start) => {
-            let rows = calibration.try_start(start.number)?.rows;
+            let rows = calibration.try_start(start.number, calibration.reach)?.rows;
             let words = start.refusal.map_or("", Refusal::words);
             text += &format!("\nThe nearest of them is start {} ({words}):\n\n", start.number);
             text += &table(&rows);

@@ -218,6 +218,11 @@ impl Store {
         Ok(())
     }
 
+    /// The first start that was not tried.
+    pub(super) fn next(&self) -> u64 {
+        self.starts.last().map_or(0, |start| start.number + 1)
+    }
+
     /// Where the plant of this place stands.
     pub(super) fn place(&self, index: usize) -> String {
         let path = self.folder.join(MEMBERS);
