@@ -356,3 +356,35 @@ fn what_cannot_be_right_is_refused_by_name() {
     assert!(Places::new(2, &[0.0, f64::NAN]).is_err());
     assert!(Places::new(2, &[0.0, 1.0]).expect("valid").with_simulated(vec![f64::INFINITY]).is_err());
 }
+
+/// A known deviation of a measurement is that of every particle, in the unit of the response.
+#[test]
+fn known_noise_is_that_of_every_particle() {
+    let points: Vec<f64> = (0..16).map(|i| (f64::from(i) * 0.61).sin()).collect();
+    let values: Vec<f64> = points.chunks_exact(2).map(|p| 30.0 * p[0] - 50.0 * p[1]).collect();
+    let data = Data::new(2, points, values).expect("valid data");
+    let known = SamplerSettings { noise: Some(1.7), ..settings(2) };
+    let process = AveragedProcess::new(Sites::new(&data, None).expect("valid sites"), &known).expect("a process");
+    for particle in process.particles() {
+        check_close(particle.noise(), 1.7, 1e-12, "noise");
+    }
+}
+
+/// Resampling copies particles, slice steps part them again: the last ones are those of `last_sweeps`, the others of `sweeps`.
+#[test]
+fn last_sweeps_are_those_after_the_last_resampling() {
+    let points: Vec<f64> = (0..16).map(|i| (f64::from(i) * 0.61).sin()).collect();
+    let values: Vec<f64> = points.chunks_exact(2).map(|p| p[0] - 2.0 * p[1] * p[1]).collect();
+    let data = Data::new(2, points, values).expect("valid data");
+    let different = |sweeps: usize, last_sweeps: usize| {
+        let settings = SamplerSettings { particles: 16, sweeps, last_sweeps, ..SamplerSettings::default() };
+        let process = AveragedProcess::new(Sites::new(&data, None).expect("valid sites"), &settings);
+        let mut noises: Vec<u64> =
+            process.expect("a process").particles().iter().map(|particle| particle.noise().to_bits()).collect();
+        noises.sort_unstable();
+        noises.dedup();
+        noises.len()
+    };
+    assert!(different(1, 0) < 16, "the last copies stay copies");
+    assert_eq!(different(0, 1), 16, "one step parts all copies");
+}
