@@ -384,6 +384,33 @@ fn earlier_experiments_count_as_any_other_and_can_be_taken_back() {
     assert!(matches!(other.add_earlier(&[0.0, 0.0], f64::NAN, "x"), Err(Error::Setting { name: "response", .. })));
 }
 
+#[test]
+fn earlier_experiments_of_one_source_are_taken_back_alone() {
+    let mut campaign = campaign(1, 21, batches(4, 2, 1));
+    for (point, source) in [(0.1, "last year"), (0.2, "the other rig"), (0.3, "last year")] {
+        campaign.add_earlier(&[point], truth(&[point]), source).expect("a point of the region");
+    }
+    assert_eq!(campaign.withdraw_earlier("the other rig"), 1);
+    assert_eq!(campaign.withdraw_earlier("nobody"), 0);
+    assert_eq!(campaign.earlier().len(), 2);
+}
+
+/// One of eleven readings is off by a hundred deviations: the largest surprise by far, and listed first as the earlier one it is.
+#[test]
+fn surprises_are_told_reading_by_reading() {
+    let mut campaign = campaign(1, 21, batches(10, 2, 1));
+    assert_eq!(campaign.surprises(Some(&mut simulation)).expect("nothing to fit"), None);
+    let mut experiment = noisy(3, 0.02, truth);
+    let cells: Vec<Cell> = (0..10).map(|index| Cell::new(2 * index)).collect();
+    for trial in campaign.hand_out(&cells).expect("cells of the grid") {
+        campaign.tell(trial.id, experiment(&trial).into()).expect("an outstanding trial");
+    }
+    campaign.add_earlier(&[0.05], truth(&[0.05]) + 2.0, "last year").expect("a point of the region");
+    let found = campaign.surprises(Some(&mut simulation)).expect("a fit").expect("responses");
+    assert_eq!(found.len(), 11, "{found:?}");
+    assert!(found[0] > 1.0 && found[1..].iter().all(|other| other.abs() < found[0]), "{found:?}");
+}
+
 /// Who asks for more confidence is promised less.
 #[test]
 fn bound_of_the_certificate_follows_the_confidence() {
