@@ -490,6 +490,30 @@ fn why_a_design_is_out_is_said() {
 }
 
 #[test]
+fn probabilities_are_between_nothing_and_certainty() {
+    let mut campaign = campaign(1, 21, batches(5, 2, 1));
+    campaign.run(&mut simulation, &mut noisy(1, 0.1, truth)).expect("it ends");
+    let cells: Vec<Cell> = campaign.grid().cells().collect();
+    let found = campaign.standings(&cells, Some(&mut simulation)).expect("a fit").expect("responses");
+    assert!(found.iter().all(|one| (0.0..=1.0).contains(&one.probability_better)), "{found:?}");
+    // Next to the recommended design it is as good as even.
+    assert!(found.iter().any(|one| (0.2..0.8).contains(&one.probability_better)), "{found:?}");
+}
+
+#[test]
+fn what_was_measured_at_a_design_is_the_mean_of_its_readings() {
+    let mut campaign = campaign(1, 21, batches(4, 2, 1));
+    let (twice, never) = (Cell::new(3), Cell::new(12));
+    let trials = campaign.hand_out(&[twice, twice, Cell::new(17), Cell::new(20)]).expect("cells of the grid");
+    for (trial, response) in trials.into_iter().zip([1.25, 2.0, 3.0, 4.0]) {
+        campaign.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
+    }
+    let found = campaign.standings(&[twice, never], Some(&mut simulation)).expect("a fit").expect("responses");
+    assert_eq!((found[0].n_readings, found[0].measured), (2, Some(1.625)));
+    assert_eq!((found[1].n_readings, found[1].measured), (0, None));
+}
+
+#[test]
 fn what_cannot_be_right_is_refused_by_name_and_changes_nothing() {
     let region = region(2, Some(5));
     let refused = |settings: Settings| Loop::new(&region, settings).expect_err("it is refused").to_string();
