@@ -213,3 +213,109 @@ fn highest_along(
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Design, Forbidden, Model};
+
+    fn square() -> BoxShape {
+        BoxShape { axes: vec![Axis::Continuous; 2], forbidden: Vec::new() }
+    }
+
+    /// Eight runs around the center, where the prediction variance has a maximum, and none of its axes is one of the factors.
+    fn variance() -> PredictionVariance {
+        let runs =
+            [[-1.0, -1.0], [1.0, -0.9], [-0.8, 1.0], [1.0, 1.0], [0.2, -1.0], [-0.1, 1.0], [-1.0, 0.3], [1.0, 0.1]];
+        PredictionVariance::of(&Model::quadratic(2).unwrap(), &Design::from_runs(&runs).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn best_level_is_the_highest_that_is_not_forbidden() {
+        let levels = [-1.0, -0.5, 0.0, 0.5, 1.0];
+        let corner = |range| Forbidden::new(vec![Some(range), Some([0.0, 1.0])]).unwrap();
+        let shape = |range| BoxShape {
+            axes: vec![Axis::Levels(levels.to_vec()), Axis::Continuous],
+            forbidden: vec![corner(range)],
+        };
+        // Highest at the level -0.5, then at 0, then at -1.
+        let line = [2.0, -0.8, -1.0];
+        let best = |range, other: f64| best_level(&shape(range), &[1.0, other], 0, &levels, &line).map(|(x, _)| x);
+        assert_eq!(best([-0.5, 0.3], -0.5), Some(-0.5), "nothing is forbidden there");
+        assert_eq!(best([-0.5, -0.1], 0.5), Some(0.0));
+        assert_eq!(best([-0.7, 0.0], 0.5), Some(-1.0));
+        assert_eq!(best([-1.0, 0.5], 0.5), Some(1.0));
+        assert_eq!(best([-1.0, 1.0], 0.5), None);
+    }
+
+    #[test]
+    fn newtons_steps_end_where_no_slope_is_left() {
+        let variance = variance();
+        let mut point = vec![0.08, -0.11];
+        let mut value = variance.value(&point);
+        let before = value;
+        finish(&variance, &square(), &mut point, &mut value);
+        let slopes = variance.gradient(&point).unwrap();
+        assert!(value > before && slopes.iter().all(|slope| slope.abs() < 1e-9), "{point:?}: {slopes:?}");
+        let there = point.clone();
+        assert!(!escape(&variance, &square(), &mut point, &mut value), "nothing rises from a maximum");
+        assert_eq!(point, there);
+    }
+
+    #[test]
+    fn highest_is_not_below_any_point_of_a_fine_lattice() {
+        let variance = variance();
+        let (at, value) = crate::maximum::highest(&variance, &square());
+        assert!((variance.value(&at) - value).abs() < 1e-12 && square().contains(&at), "{at:?}");
+        let axis = || (-20..=20).map(|step| f64::from(step) / 20.0);
+        let most = axis().flat_map(|x| axis().map(move |y| [x, y])).map(|point| variance.value(&point));
+        assert!(most.fold(0.0, f64::max) <= value * (1.0 + 1e-12), "{value} at {at:?}");
+    }
+
+    #[test]
+    fn second_derivatives_are_the_slopes_of_the_gradient() {
+        let (variance, point, h) = (variance(), [0.3, -0.6], 1e-5);
+        let hessian = hessian(&variance, &point, &[0, 1]);
+        for i in 0..2 {
+            let at = |by: f64| {
+                let mut moved = point;
+                moved[i] += by;
+                variance.gradient(&moved).unwrap()
+            };
+            let (above, below) = (at(h), at(-h));
+            for j in 0..2 {
+                let slope = (above[j] - below[j]) / (2.0 * h);
+                assert!((hessian[2 * i + j] - slope).abs() < 1e-7 * slope.abs().max(1.0), "{i}, {j}: {slope}");
+            }
+        }
+        assert_eq!(free_axes(&square(), &[0.2, -1.0]), [0], "at a bound there is one way only");
+    }
+
+    /// Of [2 1; 1 -3] the larger eigenvalue is (sqrt(29) - 1)/2.
+    #[test]
+    fn steepest_direction_is_the_eigenvector_of_the_largest_eigenvalue() {
+        let (direction, rise) = steepest(&[2.0, 1.0, 1.0, -3.0], 2).unwrap();
+        let expected = 0.5 * (29.0_f64.sqrt() - 1.0);
+        assert!((rise - expected).abs() < 1e-9, "{rise}");
+        assert!((direction[0].hypot(direction[1]) - 1.0).abs() < 1e-12, "{direction:?}");
+        assert!((2.0 * direction[0] + direction[1] - rise * direction[0]).abs() < 1e-6, "{direction:?}");
+        assert!(steepest(&[0.0; 4], 2).is_none(), "nothing is curved");
+    }
+
+    /// v = (1 + x² + y²)/4 of a factorial rises to the bound; forward x ends at 1, backward y at -1, which is lower.
+    #[test]
+    fn highest_point_along_a_direction_is_at_the_bound_of_a_cup() {
+        let corners = Design::from_runs(&[[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]]).unwrap();
+        let variance = PredictionVariance::of(&Model::linear(2).unwrap(), &corners).unwrap();
+        let along = |direction: &[f64; 2]| {
+            let start = variance.value(&[0.2, -0.1]);
+            highest_along(&variance, &square(), &[0.2, -0.1], start, (&[0, 1], direction)).unwrap()
+        };
+        for direction in [[0.6, 0.8], [-0.6, -0.8]] {
+            let (point, height) = along(&direction);
+            assert!((point[0] - 1.0).abs() < 1e-12 && (point[1] - (0.8 * 0.8 / 0.6 - 0.1)).abs() < 1e-12, "{point:?}");
+            assert!((height - 0.25 * (2.0 + point[1] * point[1])).abs() < 1e-12, "{height}");
+        }
+        assert!((along(&[0.0, 1.0]).0[1].abs() - 1.0).abs() < 1e-12, "along one axis alone");
+    }
+}

@@ -164,3 +164,22 @@ pub(crate) fn level_values(axis: &Axis) -> Vec<f64> {
         Axis::Continuous => vec![-1.0, 1.0],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An odd number of levels, so that the middle is among them, and no more points than asked for.
+    #[test]
+    fn lattices_have_an_odd_number_of_levels_from_three_to_thirty_three() {
+        let shape = BoxShape { axes: vec![Axis::Continuous; 2], forbidden: Vec::new() };
+        for (most, expected) in [(49, 7), (63, 7), (64, 7), (81, 9), (5, 3), (1_000_000, 33)] {
+            let lattice = Lattice::of(&shape, most, |_| false);
+            assert_eq!(lattice.levels().iter().map(Vec::len).collect::<Vec<_>>(), [expected; 2], "{most} points");
+            assert!((lattice.levels()[0][expected / 2]).abs() < 1e-15, "the middle");
+        }
+        let convex = Lattice::of(&shape, 4, |axis| axis == 1);
+        assert_eq!(convex.levels()[0].len(), 3);
+        assert_eq!(convex.levels()[1], [-1.0, 1.0], "ends alone where the maxima are there");
+    }
+}

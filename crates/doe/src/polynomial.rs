@@ -133,6 +133,15 @@ mod tests {
     }
 
     #[test]
+    fn roots_at_the_very_ends_are_not_within() {
+        for sign in [1.0, -1.0] {
+            let cubic: Vec<f64> = with_roots(&[-1.0, 0.25, 1.0]).iter().map(|c| sign * c).collect();
+            let found = roots(&cubic, [-1.0, 1.0]);
+            assert!(found.len() == 1 && (found[0] - 0.25).abs() < 1e-12, "{found:?}");
+        }
+    }
+
+    #[test]
     fn uphill_does_not_jump_to_a_higher_hump() {
         // −(x² − 1/4)² + x/10 has humps near −1/2 and 1/2, the right one higher.
         let hills = [-0.0625, 0.1, 0.5, 0.0, -1.0];

@@ -92,3 +92,16 @@ impl Products {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Convex along a factor that enters by its first power alone.
+    #[test]
+    fn variance_is_convex_along_factors_without_squares() {
+        let terms = [[0, 0], [1, 0], [0, 1], [1, 1], [0, 2]].map(design_space::Term::new).to_vec();
+        let products = Products::of(&Model::new(2, terms).unwrap());
+        assert!(products.is_convex_along(0) && !products.is_convex_along(1), "only the second has a square");
+    }
+}

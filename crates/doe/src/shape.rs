@@ -195,3 +195,26 @@ pub(crate) fn spread(n: usize, n_levels: usize) -> impl Iterator<Item = usize> {
     let last = n_levels - 1;
     (0..n).map(move |i| (i * last + (n - 1) / 2) / (n - 1))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_counted_with_the_last_axis_fastest() {
+        let axes = vec![Axis::Levels(vec![-1.0, 0.0, 1.0]), Axis::Levels(vec![-1.0, 1.0])];
+        let shape = BoxShape { axes, forbidden: Vec::new() };
+        let of = |points: &[[f64; 2]]| shape.cells(points.iter().map(|point| &point[..]));
+        let found = of(&[[-1.0, -1.0], [-1.0, 1.0], [0.0, -1.0], [1.0, 1.0 + 1e-12]]);
+        assert_eq!(found, Some([0, 1, 2, 5].map(Cell::new).to_vec()));
+        assert_eq!(of(&[[0.0, -1.0], [0.5, 1.0]]), None, "off the levels");
+        assert_eq!(shape.relaxed().cells([[0.0, 0.0]].iter().map(|point| &point[..])), None, "no levels");
+    }
+
+    #[test]
+    fn levels_are_spread_from_end_to_end() {
+        for (n, n_levels, expected) in [(3, 5, vec![0, 2, 4]), (2, 9, vec![0, 8]), (4, 4, vec![0, 1, 2, 3])] {
+            assert_eq!(spread(n, n_levels).collect::<Vec<_>>(), expected, "{n} of {n_levels}");
+        }
+    }
+}

@@ -403,3 +403,16 @@ fn from_mean(design: &Design) -> Vec<usize> {
     order.sort_by(|&a, &b| step(b).total_cmp(&step(a)));
     order
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On a line: from the end that lies farther from the mean, 0.16, step by step to the other.
+    #[test]
+    fn a_chain_goes_from_the_farthest_run_to_the_nearest_left() {
+        let design = Design::from_runs(&[[0.5], [-1.0], [0.7], [-0.2], [0.8]]).unwrap();
+        assert_eq!(chain(&design), [1, 3, 0, 2, 4]);
+        assert_eq!(from_mean(&design)[0], 1);
+    }
+}

@@ -245,3 +245,15 @@ pub(crate) fn significant(value: f64) -> String {
     let zeros = if magnitude > 0.0 && magnitude < 1.0 { (-magnitude.log10()).floor() as usize + 1 } else { 0 };
     format!("{value:.*}", (5 + zeros).saturating_sub(before))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_below_zero_round_as_those_above() {
+        let tenth = BigRational::new(1.into(), 10.into());
+        assert_eq!(nearest(&tenth).to_bits(), 0.1_f64.to_bits());
+        assert_eq!(nearest(&-tenth).to_bits(), (-0.1_f64).to_bits());
+    }
+}

@@ -119,3 +119,22 @@ fn quasi_random(shape: &BoxShape, n_points: usize, generator: &mut impl RngExt) 
     let all = (0..n_points.saturating_mul(MOST_LOOKED_AT)).map(|n| (0..k).map(|j| coordinate(n, j)).collect());
     all.filter(|point: &Vec<f64>| !shape.forbids(point)).take(n_points).flatten().collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A thousand points of a box: all in it, and evenly over the halves of each axis.
+    #[test]
+    fn points_are_in_the_box_and_all_over_it() {
+        for seed in 0..20 {
+            let (points, sampling) = sample(&Space::cube(3).unwrap(), 1000, seed).unwrap();
+            assert_eq!(sampling, Sampling::QuasiRandom { n_points: 1000, seed });
+            assert!(points.iter().all(|x| x.abs() <= 1.0), "seed {seed}: one is outside");
+            for axis in 0..3 {
+                let below = points.iter().skip(axis).step_by(3).filter(|x| **x < 0.0).count();
+                assert!((490..=510).contains(&below), "seed {seed}, axis {axis}: {below} of 1000 below the middle");
+            }
+        }
+    }
+}

@@ -414,3 +414,11 @@ proptest! {
         }
     }
 }
+
+/// The second factor is zero in all runs: its term does not vary, and goes with nothing.
+#[test]
+fn what_does_not_vary_has_no_correlation() {
+    let design = Design::from_runs(&[[-1.0, 0.0], [0.5, 0.0], [1.0, 0.0]]).unwrap();
+    let found = evaluated(&Model::linear(2).unwrap(), &design).correlations;
+    assert_eq!(found.values, [Some(1.0), None, None, None]);
+}

@@ -160,6 +160,15 @@ mod tests {
     }
 
     #[test]
+    fn of_equal_costs_the_first_is_the_best() {
+        let mut history = history(0.0);
+        for coded in [0.5, -0.5, -1.0] {
+            history.evaluate(&[coded]);
+        }
+        assert_eq!(history.best(), Some((vec![-0.5], 0.0)));
+    }
+
+    #[test]
     fn no_point_is_evaluated_twice() {
         let mut count = 0;
         let mut history = History::new(|_: &[f64]| {

@@ -193,3 +193,21 @@ fn seed(seed: u64, iteration: usize, purpose: Purpose) -> u64 {
     let stream = 3 * iteration as u64 + purpose as u64;
     seed ^ stream.wrapping_mul(0x9E37_79B9_7F4A_7C15)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use design_space::{Parameter, Region};
+
+    #[test]
+    fn candidates_but_some_are_all_others() {
+        let parameter = Parameter::continuous("p", "m", 0.0, 1.0).unwrap().with_levels(7).unwrap();
+        let cells = Cells::of(&Region::new(vec![parameter]).unwrap()).unwrap();
+        let settings = Settings::new(Model::quadratic(1).unwrap(), 4, 4);
+        let retained = RetainedSet::full(7).without(&BTreeSet::from([Cell::new(6)]));
+        let space = DesignSpace::of(&retained, &cells, &settings, 1).unwrap();
+        assert_eq!(space.n_candidates_but(&BTreeSet::new()), 6);
+        // The last of these is not left anyway.
+        assert_eq!(space.n_candidates_but(&[0, 3, 6].map(Cell::new).into()), 4);
+    }
+}

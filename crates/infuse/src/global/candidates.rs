@@ -153,3 +153,56 @@ fn farthest(words: &[u64], at: u64, cells: &Cells, directions: &[Vec<f64>]) -> V
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use design_space::{Parameter, Region};
+
+    fn cells(levels: &[u32]) -> Cells {
+        let parameter = |(index, &count): (usize, &u32)| {
+            Parameter::continuous(format!("p{index}"), "m", -1.0, 1.0).unwrap().with_levels(count).unwrap()
+        };
+        Cells::of(&Region::new(levels.iter().enumerate().map(parameter).collect()).unwrap()).unwrap()
+    }
+
+    /// Half of the cells at random, and all distances one by one.
+    #[test]
+    fn no_retained_cell_is_farther_than_the_extremes_along_any_axis_or_diagonal() {
+        for (levels, seed) in [(&[7, 5, 6][..], 1), (&[9, 11], 2), (&[70], 3), (&[3, 4, 2, 5], 4)] {
+            let cells = cells(levels);
+            let mut generator = Pcg64::seed_from_u64(seed);
+            let away = (0..cells.n_cells()).filter(|_| generator.random::<bool>()).map(Cell::new).collect();
+            let retained = RetainedSet::full(cells.n_cells()).without(&away);
+            let chosen = extremes(&retained, &cells).unwrap();
+            assert!(chosen.iter().all(|&cell| retained.contains(cell)), "{levels:?}: one that is not left");
+            for direction in directions(levels.len()) {
+                let distance =
+                    |cell: Cell| -> f64 { cells.coded(cell).unwrap().iter().zip(&direction).map(|(a, b)| a * b).sum() };
+                let most = |all: &mut dyn Iterator<Item = Cell>| all.map(distance).fold(f64::NEG_INFINITY, f64::max);
+                let [of_all, of_chosen] = [most(&mut retained.cells()), most(&mut chosen.iter().copied())];
+                assert!(of_chosen >= of_all - 1e-12, "{levels:?} along {direction:?}: {of_chosen} below {of_all}");
+            }
+        }
+    }
+
+    #[test]
+    fn corners_edges_faces_and_the_middle_of_a_full_grid_are_among_the_extremes() {
+        let cells = cells(&[5, 7, 9]);
+        let chosen = extremes(&RetainedSet::full(cells.n_cells()), &cells).unwrap();
+        let points: Vec<Vec<f64>> = chosen.iter().map(|&cell| cells.coded(cell).unwrap()).collect();
+        for number in 0..27 {
+            let wanted = [1, 3, 9].map(|step| f64::from(number / step % 3) - 1.0);
+            assert!(points.iter().any(|point| point == &wanted), "{wanted:?} is missing");
+        }
+    }
+
+    #[test]
+    fn of_two_parts_the_farther_is_taken_and_of_equals_the_first_cell() {
+        let at = |distance: f64, cell: u64| Some((distance, Cell::new(cell)));
+        let a = vec![at(1.0, 7), at(2.0, 7), at(1.0, 3), at(1.0, 7), None, at(1.0, 7), None];
+        let b = vec![at(2.0, 9), at(1.0, 3), at(1.0, 7), at(1.0, 3), at(1.0, 9), None, None];
+        let expected = vec![at(2.0, 9), at(2.0, 7), at(1.0, 3), at(1.0, 3), at(1.0, 9), at(1.0, 7), None];
+        assert_eq!(farther(a, b), expected);
+    }
+}

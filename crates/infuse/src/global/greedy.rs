@@ -129,6 +129,13 @@ mod tests {
         assert_eq!(runs, [0, 1, 2, 18, 19, 20]);
     }
 
+    /// Beside one end are two more points, beside the other is one that lies farther off: a run at the first of the two lowers
+    /// the variance of the second below that of the other side.
+    #[test]
+    fn a_run_lowers_the_variance_of_its_neighbors() {
+        assert_eq!(greedy(&Model::linear(1).unwrap(), &[-1.0, -0.99, -0.98, 0.9, 1.0], 4), Some(vec![0, 4, 1, 3]));
+    }
+
     #[test]
     fn points_that_do_not_support_the_model_give_none() {
         assert_eq!(greedy(&Model::quadratic(1).unwrap(), &[-1.0, 1.0, -1.0, 1.0], 3), None);

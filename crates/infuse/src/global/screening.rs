@@ -113,3 +113,29 @@ pub struct Dropped {
     /// z_0.
     pub z0: f64,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// (38) is believed from z_0 on: a cell at z_0 is dropped, one just below is not.
+    #[test]
+    fn a_cell_at_the_threshold_is_dropped() {
+        let screening = Screening {
+            optimum_cell: Cell::new(0),
+            optimum: vec![0.0],
+            optimum_value: 1.0,
+            simulation_optimum_cell: Cell::new(0),
+            simulation_optimum: vec![0.0],
+            spread: Spread::Estimated { s: 0.5, n_validation: 4 },
+            tested: true,
+            threshold: z(2.0, 1.0, 0.5),
+            n_before: 2,
+            n_after: 1,
+        };
+        assert!(!screening.keeps(2.0), "at the threshold");
+        assert!(screening.keeps(2.0_f64.next_down()), "below it");
+        assert!(screening.keeps(f64::NAN), "nothing is known of it");
+        assert!(Screening { tested: false, ..screening }.keeps(3.0), "not tested");
+    }
+}

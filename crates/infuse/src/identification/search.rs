@@ -155,3 +155,43 @@ impl Jacobian for Fit<'_, '_> {
         Ok(DenseMatrix::from_row_slice(here.len() + springs.nrows(), shares.len(), &entries))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identification::measurements::Measurements;
+    use crate::identification::residuals::Answer;
+    use crate::identification::settings::Noise;
+    use crate::identification::unknowns::Unknowns;
+    use design_space::{Parameter, Region};
+
+    /// Residuals and springs, moved by hand.
+    #[test]
+    fn jacobian_is_the_slope_of_the_residuals_and_of_the_springs() {
+        let parameter = |name: &str| Parameter::continuous(name, "", 0.0, 1.0).unwrap();
+        let unknowns = Unknowns::new(Region::new(["a", "b"].map(parameter).to_vec()).unwrap(), vec![0.5; 2]).unwrap();
+        let mut measurements = Measurements::new(vec!["y".to_owned()]).unwrap();
+        measurements.push(&[1.0], &[0.3], &[0.1]).unwrap();
+        let mut model = |all: &[Vec<f64>], _: &[Vec<f64>]| -> Vec<Vec<Answer>> {
+            all.iter().map(|theta| vec![Ok(vec![theta[0] + 3.0 * theta[1]])]).collect()
+        };
+        let residuals = Residuals::new(&unknowns, &measurements, Noise::Known, &mut model);
+        let held = Held { directions: DMatrix::from_row_slice(1, 2, &[0.6, 0.8]), stiffness: 7.0 };
+        let fit = Fit {
+            residuals: &residuals,
+            held: &held,
+            believed: vec![0.5; 2],
+            step: 1e-5,
+            lower: vec![0.0; 2],
+            upper: vec![1.0; 2],
+            last: RefCell::default(),
+        };
+        let here = fit.residual(&vec![0.4, 0.2]).unwrap();
+        let slopes = Jacobian::jacobian(&fit, &vec![0.4, 0.2]).unwrap();
+        for (j, there) in [vec![0.5, 0.2], vec![0.4, 0.3]].iter().enumerate() {
+            for (row, (there, here)) in fit.residual(there).unwrap().iter().zip(&here).enumerate() {
+                assert!((slopes.get(row, j) - (there - here) / 0.1).abs() < 1e-6, "row {row}, unknown {j}");
+            }
+        }
+    }
+}

@@ -112,3 +112,20 @@ fn listed(words: &[String]) -> String {
         [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use design_space::{Parameter, Region};
+
+    #[test]
+    fn directions_come_in_the_order_of_the_unknowns() {
+        let parameter = |name: &str| Parameter::continuous(name, "", 0.0, 1.0).unwrap();
+        let region = Region::new(["a", "b", "c"].map(parameter).to_vec()).unwrap();
+        let unknowns = Unknowns::new(region, vec![0.5; 3]).unwrap();
+        let rows = DMatrix::from_row_slice(2, 3, &[0.0, 0.0, 1.0, 1.0, 0.0, 0.0]);
+        let found = directions(&unknowns, &rows, &[f64::INFINITY; 2]);
+        let words: Vec<&str> = found.iter().map(|direction| direction.words.as_str()).collect();
+        assert_eq!(words, ["a", "c"].map(|name| format!("`{name}` has no effect on what was measured")));
+    }
+}

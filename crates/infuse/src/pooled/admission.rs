@@ -113,6 +113,16 @@ mod tests {
         process.joint(&surface::process::Places::new(1, &[-0.6, 0.1, 0.8]).expect("places"))
     }
 
+    #[test]
+    fn what_has_no_bounds_is_kept_to_for_certain() {
+        let mut limits = Constraint::at_most("travel", 1.5);
+        limits.upper = None;
+        let admission = Admission::of(&limits, joint(), 0.1, 0, 7);
+        for row in 0..3 {
+            assert_eq!(admission.chance(row, &admission.stay(), 0).to_bits(), 1.0_f64.to_bits(), "row {row}");
+        }
+    }
+
     /// Φ((u − m)/s) − Φ((l − m)/s), now and after a run that comes out z standard deviations above what is expected.
     #[test]
     fn chance_is_that_of_a_normal_quantity_between_its_bounds() {

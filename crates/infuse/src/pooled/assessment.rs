@@ -403,3 +403,22 @@ fn keeps(knowledge: &Knowledge<'_, '_>, constrained: &[Vec<Reading>], cell: Cell
         n == 0 || held.constraint.allows(here.sum::<f64>() / n as f64)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squared_correlation_is_that_of_the_textbook_and_zero_of_a_constant() {
+        // Of 1, 2, 3 with 1, 3, 2: sums of squares 2 and 2, of products 1.
+        for (a, b, expected) in [
+            ([1.0, 2.0, 3.0], [1.0, 3.0, 2.0], 0.25),
+            ([1.0, 2.0, 3.0], [5.0, 3.0, 1.0], 1.0),
+            ([2.0, 2.0, 2.0], [1.0, 3.0, 2.0], 0.0),
+            ([1.0, 3.0, 2.0], [7.0, 7.0, 7.0], 0.0),
+        ] {
+            let found = squared_correlation(&a, &b);
+            assert!((found - expected).abs() < 1e-14, "{a:?} and {b:?}: {found}");
+        }
+    }
+}

@@ -257,6 +257,32 @@ mod tests {
         }
     }
 
+    /// As many draws as asked for of what is known at three places, none below zero, and not all of them zero.
+    #[test]
+    fn gains_are_drawn_from_what_is_known() {
+        let data = surface::Data::new(1, vec![-1.0, -0.2, 0.4, 1.0], vec![1.0, 1.4, 0.7, 2.0]).unwrap();
+        let sites = surface::process::Sites::new(&data, None).unwrap();
+        let settings = surface::process::SamplerSettings { particles: 4, ..Default::default() };
+        let process = surface::process::AveragedProcess::new(sites, &settings).unwrap();
+        let joints = process.joint_of_each(&surface::process::Places::new(1, &[-0.6, 0.1, 0.8]).unwrap());
+        let found = gains(&joints, 100, 1, 1, 0, &Kept { draws: Vec::new() });
+        assert_eq!(found.len(), 100);
+        assert!(found.iter().all(|&gain| gain >= 0.0) && found.iter().filter(|&&gain| gain > 0.0).count() > 20);
+    }
+
+    /// Of three cells the best of those that keep to their bounds counts, and the first, which is there anyway.
+    #[test]
+    fn gain_is_over_what_keeps_to_its_bounds() {
+        let free = Kept { draws: Vec::new() };
+        assert_eq!(free.draw(3), None);
+        let kept = Kept { draws: vec![vec![true, false, true], vec![false, false, false]] };
+        for (number, expected) in [(0, 0.5), (1, 0.0), (2, 0.5), (3, 0.0)] {
+            let found = gain(&[3.0, 1.0, 2.5], kept.draw(number));
+            assert!((found - expected).abs() < 1e-15, "draw {number}: {found}");
+        }
+        assert!((gain(&[3.0, 1.0, 2.5], free.draw(0)) - 2.0).abs() < 1e-15, "nothing is constrained");
+    }
+
     #[test]
     fn quantile_is_of_the_shares_and_not_of_the_counts() {
         let gains = Gains::of(vec![((1..=9).map(f64::from).collect(), 0.9), (vec![10.0, 20.0], 0.1)]);

@@ -151,3 +151,55 @@ impl LinearConstraint {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn between() -> Constraint {
+        let mut both = Constraint::at_most("travel", 1.5);
+        both.lower = Some(0.5);
+        both
+    }
+
+    #[test]
+    fn bounds_themselves_are_kept_to() {
+        for (value, expected) in [(0.4, false), (0.5, true), (1.0, true), (1.5, true), (1.6, false)] {
+            assert_eq!(between().allows(value), expected, "{value}");
+        }
+        assert!(Constraint::at_least("travel", 0.5).allows(9.0) && !Constraint::at_least("travel", 0.5).allows(0.0));
+    }
+
+    /// Mean 1 and deviation 1/2: one deviation to either side, by a table of the normal distribution.
+    #[test]
+    fn probability_is_that_of_a_normal_quantity_between_the_bounds() {
+        let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found}, not {expected}");
+        close(between().probability_of(1.0, 0.5), 0.682_689_492_137);
+        close(Constraint::at_most("travel", 1.5).probability_of(1.0, 0.5), 0.841_344_746_069);
+        close(Constraint::at_least("travel", 1.5).probability_of(1.0, 0.5), 0.158_655_253_931);
+        close(between().probability_of(1.4, 0.0), 1.0);
+        close(between().probability_of(1.6, 0.0), 0.0);
+    }
+
+    #[test]
+    fn constraints_that_cannot_be_are_refused_and_others_are_not() {
+        let with = |change: fn(&mut Constraint)| {
+            let mut constraint = between();
+            change(&mut constraint);
+            constraint.validate().is_ok()
+        };
+        assert!(with(|_| ()) && with(|one| one.probability = 0.5) && with(|one| one.noise = Some(0.0)));
+        assert!(with(|one| one.upper = None) && with(|one| one.lower = None));
+        assert!(!with(|one| one.probability = 0.4) && !with(|one| one.probability = 1.0));
+        assert!(!with(|one| one.lower = Some(1.5)) && !with(|one| one.upper = Some(f64::NAN)));
+        assert!(!with(|one| (one.lower, one.upper) = (None, None)) && !with(|one| one.noise = Some(-1.0)));
+    }
+
+    #[test]
+    fn excess_is_how_far_a_sum_is_above_what_it_may_be() {
+        let sum = LinearConstraint::at_most(vec![2.0, -1.0], 3.0);
+        assert!((sum.excess(&[2.0, 0.5]) - 0.5).abs() < 1e-15 && !sum.allows(&[2.0, 0.5]));
+        assert!((sum.excess(&[1.0, 0.5]) + 1.5).abs() < 1e-15 && sum.allows(&[1.0, 0.5]));
+        assert!(!LinearConstraint::at_least(&[1.0], 2.0).allows(&[1.9]));
+    }
+}

@@ -283,6 +283,43 @@ mod tests {
 
     use super::*;
 
+    fn numbers(count: usize, levels: u32) -> Region {
+        let number = |index: usize| {
+            let number = Parameter::continuous(format!("x{index}"), "1", 0.0, 1.0).expect("a number");
+            number.with_levels(levels).expect("levels")
+        };
+        Region::new((0..count).map(number).collect()).expect("a region")
+    }
+
+    /// Of 21^6 designs one in 2e5 has a sum of 5.7 or more: they are built, and many different ones.
+    #[test]
+    fn designs_in_a_far_corner_are_built_not_drawn() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let corner = LinearConstraint::at_least(&[1.0; 6], 5.7);
+        let designs = Designs::of(&numbers(6, 21), &[corner], &mut rng).expect("some are in the corner");
+        let found: std::collections::BTreeSet<Cell> = (0..50).map(|_| designs.random(&mut rng)).collect();
+        assert!(found.iter().all(|&cell| designs.allows(cell)), "{found:?}");
+        assert!(found.len() >= 10, "only {} different ones", found.len());
+    }
+
+    /// A tenth of 21 levels is two steps; a share of nothing still is one.
+    #[test]
+    fn neighbors_are_within_the_share_of_their_axes() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let designs = Designs::of(&numbers(2, 21), &[], &mut rng).expect("designs");
+        for (share, reach) in [(0.1, 2), (0.0, 1)] {
+            let middle = designs.combinations().index(&[12, 7]);
+            let mut seen = std::collections::BTreeSet::new();
+            for _ in 0..400 {
+                let digits = designs.combinations().digits(designs.near(Cell::new(middle), share, &mut rng).index());
+                let steps = [digits[0] as i64 - 12, digits[1] as i64 - 7];
+                assert!(steps.iter().all(|step| step.abs() <= reach), "{steps:?} for {share}");
+                seen.insert(steps);
+            }
+            assert_eq!(seen.len() as i64, (2 * reach + 1).pow(2), "all steps come");
+        }
+    }
+
     /// Two choices have as many terms as pairs; numbers those of (K + 1)(K + 2)/2.
     #[test]
     fn terms_are_those_of_a_full_quadratic() {

@@ -62,3 +62,35 @@ impl<'a> Economy<'a> {
         &self.built
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use design_space::{Parameter, Region};
+    use rand::SeedableRng as _;
+
+    use super::*;
+
+    /// Three plants by the first parameter; of two a batch, a change costs half an experiment.
+    #[test]
+    fn what_may_not_be_built_may_not_be_picked() {
+        let number = |name: &str| Parameter::continuous(name, "1", 0.0, 1.0).unwrap().with_levels(3).unwrap();
+        let region = Region::new(vec![number("x"), number("y")]).unwrap();
+        let designs = Designs::of(&region, &[], &mut rand_chacha::ChaCha8Rng::seed_from_u64(1)).unwrap();
+        let cell = |x: u64, y: u64| Cell::new(designs.combinations().index(&[x, y]));
+        let mut plants = Plants::of_cost(vec![0], vec![0.5]);
+        plants.most = Some(2);
+        let mut economy = Economy::of(Some(&plants), &designs);
+        assert!((economy.weight(cell(0, 0)) - 1.0 / 1.5).abs() < 1e-15, "the first plant has to be built");
+        economy.take(cell(0, 0));
+        economy.take(cell(0, 1));
+        assert!((economy.weight(cell(0, 2)) - 1.0).abs() < 1e-15, "it is there");
+        assert!(economy.allows(cell(1, 0)) && economy.allows(cell(2, 2)), "one more may be built");
+        economy.take(cell(2, 2));
+        assert_eq!(economy.built(), [vec![0], vec![2]]);
+        assert!(!economy.allows(cell(1, 0)), "two are all");
+        assert!(economy.allows(cell(0, 2)) && economy.allows(cell(2, 0)), "of those any design");
+        let only = Economy::of(Some(&plants), &designs).confined_to(&[vec![1]]);
+        assert!(only.allows(cell(1, 2)) && !only.allows(cell(0, 2)), "only the one");
+        assert!(Economy::of(None, &designs).allows(cell(1, 0)), "without plants all");
+    }
+}

@@ -131,3 +131,38 @@ fn far_apart(designs: &Designs, cells: &[Cell], count: usize) -> Result<Vec<Cell
     }
     Ok(chosen)
 }
+
+#[cfg(test)]
+mod tests {
+    use design_space::{Parameter, Region};
+    use rand::SeedableRng as _;
+
+    use super::*;
+
+    fn designs(n_parameters: usize, levels: u32) -> Designs {
+        let number = |index: usize| {
+            Parameter::continuous(format!("x{index}"), "1", 0.0, 1.0).unwrap().with_levels(levels).unwrap()
+        };
+        let region = Region::new((0..n_parameters).map(number).collect()).unwrap();
+        Designs::of(&region, &[], &mut rand_chacha::ChaCha8Rng::seed_from_u64(1)).unwrap()
+    }
+
+    /// The first 4^2 points of two dimensions of Sobol's sequence are a net: one in each of 4 by 4 squares, however scrambled.
+    #[test]
+    fn sixteen_cells_of_a_square_of_sixteen_are_all_different() {
+        for scramble in 0..20 {
+            let mut cells = spread(&designs(2, 4), 16, scramble);
+            cells.sort_unstable();
+            cells.dedup();
+            assert_eq!(cells.len(), 16, "scramble {scramble}");
+        }
+    }
+
+    #[test]
+    fn each_cell_is_the_farthest_from_those_before_it() {
+        let line = |cells: &[u64]| cells.iter().map(|&cell| Cell::new(cell)).collect::<Vec<_>>();
+        let found = far_apart(&designs(1, 21), &line(&[10, 0, 4, 20, 12]), 4).unwrap();
+        assert_eq!(found, line(&[10, 0, 20, 4]), "of equals the first");
+        assert_eq!(far_apart(&designs(1, 21), &[], 4).unwrap(), []);
+    }
+}

@@ -217,3 +217,63 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn readings(pairs: &[(f64, f64)]) -> Vec<Reading> {
+        let reading = |(number, &(x, response)): (usize, &(f64, f64))| Reading {
+            coded: vec![x],
+            cell: design_space::Cell::new(0),
+            response,
+            number,
+            assembly: None,
+        };
+        pairs.iter().enumerate().map(reading).collect()
+    }
+
+    #[test]
+    fn disagreement_is_the_distance_to_the_mean_of_the_other_runs() {
+        let some = readings(&[(0.1, 1.0), (0.2, 5.0), (0.1, 4.0), (0.1, 2.0)]);
+        assert_eq!(disagreements(&some), [1.0 - 3.0, 0.0, 4.0 - 1.5, 2.0 - 2.5]);
+    }
+
+    #[test]
+    fn distances_are_to_the_median() {
+        let some = readings(&[(0.1, 1.0), (0.2, 5.0), (0.3, 4.0)]);
+        assert_eq!(distances_to_median(&some), [-3.0, 1.0, 0.0]);
+        assert_eq!(usual_distance(&some).to_bits(), 1.0_f64.to_bits());
+    }
+
+    /// Two of twelve readings are of one setting and differ by five standard deviations of the noise.
+    #[test]
+    fn runs_that_differ_by_more_than_the_noise_are_suspects_both() {
+        let mut pairs: Vec<(f64, f64)> = (0..10).map(|i| (f64::from(i), f64::from(i))).collect();
+        pairs.extend([(20.0, 4.0), (20.0, 4.5)]);
+        let some = readings(&pairs);
+        assert_eq!(suspects(&[0.0; 12], &some, 0.1), BTreeSet::from([10, 11]));
+        assert_eq!(suspects(&[0.0; 12], &some, 0.2), BTreeSet::new(), "two and a half are no more than noise");
+        let mut surprises = [0.5; 12];
+        surprises[3] = -1.6;
+        assert_eq!(suspects(&surprises, &some, 0.2), BTreeSet::from([3]), "the one that fits worst");
+        pairs[0].1 = 40.0;
+        assert_eq!(suspects(&[0.0; 12], &readings(&pairs), 0.2), BTreeSet::from([0]), "the most extreme one");
+    }
+
+    /// Of each setting the run that differs most from the others stands for it, and those come first that differ most.
+    #[test]
+    fn quarrels_are_told_from_the_largest_on() {
+        let some = readings(&[
+            (0.0, 0.0),
+            (0.1, 1.0),
+            (0.2, 2.0),
+            (0.1, 90.0),
+            (0.2, 2.0),
+            (0.2, 60.0),
+            (0.3, 1.5),
+            (0.3, 1.6),
+        ]);
+        assert_eq!(quarrels(&some), [1, 5]);
+    }
+}

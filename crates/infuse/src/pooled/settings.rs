@@ -142,3 +142,24 @@ fn count(
 ) -> Result<(), Error> {
     if allowed.contains(&value) { Ok(()) } else { Err(Error::SettingCount { name, value, expected }) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_those_that_the_fields_name() {
+        let settings = Settings::new(7);
+        assert_eq!((settings.n_experiments, settings.max_batches, settings.particles, settings.seed), (7, 10, 18, 1));
+        assert!((settings.confidence - 0.9).abs() < 1e-15);
+        assert_eq!(settings.structures, Structure::ALL);
+        assert_eq!(settings.validate(), Ok(()));
+        let with = |change: fn(&mut Settings)| {
+            let mut settings = Settings::new(7);
+            change(&mut settings);
+            settings.validate().is_ok()
+        };
+        assert!(with(|settings| settings.noise = Some(0.0)) && with(|settings| settings.worth = Some(3.0)));
+        assert!(!with(|settings| settings.noise = Some(-1.0)) && !with(|settings| settings.worth = Some(f64::NAN)));
+    }
+}

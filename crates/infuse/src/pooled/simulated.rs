@@ -305,3 +305,52 @@ impl Emulator {
         Ok(chosen)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use design_space::{Parameter, Region};
+    use rand::SeedableRng as _;
+
+    use super::*;
+
+    fn designs() -> Designs {
+        let number = |name: &str| Parameter::continuous(name, "1", 0.0, 1.0).unwrap().with_levels(11).unwrap();
+        let region = Region::new(vec![number("x"), number("y")]).unwrap();
+        Designs::of(&region, &[], &mut rand_chacha::ChaCha8Rng::seed_from_u64(1)).unwrap()
+    }
+
+    fn cell(designs: &Designs, x: u64, y: u64) -> Cell {
+        Cell::new(designs.combinations().index(&[x, y]))
+    }
+
+    #[test]
+    fn where_it_failed_the_nearest_response_stands_for_it() {
+        let (designs, mut simulated) = (designs(), Simulated::default());
+        for (x, y, response) in [(9, 9, 1.0), (4, 3, 2.0), (1, 2, 3.0), (3, 4, 4.0), (7, 2, 5.0)] {
+            simulated.insert(cell(&designs, x, y), Some(Responses::from(response)));
+        }
+        for (x, y, expected) in [(4, 3, 2.0), (4, 2, 2.0), (8, 8, 1.0), (1, 1, 3.0), (10, 0, 5.0), (3, 6, 4.0)] {
+            simulated.insert(cell(&designs, 5, 5), None);
+            let found = simulated.at_or_near(&designs, cell(&designs, x, y), Column::Objective).unwrap();
+            assert_eq!(found, Some(expected), "at {x}, {y}");
+        }
+        // Level with two: the first cell of those.
+        let found = simulated.at_or_near(&designs, cell(&designs, 3, 3), Column::Objective).unwrap();
+        assert_eq!(found, Some(4.0));
+    }
+
+    #[test]
+    fn two_simulations_are_enough_for_an_emulator_and_one_is_not() {
+        let (designs, mut simulated) = (designs(), Simulated::default());
+        let settings = Settings::new(5);
+        simulated.insert(cell(&designs, 0, 0), Some(Responses::from(1.0)));
+        assert!(Emulator::of(&simulated, &designs, &settings).unwrap().is_none());
+        simulated.insert(cell(&designs, 10, 10), Some(Responses::from(2.0)));
+        let emulator = Emulator::of(&simulated, &designs, &settings).unwrap().unwrap();
+        // The farthest corners are least known; what is simulated is known.
+        let cells = [(0, 0), (1, 0), (10, 0), (0, 10), (9, 10)].map(|(x, y)| cell(&designs, x, y));
+        let mut found = emulator.most_uncertain(&designs, &cells, 2).unwrap();
+        found.sort_unstable();
+        assert_eq!(found, [cells[3], cells[2]]);
+    }
+}

@@ -232,3 +232,12 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn offset_is_the_cost_at_the_origin() {
+    let mut campaign = pair_loop();
+    campaign.run(&mut |p| simulated(p), &mut |trial| measured(&trial.point)).unwrap();
+    let correction = campaign.correction();
+    assert!(correction.offset().abs() > 0.01, "{correction:?}");
+    assert_eq!(correction.offset().to_bits(), correction.cost(&[0.0, 0.0]).unwrap().to_bits());
+}

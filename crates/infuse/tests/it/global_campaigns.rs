@@ -275,4 +275,10 @@ fn what_noise_does_not_explain_may_hide_the_better_of_two_level_designs() {
     let found = outlook.misfit_gain.unwrap();
     assert!((found / exact - 1.0).abs() < 0.01, "{found} {exact}");
     assert!((outlook.total_gain().unwrap() - found - outlook.mean_gain).abs() < 1e-12);
+    // With more noise less is left for the shape: the closed form of the mean of the larger.
+    let noisy = infuse::global::PureError::of_readings([(vec![1.0], 0.0), (vec![1.0], (0.4 * s * s).sqrt())]);
+    let larger = noisy.unwrap().variance;
+    let sigma = (s * s - larger * (1.0 + sampling / noise) * m / (m - 1.0)).sqrt();
+    let found = campaign.outlook(100, noisy).unwrap().unwrap().misfit_gain.unwrap();
+    assert!((found / (sigma / std::f64::consts::PI.sqrt()) - 1.0).abs() < 1e-9, "{found} {sigma}");
 }

@@ -160,6 +160,39 @@ fn no_batch_repeats_an_earlier_one_where_other_cells_are_left() {
     }
 }
 
+/// Where fewer new cells are left than a batch needs, it is planned as if nothing had been run.
+#[test]
+fn too_few_new_cells_are_not_preferred() {
+    for seed in 1..=5 {
+        let next = |careful: bool, first: Option<&global::Plan>| {
+            let settings = campaign(seed, careful).settings().clone();
+            let mut campaign = global::Loop::new(&grid(&[5, 3]), settings).unwrap();
+            let own = campaign.plan().unwrap().unwrap();
+            for trial in campaign.open(first.unwrap_or(&own), &mut without_the_well).unwrap() {
+                campaign.tell(trial.id, Outcome::Value(slope(&coded(&trial.point)))).unwrap();
+            }
+            campaign.plan().unwrap().unwrap()
+        };
+        // What a second batch would run was run in the first.
+        let again = next(false, None);
+        let (careful, careless) = (next(true, Some(&again)), next(false, Some(&again)));
+        let run: BTreeSet<Cell> = again.experiments.iter().copied().collect();
+        assert!(run.len() == 8 && careless.experiments.iter().all(|cell| run.contains(cell)), "seed {seed}: {again:?}");
+        assert_eq!(careful.experiments, careless.experiments, "seed {seed}: seven new cells are too few for eight");
+    }
+}
+
+/// All that is left failed: it is kept, since there would be nothing else.
+#[test]
+fn nothing_is_dropped_for_its_failures_where_nothing_else_is_left() {
+    let mut settings = campaign(1, true).settings().clone();
+    settings.model = Model::linear(2).unwrap();
+    let mut campaign = global::Loop::new(&grid(&[2, 2]), settings).unwrap();
+    let stop = campaign.run(&mut without_the_well, &mut |_| Err("it stalls".to_owned())).unwrap();
+    assert_eq!(stop, global::StopReason::NoInformation);
+    assert_eq!(campaign.retained().n_retained(), 4);
+}
+
 /// Experiments from outside were made at every cell of the batch: none is unseen, nothing is dropped, and a plan goes elsewhere.
 #[test]
 fn what_was_measured_outside_of_the_campaign_is_not_unseen() {

@@ -235,6 +235,16 @@ fn one_iteration_too_many_is_refused_and_the_limit_may_be_raised() {
 
 /// What a campaign in a file and the journal of one are compared by.
 #[test]
+fn campaigns_with_other_settings_are_not_equal() {
+    let (region, settings) = planar();
+    let of = |settings: &global::Settings| global::Loop::new(&region, settings.clone()).unwrap();
+    let mut others = settings.clone();
+    others.seed += 1;
+    assert_eq!(of(&settings), of(&settings));
+    assert_ne!(of(&settings), of(&others));
+}
+
+#[test]
 fn numbers_agree_to_a_billionth_of_the_scale_or_of_themselves() {
     assert!(global::agrees(1.0 + 0.9e-9, 1.0, 0.0) && !global::agrees(1.0 + 1.1e-9, 1.0, 0.0));
     assert!(global::agrees(0.9e-7, 0.0, 100.0) && !global::agrees(1.1e-7, 0.0, 100.0));

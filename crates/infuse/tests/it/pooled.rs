@@ -384,6 +384,33 @@ fn earlier_experiments_count_as_any_other_and_can_be_taken_back() {
     assert!(matches!(other.add_earlier(&[0.0, 0.0], f64::NAN, "x"), Err(Error::Setting { name: "response", .. })));
 }
 
+#[test]
+fn earlier_experiments_of_one_source_are_taken_back_alone() {
+    let mut campaign = campaign(1, 21, batches(4, 2, 1));
+    for (point, source) in [(0.1, "last year"), (0.2, "the other rig"), (0.3, "last year")] {
+        campaign.add_earlier(&[point], truth(&[point]), source).expect("a point of the region");
+    }
+    assert_eq!(campaign.withdraw_earlier("the other rig"), 1);
+    assert_eq!(campaign.withdraw_earlier("nobody"), 0);
+    assert_eq!(campaign.earlier().len(), 2);
+}
+
+/// One of eleven readings is off by a hundred deviations: the largest surprise by far, and listed first as the earlier one it is.
+#[test]
+fn surprises_are_told_reading_by_reading() {
+    let mut campaign = campaign(1, 21, batches(10, 2, 1));
+    assert_eq!(campaign.surprises(Some(&mut simulation)).expect("nothing to fit"), None);
+    let mut experiment = noisy(3, 0.02, truth);
+    let cells: Vec<Cell> = (0..10).map(|index| Cell::new(2 * index)).collect();
+    for trial in campaign.hand_out(&cells).expect("cells of the grid") {
+        campaign.tell(trial.id, experiment(&trial).into()).expect("an outstanding trial");
+    }
+    campaign.add_earlier(&[0.05], truth(&[0.05]) + 2.0, "last year").expect("a point of the region");
+    let found = campaign.surprises(Some(&mut simulation)).expect("a fit").expect("responses");
+    assert_eq!(found.len(), 11, "{found:?}");
+    assert!(found[0] > 1.0 && found[1..].iter().all(|other| other.abs() < found[0]), "{found:?}");
+}
+
 /// Who asks for more confidence is promised less.
 #[test]
 fn bound_of_the_certificate_follows_the_confidence() {
@@ -460,6 +487,30 @@ fn why_a_design_is_out_is_said() {
     assert_eq!(standings[0], recommended);
     let out = &standings[1];
     assert!(!out.may_be_best && out.probability_better < 0.01 && out.mean > 1.0, "{out:?}");
+}
+
+#[test]
+fn probabilities_are_between_nothing_and_certainty() {
+    let mut campaign = campaign(1, 21, batches(5, 2, 1));
+    campaign.run(&mut simulation, &mut noisy(1, 0.1, truth)).expect("it ends");
+    let cells: Vec<Cell> = campaign.grid().cells().collect();
+    let found = campaign.standings(&cells, Some(&mut simulation)).expect("a fit").expect("responses");
+    assert!(found.iter().all(|one| (0.0..=1.0).contains(&one.probability_better)), "{found:?}");
+    // Next to the recommended design it is as good as even.
+    assert!(found.iter().any(|one| (0.2..0.8).contains(&one.probability_better)), "{found:?}");
+}
+
+#[test]
+fn what_was_measured_at_a_design_is_the_mean_of_its_readings() {
+    let mut campaign = campaign(1, 21, batches(4, 2, 1));
+    let (twice, never) = (Cell::new(3), Cell::new(12));
+    let trials = campaign.hand_out(&[twice, twice, Cell::new(17), Cell::new(20)]).expect("cells of the grid");
+    for (trial, response) in trials.into_iter().zip([1.25, 2.0, 3.0, 4.0]) {
+        campaign.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
+    }
+    let found = campaign.standings(&[twice, never], Some(&mut simulation)).expect("a fit").expect("responses");
+    assert_eq!((found[0].n_readings, found[0].measured), (2, Some(1.625)));
+    assert_eq!((found[1].n_readings, found[1].measured), (0, None));
 }
 
 #[test]

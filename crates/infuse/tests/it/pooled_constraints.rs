@@ -253,3 +253,17 @@ fn design_that_was_measured_and_cannot_be_built_any_more_is_left_alone() {
     let Ask::Run { trials, .. } = campaign.ask(Some(simulate)).expect("a batch") else { panic!("it goes on") };
     assert!(trials.len() == 8 && trials.iter().all(|trial| !measured.contains(&trial.cell)), "{trials:?}");
 }
+
+/// a + b at most 1 on a square of 11 by 11 levels, and one design that nobody can build.
+#[test]
+fn designs_that_break_a_bound_or_were_refused_are_not_allowed() {
+    let mut settings = Settings::new(4);
+    settings.linear_constraints = vec![LinearConstraint::at_most(vec![1.0, 1.0], 1.0)];
+    let mut campaign = Loop::new(&square(11), settings).expect("valid settings");
+    let n_allowed = campaign.grid().cells().filter(|&cell| campaign.allows(cell)).count();
+    assert_eq!(n_allowed, 66, "the triangle with its diagonal");
+    let cell = campaign.grid().nearest(&[0.2, 0.3]).expect("a design");
+    assert!(campaign.allows(cell), "its sum is half");
+    campaign.refuse(cell).expect("a design");
+    assert!(!campaign.allows(cell), "refused");
+}

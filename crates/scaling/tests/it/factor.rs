@@ -119,3 +119,50 @@ fn decimals_end_at_400_digits() {
         assert!(text.parse::<Factor>().is_err(), "{text}");
     }
 }
+
+/// Logarithms of integers without small divisors, and of pi, whose decimals are longer than 64 bits.
+#[test]
+fn logarithms_of_long_numbers_are_those_of_mathematics() {
+    // The Mersenne prime 2^127 - 1 is 2^127 to 38 digits.
+    let prime = factor("170141183460469231731687303715884105727");
+    let expected = 127.0 * std::f64::consts::LOG10_2;
+    assert!((prime.log10() - expected).abs() < 1e-13, "{}", prime.log10());
+    assert!((prime.inverse().log10() + expected).abs() < 1e-13, "{}", prime.inverse().log10());
+    // Of a quotient of two numbers of 330 bits, whose logarithms are rounded first.
+    assert!((Factor::pi().log10() - std::f64::consts::PI.log10()).abs() < 1e-13, "{}", Factor::pi().log10());
+}
+
+/// Exponents whose denominators are beyond any root are taken by logarithms.
+#[test]
+fn roots_of_any_degree_have_a_value() {
+    for (base, degree) in [(3.0, "1000003"), (7.0, "65537"), (0.5, "123456789")] {
+        let root = Factor::from_f64(base).unwrap().pow(&ratio(&format!("1000/{degree}")));
+        let expected = (base.ln() * 1000.0 / degree.parse::<f64>().unwrap()).exp();
+        assert!((root.to_f64() - expected).abs() < 1e-14, "{base}, {degree}: {}", root.to_f64());
+    }
+}
+
+/// (1 + 1/10^6)^(10^6/k) is exp(10^6/k ln(1 + 1/10^6)): integers of 40 million bits, of which 320 are kept.
+#[test]
+fn roots_of_huge_powers_are_those_of_the_exponential() {
+    for k in 1..10 {
+        let power = factor("1000001/1000000").pow(&ratio(&format!("1000000/{k}")));
+        let expected = (1e6 / f64::from(k) * 1e-6_f64.ln_1p()).exp();
+        assert!((power.to_f64() / expected - 1.0).abs() < 1e-12, "{k}: {}", power.to_f64());
+    }
+}
+
+/// Small divisors are split off, so that their powers are written as short as can be.
+#[test]
+fn roots_are_written_with_what_comes_out_of_them() {
+    for (base, written) in [("12", "2*3^(1/2)"), ("75", "5*3^(1/2)"), ("98/3", "7*2^(1/2)/3^(1/2)")] {
+        assert_eq!(factor(base).pow(&ratio("1/2")).to_string(), written, "{base}");
+    }
+}
+
+/// Only parentheses inside each other are limited, not those beside each other.
+#[test]
+fn hundred_parentheses_side_by_side_are_no_nesting() {
+    let text = vec!["(2)"; 100].join("*");
+    assert_eq!(factor(&text), factor("2^100"));
+}

@@ -221,3 +221,52 @@ L_t*g/V^2       66.319   66.490   66.434    0.26 %  matches
 ";
     assert_eq!(check.to_string(), expected);
 }
+
+/// 26 is known to 1 in 52, 40.0 to 1 in 800: a quotient of both to the sum.
+#[test]
+fn printed_digits_leave_the_sum_of_their_shares_open() {
+    let units = Units::si();
+    let groups = system(&[("a", "m"), ("b", "m")]).groups(&["a"]).unwrap();
+    let printed = |name: &str, a: &str| {
+        SetUp::new(name).printed(&units, "a", a, "cm").unwrap().printed(&units, "b", "40.0", "cm").unwrap()
+    };
+    let check = Similarity::check(&groups, &[printed("one", "26"), printed("two", "26.00")], 0.0).unwrap();
+    assert_eq!(check.rows()[0].verdict, Verdict::Match);
+    let check = Similarity::check(&groups, &[printed("one", "26"), printed("two", "26.10")], 0.0).unwrap();
+    assert_eq!(check.rows()[0].verdict, Verdict::Rounding);
+    let expected = 0.5 / 26.0 + 0.05 / 40.0 + 0.005 / 26.1 + 0.05 / 40.0;
+    near(&[check.rows()[0].rounding], &[expected], 1e-12);
+}
+
+/// b/a asks for a = 2, c/a for somewhat more: one value serves both if tolerance and printed digits explain the difference.
+#[test]
+fn remedy_serves_what_tolerance_or_rounding_leave_open() {
+    let units = Units::si();
+    let groups = system(&[("a", "m"), ("b", "m"), ("c", "m")]).groups(&["a"]).unwrap();
+    let set_ups = |c: &str| {
+        let one = SetUp::new("one").with("a", 1.0).with("b", 2.0).with("c", 1.0);
+        let two = SetUp::new("two").with("a", 1.0).with("b", 4.0).printed(&units, "c", c, "m");
+        [one, two.unwrap()]
+    };
+    let remedy = |c: &str, tolerance: f64| {
+        let check = Similarity::check(&groups, &set_ups(c), tolerance).unwrap();
+        check.remedy("a", 0).map(|remedies| remedies.values[1].required)
+    };
+    assert!(matches!(remedy("2.0200", 0.001), Err(Error::NoSingleValue { .. })));
+    near(&[remedy("2.0200", 0.02).unwrap()], &[2.0], 1e-12);
+    // 2.04 is 1.98 % above 2 and known to 0.25 % of itself.
+    near(&[remedy("2.04", 0.018).unwrap()], &[2.0], 1e-12);
+    assert!(matches!(remedy("2.04", 0.017), Err(Error::NoSingleValue { .. })));
+}
+
+/// Five significant digits also where zeros follow the point.
+#[test]
+fn small_values_are_shown_with_five_digits() {
+    let system = system(&[("a", "m"), ("b", "m")]);
+    let set_up = |name: &str, b: f64| SetUp::new(name).with("a", 1.0).with("b", b);
+    for (b, shown) in [(0.123_456_7, "0.12346"), (0.012_345_67, "0.012346"), (0.001_234_567, "0.0012346")] {
+        let check = Similarity::check(&system.groups(&["a"]).unwrap(), &[set_up("one", b), set_up("two", b)], 0.1);
+        let table = check.unwrap().to_string();
+        assert!(table.contains(&format!(" {shown}  ")), "{shown}: {table}");
+    }
+}

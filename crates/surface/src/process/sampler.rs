@@ -246,3 +246,51 @@ fn resampled(particles: &[Particle], step: f64, offset: f64) -> Vec<Particle> {
     }
     chosen
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::process::covariance::{Residual, SimulationUse};
+
+    fn particle(normal: f64, log_likelihood: f64) -> Particle {
+        let structure = Structure { simulation: SimulationUse::Ignored, residual: Residual::None };
+        Particle { structure, normals: vec![normal], log_likelihood }
+    }
+
+    /// Weights 4, 2, 1 and 1 of 8, so 2, 1 and twice a half of four: whole numbers always, halves for half of the offsets.
+    #[test]
+    fn particles_come_as_often_as_their_weights_ask() {
+        let weighted = [4.0_f64, 2.0, 1.0, 1.0];
+        let particles: Vec<Particle> =
+            weighted.iter().enumerate().map(|(i, weight)| particle(i as f64, weight.ln())).collect();
+        for (offset, expected) in
+            [(0.1, [0.0, 0.0, 1.0, 2.0]), (0.45, [0.0, 0.0, 1.0, 2.0]), (0.7, [0.0, 0.0, 1.0, 3.0])]
+        {
+            let found: Vec<f64> =
+                resampled(&particles, 1.0, offset).iter().map(|particle| particle.normals[0]).collect();
+            assert_eq!(found, expected, "offset {offset}");
+        }
+    }
+
+    /// Where the likelihood is a narrow normal about 0.8, the posterior is known, and every step finds the slice again.
+    #[test]
+    fn slice_steps_always_move_and_keep_the_posterior() {
+        let deviation = 0.01_f64;
+        let likelihood = |_: Structure, normals: &[f64]| -0.5 * ((normals[0] - 0.8) / deviation).powi(2);
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut state = particle(0.8, 0.0);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        const STEPS: usize = 4000;
+        for _ in 0..STEPS {
+            let before = state.normals[0];
+            state.slice(1.0, &likelihood, &mut rng);
+            assert_ne!(state.normals[0].to_bits(), before.to_bits(), "it moves");
+            sum += state.normals[0] / STEPS as f64;
+            squares += (state.normals[0] - 0.8).powi(2) / STEPS as f64;
+        }
+        let variance = 1.0 / (1.0 + deviation.powi(-2));
+        let mean = variance * 0.8 / (deviation * deviation);
+        assert!((sum - mean).abs() < 0.1 * deviation, "mean {sum}, expected {mean}");
+        assert!((squares / variance - 1.0).abs() < 0.15, "variance {squares}, expected {variance}");
+    }
+}

@@ -13,6 +13,8 @@ mod over_grid;
 mod polynomial;
 mod process;
 mod process_assemblies;
+mod process_covariance;
+mod process_feasibility;
 mod process_gradient;
 mod regression;
 mod scale;

@@ -1,5 +1,6 @@
 //! Gaussian processes against scikit-learn and 40 digits, their sampler against its own prior, their intervals against frequency.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use ::serde::Deserialize;
@@ -355,4 +356,33 @@ fn what_cannot_be_right_is_refused_by_name() {
     assert!(error.to_string().contains("structures: 0"), "{error}");
     assert!(Places::new(2, &[0.0, f64::NAN]).is_err());
     assert!(Places::new(2, &[0.0, 1.0]).expect("valid").with_simulated(vec![f64::INFINITY]).is_err());
+}
+
+/// A known deviation of a measurement is that of every particle, in the unit of the response.
+#[test]
+fn known_noise_is_that_of_every_particle() {
+    let points: Vec<f64> = (0..16).map(|i| (f64::from(i) * 0.61).sin()).collect();
+    let values: Vec<f64> = points.chunks_exact(2).map(|p| 30.0 * p[0] - 50.0 * p[1]).collect();
+    let data = Data::new(2, points, values).expect("valid data");
+    let known = SamplerSettings { noise: Some(1.7), ..settings(2) };
+    let process = AveragedProcess::new(Sites::new(&data, None).expect("valid sites"), &known).expect("a process");
+    for particle in process.particles() {
+        check_close(particle.noise(), 1.7, 1e-12, "noise");
+    }
+}
+
+/// Resampling copies particles, slice steps part them again: the last ones are those of `last_sweeps`, the others of `sweeps`.
+#[test]
+fn last_sweeps_are_those_after_the_last_resampling() {
+    let points: Vec<f64> = (0..16).map(|i| (f64::from(i) * 0.61).sin()).collect();
+    let values: Vec<f64> = points.chunks_exact(2).map(|p| p[0] - 2.0 * p[1] * p[1]).collect();
+    let data = Data::new(2, points, values).expect("valid data");
+    let different = |sweeps: usize, last_sweeps: usize| -> BTreeSet<u64> {
+        let settings = SamplerSettings { particles: 16, sweeps, last_sweeps, ..SamplerSettings::default() };
+        let process = AveragedProcess::new(Sites::new(&data, None).expect("valid sites"), &settings);
+        process.expect("a process").particles().iter().map(|particle| particle.noise().to_bits()).collect()
+    };
+    assert!(different(1, 0).len() < 16, "the last copies stay copies");
+    assert_eq!(different(0, 1).len(), 16, "one step parts all copies");
+    assert_ne!(different(1, 0), different(0, 0), "steps before the last move particles, too");
 }

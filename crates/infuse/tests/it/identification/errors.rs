@@ -71,7 +71,9 @@ fn settings_that_cannot_be_are_refused() {
     };
     refuse(|s| s.largest_error = 0.0, &["largest_error", "0.0"]);
     refuse(|s| s.difference_step = f64::NAN, &["difference_step", "NaN", "1e-9 to 0.1"]);
+    refuse(|s| s.largest_error = 1.1, &["largest_error", "1.1"]);
     refuse(|s| s.tolerance = 1.0, &["tolerance", "1.0"]);
+    refuse(|s| s.tolerance = 0.0, &["tolerance", "0.0"]);
     refuse(|s| s.max_steps = 0, &["max_steps", "at least 1"]);
     let unknown = serde_json::from_str::<Settings>("{\"tolerence\": 0.1}").unwrap_err();
     assert!(unknown.to_string().contains("tolerence"));

@@ -73,6 +73,42 @@ fn of_a_product_only_the_product_is_determined_and_the_start_decides_the_rest() 
     assert_eq!(found.correlation(0, 1), None);
 }
 
+/// Two readings determine a line, and leave nothing that could tell of a misfit.
+#[test]
+fn as_many_readings_as_unknowns_say_nothing_of_the_model() {
+    let theta = unknowns(&[(-10.0, 10.0, 0.0), (-10.0, 10.0, 0.0)]);
+    let of =
+        |pairs: &[(f64, f64)]| identify(&theta, &readings(pairs, 0.1), &Settings::default(), &mut each(line)).unwrap();
+    let found = of(&[(0.0, 1.0), (2.0, 5.0)]);
+    assert_eq!((found.degrees_of_freedom, found.misfit(), found.p_of_misfit()), (0, None, None));
+    // A third, 0.3 off the line of the others: its distance from the best line is a closed form.
+    let found = of(&[(0.0, 1.0), (1.0, 3.3), (2.0, 5.0)]);
+    assert!((found.misfit().unwrap() - 3.0 * (2.0_f64 / 3.0).sqrt()).abs() < 1e-6, "{:?}", found.misfit());
+}
+
+/// A model that fails less than a step above the bound at which an unknown starts: nothing is asked beyond it to get around
+/// that.
+#[test]
+fn a_model_that_fails_beside_a_bound_is_not_asked_beyond_it() {
+    let theta = unknowns(&[(0.0, 1.0, 0.0), (-10.0, 10.0, 0.0)]);
+    let pairs = [(0.0, 1.0), (1.0, 1.0)];
+    let (mut least, mut n_failed) = (0.0_f64, 0);
+    let found =
+        identify(&theta, &readings(&pairs, 0.1), &Settings::default(), &mut |all: &[Vec<f64>], _: &[Vec<f64>]| {
+            let answer = |theta: &Vec<f64>| -> Vec<Answer> {
+                least = least.min(theta[0]);
+                n_failed += usize::from(theta[0] > 5e-6);
+                let answer = if theta[0] > 5e-6 { Err("it breaks".to_owned()) } else { Ok(vec![theta[1]]) };
+                vec![answer; pairs.len()]
+            };
+            all.iter().map(answer).collect()
+        })
+        .unwrap();
+    assert!(least >= 0.0, "asked at {least}");
+    assert!(n_failed > 1 && found.n_failed_simulations == n_failed, "{n_failed} {found:?}");
+    assert!((found.estimates[1].value - 1.0).abs() < 1e-7, "{found:?}");
+}
+
 /// Where readings lie close together, an intercept far away is hardly told from the slope.
 #[test]
 fn what_noise_drowns_stays_at_its_start() {
