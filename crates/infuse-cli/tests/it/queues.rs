@@ -155,7 +155,10 @@ fn a_run_that_is_stopped_with_its_task_has_not_failed_and_one_that_ends_alone_ha
         let rig = queued(&KEYS.replace("\"rm\", \"jobs/{name}\"", "\"sh\", \"stop.sh\", \"{name}\""));
         rig.write("simulate.sh", &format!("[ -e slow ] && {{ echo $$ > run.pid; exec sleep 30; }}\n{SIMULATE}"));
         rig.write("slow", "");
-        rig.write("submit.sh", &SUBMIT.replace("sh $script $task;", "{ sh $script $task & echo $! > job.pid; wait; };"));
+        rig.write(
+            "submit.sh",
+            &SUBMIT.replace("sh $script $task;", "{ sh $script $task & echo $! > job.pid; wait; };"),
+        );
         rig.write(
             "stop.sh",
             &format!("rm jobs/$1\nkill -{signal} $(cat run.pid)\nsleep 0.3\nkill -{signal} $(cat job.pid)\n"),

@@ -88,7 +88,7 @@ class GlobalLoop:
     Of `PooledLoop` it has neither constraints nor plants nor choices, and none of `correct`, `hand_out`, `change`, `due`,
     `standings`, `expectations` and `surprises`: a batch is closed by its last outcome, and what follows from it stands.
 
-    >>> loop = GlobalLoop([Parameter("x", "mm", 0.0, 10.0, levels=21)], "quadratic", 5, 8, max_iterations=2)
+    >>> loop = GlobalLoop([Parameter("x", "mm", 0.0, 10.0, levels=21)], "quadratic", 5, 8, max_batches=2)
     >>> loop.run(lambda points: (points[:, 0] - 3) ** 2, lambda settings: (settings["x"] - 4) ** 2 + 1)
     'the limit on the batches was reached'
     >>> loop.assess().optimum
@@ -103,7 +103,7 @@ class GlobalLoop:
         n_simulations: int,
         *,
         seed: int = 1,
-        max_iterations: int = 10,
+        max_batches: int = 10,
         **settings: Any,
     ) -> None:
         check_names(parameters)
@@ -111,7 +111,7 @@ class GlobalLoop:
             "n_experiments": n_experiments,
             "n_simulations": n_simulations,
             "seed": seed,
-            "max_iterations": max_iterations,
+            "max_batches": max_batches,
             **settings,
         }
         self._loop = _native.GlobalLoop(tuples_of(parameters), _model(model), as_json(every))
