@@ -61,6 +61,8 @@ use crate::correction::{Law, ModelStage, Rule};
 /// assert_eq!(bound.batches_to(&levels, 0.01)?, Some(7)); // 0.7 / 2⁷ = 0.005
 /// # Ok::<(), infuse::Error>(())
 /// ```
+///
+/// Source: (55).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
     /// How the model is corrected.
@@ -165,8 +167,6 @@ impl Bound {
     }
 
     /// Where the bound goes as n grows; nothing for (36) as printed, which leaves every bound.
-    ///
-    /// Source: (55).
     #[must_use]
     pub fn limit(&self) -> Option<Amplification> {
         let doubled = match self.rule.law {

@@ -32,7 +32,7 @@ pub enum Law {
     /// Source: beyond the text. For 0 < k ≤ 1 the limit of its bound is smaller by 2 k E1 than that
     /// of the proof's law.
     CurrentSimulation,
-    /// (36) to the letter:
+    /// (36) as printed: all corrections so far are added up, and the next difference to them.
     ///
     /// ```text
     /// Ĵcor,n = k_n (Ĵexp,n − Ĵsim,n) + Σ_{j<n} Ĵcor,j
