@@ -33,12 +33,12 @@ pub(crate) fn solve_motion<T: Real, const LOPSIDED: bool, const MOVING: bool>(
     let at = Instant::<T, LOPSIDED, MOVING>::new(plant, pose, rates, driven, flow_speed, disturbance);
     let a0_b = at.joint_acceleration();
     let alpha0_b = at.angular_acceleration();
-    let left_b = at.wrench_left_over(a0_b, alpha0_b);
-    let left_t = Wrench { force: project(&pose.axes, left_b.force), moment: project(&pose.axes, left_b.moment) };
+    let f_n_b = at.wrench_f_n(a0_b, alpha0_b);
+    let f_n_t = Wrench { force: project(&pose.axes, f_n_b.force), moment: project(&pose.axes, f_n_b.moment) };
 
     let units = at.unit_motions();
-    let x = solve(at.free_matrix(&units), at.free_rows(&left_t));
-    Motion { free: at.free_accelerations(x), supplied: at.line_forces(left_t.force[2], left_b.moment, &units, x) }
+    let x = solve(at.free_matrix(&units), at.free_rows(&f_n_t));
+    Motion { free: at.free_accelerations(x), supplied: at.line_forces(f_n_t.force[2], f_n_b.moment, &units, x) }
 }
 
 /// Solves the symmetric positive definite system `m x = b` by an unrolled L D Lᵀ.

@@ -172,13 +172,13 @@ impl<'a, T: Real, const LOPSIDED: bool, const MOVING: bool> Instant<'a, T, LOPSI
     ///
     /// ```text
     /// F = F_aero − force of M (a_0, alpha_0) − (F_cm + F_cb)
-    /// N = N_aero − moment of M (a_0, alpha_0) − (r_cm × F_cm + r_cb × F_cb + omega × I omega + v_r × M_a v_r)
+    /// N = N_aero − moment of M (a_0, alpha_0) − (r_cm × F_cm + r_cb × F_cb + omega × (I + I_a) omega + v_r × M_a v_r)
     /// ```
     ///
     /// with the aerodynamic wrench of (56), (57) and v_r, the velocity of the center of buoyancy through the water.
     /// The last term is the Munk moment.
     #[inline(always)]
-    pub(crate) fn wrench_left_over(&self, a0_b: Vector<T>, alpha0_b: Vector<T>) -> Wrench<T> {
+    pub(crate) fn wrench_f_n(&self, a0_b: Vector<T>, alpha0_b: Vector<T>) -> Wrench<T> {
         let Self { plant, v, .. } = self;
         let gravity_b = self.gravity();
         let taken = inertial_wrench::<_, LOPSIDED>(plant, a0_b, alpha0_b);
@@ -261,11 +261,11 @@ impl<'a, T: Real, const LOPSIDED: bool, const MOVING: bool> Instant<'a, T, LOPSI
     /// N_z
     /// ```
     ///
-    /// with F and N, what is left over, along T, and Q, the drag of the tether.
+    /// with F and N along T, and Q, the drag of the tether.
     #[inline(always)]
-    pub(crate) fn free_rows(&self, left_t: &Wrench<T>) -> Vector<T> {
+    pub(crate) fn free_rows(&self, f_n_t: &Wrench<T>) -> Vector<T> {
         let Self { plant, pose, rates, v, rod, .. } = self;
-        let ([f_x, f_y, _], [n_x, n_y, n_z]) = (left_t.force, left_t.moment);
+        let ([f_x, f_y, _], [n_x, n_y, n_z]) = (f_n_t.force, f_n_t.moment);
         let [drag_zenith, drag_azimuth] = tether_drag(plant, pose, rates, v.flow_t);
         [
             n_y - pose.length * f_x + drag_zenith - rod.first_moment * rates.length * rates.zenith

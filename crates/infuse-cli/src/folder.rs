@@ -118,7 +118,7 @@ fn core(problem: &Problem, method: Method, journal: &Journal) -> Result<Value> {
             let careful = is_careful(journal);
             let mut settings = serde_json::to_value(problem.dissertation_settings(careful).context(PROBLEM)?)?;
             if let Some(settings) = settings.as_object_mut() {
-                settings.remove("max_iterations");
+                settings.remove("max_batches");
                 if !careful {
                     settings.remove("careful");
                 }

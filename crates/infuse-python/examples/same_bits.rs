@@ -44,7 +44,7 @@ fn pooled_campaign() -> Result<Value, Failure> {
 
 fn global_campaign() -> Result<Value, Failure> {
     let mut settings = global::Settings::new(Model::quadratic(2)?, 9, 12);
-    (settings.max_iterations, settings.seed) = (2, 7);
+    (settings.max_batches, settings.seed) = (2, 7);
     let mut campaign = global::Loop::new(&region()?, settings)?;
     campaign.run(&mut |_, p| Ok(simulation(p)), &mut |trial| Ok(rig(&trial.point)))?;
     Ok(serde_json::to_value(campaign.reports())?)

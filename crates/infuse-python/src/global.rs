@@ -168,7 +168,7 @@ fn assessment(campaign: &Loop) -> Result<Option<String>, infuse::Error> {
         json!({ "regret": regret, "eps": observed.eps, "simulation": observed.simulation, "experiment": observed.experiment })
     });
     let found = json!({
-        "batch": report.iteration,
+        "batch": report.number,
         "optimum": screening.optimum,
         "optimum_value": screening.optimum_value,
         "simulation_optimum": screening.simulation_optimum,

@@ -2,7 +2,7 @@
 //!
 //! Numbers in bulk cross as numpy arrays, and what has a structure as JSON, which keeps every bit of a double. The other half, in
 //! `python/infuse/`, gives them names and types. Whatever computes for long lets other Python threads run meanwhile, and
-//! hears Ctrl-C.
+//! notices Ctrl-C.
 
 mod arrays;
 mod background;

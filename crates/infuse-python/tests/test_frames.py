@@ -145,7 +145,7 @@ def test_settings_are_written_as_in_a_sheet_and_still_count_as_asked() -> None:
 
 
 def test_the_dissertations_loop_shows_every_trial_of_a_batch_that_is_open() -> None:
-    loop = GlobalLoop(SPRING_AND_DAMPER, "quadratic", 9, 12, max_iterations=2)
+    loop = GlobalLoop(SPRING_AND_DAMPER, "quadratic", 9, 12, max_batches=2)
     for trial in loop.ask(simulation):
         loop.tell(trial.id, rig(trial.settings))
     first = loop.ask(simulation)[0]

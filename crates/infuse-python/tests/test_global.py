@@ -14,7 +14,7 @@ from infuse import Error, GlobalLoop
 
 
 def test_the_best_cell_is_found_and_the_rest_dropped() -> None:
-    loop = GlobalLoop(SPRING_AND_DAMPER, "quadratic", 9, 12, max_iterations=4, seed=2, first_screening=2)
+    loop = GlobalLoop(SPRING_AND_DAMPER, "quadratic", 9, 12, max_batches=4, seed=2, first_screening=2)
     assert loop.run(simulation, rig) in ("the limit on the batches was reached", "fewer than two cells are left")
     found = loop.assess()
     assert found is not None and found.n_left < 441
@@ -53,7 +53,7 @@ def test_simulations_that_all_fail_are_an_error() -> None:
 
 
 def test_a_saved_campaign_goes_on_with_the_same_bits(tmp_path: Path) -> None:
-    loop = GlobalLoop(SPRING_AND_DAMPER, [[0, 0], [1, 0], [0, 1], [2, 0], [0, 2]], 8, 12, max_iterations=3)
+    loop = GlobalLoop(SPRING_AND_DAMPER, [[0, 0], [1, 0], [0, 1], [2, 0], [0, 2]], 8, 12, max_batches=3)
     for trial in loop.ask(simulation):
         loop.tell(trial.id, rig(trial.settings))
     batch = loop.ask(simulation)
@@ -78,7 +78,7 @@ def test_settings_are_those_of_the_library() -> None:
 
 
 def test_data_frames_in_and_out() -> None:
-    loop = GlobalLoop(SPRING_AND_DAMPER, "quadratic", 9, 12, max_iterations=1)
+    loop = GlobalLoop(SPRING_AND_DAMPER, "quadratic", 9, 12, max_batches=1)
     loop.ask(simulation)
     table: Any = loop.frame()
     table["value"] = [rig({"spring": row.spring, "damper": row.damper}) for row in table.itertuples()]

@@ -1,4 +1,4 @@
-//! One iteration of the global loop, and what of it is the scan over the cells: `cargo bench -p infuse-loop`.
+//! One batch of the global loop, and what of it is the scan over the cells: `cargo bench -p infuse-loop`.
 
 use design_space::{Cell, Model, Parameter, Region};
 use divan::Bencher;
@@ -26,8 +26,8 @@ fn campaign(k: usize, levels: u32, n_experiments: usize, n_simulations: usize) -
     global::Loop::new(&region(k, levels), settings).expect("a campaign")
 }
 
-/// Designs, simulations, surfaces and screening of the first iteration, all cells retained.
-fn iteration(campaign: &mut global::Loop) {
+/// Designs, simulations, surfaces and screening of the first batch, all cells retained.
+fn batch(campaign: &mut global::Loop) {
     let mut simulation = |_: Cell, p: &[f64]| Ok(truth(p) + 0.5 * p[0]);
     if let global::Ask::Trials(trials) = campaign.ask(&mut simulation).expect("a batch") {
         for trial in trials {
@@ -38,7 +38,7 @@ fn iteration(campaign: &mut global::Loop) {
 
 fn bench(bencher: Bencher, k: usize, levels: u32, n_experiments: usize, n_simulations: usize) {
     bencher.with_inputs(|| campaign(k, levels, n_experiments, n_simulations)).bench_local_values(|mut campaign| {
-        iteration(&mut campaign);
+        batch(&mut campaign);
         campaign
     });
 }

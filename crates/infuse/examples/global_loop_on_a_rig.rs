@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Parameter::continuous("pitch", "deg", 10.0, 21.5)?.with_levels(24)?,
     ])?;
     let mut settings = global::Settings::new(Model::additive_quadratic(2)?, 10, 20);
-    settings.max_iterations = 5;
+    settings.max_batches = 5;
     let file = std::env::temp_dir().join(format!("global-campaign-{}.json", std::process::id()));
     fs::write(&file, serde_json::to_string(&global::Loop::new(&region, settings)?)?)?;
     while visit(&file)? {}
@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let campaign: global::Loop = serde_json::from_str(&fs::read_to_string(&file)?)?;
     fs::remove_file(&file)?;
     for report in campaign.reports() {
-        let (number, screening) = (report.iteration, &report.screening);
+        let (number, screening) = (report.number, &report.screening);
         let p = &screening.optimum;
         let s = screening.spread.s().map_or("undefined".to_owned(), |s| format!("{s:.3}"));
         let left = 100.0 * screening.n_after as f64 / campaign.retained().n_cells() as f64;
@@ -63,10 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{reason}");
     }
     if let Some(dropped) = campaign.why_dropped(campaign.cell(&[46.2, 17.5])?) {
-        println!(
-            "46.20 % 17.50 deg was dropped in iteration {}: z = {:.1} > {:.2}",
-            dropped.iteration, dropped.z, dropped.z0
-        );
+        println!("46.20 % 17.50 deg was dropped in batch {}: z = {:.1} > {:.2}", dropped.batch, dropped.z, dropped.z0);
     }
     Ok(())
 }

@@ -22,7 +22,7 @@ pub(crate) fn check_finite(name: &'static str, values: &[f64]) -> Result<(), Err
     check_each(name, values, "a finite number", f64::is_finite)
 }
 
-/// Bounds on errors: a sequence of them, one per iteration.
+/// Bounds on errors: a sequence of them, one per batch.
 pub(crate) fn check_error_bounds(name: &'static str, values: &[f64]) -> Result<(), Error> {
     check_each(name, values, NOT_NEGATIVE, is_not_negative)
 }

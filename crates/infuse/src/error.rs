@@ -94,7 +94,7 @@ pub enum Error {
     },
     /// A second reply to the same trial.
     #[error("trial {id} has an outcome already, and it stands")]
-    AlreadyTold {
+    SecondOutcome {
         /// The id given.
         id: TrialId,
     },
@@ -125,25 +125,25 @@ pub enum Error {
         supported: u32,
     },
     /// A saved state with a number that no campaign can have produced.
-    #[error("the saved state is not usable: `{field}` of turn {iteration}, expected {expected}")]
+    #[error("the saved state is not usable: `{field}` of turn {turn}, expected {expected}")]
     State {
         /// The field at fault.
         field: &'static str,
-        /// The iteration it belongs to, from 1.
-        iteration: usize,
+        /// The turn of the loop it belongs to, from 1.
+        turn: usize,
         /// What is allowed.
         expected: &'static str,
     },
     /// A saved state that its own outcomes contradict.
     #[error(
-        "the saved state does not follow from its outcomes and settings: `{field}` of turn {iteration} is {saved}, \
+        "the saved state does not follow from its outcomes and settings: `{field}` of turn {turn} is {saved}, \
          found {found}"
     )]
     StateDiffers {
         /// The field at fault.
         field: &'static str,
-        /// The iteration it belongs to, from 1.
-        iteration: usize,
+        /// The turn of the loop it belongs to, from 1.
+        turn: usize,
         /// What the file says.
         saved: String,
         /// What follows from the outcomes.
@@ -229,10 +229,10 @@ pub enum Error {
         reason: surface::Error,
     },
     /// Designs that the next batch of the global loop cannot be opened with.
-    #[error("the plan of batch {iteration} is not usable, expected {expected}")]
+    #[error("the plan of batch {batch} is not usable, expected {expected}")]
     Plan {
         /// The batch, from 1.
-        iteration: usize,
+        batch: usize,
         /// What is allowed.
         expected: &'static str,
     },
@@ -247,12 +247,12 @@ pub enum Error {
         expected: &'static str,
     },
     /// A surface that is a number at no retained cell.
-    #[error("the {surface} surface of batch {iteration} is a number at no retained cell")]
+    #[error("the {surface} surface of batch {batch} is a number at no retained cell")]
     NoMinimum {
         /// Which surface.
         surface: &'static str,
         /// The batch, from 1.
-        iteration: usize,
+        batch: usize,
     },
     /// Names of measured responses that cannot be told apart.
     #[error("the measured response `{name}` is not usable, expected {expected}")]

@@ -90,7 +90,7 @@ impl<T: Numbered + Clone, A: Clone> Ledger<T, A> {
         let record = self.records.iter_mut().find(|record| record.trial.id() == id);
         let record = record.ok_or_else(|| not_outstanding(id, first.saturating_sub(1)))?;
         if record.outcome.is_some() {
-            return Err(Error::AlreadyTold { id });
+            return Err(Error::SecondOutcome { id });
         }
         if let Some(value) = outcome.cost().filter(|cost| !cost.is_finite()) {
             return Err(Error::NonFiniteOutcome { id, value });
@@ -107,7 +107,7 @@ impl<T: Numbered + Clone, A: Clone> Ledger<T, A> {
     pub(crate) fn with_outcomes_of(
         mut self,
         saved: &Self,
-        iteration: usize,
+        turn: usize,
         check: impl Fn(&T, &A) -> Result<(), Error>,
     ) -> Result<Self, Error> {
         for record in &saved.records {
@@ -115,7 +115,7 @@ impl<T: Numbered + Clone, A: Clone> Ledger<T, A> {
                 Some(outcome) => self.record(record.trial.id(), record.actual.clone(), outcome.clone(), &check)?,
                 None if record.actual.is_some() => {
                     let expected = "nothing while the trial is outstanding";
-                    return Err(Error::State { field: "actual", iteration, expected });
+                    return Err(Error::State { field: "actual", turn, expected });
                 }
                 None => {}
             }
@@ -131,7 +131,7 @@ pub(crate) fn ids_after(n_asked: u64) -> impl Iterator<Item = TrialId> {
 
 /// Why no outcome is expected for this id, with the first `n_closed` trials in closed batches and the id not in the open one.
 pub(crate) fn not_outstanding(id: TrialId, n_closed: u64) -> Error {
-    if (1..=n_closed).contains(&id.number()) { Error::AlreadyTold { id } } else { Error::UnknownTrial { id } }
+    if (1..=n_closed).contains(&id.number()) { Error::SecondOutcome { id } } else { Error::UnknownTrial { id } }
 }
 
 #[cfg(test)]
@@ -167,7 +167,7 @@ mod tests {
             assert!(!ledger.is_complete());
             ledger.record(TrialId::new(number), None, value(0.5), small).expect("an outstanding trial");
             let again = ledger.record(TrialId::new(number), None, value(0.7), small);
-            assert_eq!(again, Err(Error::AlreadyTold { id: TrialId::new(number) }));
+            assert_eq!(again, Err(Error::SecondOutcome { id: TrialId::new(number) }));
         }
         assert!(ledger.is_complete() && ledger.into_records().iter().all(|record| record.cost() == Some(0.5)));
     }
@@ -180,7 +180,7 @@ mod tests {
             assert_eq!(ledger, before);
             error
         };
-        assert!(matches!(refused(3, None, value(1.0)), Error::AlreadyTold { .. }), "of a closed batch");
+        assert!(matches!(refused(3, None, value(1.0)), Error::SecondOutcome { .. }), "of a closed batch");
         assert!(matches!(refused(7, None, value(1.0)), Error::UnknownTrial { .. }));
         assert!(matches!(refused(5, None, value(f64::NAN)), Error::NonFiniteOutcome { .. }));
         assert!(matches!(refused(5, Some(2.0), value(1.0)), Error::EmptyRegion), "the check of the loop");

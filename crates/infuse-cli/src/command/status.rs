@@ -76,7 +76,7 @@ fn in_the_queue(campaign: &dyn Campaign) -> Result<Vec<Finding>> {
     Ok(both.iter().filter(|waited| waited.n > 0).map(|waited| waited.in_words(&infuse(campaign.folder()))).collect())
 }
 
-/// Runs that a queue has heard of, without a result in the journal.
+/// Runs that were given to a queue, without a result in the journal.
 struct Waited<'a> {
     n: usize,
     what: &'a str,
@@ -112,7 +112,7 @@ impl Waited<'_> {
     }
 }
 
-/// Experiments without a result of which a queue has heard.
+/// Experiments without a result that were given to a queue.
 fn queued_experiments(campaign: &dyn Campaign) -> BTreeSet<u64> {
     let experiments = campaign.experiments();
     let is_waited_for = |id: &u64| experiments.trials.get(id).is_some_and(|trial| !experiments.is_told(trial.id));

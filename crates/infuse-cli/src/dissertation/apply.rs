@@ -72,7 +72,7 @@ impl Campaign {
                 planned.is_open = true;
                 self.uses.extend(trials.iter().map(|trial| (trial.id.number(), trial.used_for)));
                 let plain = |trial: global::Trial| {
-                    let global::Trial { id, iteration: batch, cell, point, .. } = trial;
+                    let global::Trial { id, batch, cell, point, .. } = trial;
                     Trial { id, batch, cell, point }
                 };
                 self.experiments.hand_out(trials.into_iter().map(plain));
@@ -151,7 +151,7 @@ impl Campaign {
     /// What was learned follows from the lines before; if it does not, one of them was changed.
     fn check_learned(&mut self, said: &Learned) -> Result<()> {
         self.refresh()?;
-        let report = self.now.reports().last().filter(|report| report.iteration == said.batch);
+        let report = self.now.reports().last().filter(|report| report.number == said.batch);
         let Some(found) = report.map(|report| self.learned(report)) else {
             bail!("batch {} is not complete", said.batch);
         };

@@ -204,14 +204,14 @@ impl Campaign {
 
     /// The event that says what the last closed batch taught; none if the journal has it.
     pub(super) fn learning(&self) -> Option<Event> {
-        let report = self.now.reports().last().filter(|report| report.iteration > self.n_learned)?;
+        let report = self.now.reports().last().filter(|report| report.number > self.n_learned)?;
         Some(Event::Learned(self.learned(report)))
     }
 
     pub(super) fn learned(&self, report: &infuse::global::Report) -> Learned {
         let screening = &report.screening;
         Learned {
-            batch: report.iteration,
+            batch: report.number,
             optimum: screening.optimum.clone(),
             predicted: self.problem.response.of_cost(screening.optimum_value),
             spread: screening.spread.s(),

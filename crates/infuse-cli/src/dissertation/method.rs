@@ -79,7 +79,7 @@ impl campaign::Campaign for Campaign {
         Ok(Budget {
             terms: Some(settings.model.n_terms()),
             experiments: settings.n_experiments,
-            batches: settings.max_iterations,
+            batches: settings.max_batches,
             simulations: Some(settings.n_simulations),
             grid: self.now.grid().clone(),
         })
@@ -159,7 +159,7 @@ impl Campaign {
         let batches = self.now.reports().iter().map(|report| {
             let screening = &report.screening;
             json!({
-                "batch": report.iteration, "best": named(&screening.optimum),
+                "batch": report.number, "best": named(&screening.optimum),
                 "predicted": response.of_cost(screening.optimum_value), "spread": screening.spread.s(),
                 "left": screening.n_after, "left_before": screening.n_before, "threshold": screening.threshold,
                 "innovation": report.changes.innovation, "failed_experiments": report.failed_trials().count(),

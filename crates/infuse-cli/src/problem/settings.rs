@@ -106,7 +106,7 @@ fn dissertation(entry: &LoopEntry, region: &Region, seed: u64) -> Result<global:
     let mut settings = global::Settings::new(model, experiments, simulations);
     settings.replicates = replicates;
     settings.seed = seed;
-    settings.max_iterations = entry.batches.unwrap_or(settings.max_iterations);
+    settings.max_batches = entry.batches.unwrap_or(settings.max_batches);
     settings.confidence = entry.confidence.unwrap_or(settings.confidence);
     // The surface of the first batch still rests on simulations that nothing has corrected.
     settings.first_screening = entry.drop_from.unwrap_or(2);
@@ -126,7 +126,7 @@ fn by_its_name_in_the_file(error: Error) -> Error {
     let key = |name: &'static str| match name {
         "n_experiments" => "experiments",
         "n_simulations" => "simulations",
-        "max_iterations" => "batches",
+        "max_batches" => "batches",
         "first_screening" => "drop_from",
         "fallback" => "without_spread",
         name => name,

@@ -140,7 +140,7 @@ fn an_interrupt_while_a_batch_is_designed_ends_the_call_at_once() {
     assert!(!rig.journal().iter().any(|line| line["event"] == "planned"), "it was still searching");
 }
 
-/// Nobody hears of a kill; who comes next can tell.
+/// A kill gives no warning; who comes next can tell.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_simulation_that_a_killed_call_has_left_running_is_named_by_the_next_one() {

@@ -27,7 +27,9 @@ same names; the same seed gives the same bits here and there.
 from infuse import doe, flights, surface
 from infuse._native import Error, __version__
 from infuse._parameters import Parameter, Settings, with_frames
-from infuse.dissertation import GlobalAssessment, GlobalLoop, Outlook, RegretBound
+from infuse.dissertation import Assessment as GlobalAssessment
+from infuse.dissertation import Loop as GlobalLoop
+from infuse.dissertation import Outlook, RegretBound
 from infuse.pooled import (
     Assessment,
     Certificate,

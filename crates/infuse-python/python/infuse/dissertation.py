@@ -57,7 +57,7 @@ class Outlook:
 
 
 @dataclass(frozen=True)
-class GlobalAssessment:
+class Assessment:
     """What the last closed batch came to."""
 
     batch: int
@@ -78,8 +78,8 @@ class GlobalAssessment:
     outlook: Optional[Outlook]
 
 
-class GlobalLoop:
-    """The global loop over every combination of levels, as ask and tell.
+class Loop:
+    """The global loop over every combination of levels, as ask and tell; `infuse.GlobalLoop` is this class.
 
     `model` is `"linear"`, `"additive quadratic"`, `"quadratic"`, or a list with the exponents of each term. Other
     settings of the Rust library, such as `replicates`, `confidence`, `first_screening`, `careful` or `correction`, go by
@@ -88,7 +88,7 @@ class GlobalLoop:
     Of `PooledLoop` it has neither constraints nor plants nor choices, and none of `correct`, `hand_out`, `change`, `due`,
     `standings`, `expectations` and `surprises`: a batch is closed by its last outcome, and what follows from it stands.
 
-    >>> loop = GlobalLoop([Parameter("x", "mm", 0.0, 10.0, levels=21)], "quadratic", 5, 8, max_iterations=2)
+    >>> loop = Loop([Parameter("x", "mm", 0.0, 10.0, levels=21)], "quadratic", 5, 8, max_batches=2)
     >>> loop.run(lambda points: (points[:, 0] - 3) ** 2, lambda settings: (settings["x"] - 4) ** 2 + 1)
     'the limit on the batches was reached'
     >>> loop.assess().optimum
@@ -103,7 +103,7 @@ class GlobalLoop:
         n_simulations: int,
         *,
         seed: int = 1,
-        max_iterations: int = 10,
+        max_batches: int = 10,
         **settings: Any,
     ) -> None:
         check_names(parameters)
@@ -111,14 +111,14 @@ class GlobalLoop:
             "n_experiments": n_experiments,
             "n_simulations": n_simulations,
             "seed": seed,
-            "max_iterations": max_iterations,
+            "max_batches": max_batches,
             **settings,
         }
         self._loop = _native.GlobalLoop(tuples_of(parameters), _model(model), as_json(every))
         self._parameters = list(parameters)
 
     @classmethod
-    def _around(cls, loop: _native.GlobalLoop) -> "GlobalLoop":
+    def _around(cls, loop: _native.GlobalLoop) -> "Loop":
         self = cls.__new__(cls)
         self._loop = loop
         self._parameters = [of_tuple(parameter) for parameter in loop.parameters()]
@@ -199,7 +199,7 @@ class GlobalLoop:
         """Takes back the earlier experiments from this source. How many there were."""
         return self._loop.withdraw_earlier(word("`source`", source))
 
-    def assess(self) -> Optional[GlobalAssessment]:
+    def assess(self) -> Optional[Assessment]:
         """What the last closed batch came to; nothing before the first."""
         text = self._loop.assess()
         if text is None:
@@ -209,7 +209,7 @@ class GlobalLoop:
             found[name] = named(self._names, found[name])
         found["certificate"] = found["certificate"] and RegretBound(**found["certificate"])
         found["outlook"] = found["outlook"] and Outlook(**found["outlook"])
-        return GlobalAssessment(**found)
+        return Assessment(**found)
 
     def reports(self) -> List[Dict[str, Any]]:
         """The closed batches with all their numbers, as in a saved campaign."""
@@ -237,21 +237,21 @@ class GlobalLoop:
         replace(path, self._loop.to_json())
 
     @classmethod
-    def load(cls, path: Union[str, "os.PathLike[str]"]) -> "GlobalLoop":
+    def load(cls, path: Union[str, "os.PathLike[str]"]) -> "Loop":
         """A campaign from its file. All but the outcomes and the choice of designs is computed again and must agree."""
         return read(path, cls._of_json)
 
     @classmethod
-    def _of_json(cls, text: str) -> "GlobalLoop":
+    def _of_json(cls, text: str) -> "Loop":
         return cls._around(_native.GlobalLoop.from_json(text))
 
     def __reduce__(self) -> Tuple[Any, ...]:
         return type(self)._of_json, (self._loop.to_json(),)
 
-    def __copy__(self) -> "GlobalLoop":
+    def __copy__(self) -> "Loop":
         return self._around(self._loop.copy())
 
-    def __deepcopy__(self, memo: Any) -> "GlobalLoop":
+    def __deepcopy__(self, memo: Any) -> "Loop":
         return self._around(self._loop.copy())
 
     if not TYPE_CHECKING:

@@ -727,7 +727,6 @@ _WHOLE = (
     "n_simulations",
     "simulations",
     "max_batches",
-    "max_iterations",
     "particles",
     "seed",
     "replicates",

@@ -65,8 +65,7 @@ def named(names: Names, point: Iterable[float], *, exact: bool = False) -> Setti
 
 def trials(names: Names, text: str) -> List[Trial]:
     """Trials of either loop, from JSON."""
-    batch = [one.get("batch", one.get("iteration")) for one in json.loads(text)]
-    return [Trial(one["id"], number, named(names, one["point"])) for one, number in zip(json.loads(text), batch)]
+    return [Trial(one["id"], one["batch"], named(names, one["point"])) for one in json.loads(text)]
 
 
 def records(
@@ -82,7 +81,7 @@ def records(
         pairs = zip(constraints, constrained.get(trial["id"], ()))
         return Record(
             id=trial["id"],
-            batch=trial.get("batch", trial.get("iteration")),
+            batch=trial["batch"],
             settings=named(names, trial["point"]),
             actual=None if actual is None else named(names, actual, exact=True),
             value=found.get("value"),

@@ -3,10 +3,10 @@
 use crate::Error;
 use crate::checks::{check_error_bounds, check_not_negative};
 
-/// Where E1 and E2 of (43) and (44) grew from one iteration to the next.
+/// Where E1 and E2 of (43) and (44) grew from one batch to the next.
 ///
 /// The dissertation concludes from the shrinking region that they fall. That holds for the norm of one
-/// function; every iteration fits a new one, whose error over the smaller region may be larger. So it
+/// function; every batch fits a new one, whose error over the smaller region may be larger. So it
 /// is an assumption, checked here on the bounds or estimates that a campaign comes by. Its failure
 /// takes nothing from [`Bound::finite`](crate::convergence::Bound::finite), which takes the errors as they come; it
 /// says that they are not settling, so no limit is in sight.
@@ -24,18 +24,18 @@ pub struct AssumptionReport {
 /// One step in the wrong direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Growth {
-    /// The iteration whose error is larger, from 2.
-    pub iteration: usize,
-    /// The error of the iteration before.
+    /// The batch whose error is larger, from 2.
+    pub batch: usize,
+    /// The error of the batch before.
     pub previous: f64,
-    /// The least error of all iterations before.
+    /// The least error of all batches before.
     pub least: f64,
-    /// The error of this iteration.
+    /// The error of this batch.
     pub error: f64,
 }
 
 impl Growth {
-    /// How many times the error of the iteration before this one is; infinite after a zero.
+    /// How many times the error of the batch before this one is; infinite after a zero.
     #[must_use]
     pub fn ratio(&self) -> f64 {
         self.error / self.previous
@@ -43,9 +43,9 @@ impl Growth {
 }
 
 impl AssumptionReport {
-    /// Compares the errors of all iterations so far, E1,1.. and E2,1.., one sequence possibly longer.
+    /// Compares the errors of all batches so far, E1,1.. and E2,1.., one sequence possibly longer.
     ///
-    /// An error counts as grown if it exceeds both that of the iteration before and, by more than the
+    /// An error counts as grown if it exceeds both that of the batch before and, by more than the
     /// `tolerance`, the least so far: relative, such as 0.1 for a tenth. Slow growth, each step within
     /// the tolerance, is so found in the end.
     ///
@@ -73,7 +73,7 @@ fn growths(errors: &[f64], tolerance: f64) -> Vec<Growth> {
         let (previous, error) = (pair[0], pair[1]);
         least = least.min(previous);
         if error > previous && error > least + tolerance * least {
-            found.push(Growth { iteration: index + 2, previous, least, error });
+            found.push(Growth { batch: index + 2, previous, least, error });
         }
     }
     found

@@ -58,9 +58,11 @@ use crate::correction::{Law, ModelStage, Rule};
 ///
 /// assert!((bound.after(2).error(&levels) - 0.575).abs() < 1e-12); // 0.4 + 0.7 / 2²
 /// assert!(bound.limit().is_some_and(|limit| (limit.error(&levels) - 0.4).abs() < 1e-12)); // 2 E1 + E2
-/// assert_eq!(bound.iterations_to(&levels, 0.01)?, Some(7)); // 0.7 / 2⁷ = 0.005
+/// assert_eq!(bound.batches_to(&levels, 0.01)?, Some(7)); // 0.7 / 2⁷ = 0.005
 /// # Ok::<(), infuse::Error>(())
 /// ```
+///
+/// Source: (55).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
     /// How the model is corrected.
@@ -69,7 +71,7 @@ pub struct Bound {
     pub stage: ModelStage,
 }
 
-/// Bounds on the errors of the surfaces, the same in every iteration, in the unit of the response.
+/// Bounds on the errors of the surfaces, the same in every batch, in the unit of the response.
 ///
 /// Source: (41).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -133,10 +135,10 @@ impl Bound {
         Self { rule, stage }
     }
 
-    /// The bound after n batches of experiments, from bounds on the errors of each iteration.
+    /// The bound after n batches of experiments, from bounds on the errors of each batch.
     ///
     /// `experiment` holds E2,1..n and so decides n; `simulation` holds E1,j for the n simulation
-    /// surfaces of a corrected model, n + 1 for that at the onset of the next iteration (one if n = 0).
+    /// surfaces of a corrected model, n + 1 for that at the onset of the next batch (one if n = 0).
     ///
     /// # Errors
     ///
@@ -165,8 +167,6 @@ impl Bound {
     }
 
     /// Where the bound goes as n grows; nothing for (36) as printed, which leaves every bound.
-    ///
-    /// Source: (55).
     #[must_use]
     pub fn limit(&self) -> Option<Amplification> {
         let doubled = match self.rule.law {
@@ -195,7 +195,7 @@ impl Bound {
     /// # Errors
     ///
     /// [`Error::Setting`] for a tolerance that is not a positive number.
-    pub fn iterations_to(&self, levels: &ErrorLevels, tolerance: f64) -> Result<Option<usize>, Error> {
+    pub fn batches_to(&self, levels: &ErrorLevels, tolerance: f64) -> Result<Option<usize>, Error> {
         if !(tolerance > 0.0 && tolerance.is_finite()) {
             let expected = "a finite positive number";
             return Err(Error::Setting { name: "tolerance", value: tolerance, expected });

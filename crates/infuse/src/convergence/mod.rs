@@ -9,16 +9,16 @@
 //!
 //! | law | compares the experiment with | error of the corrected model after n ≥ 2 batches, at most | limit |
 //! |---|---|---|---|
-//! | `ProofRecursion`, (45)–(47) | the corrected model of the iteration before | 2 E1 + E2 + (1 − k)ⁿ (d_0 − E1 − E2) | 2 E1 + E2, (55) |
-//! | `CurrentSimulation` | the corrected simulation of this iteration | 2 (1 − k) E1 + E2 + (1 − k)ⁿ (d_0 − E1 − E2) | 2 (1 − k) E1 + E2 |
+//! | `ProofRecursion`, (45)–(47) | the corrected model of the batch before | 2 E1 + E2 + (1 − k)ⁿ (d_0 − E1 − E2) | 2 E1 + E2, (55) |
+//! | `CurrentSimulation` | the corrected simulation of this batch | 2 (1 − k) E1 + E2 + (1 − k)ⁿ (d_0 − E1 − E2) | 2 (1 − k) E1 + E2 |
 //! | `AsPrinted36` | the simulation, and adds up what is a sum already | grows as 2ⁿ | none |
 //!
 //! * Each bound is attained by some errors, so none can be improved without knowing more. It holds in every norm ([`Norm`]: q = 1, 2, any q ≥ 1, ∞).
-//! * [`Bound::finite`] takes errors that differ from iteration to iteration, and needs no assumption that they fall. [`AssumptionReport`] says whether they did.
-//! * [`Bound::iterations_to`] answers how many iterations: 44, 13, 7 and 3 bring the gap's share to a hundredth with k = 0.1, 0.3, 0.5 and 0.8.
+//! * [`Bound::finite`] takes errors that differ from batch to batch, and needs no assumption that they fall. [`AssumptionReport`] says whether they did.
+//! * [`Bound::batches_to`] answers how many batches: 44, 13, 7 and 3 bring the gap's share to a hundredth with k = 0.1, 0.3, 0.5 and 0.8.
 //! * The harmonic gain 1/n forgets the gap after one batch and averages the noise of the rest; its limit is 2 E1 + E2 under both laws.
 //! * For 1 < k < 2 the laws still converge, to limits that grow as k nears 2; [`Bound`] documents them.
-//! * The table is for Ĵnum,n. The next iteration starts from Ĵsim,n+1 plus the same correction ([`ModelStage::Onset`](crate::correction::ModelStage::Onset)): 2 E1 + E2 in the limit under both laws.
+//! * The table is for Ĵnum,n. The next batch starts from Ĵsim,n+1 plus the same correction ([`ModelStage::Onset`](crate::correction::ModelStage::Onset)): 2 E1 + E2 in the limit under both laws.
 //! * In the sup norm a bound eps certifies a design: its true response is above the best by at most its excess in the model plus 2 eps.
 //!   About designs dropped earlier that says nothing unless each was dropped by more than 2 eps; [`possible_optima`] drops no others.
 //!
@@ -58,7 +58,7 @@
 //! let axis = |name| Parameter::continuous(name, "m", -1.0, 1.0)?.with_levels(24);
 //! let region = Region::new(vec![axis("x")?, axis("y")?])?;
 //! let mut settings = global::Settings::new(Model::quadratic(2)?, 12, 18);
-//! settings.max_iterations = 5;
+//! settings.max_batches = 5;
 //! let mut campaign = global::Loop::new(&region, settings)?;
 //! let reading = |p: &[f64], number: u64| truth(p) + 0.01 * (12.9898 * number as f64).sin();
 //! campaign.run(&mut |_, p| Ok(simulation(p)), &mut |trial| Ok(reading(&trial.point, trial.id.number())))?;

@@ -3,20 +3,20 @@
 use crate::Error;
 use crate::checks::{check_count, check_finite};
 
-/// Σ_j experiment_j Ĵexp,j + Σ_j simulation_j Ĵsim,j, with iterations j from 1 at index j − 1.
+/// Σ_j experiment_j Ĵexp,j + Σ_j simulation_j Ĵsim,j, with batches j from 1 at index j − 1.
 ///
 /// The surfaces may be given in any form in which sums of surfaces are sums of numbers: values at
 /// points, or coefficients in one basis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coefficients {
-    /// Factor of the experiment surface of each iteration.
+    /// Factor of the experiment surface of each batch.
     pub experiment: Vec<f64>,
-    /// Factor of the simulation surface of each iteration.
+    /// Factor of the simulation surface of each batch.
     pub simulation: Vec<f64>,
 }
 
 impl Coefficients {
-    /// The combination, entry by entry. Rows are iterations; all rows have the same length.
+    /// The combination, entry by entry. Rows are batches; all rows have the same length.
     ///
     /// # Errors
     ///

@@ -61,8 +61,8 @@ impl Field {
         (self.n_batches > 0).then_some(&self.model)
     }
 
-    /// Ĵsim,n+1 + Ĵcor,n per cell: the model at the onset of the next iteration, from that
-    /// iteration's simulation surface.
+    /// Ĵsim,n+1 + Ĵcor,n per cell: the model at the onset of the next batch, from that
+    /// batch's simulation surface.
     ///
     /// # Errors
     ///
@@ -75,7 +75,7 @@ impl Field {
         Ok(model)
     }
 
-    /// Learns from the surfaces Ĵexp and Ĵsim of the next iteration, given per cell.
+    /// Learns from the surfaces Ĵexp and Ĵsim of the next batch, given per cell.
     ///
     /// # Errors
     ///

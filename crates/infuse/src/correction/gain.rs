@@ -1,10 +1,10 @@
-//! How much of an observed difference an iteration believes.
+//! How much of an observed difference a batch believes.
 
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
 
-/// The gain k_n of iteration n, dimensionless. In files `{ constant = 0.4 }` or `"harmonic"`.
+/// The gain k_n of batch n, dimensionless. In files `{ constant = 0.4 }` or `"harmonic"`.
 ///
 /// ```
 /// use infuse::correction::Gain;
@@ -25,9 +25,9 @@ enum UncheckedGain {
 }
 
 impl Gain {
-    /// The same k in every iteration, 0 < k < 2; 0 < k ≤ 1 recommended.
+    /// The same k in every batch, 0 < k < 2; 0 < k ≤ 1 recommended.
     ///
-    /// A fraction |1 − k| of the initial gap survives each iteration. Beyond 1 the correction
+    /// A fraction |1 − k| of the initial gap survives each batch. Beyond 1 the correction
     /// overshoots, and errors are amplified as [`Bound::limit`](crate::convergence::Bound::limit) says.
     ///
     /// # Errors
@@ -42,13 +42,13 @@ impl Gain {
     }
 
     /// k_n = 1/n: the correction is the mean of all observed differences, so the initial gap is
-    /// gone after the first iteration and independent errors average out.
+    /// gone after the first batch and independent errors average out.
     #[must_use]
     pub fn harmonic() -> Self {
         Self(UncheckedGain::Harmonic)
     }
 
-    /// k if it is the same in every iteration.
+    /// k if it is the same in every batch.
     #[must_use]
     pub fn as_constant(self) -> Option<f64> {
         match self.0 {
@@ -59,7 +59,7 @@ impl Gain {
 
     /// k_n, with n from 1.
     pub(crate) fn at(self, n: usize) -> f64 {
-        debug_assert!(n > 0, "iterations count from 1");
+        debug_assert!(n > 0, "batches count from 1");
         match self.0 {
             UncheckedGain::Constant(k) => k,
             UncheckedGain::Harmonic => 1.0 / n as f64,

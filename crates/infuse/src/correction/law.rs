@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::correction::{Coefficients, Gain};
 
-/// How the surfaces of iteration n change the correction. In files `proof_recursion`,
+/// How the surfaces of batch n change the correction. In files `proof_recursion`,
 /// `current_simulation`, `as_printed_36`.
 ///
-/// Ĵexp,n and Ĵsim,n are the surfaces fitted to the experiments and to the simulations of iteration n
+/// Ĵexp,n and Ĵsim,n are the surfaces fitted to the experiments and to the simulations of batch n
 /// from 1; Ĵcor,0 = 0.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -18,12 +18,12 @@ pub enum Law {
     /// Ĵcor,n = Ĵcor,n−1 + k_n (Ĵexp,n − Ĵnum,n−1)        Ĵnum,n = Ĵsim,n + Ĵcor,n        Ĵnum,0 = Ĵsim,1
     /// ```
     ///
-    /// The experiment is compared with the model of the iteration before, so the simulation's error enters twice.
+    /// The experiment is compared with the model of the batch before, so the simulation's error enters twice.
     ///
     /// Source: (45), (46).
     #[default]
     ProofRecursion,
-    /// The same, but against the simulation surface of the same iteration:
+    /// The same, but against the simulation surface of the same batch:
     ///
     /// ```text
     /// Ĵcor,n = Ĵcor,n−1 + k_n (Ĵexp,n − Ĵsim,n − Ĵcor,n−1)
@@ -32,7 +32,7 @@ pub enum Law {
     /// Source: beyond the text. For 0 < k ≤ 1 the limit of its bound is smaller by 2 k E1 than that
     /// of the proof's law.
     CurrentSimulation,
-    /// (36) to the letter:
+    /// (36) as printed: all corrections so far are added up, and the next difference to them.
     ///
     /// ```text
     /// Ĵcor,n = k_n (Ĵexp,n − Ĵsim,n) + Σ_{j<n} Ĵcor,j
@@ -50,13 +50,13 @@ pub enum Law {
 
 /// Which simulation surface carries the correction learned from n batches of experiments.
 ///
-/// The experiments of an iteration must not correct the model with which their own validation
-/// points are compared, so iteration n + 1 works with [`Onset`](Self::Onset); the proposition speaks of
+/// The experiments of a batch must not correct the model with which their own validation
+/// points are compared, so batch n + 1 works with [`Onset`](Self::Onset); the proposition speaks of
 /// [`Corrected`](Self::Corrected).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ModelStage {
-    /// Ĵsim,n+1 + Ĵcor,n: the model at the onset of iteration n + 1, of which its combined surface is
+    /// Ĵsim,n+1 + Ĵcor,n: the model at the onset of batch n + 1, of which its combined surface is
     /// made.
     Onset,
     /// Ĵnum,n = Ĵsim,n + Ĵcor,n of (35). With n = 0 it is Ĵsim,1.
@@ -109,7 +109,7 @@ impl Rule {
     }
 
     /// The model after n batches of experiments as a combination of n experiment surfaces and of n
-    /// simulation surfaces, n + 1 at the onset of the next iteration.
+    /// simulation surfaces, n + 1 at the onset of the next batch.
     #[must_use]
     pub fn model(&self, stage: ModelStage, n: usize) -> Coefficients {
         let mut coefficients = self.correction(n);
@@ -126,7 +126,7 @@ impl Rule {
         let mut of_difference = vec![0.0; n];
         let mut rest = 1.0;
         if self.law == Law::AsPrinted36 {
-            // The sum of the corrections doubles, but only from the iteration before last on.
+            // The sum of the corrections doubles, but only from the batch before last on.
             let mut doubled = 1.0;
             for j in (1..=n).rev() {
                 of_difference[j - 1] = self.gain.at(j) * doubled;
@@ -145,10 +145,10 @@ impl Rule {
     }
 }
 
-/// What the correction of iteration n makes of the past.
+/// What the correction of batch n makes of the past.
 #[derive(Debug)]
 pub(crate) struct Weights {
-    /// Weight of the difference observed in each iteration.
+    /// Weight of the difference observed in each batch.
     pub(crate) of_difference: Vec<f64>,
     /// What is left of the gap J_true − J_sim: one less the sum of the weights.
     pub(crate) of_gap: f64,

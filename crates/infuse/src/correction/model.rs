@@ -4,7 +4,7 @@ use crate::Error;
 use crate::correction::Rule;
 use crate::traced::TracedSurface;
 
-/// Ĵnum,i(p) = Ĵsim,i(p) + Ĵcor,i(p): the model that an iteration hands on.
+/// Ĵnum,i(p) = Ĵsim,i(p) + Ĵcor,i(p): the model that a batch hands on.
 ///
 /// Source: (35).
 pub(crate) fn corrected_model(simulation: &TracedSurface, correction: &TracedSurface) -> Result<TracedSurface, Error> {

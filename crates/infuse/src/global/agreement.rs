@@ -34,7 +34,7 @@ fn is_close(saved: f64, found: f64, margin: f64) -> bool {
 /// The two sides of a comparison: a batch as saved and as found.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Agreement {
-    pub(crate) iteration: usize,
+    pub(crate) turn: usize,
     /// The largest magnitude of all responses measured and simulated so far.
     pub(crate) largest_cost: f64,
 }
@@ -42,7 +42,7 @@ pub(crate) struct Agreement {
 impl Agreement {
     pub(crate) fn of_trials(self, saved: &Trial, found: &Trial) -> Result<(), Error> {
         self.exact("trials.trial.id", &saved.id, &found.id)?;
-        self.exact("trials.trial.iteration", &saved.iteration, &found.iteration)?;
+        self.exact("trials.trial.batch", &saved.batch, &found.batch)?;
         self.exact("trials.trial.used_for", &saved.used_for, &found.used_for)?;
         self.exact("trials.trial.cell", &saved.cell.index(), &found.cell.index())?;
         self.exact("trials.trial.point", &saved.point, &found.point)
@@ -73,7 +73,7 @@ impl Agreement {
 
     /// Of what is not an outcome and not in the batch.
     pub(crate) fn of_reports(self, saved: &Report, found: &Report) -> Result<(), Error> {
-        self.exact("iteration", &saved.iteration, &found.iteration)?;
+        self.exact("number", &saved.number, &found.number)?;
         self.exact("n_earlier", &saved.n_earlier, &found.n_earlier)?;
         self.of_screenings(&saved.screening, &found.screening)?;
         // The reason may hold numbers, so only whether there is one must agree.
@@ -134,6 +134,6 @@ impl Agreement {
 
     fn differs(self, field: &'static str, saved: &impl Debug, found: &impl Debug) -> Error {
         let (saved, found) = (format!("{saved:?}"), format!("{found:?}"));
-        Error::StateDiffers { field, iteration: self.iteration, saved, found }
+        Error::StateDiffers { field, turn: self.turn, saved, found }
     }
 }

@@ -77,7 +77,7 @@ impl Loop {
         plan: &Plan,
         simulation: &mut impl FnMut(Cell, &[f64]) -> Result<f64, String>,
     ) -> Result<Vec<Trial>, Error> {
-        let wrong = |expected| Error::Plan { iteration: self.iteration(), expected };
+        let wrong = |expected| Error::Plan { batch: self.batch(), expected };
         if self.open.is_some() {
             return Err(wrong("none while trials are outstanding"));
         }
@@ -104,7 +104,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownTrial`], [`Error::AlreadyTold`], [`Error::NonFiniteOutcome`]; [`Error::Surface`] if a response, or a
+    /// [`Error::UnknownTrial`], [`Error::SecondOutcome`], [`Error::NonFiniteOutcome`]; [`Error::Surface`] if a response, or a
     /// corrected one, is too large to be fitted. The state is then as before.
     pub fn tell(&mut self, id: TrialId, outcome: Outcome) -> Result<(), Error> {
         self.record(id, None, outcome)
@@ -152,7 +152,7 @@ impl Loop {
     /// [`Error::DesignSpace`] for a wrong number of settings, [`Error::EarlierSetting`] for one more than half a parameter's
     /// width outside its bounds, [`Error::Setting`] for a response that is not finite.
     pub fn add_earlier(&mut self, point: &[f64], cost: f64, source: impl Into<String>) -> Result<(), Error> {
-        let since = self.iteration();
+        let since = self.batch();
         let earlier = EarlierExperiment { point: point.to_vec(), cost, source: source.into(), since, until: None };
         earlier.check(self.cells.region())?;
         self.earlier.push(earlier);
@@ -162,10 +162,10 @@ impl Loop {
     /// Stops using the [earlier](Self::add_earlier) experiments from this source, from the batch that is open or comes next
     /// on. Batches that rest on them stand. How many were in use.
     pub fn withdraw_earlier(&mut self, source: &str) -> usize {
-        let iteration = self.iteration();
+        let batch = self.batch();
         let mut n_withdrawn = 0;
         for earlier in self.earlier.iter_mut().filter(|earlier| earlier.source == source && earlier.until.is_none()) {
-            earlier.until = Some(iteration);
+            earlier.until = Some(batch);
             n_withdrawn += 1;
         }
         n_withdrawn

@@ -77,7 +77,7 @@ pub(crate) enum Purpose {
 pub(crate) struct DesignSpace<'a> {
     cells: &'a Cells,
     settings: &'a Settings,
-    iteration: usize,
+    batch: usize,
     candidates: Candidates,
     model: Model,
     dropped: Vec<DroppedTerm>,
@@ -88,9 +88,9 @@ impl<'a> DesignSpace<'a> {
         retained: &RetainedSet,
         cells: &'a Cells,
         settings: &'a Settings,
-        iteration: usize,
+        batch: usize,
     ) -> Result<Self, Error> {
-        let seed = seed(settings.seed, iteration, Purpose::Candidates);
+        let seed = seed(settings.seed, batch, Purpose::Candidates);
         let candidates = Candidates::of(retained, cells, settings.candidate_limit, seed)?;
         let names: Vec<&str> = cells.region().parameters().iter().map(design_space::Parameter::name).collect();
         let names = settings.model.term_names(&names);
@@ -102,7 +102,7 @@ impl<'a> DesignSpace<'a> {
         let confounded = confounded_terms(&settings.model, &candidates.space)?;
         let dropped: Vec<DroppedTerm> = confounded.into_iter().map(named).collect();
         let model = regressor(settings, &dropped)?;
-        Ok(Self { cells, settings, iteration, candidates, model, dropped })
+        Ok(Self { cells, settings, batch, candidates, model, dropped })
     }
 
     /// Cells of a design with the smallest maximum of the prediction variance, the repaired (29), none of them among
@@ -126,7 +126,7 @@ impl<'a> DesignSpace<'a> {
             problem = problem.with_replicates(Replicates::Planned(self.settings.replicates))?;
         }
         let mut settings = doe::Settings::default();
-        settings.seed = seed(self.settings.seed, self.iteration, purpose);
+        settings.seed = seed(self.settings.seed, self.batch, purpose);
         settings.starts = self.settings.design_starts;
         settings.effort = Effort::Quick;
         let none = match search(&problem, &settings) {
@@ -189,8 +189,8 @@ impl<'a> DesignSpace<'a> {
 }
 
 /// One stream of random numbers per batch and purpose.
-fn seed(seed: u64, iteration: usize, purpose: Purpose) -> u64 {
-    let stream = 3 * iteration as u64 + purpose as u64;
+fn seed(seed: u64, batch: usize, purpose: Purpose) -> u64 {
+    let stream = 3 * batch as u64 + purpose as u64;
     seed ^ stream.wrapping_mul(0x9E37_79B9_7F4A_7C15)
 }
 

@@ -11,7 +11,7 @@ use crate::global::open_batch::OpenBatch;
 use crate::global::report::{Report, StopReason};
 use crate::global::retained::RetainedSet;
 use crate::global::settings::Settings;
-use crate::global::surfaces::IterationSurfaces;
+use crate::global::surfaces::BatchSurfaces;
 use crate::global::trial::Trial;
 
 /// Experimentally infused optimization over a gridded design space: the loop of Chapters 5 and 6, as ask
@@ -27,7 +27,7 @@ pub struct Loop {
     pub(super) settings: Settings,
     pub(super) retained: RetainedSet,
     pub(super) history: Vec<Report>,
-    pub(super) surfaces: Vec<IterationSurfaces>,
+    pub(super) surfaces: Vec<BatchSurfaces>,
     pub(super) open: Option<OpenBatch>,
     /// Where simulations failed in calls of `ask` that opened no batch.
     pub(super) failed_cells: BTreeSet<Cell>,
@@ -78,7 +78,7 @@ impl Loop {
 
     /// The surfaces of the closed batches, first to last.
     #[must_use]
-    pub fn surfaces(&self) -> &[IterationSurfaces] {
+    pub fn surfaces(&self) -> &[BatchSurfaces] {
         &self.surfaces
     }
 
@@ -129,7 +129,7 @@ impl Loop {
     }
 
     /// Number of the batch that is open or comes next, from 1.
-    pub(super) fn iteration(&self) -> usize {
+    pub(super) fn batch(&self) -> usize {
         self.history.len() + 1
     }
 

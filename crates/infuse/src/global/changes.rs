@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::Error;
 use crate::global::cells::Cells;
 use crate::global::retained::RetainedSet;
-use crate::global::surfaces::IterationSurfaces;
+use crate::global::surfaces::BatchSurfaces;
 use crate::traced::TracedSurface;
 
 /// Largest magnitudes over M_i, in the unit of the response: what can be said of Figure 21 without knowing the truth.
@@ -29,8 +29,8 @@ pub struct SurfaceChanges {
 
 impl SurfaceChanges {
     pub(crate) fn between(
-        before: Option<&IterationSurfaces>,
-        now: &IterationSurfaces,
+        before: Option<&BatchSurfaces>,
+        now: &BatchSurfaces,
         retained: &RetainedSet,
         cells: &Cells,
     ) -> Result<Self, Error> {

@@ -24,8 +24,8 @@ pub struct EarlierExperiment {
 }
 
 impl EarlierExperiment {
-    pub(crate) fn counts_in(&self, iteration: usize) -> bool {
-        self.since <= iteration && self.until.is_none_or(|until| iteration < until)
+    pub(crate) fn counts_in(&self, batch: usize) -> bool {
+        self.since <= batch && self.until.is_none_or(|until| batch < until)
     }
 
     pub(crate) fn check(&self, region: &Region) -> Result<(), Error> {

@@ -7,7 +7,7 @@ use design_space::Cell;
 use crate::global::campaign::Loop;
 use crate::global::report::Report;
 use crate::global::settings::SurfaceKind;
-use crate::global::surfaces::IterationSurfaces;
+use crate::global::surfaces::BatchSurfaces;
 use crate::global::trial::{TrialRecord, TrialUse};
 use crate::traced::TracedSurface;
 use crate::{Error, TrialId};
@@ -89,7 +89,7 @@ impl Loop {
 
     /// Whether the experiments of a batch show by how much the shape of its regressor is wrong: were made at more settings than
     /// it has terms. Taken for granted but in a careful campaign, and of surfaces without a regressor.
-    pub(super) fn shows_misfit(&self, surfaces: &IterationSurfaces) -> bool {
+    pub(super) fn shows_misfit(&self, surfaces: &BatchSurfaces) -> bool {
         if !self.settings.careful || self.settings.surfaces.experiment != SurfaceKind::Regression {
             return true;
         }

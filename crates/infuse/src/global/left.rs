@@ -22,11 +22,11 @@ impl Loop {
     /// M_i, what was left at the onset of batch i from 1: recomputed from the surfaces of the batches before.
     /// None beyond the batch that is open or comes next.
     #[must_use]
-    pub fn retained_at(&self, iteration: usize) -> Option<RetainedSet> {
-        if !(1..=self.iteration()).contains(&iteration) {
+    pub fn retained_at(&self, batch: usize) -> Option<RetainedSet> {
+        if !(1..=self.batch()).contains(&batch) {
             return None;
         }
-        let mut closed = self.history.iter().zip(&self.surfaces).enumerate().take(iteration - 1);
+        let mut closed = self.history.iter().zip(&self.surfaces).enumerate().take(batch - 1);
         let full = RetainedSet::full(self.cells.n_cells());
         closed.try_fold(full, |left, (before, (report, surfaces))| {
             let left = self.without_failed(&left, &self.history[..before], &report.trials).ok()?;
@@ -56,8 +56,8 @@ impl Loop {
         if !self.settings().careful || self.is_retained(cell) {
             return None;
         }
-        let failed = |&iteration: &usize| {
-            let (before, report) = (&self.history[..iteration - 1], &self.history[iteration - 1]);
+        let failed = |&batch: &usize| {
+            let (before, report) = (&self.history[..batch - 1], &self.history[batch - 1]);
             self.experience_with(before, &report.trials).is_ok_and(|experience| experience.failed.contains(&cell))
         };
         let failed = (1..=self.history.len()).find(failed)?;
@@ -78,13 +78,13 @@ impl Loop {
     /// [`Error::SettingCount`] for a batch beyond the one that is open or comes next, [`Error::WrongLength`] for a
     /// surface with another number of factors, [`Error::Entry`] with the first cell at which it is not finite,
     /// [`Error::Setting`] if the norm itself is too large for a double.
-    pub fn norm_over(&self, iteration: usize, surface: &dyn Surface, norm: Norm) -> Result<f64, Error> {
+    pub fn norm_over(&self, batch: usize, surface: &dyn Surface, norm: Norm) -> Result<f64, Error> {
         let k = self.cells.n_factors();
         check_length("surface", k, surface.n_factors())?;
         let expected = "1 to that of the batch that is open or comes next";
-        let absent = Error::SettingCount { name: "iteration", value: iteration, expected };
+        let absent = Error::SettingCount { name: "batch", value: batch, expected };
         let cell = coded_cell_measure(k, usize::try_from(self.cells.n_cells()).unwrap_or(usize::MAX))?;
-        let region = self.retained_at(iteration).ok_or(absent)?;
+        let region = self.retained_at(batch).ok_or(absent)?;
         region.norm(self.cells.points(), surface, norm, cell)
     }
 
@@ -102,10 +102,10 @@ impl Loop {
         self.history.iter().zip(&self.surfaces).take(n_batches).find_map(|(report, surfaces)| {
             let screening = &report.screening;
             let (spread, value) = (screening.tested_spread()?, surfaces.combined.surface().predict(&point));
-            let (optimum_value, iteration) = (screening.optimum_value, report.iteration);
+            let (optimum_value, batch) = (screening.optimum_value, report.number);
             let z = z(value, optimum_value, spread);
             let z0 = screening.threshold;
-            (!screening.keeps(value)).then_some(Dropped { iteration, value, optimum_value, spread, z, z0 })
+            (!screening.keeps(value)).then_some(Dropped { batch, value, optimum_value, spread, z, z0 })
         })
     }
 }

@@ -76,7 +76,7 @@
 //! * So elsewhere the next designs may be others, and a cell whose z is z_0 to rounding, or a tie for the optimum, may be
 //!   decided otherwise: then the file is refused there.
 //!
-//! `max_iterations` and `seed` may be changed in a file; a seed counts from the next batch on.
+//! `max_batches` and `seed` may be changed in a file; a seed counts from the next batch on.
 //! The tests `saving_and_loading_at_every_point_changes_no_bit`, `the_number_of_threads_changes_no_bit` and
 //! `numbers_that_follow_may_differ_by_rounding_and_not_by_more` hold what is promised here.
 
@@ -119,7 +119,7 @@ pub use report::{Report, StopReason};
 pub use retained::RetainedSet;
 pub use settings::{Settings, SpreadFallback, SurfaceKind, SurfaceKinds};
 pub use spread::quality_of_fit;
-pub use surfaces::IterationSurfaces;
+pub use surfaces::BatchSurfaces;
 pub use trial::{Trial, TrialRecord, TrialUse};
 
 pub use crate::traced::{Observations, TracedSurface};

@@ -16,7 +16,7 @@ use crate::{Error, Outcome};
 
 /// A batch, its simulations, and the trials that wait for a person.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, rename = "OpenIteration")]
+#[serde(deny_unknown_fields)]
 pub(crate) struct OpenBatch {
     pub(crate) batch: Batch,
     pub(crate) simulations: Vec<SimulationRecord>,
@@ -101,12 +101,12 @@ pub(crate) fn trials(
     design: &[Cell],
     uses: &[TrialUse],
     cells: &Cells,
-    iteration: usize,
+    batch: usize,
     n_asked: u64,
 ) -> Result<Trials, Error> {
     let trial = |(id, (&cell, &used_for))| {
         let point = cells.natural(cell)?;
-        Ok(Trial { id, iteration, used_for, cell, point })
+        Ok(Trial { id, batch, used_for, cell, point })
     };
     let trials: Result<Vec<Trial>, Error> = ids_after(n_asked).zip(design.iter().zip(uses)).map(trial).collect();
     Ok(Ledger::of(trials?))

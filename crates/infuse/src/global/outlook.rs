@@ -11,7 +11,7 @@ use crate::global::candidates::Candidates;
 use crate::global::pure_error::PureError;
 use crate::global::report::Report;
 use crate::global::spread::Spread;
-use crate::global::surfaces::IterationSurfaces;
+use crate::global::surfaces::BatchSurfaces;
 
 /// Cells among which the best is looked for in every draw; of more that are left, a part.
 const MOST_CELLS: u64 = 20_000;
@@ -102,7 +102,7 @@ impl Loop {
         n_draws: usize,
         regressions: &[&Regression],
         report: &Report,
-        surfaces: &IterationSurfaces,
+        surfaces: &BatchSurfaces,
     ) -> Result<Option<Gains>, Error> {
         let factors = self.settings.correction.correction(regressions.len()).experiment;
         let candidates = Candidates::of(&self.retained, &self.cells, MOST_CELLS, self.settings.seed)?;
@@ -114,7 +114,7 @@ impl Loop {
         let mean_at_optimum = model.predict(&optimum);
         // A stream for each batch: no two campaigns share their draws because seed and batch come to the same.
         let mut generator = ChaCha8Rng::seed_from_u64(self.settings.seed);
-        generator.set_stream(report.iteration as u64);
+        generator.set_stream(report.number as u64);
         let mut values = Vec::with_capacity(n_draws);
         for _ in 0..n_draws {
             let Some(error) = drawn_error(regressions, &factors, self.cells.n_factors(), &mut generator)? else {
@@ -128,7 +128,7 @@ impl Loop {
     }
 
     /// What the wrong shape of the surface may hide besides the noise.
-    fn misfit_gain(&self, noise: Option<PureError>, report: &Report, surfaces: &IterationSurfaces) -> Option<f64> {
+    fn misfit_gain(&self, noise: Option<PureError>, report: &Report, surfaces: &BatchSurfaces) -> Option<f64> {
         match (self.retained.n_retained(), report.screening.spread) {
             (0 | 1, _) => Some(0.0),
             _ if !self.shows_misfit(surfaces) => None,
@@ -143,10 +143,10 @@ impl Loop {
 
     /// The mean variance of the combined surface at the validation experiments, if its training experiments and
     /// simulations scatter like one experiment of variance 1. Not by its own residuals: misfit is in them, too.
-    fn fit_variance(&self, report: &Report, surfaces: &IterationSurfaces) -> f64 {
+    fn fit_variance(&self, report: &Report, surfaces: &BatchSurfaces) -> f64 {
         let Some(fit) = surfaces.combined.regression() else { return 0.0 };
         let Some(sigma_squared) = fit.sigma_squared().filter(|&sigma_squared| sigma_squared > 0.0) else { return 0.0 };
-        let before = &self.history[..report.iteration - 1];
+        let before = &self.history[..report.number - 1];
         let unseen = self.unseen(before, &report.trials).unwrap_or_default();
         let validation = report.trials.iter().filter(|record| unseen.contains(&record.trial.id));
         let points = validation.filter_map(|record| self.region().coded(record.settings()).ok());

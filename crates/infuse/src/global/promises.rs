@@ -9,7 +9,7 @@ use crate::correction::ModelStage;
 use crate::global::campaign::Loop;
 use crate::global::report::Report;
 use crate::global::retained::RetainedSet;
-use crate::global::surfaces::IterationSurfaces;
+use crate::global::surfaces::BatchSurfaces;
 use crate::traced::TracedSurface;
 
 /// What [`Loop::observed_certificate`] rests on.
@@ -92,7 +92,7 @@ impl Loop {
 }
 
 /// The largest errors of Ĵsim and Ĵexp of a batch at runs left out.
-fn left_out(report: &Report, surfaces: &IterationSurfaces) -> Option<(f64, f64)> {
+fn left_out(report: &Report, surfaces: &BatchSurfaces) -> Option<(f64, f64)> {
     if report.not_corrected.is_some() {
         return None;
     }

@@ -19,8 +19,9 @@ use crate::global::trial::TrialRecord;
 pub enum StopReason {
     /// Fewer than two cells are left: nothing remains to be chosen.
     FewerThanTwoCells,
-    /// [`Settings::max_iterations`] were made.
-    IterationLimit,
+    /// [`Settings::max_batches`] were made.
+    #[serde(alias = "iteration_limit")]
+    BatchLimit,
     /// Every experiment of the last batch failed.
     NoInformation,
     /// The validation experiments of the last batch gave no spread S, and
@@ -32,7 +33,7 @@ impl fmt::Display for StopReason {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Self::FewerThanTwoCells => "fewer than two cells are left",
-            Self::IterationLimit => "the limit on the batches was reached",
+            Self::BatchLimit => "the limit on the batches was reached",
             Self::NoInformation => "every experiment of the last batch failed",
             Self::NoSpread => "the validation experiments gave no spread",
         })
@@ -57,7 +58,8 @@ pub struct SimulationRecord {
 #[serde(deny_unknown_fields)]
 pub struct Report {
     /// Number of the batch, from 1.
-    pub iteration: usize,
+    #[serde(alias = "iteration")]
+    pub number: usize,
     /// What was designed, and over what.
     pub batch: Batch,
     /// Every simulation, failed ones included.
@@ -89,8 +91,7 @@ impl Report {
 
     /// Why a campaign that has come this far ends here, if it does.
     pub(crate) fn stop(&self, settings: &Settings) -> Option<StopReason> {
-        self.own_stop(settings)
-            .or_else(|| (self.iteration >= settings.max_iterations).then_some(StopReason::IterationLimit))
+        self.own_stop(settings).or_else(|| (self.number >= settings.max_batches).then_some(StopReason::BatchLimit))
     }
 
     /// The same, whatever the limit on the batches.

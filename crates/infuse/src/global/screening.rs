@@ -101,7 +101,7 @@ impl Screening {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dropped {
     /// The batch that dropped it, from 1.
-    pub iteration: usize,
+    pub batch: usize,
     /// Ĵ of that batch at the cell.
     pub value: f64,
     /// Ĵ(p̂*) of that batch.

@@ -133,8 +133,8 @@ pub struct Settings {
     #[serde(default, skip_serializing_if = "is_false")]
     pub careful: bool,
     /// Limit on the batches. Default 10.
-    #[serde(default = "default_max_iterations")]
-    pub max_iterations: usize,
+    #[serde(default = "default_max_batches", alias = "max_iterations")]
+    pub max_batches: usize,
     /// Everything random follows from this. Default 1.
     ///
     /// It may be changed in the file of a saved campaign, and then counts from the next batch on: designs that
@@ -193,7 +193,7 @@ fn default_split() -> SplitMethod {
     SplitMethod::Alternating
 }
 
-fn default_max_iterations() -> usize {
+fn default_max_batches() -> usize {
     10
 }
 
@@ -245,7 +245,7 @@ impl Settings {
             fallback: SpreadFallback::default(),
             split: default_split(),
             careful: false,
-            max_iterations: default_max_iterations(),
+            max_batches: default_max_batches(),
             seed: default_seed(),
             design_starts: default_design_starts(),
             candidate_limit,
@@ -296,7 +296,7 @@ impl Settings {
             positive("fallback", spread)?;
         }
         count("first_screening", self.first_screening, self.first_screening > 0, "at least 1")?;
-        count("max_iterations", self.max_iterations, self.max_iterations > 0, "at least 1")?;
+        count("max_batches", self.max_batches, self.max_batches > 0, "at least 1")?;
         let positive_count = |name, value: u64, least: u64, expected| {
             let value_shown = usize::try_from(value).unwrap_or(usize::MAX);
             count(name, value_shown, value >= least, expected)

@@ -68,14 +68,14 @@ fn replayed(state: State) -> Result<Loop, Error> {
     }
     if !state.failed_cells.iter().all(|&cell| state.open.is_none() && campaign.is_retained(cell)) {
         let expected = "cells that are left, and none in an open batch";
-        return Err(Error::State { field: "failed_cells", iteration: campaign.iteration(), expected });
+        return Err(Error::State { field: "failed_cells", turn: campaign.batch(), expected });
     }
     campaign.failed_cells = state.failed_cells;
     if let Some(open) = state.open {
         let open = checked_open(&campaign, open)?;
         if open.trials.is_complete() {
             let expected = "at least one trial without an outcome";
-            return Err(Error::State { field: "open", iteration: campaign.iteration(), expected });
+            return Err(Error::State { field: "open", turn: campaign.batch(), expected });
         }
         campaign.open = Some(open);
     }
@@ -88,7 +88,7 @@ fn checked_earlier(
     last: usize,
 ) -> Result<Vec<EarlierExperiment>, Error> {
     for experiment in &earlier {
-        let wrong = |expected| Error::State { field: "earlier", iteration: experiment.since, expected };
+        let wrong = |expected| Error::State { field: "earlier", turn: experiment.since, expected };
         experiment.check(region).map_err(|_| wrong("finite costs and settings near the region"))?;
         if !(1..=last).contains(&experiment.since) {
             return Err(wrong("since a batch of the campaign"));
@@ -104,7 +104,7 @@ fn replay(campaign: &mut Loop, report: &Report) -> Result<(), Error> {
     let open = checked_open(campaign, saved)?;
     if !open.trials.is_complete() {
         let expected = "an outcome for each of its trials";
-        return Err(Error::State { field: "history", iteration: campaign.iteration(), expected });
+        return Err(Error::State { field: "history", turn: campaign.batch(), expected });
     }
     let closed = campaign.finish(open)?;
     let found = &closed.report;
@@ -120,7 +120,7 @@ fn agreement(campaign: &Loop, simulations: &[SimulationRecord], trials: &[TrialR
         simulated.chain(trials.iter().filter_map(|record| record.outcome.as_ref())).filter_map(Outcome::cost)
     });
     let largest_cost = costs.fold(0.0_f64, |largest, cost| largest.max(cost.abs()));
-    Agreement { iteration: campaign.iteration(), largest_cost }
+    Agreement { turn: campaign.batch(), largest_cost }
 }
 
 /// A batch can follow only on a campaign that had not ended. The limit on batches is left
@@ -129,7 +129,7 @@ fn check_may_go_on(campaign: &Loop) -> Result<(), Error> {
     let last = campaign.reports().last();
     if last.is_some_and(|last| last.own_stop(campaign.settings()).is_some()) {
         let expected = "none after the campaign had ended";
-        return Err(Error::State { field: "history", iteration: campaign.iteration(), expected });
+        return Err(Error::State { field: "history", turn: campaign.batch(), expected });
     }
     Ok(())
 }
@@ -138,8 +138,8 @@ fn check_may_go_on(campaign: &Loop) -> Result<(), Error> {
 /// Its numbers are those found again.
 fn checked_open(campaign: &Loop, mut saved: OpenBatch) -> Result<OpenBatch, Error> {
     check_may_go_on(campaign)?;
-    let (cells, settings, iteration) = (&campaign.cells, &campaign.settings, campaign.iteration());
-    let wrong = |field, expected| Error::State { field, iteration, expected };
+    let (cells, settings, turn) = (&campaign.cells, &campaign.settings, campaign.batch());
+    let wrong = |field, expected| Error::State { field, turn, expected };
     let experiments: Vec<Cell> = saved.trials.trials().map(|trial| trial.cell).collect();
     let runs: Vec<Cell> = saved.simulations.iter().map(|record| record.cell).collect();
     if experiments.len() != settings.n_experiments || runs.len() != settings.n_simulations {
@@ -148,8 +148,8 @@ fn checked_open(campaign: &Loop, mut saved: OpenBatch) -> Result<OpenBatch, Erro
     if !experiments.iter().chain(&runs).all(|&cell| campaign.is_retained(cell)) {
         return Err(wrong("cell", "a cell that was left at the onset of the batch"));
     }
-    let space = DesignSpace::of(&campaign.retained, cells, settings, iteration)?;
-    let handed_out = trials(&experiments, &campaign.uses(&space, &experiments)?, cells, iteration, campaign.n_asked())?;
+    let space = DesignSpace::of(&campaign.retained, cells, settings, turn)?;
+    let handed_out = trials(&experiments, &campaign.uses(&space, &experiments)?, cells, turn, campaign.n_asked())?;
     let agreement = agreement(campaign, &saved.simulations, saved.trials.records());
     for (saved, found) in saved.trials.trials().zip(handed_out.trials()) {
         agreement.of_trials(saved, found)?;
@@ -157,7 +157,7 @@ fn checked_open(campaign: &Loop, mut saved: OpenBatch) -> Result<OpenBatch, Erro
     let batch = space.batch(&experiments, &runs)?;
     agreement.of_batches(&saved.batch, &batch)?;
     let check = |trial: &Trial, actual: &Vec<f64>| check_actual(trial, actual, cells.region());
-    saved.trials = handed_out.with_outcomes_of(&saved.trials, iteration, check)?;
+    saved.trials = handed_out.with_outcomes_of(&saved.trials, turn, check)?;
     for record in &saved.simulations {
         agreement.exact("simulations.point", &record.point, &cells.natural(record.cell)?)?;
         if matches!(record.outcome, Outcome::Value(cost) if !cost.is_finite()) {

@@ -5,7 +5,7 @@ use crate::traced::TracedSurface;
 /// What a batch fitted, (30) to (36); all in coordinates coded to the original box.
 #[non_exhaustive]
 #[derive(Debug, Clone)]
-pub struct IterationSurfaces {
+pub struct BatchSurfaces {
     /// Ĵexp,i, of training and validation experiments; none if too many of them failed.
     pub experiment: Option<TracedSurface>,
     /// Ĵsim,i, of the simulations as they are.

@@ -24,7 +24,8 @@ pub struct Trial {
     /// Number under which its outcome is reported.
     pub id: TrialId,
     /// Batch it belongs to, from 1.
-    pub iteration: usize,
+    #[serde(alias = "iteration")]
+    pub batch: usize,
     /// What it is used for.
     pub used_for: TrialUse,
     /// The cell.

@@ -17,7 +17,7 @@ use crate::global::report::Report;
 use crate::global::retained::RetainedSet;
 use crate::global::screening::{Screening, threshold};
 use crate::global::spread::Spread;
-use crate::global::surfaces::IterationSurfaces;
+use crate::global::surfaces::BatchSurfaces;
 use crate::global::trial::TrialUse;
 use crate::traced::{Observations, TracedSurface};
 
@@ -25,7 +25,7 @@ use crate::traced::{Observations, TracedSurface};
 #[derive(Debug)]
 pub(crate) struct Closed {
     pub(crate) report: Report,
-    pub(crate) surfaces: IterationSurfaces,
+    pub(crate) surfaces: BatchSurfaces,
     pub(crate) retained: RetainedSet,
 }
 
@@ -53,7 +53,7 @@ impl Loop {
         let (experiment, not_corrected) = unless_data_are_few(experiment)?;
         let correction = self.correction_with(experiment.as_ref(), &simulation)?;
         let numerical = corrected_model(&simulation, &correction)?;
-        let surfaces = IterationSurfaces { experiment, simulation, combined, correction, numerical };
+        let surfaces = BatchSurfaces { experiment, simulation, combined, correction, numerical };
         let changes = SurfaceChanges::between(self.surfaces.last(), &surfaces, &self.retained, &self.cells)?;
         // 5.5: the optimum, the quality of fit S (40), and the test (37) to (39) of every cell against the optimum:
         // what is worse beyond doubt is dropped.
@@ -61,7 +61,7 @@ impl Loop {
         let left = self.without_failed(&self.retained, &self.history, open.trials.records())?;
         let (screening, retained) = self.screen(&left, &surfaces, spread)?;
         let report = Report {
-            iteration: self.iteration(),
+            number: self.batch(),
             batch: open.batch,
             simulations: open.simulations,
             trials: open.trials.into_records(),
@@ -77,7 +77,7 @@ impl Loop {
 /// Its steps.
 impl Loop {
     pub(super) fn design_space(&self) -> Result<DesignSpace<'_>, Error> {
-        DesignSpace::of(&self.retained, &self.cells, &self.settings, self.iteration())
+        DesignSpace::of(&self.retained, &self.cells, &self.settings, self.batch())
     }
 
     pub(super) fn plan_in(&self, space: &DesignSpace) -> Result<Plan, Error> {
@@ -132,14 +132,14 @@ impl Loop {
         let batch = space.batch(experiments, simulations)?;
         let simulated = simulations.iter().map(|&cell| simulated(cell, &self.cells, simulation));
         let simulations = simulated.collect::<Result<_, _>>()?;
-        let trials = trials(experiments, &uses, &self.cells, self.iteration(), self.n_asked())?;
+        let trials = trials(experiments, &uses, &self.cells, self.batch(), self.n_asked())?;
         Ok(OpenBatch { batch, simulations, trials })
     }
 
     /// The experiments made outside the campaign that count in the batch that is open or comes next.
     fn earlier_observations(&self) -> Result<Observations, Error> {
         let mut observations = Observations::none(self.cells.n_factors());
-        for earlier in self.earlier.iter().filter(|earlier| earlier.counts_in(self.iteration())) {
+        for earlier in self.earlier.iter().filter(|earlier| earlier.counts_in(self.batch())) {
             let inside = self.region().clamp(&earlier.point)?;
             if self.retained.contains(self.cell(&inside)?) {
                 observations.add_simulation(&self.region().coded(&earlier.point)?, earlier.cost)?;
@@ -174,13 +174,13 @@ impl Loop {
     fn screen(
         &self,
         left: &RetainedSet,
-        surfaces: &IterationSurfaces,
+        surfaces: &BatchSurfaces,
         spread: Spread,
     ) -> Result<(Screening, RetainedSet), Error> {
         let points = self.cells.points();
         let minimum = |name, cells: &RetainedSet, surface: &TracedSurface| {
             let minimum = cells.minimum(points, surface.surface());
-            minimum.ok_or(Error::NoMinimum { surface: name, iteration: self.iteration() })
+            minimum.ok_or(Error::NoMinimum { surface: name, batch: self.batch() })
         };
         let optimum = minimum("combined", left, &surfaces.combined)?;
         let simulated = minimum("simulation", &self.retained, &surfaces.simulation)?;
@@ -192,7 +192,7 @@ impl Loop {
             simulation_optimum_cell: simulated.cell,
             simulation_optimum: self.cells.natural(simulated.cell)?,
             spread,
-            tested: self.iteration() >= self.settings.first_screening && self.shows_misfit(surfaces),
+            tested: self.batch() >= self.settings.first_screening && self.shows_misfit(surfaces),
             threshold: threshold(self.settings.confidence),
             n_before,
             n_after: n_before,

@@ -47,7 +47,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownTrial`], [`Error::AlreadyTold`], [`Error::NonFiniteOutcome`]; the state is then
+    /// [`Error::UnknownTrial`], [`Error::SecondOutcome`], [`Error::NonFiniteOutcome`]; the state is then
     /// as before.
     pub fn tell(&mut self, id: TrialId, outcome: Outcome) -> Result<(), Error> {
         self.record(id, None, outcome)

@@ -81,7 +81,7 @@ fn replayed(state: State) -> Result<IdentifyingLoop, Error> {
 }
 
 fn wrong(campaign: &IdentifyingLoop, field: &'static str, expected: &'static str) -> Error {
-    Error::State { field, iteration: campaign.inner.iteration(), expected }
+    Error::State { field, turn: campaign.inner.iteration(), expected }
 }
 
 /// The same campaign before its first turn.
@@ -91,7 +91,7 @@ fn begun(state: &State) -> Result<IdentifyingLoop, Error> {
     if *mechanism == Mechanism::Identification {
         if settings.trust.iter().any(|trust| *trust != 0.0) {
             let expected = "zeros, where nothing is corrected";
-            return Err(Error::State { field: "trust", iteration: 1, expected });
+            return Err(Error::State { field: "trust", turn: 1, expected });
         }
         settings.trust.fill(1.0);
     }

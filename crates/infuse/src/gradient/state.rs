@@ -49,7 +49,7 @@ fn replayed(state: State) -> Result<Loop, Error> {
         let open = checked(&campaign, saved)?;
         if !open.trials.is_complete() || campaign.finish(open) != report {
             let expected = "what follows from its optimum, the outcomes of all its trials and the settings";
-            return Err(Error::State { field: "history", iteration, expected });
+            return Err(Error::State { field: "history", turn: iteration, expected });
         }
         campaign.history.push(report);
     }
@@ -58,7 +58,7 @@ fn replayed(state: State) -> Result<Loop, Error> {
         let open = checked(&campaign, saved)?;
         if open.trials.is_complete() {
             let expected = "at least one trial without an outcome";
-            return Err(Error::State { field: "open", iteration, expected });
+            return Err(Error::State { field: "open", turn: iteration, expected });
         }
         campaign.open = Some(open);
     }
@@ -75,7 +75,7 @@ pub(super) fn checked(campaign: &Loop, saved: OpenIteration) -> Result<OpenItera
     let handed_out = campaign.experiments_around(optimum);
     if !handed_out.trials().eq(saved.trials.trials()) {
         let expected = "the trials that were handed out around its optimum";
-        return Err(Error::State { field: "trials", iteration, expected });
+        return Err(Error::State { field: "trials", turn: iteration, expected });
     }
     let check = |trial: &_, actual: &f64| check_actual(trial, *actual, optimum);
     let trials = handed_out.with_outcomes_of(&saved.trials, iteration, check)?;
@@ -86,13 +86,13 @@ pub(super) fn checked(campaign: &Loop, saved: OpenIteration) -> Result<OpenItera
 /// out: it may be changed in the file.
 fn check_may_go_on(campaign: &Loop, iteration: usize) -> Result<(), Error> {
     if matches!(campaign.stop(), Some(StopReason::Converged | StopReason::NoInformation)) {
-        return Err(Error::State { field: "history", iteration, expected: "none after the campaign had ended" });
+        return Err(Error::State { field: "history", turn: iteration, expected: "none after the campaign had ended" });
     }
     Ok(())
 }
 
 fn check_numerical(campaign: &Loop, numerical: &NumericalOptimum, iteration: usize) -> Result<(), Error> {
-    let wrong = |field, expected| Error::State { field, iteration, expected };
+    let wrong = |field, expected| Error::State { field, turn: iteration, expected };
     let n_parameters = campaign.problem().n_parameters();
     campaign.problem().region().check(&numerical.point)?;
     if numerical.model_gradient.len() != n_parameters {

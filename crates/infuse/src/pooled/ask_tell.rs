@@ -115,7 +115,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownTrial`], [`Error::AlreadyTold`], [`Error::NonFiniteOutcome`]. The state is then as before.
+    /// [`Error::UnknownTrial`], [`Error::SecondOutcome`], [`Error::NonFiniteOutcome`]. The state is then as before.
     pub fn tell(&mut self, id: TrialId, outcome: Outcome) -> Result<(), Error> {
         self.record(id, None, outcome, false)
     }
@@ -134,7 +134,7 @@ impl Loop {
     ///
     /// # Errors
     ///
-    /// Those of [`tell_at`](Self::tell_at), but for [`Error::AlreadyTold`].
+    /// Those of [`tell_at`](Self::tell_at), but for [`Error::SecondOutcome`].
     pub fn correct(&mut self, id: TrialId, actual: Option<&[f64]>, outcome: Outcome) -> Result<(), Error> {
         self.record(id, actual.map(<[f64]>::to_vec), outcome, true)
     }
@@ -272,7 +272,7 @@ impl Loop {
         let position =
             self.records.iter().position(|record| record.trial.id == id).ok_or(Error::UnknownTrial { id })?;
         if self.records[position].outcome.is_some() != again {
-            return Err(if again { Error::UnknownTrial { id } } else { Error::AlreadyTold { id } });
+            return Err(if again { Error::UnknownTrial { id } } else { Error::SecondOutcome { id } });
         }
         if let Some(value) = outcome.cost().filter(|value| value.is_nan() || value.abs() > surface::Data::LARGEST) {
             return Err(Error::NonFiniteOutcome { id, value });

@@ -125,7 +125,7 @@ fn a_wrong_tell_is_an_error_and_changes_nothing() {
         assert_eq!(campaign.tell(id, Outcome::Value(1.0)), Err(Error::UnknownTrial { id }));
     }
     let id = asked[2].id;
-    assert_eq!(campaign.tell(id, failed("late")), Err(Error::AlreadyTold { id }));
+    assert_eq!(campaign.tell(id, failed("late")), Err(Error::SecondOutcome { id }));
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let told = campaign.tell(asked[0].id, Outcome::Value(value));
         assert!(matches!(told, Err(Error::NonFiniteOutcome { .. })), "{told:?}");
@@ -147,5 +147,5 @@ fn a_trial_of_a_closed_iteration_has_been_told() {
         campaign.tell(trial.id, Outcome::Value(1.0)).unwrap();
     }
     let id = TrialId::new(3);
-    assert_eq!(campaign.tell(id, Outcome::Value(1.0)), Err(Error::AlreadyTold { id }));
+    assert_eq!(campaign.tell(id, Outcome::Value(1.0)), Err(Error::SecondOutcome { id }));
 }

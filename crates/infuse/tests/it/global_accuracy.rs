@@ -46,8 +46,8 @@ fn norms() -> Vec<Norm> {
     orders.flat_map(|order| [NormScaling::Integral, NormScaling::Mean].map(|scaling| Norm { order, scaling })).collect()
 }
 
-fn values(campaign: &global::Loop, iteration: usize, surface: &dyn Surface) -> Vec<f64> {
-    let region = campaign.retained_at(iteration).unwrap();
+fn values(campaign: &global::Loop, batch: usize, surface: &dyn Surface) -> Vec<f64> {
+    let region = campaign.retained_at(batch).unwrap();
     region.cells().map(|cell| surface.predict(&campaign.coded(cell).unwrap())).collect()
 }
 
@@ -56,12 +56,12 @@ fn a_norm_over_what_is_left_is_that_of_the_list_of_its_cells() {
     let campaign = after(3, planar().1);
     let error = ModelError { model: campaign.surfaces()[1].numerical.surface() };
     let measure = coded_cell_measure(2, 576).unwrap();
-    for iteration in 1..=4 {
-        let values = values(&campaign, iteration, &error);
+    for batch in 1..=4 {
+        let values = values(&campaign, batch, &error);
         for norm in norms() {
             let expected = norm.over(&values, &vec![measure; values.len()]).unwrap();
-            let found = campaign.norm_over(iteration, &error, norm).unwrap();
-            assert!((found - expected).abs() <= 1e-13 * expected, "{norm:?}, {iteration}: {found} {expected}");
+            let found = campaign.norm_over(batch, &error, norm).unwrap();
+            assert!((found - expected).abs() <= 1e-13 * expected, "{norm:?}, {batch}: {found} {expected}");
         }
     }
     assert!(values(&campaign, 4, &error).len() < 500, "the region has shrunk");
@@ -85,9 +85,9 @@ fn what_has_no_norm_is_named() {
     let campaign = after(1, planar().1);
     let model = campaign.surfaces()[0].combined.surface();
     let message = |refused: Result<f64, Error>| refused.unwrap_err().to_string();
-    for iteration in [0, 3] {
-        let refused = message(campaign.norm_over(iteration, model, Norm::SUP));
-        assert!(refused.contains(&format!("`iteration` is {iteration}, expected 1 to that of")), "{refused}");
+    for batch in [0, 3] {
+        let refused = message(campaign.norm_over(batch, model, Norm::SUP));
+        assert!(refused.contains(&format!("`batch` is {batch}, expected 1 to that of")), "{refused}");
     }
     let one = infuse::global::TracedSurface::combination(1, []).unwrap();
     assert!(message(campaign.norm_over(1, one.surface(), Norm::SUP)).contains("`surface` has 1 entries"));
@@ -104,10 +104,10 @@ fn what_has_no_norm_is_named() {
 
 #[test]
 fn the_certificate_and_the_possible_optima_are_those_of_the_list_of_cells() {
-    for n_iterations in 1..=3 {
-        let campaign = after(n_iterations, planar().1);
+    for n_batches in 1..=3 {
+        let campaign = after(n_batches, planar().1);
         let surfaces = campaign.surfaces().last().unwrap();
-        let model = values(&campaign, n_iterations + 1, surfaces.numerical.surface());
+        let model = values(&campaign, n_batches + 1, surfaces.numerical.surface());
         let cells: Vec<Cell> = campaign.retained().cells().collect();
         let optimum = campaign.reports().last().unwrap().screening.optimum_cell;
         let place = cells.iter().position(|&cell| cell == optimum).unwrap();
@@ -123,7 +123,7 @@ fn the_certificate_and_the_possible_optima_are_those_of_the_list_of_cells() {
         }
         // With the true eps the promise is kept.
         let error = ModelError { model: surfaces.numerical.surface() };
-        let eps = campaign.norm_over(n_iterations + 1, &error, Norm::SUP).unwrap();
+        let eps = campaign.norm_over(n_batches + 1, &error, Norm::SUP).unwrap();
         let (best_cell, best) = least(&campaign, truth);
         let regret = truth(&campaign.point(optimum).unwrap()) - best;
         assert!(regret <= campaign.certificate(eps).unwrap().unwrap().regret, "{eps}: {regret}");
@@ -135,7 +135,7 @@ fn the_certificate_and_the_possible_optima_are_those_of_the_list_of_cells() {
 #[test]
 fn the_certificate_of_the_best_cell_is_against_the_others() {
     let (region, mut settings) = planar();
-    settings.max_iterations = 1;
+    settings.max_batches = 1;
     let mut campaign = global::Loop::new(&region, settings).unwrap();
     campaign.run(&mut |_, p| Ok(truth(p)), &mut |trial| Ok(experiment(trial))).unwrap();
     let model = values(&campaign, 2, campaign.surfaces()[0].numerical.surface());
@@ -151,7 +151,7 @@ fn the_certificate_of_the_best_cell_is_against_the_others() {
 }
 
 #[test]
-fn before_the_first_iteration_nothing_is_promised() {
+fn before_the_first_batch_nothing_is_promised() {
     let (region, settings) = planar();
     let campaign = global::Loop::new(&region, settings).unwrap();
     assert_eq!(campaign.certificate(0.1), Ok(None));

@@ -31,7 +31,7 @@ fn planning_and_opening_is_asking() {
 }
 
 #[test]
-fn plans_that_no_iteration_can_have_are_refused_and_change_nothing() {
+fn plans_that_no_batch_can_have_are_refused_and_change_nothing() {
     let (region, settings) = planar();
     let mut campaign = global::Loop::new(&region, settings).unwrap();
     let plan = planned(&campaign);
@@ -41,7 +41,7 @@ fn plans_that_no_iteration_can_have_are_refused_and_change_nothing() {
     outside.simulations[0] = Cell::new(576);
     for wrong in [short, outside] {
         let error = campaign.open(&wrong, &mut simulation).unwrap_err();
-        assert!(matches!(error, Error::Plan { iteration: 1, .. }), "{error}");
+        assert!(matches!(error, Error::Plan { batch: 1, .. }), "{error}");
         assert_eq!(save(&campaign), before);
     }
     campaign.open(&plan, &mut simulation).unwrap();
@@ -124,7 +124,7 @@ fn earlier_experiments_train_the_surfaces_and_validate_nothing() {
 }
 
 #[test]
-fn an_earlier_experiment_is_forgotten_with_its_cell_and_counts_from_its_iteration_on() {
+fn an_earlier_experiment_is_forgotten_with_its_cell_and_counts_from_its_batch_on() {
     let (_, settings) = planar();
     let mut campaign = after(2, settings);
     // (10, 14) is far from the optimum at (13, 11.4).
@@ -133,16 +133,16 @@ fn an_earlier_experiment_is_forgotten_with_its_cell_and_counts_from_its_iteratio
     campaign.add_earlier(&[10.0, 14.0], 9.0, "far").unwrap();
     campaign.add_earlier(&kept, truth(&kept), "near").unwrap();
     let plan = global::Loop::plan(&campaign).unwrap();
-    assert_eq!(plan, None, "the limit of two iterations was reached");
+    assert_eq!(plan, None, "the limit of two batches was reached");
     let mut text: serde_json::Value = serde_json::from_str(&save(&campaign)).unwrap();
-    text["settings"]["max_iterations"] = 3.into();
+    text["settings"]["max_batches"] = 3.into();
     let mut campaign: global::Loop = serde_json::from_value(text).unwrap();
     let trials = asked(campaign.ask(&mut simulation).unwrap());
     trials.iter().for_each(|trial| campaign.tell(trial.id, Outcome::Value(experiment(trial))).unwrap());
     let counted: Vec<usize> = campaign.reports().iter().map(|report| report.n_earlier).collect();
     assert_eq!(counted, [0, 0, 1]);
     assert_eq!((campaign.withdraw_earlier("near"), campaign.withdraw_earlier("near")), (1, 0));
-    assert_eq!(campaign.earlier()[1].until, Some(4), "iterations that rest on it stand");
+    assert_eq!(campaign.earlier()[1].until, Some(4), "batches that rest on it stand");
     let restored: global::Loop = serde_json::from_str(&save(&campaign)).unwrap();
     assert_eq!(restored, campaign);
 }
@@ -168,14 +168,12 @@ fn earlier_experiments_that_cannot_be_are_refused() {
 fn nothing_is_dropped_before_the_first_screening() {
     let (region, mut settings) = planar();
     settings.first_screening = 2;
-    settings.max_iterations = 2;
+    settings.max_batches = 2;
     let mut campaign = global::Loop::new(&region, settings.clone()).unwrap();
     campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
     let left: Vec<u64> = campaign.reports().iter().map(|report| report.screening.n_after).collect();
     assert!(left[0] == 576 && left[1] < 576, "{left:?}");
-    assert!(
-        campaign.grid().cells().all(|cell| campaign.why_dropped(cell).is_none_or(|dropped| dropped.iteration == 2))
-    );
+    assert!(campaign.grid().cells().all(|cell| campaign.why_dropped(cell).is_none_or(|dropped| dropped.batch == 2)));
     assert_eq!(
         campaign.grid().cells().filter(|&cell| campaign.why_dropped(cell).is_some()).count() as u64,
         576 - left[1]
@@ -190,7 +188,7 @@ fn nothing_is_dropped_before_the_first_screening() {
 fn outlook_over_two_cells_is_the_closed_form() {
     // One parameter, two cells, a straight line: the difference of the two costs is normal.
     let mut settings = settings(Model::linear(1).unwrap(), 6, 4);
-    settings.max_iterations = 1;
+    settings.max_batches = 1;
     settings.fallback = infuse::global::SpreadFallback::KeepAll;
     settings.confidence = 0.999_999;
     let mut campaign = global::Loop::new(&grid(&[2]), settings).unwrap();
@@ -246,7 +244,7 @@ fn observed_certificate_covers_the_regret_where_the_regressor_is_right() {
 fn what_noise_does_not_explain_may_hide_the_better_of_two_level_designs() {
     let (region, mut settings) = planar();
     settings.replicates = 3;
-    settings.max_iterations = 1;
+    settings.max_batches = 1;
     let mut campaign = global::Loop::new(&region, settings).unwrap();
     // The truth has a ripple that no quadratic follows.
     let rippled = |trial: &infuse::global::Trial| experiment(trial) + 0.4 * (3.0 * trial.point[0]).sin();

@@ -14,7 +14,7 @@ use crate::global_problems::{asked, coded, grid, save, settings};
 /// 9 x 15 designs, ten experiments a batch of which two repeat others, six terms; nothing is dropped by the first batch.
 fn campaign(seed: u64, careful: bool) -> global::Loop {
     let mut settings = settings(Model::quadratic(2).unwrap(), 10, 20);
-    (settings.replicates, settings.first_screening, settings.max_iterations) = (2, 2, 4);
+    (settings.replicates, settings.first_screening, settings.max_batches) = (2, 2, 4);
     (settings.seed, settings.careful) = (seed, careful);
     global::Loop::new(&grid(&[9, 15]), settings).unwrap()
 }
@@ -55,14 +55,14 @@ fn cells(report: &Report) -> Vec<Cell> {
     cells
 }
 
-fn failed_before(campaign: &global::Loop, iteration: usize) -> BTreeSet<Cell> {
-    let past = campaign.reports().iter().take(iteration - 1);
+fn failed_before(campaign: &global::Loop, batch: usize) -> BTreeSet<Cell> {
+    let past = campaign.reports().iter().take(batch - 1);
     past.flat_map(Report::failed_trials).map(|record| record.trial.cell).collect()
 }
 
 /// The validation experiments with a response at cells where nothing was taught.
 fn unseen<'a>(campaign: &'a global::Loop, report: &'a Report) -> Vec<&'a TrialRecord> {
-    let before = campaign.reports().iter().take(report.iteration - 1).flat_map(|report| &report.trials);
+    let before = campaign.reports().iter().take(report.number - 1).flat_map(|report| &report.trials);
     let own = report.trials.iter().filter(|record| record.trial.used_for == TrialUse::Training);
     let gave = |record: &&TrialRecord| record.cost().is_some();
     let taught: BTreeSet<Cell> = before.chain(own).filter(gave).map(|record| record.trial.cell).collect();
@@ -71,7 +71,7 @@ fn unseen<'a>(campaign: &'a global::Loop, report: &'a Report) -> Vec<&'a TrialRe
 }
 
 fn s_of(campaign: &global::Loop, report: &Report, records: &[&TrialRecord]) -> f64 {
-    let combined = &campaign.surfaces()[report.iteration - 1].combined;
+    let combined = &campaign.surfaces()[report.number - 1].combined;
     let square = |record: &&TrialRecord| {
         let predicted = combined.surface().predict(&campaign.coded(record.trial.cell).unwrap());
         (predicted - record.cost().unwrap()).powi(2)
@@ -85,7 +85,7 @@ fn by_default_failures_are_asked_for_again_and_taught_settings_called_unseen() {
     for seed in 1..=20 {
         let campaign = run(seed, false);
         for report in campaign.reports() {
-            let failed = failed_before(&campaign, report.iteration);
+            let failed = failed_before(&campaign, report.number);
             failed_again += cells(report).iter().filter(|cell| failed.contains(cell)).count();
             if let Spread::Estimated { n_validation, .. } = report.screening.spread {
                 taught += n_validation - unseen(&campaign, report).len();
@@ -102,12 +102,12 @@ fn careful_campaigns_ask_for_no_failure_again_repeat_no_batch_and_validate_where
         let campaign = run(seed, true);
         assert!(campaign.reports().len() > 1, "seed {seed}");
         for report in campaign.reports() {
-            let place = format!("seed {seed}, batch {}", report.iteration);
-            let failed = failed_before(&campaign, report.iteration);
+            let place = format!("seed {seed}, batch {}", report.number);
+            let failed = failed_before(&campaign, report.number);
             assert!(cells(report).iter().all(|cell| !failed.contains(cell)), "{place}: a failed setting again");
-            let failed = failed_before(&campaign, report.iteration + 1);
+            let failed = failed_before(&campaign, report.number + 1);
             assert!(!failed.contains(&report.screening.optimum_cell), "{place}: {:?}", report.screening);
-            let earlier = campaign.reports().iter().take(report.iteration - 1);
+            let earlier = campaign.reports().iter().take(report.number - 1);
             assert!(earlier.clone().all(|earlier| cells(earlier) != cells(report)), "{place}: a batch again");
 
             let unseen = unseen(&campaign, report);

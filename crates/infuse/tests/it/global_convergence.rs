@@ -17,7 +17,7 @@ fn by(law: Law) -> global::Loop {
     let (region, mut settings) = planar();
     settings.correction = Rule::new(law, Gain::constant(0.5).unwrap());
     settings.confidence = 1.0 - 1e-15;
-    settings.max_iterations = 7;
+    settings.max_batches = 7;
     let mut campaign = global::Loop::new(&region, settings).unwrap();
     let mut biased = |cell: Cell, p: &[f64]| Ok(flat(p) + simulation(cell, p)? - truth(p));
     campaign.run(&mut biased, &mut |trial| Ok(flat(&trial.point) + experiment(trial) - truth(&trial.point))).unwrap();
@@ -25,9 +25,9 @@ fn by(law: Law) -> global::Loop {
     campaign
 }
 
-/// Largest error of the corrected model over the whole grid, per iteration.
+/// Largest error of the corrected model over the whole grid, per batch.
 fn model_errors(campaign: &global::Loop) -> Vec<f64> {
-    let of = |surfaces: &infuse::global::IterationSurfaces| {
+    let of = |surfaces: &infuse::global::BatchSurfaces| {
         let error = |cell| {
             let estimate = surfaces.numerical.surface().predict(&campaign.coded(cell).unwrap());
             (estimate - flat(&campaign.point(cell).unwrap())).abs()
@@ -56,7 +56,7 @@ fn the_retained_set_never_grows() {
     assert_eq!(before.n_retained(), 576);
     for (number, report) in campaign.reports().iter().enumerate() {
         let left = campaign.retained_at(number + 2).unwrap();
-        assert!(left.cells().all(|cell| before.contains(cell)), "iteration {}", number + 1);
+        assert!(left.cells().all(|cell| before.contains(cell)), "batch {}", number + 1);
         assert_eq!((report.screening.n_before, report.screening.n_after), (before.n_retained(), left.n_retained()));
         assert!(left.contains(report.screening.optimum_cell), "the optimum stays");
         before = left;
@@ -73,30 +73,30 @@ fn the_proofs_recursion_leaves_the_closed_form_of_the_gap_and_36_as_printed_goes
     let proof = model_errors(&by(Law::ProofRecursion));
     for (n, error) in (1..).zip(&proof) {
         let left = gap * 0.5_f64.powi(n);
-        assert!((error - left).abs() < 0.06, "iteration {n}: {error} instead of {left}");
+        assert!((error - left).abs() < 0.06, "batch {n}: {error} instead of {left}");
     }
     let printed = model_errors(&by(Law::AsPrinted36));
     for (n, error) in (2..).zip(&printed[1..]) {
         // k, then 2k, 4k, 8k, ... of the gap are added.
         let left = gap * (0.5 * 2.0_f64.powi(n - 1) - 1.0).abs();
-        assert!((error - left).abs() < 0.05 * 2.0_f64.powi(n), "iteration {n}: {error} instead of {left}");
+        assert!((error - left).abs() < 0.05 * 2.0_f64.powi(n), "batch {n}: {error} instead of {left}");
     }
     assert!(printed[6] > 30.0 * gap, "{printed:?}");
 }
 
-/// The simulation with a wave that no term of the model has: its surface is another one in every iteration.
+/// The simulation with a wave that no term of the model has: its surface is another one in every batch.
 fn waved(cell: Cell, point: &[f64]) -> Result<f64, String> {
     let x = coded(point);
     Ok(simulation(cell, point)? + 0.4 * (4.0 * x[0] + 1.0).sin() + 0.3 * (3.0 * x[1]).cos())
 }
 
-fn of_waves(n_iterations: usize, rule: Rule) -> global::Loop {
+fn of_waves(n_batches: usize, rule: Rule) -> global::Loop {
     let (region, mut settings) = planar();
     settings.correction = rule;
-    settings.max_iterations = n_iterations;
+    settings.max_batches = n_batches;
     let mut campaign = global::Loop::new(&region, settings).unwrap();
     campaign.run(&mut waved, &mut |trial| Ok(experiment(trial))).unwrap();
-    assert_eq!(campaign.reports().len(), n_iterations);
+    assert_eq!(campaign.reports().len(), n_batches);
     campaign
 }
 
@@ -180,9 +180,9 @@ impl Quadratic {
     }
 }
 
-/// Two iterations of Section 5.3 from the costs in the reports, written out a second time.
+/// Two batches of Section 5.3 from the costs in the reports, written out a second time.
 #[test]
-fn two_iterations_are_those_of_the_normal_equations() {
+fn two_batches_are_those_of_the_normal_equations() {
     for law in [Law::ProofRecursion, Law::CurrentSimulation] {
         let campaign = of_waves(2, Rule::new(law, Gain::constant(0.5).unwrap()));
         let (mut correction, mut last) = (Quadratic([0.0; 6]), None);
@@ -219,7 +219,7 @@ fn two_iterations_are_those_of_the_normal_equations() {
             for (number, (surface, expected)) in pairs.into_iter().enumerate() {
                 let cells = campaign.grid().cells().map(|cell| expected.at(&campaign.coded(cell).unwrap()));
                 let largest = largest_difference(&sampled(&campaign, surface), &cells.collect::<Vec<_>>());
-                assert!(largest < 1e-7, "{law:?}, iteration {}, surface {number}: {largest}", report.iteration);
+                assert!(largest < 1e-7, "{law:?}, batch {}, surface {number}: {largest}", report.number);
             }
         }
     }
@@ -229,7 +229,7 @@ fn two_iterations_are_those_of_the_normal_equations() {
 fn four_parameters_work_with_fewer_training_runs_than_terms() {
     // 9 training runs and 15 terms, as in Section 7.2.
     let mut settings = settings(Model::quadratic(4).unwrap(), 18, 36);
-    settings.max_iterations = 4;
+    settings.max_batches = 4;
     let region = grid(&[6, 6, 6, 6]);
     let cost = |p: &[f64]| truth(&p[..2]) + (p[2] - 11.0).powi(2) + 0.5 * (p[3] - 13.0).powi(2);
     let mut simulated = |_: Cell, p: &[f64]| Ok(cost(p) + 0.7 * p[0] - 0.9 * p[2]);

@@ -57,20 +57,20 @@ fn validation_runs_that_all_failed_give_no_spread() {
     }
 }
 
-/// The experiments of iteration 2 are too few for a surface: it is no round of the recursion, and the next one is.
+/// The experiments of batch 2 are too few for a surface: it is no round of the recursion, and the next one is.
 #[test]
 fn too_few_experiments_leave_the_correction_as_it_was() {
     for law in [Law::ProofRecursion, Law::CurrentSimulation] {
         let (region, mut settings) = planar();
         settings.correction = Rule::new(law, Gain::constant(0.5).unwrap());
-        settings.max_iterations = 4;
+        settings.max_batches = 4;
         let mut campaign = global::Loop::new(&region, settings).unwrap();
         let mut curved = |cell: Cell, p: &[f64]| Ok(simulation(cell, p)? + 0.3 * (2.0 * p[0]).sin());
         let mut field = Field::new(campaign.settings().correction, 576).unwrap();
-        for iteration in 1..=3 {
+        for batch in 1..=3 {
             for trial in asked(campaign.ask(&mut curved).unwrap()) {
                 // 12 experiments less 7 are fewer than the 6 terms.
-                let fails = iteration == 2 && trial.id.number() <= 19;
+                let fails = batch == 2 && trial.id.number() <= 19;
                 let outcome = if fails { failed() } else { Outcome::Value(experiment(&trial)) };
                 campaign.tell(trial.id, outcome).unwrap();
             }
@@ -80,7 +80,7 @@ fn too_few_experiments_leave_the_correction_as_it_was() {
             let sampled = |surface: &TracedSurface| -> Vec<f64> {
                 campaign.grid().cells().map(|cell| surface.surface().predict(&campaign.coded(cell).unwrap())).collect()
             };
-            let (report, surfaces) = (&campaign.reports()[iteration - 1], &campaign.surfaces()[iteration - 1]);
+            let (report, surfaces) = (&campaign.reports()[batch - 1], &campaign.surfaces()[batch - 1]);
             match &surfaces.experiment {
                 Some(experiment) => field.update(&sampled(experiment), &sampled(&surfaces.simulation)).unwrap(),
                 None => {
@@ -88,9 +88,9 @@ fn too_few_experiments_leave_the_correction_as_it_was() {
                     assert!(report.changes.gap.is_none() && report.changes.experiment.is_none());
                 }
             }
-            assert_eq!(surfaces.experiment.is_none(), iteration == 2);
+            assert_eq!(surfaces.experiment.is_none(), batch == 2);
             for (found, expected) in sampled(&surfaces.correction).iter().zip(field.correction()) {
-                assert!((found - expected).abs() < 1e-9, "{law:?}, iteration {iteration}: {found} {expected}");
+                assert!((found - expected).abs() < 1e-9, "{law:?}, batch {batch}: {found} {expected}");
             }
         }
         for trial in asked(campaign.ask(&mut curved).unwrap()) {
@@ -228,5 +228,5 @@ fn impossible_replies_are_refused_and_change_nothing() {
     assert!(refused(id, Some(&[12.0, 17.0]), value()).contains("of parameter `p1` is 17.0"));
     assert!(refused(id, Some(&[f64::NAN, 12.0]), value()).contains("of parameter `p0` is NaN"));
     campaign.tell(id, value()).unwrap();
-    assert_eq!(campaign.tell(id, value()).unwrap_err(), Error::AlreadyTold { id });
+    assert_eq!(campaign.tell(id, value()).unwrap_err(), Error::SecondOutcome { id });
 }

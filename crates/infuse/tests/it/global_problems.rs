@@ -54,9 +54,9 @@ pub(crate) fn asked(ask: global::Ask) -> Vec<global::Trial> {
     }
 }
 
-/// The planted campaign after this many iterations.
-pub(crate) fn after(n_iterations: usize, mut settings: global::Settings) -> global::Loop {
-    settings.max_iterations = n_iterations;
+/// The planted campaign after this many batches.
+pub(crate) fn after(n_batches: usize, mut settings: global::Settings) -> global::Loop {
+    settings.max_batches = n_batches;
     let mut campaign = global::Loop::new(&grid(&[24, 24]), settings).unwrap();
     campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
     campaign

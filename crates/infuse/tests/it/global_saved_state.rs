@@ -24,7 +24,7 @@ fn answer(campaign: &mut global::Loop, trial: &global::Trial) {
 fn small(seed: u64) -> global::Loop {
     let mut settings = settings(design_space::Model::quadratic(2).unwrap(), 8, 10);
     settings.seed = seed;
-    settings.max_iterations = 3;
+    settings.max_batches = 3;
     global::Loop::new(&grid(&[10, 9]), settings).unwrap()
 }
 
@@ -68,7 +68,7 @@ fn the_number_of_threads_changes_no_bit() {
     let campaign = || {
         let (region, mut settings) = planar();
         settings.design_starts = 4;
-        settings.max_iterations = 3;
+        settings.max_batches = 3;
         settings.candidate_limit = 1000;
         let mut campaign = global::Loop::new(&region, settings).unwrap();
         campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
@@ -80,7 +80,7 @@ fn the_number_of_threads_changes_no_bit() {
     assert_eq!(with(5), one);
 }
 
-/// One closed iteration and one open with two trials told.
+/// One closed batch and one open with two trials told.
 fn in_the_middle() -> global::Loop {
     let mut campaign = small(3);
     for trial in asked(campaign.ask(&mut simulation).unwrap()) {
@@ -112,7 +112,7 @@ fn a_state_that_was_tampered_with_is_refused() {
     check_refused("/settings/split", json!("alternating_from_mean"), "`trials.trial.used_for`");
     check_refused("/settings/n_experiments", json!(9), "as many experiments and simulations");
     check_refused("/settings/n_experiments", json!(3), "`n_experiments` is 3");
-    check_refused("/history/0/iteration", json!(2), "`iteration` of turn 1 is 2, found 1");
+    check_refused("/history/0/number", json!(2), "`number` of turn 1 is 2, found 1");
     check_refused("/history/0/batch/n_candidates", json!(3), "`batch.n_candidates` of turn 1 is 3, found 90");
     check_refused("/history/0/batch/constant_instead", json!(true), "`batch.constant_instead`");
     check_refused("/history/0/batch/experiment_efficiency", json!(99.0), "`batch.experiment_efficiency` of turn 1");
@@ -136,8 +136,8 @@ fn a_state_that_was_tampered_with_is_refused() {
     check_refused("/open/trials", json!([]), "as many experiments and simulations");
 }
 
-/// Two closed iterations.
-fn of_two_iterations() -> global::Loop {
+/// Two closed batches.
+fn of_two_batches() -> global::Loop {
     let mut campaign = small(3);
     for _ in 0..2 {
         for trial in asked(campaign.ask(&mut simulation).unwrap()) {
@@ -150,7 +150,7 @@ fn of_two_iterations() -> global::Loop {
 /// What was computed comes from factorizations, which round differently with other instruction sets.
 #[test]
 fn numbers_that_follow_may_differ_by_rounding_and_not_by_more() {
-    let campaign = of_two_iterations();
+    let campaign = of_two_batches();
     let state = serde_json::to_value(&campaign).unwrap();
     for (pointer, field) in [
         ("/history/0/batch/experiment_efficiency", "`batch.experiment_efficiency`"),
@@ -180,8 +180,8 @@ fn numbers_that_follow_may_differ_by_rounding_and_not_by_more() {
 }
 
 #[test]
-fn the_seed_may_be_changed_and_counts_from_the_next_iteration_on() {
-    let campaign = of_two_iterations();
+fn the_seed_may_be_changed_and_counts_from_the_next_batch_on() {
+    let campaign = of_two_batches();
     let mut state = serde_json::to_value(&campaign).unwrap();
     state["settings"]["seed"] = json!(77);
     let read = load(&state.to_string());
@@ -214,13 +214,46 @@ fn unknown_keys_are_refused_everywhere() {
     }
 }
 
+/// The same with the names that fields had when batches were called iterations.
+fn as_named_before(text: &str) -> String {
+    let mut state: Value = serde_json::from_str(text).unwrap();
+    let rename = |value: &mut Value, now: &str, before: &str| {
+        let map = value.as_object_mut().unwrap();
+        let field = map.remove(now).unwrap();
+        map.insert(before.to_owned(), field);
+    };
+    rename(&mut state["settings"], "max_batches", "max_iterations");
+    for report in state["history"].as_array_mut().unwrap() {
+        rename(report, "number", "iteration");
+        report["trials"]
+            .as_array_mut()
+            .unwrap()
+            .iter_mut()
+            .for_each(|one| rename(&mut one["trial"], "batch", "iteration"));
+    }
+    for record in state["open"]["trials"].as_array_mut().unwrap() {
+        rename(&mut record["trial"], "batch", "iteration");
+    }
+    state.to_string()
+}
+
 #[test]
-fn one_iteration_too_many_is_refused_and_the_limit_may_be_raised() {
+fn a_state_that_was_saved_when_batches_were_called_iterations_is_read() {
+    let campaign = in_the_middle();
+    let before = as_named_before(&save(&campaign));
+    assert_eq!(before.matches("iteration").count(), 1 + 1 + 8 + 8, "{before}");
+    assert_eq!(save(&load(&before)), save(&campaign));
+    let limit: infuse::global::StopReason = serde_json::from_str("\"iteration_limit\"").unwrap();
+    assert_eq!(limit, infuse::global::StopReason::BatchLimit);
+}
+
+#[test]
+fn one_batch_too_many_is_refused_and_the_limit_may_be_raised() {
     let mut campaign = small(1);
     campaign.run(&mut simulation, &mut |trial| Ok(experiment(trial))).unwrap();
-    assert_eq!(campaign.stop(), Some(infuse::global::StopReason::IterationLimit));
+    assert_eq!(campaign.stop(), Some(infuse::global::StopReason::BatchLimit));
     let mut state = serde_json::to_value(&campaign).unwrap();
-    state["settings"]["max_iterations"] = json!(4);
+    state["settings"]["max_batches"] = json!(4);
     let mut longer = load(&state.to_string());
     assert_eq!(longer.stop(), None);
     assert_eq!(asked(longer.ask(&mut simulation).unwrap()).len(), 8);

@@ -43,9 +43,9 @@ fn an_experiment_that_is_in_the_surface_cannot_validate_it() {
     assert!(leak.to_string().contains("validation trials 1, expected"), "{leak}");
 }
 
-/// Simulations of the first iteration corrected by that iteration's own correction, the same-iteration reading of 5.4.
+/// Simulations of the first batch corrected by that batch's own correction, the same-batch reading of 5.4.
 #[test]
-fn the_correction_of_the_same_iteration_leaks_and_is_refused() {
+fn the_correction_of_the_same_batch_leaks_and_is_refused() {
     let campaign = after(1, planar().1);
     let (report, surfaces) = (&campaign.reports()[0], &campaign.surfaces()[0]);
     let mut observations = Observations::none(2);
@@ -83,7 +83,7 @@ fn the_combined_surface_rests_on_its_training_runs_and_on_everything_before() {
 #[test]
 fn what_was_dropped_has_a_reason_and_what_was_not_has_none() {
     let campaign = after(5, planar().1);
-    let sets: Vec<_> = (1..=6).map(|iteration| campaign.retained_at(iteration).unwrap()).collect();
+    let sets: Vec<_> = (1..=6).map(|batch| campaign.retained_at(batch).unwrap()).collect();
     let mut n_dropped = 0;
     for cell in campaign.grid().cells() {
         let Some(dropped) = campaign.why_dropped(cell) else {
@@ -92,7 +92,7 @@ fn what_was_dropped_has_a_reason_and_what_was_not_has_none() {
         };
         n_dropped += 1;
         assert!(!campaign.is_retained(cell), "cell {cell}");
-        assert!(sets[dropped.iteration - 1].contains(cell) && !sets[dropped.iteration].contains(cell), "cell {cell}");
+        assert!(sets[dropped.batch - 1].contains(cell) && !sets[dropped.batch].contains(cell), "cell {cell}");
         // (39), with the quantile of tables.
         let z = (dropped.value - dropped.optimum_value) / (dropped.spread * 2.0_f64.sqrt());
         assert!((dropped.z - z).abs() < 1e-12 * z && dropped.z >= dropped.z0);
@@ -106,7 +106,7 @@ fn what_was_dropped_has_a_reason_and_what_was_not_has_none() {
 
 /// (40) and the numbers of the z-test from the reported runs alone, by hand.
 #[test]
-fn the_spread_of_an_iteration_is_that_of_its_validation_runs() {
+fn the_spread_of_an_batch_is_that_of_its_validation_runs() {
     let campaign = after(3, planar().1);
     for (report, surfaces) in campaign.reports().iter().zip(campaign.surfaces()) {
         let runs = report.trials.iter().filter(|record| record.trial.used_for == TrialUse::Validation);
@@ -129,17 +129,17 @@ fn without_a_spread_the_settings_decide() {
     let run = |fallback| {
         let (region, mut settings) = planar();
         settings.fallback = fallback;
-        settings.max_iterations = 1;
+        settings.max_batches = 1;
         let mut campaign = global::Loop::new(&region, settings).unwrap();
         let stop = campaign.run(&mut |_, p| Ok(truth(p)), &mut |trial| Ok(truth(&trial.point))).unwrap();
         (stop, campaign.reports()[0].screening.clone())
     };
     let because = SpreadFault::Zero;
     let (stop, kept) = run(SpreadFallback::KeepAll);
-    assert_eq!((stop, kept.n_after), (infuse::global::StopReason::IterationLimit, 576));
+    assert_eq!((stop, kept.n_after), (infuse::global::StopReason::BatchLimit, 576));
     assert_eq!(kept.spread, Spread::Undefined { because });
     let (stop, given) = run(SpreadFallback::Given(0.1));
-    assert_eq!((stop, given.spread), (infuse::global::StopReason::IterationLimit, Spread::Given { s: 0.1, because }));
+    assert_eq!((stop, given.spread), (infuse::global::StopReason::BatchLimit, Spread::Given { s: 0.1, because }));
     // 0.1 times the root of 2 times 1.2816 above the smallest.
     let (region, settings) = planar();
     let campaign = global::Loop::new(&region, settings).unwrap();
@@ -167,7 +167,7 @@ proptest! {
         };
         let mut settings = settings(Model::quadratic(2).unwrap(), 8, 8);
         settings.seed = seed;
-        settings.max_iterations = 3;
+        settings.max_batches = 3;
         settings.fallback = SpreadFallback::Given(spread);
         let mut campaign = global::Loop::new(&grid(&[9, 11]), settings).unwrap();
         campaign.run(&mut |_, p| Ok(cost(p)), &mut |trial| Ok(cost(&trial.point))).unwrap();

@@ -36,7 +36,7 @@ fn settings_out_of_range_are_named() {
     check_refused(|settings| settings.simulation_weight = f64::NAN, "`simulation_weight` is NaN");
     check_refused(|settings| settings.confidence = 0.5, "`confidence` is 0.5, expected 0.5 < confidence < 1");
     check_refused(|settings| settings.confidence = 1.0, "`confidence` is 1.0");
-    check_refused(|settings| settings.max_iterations = 0, "`max_iterations` is 0");
+    check_refused(|settings| settings.max_batches = 0, "`max_batches` is 0");
     check_refused(|settings| settings.design_starts = 0, "`design_starts` is 0");
     check_refused(|settings| settings.candidate_limit = 999, "`candidate_limit` is 999");
     check_refused(|settings| settings.fallback = SpreadFallback::Given(-1.0), "`fallback` is -1.0");

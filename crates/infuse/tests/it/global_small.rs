@@ -12,7 +12,7 @@ fn bowl(levels: &[u32], fallback: SpreadFallback) -> global::Loop {
     let n_terms = model.n_terms();
     let mut settings = settings(model, n_terms.max(6), n_terms.max(8));
     settings.fallback = fallback;
-    settings.max_iterations = 5;
+    settings.max_batches = 5;
     global::Loop::new(&grid(levels), settings).unwrap()
 }
 
@@ -66,7 +66,7 @@ fn an_axis_that_is_left_with_one_level_loses_its_terms() {
     let steep = |p: &[f64]| 1.0 + 1e3 * (coded(p)[0] - 0.2).powi(2);
     let mut campaign = bowl(&[11, 7], SpreadFallback::Given(0.1));
     let stop = campaign.run(&mut |_, p| Ok(steep(p)), &mut |trial| Ok(steep(&trial.point))).unwrap();
-    assert_eq!(stop, global::StopReason::IterationLimit);
+    assert_eq!(stop, global::StopReason::BatchLimit);
     let second = &campaign.reports()[1];
     assert_eq!(second.screening.n_before, 7);
     let names: Vec<_> = second.batch.dropped_terms.iter().map(|term| term.name.as_str()).collect();
@@ -91,7 +91,7 @@ fn grids_of_a_few_cells_run_to_an_end() {
 fn a_large_grid_is_represented_by_a_part_of_it() {
     let mut settings = settings(Model::quadratic(3).unwrap(), 12, 14);
     settings.candidate_limit = 1000;
-    settings.max_iterations = 2;
+    settings.max_batches = 2;
     let region = grid(&[24, 24, 24]);
     let mut campaign = global::Loop::new(&region, settings).unwrap();
     run(&mut campaign);
@@ -111,12 +111,12 @@ fn a_model_of_which_nothing_is_left_becomes_a_constant() {
     let model = Model::new(2, vec![design_space::Term::new(vec![2, 0])]).unwrap();
     let mut settings = settings(model, 6, 8);
     settings.fallback = SpreadFallback::Given(0.1);
-    settings.max_iterations = 3;
+    settings.max_batches = 3;
     let mut campaign = global::Loop::new(&grid(&[11, 7]), settings).unwrap();
     // Steep in p0 only, so that the middle level of p0 is left, where its square vanishes.
     let steep = |p: &[f64]| 1e3 * coded(p)[0].powi(2);
     let mut rig = |trial: &infuse::global::Trial| Ok(steep(&trial.point));
-    assert_eq!(campaign.run(&mut |_, p| Ok(steep(p)), &mut rig).unwrap(), global::StopReason::IterationLimit);
+    assert_eq!(campaign.run(&mut |_, p| Ok(steep(p)), &mut rig).unwrap(), global::StopReason::BatchLimit);
     let batches: Vec<_> = campaign.reports().iter().map(|report| &report.batch).collect();
     assert_eq!(batches[1].n_candidates, 7);
     assert_eq!(batches.iter().map(|batch| batch.constant_instead).collect::<Vec<_>>(), [false, true, true]);
@@ -137,7 +137,7 @@ fn a_level_that_is_left_in_two_cells_only_is_designed_for() {
     let exact = infuse::global::SurfaceKind::InverseDistance { power: 2.0 };
     settings.surfaces = infuse::global::SurfaceKinds { experiment: exact, simulation: exact, combined: exact };
     settings.fallback = SpreadFallback::Given(0.1);
-    settings.max_iterations = 2;
+    settings.max_batches = 2;
     let region = grid(&[12, 10, 12]);
     let digits = |p: &[f64]| -> Vec<u32> {
         let pairs = region.parameters().iter().zip(p);

@@ -539,7 +539,7 @@ fn what_cannot_be_right_is_refused_by_name_and_changes_nothing() {
     assert!(campaign.correct(first, None, Outcome::Value(1.0)).is_err(), "nothing to correct yet");
     assert_eq!(campaign.records(), before);
     campaign.tell(first, Outcome::Value(1.0)).expect("an outstanding trial");
-    assert_eq!(campaign.tell(first, Outcome::Value(1.0)), Err(Error::AlreadyTold { id: first }));
+    assert_eq!(campaign.tell(first, Outcome::Value(1.0)), Err(Error::SecondOutcome { id: first }));
     assert!(campaign.tell_simulation(Cell::new(25), &Outcome::Value(1.0)).is_err());
 }
 

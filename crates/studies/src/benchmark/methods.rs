@@ -95,7 +95,7 @@ fn pooled_loop(task: &Task<'_>) -> Result<Vec<Step>> {
 fn dissertation(task: &Task<'_>) -> Result<Vec<Step>> {
     let model = Model::quadratic(task.pair.n_factors)?;
     let mut settings = global::Settings::new(model, task.n_experiments, 2 * task.n_experiments);
-    (settings.max_iterations, settings.first_screening, settings.seed) = (BATCHES, 2, task.seed);
+    (settings.max_batches, settings.first_screening, settings.seed) = (BATCHES, 2, task.seed);
     let mut campaign = global::Loop::new(&task.region, settings)?;
     let mut reading = task.readings();
     let mut simulate = |_: Cell, point: &[f64]| Ok((task.pair.simulation)(point));

@@ -50,18 +50,18 @@ fn designs(findings: &Findings, ended: &Ended) -> Result<Picture> {
     let mut panels = Vec::new();
     for index in chosen(reports.len()) {
         let (report, surfaces) = (&reports[index], &ended.campaign.surfaces()[index]);
-        let retained = ended.campaign.retained_at(report.iteration).context("a closed iteration")?;
+        let retained = ended.campaign.retained_at(report.number).context("a closed iteration")?;
         let truth = &findings.flown[ended.case.space].truths[ended.case.truth];
         let combined = |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&space.coded(cell)?)) };
         let share = 100.0 * retained.share();
         panels.push(CellPanel {
-            title: format!("iteration {}: true cost where {share:.1} % is left, and designs", report.iteration),
+            title: format!("iteration {}: true cost where {share:.1} % is left, and designs", report.number),
             points: design_points(report),
             minimum: None,
             ..cell_panel(space, &retained, |cell| Ok(truth.cost(cell).clone().unwrap_or(f64::NAN)))?
         });
         panels.push(CellPanel {
-            title: format!("iteration {}: combined response surface", report.iteration),
+            title: format!("iteration {}: combined response surface", report.number),
             points: Vec::new(),
             minimum: Some((report.screening.optimum[0], report.screening.optimum[1])),
             ..cell_panel(space, &retained, combined)?
@@ -261,7 +261,7 @@ fn flights(findings: &Findings, ended: &Ended) -> Result<Picture> {
         caption: format!(
             "The counterpart of Figure 22, {label}: heading and zenith angle of the optima of iterations 1 and {} with {} as the truth, \
              {}, noise {} %.",
-            last.iteration,
+            last.number,
             truth.with_article(),
             setup.variant(ended.case).label,
             100.0 * ended.case.noise

@@ -254,7 +254,7 @@ impl Setup {
         let mut settings = entry.batch.settings(model);
         settings.confidence = file.iterations.confidence;
         settings.correction = Rule::new(variant.law, variant.gain);
-        settings.max_iterations = file.iterations.iterations;
+        settings.max_batches = file.iterations.iterations;
         settings.seed = file.iterations.seed;
         Ok(settings)
     }
@@ -274,7 +274,7 @@ mod tests {
     #[test]
     fn typos_and_impossible_numbers_are_refused_by_name() {
         refuses("iterations = 33", "iteration = 33", &["unknown field `iteration`"]);
-        refuses("iterations = 33", "iterations = 0", &["max_iterations", "at least 1"]);
+        refuses("iterations = 33", "iterations = 0", &["max_batches", "at least 1"]);
         refuses("levels = 24", "levels = 1", &["levels = 1"]);
         refuses("levels = 10", "levels = 90", &["4 parameters", "65610000 cells", "1000000"]);
         refuses("experiments = 12", "experiments = 3", &["n_experiments", "at least 4"]);

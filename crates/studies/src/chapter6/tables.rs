@@ -14,7 +14,7 @@ use page::{Column, Table};
 /// Why a campaign ended before its limit, to be read after the iteration.
 pub(crate) fn stop_words(ended: &Ended) -> String {
     match ended.campaign.stop() {
-        Some(global::StopReason::IterationLimit) | None => String::new(),
+        Some(global::StopReason::BatchLimit) | None => String::new(),
         Some(global::StopReason::FewerThanTwoCells) => ", one cell".to_owned(),
         Some(global::StopReason::NoInformation) => ", no fit".to_owned(),
         Some(global::StopReason::NoSpread) => ", no spread".to_owned(),
@@ -218,7 +218,7 @@ pub(crate) fn how_many(findings: &Findings) -> Result<Table> {
                 let bound = Bound::new(ended.campaign.settings().correction, ModelStage::Corrected);
                 let limit = bound.limit().map(|limit| limit.error(&levels));
                 let promises = limit.is_some_and(|limit| limit < first.gap);
-                let needed = if promises { bound.iterations_to(&levels, 0.1 * first.gap)? } else { None };
+                let needed = if promises { bound.batches_to(&levels, 0.1 * first.gap)? } else { None };
                 table.push(vec![
                     findings.setup.spaces[space].entry.label.clone(),
                     findings.setup.truth(truth).short.clone(),

@@ -22,7 +22,7 @@ impl Alone {
     pub(super) fn design(rig: &StandInRig<'_>, settings: &global::Settings) -> Result<Self> {
         let region = rig.space.region();
         let space = doe::Space::of_region(region)?;
-        let n_runs = settings.max_iterations * settings.n_experiments;
+        let n_runs = settings.max_batches * settings.n_experiments;
         let problem = Problem::new(settings.model.clone(), space, n_runs, Criterion::G)?;
         let mut search = doe::Settings::default();
         search.seed = settings.seed;
@@ -31,7 +31,7 @@ impl Alone {
         let found = doe::search(&problem, &search)?;
         let trials = found.cells.into_iter().zip(1_u64..).map(|(cell, number)| {
             let (id, used_for) = (TrialId::new(number), TrialUse::Training);
-            Ok(global::Trial { id, iteration: 1, used_for, cell, point: rig.space.point(cell)? })
+            Ok(global::Trial { id, batch: 1, used_for, cell, point: rig.space.point(cell)? })
         });
         let kind = Kind::Regression { model: settings.model.clone(), confounded: Confounded::Refuse };
         Ok(Self { kind, trials: trials.collect::<Result<_>>()? })

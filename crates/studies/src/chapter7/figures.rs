@@ -125,18 +125,18 @@ fn designs(case: &Case, found: &Found) -> Result<Picture> {
     let campaign = &found.main().quiet_campaign;
     let mut panels = Vec::new();
     for (report, surfaces) in campaign.reports().iter().zip(campaign.surfaces()) {
-        let retained = campaign.retained_at(report.iteration).context("a closed iteration")?;
-        let share = shares(campaign, report.iteration).unwrap_or(f64::NAN);
+        let retained = campaign.retained_at(report.number).context("a closed iteration")?;
+        let share = shares(campaign, report.number).unwrap_or(f64::NAN);
         let truth = |cell| Ok(found.truth.cost(cell).clone().unwrap_or(f64::NAN));
         let combined = |cell| -> Result<f64> { Ok(surfaces.combined.surface().predict(&space.coded(cell)?)) };
         let (x, y) = (report.screening.optimum[0], report.screening.optimum[1]);
         panels.push(CellPanel {
-            title: format!("iteration {}: runs, true cost, {share:.1} % left", report.iteration),
+            title: format!("iteration {}: runs, true cost, {share:.1} % left", report.number),
             points: design_points(report),
             ..cell_panel(space, &retained, truth)?
         });
         panels.push(CellPanel {
-            title: format!("iteration {}: combined surface", report.iteration),
+            title: format!("iteration {}: combined surface", report.number),
             minimum: Some((x, y)),
             ..cell_panel(space, &retained, combined)?
         });

@@ -205,7 +205,7 @@ impl Setup {
         let mut settings = entry.batch.settings(model);
         settings.confidence = self.file.rule.confidence;
         settings.correction = Rule::new(self.file.rule.law, self.file.rule.gain);
-        settings.max_iterations = entry.iterations;
+        settings.max_batches = entry.iterations;
         settings.seed = self.file.rule.seed;
         Ok(settings)
     }

@@ -121,7 +121,7 @@ mod tests {
 
     fn settings() -> global::Settings {
         let mut settings = global::Settings::new(Model::additive_quadratic(2).expect("a model"), 12, 24);
-        settings.max_iterations = 3;
+        settings.max_batches = 3;
         settings
     }
 

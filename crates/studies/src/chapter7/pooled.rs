@@ -62,7 +62,7 @@ impl PooledCampaign {
     /// simulations those at its experiments are a part.
     fn run(rig: &StandInRig<'_>, budget: &global::Settings, finished: &impl Fn()) -> Result<Self> {
         let mut settings = Settings::new(budget.n_experiments);
-        (settings.max_batches, settings.seed) = (budget.max_iterations, rig.seed);
+        (settings.max_batches, settings.seed) = (budget.max_batches, rig.seed);
         let before = budget.n_simulations.saturating_sub(budget.n_experiments).max(2);
         settings.simulations = Some(before);
         let mut campaign = Loop::new(rig.space.region(), settings.clone())?;
@@ -86,7 +86,7 @@ impl PooledCampaign {
             campaign.set_settings(settings.clone())?;
             finished();
         }
-        ensure!(steps.len() == budget.max_iterations, "it ended after {} batches", steps.len());
+        ensure!(steps.len() == budget.max_batches, "it ended after {} batches", steps.len());
         let (n_experiments, n_simulations) = (campaign.records().len(), campaign.n_simulated());
         Ok(Self { steps, n_experiments, n_simulations })
     }
@@ -125,7 +125,7 @@ mod tests {
             .map(|lowest| Bowl { space: Space::of_two([46.0, 52.0], [0.0, 12.0], 13), lowest });
         let rig = StandInRig { space: &model.space, model: &model, truth: &truth, noise: 0.001, seed: 3 };
         let mut budget = global::Settings::new(Model::additive_quadratic(2).expect("a model"), 8, 14);
-        budget.max_iterations = 3;
+        budget.max_batches = 3;
         let pooled = Pooled::of(&rig, &budget, &[1, 2], || ()).expect("two campaigns");
         for campaign in &pooled.campaigns {
             assert_eq!((campaign.n_experiments, campaign.steps.len()), (24, 3));

@@ -94,7 +94,7 @@ pub(super) fn global_loop(
 pub(super) fn steps_of(campaign: &global::Loop, space: &Space, seed: u64) -> Vec<Step> {
     let step = |report: &global::Report| {
         let screening = &report.screening;
-        let step = Step::new(Method::Dissertation, seed, report.iteration, screening.optimum.clone());
+        let step = Step::new(Method::Dissertation, seed, report.number, screening.optimum.clone());
         let share = screening.n_after as f64 / space.n_cells() as f64;
         Step { share, spread: screening.spread.s().unwrap_or(f64::NAN), ..step }
     };

@@ -158,7 +158,7 @@ fn of_chapter7(setup: &Setup, plant: &Plant, study: Study, case: usize, designs:
             None => lowest_of(&bat, case)?,
         },
         best: flown.as_ref().map(|(_, truth)| lowest(truth)).transpose()?,
-        budget: [settings.n_experiments, settings.n_simulations, settings.max_iterations],
+        budget: [settings.n_experiments, settings.n_simulations, settings.max_batches],
         seeds: if study == Study::Four { setup.campaigns.seeds_of_four } else { setup.campaigns.seeds },
     };
     let share = setup.chapter7.file.noise.share;

@@ -5,7 +5,7 @@ use design_space::Cell;
 use infuse::{
     convergence::{AssumptionReport, Bound, Norm, NormOrder, NormScaling, RegretCertificate, coded_cell_measure},
     correction::ModelStage,
-    global::{self, IterationSurfaces, RetainedSet, TracedSurface},
+    global::{self, BatchSurfaces, RetainedSet, TracedSurface},
 };
 use surface::{GridPoints, PointSource as _};
 
@@ -168,8 +168,8 @@ impl<'a> Beside<'a> {
     }
 
     /// The next iteration: they must come in their order.
-    fn iteration(&mut self, report: &global::Report, surfaces: &IterationSurfaces) -> Result<IterationAccuracy> {
-        let number = report.iteration;
+    fn iteration(&mut self, report: &global::Report, surfaces: &BatchSurfaces) -> Result<IterationAccuracy> {
+        let number = report.number;
         let [error, onset_error] = self.errors(number, surfaces)?;
         let before = self.campaign.retained_at(number).context("a closed iteration")?;
         let after = self.campaign.retained_at(number + 1).context("the iteration after a closed one")?;
@@ -202,7 +202,7 @@ impl<'a> Beside<'a> {
     }
 
     /// The errors of the model at the end of an iteration and at its onset; those of its surfaces are kept.
-    fn errors(&mut self, number: usize, surfaces: &IterationSurfaces) -> Result<[PerCell<f64>; 2]> {
+    fn errors(&mut self, number: usize, surfaces: &BatchSurfaces) -> Result<[PerCell<f64>; 2]> {
         let experiment = surfaces.experiment.as_ref();
         let experiment = experiment.with_context(|| format!("iteration {number}: no surface of experiments"))?;
         let less = |values: &PerCell<f64>, minus: &PerCell<f64>| values.with(minus, |value, minus| value - minus);

@@ -35,7 +35,7 @@ const WITHOUT_INFLUENCE: [&str; 9] = [
     "correction",
     "fallback",
     "split",
-    "max_iterations",
+    "max_batches",
 ];
 
 /// Designs by what they follow from.
@@ -180,7 +180,7 @@ mod tests {
         };
         let base = key_with(&|_| {});
         assert_eq!(base, key_with(&|settings| settings.confidence = 0.7));
-        assert_eq!(base, key_with(&|settings| settings.max_iterations = 3));
+        assert_eq!(base, key_with(&|settings| settings.max_batches = 3));
         assert_ne!(base, key_with(&|settings| settings.seed = 2));
         assert_ne!(base, key_with(&|settings| settings.n_experiments = 13));
         assert_ne!(base, key_with(&|settings| settings.candidate_limit = 1000));

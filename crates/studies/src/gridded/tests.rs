@@ -32,7 +32,7 @@ fn settings(law: Law, k: f64, iterations: usize) -> global::Settings {
     let model = Regressor::AdditiveQuadratic.model(2).expect("a model");
     let mut settings = global::Settings::new(model, 12, 24);
     settings.correction = Rule::new(law, Gain::constant(k).expect("a gain"));
-    settings.max_iterations = iterations;
+    settings.max_batches = iterations;
     settings
 }
 

@@ -167,7 +167,7 @@ fn contrast(study: &Study, loops: &[LoopSeen<'_>], untouched: Score) -> Option<S
     let Score { error_pct, bias, rank_correlation } = seen.score;
     (error_pct < untouched.error_pct && seen.last() > seen.first()).then(|| {
         format!(
-            "So a model that predicts costs better need not have a better optimum: identification alone mends the level of the cost (mean error \
+            "So a model that predicts costs better need not have a better optimum: identification alone corrects the mean of the cost (mean error \
              {} s before, {} s after) and not its order (rank correlation {} before, {} after), and its last design is worse than its first. What \
              moves the designs the right way is the correction of slopes.",
             signed(untouched.bias, 2),

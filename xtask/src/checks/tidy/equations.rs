@@ -13,7 +13,7 @@ const LAST: u32 = 61;
 /// Equations that no code computes, and why.
 const NOT_IN_CODE: &[(u32, &str)] = &[
     (48, "a step of the proof from (47) to (49)"),
-    (49, "the exact error after n iterations; `infuse::convergence::Bound` sums the magnitudes of its terms"),
+    (49, "the exact error after n batches; `infuse::convergence::Bound` sums the magnitudes of its terms"),
     (50, "(49) in the limit, which the bound does not need: it holds at every n"),
     (51, "the remainder of (49) cut in two; the bound takes its sum whole"),
     (52, "an upper limit of the remainder that is wider than its sum"),

@@ -99,7 +99,7 @@ pub(in crate::dissertation) fn closed(campaign: &Campaign, report: &Report) -> F
     let (problem, screening) = (&campaign.problem, &report.screening);
     let (predicted, share) = (value(&problem.response, screening.optimum_value), campaign.now.retained().share());
     let best = problem.describe(&screening.optimum);
-    Finding::new(format!("batch {}: {best}; {predicted} predicted, {} left", report.iteration, percent(share)))
+    Finding::new(format!("batch {}: {best}; {predicted} predicted, {} left", report.number, percent(share)))
         .with("predicted", problem.response.of_cost(screening.optimum_value), &problem.response.unit)
         .with("share left", share, "1")
 }

@@ -37,7 +37,7 @@ pub(in crate::dissertation) fn how_many(campaign: &Campaign) -> Finding {
 pub(in crate::dissertation) fn dropped_by(campaign: &Campaign, report: &Report) -> Finding {
     let n = report.screening.n_before - report.screening.n_after;
     let because = dropped_because(campaign, report);
-    Finding::new(format!("batch {} dropped {}: {because}", report.iteration, grouped(n))).with("dropped", n as f64, "1")
+    Finding::new(format!("batch {} dropped {}: {because}", report.number, grouped(n))).with("dropped", n as f64, "1")
 }
 
 /// The reason alone.
@@ -69,7 +69,7 @@ pub(in crate::dissertation) fn why_dropped(campaign: &Campaign, asked: &[f64]) -
     let Some(dropped) = campaign.now.why_dropped(cell) else {
         return Ok(Finding::new(format!("{place} is still among the designs left.")));
     };
-    let (response, n) = (&campaign.problem.response, dropped.iteration);
+    let (response, n) = (&campaign.problem.response, dropped.batch);
     let (there, at_best) =
         (value(&campaign.problem.response, dropped.value), value(&campaign.problem.response, dropped.optimum_value));
     let (z, z0) = (short(dropped.z), short(dropped.z0));

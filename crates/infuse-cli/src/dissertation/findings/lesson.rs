@@ -1,6 +1,6 @@
 //! What the last closed batch taught.
 
-use infuse::global::IterationSurfaces;
+use infuse::global::BatchSurfaces;
 use page::Finding;
 
 use crate::dissertation::campaign::Campaign;
@@ -36,7 +36,7 @@ pub(in crate::dissertation) fn lesson(campaign: &Campaign) -> Option<Finding> {
     }
     details.push(noise(campaign));
     details.extend(lack_of_fit(surfaces));
-    let lesson = Finding::new(format!("Batch {} taught:", report.iteration));
+    let lesson = Finding::new(format!("Batch {} taught:", report.number));
     Some(details.into_iter().fold(lesson, Finding::detail))
 }
 
@@ -60,7 +60,7 @@ fn noise(campaign: &Campaign) -> Finding {
     )
 }
 
-fn lack_of_fit(surfaces: &IterationSurfaces) -> Option<Finding> {
+fn lack_of_fit(surfaces: &BatchSurfaces) -> Option<Finding> {
     let test = surfaces.experiment.as_ref()?.regression()?.lack_of_fit().ok()?;
     let verdict = if test.p_value < SIGNIFICANT {
         "the surface misses more than the noise explains: a richer model, or a smaller box, would tell more"

@@ -10,8 +10,8 @@ use crate::number::count;
 pub(in crate::dissertation) fn reason_to_stop(campaign: &Campaign, stage: &Stage) -> Option<String> {
     match stage {
         Stage::Ready | Stage::Pending => None,
-        Stage::Ended(StopReason::IterationLimit) => {
-            let batches = count(campaign.now.settings().max_iterations, "batch");
+        Stage::Ended(StopReason::BatchLimit) => {
+            let batches = count(campaign.now.settings().max_batches, "batch");
             Some(format!("all {batches} of [loop] were made (`batches` may be raised)"))
         }
         Stage::Ended(StopReason::NoInformation) => Some(

@@ -17,7 +17,7 @@ pub(super) fn write(page: &mut Page, last: &Last) -> Result<()> {
     let ranges = ranges(last.campaign, last.campaign.now.retained())?;
     let figures = ranges.iter().enumerate().map(|(parameter, &range)| figure(last, parameter, range));
     let figures = figures.collect::<Result<Vec<_>>>()?;
-    page.subheading(&format!("Along each parameter, through the best design of batch {}", last.report.iteration));
+    page.subheading(&format!("Along each parameter, through the best design of batch {}", last.report.number));
     let is_flat = last.parameters().len() == 1;
     let place = if is_flat {
         "Experiments are drawn as measured."
@@ -25,7 +25,7 @@ pub(super) fn write(page: &mut Page, last: &Last) -> Result<()> {
         "An experiment was made at other settings of the other parameters, so it is not drawn as measured, but as far from \
          the curve as it was from the combined surface."
     };
-    let extrapolated = if last.report.iteration > 1 {
+    let extrapolated = if last.report.number > 1 {
         " Beyond what was left when the batch began, curves are extrapolated."
     } else {
         ""

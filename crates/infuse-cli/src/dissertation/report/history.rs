@@ -1,6 +1,6 @@
 //! Batch by batch: the best design, what was dropped, what was learned.
 
-use infuse::global::{self, IterationSurfaces, ObservedErrors};
+use infuse::global::{self, BatchSurfaces, ObservedErrors};
 
 use super::trends;
 use crate::dissertation::campaign::Campaign;
@@ -37,7 +37,7 @@ fn best(campaign: &Campaign, reports: &[global::Report]) -> Table {
     let row = |report: &global::Report| {
         let screening = &report.screening;
         vec![
-            report.iteration.to_string(),
+            report.number.to_string(),
             campaign.problem.describe(&screening.optimum),
             short(response.of_cost(screening.optimum_value)),
             screening.spread.s().map_or_else(nothing, short),
@@ -63,7 +63,7 @@ fn dropped(campaign: &Campaign, reports: &[global::Report]) -> Table {
     let row = |report: &global::Report| {
         let screening = &report.screening;
         vec![
-            report.iteration.to_string(),
+            report.number.to_string(),
             grouped(screening.n_before - screening.n_after),
             dropped_because(campaign, report),
             grouped(screening.n_after),
@@ -86,10 +86,10 @@ fn learned(campaign: &Campaign, reports: &[global::Report], observed: &[Option<O
     let optional = |amount: Option<f64>| amount.map_or_else(nothing, short);
     let unit = &campaign.problem.response.unit;
     let rows = reports.iter().zip(campaign.now.surfaces()).zip(observed);
-    let row = |((report, surfaces), observed): ((&global::Report, &IterationSurfaces), &Option<ObservedErrors>)| {
-        let noise = campaign.experiments.noise_until(report.iteration);
+    let row = |((report, surfaces), observed): ((&global::Report, &BatchSurfaces), &Option<ObservedErrors>)| {
+        let noise = campaign.experiments.noise_until(report.number);
         vec![
-            report.iteration.to_string(),
+            report.number.to_string(),
             optional(report.changes.innovation),
             short(report.changes.model),
             optional(observed.map(|observed| observed.eps)),
@@ -114,7 +114,7 @@ fn learned(campaign: &Campaign, reports: &[global::Report], observed: &[Option<O
     }
 }
 
-fn lack_of_fit(surfaces: &IterationSurfaces) -> String {
+fn lack_of_fit(surfaces: &BatchSurfaces) -> String {
     let test = surfaces.experiment.as_ref().and_then(|surface| surface.regression()?.lack_of_fit().ok());
     test.map_or_else(nothing, |test| short(test.p_value))
 }

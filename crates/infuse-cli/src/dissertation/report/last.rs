@@ -3,7 +3,7 @@
 use anyhow::Result;
 use infuse::{
     Outcome,
-    global::{self, IterationSurfaces, TracedSurface, TrialUse},
+    global::{self, BatchSurfaces, TracedSurface, TrialUse},
 };
 
 use page::Axis;
@@ -15,7 +15,7 @@ use crate::problem::Response;
 pub(super) struct Last<'a> {
     pub(super) campaign: &'a Campaign,
     pub(super) report: &'a global::Report,
-    pub(super) surfaces: &'a IterationSurfaces,
+    pub(super) surfaces: &'a BatchSurfaces,
     /// What entered its surfaces or was compared with them, and what failed.
     pub(super) runs: Vec<Run>,
 }
@@ -53,8 +53,8 @@ impl<'a> Last<'a> {
             let cost = record.outcome.as_ref().and_then(Outcome::cost);
             runs.push(Run { settings: record.settings().to_vec(), cost, origin });
         }
-        if let Some(retained) = now.retained_at(report.iteration) {
-            for earlier in now.earlier().iter().filter(|earlier| earlier.since <= report.iteration) {
+        if let Some(retained) = now.retained_at(report.number) {
+            for earlier in now.earlier().iter().filter(|earlier| earlier.since <= report.number) {
                 let cell = now.cell(&now.region().clamp(&earlier.point)?)?;
                 if retained.contains(cell) {
                     let settings = earlier.point.clone();

@@ -33,12 +33,10 @@ fn map(last: &Last, plane: Plane) -> Result<Map> {
     let now = &last.campaign.now;
     let cell = |&cell: &design_space::Cell| {
         let value = last.value(&last.surfaces.combined, &now.grid().point(cell)?)?;
-        let dropped = now.why_dropped(cell).map(|dropped| dropped.iteration).or(now.failed_in(cell));
+        let dropped = now.why_dropped(cell).map(|dropped| dropped.batch).or(now.failed_in(cell));
         let class = dropped.map_or_else(|| "left".to_owned(), |batch| format!("dropped by-{batch}"));
-        let apart = dropped.map(|batch| Apart {
-            fill: gray(batch, last.report.iteration),
-            words: format!("dropped by batch {batch}"),
-        });
+        let apart = dropped
+            .map(|batch| Apart { fill: gray(batch, last.report.number), words: format!("dropped by batch {batch}") });
         Ok(Cell { value, class, apart })
     };
     let cells = plane.designs.iter().map(cell).collect::<Result<Vec<_>>>()?;
@@ -97,7 +95,7 @@ fn caption(last: &Last) -> String {
     let mut text = format!(
         "Color: {} by the combined surface of batch {}; darker is better, and colors change faster near the best.",
         response.heading(),
-        last.report.iteration
+        last.report.number
     );
     let others = last.parameters().len() > 2;
     if others {

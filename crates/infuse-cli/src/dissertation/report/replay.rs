@@ -18,7 +18,7 @@ pub(super) fn observed_errors(campaign: &Campaign) -> Result<Vec<Option<Observed
     let mut earlier = done.earlier().iter().peekable();
     let mut observed = Vec::new();
     for report in done.reports() {
-        while let Some(one) = earlier.next_if(|one| one.since <= report.iteration) {
+        while let Some(one) = earlier.next_if(|one| one.since <= report.number) {
             replay.add_earlier(&one.point, one.cost, one.source.clone())?;
         }
         let plan = global::Plan {

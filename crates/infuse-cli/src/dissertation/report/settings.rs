@@ -17,7 +17,7 @@ pub(super) fn rows(campaign: &Campaign) -> Vec<Row> {
         ("terms of the surfaces", settings.model.term_names(&names).join(", ")),
         ("experiments per batch", format!("{}{repeats}", settings.n_experiments)),
         ("simulations per batch", settings.n_simulations.to_string()),
-        ("batches at most", settings.max_iterations.to_string()),
+        ("batches at most", settings.max_batches.to_string()),
         ("confidence of the test", plain(settings.confidence)),
         ("gain of the correction", as_written(&settings.correction.gain)),
         (

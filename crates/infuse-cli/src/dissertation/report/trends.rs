@@ -106,7 +106,7 @@ fn errors(campaign: &Campaign, reports: &[global::Report], observed: &[Option<Ob
 }
 
 fn batch(report: &global::Report) -> f64 {
-    report.iteration as f64
+    report.number as f64
 }
 
 /// The axis along which batches are counted.

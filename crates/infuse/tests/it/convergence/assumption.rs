@@ -14,15 +14,11 @@ fn falling_and_constant_errors_pass() {
 }
 
 #[test]
-fn growth_is_reported_with_its_iteration_and_size() {
+fn growth_is_reported_with_its_batch_and_size() {
     let report = AssumptionReport::new(&[2.0, 1.0, 3.0, 2.0], &[1.0, 1.5], 0.0).unwrap();
     assert!(!report.holds(), "{report:?}");
-    assert_eq!(
-        report.simulation,
-        [Growth { iteration: 3, previous: 1.0, least: 1.0, error: 3.0 }],
-        "not the fall after"
-    );
-    assert_eq!(report.experiment, [Growth { iteration: 2, previous: 1.0, least: 1.0, error: 1.5 }]);
+    assert_eq!(report.simulation, [Growth { batch: 3, previous: 1.0, least: 1.0, error: 3.0 }], "not the fall after");
+    assert_eq!(report.experiment, [Growth { batch: 2, previous: 1.0, least: 1.0, error: 1.5 }]);
     assert!((report.simulation[0].ratio() - 3.0).abs() < 1e-15, "three times");
 }
 
@@ -30,8 +26,8 @@ fn growth_is_reported_with_its_iteration_and_size() {
 fn growth_within_the_tolerance_passes_but_not_in_many_steps() {
     let slow: Vec<f64> = (0..5).map(|j| 1.0 + 0.04 * f64::from(j)).collect();
     let report = AssumptionReport::new(&slow, &[1.0, 1.1], 0.1).unwrap();
-    let iterations: Vec<usize> = report.simulation.iter().map(|growth| growth.iteration).collect();
-    assert_eq!(iterations, [4, 5], "1.12 and 1.16 are more than a tenth above 1");
+    let batches: Vec<usize> = report.simulation.iter().map(|growth| growth.batch).collect();
+    assert_eq!(batches, [4, 5], "1.12 and 1.16 are more than a tenth above 1");
     assert!(report.experiment.is_empty(), "a tenth is allowed");
 }
 
@@ -63,8 +59,8 @@ proptest! {
         let report = AssumptionReport::new(&errors, &[], 0.0).unwrap();
         prop_assert_eq!(report.holds(), errors.is_sorted_by(|a, b| a >= b));
         for growth in report.simulation {
-            prop_assert_eq!(growth.error.to_bits(), errors[growth.iteration - 1].to_bits());
-            prop_assert_eq!(growth.previous.to_bits(), errors[growth.iteration - 2].to_bits());
+            prop_assert_eq!(growth.error.to_bits(), errors[growth.batch - 1].to_bits());
+            prop_assert_eq!(growth.previous.to_bits(), errors[growth.batch - 2].to_bits());
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Bounds: closed forms, limits, how many iterations, and what they refuse.
+//! Bounds: closed forms, limits, how many batches, and what they refuse.
 
 use infuse::{
     Error,
@@ -83,18 +83,18 @@ fn harmonic_gain_forgets_the_gap_at_once() {
 fn printed_36_has_a_bound_that_doubles_and_no_limit() {
     let bound = corrected(Law::AsPrinted36, 0.5);
     assert_eq!(bound.limit(), None);
-    assert_eq!(bound.iterations_to(&ErrorLevels::new(1.0, 0.0, 0.0).unwrap(), 0.1), Ok(None));
+    assert_eq!(bound.batches_to(&ErrorLevels::new(1.0, 0.0, 0.0).unwrap(), 0.1), Ok(None));
     check_near(bound.after(11).gap, 0.5 * 1024.0 - 1.0);
     check_near(bound.after(11).experiment, 0.5 * 1024.0);
 }
 
 #[test]
-fn iterations_to_a_hundredth_of_the_start_are_those_of_the_logarithm() {
+fn batches_to_a_hundredth_of_the_start_are_those_of_the_logarithm() {
     // ln 0.01 / ln (1 − k), rounded up.
     for (k, expected) in [(0.1, 44), (0.3, 13), (0.5, 7), (0.8, 3), (1.0, 1)] {
         for law in [PROOF, CURRENT] {
             let levels = ErrorLevels::new(1.0, 0.0, 0.0).unwrap();
-            assert_eq!(corrected(law, k).iterations_to(&levels, 0.01), Ok(Some(expected)), "{law:?}, k = {k}");
+            assert_eq!(corrected(law, k).batches_to(&levels, 0.01), Ok(Some(expected)), "{law:?}, k = {k}");
         }
     }
 }
@@ -102,8 +102,8 @@ fn iterations_to_a_hundredth_of_the_start_are_those_of_the_logarithm() {
 #[test]
 fn a_gain_too_small_for_doubles_never_arrives() {
     let levels = ErrorLevels::new(1.0, 0.0, 0.0).unwrap();
-    assert_eq!(corrected(PROOF, 1e-17).iterations_to(&levels, 0.5), Ok(None));
-    let slow = corrected(PROOF, 1e-9).iterations_to(&levels, 0.5).unwrap().unwrap();
+    assert_eq!(corrected(PROOF, 1e-17).batches_to(&levels, 0.5), Ok(None));
+    let slow = corrected(PROOF, 1e-9).batches_to(&levels, 0.5).unwrap().unwrap();
     assert!((slow as f64 * 1e-9 - 2.0_f64.ln()).abs() < 1e-6, "ln 2 / k: {slow}");
 }
 
@@ -115,7 +115,7 @@ fn a_bound_that_dips_below_its_limit_and_comes_back_is_not_taken_for_good() {
     let excess = |n| bound.after(n).error(&levels) - 2.0;
     check_near(excess(1), 0.7);
     check_near(excess(2), 0.81);
-    assert_eq!(bound.iterations_to(&levels, 0.75), Ok(Some(3)), "0.729, and not the 0.7 of one round");
+    assert_eq!(bound.batches_to(&levels, 0.75), Ok(Some(3)), "0.729, and not the 0.7 of one round");
 }
 
 fn gain_up_to_one() -> impl Strategy<Value = Gain> {
@@ -126,13 +126,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
 
     #[test]
-    fn iterations_to_is_the_first_number_from_which_on_the_bound_is_near(
+    fn batches_to_is_the_first_number_from_which_on_the_bound_is_near(
         law in converging_law(), gain in any_gain(), stage in any_stage(),
         levels in [0.0..10.0, 0.0..2.0, 0.0..2.0], tolerance in 1e-6..1.0,
     ) {
         let bound = Bound::new(Rule::new(law, gain), stage);
         let levels = ErrorLevels::new(levels[0], levels[1], levels[2]).unwrap();
-        let n = bound.iterations_to(&levels, tolerance).unwrap().unwrap();
+        let n = bound.batches_to(&levels, tolerance).unwrap().unwrap();
         let limit = bound.limit().unwrap().error(&levels);
         let rounding = 1e-13 * (limit + 12.0);
         for later in n..n + 50 {
@@ -212,7 +212,7 @@ fn rejects_one_simulation_error_too_many_or_too_few() {
 fn rejects_tolerances_that_mean_nothing() {
     let levels = ErrorLevels::new(1.0, 0.0, 0.0).unwrap();
     for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = corrected(PROOF, 0.5).iterations_to(&levels, tolerance).unwrap_err();
+        let error = corrected(PROOF, 0.5).batches_to(&levels, tolerance).unwrap_err();
         assert_eq!(
             error.to_string(),
             format!("setting `tolerance` is {tolerance:?}, expected a finite positive number")

@@ -45,7 +45,7 @@ proptest! {
         prop_assert!(true_cost - least(&truth) <= certificate.regret + 1e-14);
     }
 
-    /// Iteration after iteration, each with its own model and eps, only what cannot be the optimum is
+    /// Batch after batch, each with its own model and eps, only what cannot be the optimum is
     /// dropped: the true optimum of the original region stays, and the last certificate holds against it.
     #[test]
     fn dropping_by_more_than_2_eps_never_loses_the_true_optimum(

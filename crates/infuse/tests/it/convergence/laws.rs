@@ -133,7 +133,7 @@ fn printed_36_corrects_a_gap_twice_as_much_every_time() {
         let expected = 2.0 * (k * 2.0_f64.powi(i32::try_from(index).unwrap()) - 1.0);
         assert!((error - expected).abs() <= 1e-14 * expected.abs().max(1.0), "{error}, closed form {expected}");
     }
-    assert!(errors(rule(Law::AsPrinted36, k), 2.0, 30)[29] > 1e8, "k = 0.4 and a gap of 2, iteration 30");
+    assert!(errors(rule(Law::AsPrinted36, k), 2.0, 30)[29] > 1e8, "k = 0.4 and a gap of 2, batch 30");
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn nothing_is_corrected_before_the_first_round() {
 }
 
 #[test]
-fn onset_lacks_what_the_experiments_of_its_iteration_say() {
+fn onset_lacks_what_the_experiments_of_its_batch_say() {
     let rule = rule(Law::ProofRecursion, 0.5);
     let mut field = Field::new(rule, 1).unwrap();
     field.update(&[3.0], &[1.0]).unwrap();

@@ -10,7 +10,7 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use super::proposition::{Verdict, cases, law_of_the_crate, verdict};
 use super::{Strategy, any_gain};
 
-/// What a law sees in iteration n: surfaces from 1 at index n − 1.
+/// What a law sees in batch n: surfaces from 1 at index n − 1.
 struct Seen<'a> {
     gain: Gain,
     n: usize,
@@ -105,11 +105,11 @@ fn proof_recursion_with_a_slip_fails() {
         s.last_correction + s.k(s.n) * (s.exp() - s.simulation[s.n.max(2) - 2])
     });
     check("1 - k twice", |s| (1.0 - s.k(s.n)) * s.last_correction + s.k(s.n) * (s.exp() - s.model()));
-    check("experiment of the iteration before", |s| {
+    check("experiment of the batch before", |s| {
         s.last_correction + s.k(s.n) * (s.experiment[s.n.max(2) - 2] - s.model())
     });
-    check("simulation of this iteration", CURRENT);
-    check("simulation of two iterations ago", |s| {
+    check("simulation of this batch", CURRENT);
+    check("simulation of two batches ago", |s| {
         let old = s.simulation[s.n.max(3) - 3] + if s.n == 1 { 0.0 } else { s.last_correction };
         s.last_correction + s.k(s.n) * (s.exp() - old)
     });
@@ -129,9 +129,9 @@ fn current_simulation_with_a_slip_fails() {
     check("sign of the last correction", |s| s.last_correction + s.k(s.n) * (s.exp() - s.sim() + s.last_correction));
     check("1 - k missing: a sum of increments", |s| s.last_correction + s.k(s.n) * (s.exp() - s.sim()));
     check("last correction forgotten", |s| s.k(s.n) * (s.exp() - s.sim()));
-    check("experiment of the iteration before", |s| {
+    check("experiment of the batch before", |s| {
         s.last_correction + s.k(s.n) * (s.experiment[s.n.max(2) - 2] - s.sim() - s.last_correction)
     });
-    check("simulation of the iteration before", PROOF);
+    check("simulation of the batch before", PROOF);
     check("(36) as printed", PRINTED);
 }

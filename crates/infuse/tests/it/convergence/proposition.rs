@@ -19,9 +19,9 @@ pub(crate) struct Case {
     /// J_sim: a law that treats both surfaces alike cannot see it.
     pub(crate) offset: f64,
     pub(crate) gap: f64,
-    /// E1 of n + 1 iterations.
+    /// E1 of n + 1 batches.
     pub(crate) simulation: Vec<f64>,
-    /// E2 of n iterations.
+    /// E2 of n batches.
     pub(crate) experiment: Vec<f64>,
     /// Fractions of gap, E1 and E2 in −1..1: some errors within the bounds.
     pub(crate) fractions: Vec<f64>,
@@ -139,7 +139,7 @@ proptest! {
     }
 }
 
-/// Fields over the cells of a region that shrinks: `kept_until[c]` is the last iteration that has the cell.
+/// Fields over the cells of a region that shrinks: `kept_until[c]` is the last batch that has the cell.
 #[derive(Debug, Clone)]
 struct Campaign {
     measures: Vec<f64>,
@@ -167,7 +167,7 @@ impl Campaign {
         self.experiment.len()
     }
 
-    /// Values at the cells that iteration j has.
+    /// Values at the cells that batch j has.
     fn over(&self, j: usize, values: &[f64]) -> Vec<f64> {
         let kept = values.iter().zip(&self.kept_until);
         kept.filter(|(_, until)| **until >= j).map(|(value, _)| *value).collect()
@@ -194,7 +194,7 @@ impl Campaign {
         if stage == ModelStage::Onset { self.n() + 1 } else { self.n() }
     }
 
-    /// The finite bound from norms of each iteration's errors over the region of iteration `region(j)`.
+    /// The finite bound from norms of each batch's errors over the region of batch `region(j)`.
     fn bound(&self, bound: &Bound, norm: &Norm, region: impl Fn(usize) -> usize) -> f64 {
         let last = self.last(bound.stage);
         let norms = |rows: &[Vec<f64>]| -> Vec<f64> {

@@ -87,7 +87,7 @@ pub(super) fn designs(case: &Case, found: &Found) -> Claim {
     let votes = Votes::of(&runs.quiet, &runs.noisy, |steps| fall(&onsets(steps)));
     let reports = runs.quiet_campaign.reports();
     let is_left = |report: &global::Report, cell| {
-        runs.quiet_campaign.retained_at(report.iteration).is_some_and(|left| left.contains(cell))
+        runs.quiet_campaign.retained_at(report.number).is_some_and(|left| left.contains(cell))
     };
     let cells = |report: &global::Report| -> Vec<Cell> {
         let experiments = report.trials.iter().map(|record| record.trial.cell);

@@ -1,4 +1,4 @@
-//! How many iterations a gain needs, what is left in the end, and what that certifies: Section 6.1.
+//! How many batches a gain needs, what is left in the end, and what that certifies: Section 6.1.
 
 use infuse::{
     Error,
@@ -12,23 +12,23 @@ const EXPERIMENT_ERROR: f64 = 0.10;
 
 #[expect(clippy::print_stdout, reason = "an example shows what it computes")]
 fn main() -> Result<(), Error> {
-    // Surfaces of the first iteration at five designs: their distance bounds the unknown gap.
+    // Surfaces of the first batch at five designs: their distance bounds the unknown gap.
     let experiment = [6.9, 6.1, 5.8, 6.0, 6.7];
     let simulation = [4.9, 4.4, 4.4, 4.9, 5.9];
     let difference: Vec<f64> = experiment.iter().zip(&simulation).map(|(exp, sim)| exp - sim).collect();
     let gap = Norm::SUP.over(&difference, &[1.0; 5])? + SIMULATION_ERROR + EXPERIMENT_ERROR;
     let levels = ErrorLevels::new(gap, SIMULATION_ERROR, EXPERIMENT_ERROR)?;
 
-    println!("gap at most {gap:.2}; limit of the error, and iterations to within 0.05 of it");
+    println!("gap at most {gap:.2}; limit of the error, and batches to within 0.05 of it");
     let laws = [("proof", Law::ProofRecursion), ("current", Law::CurrentSimulation)];
     let gains = [0.1, 0.3, 0.5, 0.8, 1.0].map(|k| (k.to_string(), Gain::constant(k)));
     for (name, gain) in gains.into_iter().chain([("1/n".to_owned(), Ok(Gain::harmonic()))]) {
         let mut line = format!("gain {name:<4}");
         for (law_name, law) in laws {
             let bound = Bound::new(Rule::new(law, gain.clone()?), ModelStage::Corrected);
-            let iterations = bound.iterations_to(&levels, 0.05)?.map_or("never".to_owned(), |n| format!("{n:>2}"));
+            let batches = bound.batches_to(&levels, 0.05)?.map_or("never".to_owned(), |n| format!("{n:>2}"));
             let limit = bound.limit().map_or(f64::INFINITY, |limit| limit.error(&levels));
-            line += &format!("   {law_name}: {limit:.2} in {iterations}");
+            line += &format!("   {law_name}: {limit:.2} in {batches}");
         }
         println!("{line}");
     }
