@@ -393,7 +393,8 @@ mod tests {
 
     #[test]
     fn the_ensemble_has_a_claim_of_chapter_6_with_the_stand_in_once() {
-        let over = OverEnsemble { place: Place::Table(1), says: "it".to_owned(), words: String::new() };
+        let over =
+            OverEnsemble { place: Place::Table(1), flown: "Chapter 4", says: "it".to_owned(), words: String::new() };
         let mut claims = claims(&[Verdict::InKind, Verdict::InKind]);
         claims[0].says += crate::claims::WITH_STALL;
         claims[1].says += WITH_STAND_IN;
