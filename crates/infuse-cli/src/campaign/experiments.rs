@@ -66,24 +66,24 @@ impl Experiments {
         self.trials.get(&id).with_context(|| format!("experiment {id} was never asked for"))
     }
 
-    pub(crate) fn is_told(&self, id: TrialId) -> bool {
+    pub(crate) fn has_result(&self, id: TrialId) -> bool {
         self.readings.get(&id.number()).is_some_and(|reading| reading.first.is_some())
     }
 
     /// How many still wait for their result.
     pub(crate) fn n_outstanding(&self) -> usize {
-        self.trials.values().filter(|trial| !self.is_told(trial.id)).count()
+        self.trials.values().filter(|trial| !self.has_result(trial.id)).count()
     }
 
     /// How many of a batch have not been told of.
     pub(crate) fn n_outstanding_of(&self, batch: usize) -> usize {
-        self.trials.values().filter(|trial| trial.batch == batch && !self.is_told(trial.id)).count()
+        self.trials.values().filter(|trial| trial.batch == batch && !self.has_result(trial.id)).count()
     }
 
     /// The batches that wait for experiments, first the one that was handed out first.
     pub(crate) fn open_batches(&self) -> Vec<usize> {
         let mut open: Vec<usize> =
-            self.trials.values().filter(|trial| !self.is_told(trial.id)).map(|trial| trial.batch).collect();
+            self.trials.values().filter(|trial| !self.has_result(trial.id)).map(|trial| trial.batch).collect();
         open.dedup();
         open
     }

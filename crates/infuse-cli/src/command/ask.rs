@@ -55,7 +55,7 @@ pub(super) fn waiting(
     let findings = handed_out(campaign, batch, &path, is_new, n_simulated);
     let rows = trials.iter().enumerate().map(|(index, (trial, repeats))| {
         json!({
-            "run": index + 1, "id": trial.id, "repeats": repeats, "told": experiments.is_told(trial.id),
+            "run": index + 1, "id": trial.id, "repeats": repeats, "told": experiments.has_result(trial.id),
             "settings": problem.named(&trial.point),
         })
     });

@@ -34,7 +34,7 @@ fn waited_for(campaign: &dyn Campaign) -> Result<Vec<Task>> {
         let of_batch = experiments.in_run_order(batch, problem.seed);
         let waited: Vec<Task> = of_batch
             .iter()
-            .filter(|(trial, _)| !experiments.is_told(trial.id))
+            .filter(|(trial, _)| !experiments.has_result(trial.id))
             .map(|(trial, _)| Task { key: Key::Experiment(trial.id.number(), trial.cell), point: trial.point.clone() })
             .collect();
         let path = sheet_path(folder, problem.sheets, batch, None);

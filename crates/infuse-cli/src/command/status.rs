@@ -115,7 +115,7 @@ impl Waited<'_> {
 /// Experiments without a result that were given to a queue.
 fn queued_experiments(campaign: &dyn Campaign) -> BTreeSet<u64> {
     let experiments = campaign.experiments();
-    let is_waited_for = |id: &u64| experiments.trials.get(id).is_some_and(|trial| !experiments.is_told(trial.id));
+    let is_waited_for = |id: &u64| experiments.trials.get(id).is_some_and(|trial| !experiments.has_result(trial.id));
     let submitted = campaign.submitted().iter().flat_map(|one| one.experiments.iter().copied());
     submitted.filter(is_waited_for).collect()
 }

@@ -102,7 +102,7 @@ impl Campaign {
         if !self.plan.as_ref().is_some_and(|plan| plan.is_open) {
             return Ok(());
         }
-        let untold = self.settled.outstanding().iter().filter(|trial| !self.experiments.is_told(trial.id)).count();
+        let untold = self.settled.outstanding().iter().filter(|trial| !self.experiments.has_result(trial.id)).count();
         ensure!(untold == 0, "{untold} experiments of the batch before have no result");
         self.refresh()?;
         self.settled = self.now.clone();

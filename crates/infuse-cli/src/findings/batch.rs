@@ -19,7 +19,7 @@ pub(crate) fn handed_out(
 ) -> Vec<Finding> {
     let experiments = campaign.experiments();
     let trials = experiments.in_run_order(batch, campaign.problem().seed);
-    let n_told = trials.iter().filter(|(trial, _)| experiments.is_told(trial.id)).count();
+    let n_told = trials.iter().filter(|(trial, _)| experiments.has_result(trial.id)).count();
     let n_repeats = trials.iter().filter(|(_, repeats)| repeats.is_some()).count();
     let repeats =
         if n_repeats > 0 { format!(", {n_repeats} of them repeats that measure the noise") } else { String::new() };

@@ -175,7 +175,7 @@ impl Campaign {
 
     /// Says which experiments that are waited for are not to be had any more.
     fn notice_what_is_not_allowed(&mut self) {
-        let waited = self.experiments.trials.values().filter(|trial| !self.experiments.is_told(trial.id));
+        let waited = self.experiments.trials.values().filter(|trial| !self.experiments.has_result(trial.id));
         let broken: Vec<(u64, String)> =
             waited.filter_map(|trial| Some((trial.id.number(), self.why_not(trial.cell)?))).collect();
         let ids: Vec<String> = broken.iter().map(|(id, _)| id.to_string()).collect();
@@ -212,7 +212,7 @@ impl Campaign {
             .experiments
             .trials
             .values()
-            .filter(|trial| !self.experiments.is_told(trial.id))
+            .filter(|trial| !self.experiments.has_result(trial.id))
             .map(|trial| trial.batch)
             .collect();
         self.batches.len() - waiting.len()
@@ -395,7 +395,7 @@ impl Campaign {
         let costs = self.problem.costs.as_ref()?;
         let in_order = (1..=batch).flat_map(|batch| self.experiments.in_run_order(batch, self.problem.seed));
         let made: Vec<Vec<f64>> =
-            in_order.filter(|(trial, _)| self.experiments.is_told(trial.id)).map(|(trial, _)| trial.point).collect();
+            in_order.filter(|(trial, _)| self.experiments.has_result(trial.id)).map(|(trial, _)| trial.point).collect();
         let runs: Vec<&[f64]> = made.iter().map(Vec::as_slice).collect();
         Some(costs.of_runs(None, &runs))
     }

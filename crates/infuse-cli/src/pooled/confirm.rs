@@ -78,7 +78,7 @@ impl Campaign {
         };
         let batch = index + 1;
         let own = || self.experiments.trials.values().filter(|trial| trial.batch == batch);
-        if own().any(|trial| !self.experiments.is_told(trial.id)) {
+        if own().any(|trial| !self.experiments.has_result(trial.id)) {
             return Ok(None);
         }
         let mut order: Vec<Cell> = Vec::new();

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::first_screen::around;
 use anyhow::{Result, ensure};
 use page::{Axis, Column, LineFigure, Panel, Series, Table, line_figure, quantile};
 
@@ -148,18 +149,15 @@ fn markdown(kept: &[Results], fresh: &Results) -> Result<String> {
     let ours = &kept[0];
     ensure!(!ours.rows.is_empty(), "no campaign of the pooled loop is kept: run `cargo xtask benchmark`");
     let mut text = String::from("# The benchmark of the loops\n\n");
-    for sentence in findings(&methods, ours, fresh) {
-        text += &format!("- {sentence}\n");
-    }
-    text += "\n![Regret after each batch](results-benchmark.svg)\n\n";
-    text += &format!(
-        "Regret after each batch: geometric mean over families of the mean over seeds, {} % added to each. The campaigns are \
-         those that {} ran: {}; {}. Those who learn nothing, the quadratic, and methods that did not run all of these campaigns are not drawn.\n\n",
+    let picture = format!(
+        "![Regret after each batch](results-benchmark.svg)\n\nRegret after each batch: geometric mean over families of the mean over seeds, {} % added to each. The campaigns are \
+         those that {} ran: {}; {}. Those who learn nothing, the quadratic, and methods that did not run all of these campaigns are not drawn.",
         percent(FLOOR),
         PEERS[0].words,
         Common::of(kept, PICTURED[0]).words(),
         Common::of(kept, PICTURED[1]).words(),
     );
+    text += &around(&findings(&methods, ours, fresh), &picture);
     text += "Written by `cargo xtask benchmark` from the campaigns kept in `fixtures/benchmark` and `fixtures/peers/results`; delete \
              rows there and they are run anew. With `--check` it fails if this page is not what they come to.\n\n";
     text += "## Beside the others\n\n";

@@ -20,7 +20,6 @@ use anyhow::{Context as _, Result, ensure};
 use rayon::prelude::*;
 
 use crate::reproduction::progress;
-#[cfg(feature = "identification")]
 pub(crate) use candidate::Candidate;
 #[cfg(any(feature = "identification", feature = "ensemble"))]
 pub(crate) use landscape::{correlation, ranks};

@@ -17,6 +17,7 @@ use super::landscape::{Diagnostics, Landscape};
 use super::outcome::{Member, Refusal};
 use super::store::Store;
 use crate::bat::STAND_IN;
+use crate::first_screen::around;
 use crate::{chapter7, kept};
 
 const PAGE: &str = "docs/results-calibration.md";
@@ -103,12 +104,14 @@ fn markdown(
     default_plant: &DefaultPlant<'_>,
 ) -> String {
     let mut text = format!("# {}\n\n", calibration.title);
-    for sentence in findings(calibration, [store, beyond], seen).into_iter().chain([default_words(default_plant)]) {
-        text += &format!("- {sentence}\n");
-    }
-    text += "\n![Where the plants lie in their ranges](results-calibration.svg)\n\n\
-             Each row is a number that is free, each dot a plant, from the lower end of the range at 0 to the upper at 1.\n\n\
-             Written by `cargo xtask calibrate` from `fixtures/bat/calibration.toml`, which has every range with its reason; the plants are \
+    let mut sentences = findings(calibration, [store, beyond], seen);
+    sentences.push(default_words(default_plant));
+    text += &around(
+        &sentences,
+        "![Where the plants lie in their ranges](results-calibration.svg)\n\n\
+         Each row is a number that is free, each dot a plant, from the lower end of the range at 0 to the upper at 1.",
+    );
+    text += "Written by `cargo xtask calibrate` from `fixtures/bat/calibration.toml`, which has every range with its reason; the plants are \
              in `fixtures/bat/ensemble`. A run that is killed goes on where it was, `--page` writes this page alone, and `--check`, a \
              part of `cargo xtask ci`, flies every plant against its evidence.\n\n";
     text += "## Evidence\n\nWhat was fitted: it counts for nothing. Optima are the lowest cost over the box, between flights by cubic \

@@ -157,8 +157,8 @@ pub(crate) fn first_screen<'a>(
         .with("campaigns", n as f64, "1")
         .with("campaigns judged", n_judged as f64, "1"),
     ];
-    found.extend(claims.iter().filter(|claim| FIRST_CLAIMS.contains(&claim.place)).map(claims::finding));
     found.push(example(findings)?);
+    found.extend(claims.iter().filter(|claim| FIRST_CLAIMS.contains(&claim.place)).map(claims::finding));
     let first = first_picture(findings.extent);
     let picture = pictures.iter().find(|picture| picture.name.starts_with(first));
     Ok(FirstScreen { findings: found, picture: picture.with_context(|| format!("no picture is called {first}"))? })
@@ -227,7 +227,7 @@ fn written_by(extent: Extent) -> &'static str {
         Extent::Full => {
             "Written by `cargo xtask reproduce-chapter6 --full`, which `cargo xtask ci` does not run: this page is kept from a run \
              to its end (how long that took is in the README of `studies`). What `cargo xtask ci` makes anew is the \
-             [page with fewer levels](results-chapter6.md); where the two differ is told below, and `reproduction.md` counts this one."
+             [page with fewer levels](results-chapter6.md); where the two differ is said below, and `reproduction.md` counts this one."
         }
     }
 }

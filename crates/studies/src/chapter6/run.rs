@@ -29,7 +29,7 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let fewer = if extent == Extent::Full {
         eprintln!("The same with fewer levels, to be put beside it:");
         let fewer = claims::claims(&study(root, Extent::Default)?.0);
-        first.findings.insert(1, page::changed(&claims, &fewer));
+        first.findings.insert(2, page::changed(&claims, &fewer));
         all_levels::keep(root, &claims)?;
         Some(fewer)
     } else {

@@ -24,10 +24,10 @@ mod kept;
 mod loops;
 mod page;
 mod row;
+mod sentences;
 mod site;
 mod store;
 mod tables;
-mod told;
 mod unit;
 
 use std::path::Path;

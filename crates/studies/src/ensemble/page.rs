@@ -14,9 +14,10 @@ use super::file::Setup;
 use super::judge::judge;
 use super::kept::{Case, cases};
 use super::row::{Method, Reading, Study, World};
+use super::sentences;
 use super::store::Store;
 use super::tables::{self, Both};
-use super::told;
+use crate::first_screen::around;
 use crate::kept;
 use crate::rules::{self, Verdict};
 
@@ -112,10 +113,10 @@ fn rule(n_random: u64) -> String {
 
 fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> String {
     let mut text = format!("# {}\n\n", setup.title);
-    for finding in findings(setup, store, cases, all) {
-        text += &format!("- {finding}\n");
-    }
-    text += "\n![What became of the claims](results-ensemble.svg)\n\nA box for each claim; gray ones do not count.\n\n";
+    text += &around(
+        &findings(setup, store, cases, all),
+        "![What became of the claims](results-ensemble.svg)\n\nA box for each claim; gray ones do not count.",
+    );
     text += &format!("{HOW}\n\n{WORLDS}\n\n{}\n\n", rule(setup.campaigns.random_designs));
     text += "## Claim by claim\n\n";
     text += &tables::claims(all).markdown();
@@ -125,12 +126,12 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
     text += &format!(
         "\n## Who chooses how well\n\nWith equal numbers of experiments, except for those who make none. Medians over plants and seeds with \
          quartiles. {BEST_KNOWN} {}\n\n",
-        told::at_bound(setup, cases)
+        sentences::at_bound(setup, cases)
     );
     text += &tables::baselines(cases).markdown();
     text += "\n### On the edge of the box\n\nHow many of these designs lie on an end of the range of some parameter. Where the optimum of the model \
              does, a claim that the loop leads away from it can hardly fail; where the end does, the range decides, and not the loop.\n\n";
-    text += &told::edges(setup, cases).markdown();
+    text += &sentences::edges(setup, cases).markdown();
     text += "\n![Cost above the best known against experiments](results-ensemble-regret.svg)\n\nMedians over all plants and seeds, and \
              quartiles; what is less than 0.1 % is drawn there. At 0 experiments: the optimum of the numerical model. In Chapter 4 the loop's design of an \
              iteration is the one around which its experiments are made, so that the first is the same.\n\n";
@@ -148,7 +149,7 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
         Some(case.published.get(step)?.share)
     };
     text += &tables::spaces(cases, &published).markdown();
-    text += &format!("\n{}\n", told::kept_best(all, cases));
+    text += &format!("\n{}\n", sentences::kept_best(all, cases));
     text += &format!(
         "\n## Noise that has a cause\n\nIn moving water the same design costs something else in every flight: over {} flights of each \
          random design. In still water the files add at most {:.0} % of the cost (Chapter 4) and {:.0} % of its range (Chapter 7).\n\n",
@@ -165,8 +166,8 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
         "\nThe dissertation has spikes in the heading of the model's optimum over the last 30 s (Figure 26, Section 7.2), where a pair of dots leaves the region of interest for a moment; here they come with the third pull at the port line. With three cameras and ten \
          dots no pair is missed. Here one camera, `{}`, sees dots {} alone, and looks for them only about where it sees them while the center of the box flies \
          in still water, with a few pixels to spare on each side; then designs fly in moving water. How many pixels was chosen after a look at flights of seven plants, so that the spikes are no prediction. Below four dots the last pose is held. \
-         Four dots in a plane that a camera looks at squarely fit two poses, and a controller that is told the wrong one flies into the floor: {} \
-         Errors of the heading that is told are drawn and listed with {} px to spare, the largest of each {} s, one sample in four, the delay included, where the flight comes to its end; the loop's designs are those of the first seed.\n\n![Spikes of the heading over plants](results-ensemble-lost-dots.svg)\n\n{}",
+         Four dots in a plane that a camera looks at squarely fit two poses, and a controller that is given the wrong one flies into the floor: {} \
+         Errors of the heading that is reported are drawn and listed with {} px to spare, the largest of each {} s, one sample in four, the delay included, where the flight comes to its end; the loop's designs are those of the first seed.\n\n![Spikes of the heading over plants](results-ensemble-lost-dots.svg)\n\n{}",
         setup.regions.camera,
         setup.regions.dots.iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
         curves::fallen_in_words(cases),
@@ -285,9 +286,9 @@ fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> V
     if !in_kind.is_empty() {
         findings.push(format!("In kind in moving water: {in_kind}."));
     }
-    findings.extend(told::without_simulation(all, cases));
-    findings.extend(told::ties(setup, all));
-    findings.push(told::worth(cases));
+    findings.extend(sentences::without_simulation(all, cases));
+    findings.extend(sentences::ties(setup, all));
+    findings.push(sentences::worth(cases));
     findings.extend(World::OF_CAMPAIGNS.map(|world| regrets(cases, world)));
     findings.push(noise_words(cases));
     findings.push(curves::lost_in_words(setup, cases));

@@ -316,7 +316,7 @@ struct OfSeed {
 }
 
 impl Common<'_> {
-    /// Runs them; a method that cannot go on, because too much failed, is told and left out.
+    /// Runs them; a method that cannot go on, because too much failed, is named and left out.
     fn of_seed(&self, task: &Task<'_>, regressor: &Model, seed: u64, campaign: &Run<'_>) -> OfSeed {
         let mut found = OfSeed { steps: Vec::new(), first_batch: Vec::new(), global: None, n_failed: 0 };
         match campaign(task.read, seed) {

@@ -11,6 +11,7 @@ use super::held_out::{HeldOut, Score};
 use super::store::{Found, Kept, Store};
 use super::which::Which;
 use crate::bat::STAND_IN;
+use crate::first_screen::around;
 use crate::kept;
 use crate::words::{number, signed};
 
@@ -84,13 +85,13 @@ fn spread(values: impl Iterator<Item = f64>, decimals: usize) -> String {
 
 fn markdown(study: &Study, loops: &[LoopSeen<'_>], held_out: &HeldOut, untouched: Score) -> String {
     let mut text = format!("# {}\n\n", study.title);
-    for sentence in findings(study, loops, held_out, untouched) {
-        text += &format!("- {sentence}\n");
-    }
-    text += "\n![What each mechanism makes of the cost](results-identification.svg)\n\n\
-             The cost of each iteration's design in the stand-in, noise taken off, over the noise seeds; in the dissertation, in the water \
-             channel. Lower is better.\n\n\
-             Written by `cargo xtask identify` from `fixtures/bat/identification.toml`, which has every number in doubt with its range and the \
+    text += &around(
+        &findings(study, loops, held_out, untouched),
+        "![What each mechanism makes of the cost](results-identification.svg)\n\n\
+         The cost of each iteration's design in the stand-in, noise taken off, over the noise seeds; in the dissertation, in the water \
+         channel. Lower is better.",
+    );
+    text += "Written by `cargo xtask identify` from `fixtures/bat/identification.toml`, which has every number in doubt with its range and the \
              reason; the campaigns are in `fixtures/bat/identification`. A run that is killed goes on where it was, `--page` writes this page \
              alone, and `--check`, a part of `cargo xtask ci`, runs one campaign anew and holds the others against their flights.\n\n";
     text += &setting(study);

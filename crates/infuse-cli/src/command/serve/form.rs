@@ -172,10 +172,10 @@ impl Row {
                 return Ok(None);
             }
         };
-        let is_told = experiments.is_told(trial.id);
+        let has_result = experiments.has_result(trial.id);
         let Some(answer) = answer else {
             // What was told is not taken back by an empty row.
-            if is_told || self.typed.iter().any(|text| !text.is_empty()) {
+            if has_result || self.typed.iter().any(|text| !text.is_empty()) {
                 drop(self.faults.insert(0, "expected a value, or why there is none".to_owned()));
             }
             return Ok(None);
@@ -189,7 +189,7 @@ impl Row {
             return Ok(None);
         }
         self.fault = campaign.refusal(trial).map(|expected| format!("expected {expected}"));
-        Ok(self.fault.is_none().then_some((answer, is_told)))
+        Ok(self.fault.is_none().then_some((answer, has_result)))
     }
 }
 

@@ -134,11 +134,11 @@ fn form(campaign: &dyn Campaign, refused: &Refused) -> Markup {
 fn row(campaign: &dyn Campaign, run: usize, trial: &Trial, repeats: Option<u64>, refused: Option<&Row>) -> Markup {
     let (problem, experiments) = (campaign.problem(), campaign.experiments());
     let id = trial.id.number();
-    let is_told = experiments.is_told(trial.id);
+    let has_result = experiments.has_result(trial.id);
     let known = known(problem, experiments.readings.get(&id));
     // Who has seen what is known now may replace it.
     let was = state(problem, trial, &known);
-    let mark = match (refused, is_told) {
+    let mark = match (refused, has_result) {
         (Some(row), _) if !row.is_right() => "refused",
         (_, true) => "told",
         (_, false) => "open",
@@ -150,7 +150,7 @@ fn row(campaign: &dyn Campaign, run: usize, trial: &Trial, repeats: Option<u64>,
                 span class="id" {
                     "experiment " (id)
                     @if let Some(first) = repeats { ", repeats " (first) }
-                    @if is_told { " " span class="done" { "told" } }
+                    @if has_result { " " span class="done" { "has a result" } }
                 }
             }
             dl class="settings" {

@@ -120,7 +120,7 @@ fn best_so_far(campaign: &Campaign) -> Chart {
     let (experiments, response) = (&campaign.experiments, &campaign.problem.response);
     let batches = 1..=experiments.last_batch().unwrap_or(0);
     let order = batches.flat_map(|batch| experiments.in_run_order(batch, campaign.problem.seed));
-    let made = order.filter(|(trial, _)| experiments.is_told(trial.id));
+    let made = order.filter(|(trial, _)| experiments.has_result(trial.id));
     let (mut measured, mut stairs, mut best, mut n): (Line, Line, Option<f64>, usize) =
         (Line::new(), Line::new(), None, 0);
     for (place, (trial, _)) in made.enumerate() {
