@@ -75,7 +75,8 @@ pub(super) fn keep(root: &Path, claims: &[Claim]) -> Result<()> {
     kept::replace(&root.join(FILE), format!("{text}\n").as_bytes())
 }
 
-#[cfg(all(test, feature = "ensemble"))]
+#[cfg(feature = "ensemble")]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::claims::Verdict;
