@@ -1,7 +1,9 @@
 //! The pictures of the page.
 
+use design_space::Parameter;
 use page::{Axis, CountFigure, LineFigure, Panel, Series, count_figure, line_figure, quantile};
 
+use super::file::Setup;
 use super::kept::Case;
 use super::row::{Method, Reading, Row, Study, World};
 use super::tables::Both;
@@ -121,10 +123,29 @@ struct Quantity {
     of: fn(&Row) -> f64,
     /// Whether it may span decades.
     is_square: bool,
+    /// What the dissertation prints of it, iteration by iteration.
+    printed: Option<fn(&Setup, Study) -> Vec<f64>>,
+    /// A bound of ours that it may run into.
+    bound: Option<fn(&Setup) -> Option<f64>>,
 }
 
 const fn quantity(words: &'static str, unit: &'static str, of: fn(&Row) -> f64) -> Quantity {
-    Quantity { words, unit, of, is_square: false }
+    Quantity { words, unit, of, is_square: false, printed: None, bound: None }
+}
+
+const fn printed(printed: fn(&Setup, Study) -> Vec<f64>, quantity: Quantity) -> Quantity {
+    Quantity { printed: Some(printed), ..quantity }
+}
+
+/// Of Table 3.
+fn printed_design(setup: &Setup, parameter: usize) -> Vec<f64> {
+    setup.chapter4.file.published.iter().map(|row| row.point()[parameter]).collect()
+}
+
+/// Of Tables 5 and 6, in per cent.
+fn printed_shares(setup: &Setup, study: Study) -> Vec<f64> {
+    let case = setup.chapter7.cases.get(usize::from(study == Study::Four));
+    case.map_or_else(Vec::new, |case| case.published.iter().map(|row| row.share).collect())
 }
 
 /// What Figures 16 to 18 and Table 3 follow over one campaign.
@@ -132,13 +153,16 @@ const OF_CHAPTER4: [Quantity; 5] = [
     square("heading squared", |row| row.of(Reading::Heading)),
     square("roll error squared", |row| row.of(Reading::Roll)),
     square("pitch error squared", |row| row.of(Reading::Pitch)),
-    quantity("center of mass", "% of chord", |row| row.point[0]),
-    quantity("pitch set point", "deg", |row| row.point[1]),
+    printed(|setup, _| printed_design(setup, 0), quantity("center of mass", "% of chord", |row| row.point[0])),
+    Quantity {
+        bound: Some(|setup| setup.chapter4.problem.region().parameters().get(1).map(Parameter::upper)),
+        ..printed(|setup, _| printed_design(setup, 1), quantity("pitch set point", "deg", |row| row.point[1]))
+    },
 ];
 
 /// What Figures 20, 22, 24 and 26 to 28 do, the roll offset and the zenith angle in place of a flight.
 const OF_CHAPTER7: [Quantity; 7] = [
-    quantity("left of the space", "%", |row| 100.0 * row.share),
+    printed(printed_shares, quantity("left of the space", "%", |row| 100.0 * row.share)),
     quantity("S of (39)", "s", |row| row.spread),
     square("heading squared", |row| row.of(Reading::Heading)),
     square("pitch error squared", |row| row.of(Reading::Pitch)),
@@ -156,14 +180,14 @@ const fn square_of(words: &'static str, unit: &'static str, of: fn(&Row) -> f64)
 }
 
 /// One curve of Chapters 4 and 7 each as bands over all plants and seeds: the designs of the dissertation's loop, iteration by iteration.
-pub(super) fn steps(cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -> [String; 3] {
+pub(super) fn steps(setup: &Setup, cases: &[Case<'_>], batches: &dyn Fn(Study) -> [usize; 2]) -> [String; 3] {
     let figure = |study: Study, quantities: &[Quantity]| {
         let mine: Vec<&Case<'_>> = cases.iter().filter(|case| case.study == study).collect();
         let steps = [first_step(study), batches(study)[1]];
         line_figure(&LineFigure {
             title: format!("{}: designs of the loop, over plants and seeds", study.words()),
             x_axis: Axis::new("iteration", "1").counting(steps[0], steps[1]),
-            panels: quantities.iter().map(|quantity| panel_of(quantity, &mine, steps)).collect(),
+            panels: quantities.iter().map(|quantity| panel_of(setup, study, quantity, &mine, steps)).collect(),
             shaded: None,
         })
     };
@@ -175,7 +199,7 @@ fn first_step(study: Study) -> usize {
     usize::from(study == Study::Chapter4)
 }
 
-fn panel_of(quantity: &Quantity, cases: &[&Case<'_>], [first, last]: [usize; 2]) -> Panel {
+fn panel_of(setup: &Setup, study: Study, quantity: &Quantity, cases: &[&Case<'_>], [first, last]: [usize; 2]) -> Panel {
     let x: Vec<f64> = (first..=last).map(|step| step as f64).collect();
     let values = |world: World, step: usize| -> Vec<f64> {
         let mine = cases.iter().filter(|case| case.world == world);
@@ -197,6 +221,16 @@ fn panel_of(quantity: &Quantity, cases: &[&Case<'_>], [first, last]: [usize; 2])
         for quartile in [low, high] {
             series.push(Series::line(&label("quartiles"), &x, &quartile).dashed().colored_as(&label("median")));
         }
+    }
+    if let Some(printed) = quantity.printed {
+        let printed = printed(setup, study);
+        let n = printed.len().min(x.len());
+        drawn.extend(printed[..n].iter().filter(|value| value.is_finite()));
+        series.push(Series::line("printed in the dissertation", &x[..n], &printed[..n]));
+    }
+    if let Some(bound) = quantity.bound.and_then(|bound| bound(setup)) {
+        drawn.push(bound);
+        series.push(Series::line("bound, ours", &x, &vec![bound; x.len()]).dashed());
     }
     let y_axis = Axis::new(quantity.words, quantity.unit);
     let [low, high] =

@@ -58,7 +58,7 @@ fn texts(setup: &Setup, store: &Store) -> [(&'static str, String); 9] {
     let all = judged(setup, &cases);
     let batches = |study: Study| batches(setup, study);
     let regret = figures::regret(&cases, &batches);
-    let [of_chapter4, of_two, of_four] = figures::steps(&cases, &batches);
+    let [of_chapter4, of_two, of_four] = figures::steps(setup, &cases, &batches);
     [
         (PAGE, markdown(setup, store, &cases, &all)),
         (VERDICTS, format!("{}\n", figures::verdicts(&all))),
