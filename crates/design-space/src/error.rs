@@ -124,7 +124,7 @@ pub enum Error {
         second: usize,
     },
     /// A point with another number of coordinates than the region has parameters.
-    #[error("coordinates of a point: {found}, expected {expected} ({names}){hint}", hint = comma_hint(*found, *expected))]
+    #[error("coordinates of a point: {found}, expected {expected} ({names})")]
     WrongDimension {
         /// Number of parameters of the region.
         expected: usize,
@@ -224,7 +224,7 @@ pub enum Error {
         most: usize,
     },
     /// A coded point with another number of coordinates than there are factors.
-    #[error("coordinates of a point: {found}, expected {expected}{hint}", hint = comma_hint(*found, *expected))]
+    #[error("coordinates of a point: {found}, expected {expected}")]
     PointLength {
         /// Number of factors.
         expected: usize,
@@ -238,11 +238,18 @@ fn quoted(names: &[&str]) -> String {
     names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
-/// Two numbers for each that was expected are what decimal commas make of a point.
-fn comma_hint(found: usize, expected: usize) -> &'static str {
-    if expected > 0 && found > expected && found <= 2 * expected {
-        "; a decimal comma separates numbers, write 20.5 and not 20,5"
-    } else {
-        ""
+impl Error {
+    /// What may help a person who typed the numbers into a file or a shell, and would mislead who handed over an array: no
+    /// part of the message.
+    #[must_use]
+    pub fn hint(&self) -> Option<&'static str> {
+        match *self {
+            // Two numbers for each that was expected are what decimal commas make of a point.
+            Self::WrongDimension { expected, found, .. } | Self::PointLength { expected, found } => {
+                (expected > 0 && found > expected && found <= 2 * expected)
+                    .then_some("a decimal comma separates numbers, write 20.5 and not 20,5")
+            }
+            _ => None,
+        }
     }
 }

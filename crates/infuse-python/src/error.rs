@@ -13,11 +13,9 @@ pyo3::create_exception!(
     "What was asked for is wrong; the message names the field, the value and what is allowed."
 );
 
-/// An error of a Rust library as the exception, in the same words, but for what is meant for who types in a shell.
+/// An error of a Rust library as the exception, in the same words.
 pub(crate) fn refusal(error: impl Display) -> PyErr {
-    let text = error.to_string();
-    let text = text.split_once("; a decimal comma").map_or(text.as_str(), |(before, _)| before);
-    Error::new_err(text.to_owned())
+    Error::new_err(error.to_string())
 }
 
 /// What was expected and found, as Python calls it.

@@ -20,7 +20,7 @@ use water_channel::fly_seeded;
 use crate::blind;
 #[cfg(feature = "global")]
 use crate::costs::key::Key;
-use crate::costs::{Cost, Store};
+use crate::costs::{Cost, Failure, Flown, Store};
 #[cfg(feature = "global")]
 use crate::kept;
 use crate::logged::{LOG_EVERY, Logged};
@@ -115,25 +115,25 @@ impl Bat {
         self.weights.cost(&flight.integrals, rig.ballast_pct_chord())
     }
 
-    fn value(&self, rig: &Rig, flown: std::result::Result<Flight, FlightError>) -> Cost {
-        flown.map(|flight| self.breakdown(rig, &flight).total).map_err(|error| error.to_string())
+    fn value(&self, rig: &Rig, flown: std::result::Result<Flight, FlightError>) -> Flown {
+        flown.map(|flight| self.breakdown(rig, &flight).total).map_err(Failure::from)
     }
 
     /// The cost at `point`, flown unless it is remembered.
     pub(crate) fn cost(&self, point: &[f64], fidelity: Fidelity) -> Cost {
         if let Some(cost) = self.costs.get(point, fidelity) {
-            return cost;
+            return in_words(cost);
         }
         let request = self.request(point, fidelity);
         let cost = self.value(&request.rig, fly(&request, &self.profile, &self.settings));
         self.costs.add(fidelity, [(point, &cost)]);
-        cost
+        in_words(cost)
     }
 
     /// The costs at many points, flown in lanes and threads unless they are remembered; `done` is called with how many
     /// points each batch adds.
     pub(crate) fn costs(&self, points: &[Vec<f64>], fidelity: Fidelity, done: impl Fn(usize) + Sync) -> Vec<Cost> {
-        let mut costs: Vec<Option<Cost>> = points.iter().map(|point| self.costs.get(point, fidelity)).collect();
+        let mut costs: Vec<Option<Flown>> = points.iter().map(|point| self.costs.get(point, fidelity)).collect();
         let missing: Vec<usize> = (0..points.len()).filter(|k| costs[*k].is_none()).collect();
         done(points.len() - missing.len());
         let unknown: Vec<Vec<f64>> = missing.iter().map(|k| points[*k].clone()).collect();
@@ -142,7 +142,7 @@ impl Bat {
         for (k, cost) in missing.into_iter().zip(flown) {
             costs[k] = Some(cost);
         }
-        costs.into_iter().flatten().collect()
+        costs.into_iter().flatten().map(in_words).collect()
     }
 
     /// The same, all flown and none remembered.
@@ -151,7 +151,7 @@ impl Bat {
         points: &[Vec<f64>],
         fidelity: Fidelity,
         done: impl Fn(usize) + Sync,
-    ) -> Vec<Cost> {
+    ) -> Vec<Flown> {
         let requests: Vec<FlightRequest> = points.iter().map(|point| self.request(point, fidelity)).collect();
         let flown = fly_all(&requests, &self.profile, &self.settings, done);
         requests.iter().zip(flown).map(|(request, flight)| self.value(&request.rig, flight)).collect()
@@ -189,6 +189,11 @@ impl Bat {
     }
 }
 
+/// As the loops take it.
+fn in_words(flown: Flown) -> Cost {
+    flown.map_err(String::from)
+}
+
 /// On other plants.
 #[cfg(feature = "ensemble")]
 impl Bat {
@@ -212,7 +217,7 @@ impl Bat {
     pub(crate) fn seeded_costs(&self, points: &[Vec<f64>], seeds: &[u64], fidelity: Fidelity) -> Vec<Cost> {
         let requests: Vec<FlightRequest> = points.iter().map(|point| self.request(point, fidelity)).collect();
         let flown = fly_seeded(&requests, seeds, &self.profile, &self.settings, |_| {});
-        requests.iter().zip(flown).map(|(request, flight)| self.value(&request.rig, flight)).collect()
+        requests.iter().zip(flown).map(|(request, flight)| in_words(self.value(&request.rig, flight))).collect()
     }
 }
 
@@ -231,12 +236,12 @@ impl Bat {
     }
 
     /// Knows from now on what is kept in a folder in these fidelities, if it is what this program flies: of every so many
-    /// points one is flown anew, and has to cost the same bit for bit.
+    /// points one is flown anew, and has to cost the same bit for bit, or to fail for a reason of the same kind.
     pub(crate) fn take_over(&self, directory: &Path, region: &Region, fidelities: &[Fidelity]) -> Result<()> {
         for fidelity in fidelities {
             let path = directory.join(format!("{}.tsv", self.key(region, *fidelity)));
             let known = crate::costs::read(&path).with_context(|| path.display().to_string())?;
-            let (points, costs): (Vec<Vec<f64>>, Vec<Cost>) = known.iter().step_by(kept::SAMPLE).cloned().unzip();
+            let (points, costs): (Vec<Vec<f64>>, Vec<Flown>) = known.iter().step_by(kept::SAMPLE).cloned().unzip();
             for ((point, cost), anew) in points.iter().zip(costs).zip(self.flown_costs(&points, *fidelity, |_| {})) {
                 kept::ensure_same(&format!("the cost of {point:?}"), &cost, &anew)?;
             }
@@ -272,7 +277,7 @@ impl Bat {
         for cost in self.flown_costs(&blind::points(region, N_PROBES), fidelity, |_| {}) {
             key = match cost {
                 Ok(cost) => key.with(cost.to_le_bytes()),
-                Err(reason) => key.with(reason),
+                Err(failure) => key.with(failure.name()),
             };
         }
         key.name()

@@ -30,11 +30,36 @@ impl fmt::Display for Place {
     }
 }
 
-/// One claim and what a study found about it.
+/// With which truth a claim is judged that is judged twice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Truth {
+    /// It is judged once, and none is named.
+    Unnamed,
+    /// That of the dissertation: the model with stall.
+    Printed,
+    /// Ours, which is harder.
+    StandIn,
+}
+
+impl Truth {
+    /// What is said with it, where people read it.
+    pub(crate) fn after(self, says: &str) -> String {
+        let named = match self {
+            Self::Unnamed => "",
+            Self::Printed => " (with stall alone, as printed)",
+            Self::StandIn => " (with our stand-in)",
+        };
+        format!("{says}{named}")
+    }
+}
+
+/// One claim and what a study found about it. Place, words and truth say which it is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Claim {
     pub(crate) place: Place,
+    /// Without the truth; people read [`Self::words`].
     pub(crate) says: String,
+    pub(crate) truth: Truth,
     pub(crate) verdict: Verdict,
     /// What the verdict follows from by the rule; none of what was put in or fitted.
     pub(crate) judged: Option<Judged>,
@@ -49,12 +74,27 @@ impl Claim {
     /// What was put in or fitted.
     pub(crate) fn given(place: Place, says: &str, verdict: Verdict, found: String) -> Self {
         let (says, in_short) = (says.to_owned(), String::new());
-        Self { place, says, verdict, judged: None, in_short, found, pictures: Vec::new() }
+        Self { place, says, truth: Truth::Unnamed, verdict, judged: None, in_short, found, pictures: Vec::new() }
     }
 
     /// What was judged: by the one rule.
     pub(crate) fn new(place: Place, says: &str, judged: Judged, found: String) -> Self {
         Self { judged: Some(judged), ..Self::given(place, says, judged.verdict(), found) }
+    }
+
+    /// The same, judged with one truth of two.
+    pub(crate) fn with_truth(self, truth: Truth) -> Self {
+        Self { truth, ..self }
+    }
+
+    /// Whether both are the same claim, whatever was found about it.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        (&self.place, &self.says, self.truth) == (&other.place, &other.says, other.truth)
+    }
+
+    /// What it says, with the truth.
+    pub(crate) fn words(&self) -> String {
+        self.truth.after(&self.says)
     }
 
     /// The verdict with what it follows from.
@@ -72,7 +112,8 @@ impl Claim {
 
     /// What it says, with the numbers that decide it.
     pub(crate) fn in_numbers(&self) -> String {
-        if self.in_short.is_empty() { self.says.clone() } else { format!("{}: {}", self.says, self.in_short) }
+        let words = self.words();
+        if self.in_short.is_empty() { words } else { format!("{words}: {}", self.in_short) }
     }
 
     /// The same, shown by these pictures.
@@ -84,10 +125,6 @@ impl Claim {
         Self { pictures, ..self }
     }
 }
-
-/// What the words of a claim end with that is judged twice: with the truth of the dissertation, and with ours, which is harder.
-pub(crate) const WITH_STALL: &str = " (with stall alone, as printed)";
-pub(crate) const WITH_STAND_IN: &str = " (with our stand-in)";
 
 /// What was found in words: the claims by what became of them, with the numbers that decide them.
 pub(crate) fn by_verdict(claims: &[Claim]) -> Vec<Finding> {
@@ -124,19 +161,20 @@ pub(crate) fn table<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Table {
     let mut table =
         Table::new(vec![Column::new("Where", ""), Column::new("The dissertation says", ""), Column::new("Here", "")]);
     for claim in claims {
-        table.push(vec![claim.place.to_string(), claim.says.clone(), claim.verdict_words()]);
+        table.push(vec![claim.place.to_string(), claim.words(), claim.verdict_words()]);
     }
     table
 }
 
 /// What the latest run found about each, to be read below the table.
 pub(crate) fn found<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Vec<String> {
-    claims.into_iter().map(|claim| format!("{}, {}: {}", claim.place, claim.says, claim.found)).collect()
+    claims.into_iter().map(|claim| format!("{}, {}: {}", claim.place, claim.words(), claim.found)).collect()
 }
 
 /// What decides each, with its verdict.
 pub(crate) fn decided(claims: &[Claim]) -> Vec<String> {
-    let words = |claim: &Claim| format!("{}, {}: {}. {}", claim.place, claim.says, claim.verdict_words(), claim.found);
+    let words =
+        |claim: &Claim| format!("{}, {}: {}. {}", claim.place, claim.words(), claim.verdict_words(), claim.found);
     claims.iter().map(words).collect()
 }
 

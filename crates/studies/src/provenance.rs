@@ -13,19 +13,23 @@ pub(crate) fn provenance_table(records: &[Record]) -> Table {
         Column::new("Source", ""),
     ]);
     for record in records {
-        let provenance = match record.provenance {
-            Provenance::Given => "given",
-            Provenance::Derived => "derived",
-            Provenance::Estimated => "estimated",
-            Provenance::Calibrated => "calibrated",
-        };
         table.push(vec![
             record.key.clone(),
             record.value.to_string(),
             record.unit.clone(),
-            provenance.to_owned(),
+            word(record.provenance).to_owned(),
             record.source.clone(),
         ]);
     }
     table
+}
+
+/// Where a number comes from, in a word.
+pub(crate) fn word(provenance: Provenance) -> &'static str {
+    match provenance {
+        Provenance::Given => "given",
+        Provenance::Derived => "derived",
+        Provenance::Estimated => "estimated",
+        Provenance::Calibrated => "calibrated",
+    }
 }

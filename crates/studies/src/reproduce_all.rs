@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 
 use crate::chapter6::{self, AllLevels};
-use crate::claims::{self, Claim, Place, WITH_STAND_IN};
+use crate::claims::{self, Claim, Place, Truth};
 use crate::ensemble::{self, OverEnsemble};
 use crate::exemptions;
 use crate::first_screen::FirstScreen;
@@ -67,9 +67,10 @@ impl Over {
 }
 
 impl OverEnsemble {
-    /// Whether a chapter judges the same; the ensemble flies the stand-in.
+    /// Whether a chapter judges the same; both fly the stand-in but where they name the printed truth.
     fn is_of(&self, claim: &Claim) -> bool {
-        self.place == claim.place && self.says == claim.says.strip_suffix(WITH_STAND_IN).unwrap_or(&claim.says)
+        let is_printed = [self.truth, claim.truth].map(|truth| truth == Truth::Printed);
+        self.place == claim.place && self.says == claim.says && is_printed[0] == is_printed[1]
     }
 }
 
@@ -185,7 +186,10 @@ fn table(listed: &[Listed<'_>], over: &Over) -> Table {
         listed.iter().map(|one| one.claim.place.clone()).zip(std::mem::take(&mut table.rows)).collect();
     rows.extend(over.alone(listed).map(|over| {
         let [command, none] = [COMMAND_OF_ENSEMBLE, "–"].map(str::to_owned);
-        (over.place.clone(), vec![over.place.to_string(), over.says.clone(), none, command, over.words.clone()])
+        (
+            over.place.clone(),
+            vec![over.place.to_string(), over.truth.after(&over.says), none, command, over.words.clone()],
+        )
     }));
     rows.sort_by(|a, b| a.0.cmp(&b.0));
     table.rows = rows.into_iter().map(|(_, row)| row).collect();
@@ -199,7 +203,7 @@ const WIDTHS_PCT: [u32; 5] = [12, 33, 12, 16, 27];
 fn count_words<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
     let count = |verdict: Verdict| claims.clone().filter(|claim| claim.verdict == verdict).count();
     let be = |n: usize, [one, many]: [&str; 2]| format!("{n} {}", if n == 1 { one } else { many });
-    let twice = claims.clone().filter(|claim| claim.says.ends_with(WITH_STAND_IN)).count();
+    let twice = claims.clone().filter(|claim| claim.truth == Truth::StandIn).count();
     let twice = match twice {
         0 => String::new(),
         n => format!(" ({n} of them those of Chapter 6 a second time, with our stand-in)"),
@@ -263,7 +267,7 @@ fn page(
     let picture = |(chapter, name): &(&Chapter<'_>, &String)| -> Result<Picture> {
         let mut picture = chapter.handover.picture(&root.join(chapter.study.out()), name)?;
         for claim in chapter.handover.claims.iter().filter(|claim| claim.pictures.contains(*name)) {
-            picture.caption.push_str(&format!(" {}: “{}”: {}.", claim.place, claim.says, claim.verdict));
+            picture.caption.push_str(&format!(" {}: “{}”: {}.", claim.place, claim.words(), claim.verdict));
         }
         Ok(picture)
     };
@@ -321,7 +325,7 @@ fn markdown(listed: &[Listed<'_>], over: &Over, first: &str) -> String {
 fn print(listed: &[Listed<'_>]) {
     println!("\nWhat of the dissertation comes out\n");
     for Listed { claim, .. } in listed {
-        println!("{:22} {:19} {}", claim.place.to_string(), claim.verdict.to_string(), claim.says);
+        println!("{:22} {:19} {}", claim.place.to_string(), claim.verdict.to_string(), claim.words());
     }
     println!("\n{}\nOne page over all: {DIRECTORY}/index.html", counts(listed).sentence());
 }
@@ -356,7 +360,7 @@ mod tests {
              calibrated, 1 calibrated, 1 is an input, and 1 is a check."
         );
         let mut two = claims(&[Reproduced, Reproduced, PartlyCalibrated, PartlyCalibrated, TakenOver, TakenOver]);
-        two[0].says += WITH_STAND_IN;
+        two[0].truth = Truth::StandIn;
         assert_eq!(
             count_words(two.iter()),
             "Of 6 claims (1 of them those of Chapter 6 a second time, with our stand-in) 2 are reproduced, 0 in kind, 0 in part, and 0 not. \
@@ -393,11 +397,16 @@ mod tests {
 
     #[test]
     fn the_ensemble_has_a_claim_of_chapter_6_with_the_stand_in_once() {
-        let over =
-            OverEnsemble { place: Place::Table(1), flown: "Chapter 4", says: "it".to_owned(), words: String::new() };
+        let over = OverEnsemble {
+            place: Place::Table(1),
+            flown: "Chapter 4",
+            says: "it".to_owned(),
+            truth: Truth::Unnamed,
+            words: String::new(),
+        };
         let mut claims = claims(&[Verdict::InKind, Verdict::InKind]);
-        claims[0].says += crate::claims::WITH_STALL;
-        claims[1].says += WITH_STAND_IN;
+        claims[0].truth = Truth::Printed;
+        claims[1].truth = Truth::StandIn;
         assert_eq!(claims.iter().map(|claim| over.is_of(claim)).collect::<Vec<_>>(), [false, true]);
     }
 

@@ -77,7 +77,10 @@ fn rejects_points_of_another_dimension() {
     check(region.check(&[1.0]), message);
     check(region.clamp(&[1.0]), message);
     check(region.snap(&[1.0]), message);
-    assert!(region.check(&[0.5, 16.0, 1.0]).is_err(), "too many as well");
+    let many = region.check(&[0.5, 16.0, 1.0]).unwrap_err();
+    assert_eq!(many.to_string(), "coordinates of a point: 3, expected 2 (mass, pitch)", "too many as well");
+    assert!(many.hint().is_some_and(|hint| hint.contains("decimal comma")), "beside the message");
+    assert_eq!(region.check(&[1.0]).unwrap_err().hint(), None);
 }
 
 #[test]

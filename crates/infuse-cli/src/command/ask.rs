@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 use page::Finding;
 use serde_json::json;
 
-use super::Output;
+use super::output::Output;
 use crate::campaign::{Campaign, Stage, Wish};
 use crate::findings::{ended, handed_out};
 use crate::folder;

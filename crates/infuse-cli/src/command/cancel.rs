@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 use page::Finding;
 use serde_json::json;
 
-use super::Output;
+use super::output::Output;
 use crate::folder;
 use crate::number::count;
 use crate::problem::PROBLEM;

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use anyhow::Result;
 
-use super::Output;
 use super::ask::waiting;
+use super::output::Output;
 use crate::folder;
 use crate::sheet::check_ending;
 

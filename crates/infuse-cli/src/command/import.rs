@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::{Result, ensure};
 use serde_json::json;
 
-use super::Output;
+use super::output::Output;
 use crate::findings::{imported, withdrawn};
 use crate::folder;
 use crate::journal::{Event, now};

@@ -6,7 +6,7 @@ use anyhow::Result;
 use design_space::Cell;
 use serde_json::{Value, json};
 
-use super::Output;
+use super::output::Output;
 use super::undo::{in_words, told};
 use crate::campaign::{Campaign, Stage, changes};
 use crate::echo::echo;

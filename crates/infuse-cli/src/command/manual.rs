@@ -9,8 +9,8 @@ use clap_complete::Shell;
 use clap_mangen::Man;
 use serde_json::json;
 
+use super::output::Output;
 use crate::arguments::Arguments;
-use crate::command::Output;
 
 /// Completions of this shell.
 pub(super) fn completions(shell: Shell) -> Result<Output> {

@@ -9,6 +9,7 @@ mod log;
 mod made;
 mod manual;
 mod new;
+mod output;
 mod report;
 mod run;
 mod serve;
@@ -21,29 +22,10 @@ mod what_if;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result};
-use page::Finding;
-use serde_json::{Value, json};
 
 use crate::arguments::{Arguments, Command};
 use crate::campaign::Wish;
-
-/// What a command says.
-#[derive(Debug)]
-pub(crate) struct Output {
-    pub(crate) text: String,
-    pub(crate) json: Value,
-    /// For standard error.
-    pub(crate) notices: Vec<String>,
-}
-
-impl Output {
-    /// Sentences, as text and for machines, beside what else a machine is told.
-    fn new(findings: &[Finding], mut json: Value, notices: Vec<String>) -> Self {
-        json["findings"] = json!(findings);
-        json["notices"] = json!(notices);
-        Self { text: findings.iter().map(Finding::to_string).collect(), json, notices }
-    }
-}
+pub(crate) use output::Output;
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Output> {
     let common = &arguments.common;

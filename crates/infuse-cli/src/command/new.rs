@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result, bail};
 use page::Finding;
 use serde_json::json;
 
-use super::Output;
+use super::output::Output;
 use crate::journal::JOURNAL;
 use crate::problem::PROBLEM;
 use crate::sheet::replace;

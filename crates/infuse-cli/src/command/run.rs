@@ -7,8 +7,8 @@ use anyhow::{Result, bail};
 use page::Finding;
 use serde_json::json;
 
-use super::Output;
 use super::made::make;
+use super::output::Output;
 use crate::campaign::{Stage, Wish};
 use crate::findings::ended;
 use crate::folder;

@@ -7,7 +7,8 @@ use anyhow::Result;
 use page::Finding;
 use serde_json::{Value, json};
 
-use super::{Output, settings};
+use super::output::Output;
+use super::settings;
 use crate::campaign::{Campaign, Stage};
 use crate::findings::{next, standing};
 use crate::folder;

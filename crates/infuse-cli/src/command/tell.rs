@@ -8,7 +8,8 @@ use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use page::Finding;
 use serde_json::{Value, json};
 
-use super::{Output, settings};
+use super::output::Output;
+use super::settings;
 use crate::arguments::Tell;
 use crate::campaign::{Campaign, Reading};
 use crate::findings::{outstanding, taken};

@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result, ensure};
 use page::Finding;
 use serde_json::json;
 
-use super::Output;
+use super::output::Output;
 use crate::campaign::Campaign;
 use crate::findings::next;
 use crate::folder;

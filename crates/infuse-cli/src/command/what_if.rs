@@ -4,7 +4,8 @@ use std::path::Path;
 
 use anyhow::{Result, ensure};
 
-use super::{Output, settings};
+use super::output::Output;
+use super::settings;
 use crate::folder;
 
 pub(crate) fn what_if(folder: &Path, asked: Option<&str>, grid: Option<&Path>) -> Result<Output> {

@@ -4,6 +4,7 @@ mod checksum;
 mod deed;
 mod event;
 mod lock;
+mod name;
 mod submission;
 mod text;
 mod undo;
@@ -22,16 +23,13 @@ pub(crate) use event::{
     Assessed, BY_ITSELF, Constrained, Event, FORMAT, Learned, Measured, Purpose, Submitted, Told, now,
 };
 use lock::Lock;
+pub(crate) use name::JOURNAL;
+use name::TORN;
 pub(crate) use submission::SubmissionName;
 pub(crate) use undo::Last;
 use undo::Standing;
 
 use crate::left_running;
-
-/// The name of the file in the folder of a campaign.
-pub(crate) const JOURNAL: &str = "journal.jsonl";
-/// Where lines go that an interrupted call has left behind.
-const TORN: &str = "journal.torn";
 
 /// The journal of a folder, for reading.
 #[derive(Debug)]

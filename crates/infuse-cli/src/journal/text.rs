@@ -2,9 +2,9 @@
 
 use anyhow::{Result, bail};
 
-use super::JOURNAL;
 use super::checksum::{Checksum, Fault};
 use super::event::Event;
+use super::name::JOURNAL;
 
 /// A journal as read.
 #[derive(Debug, Default)]

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use design_space::{Cell, Grid};
+use design_space::{Cell, Grid, Levels};
 use sha2::{Digest as _, Sha256};
 
 use super::rows::Rows;
@@ -21,10 +21,35 @@ pub(crate) const FILE: &str = ".infuse-index";
 /// Of a table, and of all that it is read by.
 pub(super) fn key(table: &[u8], problem: &Problem) -> [u8; 32] {
     let mut digest = Sha256::new();
-    digest.update(env!("CARGO_PKG_VERSION"));
-    digest.update(format!("{:?} {:?}", problem.region.parameters(), point_columns(problem)));
-    digest.update(table);
+    part(&mut digest, env!("CARGO_PKG_VERSION"));
+    for parameter in problem.region.parameters() {
+        part(&mut digest, parameter.name());
+        part(&mut digest, parameter.unit());
+        part(&mut digest, parameter.lower().to_le_bytes());
+        part(&mut digest, parameter.upper().to_le_bytes());
+        let levels = match parameter.levels() {
+            Levels::Continuous => 0,
+            Levels::Count(count) => count,
+        };
+        part(&mut digest, levels.to_le_bytes());
+        let choices = parameter.choices().unwrap_or_default();
+        part(&mut digest, (choices.len() as u64).to_le_bytes());
+        choices.iter().for_each(|choice| part(&mut digest, choice));
+    }
+    for column in point_columns(problem) {
+        part(&mut digest, &column.name);
+        part(&mut digest, &column.unit);
+        part(&mut digest, [u8::from(column.is_required)]);
+    }
+    part(&mut digest, table);
     digest.finalize().into()
+}
+
+/// With its length, so that no two lists of parts run into the same bytes.
+fn part(digest: &mut Sha256, part: impl AsRef<[u8]>) {
+    let part = part.as_ref();
+    digest.update((part.len() as u64).to_le_bytes());
+    digest.update(part);
 }
 
 /// What was kept under this key; nothing if it isn't there, or is another's, or is broken.

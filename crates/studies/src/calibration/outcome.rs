@@ -33,6 +33,18 @@ pub(super) enum Refusal {
 impl Refusal {
     pub(super) const ALL: [Self; 4] = [Self::CannotFly, Self::NotMet, Self::OtherOptimum, Self::FailsInBox];
 
+    /// What stands for it in the kept table of starts. The table has a sum over its text, so a name stays as it is, whatever
+    /// pages say.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::CannotFly => "start cannot fly what the evidence asks for",
+            Self::NotMet => "evidence not met",
+            Self::OtherOptimum => "costs lower elsewhere in the box",
+            Self::FailsInBox => "too many designs of the box fail",
+        }
+    }
+
+    /// What people read.
     pub(super) const fn words(self) -> &'static str {
         match self {
             Self::CannotFly => "start cannot fly what the evidence asks for",

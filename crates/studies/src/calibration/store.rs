@@ -84,9 +84,9 @@ impl Line<'_> {
     fn start(&self) -> Result<Start> {
         let refusal = match self.cells[1].as_str() {
             KEPT => None,
-            words => {
-                let known = Refusal::ALL.into_iter().find(|refusal| refusal.words() == words);
-                let error = || format!("{}: column `outcome`: no outcome `{words}`; {REMEDY}", self.words());
+            name => {
+                let known = Refusal::ALL.into_iter().find(|refusal| refusal.name() == name);
+                let error = || format!("{}: column `outcome`: no outcome `{name}`; {REMEDY}", self.words());
                 Some(known.with_context(error)?)
             }
         };
@@ -249,7 +249,7 @@ impl Store {
         });
         self.write(MEMBERS, &self.head(), members)?;
         let starts = self.starts.iter().map(|start| {
-            let outcome = start.refusal.map_or(KEPT, Refusal::words);
+            let outcome = start.refusal.map_or(KEPT, Refusal::name);
             let worst = start.worst.map_or_else(String::new, |worst| format!("{worst:.3}"));
             vec![start.number.to_string(), outcome.to_owned(), worst]
         });

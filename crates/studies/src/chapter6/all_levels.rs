@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
 
-use crate::claims::{Claim, Place};
+use crate::claims::{Claim, Place, Truth};
 use crate::kept;
 use crate::rules::Judged;
 
@@ -18,7 +18,16 @@ const FILE: &str = "fixtures/bat/chapter6-all-levels.json";
 struct Row {
     place: Place,
     says: String,
+    truth: Truth,
     judged: Judged,
+}
+
+impl Row {
+    /// Without what was found.
+    #[cfg(feature = "ensemble")]
+    fn claim(&self) -> Claim {
+        Claim::new(self.place.clone(), &self.says, self.judged, String::new()).with_truth(self.truth)
+    }
 }
 
 /// All that are judged.
@@ -31,8 +40,10 @@ pub(crate) struct AllLevels {
 
 impl AllLevels {
     fn of(claims: &[Claim]) -> Self {
-        let row =
-            |claim: &Claim| Some(Row { place: claim.place.clone(), says: claim.says.clone(), judged: claim.judged? });
+        let row = |claim: &Claim| {
+            let (place, says) = (claim.place.clone(), claim.says.clone());
+            Some(Row { place, says, truth: claim.truth, judged: claim.judged? })
+        };
         Self {
             written_by: "cargo xtask reproduce-chapter6 --full".to_owned(),
             rows: claims.iter().filter_map(row).collect(),
@@ -49,10 +60,9 @@ impl AllLevels {
     /// Puts the judgement by all levels in the place of that by fewer, where it comes to another word. Whether it does.
     #[cfg(feature = "ensemble")]
     pub(crate) fn overrule(&self, claim: &mut Claim) -> bool {
-        let Some(row) = self.rows.iter().find(|row| row.place == claim.place && row.says == claim.says) else {
+        let Some(whole) = self.rows.iter().map(Row::claim).find(|whole| whole.is_same(claim)) else {
             return false;
         };
-        let whole = Claim::new(row.place.clone(), &row.says, row.judged, String::new());
         if whole.verdict == claim.verdict {
             return false;
         }
@@ -64,7 +74,7 @@ impl AllLevels {
         );
         (claim.verdict, claim.judged) = (whole.verdict, whole.judged);
         // What is told in short is told of fewer levels.
-        claim.in_short = format!("with all levels, {}", row.judged.count);
+        claim.in_short = whole.judged.map_or_else(String::new, |judged| format!("with all levels, {}", judged.count));
         true
     }
 }
@@ -91,10 +101,10 @@ mod tests {
     fn what_is_kept_is_what_the_page_says() {
         let page = std::fs::read_to_string(root().join("docs/results-chapter6-full.md")).expect("a page");
         let kept = AllLevels::read(&root()).expect("kept");
-        for Row { place, says, judged } in &kept.rows {
-            let claim = Claim::new(place.clone(), says, *judged, String::new());
-            let row = page.lines().find(|line| line.starts_with(&format!("| {place} | {says} |")));
-            let row = row.unwrap_or_else(|| panic!("{place}, {says} is not on the page"));
+        for claim in kept.rows.iter().map(Row::claim) {
+            let (place, words) = (&claim.place, claim.words());
+            let row = page.lines().find(|line| line.starts_with(&format!("| {place} | {words} |")));
+            let row = row.unwrap_or_else(|| panic!("{place}, {words} is not on the page"));
             assert!(row.ends_with(&format!("| {} |", claim.verdict_words())), "{row}\n{}", claim.verdict_words());
         }
         let n = page
@@ -118,6 +128,8 @@ mod tests {
         let found =
             "With all levels: reproduced in part: 16 of 26. With fewer: reproduced in kind: 26 of 26. Of these: So.";
         assert_eq!(claim.found, found);
+        let mut of_other_truth = fewer(26).with_truth(Truth::Printed);
+        assert!(!kept.overrule(&mut of_other_truth), "another truth is another claim");
         let mut same = fewer(17);
         assert!(!kept.overrule(&mut same));
         assert_eq!(same, fewer(17));

@@ -6,7 +6,7 @@ use super::campaigns::Ended;
 use super::findings::Findings;
 use super::flights::{BeforeAfter, Flown};
 use super::tables::digits;
-use crate::claims::{Claim, Place, Verdict, WITH_STALL, WITH_STAND_IN};
+use crate::claims::{Claim, Place, Truth, Verdict};
 use crate::gridded::{IterationAccuracy, NORMS, Q2, SUP};
 use crate::rules::{Count, Judged, MUCH, Standing};
 
@@ -93,8 +93,8 @@ impl<'a> Of<'a> {
             self.heading(),
             self.footprint(),
         ];
-        let with = if self.findings.setup.truth(self.truth).is_ours() { WITH_STAND_IN } else { WITH_STALL };
-        all.into_iter().map(|claim| Claim { says: format!("{}{with}", claim.says), ..claim }).collect()
+        let truth = if self.findings.setup.truth(self.truth).is_ours() { Truth::StandIn } else { Truth::Printed };
+        all.into_iter().map(|claim| claim.with_truth(truth)).collect()
     }
 
     fn spaces(&self) -> impl Iterator<Item = usize> + '_ {

@@ -234,7 +234,7 @@ fn written_by(extent: Extent) -> &'static str {
 
 /// The same claim with fewer levels.
 fn twin<'a>(claim: &Claim, fewer: &'a [Claim]) -> Option<&'a Claim> {
-    fewer.iter().find(|other| other.place == claim.place && other.says == claim.says)
+    fewer.iter().find(|other| other.is_same(claim))
 }
 
 /// Every claim with fewer levels and with all.
@@ -247,7 +247,7 @@ fn beside_fewer(claims: &[Claim], fewer: &[Claim]) -> String {
     ]);
     for claim in claims.iter().filter(|claim| claim.judged.is_some()) {
         let other = twin(claim, fewer).map_or("–".to_owned(), Claim::verdict_words);
-        table.push(vec![claim.place.to_string(), claim.says.clone(), other, claim.verdict_words()]);
+        table.push(vec![claim.place.to_string(), claim.words(), other, claim.verdict_words()]);
     }
     format!("## With fewer levels, and with all\n\n{}\n", table.markdown())
 }
@@ -256,7 +256,7 @@ fn beside_fewer(claims: &[Claim], fewer: &[Claim]) -> String {
 pub(crate) fn changed(claims: &[Claim], fewer: &[Claim]) -> Finding {
     let is_other = |claim: &&Claim| twin(claim, fewer).is_some_and(|other| other.verdict != claim.verdict);
     let changed: Vec<&Claim> = claims.iter().filter(is_other).collect();
-    let words: Vec<String> = changed.iter().map(|claim| format!("{} ({})", claim.says, claim.place)).collect();
+    let words: Vec<String> = changed.iter().map(|claim| format!("{} ({})", claim.words(), claim.place)).collect();
     Finding::new(format!(
         "{} of {} verdicts are others than with fewer levels: {}.",
         changed.len(),
@@ -300,7 +300,7 @@ pub(crate) fn print(findings: &Findings, claims: &[Claim], out: &Path) -> Result
         findings.ended.len()
     );
     for claim in claims {
-        println!("- {}: {}: {}.\n    {}", claim.place, claim.says, claim.verdict, claim.found);
+        println!("- {}: {}: {}.\n    {}", claim.place, claim.words(), claim.verdict, claim.found);
     }
     println!("\n{}", example(findings)?.sentence());
     println!("\nPage, figures and data: {} (open index.html), after {:.0} s.", out.display(), findings.seconds);

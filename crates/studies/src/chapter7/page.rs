@@ -383,7 +383,7 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim], first: &str) -> St
 pub(crate) fn print(findings: &Findings, claims: &[Claim], out: &Path) {
     println!("\nChapter 7: Tables 5 and 6 in a stand-in for the water channel\n");
     for claim in claims {
-        println!("- {}: {}: {}.\n    {}", claim.place, claim.says, claim.verdict, claim.found);
+        println!("- {}: {}: {}.\n    {}", claim.place, claim.words(), claim.verdict, claim.found);
     }
     for (case, found) in findings.cases() {
         println!("\n{}: {}\n{}", case.entry.label, design_words(case, found).join("\n"), ranking(found));

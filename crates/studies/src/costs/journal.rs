@@ -4,18 +4,18 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::cost::Cost;
+use super::cost::{Failure, Flown, Kind};
 
-/// What stands before the reason of a flight without a cost.
-const FAILED: &str = "failed: ";
+/// What stands before the kind and the words of a flight without a cost.
+const FAILED: &str = "failed ";
 
 /// A point with its cost.
-pub(crate) type FlownPoint = (Vec<f64>, Cost);
+pub(crate) type FlownPoint = (Vec<f64>, Flown);
 
 /// The end of a file of costs.
 ///
-/// A line is a point, its numbers parted by blanks, a tabulator, and the cost or the reason why there is none. Lines come
-/// in any order; what a killed process leaves of a line is cut off by the next one.
+/// A line is a point, its numbers parted by blanks, a tabulator, and the cost or the kind of its failure and the words
+/// for people. Lines come in any order; what a killed process leaves of a line is cut off by the next one.
 #[derive(Debug)]
 pub(super) struct Journal {
     path: PathBuf,
@@ -34,7 +34,7 @@ impl Journal {
     }
 
     /// Writes costs down. Who cannot write flies again next time, so a failure is only said.
-    pub(super) fn add<'a>(&mut self, costs: impl IntoIterator<Item = (&'a [f64], &'a Cost)>) {
+    pub(super) fn add<'a>(&mut self, costs: impl IntoIterator<Item = (&'a [f64], &'a Flown)>) {
         let lines: String = costs.into_iter().map(|(point, cost)| line(point, cost)).collect();
         if let Err(error) = self.file.write_all(lines.as_bytes()) {
             eprintln!("warning: {}: {error}; these flights will not be remembered", self.path.display());
@@ -56,18 +56,23 @@ fn read_lines(bytes: &[u8]) -> Vec<FlownPoint> {
     String::from_utf8_lossy(bytes).lines().filter_map(read_line).collect()
 }
 
-fn line(point: &[f64], cost: &Cost) -> String {
+fn line(point: &[f64], cost: &Flown) -> String {
     let point = point.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
     match cost {
         Ok(cost) => format!("{point}\t{cost}\n"),
-        Err(reason) => format!("{point}\t{FAILED}{}\n", reason.replace(['\n', '\t'], " ")),
+        Err(Failure { kind, words }) => {
+            format!("{point}\t{FAILED}{}: {}\n", kind.name(), words.replace(['\n', '\t'], " "))
+        }
     }
 }
 
 fn read_line(line: &str) -> Option<FlownPoint> {
     let (point, cost) = line.split_once('\t')?;
     let cost = match cost.strip_prefix(FAILED) {
-        Some(reason) => Err(reason.to_owned()),
+        Some(failure) => {
+            let (kind, words) = failure.split_once(": ")?;
+            Err(Failure { kind: Kind::of_name(kind)?, words: words.to_owned() })
+        }
         None => Ok(cost.parse::<f64>().ok().filter(|cost| cost.is_finite())?),
     };
     let point = point.split(' ').map(|x| x.parse().ok()).collect::<Option<Vec<f64>>>()?;
@@ -82,14 +87,18 @@ mod tests {
 
     #[test]
     fn a_line_comes_back_bit_for_bit() {
-        for cost in [Ok(0.1 + 0.2), Ok(1e-300), Err("a line\twent\nslack".to_owned())] {
+        let failure = |words: &str| Failure { kind: Kind::Slack, words: words.to_owned() };
+        for cost in [Ok(0.1 + 0.2), Ok(1e-300), Err(failure("a line\twent\nslack"))] {
             let point = [0.1 + 0.7, -0.0, 1e-17];
             let written = line(&point, &cost);
             let (same, read) = read_line(written.trim_end()).expect("a line");
             assert_eq!(same.iter().map(|x| x.to_bits()).collect::<Vec<_>>(), point.map(f64::to_bits));
             match (cost, read) {
                 (Ok(cost), Ok(read)) => assert_eq!(cost.to_bits(), read.to_bits()),
-                (_, read) => assert_eq!(read, Err("a line went slack".to_owned())),
+                (_, read) => {
+                    let read = read.expect_err("it failed");
+                    assert_eq!((read.to_string().as_str(), &read), ("a line went slack", &failure("in other words")));
+                }
             }
         }
     }
@@ -98,12 +107,13 @@ mod tests {
     fn a_torn_line_is_cut_off_and_flown_again() {
         let folder = tempfile::tempdir().expect("a writable directory");
         let path = folder.path().join("torn.tsv");
-        fs::write(&path, "0.5 1\t1.5\n1 1\tnonsense\n2 1\tNaN\nx 1\t1\n3 1\t2.").expect("a writable directory");
+        fs::write(&path, "0.5 1\t1.5\n1 1\tnonsense\n2 1\tNaN\nx 1\t1\n4 1\tfailed: of no kind\n3 1\t2.")
+            .expect("a writable directory");
         let (mut journal, known) = Journal::open(&path).expect("an openable file");
         assert_eq!(known, [(vec![0.5, 1.0], Ok(1.5))]);
         journal.add([([3.0, 1.0].as_slice(), &Ok(2.25))]);
         drop(journal);
         let text = fs::read_to_string(&path).expect("just written");
-        assert_eq!(text, "0.5 1\t1.5\n1 1\tnonsense\n2 1\tNaN\nx 1\t1\n3 1\t2.25\n");
+        assert_eq!(text, "0.5 1\t1.5\n1 1\tnonsense\n2 1\tNaN\nx 1\t1\n4 1\tfailed: of no kind\n3 1\t2.25\n");
     }
 }

@@ -6,7 +6,7 @@ mod journal;
 pub(crate) mod key;
 mod store;
 
-pub(crate) use cost::Cost;
+pub(crate) use cost::{Cost, Failure, Flown};
 #[cfg(feature = "global")]
 pub(crate) use journal::read;
 pub(crate) use store::Store;

@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use bat_dynamics::Fidelity;
 
-use super::cost::Cost;
+use super::cost::Flown;
 use super::journal::Journal;
 
 /// The bits of a point.
@@ -25,7 +25,7 @@ pub(crate) struct Store {
 
 #[derive(Debug, Default)]
 struct Known {
-    costs: HashMap<Bits, Cost>,
+    costs: HashMap<Bits, Flown>,
     journal: Option<Journal>,
 }
 
@@ -41,12 +41,12 @@ impl Store {
         Ok(())
     }
 
-    pub(crate) fn get(&self, point: &[f64], fidelity: Fidelity) -> Option<Cost> {
+    pub(crate) fn get(&self, point: &[f64], fidelity: Fidelity) -> Option<Flown> {
         self.lock().get(&fidelity)?.costs.get(&bits(point)).cloned()
     }
 
     /// Remembers what these points cost.
-    pub(crate) fn add<'a>(&self, fidelity: Fidelity, costs: impl IntoIterator<Item = (&'a [f64], &'a Cost)>) {
+    pub(crate) fn add<'a>(&self, fidelity: Fidelity, costs: impl IntoIterator<Item = (&'a [f64], &'a Flown)>) {
         let mut all = self.lock();
         let Known { costs: known, journal } = all.entry(fidelity).or_default();
         let mut new = Vec::new();

@@ -1,6 +1,7 @@
 //! `cargo xtask doe-records`: our optimal designs verified beside the published record, and searched for anew.
 
 mod file;
+mod findings;
 mod pictures;
 mod report;
 
@@ -13,6 +14,7 @@ use doe::{Criterion, Effort, Found, Model, PredictionVariance, Problem, Settings
 use rayon::prelude::*;
 
 use file::{Kept, Record, Size};
+use findings::{Findings, GOAL, GRID, GRID_STARTS, GridRow, LARGE_STARTS, LIST_RUNS, LIST_STARTS, MOST_STARTS, Row};
 
 use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 
@@ -25,48 +27,10 @@ pub(crate) const RECORDS: Reproduction = Reproduction {
     run: Run::Always(reproduce),
 };
 
-/// Share of the best known efficiency at which a search of this run stops.
-const GOAL: f64 = 0.99;
-/// Starts after which it gives up.
-const MOST_STARTS: u64 = 400;
-/// Levels of each of the four factors of the case study's grid.
-const GRID: [u32; 4] = [24; 4];
-/// Starts of a search over that grid.
-const GRID_STARTS: u64 = 32;
 /// Levels per factor of candidate lists in four factors, to see how the time grows with their length.
 const LIST_LEVELS: [u32; 4] = [6, 12, 18, 24];
-const LIST_RUNS: usize = 18;
-const LIST_STARTS: u64 = 4;
 /// Sizes beyond the record, to see how the time grows: searched with a few starts.
 const LARGE: [Size; 3] = [(5, 30), (6, 40), (7, 50)];
-const LARGE_STARTS: u64 = 2;
-
-/// A kept design beside the record, and the search for its like in this run.
-struct Row {
-    size: Size,
-    kept: Kept,
-    /// The largest prediction variance on a dense lattice over that over the cube: at most 1.
-    lattice_share: f64,
-    again: Found,
-}
-
-/// A search over the grid of the case study.
-struct GridRow {
-    model: &'static str,
-    runs: usize,
-    found: Found,
-}
-
-/// Everything that the study found.
-struct Findings {
-    record: Record,
-    rows: Vec<Row>,
-    grid: Vec<GridRow>,
-    large: Vec<(Size, Found)>,
-    /// Searches over lists, by the number of their candidates.
-    lists: Vec<(usize, Found)>,
-    seconds: f64,
-}
 
 fn reproduce(root: &Path) -> Result<()> {
     let started = Instant::now();

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use doe::{EvaluationSettings, Model, PredictionVariance, Space, VarianceSlice, evaluate};
 
-use super::{Findings, GRID};
+use super::findings::{Findings, GRID};
 use crate::reproduction::Picture;
 use page::{Axis, Landscape, LineFigure, Panel, Points, Series, landscape_panels_figure, line_figure};
 

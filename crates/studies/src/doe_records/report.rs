@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Findings, GOAL, GRID, GRID_STARTS, LARGE_STARTS, LIST_RUNS, LIST_STARTS, MOST_STARTS};
+use super::findings::{Findings, GOAL, GRID, GRID_STARTS, LARGE_STARTS, LIST_RUNS, LIST_STARTS, MOST_STARTS, Row};
 use anyhow::Result;
 
 use crate::first_screen::FirstScreen;
@@ -209,9 +209,9 @@ const BEATEN: f64 = 5e-6;
 
 /// What the searches of this run say of the kept designs and of their own goal.
 fn about_the_searches(findings: &Findings) -> Vec<String> {
-    let size = |row: &super::Row| format!("K = {}, N = {}", row.size.0, row.size.1);
-    let share = |row: &super::Row| row.again.efficiency.percent / row.kept.efficiency.percent;
-    let named = |rows: Vec<&super::Row>| {
+    let size = |row: &Row| format!("K = {}, N = {}", row.size.0, row.size.1);
+    let share = |row: &Row| row.again.efficiency.percent / row.kept.efficiency.percent;
+    let named = |rows: Vec<&Row>| {
         let names: Vec<String> =
             rows.iter().map(|row| format!("{} ({:.2} %)", size(row), 100.0 * share(row))).collect();
         if names.is_empty() { "none".to_owned() } else { names.join("; ") }

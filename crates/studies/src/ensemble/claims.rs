@@ -3,7 +3,7 @@
 use super::file::Setup;
 use super::kept::Case;
 use super::row::{Method, Reading, Row, Study, World};
-use crate::claims::Place;
+use crate::claims::{Place, Truth};
 use crate::rules::{MUCH, NEAR, Standing};
 
 /// Of a design beside the one before.
@@ -34,7 +34,10 @@ pub(super) enum Test {
 /// A claim with what counts as holding.
 pub(super) struct Claim {
     pub(super) place: Place,
+    /// Without the truth; people read [`Self::words`].
     pub(super) says: String,
+    /// Named where it is not our stand-in.
+    pub(super) truth: Truth,
     pub(super) study: Study,
     /// What counts.
     pub(super) rule: &'static str,
@@ -65,6 +68,7 @@ impl Claim {
         Self {
             place,
             says: says.into(),
+            truth: Truth::Unnamed,
             study,
             rule,
             test,
@@ -72,6 +76,16 @@ impl Claim {
             still_alone: false,
             by_cameras: false,
         }
+    }
+
+    /// The same of the truth of the dissertation.
+    pub(super) fn as_printed(self) -> Self {
+        Self { truth: Truth::Printed, ..self }
+    }
+
+    /// What it says, with the truth.
+    pub(super) fn words(&self) -> String {
+        self.truth.after(&self.says)
     }
 
     fn fitted(self) -> Self {

@@ -137,7 +137,7 @@ fn changes(rows: &[&Row<'_>], n: usize) -> Table {
     };
     for row in rows {
         let mut cells = vec![
-            format!("{}: {}", row.both.claim.place, row.both.claim.says),
+            format!("{}: {}", row.both.claim.place, row.both.claim.words()),
             World::OF_CAMPAIGNS[row.world].name().to_owned(),
             cell(row.all()),
         ];

@@ -13,7 +13,7 @@ use crate::costs::key::Key;
 use crate::reproduction::Extent;
 use crate::seal::drop_entries;
 use crate::study_file::{self, check_seeds};
-use crate::{calibration, chapter3, chapter4, chapter6, chapter7};
+use crate::{calibration, chapter3, chapter4, chapter6, chapter7, provenance};
 
 const FOLDER: &str = "fixtures/bat";
 const FILE: &str = "ensemble.toml";
@@ -234,8 +234,7 @@ impl Setup {
         let water = self.moving.records.iter().filter(|record| record.key.starts_with("water"));
         let water = water.map(|record| {
             let value = format!("{} {}", record.value, record.unit);
-            let provenance = format!("{:?}", record.provenance).to_lowercase();
-            [record.key.clone(), value, format!("{provenance}: {}", record.source)]
+            [record.key.clone(), value, format!("{}: {}", provenance::word(record.provenance), record.source)]
         });
         let drawn = self.hull.asymmetry.iter().map(|entry| {
             let value = format!("up to ±{} {}", entry.largest, entry.unit);

@@ -35,7 +35,7 @@ use std::path::Path;
 use anyhow::{Result, bail};
 
 use crate::calibration::Plant;
-use crate::claims::Place;
+use crate::claims::{Place, Truth};
 use crate::gridded::Designs;
 use crate::memory::Memory;
 use crate::reproduction::{Extent, progress};
@@ -136,6 +136,7 @@ pub(crate) struct OverEnsemble {
     /// The study that was flown for it, which need not be that of the chapter that has the same claim.
     pub(crate) flown: &'static str,
     pub(crate) says: String,
+    pub(crate) truth: Truth,
     pub(crate) words: String,
 }
 
@@ -151,6 +152,7 @@ pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
         flown: both.claim.study.chapter(),
         place: both.claim.place,
         says: both.claim.says,
+        truth: both.claim.truth,
     });
     Ok((claims.collect(), counts))
 }

@@ -274,7 +274,7 @@ fn listed(all: &[Both], k: usize, verdict: Verdict) -> String {
     let mine = all.iter().filter(|both| both.judged[k].is(verdict));
     let words = mine.map(|both| {
         let tie = both.judged[k].by_rule.map_or("", |judged| judged.tie_words());
-        format!("{} ({}){tie}", both.claim.says, both.claim.place)
+        format!("{} ({}){tie}", both.claim.words(), both.claim.place)
     });
     words.collect::<Vec<_>>().join("; ")
 }

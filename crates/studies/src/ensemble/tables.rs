@@ -38,7 +38,7 @@ pub(super) fn claims(all: &[Both]) -> Table {
         Column::new("Moving water", ""),
     ]);
     for Both { claim, judged } in all {
-        let mut row = vec![claim.place.to_string(), claim.says.clone(), claim.rule.to_owned()];
+        let mut row = vec![claim.place.to_string(), claim.words(), claim.rule.to_owned()];
         row.extend(judged.iter().map(|judged| {
             let words = judged.verdict().zip(judged.words());
             words.map_or("–".to_owned(), |(verdict, words)| format!("**{}**: {words}", verdict.short()))
@@ -95,7 +95,7 @@ pub(super) fn met_by_others(all: &[Both], cases: &[Case<'_>]) -> Table {
             continue;
         }
         let words = |count: Option<Count>| count.map_or("–".to_owned(), |count| number(100.0 * count.share(), 1));
-        let mut row = vec![claim.place.to_string(), claim.says.clone(), world.name().to_owned()];
+        let mut row = vec![claim.place.to_string(), claim.words(), world.name().to_owned()];
         row.extend(ways.clone().map(|(method, _)| words(count(*method))));
         table.push(row);
     }
@@ -325,7 +325,7 @@ pub(super) fn decides(all: &[(&Both, usize, Decided)]) -> Table {
         let cells = [cell(0), cell(1)];
         if cells.iter().any(Option::is_some) {
             let [still, moving] = cells.map(|cell| cell.unwrap_or("–".to_owned()));
-            table.push(vec![format!("{}, {}", both.claim.place, both.claim.says), still, moving]);
+            table.push(vec![format!("{}, {}", both.claim.place, both.claim.words()), still, moving]);
         }
     }
     table

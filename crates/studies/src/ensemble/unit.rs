@@ -18,7 +18,6 @@ use crate::calibration::Plant;
 use crate::chapter4::{self, Lattice};
 use crate::chapter7::Case;
 use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space};
-use crate::study_file::ParameterEntry;
 
 /// Levels of the grid on which methods choose in Chapter 4, which has none.
 const LEVELS: u32 = 24;
@@ -88,7 +87,7 @@ fn of_chapter4(setup: &Setup, plant: &Plant) -> Result<Vec<InWorld>> {
     let rough = on(2.0 * setup.campaigns.coarser);
     let best = Lattice::fly(&rough, STAND_IN, |_| {}).lowest().0.to_vec();
     let simulate = lattice.interpolant()?;
-    let space = space_of(&study)?;
+    let space = Space::over(study.problem.region(), study.bat.variables().to_vec(), LEVELS)?;
     let grid = FlownGrid::of_costs(space.points()?.iter().map(|point| simulate(point)).collect());
     let mut shared = facts::codesign(&study, &simulate)?;
     let iterations = study.loop_settings(&study.file.variant[0]).max_iterations;
@@ -113,24 +112,6 @@ fn of_chapter4(setup: &Setup, plant: &Plant) -> Result<Vec<InWorld>> {
     worlds[0].facts.append(&mut shared);
     worlds[0].n_flights += study.bat.n_known(MODEL) + rough.bat.n_known(STAND_IN);
     Ok(worlds)
-}
-
-/// The box of Chapter 4 in levels.
-fn space_of(study: &chapter4::Setup) -> Result<Space> {
-    let entries: Vec<ParameterEntry> = study
-        .problem
-        .region()
-        .parameters()
-        .iter()
-        .map(|parameter| ParameterEntry {
-            name: parameter.name().to_owned(),
-            unit: parameter.unit().to_owned(),
-            lower: parameter.lower(),
-            upper: parameter.upper(),
-        })
-        .collect();
-    let names: Vec<String> = entries.iter().map(|entry| entry.name.clone()).collect();
-    Space::of(&entries, &names, LEVELS)
 }
 
 fn of_chapter7(setup: &Setup, plant: &Plant, study: Study, case: usize, designs: &Designs) -> Result<Vec<InWorld>> {

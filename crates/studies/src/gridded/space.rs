@@ -26,8 +26,15 @@ impl Space {
             let entry = entry.with_context(|| format!("parameters: `{name}` is no [[parameter]] of this file"))?;
             let (variable, parameter) = Variable::within(&entry.name, &entry.unit, entry.lower, entry.upper)?;
             variables.push(variable);
-            parameters.push(parameter.with_levels(levels).with_context(|| format!("levels = {levels}"))?);
+            parameters.push(parameter);
         }
+        Self::over(&Region::new(parameters)?, variables, levels)
+    }
+
+    /// A box whose parameters are these variables, all with the same number of levels.
+    pub(crate) fn over(region: &Region, variables: Vec<Variable>, levels: u32) -> Result<Self> {
+        let parameters = region.parameters().iter().cloned().map(|parameter| parameter.with_levels(levels));
+        let parameters = parameters.collect::<Result<Vec<_>, _>>().with_context(|| format!("levels = {levels}"))?;
         let grid = Grid::of(&Region::new(parameters)?)?;
         let n_cells = grid.n_cells();
         ensure!(

@@ -14,6 +14,8 @@ use surface::process::{Residual, SimulationUse, Structure};
 
 use super::case::Case;
 
+/// Seeds of each method, from 1.
+pub(super) const SEEDS: u64 = 10;
 pub(super) const BATCHES: usize = 5;
 pub(super) const EXPERIMENTS: usize = 12;
 /// Standard deviation of a run, and of what goes wrong when a plant is put together, as shares of what 80 % of all designs span.

@@ -12,12 +12,10 @@ use anyhow::{Result, ensure};
 use rayon::prelude::*;
 
 use crate::reproduction::progress;
-use campaign::{METHODS, run as run_campaign};
+use campaign::{METHODS, SEEDS, run as run_campaign};
 use case::Case;
 use store::Store;
 
-/// Seeds of each method, from 1.
-const SEEDS: u64 = 10;
 const KEPT: &str = "fixtures/plants/campaigns.csv";
 /// Campaigns at once, so that a killed run loses no more than these.
 const AT_ONCE: usize = 4;

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use page::{Axis, Column, LineFigure, Panel, Series, Table, line_figure, quantile};
 
-use super::campaign::{ASSEMBLY, BATCHES, EXPERIMENTS, METHODS, Method, NOISE};
+use super::campaign::{ASSEMBLY, BATCHES, EXPERIMENTS, METHODS, Method, NOISE, SEEDS};
 use super::case::Case;
 use super::store::Store;
 use crate::kept;
@@ -66,7 +66,7 @@ fn markdown(cases: &[Case], store: &Store) -> String {
     text += &format!(
         "\n![Regret against plants built](results-plants.svg)\n\nMedian of {} seeds, a dot a batch of {EXPERIMENTS} experiments. Further \
          left is cheaper, lower is better.\n\n",
-        super::SEEDS
+        SEEDS
     );
     text += &format!(
         "Two of four parameters are built, two are typed. A plant is put together for a batch and taken apart after it; what goes wrong \

@@ -15,7 +15,7 @@ struct Module {
     defined: BTreeSet<String>,
     /// What names stand for that come from elsewhere.
     imported: BTreeMap<String, Path>,
-    /// Every path that it names, imports among them.
+    /// Every path of more than one name in it, imports among them, whatever its first name stands for.
     named: Vec<Path>,
 }
 
@@ -61,7 +61,14 @@ fn home(modules: &[Module], from: usize, path: &[String], turns: usize) -> Optio
         "crate" => find(&[])?,
         "self" => from,
         "super" => find(modules[from].path.split_last()?.1)?,
-        child => find(&[modules[from].path.as_slice(), &[child.to_owned()]].concat())?,
+        child => {
+            if let Some(child) = find(&[modules[from].path.as_slice(), &[child.to_owned()]].concat()) {
+                child
+            } else {
+                let imported = modules[from].imported.get(child).filter(|_| turns < MOST_TURNS)?;
+                return home(modules, from, &[imported.as_slice(), rest].concat(), turns + 1);
+            }
+        }
     };
     while let Some((name, others)) = rest.split_first() {
         if name == "super" {
@@ -124,7 +131,8 @@ fn module(file: &str, text: &str) -> Module {
             (Word::Name(word), Some(Word::Name(name))) if DEFINING.contains(&word.as_str()) => {
                 module.defined.insert(name.clone());
             }
-            (Word::Name(word), Some(Word::Sign(':'))) if ["crate", "super", "self"].contains(&word.as_str()) => {
+            (Word::Name(_), Some(Word::Sign(':'))) => {
+                // What the first name stands for is asked when all files are read: a child, an import, another crate.
                 let (path, end) = written_path(&words, at);
                 // `pub(in crate::a)` says who may look, not who is needed.
                 let is_visibility = at > 0 && words[at - 1].is_name("in");
@@ -247,6 +255,39 @@ mod tests {
         let tests = "pub fn f() {}\n#[cfg(test)]\nmod tests { use super::super::P; }";
         let files = [("lib.rs", "mod p;"), ("p/mod.rs", parent), ("p/child.rs", tests)];
         assert!(check(&files).is_empty(), "tests may look at anything");
+    }
+
+    #[test]
+    fn a_path_that_begins_with_a_child_is_read() {
+        let parent = "mod child; pub struct P; pub fn g() { child::f(); }";
+        let files = [("lib.rs", "mod p;"), ("p/mod.rs", parent), ("p/child.rs", "use super::P; pub fn f() {}")];
+        let found = check(&files);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].contains("p/mod.rs takes f from p/child.rs"), "{found:?}");
+    }
+
+    #[test]
+    fn a_path_that_begins_with_an_imported_module_is_read_through_its_face() {
+        let face = "mod b; mod c; pub use b::f;";
+        let user = "use crate::face; pub struct C; pub fn g() { let _: u8 = face::f(); }";
+        let files = [
+            ("lib.rs", "mod face;"),
+            ("face/mod.rs", face),
+            ("face/b.rs", "use super::c::C; pub fn f() {}"),
+            ("face/c.rs", user),
+        ];
+        let found = check(&files);
+        assert!(found.iter().any(|said| said.contains("face/c.rs takes f from face/b.rs")), "{found:?}");
+    }
+
+    #[test]
+    fn what_a_name_of_another_crate_leads_to_ties_nothing() {
+        let files = [
+            ("lib.rs", "mod b; mod c;"),
+            ("b.rs", "use crate::c::C; use std::fmt; pub struct B; fn f<T: fmt::Display>() { T::c(); B::c(); }"),
+            ("c.rs", "use fmt::b; pub struct C; fn f() { b::B::new(); std::b::f(); C::b(); }"),
+        ];
+        assert!(check(&files).is_empty(), "{:?}", check(&files));
     }
 
     #[test]

@@ -22,15 +22,23 @@ pub(super) fn words(source: &str) -> Vec<Word> {
     words
 }
 
-/// Where `#[cfg(test)] mod tests` begins: tests stand last in a file.
+/// Where `#[cfg(test)] mod tests` begins, or `#[cfg(all(test, ...))] mod tests`: tests stand last in a file.
 fn position_of_tests(words: &[Word]) -> Option<usize> {
-    let head = ['#', '['].map(Word::Sign).into_iter().chain([Word::Name("cfg".into()), Word::Sign('(')]);
-    let head: Vec<Word> =
-        head.chain([Word::Name("test".into()), Word::Sign(')'), Word::Sign(']'), Word::Name("mod".into())]).collect();
-    let at = words.windows(head.len()).position(|window| window == head)?;
+    let name = |name: &str| Word::Name(name.to_owned());
+    let head = ['#', '['].map(Word::Sign).into_iter().chain([name("cfg"), Word::Sign('(')]);
+    let head: Vec<Word> = head.collect();
+    let only_in_tests = [vec![name("test")], vec![name("all"), Word::Sign('('), name("test")]];
+    let begins = |at: &usize| {
+        let condition = words[*at..].strip_prefix(head.as_slice());
+        condition.is_some_and(|condition| only_in_tests.iter().any(|only| condition.starts_with(only)))
+    };
+    let module = |at: &usize| {
+        let end = words[*at..].iter().position(|word| *word == Word::Sign(']')).map_or(words.len(), |end| at + end);
+        words.get(end + 1).is_some_and(|word| word.is_name("mod")).then_some(end + 1)
+    };
+    let (at, module) = (0..words.len()).filter(begins).find_map(|at| Some((at, module(&at)?)))?;
     // `mod tests;` is a file of its own, and what follows it counts.
-    let end = words.get(at + head.len() + 1)?;
-    (*end == Word::Sign('{')).then_some(at)
+    (*words.get(module + 2)? == Word::Sign('{')).then_some(at)
 }
 
 fn split(source: &str) -> Vec<Word> {
@@ -106,6 +114,8 @@ mod tests {
         assert_eq!(text("f(\"use \\\" b\", 'c', '\\'', r#\"a \" b\"#)"), "f ( , , , )");
         assert_eq!(text("fn f<'a>(x: &'a str) {}"), "fn f < ' a > ( x : & ' a str ) { }");
         assert_eq!(text("a\n#[cfg(test)]\nmod tests {\n use b;\n}\n"), "a");
+        assert_eq!(text("a\n#[cfg(all(test, feature = \"c\"))]\nmod tests {\n use b;\n}\n"), "a");
+        assert_eq!(text("#[cfg(test)] fn f() {}"), "# [ cfg ( test ) ] fn f ( ) { }");
         assert_eq!(text("#[cfg(test)]\nmod tests;\nb"), "# [ cfg ( test ) ] mod tests ; b");
     }
 }

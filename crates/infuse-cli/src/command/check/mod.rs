@@ -10,7 +10,7 @@ use design_space::Levels;
 use page::Finding;
 use serde_json::{Value, json};
 
-use super::Output;
+use super::output::Output;
 use crate::campaign::Campaign;
 use crate::folder;
 use crate::journal::JOURNAL;

@@ -23,7 +23,7 @@ use std::time::Duration;
 use anyhow::{Context as _, Result};
 use serde_json::json;
 
-use super::Output;
+use super::output::Output;
 use connection::Slot;
 use guard::{Guard, token};
 use routes::{Drawn, Site};

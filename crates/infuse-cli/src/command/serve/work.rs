@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use anyhow::Result;
 
-use super::super::Output;
+use super::super::output::Output;
 use crate::journal::now;
 use crate::program;
 

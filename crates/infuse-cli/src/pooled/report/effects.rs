@@ -4,7 +4,7 @@ use anyhow::Result;
 use design_space::{Cell, Levels, Parameter};
 use page::{Column, Page, Table};
 
-use super::NOTHING;
+use super::nothing::NOTHING;
 use super::view::View;
 use crate::number::{percent, short};
 use crate::problem::shown;

@@ -6,7 +6,7 @@ use anyhow::Result;
 use page::palette::{BLUE, INK, VERMILION};
 use page::{Axis, Chart, Column, Grid, Key, Mark, Page, Stroke, Table};
 
-use super::NOTHING;
+use super::nothing::NOTHING;
 use crate::journal::Assessed;
 use crate::number::{percent, short};
 use crate::pooled::bands::NINE_IN_TEN;

@@ -8,7 +8,7 @@ use infuse::pooled::Standing;
 use infuse::pooled::reported::Constrained;
 use page::{Column, Page, Table};
 
-use super::NOTHING;
+use super::nothing::NOTHING;
 use super::view::{Run, View};
 use crate::number::{resolved, short};
 use crate::pooled::bands::{NINE_IN_TEN, resolution};

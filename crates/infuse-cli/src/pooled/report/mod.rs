@@ -8,6 +8,7 @@ mod history;
 mod maps;
 mod measured;
 mod misses;
+mod nothing;
 mod settings;
 mod sheets;
 mod summary;
@@ -23,8 +24,6 @@ use view::View;
 
 /// Where the pages speak of what no run has shown yet.
 const NO_RESULT: &str = "No experiment gave a result yet, so there is no surface.";
-/// In a cell that has nothing to say.
-const NOTHING: &str = "–";
 
 /// The page, from top to bottom. The journal is the one that the campaign follows from.
 pub(super) fn page(campaign: &Campaign, journal: &Journal) -> Result<String> {

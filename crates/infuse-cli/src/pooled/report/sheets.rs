@@ -3,7 +3,7 @@
 use anyhow::Result;
 use page::{Column, Page, Table};
 
-use super::NOTHING;
+use super::nothing::NOTHING;
 use super::view::{View, cell_of};
 use crate::journal::{Measured, Purpose};
 use crate::number::{count, plain, short};
