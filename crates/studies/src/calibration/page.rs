@@ -117,6 +117,7 @@ fn markdown(
     text += "## Evidence\n\nWhat was fitted: it counts for nothing. Optima are the lowest cost over the box, between flights by cubic \
              interpolation.\n\n";
     text += &evidence_table(calibration, seen).markdown();
+    text += &on_bounds(calibration, seen);
     text += "\n## Held out\n\nPublished numbers that nothing was fitted to: those of this table, the designs of Table 6 below, and on the \
              [page of the ensemble](results-ensemble.md) the shares of the space left (Tables 5 and 6) and Figures 20 to 23 and 26 to 28. \
              Figures 16 to 18 and 24 lie between fitted ends. Of the text no statement with a number was made evidence: all of them are held \
@@ -133,6 +134,27 @@ fn markdown(
         "\n## Ranges\n\nLowest, median and highest of the plants, and in how many fifths of its range one lies.\n\n";
     text += &ranges_table(calibration, store).markdown();
     text
+}
+
+/// A center of mass or pitch nearer to the end of its range is on it, in per cent of chord and deg.
+const ON_BOUND: f64 = 0.01;
+
+/// In how many plants an optimum of the evidence lies on an end of its box: there the box has its share in the match.
+fn on_bounds(calibration: &Calibration, seen: &[Seen]) -> String {
+    let is_on = |[lower, upper]: [f64; 2], x: f64| x <= lower + ON_BOUND || x >= upper - ON_BOUND;
+    let words =
+        calibration.evidence.iter().enumerate().filter(|(_, evidence)| evidence.is_optimum).map(|(k, evidence)| {
+            let bounds = calibration.boxes[evidence.study];
+            let designs = seen.iter().filter_map(|seen| seen.evidence[k].0);
+            let n = designs.filter(|design| (0..2).any(|axis| is_on(bounds[axis], design[axis]))).count();
+            format!("{} in {n}", evidence.label)
+        });
+    format!(
+        "\nOn an end of the box, of {} plants: {}. There the box, and not the plant alone, brings the optimum to the published place, and a claim that \
+         a loop leads away from it can hardly fail.\n",
+        seen.len(),
+        words.collect::<Vec<_>>().join("; ")
+    )
 }
 
 /// How many starts were refused for which reason.
