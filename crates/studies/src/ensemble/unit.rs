@@ -15,7 +15,7 @@ use super::site::{Noise, Site};
 use super::store::Found;
 use crate::bat::{Bat, MODEL, STAND_IN};
 use crate::calibration::Plant;
-use crate::chapter4::{self, Lattice};
+use crate::chapter4::Lattice;
 use crate::chapter7::Case;
 use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space};
 
