@@ -58,6 +58,8 @@ mod variable;
 mod words;
 
 use std::path::Path;
+#[cfg(feature = "global")]
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::ensure;
@@ -97,72 +99,115 @@ fn main() -> ExitCode {
 
 /// Runs a command; none if there is none of this name.
 fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
-    let root = Path::new(".");
-    let study = words.first().and_then(|name| STUDIES.iter().find(|study| study.command == *name));
-    let run: Box<dyn FnOnce() -> anyhow::Result<()>> = match (study, words) {
-        (Some(study), [_]) => Box::new(|| study.run(root, Extent::Default)),
-        (Some(study), [_, "--full"]) => Box::new(|| study.run(root, Extent::Full)),
-        (Some(study), [_, "--check"]) => Box::new(|| study.check(root)),
-        #[cfg(feature = "ensemble")]
-        (None, ["reproduce-all"]) => Box::new(|| reproduce_all::run(root, STUDIES, Extent::Default)),
-        #[cfg(feature = "ensemble")]
-        (None, ["reproduce-all", "--keep"]) => Box::new(|| reproduce_all::keep(root, STUDIES)),
-        #[cfg(feature = "ensemble")]
-        (None, ["reproduce-all", "--page"]) => Box::new(|| reproduce_all::write_page(root, STUDIES, false)),
-        #[cfg(feature = "ensemble")]
-        (None, ["reproduce-all", "--check"]) => Box::new(|| reproduce_all::run(root, STUDIES, Extent::WithKept)),
-        #[cfg(feature = "ensemble")]
-        (None, ["reproduce-all", "--ensemble"]) => Box::new(|| ensemble::run(root)),
-        #[cfg(feature = "ensemble")]
-        (None, ["reproduce-all", "--ensemble", "--page"]) => Box::new(|| ensemble::write_page(root)),
-        #[cfg(feature = "ensemble")]
-        (None, ["reproduce-all", "--ensemble", "--check"]) => Box::new(|| ensemble::check(root)),
-        #[cfg(feature = "calibration")]
-        (None, ["calibrate"]) => Box::new(|| calibration::run(root)),
-        #[cfg(feature = "calibration")]
-        (None, ["calibrate", "--page"]) => Box::new(|| calibration::write_page(root)),
-        #[cfg(feature = "calibration")]
-        (None, ["calibrate", "--default"]) => Box::new(|| calibration::write_default(root)),
-        #[cfg(feature = "calibration")]
-        (None, ["calibrate", "--check"]) => Box::new(|| calibration::check(root)),
-        #[cfg(feature = "identification")]
-        (None, ["identify"]) => Box::new(|| identification::run(root)),
-        #[cfg(feature = "identification")]
-        (None, ["identify", "--page"]) => Box::new(|| identification::write_page(root)),
-        #[cfg(feature = "identification")]
-        (None, ["identify", "--check"]) => Box::new(|| identification::check(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["speed"]) => Box::new(|| speed::run(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["speed", "--flights"]) => Box::new(|| speed::flights(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["plants"]) => Box::new(|| plants::run(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["plants", "--page"]) => Box::new(|| plants::write_page(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["plants", "--check"]) => Box::new(|| plants::check(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["benchmark"]) => Box::new(|| benchmark::run(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["benchmark", "--page"]) => Box::new(|| benchmark::write_page(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["benchmark", "--constrained"]) => Box::new(|| benchmark::constrained_run::run(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["benchmark", "--constrained", "--page"]) => Box::new(|| benchmark::constrained_run::write_page(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["benchmark", "--constrained", "--check"]) => Box::new(|| benchmark::constrained_run::check(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["benchmark", "--check"]) => Box::new(|| benchmark::check(root)),
-        #[cfg(feature = "benchmark")]
-        (None, ["benchmark", "--serve", family, seed]) => Box::new(move || benchmark::serve(family, seed)),
-        #[cfg(feature = "global")]
-        (None, ["design-page", evaluation, page]) => {
-            let (evaluation, page) = (Path::new(*evaluation), Path::new(*page));
-            Box::new(move || design_page::run(evaluation, page))
+    let (root, work) = (Path::new("."), work(words)?);
+    Some(in_workspace(root).and_then(|()| work(root)))
+}
+
+/// What a command does in the folder of the workspace.
+type Work = Box<dyn FnOnce(&Path) -> anyhow::Result<()>>;
+
+/// By the study that the command belongs to; none if it belongs to none.
+fn work(words: &[&str]) -> Option<Work> {
+    let work = of_study(words);
+    #[cfg(feature = "ensemble")]
+    let work = work.or_else(|| of_all(words));
+    #[cfg(feature = "calibration")]
+    let work = work.or_else(|| of_calibration(words));
+    #[cfg(feature = "identification")]
+    let work = work.or_else(|| of_identification(words));
+    #[cfg(feature = "benchmark")]
+    let work = work.or_else(|| of_benchmark(words)).or_else(|| of_plants(words));
+    #[cfg(feature = "global")]
+    let work = work.or_else(|| of_designs(words));
+    work
+}
+
+fn of_study(words: &[&str]) -> Option<Work> {
+    let (name, options) = words.split_first()?;
+    let study = STUDIES.iter().find(|study| study.command == *name)?;
+    let work: Work = match options {
+        [] => Box::new(|root| study.run(root, Extent::Default)),
+        ["--full"] => Box::new(|root| study.run(root, Extent::Full)),
+        ["--check"] => Box::new(|root| study.check(root)),
+        _ => return None,
+    };
+    Some(work)
+}
+
+#[cfg(feature = "ensemble")]
+fn of_all(words: &[&str]) -> Option<Work> {
+    let work: Work = match words {
+        ["reproduce-all"] => Box::new(|root| reproduce_all::run(root, STUDIES, Extent::Default)),
+        ["reproduce-all", "--keep"] => Box::new(|root| reproduce_all::keep(root, STUDIES)),
+        ["reproduce-all", "--page"] => Box::new(|root| reproduce_all::write_page(root, STUDIES, false)),
+        ["reproduce-all", "--check"] => Box::new(|root| reproduce_all::run(root, STUDIES, Extent::WithKept)),
+        ["reproduce-all", "--ensemble"] => Box::new(ensemble::run),
+        ["reproduce-all", "--ensemble", "--page"] => Box::new(ensemble::write_page),
+        ["reproduce-all", "--ensemble", "--check"] => Box::new(ensemble::check),
+        _ => return None,
+    };
+    Some(work)
+}
+
+#[cfg(feature = "calibration")]
+fn of_calibration(words: &[&str]) -> Option<Work> {
+    let work: Work = match words {
+        ["calibrate"] => Box::new(calibration::run),
+        ["calibrate", "--page"] => Box::new(calibration::write_page),
+        ["calibrate", "--default"] => Box::new(calibration::write_default),
+        ["calibrate", "--check"] => Box::new(calibration::check),
+        _ => return None,
+    };
+    Some(work)
+}
+
+#[cfg(feature = "identification")]
+fn of_identification(words: &[&str]) -> Option<Work> {
+    let work: Work = match words {
+        ["identify"] => Box::new(identification::run),
+        ["identify", "--page"] => Box::new(identification::write_page),
+        ["identify", "--check"] => Box::new(identification::check),
+        _ => return None,
+    };
+    Some(work)
+}
+
+#[cfg(feature = "benchmark")]
+fn of_plants(words: &[&str]) -> Option<Work> {
+    let work: Work = match words {
+        ["plants"] => Box::new(plants::run),
+        ["plants", "--page"] => Box::new(plants::write_page),
+        ["plants", "--check"] => Box::new(plants::check),
+        _ => return None,
+    };
+    Some(work)
+}
+
+#[cfg(feature = "benchmark")]
+fn of_benchmark(words: &[&str]) -> Option<Work> {
+    let work: Work = match words {
+        ["speed"] => Box::new(speed::run),
+        ["speed", "--flights"] => Box::new(speed::flights),
+        ["benchmark"] => Box::new(benchmark::run),
+        ["benchmark", "--page"] => Box::new(benchmark::write_page),
+        ["benchmark", "--check"] => Box::new(benchmark::check),
+        ["benchmark", "--constrained"] => Box::new(benchmark::constrained_run::run),
+        ["benchmark", "--constrained", "--page"] => Box::new(benchmark::constrained_run::write_page),
+        ["benchmark", "--constrained", "--check"] => Box::new(benchmark::constrained_run::check),
+        ["benchmark", "--serve", family, seed] => {
+            let [family, seed] = [family, seed].map(|word| (*word).to_owned());
+            Box::new(move |_| benchmark::serve(&family, &seed))
         }
         _ => return None,
     };
-    Some(in_workspace(root).and_then(|()| run()))
+    Some(work)
+}
+
+#[cfg(feature = "global")]
+fn of_designs(words: &[&str]) -> Option<Work> {
+    let ["design-page", evaluation, page] = words else { return None };
+    let [evaluation, page] = [evaluation, page].map(PathBuf::from);
+    Some(Box::new(move |_| design_page::run(&evaluation, &page)))
 }
 
 /// That the files of the studies can be found from here.

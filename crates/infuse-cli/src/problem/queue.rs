@@ -35,31 +35,9 @@ pub(crate) struct Queue {
 
 impl Queue {
     pub(super) fn of(entry: QueueEntry, section: &'static str) -> Result<Self> {
-        let usual = entry.kind.map(commands);
-        let or = |given: Option<Vec<String>>, index: usize| {
-            given.or_else(|| usual.map(|commands| commands[index].iter().map(|word| (*word).to_owned()).collect()))
-        };
-        let (submit, list, cancel) = (or(entry.submit, 0), or(entry.list, 1), or(entry.cancel, 2));
-        for (key, command) in [("submit", &submit), ("list", &list)] {
-            ensure!(
-                command.as_ref().is_some_and(|words| words.first().is_some_and(|word| !word.is_empty())),
-                "needs `{key}` = [\"program\", \"argument\", ...], or `kind` = \"slurm\", \"hyperqueue\", \"pbs\", \"lsf\" or \
-                 \"parallel\""
-            );
-        }
-        let (submit, list, cancel) = (submit.unwrap_or_default(), list.unwrap_or_default(), cancel.unwrap_or_default());
-        let has = |name: &str| submit.iter().any(|word| word.contains(name));
-        ensure!(has("{script}"), "`submit` has no {{script}}, so the scheduler cannot know what to run");
-        ensure!(
-            ["{tasks}", "{range}", "{first}"].iter().any(|name| has(name)),
-            "`submit` has none of {{tasks}} (\"1-4,7\"), {{range}} (\"1-7\"), {{first}} with {{last}}: the scheduler cannot know \
-             which tasks to run"
-        );
+        let [submit, list, cancel] = chosen(entry.kind, [entry.submit, entry.list, entry.cancel])?;
         let options = entry.options.unwrap_or_default();
-        ensure!(
-            options.is_empty() || has("{options}"),
-            "`options` are given, but `submit` has no {{options}} where they belong"
-        );
+        check_placeholders(&submit, !options.is_empty())?;
         let seconds = entry.poll_seconds.unwrap_or(POLL_SECONDS);
         ensure!(
             seconds > 0.0 && seconds <= LONGEST_POLL_SECONDS,
@@ -75,6 +53,38 @@ impl Queue {
         let poll = Duration::from_secs_f64(seconds);
         Ok(Self { section, submit, list, cancel, options, poll, tries, runs_per_task })
     }
+}
+
+/// Submit, list and cancel: as given, or else as usual for a kind of scheduler. Only cancel may be missing.
+fn chosen(kind: Option<QueueKind>, given: [Option<Vec<String>>; 3]) -> Result<[Vec<String>; 3]> {
+    let usual = kind.map(|kind| commands(kind).map(|command| command.iter().map(|word| (*word).to_owned()).collect()));
+    let usual: [Vec<String>; 3] = usual.unwrap_or_default();
+    let mut usual = usual.into_iter();
+    let chosen = given.map(|given| {
+        let usual = usual.next().unwrap_or_default();
+        given.unwrap_or(usual)
+    });
+    for (key, command) in ["submit", "list"].into_iter().zip(&chosen) {
+        ensure!(
+            command.first().is_some_and(|word| !word.is_empty()),
+            "needs `{key}` = [\"program\", \"argument\", ...], or `kind` = \"slurm\", \"hyperqueue\", \"pbs\", \"lsf\" or \
+             \"parallel\""
+        );
+    }
+    Ok(chosen)
+}
+
+/// That the scheduler is told what to run, and which tasks.
+fn check_placeholders(submit: &[String], has_options: bool) -> Result<()> {
+    let has = |name: &str| submit.iter().any(|word| word.contains(name));
+    ensure!(has("{script}"), "`submit` has no {{script}}, so the scheduler cannot know what to run");
+    ensure!(
+        ["{tasks}", "{range}", "{first}"].iter().any(|name| has(name)),
+        "`submit` has none of {{tasks}} (\"1-4,7\"), {{range}} (\"1-7\"), {{first}} with {{last}}: the scheduler cannot know \
+         which tasks to run"
+    );
+    ensure!(!has_options || has("{options}"), "`options` are given, but `submit` has no {{options}} where they belong");
+    Ok(())
 }
 
 /// Submit, list and cancel of a scheduler.

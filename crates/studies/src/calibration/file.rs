@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result, ensure};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
-use water_channel::{CostFile, FlightSettings, ProfileFile, RigFile, TestProfile};
+use water_channel::{CostFile, CostWeights, FlightSettings, ProfileFile, RigFile, TestProfile};
 
 use super::candidate::{Candidate, Flown, Spot, fly};
 use super::evidence::{self, Bounds, BoxEntry, Evidence, EvidenceEntry, HeldOutEntry, Tolerance};
@@ -61,6 +61,66 @@ struct FilesEntry {
     chapter7: String,
 }
 
+impl CalibrationFile {
+    /// How many plants, starts and how far.
+    fn check_extent(&self) -> Result<()> {
+        let members = self.members;
+        ensure!(
+            members >= 2,
+            "members = {members}: it must be at least 2, the default plant is the one nearest to all others"
+        );
+        ensure!(self.most_starts > 0, "most_starts = 0: it must be at least 1");
+        for (name, reach) in [("reach", self.reach), ("beyond.reach", self.beyond.reach)] {
+            let [least, most] = reach;
+            ensure!(
+                0.0 < least && least <= most && most <= 1.0,
+                "{name} = {reach:?}: it must be two shares, 0 < least <= most <= 1"
+            );
+        }
+        Ok(())
+    }
+}
+
+/// The plant of the files, with the weights of both studies.
+fn default_plant(files: &FilesEntry, directory: &Path) -> Result<Candidate> {
+    let rig = RigFile::read(directory.join(&files.rig))?.rig;
+    let weights = |name: &String| -> Result<CostWeights> {
+        let cost = CostFile::read(directory.join(name))?;
+        let weight = cost.net_energy_per_w;
+        ensure!(weight == 0.0, "{name}: `k8_net_energy` is {weight}: it must be 0, the studies weigh no energy");
+        Ok(cost.weights)
+    };
+    Ok(Candidate { rig, weights: [weights(&files.chapter4)?, weights(&files.chapter7)?] })
+}
+
+/// What is fitted to, each once, and what is held out.
+fn evidence_of(
+    evidence: Vec<EvidenceEntry>,
+    held_out: Vec<HeldOutEntry>,
+    boxes: &[Bounds; 2],
+) -> Result<(Vec<Evidence>, Vec<Evidence>)> {
+    ensure!(!evidence.is_empty(), "no [[evidence]]: there is nothing to fit");
+    let evidence: Vec<Evidence> = evidence.into_iter().map(|entry| entry.check(boxes)).collect::<Result<_>>()?;
+    ensure!(!held_out.is_empty(), "no [[held_out]]: the page needs a published number that nothing is fitted to");
+    let held_out = held_out.into_iter().map(|entry| entry.check(boxes)).collect::<Result<_>>()?;
+    for (index, one) in evidence.iter().enumerate() {
+        let is_new = evidence[..index].iter().all(|other| other.label != one.label);
+        ensure!(is_new, "evidence `{}` stands twice", one.label);
+    }
+    Ok((evidence, held_out))
+}
+
+/// What is free, each once and with a start.
+fn free_of(entries: Vec<FreeEntry>) -> Result<Vec<Free>> {
+    let free: Vec<Free> = entries.into_iter().map(FreeEntry::check).collect::<Result<_>>()?;
+    ensure!(!free.is_empty(), "no [[free]] number: there is nothing to choose");
+    for (index, one) in free.iter().enumerate() {
+        ensure!(free[..index].iter().all(|other| other.key != one.key), "`{}` is free twice", one.key);
+        ensure!(one.start.is_some(), "`{}` has no start: starts begin there", one.key);
+    }
+    Ok(free)
+}
+
 /// What is calibrated, over which ranges, to what.
 #[derive(Debug)]
 pub(super) struct Calibration {
@@ -94,55 +154,16 @@ impl Calibration {
     fn of(file: CalibrationFile, directory: &Path) -> Result<Self> {
         let FilesEntry { rig, profile, chapter4, chapter7 } = &file.files;
         let files = [rig, chapter4, chapter7].map(|name| directory.join(name));
-        let rig = RigFile::read(directory.join(rig))?.rig;
+        let base = default_plant(&file.files, directory)?;
         let profile_file = directory.join(profile);
         let profile = ProfileFile::read(&profile_file)?.profile;
-        let weights = [chapter4, chapter7].map(|name| CostFile::read(directory.join(name)));
-        let [chapter4, chapter7] = weights;
-        let (chapter4, chapter7) = (chapter4?, chapter7?);
-        for (name, cost) in [(&file.files.chapter4, &chapter4), (&file.files.chapter7, &chapter7)] {
-            let weight = cost.net_energy_per_w;
-            ensure!(weight == 0.0, "{name}: `k8_net_energy` is {weight}: it must be 0, the studies weigh no energy");
-        }
-        let base = Candidate { rig, weights: [chapter4.weights, chapter7.weights] };
-        let members = file.members;
-        ensure!(
-            members >= 2,
-            "members = {members}: it must be at least 2, the default plant is the one nearest to all others"
-        );
-        ensure!(file.most_starts > 0, "most_starts = 0: it must be at least 1");
-        for (name, reach) in [("reach", file.reach), ("beyond.reach", file.beyond.reach)] {
-            let [least, most] = reach;
-            ensure!(
-                0.0 < least && least <= most && most <= 1.0,
-                "{name} = {reach:?}: it must be two shares, 0 < least <= most <= 1"
-            );
-        }
+        file.check_extent()?;
         let settings = FlightSettings::with_steps(file.steps_per_sample);
         settings.validate().context("steps_per_sample")?;
         file.tolerance.check()?;
         let boxes = evidence::bounds(&file.boxes)?;
-        ensure!(!file.evidence.is_empty(), "no [[evidence]]: there is nothing to fit");
-        let evidence: Vec<Evidence> =
-            file.evidence.into_iter().map(|entry| entry.check(&boxes)).collect::<Result<_>>()?;
-        ensure!(
-            !file.held_out.is_empty(),
-            "no [[held_out]]: the page needs a published number that nothing is fitted to"
-        );
-        let held_out = file.held_out.into_iter().map(|entry| entry.check(&boxes)).collect::<Result<_>>()?;
-        for (index, one) in evidence.iter().enumerate() {
-            ensure!(
-                evidence[..index].iter().all(|other| other.label != one.label),
-                "evidence `{}` stands twice",
-                one.label
-            );
-        }
-        let free: Vec<Free> = file.free.into_iter().map(FreeEntry::check).collect::<Result<_>>()?;
-        ensure!(!free.is_empty(), "no [[free]] number: there is nothing to choose");
-        for (index, one) in free.iter().enumerate() {
-            ensure!(free[..index].iter().all(|other| other.key != one.key), "`{}` is free twice", one.key);
-            ensure!(one.start.is_some(), "`{}` has no start: starts begin there", one.key);
-        }
+        let (evidence, held_out) = evidence_of(file.evidence, file.held_out, &boxes)?;
+        let free = free_of(file.free)?;
         Ok(Self {
             title: file.title,
             n_members: file.members,

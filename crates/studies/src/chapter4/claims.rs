@@ -55,34 +55,26 @@ fn ends(findings: &Findings<'_>) -> Vec<[(Vec<f64>, f64); 2]> {
 
 /// What the dissertation claims in this chapter, and what of it came out.
 pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
-    let rows = findings.printed();
-    let (first, last) = (rows.first(), rows.last());
-    let (theirs, published) = (findings.published_fall_pct(), findings.published());
+    let (blind, start) = (blind(findings), Design::of(findings.printed().first()));
+    let mut claims = of_the_path(findings, &blind, &start);
+    claims.push(test_profile());
+    claims.extend(of_the_errors(findings, &blind, &start));
+    claims
+}
+
+/// That the loop goes from one end of the path to the other, and what it costs there.
+fn of_the_path(findings: &Findings<'_>, blind: &Blind<Design>, start: &Design) -> Vec<Claim> {
+    let published = findings.published();
     let direction = |k: usize| published[published.len() - 1].point()[k] - published[0].point()[k];
     let moves = |from: &[f64], to: &[f64]| (0..2).all(|k| direction(k) * (to[k] - from[k]) > 0.0);
-    let (ends, blind, start) = (ends(findings), blind(findings), Design::of(first));
+    let ends = ends(findings);
     let cheaper = Judged::of(Count::of(ends.iter().map(|[(_, from), (_, to)]| to < from)), Standing::FittedEnds)
         .beside(blind.share(|one| one.cost < start.cost));
     let moved = Count::of(ends.iter().map(|[from, to]| to.1 < from.1 && moves(&from.0, &to.0)));
     let moved = Judged::of(moved, Standing::FittedEnds)
         .beside(blind.share(|one| one.cost < start.cost && moves(&start.point, &one.point)));
-    let seeds: Vec<String> = findings
-        .material
-        .seeded
-        .first()
-        .and_then(|seeded| Some((seeded, Summary::of(&falls_pct(findings.material.setup, seeded))?)))
-        .map(|(_, s)| format!(" Over {} noise seeds: median {:.1} %, worst {:.1} %.", s.count, s.median, s.minimum))
-        .into_iter()
-        .collect();
-    let fall = format!(
-        "The experimental cost falls by {:.1} %, in the dissertation by {theirs:.1} %, with {} experiments each.{}",
-        rows.fall_pct(),
-        rows.n_experiments(),
-        seeds.concat()
-    );
-    let short =
-        format!("the experimental cost falls by {:.1} %, in the dissertation by {theirs:.1} %", rows.fall_pct());
-    let mut claims = vec![
+    let (fall, short) = (fall(findings), fall_in_short(findings));
+    vec![
         Claim::new(
             Place::Contribution(1),
             "An iterative co-design framework that fuses experiments and simulations by gradients",
@@ -97,36 +89,73 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
             format!("Against a stand-in, not in water. {FITTED} {fall}"),
         )
         .in_short(&*short),
-        Claim::new(
-            Place::Table(3),
-            "In three iterations the optimum moves aft and to a higher pitch, and the experimental cost falls",
-            moved,
-            format!(
-                "{FITTED} Last row: {}, in the dissertation {} and {}. {fall}",
-                findings.material.setup.sentence(&last.point),
-                published[published.len() - 1].center_of_mass,
-                published[published.len() - 1].pitch_set_point
-            ),
-        )
-        .in_short(format!(
-            "to {:.2} % chord and {:.2} deg, {:.1} % less; in the dissertation {} and {}, {theirs:.1} % less",
-            last.point[0],
-            last.point[1],
-            rows.fall_pct(),
-            published[published.len() - 1].center_of_mass,
-            published[published.len() - 1].pitch_set_point
-        ))
-        .shown_in(&["landscape-stand-in"]),
-        Claim::given(
-            Place::Figure(15),
-            "The test: three speeds, three pulls at the port line",
-            Verdict::TakenOver,
-            "As printed in Section 3.2 and (22)-(26).".to_owned(),
-        )
-        .shown_in(&["figure-15-test-profile"]),
-    ];
-    let end = Design::of(last);
-    claims.extend(ERRORS.iter().enumerate().map(|(k, (what, number, _))| {
+        optimum_moves(findings, moved, &fall),
+    ]
+}
+
+/// How the cost falls, beside the dissertation and over the seeds.
+fn fall(findings: &Findings<'_>) -> String {
+    let (rows, theirs) = (findings.printed(), findings.published_fall_pct());
+    let seeds = findings
+        .material
+        .seeded
+        .first()
+        .and_then(|seeded| Summary::of(&falls_pct(findings.material.setup, seeded)))
+        .map_or_else(String::new, |s| {
+            format!(" Over {} noise seeds: median {:.1} %, worst {:.1} %.", s.count, s.median, s.minimum)
+        });
+    format!(
+        "The experimental cost falls by {:.1} %, in the dissertation by {theirs:.1} %, with {} experiments each.{seeds}",
+        rows.fall_pct(),
+        rows.n_experiments(),
+    )
+}
+
+fn fall_in_short(findings: &Findings<'_>) -> String {
+    let (ours, theirs) = (findings.printed().fall_pct(), findings.published_fall_pct());
+    format!("the experimental cost falls by {ours:.1} %, in the dissertation by {theirs:.1} %")
+}
+
+fn optimum_moves(findings: &Findings<'_>, judged: Judged, fall: &str) -> Claim {
+    let (rows, published) = (findings.printed(), findings.published());
+    let (last, printed) = (rows.last(), &published[published.len() - 1]);
+    Claim::new(
+        Place::Table(3),
+        "In three iterations the optimum moves aft and to a higher pitch, and the experimental cost falls",
+        judged,
+        format!(
+            "{FITTED} Last row: {}, in the dissertation {} and {}. {fall}",
+            findings.material.setup.sentence(&last.point),
+            printed.center_of_mass,
+            printed.pitch_set_point
+        ),
+    )
+    .in_short(format!(
+        "to {:.2} % chord and {:.2} deg, {:.1} % less; in the dissertation {} and {}, {:.1} % less",
+        last.point[0],
+        last.point[1],
+        rows.fall_pct(),
+        printed.center_of_mass,
+        printed.pitch_set_point,
+        findings.published_fall_pct()
+    ))
+    .shown_in(&["landscape-stand-in"])
+}
+
+fn test_profile() -> Claim {
+    Claim::given(
+        Place::Figure(15),
+        "The test: three speeds, three pulls at the port line",
+        Verdict::TakenOver,
+        "As printed in Section 3.2 and (22)-(26).".to_owned(),
+    )
+    .shown_in(&["figure-15-test-profile"])
+}
+
+/// That what the controller misses is smaller at the end, quantity by quantity.
+fn of_the_errors(findings: &Findings<'_>, blind: &Blind<Design>, start: &Design) -> Vec<Claim> {
+    let end = Design::of(findings.printed().last());
+    let claim = |(k, (what, number, _)): (usize, &(&str, u32, _))| {
         let (before, after) = (start.errors[k], end.errors[k]);
         Claim::new(
             Place::Figure(*number as u8),
@@ -137,6 +166,6 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Vec<Claim> {
         )
         .in_short(format!("mean {before:.2} → {after:.2} deg²"))
         .shown_in(&[&format!("figure-{number}-{what}")])
-    }));
-    claims
+    };
+    ERRORS.iter().enumerate().map(claim).collect()
 }

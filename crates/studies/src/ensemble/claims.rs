@@ -79,7 +79,7 @@ impl Claim {
     }
 
     /// The same of the truth of the dissertation.
-    pub(super) fn as_printed(self) -> Self {
+    pub(super) fn of_printed_truth(self) -> Self {
         Self { truth: Truth::Printed, ..self }
     }
 

@@ -25,7 +25,7 @@ pub(in crate::ensemble) fn claims(setup: &Setup) -> Vec<Claim> {
         let rule = "2 parameters: after all iterations the largest error is less than without correction at each noise, and higher at the highest noise than at none";
         let test = Test::Plant(comes_close(setup, truth));
         let claim = Claim::new(Place::Figure(21), says, Study::Chapter6, rule, test).still();
-        claims.push(if setup.chapter6.truth(truth).is_ours() { claim } else { claim.as_printed() });
+        claims.push(if setup.chapter6.truth(truth).is_ours() { claim } else { claim.of_printed_truth() });
     }
     claims
 }
