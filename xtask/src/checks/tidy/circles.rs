@@ -135,7 +135,7 @@ fn module(file: &str, text: &str) -> Module {
                 // What the first name stands for is asked when all files are read: a child, an import, another crate.
                 let (path, end) = written_path(&words, at);
                 // `pub(in crate::a)` says who may look, not who is needed.
-                let is_visibility = at > 0 && words[at - 1].is_name("in");
+                let is_visibility = words[..at].ends_with(&[Word::Sign('('), Word::Name("in".to_owned())]);
                 if path.len() > 1 && !is_visibility {
                     module.named.push(path);
                 }
@@ -264,6 +264,15 @@ mod tests {
         let found = check(&files);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].contains("p/mod.rs takes f from p/child.rs"), "{found:?}");
+    }
+
+    #[test]
+    fn a_path_that_a_loop_goes_over_is_read_and_one_of_a_visibility_is_not() {
+        let parent = ("p/mod.rs", "mod child; pub struct P; pub fn g() { for _ in child::all() {} }");
+        let child = ("p/child.rs", "use super::P; pub fn all() -> [P; 0] { [] }");
+        assert_eq!(check(&[("lib.rs", "mod p;"), parent, child]).len(), 1, "for _ in child::all()");
+        let child = ("p/child.rs", "pub(in crate::p) fn all() -> [u8; 0] { [] }");
+        assert!(check(&[("lib.rs", "mod p;"), parent, child]).is_empty(), "pub(in crate::p)");
     }
 
     #[test]
