@@ -127,6 +127,15 @@ impl Grid {
         Ok(Cell::new(self.combinations.index(&pairs.map(level).collect::<Result<Vec<_>, _>>()?)))
     }
 
+    /// The cell nearest to a point that may lie outside of the region: that of the nearest point within.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::WrongDimension`], [`Error::NotANumber`].
+    pub fn nearest_clamped(&self, point: &[f64]) -> Result<Cell, Error> {
+        self.nearest(&self.region.clamp(point)?)
+    }
+
     /// The cells one level away along one parameter: below, then above, parameter by parameter.
     ///
     /// # Errors

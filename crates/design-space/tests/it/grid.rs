@@ -60,6 +60,8 @@ fn a_grid_refuses_cells_and_digits_that_it_does_not_have() {
     assert_eq!(grid.of_digits(&[4]), Err(Error::NoSuchLevel { parameter: "a".to_owned(), index: 4, last: 3 }));
     assert!(matches!(grid.of_digits(&[1, 1]), Err(Error::WrongDimension { expected: 1, found: 2, .. })));
     assert!(matches!(grid.nearest(&[1.5]), Err(Error::OutOfBounds { .. })));
+    assert_eq!(grid.nearest_clamped(&[1.5]), Ok(Cell::new(3)), "from outside to the nearest bound");
+    assert!(matches!(grid.nearest_clamped(&[f64::NAN]), Err(Error::NotANumber { .. })));
 }
 
 #[test]

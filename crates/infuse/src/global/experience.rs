@@ -45,7 +45,7 @@ impl Loop {
             experience.add(self.cell_of(record)?, record.cost().is_some());
         }
         for earlier in self.earlier.iter().filter(|earlier| earlier.counts_in(closed.len() + 1)) {
-            experience.add(self.cell(&self.region().clamp(&earlier.point)?)?, true);
+            experience.add(self.grid().nearest_clamped(&earlier.point)?, true);
         }
         Ok(experience)
     }
@@ -62,7 +62,7 @@ impl Loop {
     /// The cell where an experiment was really made.
     pub(super) fn cell_of(&self, record: &TrialRecord) -> Result<Cell, Error> {
         match &record.actual {
-            Some(actual) => self.cell(&self.region().clamp(actual)?),
+            Some(actual) => Ok(self.grid().nearest_clamped(actual)?),
             None => Ok(record.trial.cell),
         }
     }

@@ -140,8 +140,7 @@ impl Loop {
     fn earlier_observations(&self) -> Result<Observations, Error> {
         let mut observations = Observations::none(self.cells.n_factors());
         for earlier in self.earlier.iter().filter(|earlier| earlier.counts_in(self.batch())) {
-            let inside = self.region().clamp(&earlier.point)?;
-            if self.retained.contains(self.cell(&inside)?) {
+            if self.retained.contains(self.grid().nearest_clamped(&earlier.point)?) {
                 observations.add_simulation(&self.region().coded(&earlier.point)?, earlier.cost)?;
             }
         }

@@ -70,7 +70,7 @@ impl Loop {
 
     /// Where an experiment failed: at the settings really made, as far as they are known.
     fn failed_cells(&self) -> Result<BTreeSet<Cell>, Error> {
-        let nearest = |point: &[f64]| Ok(self.designs.grid().nearest(&self.region().clamp(point)?)?);
+        let nearest = |point: &[f64]| Ok(self.designs.grid().nearest_clamped(point)?);
         let earlier = self.earlier.iter().filter(|earlier| earlier.outcome.cost().is_none());
         let own = self.records.iter().filter(|record| record.is_failed()).map(|record| match &record.actual {
             Some(actual) => nearest(actual),
@@ -81,7 +81,7 @@ impl Loop {
 
     /// A response at natural settings, on the grid or off it.
     fn reading(&self, point: &[f64], response: f64) -> Result<Reading, Error> {
-        let cell = self.designs.grid().nearest(&self.region().clamp(point)?)?;
+        let cell = self.designs.grid().nearest_clamped(point)?;
         let (on_grid, here) = (self.designs.coded_of(cell)?, self.designs.coded_point(point)?);
         // Settings of the grid, however they were written, are those of the grid.
         let same = on_grid.iter().zip(&here).all(|(a, b)| (a - b).abs() < 1e-9);

@@ -55,7 +55,7 @@ impl<'a> Last<'a> {
         }
         if let Some(retained) = now.retained_at(report.number) {
             for earlier in now.earlier().iter().filter(|earlier| earlier.since <= report.number) {
-                let cell = now.cell(&now.region().clamp(&earlier.point)?)?;
+                let cell = now.grid().nearest_clamped(&earlier.point)?;
                 if retained.contains(cell) {
                     let settings = earlier.point.clone();
                     runs.push(Run { settings, cost: Some(earlier.cost), origin: Origin::Imported });
