@@ -40,8 +40,7 @@ fn expected(view: &View, batch: usize) -> Result<Filled> {
     let campaign = view.campaign;
     let trials = campaign.experiments.in_run_order(batch, campaign.problem.seed);
     let cells = trials.iter().map(|(trial, _)| {
-        let settings = campaign.experiments.settings_of(trial.id.number());
-        let expected = view.expected(cell_of(campaign, &settings)?);
+        let expected = view.expected(cell_of(campaign, trial.id.number())?);
         Ok(expected.map_or_else(|| NOTHING.to_owned(), short))
     });
     Ok((Column::number("expected", &view.response().unit), cells.collect::<Result<Vec<_>>>()?))
@@ -89,7 +88,7 @@ fn write_imported(page: &mut Page, campaign: &Campaign, view: Option<&View>) -> 
     ]);
     let mut table = Table { columns, rows: Vec::new() };
     for imported in &campaign.imported {
-        let cell = cell_of(campaign, &imported.point)?;
+        let cell = campaign.grid.nearest_clamped(&imported.point)?;
         let expected = view.and_then(|view| view.expected(cell));
         let settings = campaign.problem.region.parameters().iter().zip(&imported.point);
         let mut row: Vec<String> = settings.map(|(parameter, &setting)| written(parameter, setting)).collect();

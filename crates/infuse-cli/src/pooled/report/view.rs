@@ -95,7 +95,7 @@ impl<'a> View<'a> {
             }
         }
         for &id in self.campaign.experiments.trials.keys() {
-            cells.insert(cell_of(self.campaign, &self.campaign.experiments.settings_of(id))?);
+            cells.insert(cell_of(self.campaign, id)?);
         }
         cells.insert(self.found.recommended.cell);
         Ok(cells)
@@ -193,9 +193,15 @@ impl<'a> View<'a> {
     }
 }
 
-/// The design next to settings that may be any.
-pub(super) fn cell_of(campaign: &Campaign, settings: &[f64]) -> Result<Cell> {
-    Ok(campaign.grid.nearest(&campaign.problem.region.clamp(settings)?)?)
+/// The design of an experiment of the campaign: what was asked for, or the one next to the settings really made.
+pub(super) fn cell_of(campaign: &Campaign, id: u64) -> Result<Cell> {
+    let experiments = &campaign.experiments;
+    match experiments.readings.get(&id) {
+        Some(reading) if !reading.actual.is_empty() => {
+            Ok(campaign.grid.nearest_clamped(&experiments.settings_of(id))?)
+        }
+        _ => Ok(experiments.trial(id)?.cell),
+    }
 }
 
 /// Every reading of the loop, in its order.
@@ -210,7 +216,11 @@ fn runs(campaign: &Campaign) -> Result<Vec<Run>> {
         .flat_map(|(&id, reading)| reading.again.values().filter_map(Measured::value).map(move |value| own(id, value)));
     let first = readings.iter().filter_map(|(&id, reading)| Some(own(id, reading.first.as_ref()?.value()?)));
     let run = |(origin, settings, value): (Origin, Vec<f64>, f64)| {
-        Ok(Run { origin, cell: cell_of(campaign, &settings)?, settings, value })
+        let cell = match origin {
+            Origin::Own(id) => cell_of(campaign, id)?,
+            Origin::Imported(_) => campaign.grid.nearest_clamped(&settings)?,
+        };
+        Ok(Run { origin, cell, settings, value })
     };
     imported.chain(again).chain(first).map(run).collect()
 }
