@@ -16,6 +16,11 @@ pub(crate) fn rounded(value: f64) -> f64 {
     plain(value).parse().unwrap_or(value)
 }
 
+/// Whether two settings are one to whoever reads them, to all digits that are written.
+pub(crate) fn are_written_alike(a: f64, b: f64) -> bool {
+    rounded(a).total_cmp(&rounded(b)).is_eq()
+}
+
 /// A computed value: four digits.
 pub(crate) fn short(value: f64) -> String {
     if !value.is_finite() {

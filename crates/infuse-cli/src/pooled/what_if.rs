@@ -14,7 +14,7 @@ use super::campaign::Campaign;
 use super::findings::standing_in_words;
 use crate::findings::{amount, value_to};
 use crate::journal::Measured;
-use crate::number::{count, plain, resolved, short};
+use crate::number::{are_written_alike, count, resolved, short};
 use crate::problem::{Goal, heading, written};
 use crate::sheet::replace;
 
@@ -27,7 +27,7 @@ impl Campaign {
         self.problem.region.coded(asked)?;
         let cell = self.grid.nearest(asked)?;
         let point = self.grid.point(cell)?;
-        let is_off = point.iter().zip(asked).any(|(level, asked)| plain(*level) != plain(*asked));
+        let is_off = point.iter().zip(asked).any(|(level, asked)| !are_written_alike(*level, *asked));
         let nearest = if is_off { "The nearest design that can be set, " } else { "" };
         Ok((format!("{nearest}{}", self.problem.describe(&point)), cell))
     }

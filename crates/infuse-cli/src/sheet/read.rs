@@ -11,7 +11,7 @@ use super::columns::Columns;
 use super::table::Row;
 use super::table::{Column, Fault, Table, none_of};
 use crate::journal::{Constrained, Measured};
-use crate::number::{plain, with_unit};
+use crate::number::{are_written_alike, plain, with_unit};
 use crate::problem::{Problem, written};
 
 /// What a row says about a trial.
@@ -124,11 +124,12 @@ impl Reader<'_> {
             self.check_settings(row, trial, faults);
         }
         let (value, failed) = (table.cell(row, columns.response()), table.cell(row, columns.failed()));
-        let mut actual = BTreeMap::new();
+        let (mut actual, mut made_otherwise) = (BTreeMap::new(), None);
         for (index, parameter) in self.problem.region.parameters().iter().enumerate() {
             match self.actual(row, index, parameter) {
                 Ok(Some(setting)) => {
                     actual.insert(parameter.name().to_owned(), setting);
+                    made_otherwise = made_otherwise.or(Some(index));
                 }
                 Ok(None) => {}
                 Err(fault) => faults.push(fault),
@@ -163,7 +164,7 @@ impl Reader<'_> {
                 }
             },
         };
-        if again && let Some((index, _)) = actual_columns(&self.problem.region, &actual) {
+        if again && let Some(index) = made_otherwise {
             let expected = "nothing, as it repeats a run at the same settings; a run at others is imported";
             faults.push(table.fault(row, columns.actual(index), expected));
         }
@@ -219,7 +220,7 @@ impl Reader<'_> {
             let text = self.table.cell(row, column);
             // Sheets hold twelve digits.
             let is_same =
-                |value: f64| (value - asked).abs() <= 1e-9 * parameter.width() || plain(value) == plain(asked);
+                |value: f64| (value - asked).abs() <= 1e-9 * parameter.width() || are_written_alike(value, asked);
             let there = self.table.setting(row, column, parameter);
             let is_asked = there.as_ref().is_ok_and(|&there| is_same(there));
             if !text.is_empty() && !is_asked {
@@ -250,14 +251,6 @@ impl Reader<'_> {
             None => Ok(Some(value)),
         }
     }
-}
-
-/// The first parameter that was set otherwise.
-fn actual_columns<'a>(
-    region: &'a design_space::Region,
-    actual: &BTreeMap<String, f64>,
-) -> Option<(usize, &'a Parameter)> {
-    region.parameters().iter().enumerate().find(|(_, parameter)| actual.contains_key(parameter.name()))
 }
 
 /// What is allowed of a setting that was really made, unless this is.

@@ -7,7 +7,7 @@ use infuse::pooled::Trial;
 
 use super::columns::Columns;
 use super::table::Table;
-use crate::number::{plain, with_unit};
+use crate::number::{are_written_alike, with_unit};
 use crate::problem::{Problem, written};
 
 /// An error if it holds other experiments, or other settings, than these trials; whatever else stands in it is a person's.
@@ -22,7 +22,10 @@ pub(crate) fn check_same(path: &Path, problem: &Problem, trials: &[(Trial, Optio
         if id.is_empty() {
             continue;
         }
-        let trial = trials.iter().map(|(trial, _)| trial).find(|trial| trial.id.to_string() == id);
+        let trial = id
+            .parse()
+            .ok()
+            .and_then(|id: u64| trials.iter().map(|(trial, _)| trial).find(|trial| trial.id.number() == id));
         let Some(trial) = trial else {
             bail!(
                 "{} is there already and holds experiment {id}, which is not of this batch; {advice}",
@@ -32,7 +35,7 @@ pub(crate) fn check_same(path: &Path, problem: &Problem, trials: &[(Trial, Optio
         for (index, parameter) in problem.region.parameters().iter().enumerate() {
             let (asked, text) = (trial.point[index], table.cell(row, columns.setting(index)));
             let there = table.setting(row, columns.setting(index), parameter);
-            let is_same = there.map_or(text.is_empty(), |there| plain(there) == plain(asked));
+            let is_same = there.map_or(text.is_empty(), |there| are_written_alike(there, asked));
             ensure!(
                 is_same,
                 "{} is there already with {} {text} for experiment {id}, which is to be made at {}; {advice}",

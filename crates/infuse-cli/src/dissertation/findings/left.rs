@@ -7,7 +7,7 @@ use page::Finding;
 
 use crate::dissertation::campaign::Campaign;
 use crate::findings::value;
-use crate::number::{grouped, percent, plain, short, with_unit};
+use crate::number::{are_written_alike, grouped, percent, plain, short, with_unit};
 
 /// How many designs are left, between which settings, and what each batch dropped.
 pub(in crate::dissertation) fn left(campaign: &Campaign) -> Result<Finding> {
@@ -59,7 +59,7 @@ pub(in crate::dissertation) fn dropped_because(campaign: &Campaign, report: &Rep
 pub(in crate::dissertation) fn why_dropped(campaign: &Campaign, asked: &[f64]) -> Result<Finding> {
     let cell = campaign.now.cell(asked)?;
     let point = campaign.now.point(cell)?;
-    let is_off = point.iter().zip(asked).any(|(level, asked)| plain(*level) != plain(*asked));
+    let is_off = point.iter().zip(asked).any(|(level, asked)| !are_written_alike(*level, *asked));
     let nearest = if is_off { "The nearest design that can be set, " } else { "" };
     let place = format!("{nearest}{}", campaign.problem.describe(&point));
     if let Some(batch) = campaign.now.failed_in(cell) {
