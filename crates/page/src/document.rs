@@ -161,6 +161,16 @@ impl Page {
     }
 }
 
+/// A text as pages show it, for a document of another kind: escaped, code where it stands between backticks.
+pub fn text_html(text: &str) -> String {
+    marked_up(text).0
+}
+
+/// Findings as pages show them, for a document of another kind: each a paragraph, with a list of what belongs to it.
+pub fn findings_html(findings: &[Finding]) -> String {
+    findings.iter().map(|finding| finding_markup(finding).0).collect()
+}
+
 fn finding_markup(finding: &Finding) -> Markup {
     html! {
         p { (marked_up(finding.sentence())) }
@@ -279,6 +289,8 @@ mod tests {
         let finding = Finding::new("Batch 1:").detail(Finding::new("`one`.")).detail(Finding::new("two."));
         page.finding(&finding);
         page.key_findings(&[Finding::new("First.")]);
+        assert!(page.html().contains(&findings_html(&[finding])), "the same in other documents");
+        assert_eq!(text_html("`a` & b"), "<code>a</code> &amp; b");
         let html = page.html();
         for part in [
             "<p>Batch 1:</p><ul><li><code>one</code>.</li><li>two.</li></ul>",

@@ -7,7 +7,7 @@ mod finding;
 mod table;
 mod text;
 
-pub use document::{Link, Page};
+pub use document::{Link, Page, findings_html, text_html};
 pub use error::Error;
 pub use figures::{
     Axis, Bands, CellFigure, CellPanel, Chart, ColorScale, CountFigure, Grid, Group, Key, Landscape, LineFigure,

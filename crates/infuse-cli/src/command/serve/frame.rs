@@ -1,6 +1,6 @@
 //! What all pages share: the document around them, and sentences.
 
-use maud::{DOCTYPE, Markup, html};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 use page::Finding;
 
 /// A whole document. `refresh_s` loads it again after so many seconds, without a script.
@@ -21,29 +21,12 @@ pub(super) fn document(title: &str, refresh_s: Option<u32>, body: &Markup) -> St
     document.into_string()
 }
 
-/// Sentences, each with what belongs to it.
+/// Sentences, each with what belongs to it, as the report shows them.
 pub(super) fn sentences(findings: &[Finding]) -> Markup {
-    html! {
-        @for finding in findings {
-            p { (text(finding.sentence())) }
-            (details(finding.details()))
-        }
-    }
+    PreEscaped(page::findings_html(findings))
 }
 
-fn details(findings: &[Finding]) -> Markup {
-    html! {
-        @if !findings.is_empty() {
-            ul { @for finding in findings { li { (text(finding.sentence())) (details(finding.details())) } } }
-        }
-    }
-}
-
-/// What stands between two backticks is code.
+/// Words as the report shows them: what stands between two backticks is code.
 pub(super) fn text(text: &str) -> Markup {
-    html! {
-        @for (index, part) in text.split('`').enumerate() {
-            @if index % 2 == 0 { (part) } @else { code { (part) } }
-        }
-    }
+    PreEscaped(page::text_html(text))
 }
