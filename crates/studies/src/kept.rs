@@ -5,6 +5,8 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
+#[cfg(feature = "benchmark")]
+use serde::{Serialize, de::DeserializeOwned};
 
 /// Writes texts to their places, which are told.
 pub(crate) fn write(root: &Path, texts: &[(&str, String)]) -> Result<()> {
@@ -27,6 +29,30 @@ pub(crate) fn replace(path: &Path, text: &[u8]) -> Result<()> {
     let mut file = File::create(beside).with_context(words)?;
     file.write_all(text).and_then(|()| file.sync_all()).with_context(words)?;
     fs::rename(beside, path).with_context(|| path.display().to_string())
+}
+
+/// All rows of a table with a head; none if there is no file yet.
+#[cfg(feature = "benchmark")]
+pub(crate) fn rows<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let words = || format!("{} is not a table of these results", path.display());
+    csv::Reader::from_path(path)
+        .with_context(|| path.display().to_string())?
+        .into_deserialize()
+        .collect::<Result<_, _>>()
+        .with_context(words)
+}
+
+/// Puts a whole table in the place of another.
+#[cfg(feature = "benchmark")]
+pub(crate) fn replace_rows<T: Serialize>(path: &Path, rows: &[T]) -> Result<()> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    replace(path, &writer.into_inner().map_err(|error| error.into_error())?)
 }
 
 /// That each place holds its text; else `remedy` follows its name.

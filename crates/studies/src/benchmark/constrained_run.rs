@@ -16,7 +16,7 @@ const AT_ONCE: usize = 6;
 
 /// Runs what is missing, and writes the page.
 pub(crate) fn run(root: &Path) -> Result<()> {
-    let mut rows = read(root)?;
+    let mut rows: Vec<Row> = kept::rows(&root.join(KEPT))?;
     let has = |rows: &[Row], family: &str, way: &str, seed: u64| {
         rows.iter().any(|row| row.family == family && row.way == way && row.seed == seed)
     };
@@ -31,11 +31,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
                 .with_context(|| format!("{}, {}, seed {seed}", case.name, way.words))
         });
         rows.extend(new.collect::<Result<Vec<_>>>()?.concat());
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        for row in &rows {
-            writer.serialize(row)?;
-        }
-        kept::replace(&root.join(KEPT), &writer.into_inner().map_err(|error| error.into_error())?)?;
+        kept::replace_rows(&root.join(KEPT), &rows)?;
     }
     bar.finish();
     write_page(root)
@@ -43,12 +39,12 @@ pub(crate) fn run(root: &Path) -> Result<()> {
 
 /// Writes the page of the campaigns that are kept.
 pub(crate) fn write_page(root: &Path) -> Result<()> {
-    kept::write(root, &texts(&read(root)?))
+    kept::write(root, &texts(&kept::rows(&root.join(KEPT))?))
 }
 
 /// That one campaign of each way, and one with a choice, is the one that is kept, that none is missing, and that the page follows.
 pub(crate) fn check(root: &Path) -> Result<()> {
-    let rows = read(root)?;
+    let rows: Vec<Row> = kept::rows(&root.join(KEPT))?;
     let expected = SEEDS as usize * CASES.len() * WAYS.len() * super::constrained::BATCHES;
     ensure!(
         rows.len() == expected,
@@ -67,13 +63,4 @@ pub(crate) fn check(root: &Path) -> Result<()> {
         &texts(&rows),
         "does not follow from the campaigns kept: run `cargo xtask benchmark --constrained --page`",
     )
-}
-
-fn read(root: &Path) -> Result<Vec<Row>> {
-    let path = root.join(KEPT);
-    if !path.exists() {
-        return Ok(Vec::new());
-    }
-    let rows = csv::Reader::from_path(&path).context(KEPT)?.into_deserialize().collect::<Result<Vec<Row>, _>>();
-    rows.context(KEPT)
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use serde::{Deserialize, Serialize};
 
 use crate::kept;
@@ -72,15 +72,7 @@ impl Results {
     /// The rows in a folder; none if there is no file yet.
     pub(super) fn read(folder: &Path, method: &str) -> Result<Self> {
         let path = folder.join(method).with_extension("csv");
-        let mut rows = Vec::new();
-        if path.exists() {
-            let mut reader =
-                csv::Reader::from_path(&path).with_context(|| format!("cannot read {}", path.display()))?;
-            for line in reader.deserialize() {
-                rows.push(line.with_context(|| format!("{} is not a table of results", path.display()))?);
-            }
-        }
-        Ok(Self { method: method.to_owned(), path, rows })
+        Ok(Self { method: method.to_owned(), rows: kept::rows(&path)?, path })
     }
 
     /// Its name in file names.
@@ -103,11 +95,6 @@ impl Results {
             let (ask_seconds, tell_seconds) = (rounded(row.ask_seconds), rounded(row.tell_seconds));
             Row { ask_seconds, tell_seconds, ..row }
         }));
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        for row in &self.rows {
-            writer.serialize(row)?;
-        }
-        let text = writer.into_inner().map_err(|error| error.into_error())?;
-        kept::replace(&self.path, &text)
+        kept::replace_rows(&self.path, &self.rows)
     }
 }

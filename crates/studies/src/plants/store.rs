@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 
 use super::campaign::Row;
 use crate::kept;
@@ -16,14 +16,7 @@ pub(super) struct Store {
 impl Store {
     /// None if there is no file yet.
     pub(super) fn read(path: &Path) -> Result<Self> {
-        let mut rows = Vec::new();
-        if path.exists() {
-            let words = || path.display().to_string();
-            for row in csv::Reader::from_path(path).with_context(words)?.deserialize() {
-                rows.push(row.with_context(words)?);
-            }
-        }
-        Ok(Self { path: path.to_path_buf(), rows })
+        Ok(Self { path: path.to_path_buf(), rows: kept::rows(path)? })
     }
 
     pub(super) fn has(&self, case: &str, method: &str, seed: u64) -> bool {
@@ -38,11 +31,6 @@ impl Store {
     /// Adds rows, in memory and in the file, which is written anew.
     pub(super) fn add(&mut self, rows: Vec<Row>) -> Result<()> {
         self.rows.extend(rows);
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        for row in &self.rows {
-            writer.serialize(row)?;
-        }
-        let text = writer.into_inner().map_err(|error| error.into_error())?;
-        kept::replace(&self.path, &text)
+        kept::replace_rows(&self.path, &self.rows)
     }
 }
