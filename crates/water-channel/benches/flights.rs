@@ -27,18 +27,8 @@
 //! | flow, controller, watching | 2 | 5 |
 //! | not attributable | 4 | 6 |
 //!
-//! What is off by default costs, in lanes on one thread, medians of one run on 2026-11-24 with nothing else running (3.0 ms a flight with all off at one step,
-//! 5.5 ms at two):
-//!
-//! | on | time against all off, 1 step per sample | 2 steps |
-//! |---|---|---|
-//! | turbulence in three directions | 1.11 | |
-//! | vortex shedding | 1.11 | |
-//! | asymmetry | 1.24 | |
-//! | all three, one seed for the batch | 1.26 | 1.21 |
-//! | all three, a seed for each flight | 1.60: making the table of a flight takes 1.0 ms | |
-//! | cameras | 4.95 | 3.17 |
-//! | all three, one seed for the batch, and cameras | 5.42 | 3.50 |
+//! What cameras, water that moves and sides that differ cost is measured by `cargo xtask speed --flights`, all in turn in one run, and kept in
+//! `docs/results-flights.md`; the benches below are for whoever works on one of them. Making the table of a flight's water takes 1.0 ms.
 //!
 //! With all of it off a flight is no slower than before there was any: 0.94 times at one step and 0.96 at two, against commit `b3d192f` (lanes on one thread,
 //! six runs of each in turn).
