@@ -4,13 +4,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
-use bat_dynamics::Fidelity;
 use page::{Column, Table, quantile};
 use water_channel::{
     Flight, FlightError, FlightRequest, FlightSettings, MovingWater, ProfileFile, RigFile, Sensing, SensingFile,
     Shedding, TestProfile, Turbulence, fly_all, fly_seeded,
 };
 
+use super::tasks::{FLIGHTS, over_the_box};
 use crate::kept;
 use crate::reproduction::progress;
 use crate::words::number;
@@ -18,15 +18,13 @@ use crate::words::number;
 const PAGE: &str = "docs/results-flights.md";
 /// Each variant so often, in turn.
 const ROUNDS: usize = 11;
-/// Flights of 300 s at a time, in lanes on one thread.
-const FLIGHTS: usize = 16;
 /// Steps per sample: as the studies fly, and as a flight is flown unless somebody says otherwise.
 const STEPS: [usize; 2] = [1, 2];
-/// Off asymmetries of the hull, in m: its center of mass, its horizontal stabilizer, its port line.
+/// What differs between the sides, in m: its center of mass, its horizontal stabilizer, its port line.
 const SIDES_M: [f64; 3] = [2e-4, 0.04, 5e-4];
 
 /// What is on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Variant {
     words: &'static str,
     turbulence: bool,
@@ -35,17 +33,7 @@ struct Variant {
     seed_each: bool,
     cameras: bool,
     /// How many times as long as a flight with all off it may take.
-    limit: Option<Limit>,
-}
-
-/// In hundredths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Limit(u32);
-
-impl Limit {
-    fn times(self) -> f64 {
-        f64::from(self.0) / 100.0
-    }
+    limit: Option<f64>,
 }
 
 const OFF: Variant = Variant {
@@ -62,7 +50,7 @@ const ALL_THREE: Variant = Variant {
     turbulence: true,
     shedding: true,
     asymmetry: true,
-    limit: Some(Limit(130)),
+    limit: Some(1.3),
     ..OFF
 };
 const VARIANTS: [Variant; 8] = [
@@ -76,7 +64,7 @@ const VARIANTS: [Variant; 8] = [
     Variant {
         words: "turbulence, shedding, asymmetry and three cameras",
         cameras: true,
-        limit: Some(Limit(400)),
+        limit: Some(4.0),
         ..ALL_THREE
     },
 ];
@@ -92,7 +80,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     let folder = root.join("fixtures/bat");
     let bench = Bench {
         profile: ProfileFile::read(folder.join("test-profile.toml"))?.profile,
-        requests: requests(&RigFile::read(folder.join("rig.toml"))?),
+        requests: over_the_box(&RigFile::read(folder.join("rig.toml"))?.rig),
         sensing: SensingFile::read(folder.join("sensing.toml"))?.sensing,
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
@@ -112,17 +100,6 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     let all = STEPS.into_iter().map(timed).collect::<Result<Vec<_>>>()?;
     bar.finish();
     kept::write(root, &[(PAGE, markdown(&all))])
-}
-
-fn requests(file: &RigFile) -> Vec<FlightRequest> {
-    let at = |low: f64, high: f64, k: usize| low + (high - low) * k as f64 / 3.0;
-    let request = |k: usize| {
-        let mut rig = file.rig.clone();
-        rig.plant.body.center_of_mass_x = at(0.4565, 0.5125, k / 4);
-        rig.set_points.pitch_rad = at(0.0, 22.0, k % 4).to_radians();
-        FlightRequest { rig, fidelity: Fidelity::STALLED_WITH_ADDED_MASS }
-    };
-    (0..FLIGHTS).map(request).collect()
 }
 
 struct Bench {
@@ -199,14 +176,14 @@ fn markdown(all: &[Timed]) -> String {
         let Some(limit) = variant.limit else { continue };
         let words = all.iter().map(|timed| {
             let [_, median, _] = timed.ratios(place);
-            let word = if median <= limit.times() { "met" } else { "missed" };
+            let word = if median <= limit { "met" } else { "missed" };
             format!("{} times as long at {} a sample ({word})", number(median, 2), steps_words(timed.steps_per_sample))
         });
         text += &format!(
             "- With {} a flight takes {}; the goal is at most {} times as long as with all off.\n",
             variant.words,
             words.collect::<Vec<_>>().join(", "),
-            number(limit.times(), 1)
+            number(limit, 1)
         );
     }
     text += "- The studies fly one step a sample, campaigns of the ensemble with a water for each flight and without cameras.\n\n";
@@ -225,7 +202,7 @@ fn markdown(all: &[Timed]) -> String {
                 timed.steps_per_sample.to_string(),
                 number(timed.median_ms(place), 2),
                 format!("{median} ({low} to {high})"),
-                variant.limit.map_or_else(String::new, |limit| number(limit.times(), 1)),
+                variant.limit.map_or_else(String::new, |limit| number(limit, 1)),
             ]);
         }
     }

@@ -8,7 +8,7 @@ use bat_dynamics::Fidelity;
 use doe::{Model, Space};
 use surface::process::{GaussianProcess, Hyperparameters, Places, Residual, SimulationUse, Sites, Structure};
 use surface::{Data, GridPoints, InverseDistance, PointSource as _, Regression, SquaredExponential, Surface};
-use water_channel::{FlightRequest, FlightSettings, ProfileFile, RigFile, TestProfile, fly, fly_all};
+use water_channel::{FlightRequest, FlightSettings, ProfileFile, Rig, RigFile, TestProfile, fly, fly_all};
 
 use super::theirs::Theirs;
 
@@ -18,7 +18,7 @@ const SCALE: f64 = 1.5;
 /// Places that a process is asked about at a time.
 const AT_ONCE: u64 = 8192;
 /// Flights in lanes at a time.
-const FLIGHTS: usize = 16;
+pub(super) const FLIGHTS: usize = 16;
 
 /// Does the task once; the sum of what it found.
 type Ours = Box<dyn FnMut() -> Result<f64> + Send>;
@@ -189,11 +189,8 @@ fn process() -> Result<Ours> {
     }))
 }
 
-/// Flights of 300 s in lanes beside flights alone, on all threads against one flight after the other on one.
-fn flights(root: &Path) -> Result<Task> {
-    let folder = root.join("fixtures/bat");
-    let profile = ProfileFile::read(folder.join("test-profile.toml"))?.profile;
-    let rig = RigFile::read(folder.join("rig.toml"))?.rig;
+/// Flights of the stand-in over the box of Chapter 4, four by four.
+pub(super) fn over_the_box(rig: &Rig) -> Vec<FlightRequest> {
     let at = |low: f64, high: f64, k: usize| low + (high - low) * k as f64 / 3.0;
     let request = |k: usize| {
         let mut rig = rig.clone();
@@ -201,7 +198,14 @@ fn flights(root: &Path) -> Result<Task> {
         rig.set_points.pitch_rad = at(0.0, 22.0, k % 4).to_radians();
         FlightRequest { rig, fidelity: Fidelity::STALLED_WITH_ADDED_MASS }
     };
-    let requests: Vec<FlightRequest> = (0..FLIGHTS).map(request).collect();
+    (0..FLIGHTS).map(request).collect()
+}
+
+/// Flights of 300 s in lanes beside flights alone, on all threads against one flight after the other on one.
+fn flights(root: &Path) -> Result<Task> {
+    let folder = root.join("fixtures/bat");
+    let profile = ProfileFile::read(folder.join("test-profile.toml"))?.profile;
+    let requests = over_the_box(&RigFile::read(folder.join("rig.toml"))?.rig);
     let alone = (requests[0].clone(), profile.clone());
     let settings = FlightSettings::with_steps(1);
     let in_lanes: Ours = Box::new(move || {
