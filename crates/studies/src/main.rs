@@ -155,7 +155,8 @@ fn of_calibration(words: &[&str]) -> Option<Work> {
         ["calibrate"] => Box::new(calibration::run),
         ["calibrate", "--page"] => Box::new(calibration::write_page),
         ["calibrate", "--default"] => Box::new(calibration::write_default),
-        ["calibrate", "--check"] => Box::new(calibration::check),
+        ["calibrate", "--check"] => Box::new(|root| calibration::check(root, calibration::Look::AtSome)),
+        ["calibrate", "--check", "--all"] => Box::new(|root| calibration::check(root, calibration::Look::AtAll)),
         _ => return None,
     };
     Some(work)

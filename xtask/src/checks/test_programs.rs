@@ -2,16 +2,23 @@
 //! and those of the shell mostly wait for others' programs.
 
 use std::fs;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context as _, Result, bail, ensure};
 use serde::Deserialize;
 
+use crate::test_compiler;
 use crate::workspace::{self, run_side_by_side};
 
 /// The seed of the cases that properties are tested on.
 const CASES: &str = "PROPTEST_RNG_SEED";
+
+const THREADS: &str = "RUST_TEST_THREADS";
+/// A package whose tests mostly wait, and how many of them are run for each processor.
+const WAITING: &str = "infuse-cli";
+const AT_ONCE: usize = 2;
 
 /// A program of tests, and the folder of its package, where it expects to be run.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -23,7 +30,9 @@ struct TestProgram {
 /// Compiles and runs the tests that these arguments of `cargo test` select.
 pub(crate) fn run(selection: &[&str]) -> Result<()> {
     let arguments = [&["test", "--no-run", "--message-format", "json-render-diagnostics"], selection].concat();
-    let output = workspace::cargo(&arguments)?.output().context("cannot start cargo")?;
+    let mut cargo = workspace::cargo(&arguments)?;
+    test_compiler::set_for(&mut cargo)?;
+    let output = cargo.output().context("cannot start cargo")?;
     if !output.status.success() {
         bail!("cargo {}\n{}", arguments.join(" "), String::from_utf8_lossy(&output.stderr));
     }
@@ -34,6 +43,10 @@ pub(crate) fn run(selection: &[&str]) -> Result<()> {
     let command = |program: &TestProgram| {
         let mut command = Command::new(&program.path);
         command.current_dir(&program.folder);
+        if program.folder.ends_with(WAITING) && std::env::var_os(THREADS).is_none() {
+            let n_processors = std::thread::available_parallelism().map_or(1, NonZero::get);
+            command.env(THREADS, (AT_ONCE * n_processors).to_string());
+        }
         // What passed today passes tomorrow; whoever types `cargo test` has cases that nobody saw.
         if std::env::var_os(CASES).is_none() {
             command.env(CASES, "1");

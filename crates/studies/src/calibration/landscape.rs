@@ -4,6 +4,7 @@ use anyhow::{Context as _, Result, anyhow};
 use bat_dynamics::Fidelity;
 use doe::Model;
 use interpn::MulticubicRegular;
+use serde::{Deserialize, Serialize};
 use surface::{Data, Regression};
 use water_channel::CostWeights;
 
@@ -37,7 +38,7 @@ pub(super) struct Landscape {
 }
 
 /// Whether a numerical model of this plant is worth having.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Diagnostics {
     /// Of model and stand-in over the box, by rank.
     pub(super) rank_correlation: f64,

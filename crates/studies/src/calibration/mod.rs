@@ -11,6 +11,7 @@ mod landscape;
 mod medoid;
 mod outcome;
 mod page;
+mod seen;
 mod shortfall;
 mod store;
 
@@ -31,11 +32,9 @@ use evidence::{Aims, Found};
 use file::Calibration;
 #[cfg(feature = "identification")]
 pub(crate) use free::{Free, FreeEntry};
+pub(crate) use seen::Look;
 use shortfall::shortfall;
-use store::{AT_ONCE, REMEDY, Store};
-
-const ENSEMBLE: &str = "fixtures/bat/ensemble";
-const BEYOND: &str = "fixtures/bat/ensemble/beyond";
+use store::{AT_ONCE, BEYOND, ENSEMBLE, REMEDY, Store};
 
 /// The file, and what is kept of it: from its own ranges, and each plant within them.
 fn read(root: &Path) -> Result<(Calibration, Store)> {
@@ -182,7 +181,7 @@ pub(crate) fn plants(root: &Path) -> Result<(Vec<String>, Vec<Plant>)> {
 
 /// That each plant that is kept still flies and meets its evidence, that there are enough, and that the default plant is one of them:
 /// the one nearest to all others.
-pub(crate) fn check(root: &Path) -> Result<()> {
+pub(crate) fn check(root: &Path, look: Look) -> Result<()> {
     let (calibration, store) = flown(root)?;
     enough(&calibration, &store)?;
     DefaultPlant::of(&calibration, &store.members)?.check(&calibration)?;
@@ -190,5 +189,5 @@ pub(crate) fn check(root: &Path) -> Result<()> {
     let default_plant = std::slice::from_ref(&calibration.base);
     meet(&calibration, default_plant, |_| "the default plant: ".to_owned(), "run `cargo xtask calibrate --default`")?;
     eprintln!("{} plants and the default plant fly and meet their evidence", store.members.len());
-    page::check(root, &calibration, &store, &all_beyond(root, &calibration)?)
+    page::check(root, &calibration, [&store, &all_beyond(root, &calibration)?], look)
 }

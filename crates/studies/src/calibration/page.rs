@@ -3,81 +3,41 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use bat_dynamics::Fidelity;
 use page::{Axis, Column, StripFigure, Table, strip_figure};
-use rayon::prelude::*;
 
-use super::candidate::{Candidate, STUDIES, Spot};
+use super::candidate::STUDIES;
 use super::default_plant::DefaultPlant;
-use super::evidence::Evidence;
 use super::file::Calibration;
 use super::free::Free;
-use super::landscape::{Diagnostics, Landscape};
+use super::landscape::Diagnostics;
 use super::outcome::{Member, Refusal};
+use super::seen::{Look, Plants, Seen};
 use super::store::Store;
 use crate::bat::STAND_IN;
 use crate::first_screen::around;
-use crate::{chapter7, kept};
+use crate::kept;
 
 const PAGE: &str = "docs/results-calibration.md";
 const PICTURE: &str = "docs/results-calibration.svg";
 
-/// What was found of one plant.
-struct Seen {
-    /// Where each optimum of the evidence is, and its cost; where the evidence is a cost, that alone.
-    evidence: Vec<(Option<[f64; 2]>, f64)>,
-    held_out: Vec<f64>,
-    /// In the stand-in, row by row; none where a flight failed.
-    table_6: Vec<Option<f64>>,
-    /// Of each study.
-    diagnostics: [Diagnostics; 2],
-}
-
 pub(super) fn write(root: &Path, calibration: &Calibration, store: &Store, beyond: &Store) -> Result<()> {
-    kept::write(root, &texts(root, calibration, store, beyond)?)
+    let seen = Plants::new(root, calibration, &store.members)?.see_all()?;
+    kept::write(root, &texts(calibration, [store, beyond], &seen)?)
 }
 
 /// That the committed page follows from the plants that are kept.
-pub(super) fn check(root: &Path, calibration: &Calibration, store: &Store, beyond: &Store) -> Result<()> {
+pub(super) fn check(root: &Path, calibration: &Calibration, stores: [&Store; 2], look: Look) -> Result<()> {
     let remedy = "does not follow from the plants kept: run `cargo xtask calibrate --page`";
-    kept::check(root, &texts(root, calibration, store, beyond)?, remedy)
+    let seen = Plants::new(root, calibration, &stores[0].members)?.look_up(look)?;
+    kept::check(root, &texts(calibration, stores, &seen)?, remedy)
 }
 
-fn texts(root: &Path, calibration: &Calibration, store: &Store, beyond: &Store) -> Result<[(&'static str, String); 2]> {
-    let candidates = calibration.candidates(&store.members)?;
-    let table_6 = chapter7::table_6(root)?;
-    let see = |candidate: &Candidate| see(calibration, candidate, &table_6);
-    let seen: Vec<Seen> = candidates.par_iter().map(see).collect::<Result<_>>()?;
-    let default_plant = DefaultPlant::of(calibration, &store.members)?;
-    Ok([(PAGE, markdown(calibration, [store, beyond], &seen, &default_plant)), (PICTURE, picture(calibration, store))])
-}
-
-fn see(calibration: &Calibration, candidate: &Candidate, table_6: &[[f64; 4]]) -> Result<Seen> {
-    let landscape = Landscape::fly(calibration, candidate);
-    let cost_of = |evidence: &Evidence| -> Result<f64> {
-        let flown = calibration.fly(candidate, &evidence.spots()[..1]).pop().flatten();
-        let flown = flown.with_context(|| format!("{}: it cannot be flown", evidence.label))?;
-        Ok(flown.cost(&candidate.weights[evidence.study]))
-    };
-    let evidence = calibration.evidence.iter().enumerate().map(|(index, evidence)| {
-        if evidence.is_optimum {
-            let (design, cost) = landscape.lowest(calibration, index, candidate)?;
-            Ok((Some(design), cost))
-        } else {
-            Ok((None, cost_of(evidence)?))
-        }
-    });
-    let path: Vec<Spot> = table_6.iter().map(|design| Spot { fidelity: STAND_IN, design: *design }).collect();
-    let table_6 =
-        calibration.fly(candidate, &path).into_iter().map(|flown| flown.map(|one| one.cost(&candidate.weights[1])));
-    let diagnostics = |study: usize| landscape.diagnostics(study, calibration.boxes[study], candidate);
-    Ok(Seen {
-        evidence: evidence.collect::<Result<_>>()?,
-        held_out: calibration.held_out.iter().map(cost_of).collect::<Result<_>>()?,
-        table_6: table_6.collect(),
-        diagnostics: [diagnostics(0)?, diagnostics(1)?],
-    })
+fn texts(calibration: &Calibration, stores: [&Store; 2], seen: &[Seen]) -> Result<[(&'static str, String); 2]> {
+    let default_plant = DefaultPlant::of(calibration, &stores[0].members)?;
+    let page = markdown(calibration, stores, seen, &default_plant);
+    Ok([(PAGE, page), (PICTURE, picture(calibration, stores[0]))])
 }
 
 /// Lowest, median and highest.

@@ -39,6 +39,9 @@ pub(super) struct Store {
     pub(super) members: Vec<Member>,
 }
 
+pub(super) const ENSEMBLE: &str = "fixtures/bat/ensemble";
+pub(super) const BEYOND: &str = "fixtures/bat/ensemble/beyond";
+
 /// Starts at once, so that a killed run loses no more than these.
 pub(super) const AT_ONCE: u64 = 2;
 const KEPT: &str = "kept";
