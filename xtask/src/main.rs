@@ -32,22 +32,8 @@ const COMMANDS: &[(&[&str], Program)] = &[
     (&["benchmark", "plants", "speed"], studies("similarity,benchmark")),
     (&["calibrate"], studies("similarity,calibration")),
     (&["identify"], studies("similarity,identification")),
-    (
-        &[
-            "ci",
-            "tidy",
-            "equations",
-            "fuzz",
-            "tutorials",
-            "python",
-            "licenses",
-            "machines",
-            "packages",
-            "proofs",
-            "semver",
-        ],
-        CHECKS,
-    ),
+    (&["ci", "tidy", "equations", "fuzz", "tutorials", "python"], CHECKS),
+    (&["licenses", "machines", "packages", "proofs", "semver"], CHECKS),
 ];
 
 const USAGE_ERROR: u8 = 2;
