@@ -91,6 +91,14 @@ pub(crate) fn eyes_abreast(&[e, f, g, h]: &[&Eye; LANES]) -> Eye<Lanes> {
     }
 }
 
+/// Four dots side by side.
+pub(crate) fn marks_abreast(&[a, b, c, d]: &[&Mark; LANES]) -> Mark<Lanes> {
+    Mark {
+        place: abreast(&a.place, &b.place, &c.place, &d.place),
+        normal: abreast(&a.normal, &b.normal, &c.normal, &d.normal),
+    }
+}
+
 /// Four vectors side by side.
 #[inline(always)]
 fn abreast(a: &Triple, b: &Triple, c: &Triple, d: &Triple) -> Triple<Lanes> {

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use tether_control::Measurement;
 
 use super::bundle::Bundles;
+use super::images::Shot;
 use super::locate::Hold;
 use super::pose::Pose;
 use super::view::{PixelNoise, View};
@@ -39,6 +40,7 @@ pub struct Tracker<'a> {
     viewer: &'a Viewer,
     noise: PixelNoise,
     view: View,
+    shots: Vec<Shot>,
     bundles: Bundles,
     last: Option<Pose>,
     /// Images, and those of which no pose could be had.
@@ -57,7 +59,7 @@ impl<'a> Tracker<'a> {
         let on_the_way = VecDeque::with_capacity(viewer.delay_samples() + 1);
         let (noise, view) = (PixelNoise::new(viewer.seed()), View::default());
         let blind = (0..viewer.n_cameras()).collect();
-        Self { viewer, noise, view, bundles: Bundles::default(), last: None, images: 0, held: 0, blind, on_the_way }
+        Self { viewer, noise, view, shots: Vec::new(), bundles: Bundles::default(), last: None, images: 0, held: 0, blind, on_the_way }
     }
 
     /// Takes the images of a body at `truth` and returns the estimate that arrives at this sample.
@@ -67,7 +69,7 @@ impl<'a> Tracker<'a> {
             self.on_the_way.extend(std::iter::repeat_n(start, self.viewer.delay_samples()));
             *truth
         });
-        self.viewer.look_into(&mut self.view, truth, &mut self.noise);
+        self.viewer.look_into(&mut self.shots, &mut self.view, truth, &mut self.noise);
         let (pose, hold) = match self.viewer.locate_with(&mut self.bundles, &self.view, &last) {
             Ok(pose) => (pose, None),
             Err(hold) => (last, Some(hold)),

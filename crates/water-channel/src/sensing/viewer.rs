@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Matrix6};
 use super::arrangement::Sensing;
 use super::bundle::Bundles;
 use super::dot::marks;
-use super::images::{self, Images};
+use super::images::{self, Images, Shot};
 use super::locate::{FEWEST_DOTS, Hold, locate};
 use super::normal_equations::NormalEquations;
 use super::pose::Pose;
@@ -66,13 +66,13 @@ impl Viewer {
     #[must_use]
     pub fn look(&self, pose: &Pose, noise: &mut PixelNoise) -> View {
         let mut view = View::default();
-        self.look_into(&mut view, pose, noise);
+        self.look_into(&mut Vec::new(), &mut view, pose, noise);
         view
     }
 
-    /// [`Viewer::look`] into the memory of a view.
-    pub(crate) fn look_into(&self, view: &mut View, pose: &Pose, noise: &mut PixelNoise) {
-        images::take(&self.images, view, pose, noise);
+    /// [`Viewer::look`] into the memory of a view, with that of shots.
+    pub(crate) fn look_into(&self, shots: &mut Vec<Shot>, view: &mut View, pose: &Pose, noise: &mut PixelNoise) {
+        images::take(&self.images, shots, view, pose, noise);
     }
 
     /// The pose whose pixels are closest to those of `view` in the sense of least squares, sought from `guess`.
@@ -127,7 +127,7 @@ impl Viewer {
     /// That cameras and dots, without noise and quantization, give a pose of a body at `start`.
     pub(crate) fn check_start(&self, start: &Pose) -> Result<(), Error> {
         let mut view = View::default();
-        images::take(&self.images.exact(), &mut view, start, &mut PixelNoise::new(self.seed));
+        images::take(&self.images.exact(), &mut Vec::new(), &mut view, start, &mut PixelNoise::new(self.seed));
         let Err(hold) = self.locate(&view, start) else { return Ok(()) };
         let cameras_seeing = view.cameras_seeing(self.n_cameras());
         let (dots_seen, dots, cameras) = (view.dots_seen(), self.images.marks.len(), self.n_cameras());
