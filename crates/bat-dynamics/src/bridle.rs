@@ -89,14 +89,7 @@ impl<T: Real> Bridle<T> {
             *turned = angle.sin_cos();
         }
         let [zenith, azimuth, twist] = turned;
-        Pose::new(
-            self.length,
-            zenith,
-            azimuth,
-            twist,
-            (self.pitch.sin, self.pitch.cos),
-            (self.roll.sin, self.roll.cos),
-        )
+        Pose::new(self.length, zenith, azimuth, twist, (self.pitch.sin, self.pitch.cos), (self.roll.sin, self.roll.cos))
     }
 
     #[inline(always)]

@@ -13,7 +13,7 @@ use crate::cost::{Integrals, N_TERMS};
 use crate::energy::{Energy, Meter, Reading};
 use crate::error::FlightError;
 use crate::profile::TestProfile;
-use crate::sensing::{Estimate, Pose, Tracker, Viewer};
+use crate::sensing::{Estimate, Pose, Tracker, Viewer, observe_abreast};
 use crate::settings::FlightSettings;
 use crate::watch::{Extremes, Seen, SlackEvent, Watcher};
 use crate::water::WaterTable;
@@ -398,7 +398,7 @@ impl<'a, const N: usize> Memory<'a, N> {
     }
 }
 
-/// What the cameras of each lane make of its state, lane by lane in `f64`.
+/// What the cameras of each lane make of where it is.
 ///
 /// Not inlined: a loop without cameras keeps its code as it is.
 #[inline(never)]
@@ -408,8 +408,12 @@ fn observe<T: Carrier<N>, const N: usize>(
     state: &FlightState<T>,
     water: &Water,
 ) -> [Option<Estimate>; N] {
-    let poses = poses(plant, state, water);
-    core::array::from_fn(|lane| trackers[lane].as_mut().map(|tracker| tracker.observe(&poses[lane])))
+    let (mut estimates, poses) = ([None; N], poses(plant, state, water));
+    for (places, (four, truths)) in estimates.chunks_mut(LANES).zip(trackers.chunks_mut(LANES).zip(poses.chunks(LANES)))
+    {
+        places.copy_from_slice(&observe_abreast(four, truths)[..places.len()]);
+    }
+    estimates
 }
 
 /// Where each lane is in the ground frame, as cameras see it.

@@ -4,7 +4,7 @@ use bat_dynamics::{LANES, Lanes};
 
 use super::camera::Eye;
 use super::dot::Mark;
-use super::triple::Triple;
+use super::triple::{Triple, abreast};
 use super::view::Sighting;
 
 /// Four sightings with all that is known of their dots and cameras.
@@ -97,10 +97,4 @@ pub(crate) fn marks_abreast(&[a, b, c, d]: &[&Mark; LANES]) -> Mark<Lanes> {
         place: abreast(&a.place, &b.place, &c.place, &d.place),
         normal: abreast(&a.normal, &b.normal, &c.normal, &d.normal),
     }
-}
-
-/// Four vectors side by side.
-#[inline(always)]
-fn abreast(a: &Triple, b: &Triple, c: &Triple, d: &Triple) -> Triple<Lanes> {
-    [Lanes([a[0], b[0], c[0], d[0]]), Lanes([a[1], b[1], c[1], d[1]]), Lanes([a[2], b[2], c[2], d[2]])]
 }

@@ -54,10 +54,9 @@ impl Region {
     }
 
     /// Whether a pixel lies in it; one that is not a number does not.
-    #[inline(always)]
     #[must_use]
     pub fn contains(&self, [u, v]: [f64; 2]) -> bool {
-        (u >= self.left_px) & (u <= self.right_px) & (v >= self.top_px) & (v <= self.bottom_px)
+        u >= self.left_px && u <= self.right_px && v >= self.top_px && v <= self.bottom_px
     }
 }
 

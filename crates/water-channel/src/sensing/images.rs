@@ -2,7 +2,7 @@
 //!
 //! Loops are over indices: iterators are not inlined here, and take longer than the rest.
 
-use bat_dynamics::{LANES, Lanes};
+use bat_dynamics::{LANES, Lanes, Real};
 use multiversion::multiversion;
 
 use super::bundle::{eyes_abreast, filled_up, marks_abreast};
@@ -19,7 +19,7 @@ pub(crate) struct Images {
     pub(crate) eyes: Vec<Eye>,
     /// Each eye four times over.
     wide: Vec<Eye<Lanes>>,
-    regions: Vec<Region>,
+    frames: Vec<Frame>,
     pub(crate) marks: Vec<Mark>,
     /// The marks four by four; the last four are filled up with the last mark.
     fours: Vec<Mark<Lanes>>,
@@ -35,7 +35,7 @@ impl Images {
         Ok(Self {
             wide: eyes.iter().map(|eye| eyes_abreast(&[eye; LANES])).collect(),
             eyes,
-            regions: cameras.iter().map(|camera| camera.region).collect(),
+            frames: cameras.iter().map(|camera| Frame::new(&camera.region)).collect(),
             fours: marks.chunks(LANES).map(|four| marks_abreast(&filled_up(four))).collect(),
             marks,
             noise_px,
@@ -57,8 +57,10 @@ impl Images {
         if self.step_px > 0.0 {
             for sighting in sightings {
                 let [u, v] = sighting.pixel;
-                sighting.pixel =
-                    [self.step_px * ((u / self.step_px).floor() + 0.5), self.step_px * ((v / self.step_px).floor() + 0.5)];
+                sighting.pixel = [
+                    self.step_px * ((u / self.step_px).floor() + 0.5),
+                    self.step_px * ((v / self.step_px).floor() + 0.5),
+                ];
             }
         }
     }
@@ -68,19 +70,38 @@ impl Images {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shot {
     pixel: [Lanes; 2],
-    is_seen: [bool; LANES],
+    /// 1, and 0 for a dot that is not seen.
+    is_seen: Lanes,
+}
+
+/// A region of interest four times over: smallest and largest u, then v, each by the last number outside.
+#[derive(Clone, Copy, Debug)]
+struct Frame([[Lanes; 2]; 2]);
+
+impl Frame {
+    fn new(region: &Region) -> Self {
+        let between = |from: f64, to: f64| [Lanes::constant(from.next_down()), Lanes::constant(to.next_up())];
+        Self([between(region.left_px, region.right_px), between(region.top_px, region.bottom_px)])
+    }
+}
+
+/// `so_far` where `low < high`, and 0 elsewhere.
+#[inline(always)]
+fn and_below(so_far: Lanes, low: Lanes, high: Lanes) -> Lanes {
+    low.select_below(high, so_far, Lanes::constant(0.0))
 }
 
 #[inline(always)]
-fn shot(eye: &Eye<Lanes>, region: &Region, place: Triple<Lanes>, normal: Triple<Lanes>) -> Shot {
-    let faces = dot_product(normal, minus(eye.position, place)).0;
+fn shot(eye: &Eye<Lanes>, frame: &Frame, place: Triple<Lanes>, normal: Triple<Lanes>) -> Shot {
+    let zero = Lanes::constant(0.0);
+    let faces = dot_product(normal, minus(eye.position, place));
     let seen = eye.project(place);
-    let (depth, [u, v]) = (seen.depth.0, seen.pixel);
-    let mut is_seen = [false; LANES];
-    for lane in 0..LANES {
-        is_seen[lane] = (faces[lane] > 0.0) & (depth[lane] > 0.0) & region.contains([u.0[lane], v.0[lane]]);
+    let mut is_seen = and_below(and_below(Lanes::constant(1.0), zero, faces), zero, seen.depth);
+    for axis in 0..2 {
+        let [outside, beyond] = frame.0[axis];
+        is_seen = and_below(and_below(is_seen, outside, seen.pixel[axis]), seen.pixel[axis], beyond);
     }
-    Shot { pixel: [u, v], is_seen }
+    Shot { pixel: seen.pixel, is_seen }
 }
 
 /// Fills `view` with what is seen of a body at `pose`; `shots` is memory.
@@ -99,13 +120,13 @@ pub(crate) fn take(images: &Images, shots: &mut Vec<Shot>, view: &mut View, pose
         let normal = times(&r_gb, mark.normal);
         shots.clear();
         for camera in 0..images.wide.len() {
-            shots.push(shot(&images.wide[camera], &images.regions[camera], place, normal));
+            shots.push(shot(&images.wide[camera], &images.frames[camera], place, normal));
         }
         let first = four * LANES;
         for lane in 0..LANES.min(images.marks.len() - first) {
             for camera in 0..shots.len() {
                 let shot = &shots[camera];
-                if shot.is_seen[lane] {
+                if shot.is_seen.0[lane] > 0.0 {
                     let pixel = [shot.pixel[0].0[lane], shot.pixel[1].0[lane]];
                     view.push(Sighting { dot: first + lane, camera, pixel });
                 }

@@ -6,7 +6,7 @@ use super::arrangement::Sensing;
 use super::bundle::Bundles;
 use super::dot::marks;
 use super::images::{self, Images, Shot};
-use super::locate::{FEWEST_DOTS, Hold, locate};
+use super::locate::{FEWEST_DOTS, Hold, Search, locate};
 use super::normal_equations::NormalEquations;
 use super::pose::Pose;
 use super::view::{PixelNoise, View};
@@ -85,15 +85,20 @@ impl Viewer {
         if !self.knows(view) {
             return Err(Hold::NotConverged);
         }
-        self.locate_with(&mut Bundles::default(), view, guess)
+        let mut bundles = Bundles::default();
+        let alone = self.search(&mut bundles, view, guess);
+        let idle = || Search::held(Hold::NotConverged);
+        let [found, ..] = locate([alone, idle(), idle(), idle()]);
+        found
     }
 
-    /// [`Viewer::locate`] for a view of this viewer, with the memory of earlier ones.
-    pub(crate) fn locate_with(&self, bundles: &mut Bundles, view: &View, guess: &Pose) -> Result<Pose, Hold> {
+    /// The search of [`Viewer::locate`] for a view of this viewer, with the memory of earlier ones.
+    #[inline(always)]
+    pub(crate) fn search<'b>(&self, bundles: &'b mut Bundles, view: &View, guess: &Pose) -> Search<'b> {
         if view.dots_seen() < FEWEST_DOTS {
-            return Err(Hold::TooFewDots);
+            return Search::held(Hold::TooFewDots);
         }
-        locate(bundles.take(&self.images.eyes, &self.images.marks, view.sightings()), guess)
+        Search::new(bundles.take(&self.images.eyes, &self.images.marks, view.sightings()), guess)
     }
 
     /// Covariance of x, y, z in m and roll, pitch, heading in rad at `pose`, from `view` with pixels of the standard
@@ -107,9 +112,12 @@ impl Viewer {
         }
         let (mut bundles, attitude) = (Bundles::default(), pose.attitude());
         let bundles = bundles.take(&self.images.eyes, &self.images.marks, view.sightings());
-        let of_turns = NormalEquations::new(bundles, pose, &attitude)?.inverse()?;
+        let of_turns = NormalEquations::new(bundles, pose.position_m, &attitude.rows_gb())?.inverse()?;
+        if attitude.has_angles() <= 0.0 {
+            return None;
+        }
         let mut to_angles = Matrix6::identity();
-        let rows = attitude.angles_of_turn()?;
+        let rows = attitude.angles_of_turn();
         to_angles.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::from_fn(|i, j| rows[i][j]));
         Some(to_angles * of_turns * to_angles.transpose() * (deviation_px * deviation_px))
     }
