@@ -377,7 +377,8 @@ impl<'a, const N: usize> Memory<'a, N> {
         water: &Water,
         by_hand: Option<[f64; 3]>,
     ) -> Control<N> {
-        let estimates = if self.has_cameras { observe(&mut self.trackers, plant, state, water) } else { [None; N] };
+        let estimates =
+            if self.has_cameras { observe(&mut self.trackers, &poses(plant, state, water)) } else { [None; N] };
         let seen = sight(plant, state, &water.flow.cast());
         let (altitude, pitch, roll) = (seen.altitude.split(), seen.pitch.split(), seen.roll.split());
         let mut commands = [[0.0; N]; 3];
@@ -402,13 +403,8 @@ impl<'a, const N: usize> Memory<'a, N> {
 ///
 /// Not inlined: a loop without cameras keeps its code as it is.
 #[inline(never)]
-fn observe<T: Carrier<N>, const N: usize>(
-    trackers: &mut [Option<Tracker<'_>>; N],
-    plant: &Plant<T>,
-    state: &FlightState<T>,
-    water: &Water,
-) -> [Option<Estimate>; N] {
-    let (mut estimates, poses) = ([None; N], poses(plant, state, water));
+fn observe<const N: usize>(trackers: &mut [Option<Tracker<'_>>; N], poses: &[Pose; N]) -> [Option<Estimate>; N] {
+    let mut estimates = [None; N];
     for (places, (four, truths)) in estimates.chunks_mut(LANES).zip(trackers.chunks_mut(LANES).zip(poses.chunks(LANES)))
     {
         places.copy_from_slice(&observe_abreast(four, truths)[..places.len()]);

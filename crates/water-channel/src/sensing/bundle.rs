@@ -42,8 +42,12 @@ impl Bundles {
             self.list.clear();
             self.list.extend(sightings.chunks(LANES).map(|four| of_four(eyes, marks, four)));
         }
-        for (bundle, four) in self.list.iter_mut().zip(sightings.chunks(LANES)) {
-            bundle.pixel = pixels(four);
+        let (fours, rest) = sightings.as_chunks::<LANES>();
+        for (bundle, [a, b, c, d]) in self.list.iter_mut().zip(fours) {
+            bundle.pixel = pixels([a, b, c, d]);
+        }
+        if let (Some(bundle), true) = (self.list.last_mut(), !rest.is_empty()) {
+            bundle.pixel = pixels(filled_up(rest));
         }
         &self.list
     }
@@ -51,8 +55,7 @@ impl Bundles {
 
 /// Written out here and below: `array::map` is not inlined, and would take longer than all the rest.
 #[inline(always)]
-fn pixels(four: &[Sighting]) -> [Lanes; 2] {
-    let [a, b, c, d] = filled_up(four);
+fn pixels([a, b, c, d]: [&Sighting; LANES]) -> [Lanes; 2] {
     [Lanes([a.pixel[0], b.pixel[0], c.pixel[0], d.pixel[0]]), Lanes([a.pixel[1], b.pixel[1], c.pixel[1], d.pixel[1]])]
 }
 
@@ -70,7 +73,7 @@ fn of_four(eyes: &[Eye], marks: &[Mark], four: &[Sighting]) -> Bundle {
     Bundle {
         place: abreast(&marks[a.dot].place, &marks[b.dot].place, &marks[c.dot].place, &marks[d.dot].place),
         eye: eyes_abreast(&[&eyes[a.camera], &eyes[b.camera], &eyes[c.camera], &eyes[d.camera]]),
-        pixel: pixels(four),
+        pixel: pixels([a, b, c, d]),
         weight: Lanes([counts(0), counts(1), counts(2), counts(3)]),
     }
 }

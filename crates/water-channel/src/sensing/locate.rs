@@ -82,6 +82,11 @@ impl<'a> Search<'a> {
         Self { outcome: Some(Err(hold)), ..Self::new(&[], &Pose::default()) }
     }
 
+    /// What it came to.
+    pub(crate) fn found(&self) -> Result<Pose, Hold> {
+        self.outcome.unwrap_or(Err(Hold::NotConverged))
+    }
+
     /// Looks at the next pose: it is the best so far if it lessens the sum of squares.
     #[inline(always)]
     fn look(&mut self) {
@@ -108,16 +113,16 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The poses that fit the sightings of four images best, by Gauss-Newton steps, damped (Levenberg-Marquardt) where one does not lessen
+/// Seeks the poses that fit the sightings of four images best, by Gauss-Newton steps, damped (Levenberg-Marquardt) where one does not lessen
 /// the sum of squares.
 ///
 /// Sums are made for one image after the other, steps for four side by side; a pose depends on its own image alone. Compiled for
 /// several instruction sets, none of which contracts a product and a sum: all give the same bits.
 #[multiversion(targets("x86_64+avx+avx2"))]
-pub(crate) fn locate(mut searches: [Search<'_>; LANES]) -> [Result<Pose, Hold>; LANES] {
+pub(crate) fn locate(searches: &mut [Search<'_>; LANES]) {
     for _ in 0..MOST_STEPS {
         let mut is_over = true;
-        for search in &mut searches {
+        for search in searches.iter_mut() {
             if search.outcome.is_none() {
                 search.look();
                 is_over &= search.outcome.is_some();
@@ -126,7 +131,7 @@ pub(crate) fn locate(mut searches: [Search<'_>; LANES]) -> [Result<Pose, Hold>; 
         if is_over {
             break;
         }
-        let [a, b, c, d] = &searches;
+        let [a, b, c, d] = &*searches;
         let raised = Lanes([1.0 + a.damping, 1.0 + b.damping, 1.0 + c.damping, 1.0 + d.damping]);
         let equations = NormalEquations::abreast([&a.equations, &b.equations, &c.equations, &d.equations]);
         let best = Spot::abreast([&a.best, &b.best, &c.best, &d.best]);
@@ -139,7 +144,6 @@ pub(crate) fn locate(mut searches: [Search<'_>; LANES]) -> [Result<Pose, Hold>; 
             }
         }
     }
-    searches.map(|search| search.outcome.unwrap_or(Err(Hold::NotConverged)))
 }
 
 #[inline(always)]

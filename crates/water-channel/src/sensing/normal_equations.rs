@@ -123,10 +123,12 @@ fn solve<T: Real>(equations: &[[T; COLUMNS]; COLUMNS], raised: T) -> ([T; 6], T)
         let smallest = T::constant(SMALLEST_PIVOT) * equations[k][k];
         is_regular = smallest.select_below(a[k][k], is_regular, zero);
         inverse[k] = one / a[k][k];
+        let pivot = a[k];
         for i in k + 1..6 {
-            let factor = a[k][i] * inverse[k];
-            for j in i..COLUMNS {
-                a[i][j] = a[i][j] - factor * a[k][j];
+            let factor = pivot[i] * inverse[k];
+            // Below the diagonal too, where nobody looks: a loop of known length is written out.
+            for j in 0..COLUMNS {
+                a[i][j] = a[i][j] - factor * pivot[j];
             }
         }
     }

@@ -78,7 +78,9 @@ impl<'a> Tracker<'a> {
     pub fn observe(&mut self, truth: &Pose) -> Estimate {
         self.look(truth);
         let idle = || Search::held(Hold::NotConverged);
-        let [found, ..] = locate([self.search(), idle(), idle(), idle()]);
+        let mut searches = [self.search(), idle(), idle(), idle()];
+        locate(&mut searches);
+        let found = searches[0].found();
         self.conclude(found)
     }
 
@@ -92,6 +94,7 @@ impl<'a> Tracker<'a> {
     }
 
     /// The search for the pose of the last image.
+    #[inline(always)]
     fn search(&mut self) -> Search<'_> {
         let guess = self.last.unwrap_or_default();
         self.viewer.search(&mut self.bundles, &self.view, &guess)
@@ -137,7 +140,10 @@ pub(crate) fn observe_abreast(trackers: &mut [Option<Tracker<'_>>], truths: &[Po
         }
     }
     let [a, b, c, d] = &mut four;
-    let found = locate([search(a), search(b), search(c), search(d)]);
+    let mut searches = [search(a), search(b), search(c), search(d)];
+    locate(&mut searches);
+    let [a, b, c, d] = &searches;
+    let found = [a.found(), b.found(), c.found(), d.found()];
     let mut estimates = [None; LANES];
     for ((estimate, tracker), found) in estimates.iter_mut().zip(four).zip(found) {
         *estimate = tracker.map(|tracker| tracker.conclude(found));
@@ -145,6 +151,10 @@ pub(crate) fn observe_abreast(trackers: &mut [Option<Tracker<'_>>], truths: &[Po
     estimates
 }
 
+#[inline(always)]
 fn search<'b>(tracker: &'b mut Option<&mut Tracker<'_>>) -> Search<'b> {
-    tracker.as_mut().map_or_else(|| Search::held(Hold::NotConverged), |tracker| tracker.search())
+    match tracker {
+        Some(tracker) => tracker.search(),
+        None => Search::held(Hold::NotConverged),
+    }
 }

@@ -88,8 +88,9 @@ impl Viewer {
         let mut bundles = Bundles::default();
         let alone = self.search(&mut bundles, view, guess);
         let idle = || Search::held(Hold::NotConverged);
-        let [found, ..] = locate([alone, idle(), idle(), idle()]);
-        found
+        let mut searches = [alone, idle(), idle(), idle()];
+        locate(&mut searches);
+        searches[0].found()
     }
 
     /// The search of [`Viewer::locate`] for a view of this viewer, with the memory of earlier ones.
