@@ -307,7 +307,8 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
         let water = Water::new(profile.flow().within(piece, time_s));
         let by_hand = profile.override_at(time_s, *sample_time_s);
         let control = memory.control(controllers, plant, &state, &water, by_hand);
-        let held: [T; 3] = core::array::from_fn(|line| T::join(control.commands[line]));
+        let [center, starboard, port] = control.commands;
+        let held = [T::join(center), T::join(starboard), T::join(port)];
         let gusts = MOVING.then(|| Gusts::within(&setup.water, index));
         let mut from_s = time_s;
         while from_s < end_s {
@@ -533,7 +534,8 @@ fn look<T: Carrier<N>, const N: usize>(
     at: &Evaluation<T>,
     settings: &FlightSettings,
 ) {
-    let tensions = [at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split()];
+    let (center, starboard, port) =
+        (at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split());
     let (zenith, heading) = (state[0].split(), at.sight.heading.split());
     let shortest = state[6].min(state[7]).min(state[8]).split();
     let sum = state.iter().skip(1).fold(state[0], |sum, x| sum + *x).split();
@@ -544,7 +546,8 @@ fn look<T: Carrier<N>, const N: usize>(
             heading_rad: heading[lane],
             shortest_line_m: shortest[lane],
             sum_of_state: sum[lane],
-            tensions_n: tensions.map(|line| line[lane]),
+            // Written out: `array::map` is not always inlined.
+            tensions_n: [center[lane], starboard[lane], port[lane]],
         };
         if !watcher.look(&seen, settings) {
             watcher.check(&state.map(|x| x.split()[lane]), time_s);

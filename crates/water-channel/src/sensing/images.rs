@@ -124,8 +124,7 @@ pub(crate) fn take(images: &Images, shots: &mut Vec<Shot>, view: &mut View, pose
         }
         let first = four * LANES;
         for lane in 0..LANES.min(images.marks.len() - first) {
-            for camera in 0..shots.len() {
-                let shot = &shots[camera];
+            for (camera, shot) in shots.iter().enumerate() {
                 if shot.is_seen.0[lane] > 0.0 {
                     let pixel = [shot.pixel[0].0[lane], shot.pixel[1].0[lane]];
                     view.push(Sighting { dot: first + lane, camera, pixel });
