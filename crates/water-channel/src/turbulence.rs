@@ -1,6 +1,5 @@
 //! Turbulence of the water by the Dryden spectra: seeded, exact at the sample times, frozen before the flight.
 
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -75,8 +74,9 @@ impl Turbulence {
 /// both of unit square integral. The states are the integrals over `e^−s` and `s e^−s`; their noise over a step has the
 /// covariances `∫ e^−2s`, `∫ s e^−2s` and `∫ s² e^−2s`, and the start is drawn from its stationary distribution.
 /// A gust along the flow has one state, and draws one number a step.
+///
+/// The generator is not part of it, so that the state can stay in registers.
 pub(crate) struct Gust<const ACROSS: bool> {
-    generator: ChaCha8Rng,
     state: [f64; 2],
     /// What a gust has of the two states.
     shares: [f64; 2],
@@ -99,15 +99,12 @@ impl Passage {
 }
 
 impl<const ACROSS: bool> Gust<ACROSS> {
-    /// The gust at the start, drawn from one stream of the numbers that belong to `seed`.
-    pub(crate) fn new(seed: u64, stream: u64) -> Self {
-        let mut generator = ChaCha8Rng::seed_from_u64(seed);
-        generator.set_stream(stream);
+    /// The gust at the start.
+    #[inline(always)]
+    pub(crate) fn new(generator: &mut ChaCha8Rng) -> Self {
         let root = 3f64.sqrt();
         let shares = if ACROSS { [root, 1.0 - root] } else { [core::f64::consts::SQRT_2, 0.0] };
-        let mut gust = Self { generator, state: [0.0; 2], shares };
-        gust.state = gust.kick(factor([0.5, 0.25, 0.25]));
-        gust
+        Self { state: Self::kick(factor([0.5, 0.25, 0.25]), generator), shares }
     }
 
     #[inline(always)]
@@ -117,21 +114,17 @@ impl<const ACROSS: bool> Gust<ACROSS> {
     }
 
     #[inline(always)]
-    pub(crate) fn pass(&mut self, Passage { step, decay, noise }: Passage) {
-        let [a, b] = self.kick(noise);
+    pub(crate) fn pass(&mut self, Passage { step, decay, noise }: Passage, generator: &mut ChaCha8Rng) {
+        let [a, b] = Self::kick(noise, generator);
         let [first, second] = self.state;
         self.state = [decay * first + a, if ACROSS { decay * (second + step * first) + b } else { 0.0 }];
     }
 
     #[inline(always)]
-    fn kick(&mut self, [first, shared, own]: [f64; 3]) -> [f64; 2] {
-        let a = self.normal();
-        [first * a, if ACROSS { shared * a + own * self.normal() } else { 0.0 }]
-    }
-
-    #[inline(always)]
-    fn normal(&mut self) -> f64 {
-        StandardNormal.sample(&mut self.generator)
+    fn kick([first, shared, own]: [f64; 3], generator: &mut ChaCha8Rng) -> [f64; 2] {
+        let mut normal = || -> f64 { StandardNormal.sample(generator) };
+        let a = normal();
+        [first * a, if ACROSS { shared * a + own * normal() } else { 0.0 }]
     }
 }
 

@@ -5,7 +5,7 @@ use multiversion::multiversion;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::course::{Course, samples};
+use crate::course::{Course, Stretch, samples};
 use crate::error::Error;
 use crate::shedding::Shedding;
 use crate::turbulence::{Gust, Turbulence};
@@ -116,14 +116,15 @@ impl MovingWater {
         if intensity <= 0.0 {
             return;
         }
-        let mut gust = Gust::<ACROSS>::new(self.seed, stream);
-        let mut rows = rows.iter_mut();
-        let mut put = |gust: f64| rows.next().into_iter().for_each(|row| *place(row) = intensity * gust);
-        put(gust.now());
-        for stretch in course.stretches() {
-            for _ in 0..stretch.samples {
-                gust.pass(stretch.passage);
-                put(gust.now());
+        let mut generator = ChaCha8Rng::seed_from_u64(self.seed);
+        generator.set_stream(stream);
+        let mut gust = Gust::<ACROSS>::new(&mut generator);
+        *place(&mut rows[0]) = intensity * gust.now();
+        let mut rest = rows[1..].iter_mut();
+        for Stretch { samples, passage, .. } in course.stretches() {
+            for row in rest.by_ref().take(*samples) {
+                gust.pass(*passage, &mut generator);
+                *place(row) = intensity * gust.now();
             }
         }
     }
