@@ -17,6 +17,8 @@ pub(crate) struct Bundle {
     pub(crate) pixel: [Lanes; 2],
     /// 1, and 0 where the last bundle is filled up with a sighting that counts already.
     pub(crate) weight: Lanes,
+    /// Whether all four count.
+    pub(crate) is_full: bool,
 }
 
 /// The sightings of an image four side by side, with the memory of the image before.
@@ -75,6 +77,7 @@ fn of_four(eyes: &[Eye], marks: &[Mark], four: &[Sighting]) -> Bundle {
         eye: eyes_abreast(&[&eyes[a.camera], &eyes[b.camera], &eyes[c.camera], &eyes[d.camera]]),
         pixel: pixels([a, b, c, d]),
         weight: Lanes([counts(0), counts(1), counts(2), counts(3)]),
+        is_full: four.len() == LANES,
     }
 }
 

@@ -40,12 +40,17 @@ impl NormalEquations {
             if !is_ahead(seen.depth) {
                 return None;
             }
+            let mut slopes = seen.slopes;
+            let mut left = [bundle.pixel[0] - seen.pixel[0], bundle.pixel[1] - seen.pixel[1]];
+            // A weight of 1 changes nothing, and is that of all bundles but the last.
+            if !bundle.is_full {
+                let weigh = |w: Triple<Lanes>| [w[0] * bundle.weight, w[1] * bundle.weight, w[2] * bundle.weight];
+                slopes = [weigh(slopes[0]), weigh(slopes[1])];
+                left = [left[0] * bundle.weight, left[1] * bundle.weight];
+            }
             let row = |k: usize| {
-                let w = seen.slopes[k];
-                let w = [w[0] * bundle.weight, w[1] * bundle.weight, w[2] * bundle.weight];
-                let turned = cross(arm, w);
-                let left = (bundle.pixel[k] - seen.pixel[k]) * bundle.weight;
-                [w[0], w[1], w[2], turned[0], turned[1], turned[2], left]
+                let (w, turned) = (slopes[k], cross(arm, slopes[k]));
+                [w[0], w[1], w[2], turned[0], turned[1], turned[2], left[k]]
             };
             add_products(&mut sums, &row(0), &row(1));
         }
