@@ -146,14 +146,22 @@ impl<T: Real> Pose<T> {
             let in_plane = row[0] * plant.cm_x + row[2] * plant.cm_z;
             if LOPSIDED { in_plane + row[1] * plant.cm_y } else { in_plane }
         };
+        // From both legs rather than by an arc sine: rounding cannot push it past a quarter turn.
+        let level = (rows[0][0] * rows[0][0] + rows[1][0] * rows[1][0]).sqrt();
+        let legs = [(rows[2][1], rows[2][2]), (-rows[2][0], level), (rows[1][0], rows[0][0])];
+        let mut angles = [level; 3];
+        // A loop, as in `Bridle::pose`.
+        for (angle, (y, x)) in angles.iter_mut().zip(legs) {
+            *angle = y.atan2(x);
+        }
+        let [roll, pitch, heading] = angles;
         Sight {
             forward: joint[0] + along(rows[0]),
             right: joint[1] + along(rows[1]),
             altitude: -(joint[2] + along(rows[2])),
-            roll: rows[2][1].atan2(rows[2][2]),
-            // From both legs rather than by an arc sine: rounding cannot push it past a quarter turn.
-            pitch: (-rows[2][0]).atan2((rows[0][0] * rows[0][0] + rows[1][0] * rows[1][0]).sqrt()),
-            heading: rows[1][0].atan2(rows[0][0]),
+            roll,
+            pitch,
+            heading,
         }
     }
 }

@@ -171,6 +171,9 @@ impl Controller {
         let v_phi = self.roll.output(&mut state.roll, errors.roll_rad); // (12)
         let unsaturated_m_s = self.mixing.line_speeds_m_s([v_z, v_theta, v_phi]); // (13)
         let limit = self.parameters.speed_limit_m_s;
-        Command { unsaturated_m_s, saturated_m_s: unsaturated_m_s.map(|speed| speed.clamp(-limit, limit)) }
+        // Written out: `array::map` is not always inlined, and then takes as long as all the rest.
+        let [center, starboard, port] = unsaturated_m_s;
+        let saturated_m_s = [center.clamp(-limit, limit), starboard.clamp(-limit, limit), port.clamp(-limit, limit)];
+        Command { unsaturated_m_s, saturated_m_s }
     }
 }

@@ -28,7 +28,7 @@
 //! | not attributable | 4 | 6 |
 //!
 //! What cameras, water that moves and sides that differ cost is measured by `cargo xtask speed --flights`, all in turn in one run, and kept in
-//! `docs/results-flights.md`; the benches below are for whoever works on one of them. Making the table of a flight's water takes 1.0 ms.
+//! `docs/results-flights.md`; the benches below are for whoever works on one of them. Making the table of a flight's water takes a tenth of a flight at one step a sample.
 //!
 //! With all of it off a flight is no slower than before there was any: 0.94 times at one step and 0.96 at two, against commit `b3d192f` (lanes on one thread,
 //! six runs of each in turn).

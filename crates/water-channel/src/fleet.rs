@@ -54,7 +54,8 @@ fn fly_chunks(
     }
     let tables = match (requests.first(), seeds) {
         (Some(first), None) => Tables::shared_with(profile, first),
-        _ => Tables::of(profile),
+        (Some(first), Some(_)) => Tables::seeded(profile, first),
+        (None, _) => Tables::of(profile),
     };
     requests
         .par_chunks(LANES)

@@ -6,6 +6,7 @@ use bat_dynamics::{Fidelity, FlightState, Flow, Plant, Trim, TrimHeight, TrimReq
 use tether_control::{Controller, SetPoints};
 
 use crate::cost::Integrals;
+use crate::course::Course;
 use crate::energy::{Energy, Meter};
 use crate::error::{Error, FlightError};
 use crate::footprint::footprint_m2;
@@ -79,12 +80,21 @@ pub(crate) enum Kind {
 #[derive(Clone)]
 pub(crate) struct Tables<'a> {
     profile: &'a TestProfile,
+    /// What tables at one sample time share, if they have a seed.
+    course: Option<(u64, Option<Arc<Course>>)>,
     last: Option<(u64, Option<u64>, Arc<WaterTable>)>,
 }
 
 impl<'a> Tables<'a> {
     pub(crate) fn of(profile: &'a TestProfile) -> Self {
-        Self { profile, last: None }
+        Self { profile, course: None, last: None }
+    }
+
+    /// With what the tables of all flights share that have the sample time of `first`; an error is told where it flies.
+    pub(crate) fn seeded(profile: &'a TestProfile, first: &FlightRequest) -> Self {
+        let mut tables = Self::of(profile);
+        let _: Result<_, Error> = tables.course_at(first.rig.sample_time_s);
+        tables
     }
 
     /// With the table that `first` needs, which flights without seeds of their own will share; an error is told where it flies.
@@ -105,9 +115,22 @@ impl<'a> Tables<'a> {
         {
             return Ok(Some(Arc::clone(table)));
         }
-        let table = self.profile.water_table(sample_time_s, seed)?;
+        let course = self.course_at(sample_time_s)?;
+        let table = self.profile.water_on(course.as_deref(), sample_time_s, seed)?;
         self.last = table.as_ref().map(|table| (key.0, key.1, Arc::clone(table)));
         Ok(table)
+    }
+
+    fn course_at(&mut self, sample_time_s: f64) -> Result<Option<Arc<Course>>, Error> {
+        let key = sample_time_s.to_bits();
+        match &self.course {
+            Some((time, course)) if *time == key => Ok(course.clone()),
+            _ => {
+                let course = self.profile.course(sample_time_s)?.map(Arc::new);
+                self.course = Some((key, course.clone()));
+                Ok(course)
+            }
+        }
     }
 }
 

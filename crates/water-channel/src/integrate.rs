@@ -13,7 +13,7 @@ use crate::cost::{Integrals, N_TERMS};
 use crate::energy::{Energy, Meter, Reading};
 use crate::error::FlightError;
 use crate::profile::TestProfile;
-use crate::sensing::{Estimate, Pose, Tracker, Viewer};
+use crate::sensing::{Estimate, Pose, Tracker, Viewer, observe_abreast};
 use crate::settings::FlightSettings;
 use crate::watch::{Extremes, Seen, SlackEvent, Watcher};
 use crate::water::WaterTable;
@@ -307,7 +307,8 @@ pub(crate) fn integrate<T: Carrier<N>, const N: usize, const LOPSIDED: bool, con
         let water = Water::new(profile.flow().within(piece, time_s));
         let by_hand = profile.override_at(time_s, *sample_time_s);
         let control = memory.control(controllers, plant, &state, &water, by_hand);
-        let held: [T; 3] = core::array::from_fn(|line| T::join(control.commands[line]));
+        let [center, starboard, port] = control.commands;
+        let held = [T::join(center), T::join(starboard), T::join(port)];
         let gusts = MOVING.then(|| Gusts::within(&setup.water, index));
         let mut from_s = time_s;
         while from_s < end_s {
@@ -377,7 +378,8 @@ impl<'a, const N: usize> Memory<'a, N> {
         water: &Water,
         by_hand: Option<[f64; 3]>,
     ) -> Control<N> {
-        let estimates = if self.has_cameras { observe(&mut self.trackers, plant, state, water) } else { [None; N] };
+        let estimates =
+            if self.has_cameras { observe(&mut self.trackers, &poses(plant, state, water)) } else { [None; N] };
         let seen = sight(plant, state, &water.flow.cast());
         let (altitude, pitch, roll) = (seen.altitude.split(), seen.pitch.split(), seen.roll.split());
         let mut commands = [[0.0; N]; 3];
@@ -398,18 +400,17 @@ impl<'a, const N: usize> Memory<'a, N> {
     }
 }
 
-/// What the cameras of each lane make of its state, lane by lane in `f64`.
+/// What the cameras of each lane make of where it is.
 ///
 /// Not inlined: a loop without cameras keeps its code as it is.
 #[inline(never)]
-fn observe<T: Carrier<N>, const N: usize>(
-    trackers: &mut [Option<Tracker<'_>>; N],
-    plant: &Plant<T>,
-    state: &FlightState<T>,
-    water: &Water,
-) -> [Option<Estimate>; N] {
-    let poses = poses(plant, state, water);
-    core::array::from_fn(|lane| trackers[lane].as_mut().map(|tracker| tracker.observe(&poses[lane])))
+fn observe<const N: usize>(trackers: &mut [Option<Tracker<'_>>; N], poses: &[Pose; N]) -> [Option<Estimate>; N] {
+    let mut estimates = [None; N];
+    for (places, (four, truths)) in estimates.chunks_mut(LANES).zip(trackers.chunks_mut(LANES).zip(poses.chunks(LANES)))
+    {
+        places.copy_from_slice(&observe_abreast(four, truths)[..places.len()]);
+    }
+    estimates
 }
 
 /// Where each lane is in the ground frame, as cameras see it.
@@ -533,7 +534,8 @@ fn look<T: Carrier<N>, const N: usize>(
     at: &Evaluation<T>,
     settings: &FlightSettings,
 ) {
-    let tensions = [at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split()];
+    let (center, starboard, port) =
+        (at.tensions.center.split(), at.tensions.starboard.split(), at.tensions.port.split());
     let (zenith, heading) = (state[0].split(), at.sight.heading.split());
     let shortest = state[6].min(state[7]).min(state[8]).split();
     let sum = state.iter().skip(1).fold(state[0], |sum, x| sum + *x).split();
@@ -544,7 +546,8 @@ fn look<T: Carrier<N>, const N: usize>(
             heading_rad: heading[lane],
             shortest_line_m: shortest[lane],
             sum_of_state: sum[lane],
-            tensions_n: tensions.map(|line| line[lane]),
+            // Written out: `array::map` is not always inlined.
+            tensions_n: [center[lane], starboard[lane], port[lane]],
         };
         if !watcher.look(&seen, settings) {
             watcher.check(&state.map(|x| x.split()[lane]), time_s);

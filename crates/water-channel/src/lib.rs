@@ -2,6 +2,7 @@
 
 mod closed_loop;
 mod cost;
+mod course;
 mod energy;
 mod error;
 mod experiment;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bat_dynamics::{Flow, FlowHistory, FlowKnot, Transition};
 use serde::{Deserialize, Serialize};
 
+use crate::course::Course;
 use crate::energy::Turbine;
 use crate::error::{Error, FileError};
 use crate::file;
@@ -221,16 +222,31 @@ impl TestProfile {
     /// # Errors
     /// [`Error::Argument`] where a recorded table does not fit the sample time or the duration.
     pub fn water_table(&self, sample_time_s: f64, seed: Option<u64>) -> Result<Option<Arc<WaterTable>>, Error> {
-        match &self.water {
-            Water::Still => Ok(None),
-            Water::Seeded(water) => {
+        self.water_on(self.course(sample_time_s)?.as_ref(), sample_time_s, seed)
+    }
+
+    /// What the tables of all seeds share; none where the water has no seed.
+    pub(crate) fn course(&self, sample_time_s: f64) -> Result<Option<Course>, Error> {
+        self.water().map(|water| water.course(&self.flow, self.duration_s, sample_time_s)).transpose()
+    }
+
+    /// [`TestProfile::water_table`] on the course of the same sample time.
+    pub(crate) fn water_on(
+        &self,
+        course: Option<&Course>,
+        sample_time_s: f64,
+        seed: Option<u64>,
+    ) -> Result<Option<Arc<WaterTable>>, Error> {
+        match (&self.water, course) {
+            (Water::Seeded(water), Some(course)) => {
                 let water = MovingWater { seed: seed.unwrap_or(water.seed), ..*water };
-                Ok(Some(Arc::new(water.table(&self.flow, self.duration_s, sample_time_s)?)))
+                Ok(Some(Arc::new(water.table_of(course))))
             }
-            Water::Recorded(table) => {
+            (Water::Recorded(table), _) => {
                 table.check(self.duration_s, sample_time_s)?;
                 Ok(Some(Arc::clone(table)))
             }
+            (Water::Still | Water::Seeded(_), _) => Ok(None),
         }
     }
 

@@ -1,6 +1,5 @@
 //! Turbulence of the water by the Dryden spectra: seeded, exact at the sample times, frozen before the flight.
 
-use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -63,16 +62,9 @@ impl Turbulence {
     }
 }
 
-/// Which of the two spectra.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Direction {
-    Along,
-    Across,
-}
-
-/// One gust component of unit variance at the start and after each of the distances `steps`, in lengths L.
+/// One gust component of unit variance, `ACROSS` the flow or along it, carried on by the mean flow.
 ///
-/// The output of a linear filter driven by white noise, stepped exactly: with h(s) the response to an impulse,
+/// The output of a linear filter driven by white noise, stepped exactly: with h(s) the response to an impulse, s in lengths L,
 ///
 /// ```text
 /// along    h = sqrt(2) e^−s
@@ -81,32 +73,59 @@ pub(crate) enum Direction {
 ///
 /// both of unit square integral. The states are the integrals over `e^−s` and `s e^−s`; their noise over a step has the
 /// covariances `∫ e^−2s`, `∫ s e^−2s` and `∫ s² e^−2s`, and the start is drawn from its stationary distribution.
-pub(crate) fn unit_gusts(direction: Direction, seed: u64, stream: u64, steps: &[f64]) -> Vec<f64> {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    generator.set_stream(stream);
-    let mut normal = || -> f64 { StandardNormal.sample(&mut generator) };
-    let [gain, slope] = match direction {
-        Direction::Along => [core::f64::consts::SQRT_2, 0.0],
-        Direction::Across => [3f64.sqrt(), 1.0 - 3f64.sqrt()],
-    };
-    // A gust along the flow has one state, and draws one number a step.
-    let mut kick = |[first, shared, own]: [f64; 3]| {
-        let a = normal();
-        [first * a, if slope.abs() > 0.0 { shared * a + own * normal() } else { 0.0 }]
-    };
-    let mut state = kick(factor([0.5, 0.25, 0.25]));
-    let mut gusts = vec![gain * state[0] + slope * state[1]];
-    let (mut last, mut decay, mut noise) = (f64::NAN, 1.0, [0.0; 3]);
-    for step in steps {
-        // The mean flow seldom changes.
-        if step.to_bits() != last.to_bits() {
-            (last, decay, noise) = (*step, (-step).exp(), factor(noise_over(*step)));
-        }
-        let [a, b] = kick(noise);
-        state = [decay * state[0] + a, decay * (state[1] + step * state[0]) + b];
-        gusts.push(gain * state[0] + slope * state[1]);
+/// A gust along the flow has one state, and draws one number a step.
+///
+/// The generator is not part of it, so that the state can stay in registers.
+pub(crate) struct Gust<const ACROSS: bool> {
+    state: [f64; 2],
+    /// What a gust has of the two states.
+    shares: [f64; 2],
+}
+
+/// What a distance that the mean flow goes does to a gust.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Passage {
+    /// In lengths L.
+    step: f64,
+    decay: f64,
+    noise: [f64; 3],
+}
+
+impl Passage {
+    /// Over `step` lengths L.
+    pub(crate) fn over(step: f64) -> Self {
+        Self { step, decay: (-step).exp(), noise: factor(noise_over(step)) }
     }
-    gusts
+}
+
+impl<const ACROSS: bool> Gust<ACROSS> {
+    /// The gust at the start.
+    #[inline(always)]
+    pub(crate) fn new(generator: &mut ChaCha8Rng) -> Self {
+        let root = 3f64.sqrt();
+        let shares = if ACROSS { [root, 1.0 - root] } else { [core::f64::consts::SQRT_2, 0.0] };
+        Self { state: Self::kick(factor([0.5, 0.25, 0.25]), generator), shares }
+    }
+
+    #[inline(always)]
+    pub(crate) fn now(&self) -> f64 {
+        let along = self.shares[0] * self.state[0];
+        if ACROSS { along + self.shares[1] * self.state[1] } else { along }
+    }
+
+    #[inline(always)]
+    pub(crate) fn pass(&mut self, Passage { step, decay, noise }: Passage, generator: &mut ChaCha8Rng) {
+        let [a, b] = Self::kick(noise, generator);
+        let [first, second] = self.state;
+        self.state = [decay * first + a, if ACROSS { decay * (second + step * first) + b } else { 0.0 }];
+    }
+
+    #[inline(always)]
+    fn kick([first, shared, own]: [f64; 3], generator: &mut ChaCha8Rng) -> [f64; 2] {
+        let mut normal = || -> f64 { StandardNormal.sample(generator) };
+        let a = normal();
+        [first * a, if ACROSS { shared * a + own * normal() } else { 0.0 }]
+    }
 }
 
 /// The Cholesky factor of the covariance `[q11, q12, q22]`, in the order 11, 21, 22.

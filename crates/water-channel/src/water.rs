@@ -1,12 +1,14 @@
 //! Water that moves beside its mean flow: turbulence and shedding as a table that is made before the flight.
 
-use bat_dynamics::{FlowHistory, Real};
+use bat_dynamics::{FlowHistory, LANES, Lanes, Real};
+use multiversion::multiversion;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::course::{Course, Stretch, samples};
 use crate::error::Error;
 use crate::shedding::Shedding;
-use crate::turbulence::{Direction, Turbulence, unit_gusts};
+use crate::turbulence::{Gust, Turbulence};
 
 /// What moves in the water of a test, and the seed that fixes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,78 +79,90 @@ impl MovingWater {
     /// # Errors
     /// [`Error::Argument`] for numbers out of range, or for a sample time that gives no sample.
     pub fn table(&self, flow: &FlowHistory, duration_s: f64, sample_time_s: f64) -> Result<WaterTable, Error> {
+        Ok(self.table_of(&self.course(flow, duration_s, sample_time_s)?))
+    }
+
+    /// What tables of this water share, whatever their seed.
+    pub(crate) fn course(&self, flow: &FlowHistory, duration_s: f64, sample_time_s: f64) -> Result<Course, Error> {
         self.validate()?;
-        let count = samples(duration_s, sample_time_s)?;
-        let ends = speeds(flow, count, sample_time_s);
-        let mut rows = vec![WaterRow::default(); count + 1];
-        if let Some(turbulence) = self.turbulence.filter(|turbulence| !turbulence.is_still()) {
-            self.add_gusts(&turbulence, &ends, sample_time_s, &mut rows);
+        Course::new(flow, duration_s, sample_time_s, self.turbulence.map_or(1.0, |turbulence| turbulence.length_m))
+    }
+
+    /// The table of this water along a course that was made for it.
+    pub(crate) fn table_of(&self, course: &Course) -> WaterTable {
+        let mut rows = vec![WaterRow::default(); course.samples() + 1];
+        if let Some(turbulence) = self.turbulence {
+            let Turbulence { intensity, lateral_intensity, vertical_intensity, .. } = turbulence;
+            self.add_gust::<false>(ALONG, intensity, course, &mut rows, |row| &mut row.along);
+            self.add_gust::<true>(LATERAL, lateral_intensity, course, &mut rows, |row| &mut row.lateral);
+            self.add_gust::<true>(UPWARD, vertical_intensity, course, &mut rows, |row| &mut row.upward);
         }
         if let Some(shedding) = self.shedding.filter(|shedding| !shedding.is_still()) {
-            self.add_wake(&shedding, &ends, sample_time_s, &mut rows);
+            self.add_phase(&shedding, course, &mut rows);
+            swing(&mut rows, &shedding);
         }
-        Ok(WaterTable { sample_time_s, rows })
+        WaterTable { sample_time_s: course.sample_time_s(), rows }
     }
 
-    fn add_gusts(&self, turbulence: &Turbulence, ends: &[[f64; 2]], sample_time_s: f64, rows: &mut [WaterRow]) {
-        // By how many lengths the mean flow moves on between two samples.
-        let per_length = 0.5 * sample_time_s / turbulence.length_m;
-        let steps: Vec<f64> = ends.iter().map(|[from, to]| per_length * (from + to)).collect();
-        let mut add = |intensity: f64, direction, stream, place: fn(&mut WaterRow) -> &mut f64| {
-            if intensity > 0.0 {
-                for (row, gust) in rows.iter_mut().zip(unit_gusts(direction, self.seed, stream, &steps)) {
-                    *place(row) = intensity * gust;
-                }
+    #[inline(always)]
+    fn add_gust<const ACROSS: bool>(
+        &self,
+        stream: u64,
+        intensity: f64,
+        course: &Course,
+        rows: &mut [WaterRow],
+        place: impl Fn(&mut WaterRow) -> &mut f64,
+    ) {
+        if intensity <= 0.0 {
+            return;
+        }
+        let mut generator = ChaCha8Rng::seed_from_u64(self.seed);
+        generator.set_stream(stream);
+        let mut gust = Gust::<ACROSS>::new(&mut generator);
+        *place(&mut rows[0]) = intensity * gust.now();
+        let mut rest = rows[1..].iter_mut();
+        for Stretch { samples, passage, .. } in course.stretches() {
+            for row in rest.by_ref().take(*samples) {
+                gust.pass(*passage, &mut generator);
+                *place(row) = intensity * gust.now();
             }
-        };
-        add(turbulence.intensity, Direction::Along, ALONG, |row| &mut row.along);
-        add(turbulence.lateral_intensity, Direction::Across, LATERAL, |row| &mut row.lateral);
-        add(turbulence.vertical_intensity, Direction::Across, UPWARD, |row| &mut row.upward);
+        }
     }
 
-    fn add_wake(&self, shedding: &Shedding, ends: &[[f64; 2]], sample_time_s: f64, rows: &mut [WaterRow]) {
+    /// Puts the phase of the shedding where [`swing`] makes a force of it.
+    fn add_phase(&self, shedding: &Shedding, course: &Course, rows: &mut [WaterRow]) {
         let mut generator = ChaCha8Rng::seed_from_u64(self.seed);
         generator.set_stream(PHASE);
         let turn = core::f64::consts::TAU;
         let mut phase = turn * generator.random::<f64>();
         let per_length = turn * shedding.strouhal / shedding.width_m;
-        let (up, right) = shedding.plane_rad.sin_cos();
-        for k in 0..rows.len() {
-            // The plant's own sine: the same bits on every machine.
-            let coefficient = shedding.lift_coefficient * Real::sin_cos(phase).0;
-            (rows[k].wake_right, rows[k].wake_up) = (coefficient * right, coefficient * up);
-            if let Some([from, to]) = ends.get(k) {
-                let length = 0.5 * sample_time_s * (from * (1.0 + rows[k].along) + to * (1.0 + rows[k + 1].along));
+        let mut along = rows[0].along;
+        rows[0].wake_right = phase;
+        let mut rest = rows[1..].iter_mut();
+        for stretch in course.stretches() {
+            let [from, to] = stretch.speeds_m_s;
+            for row in rest.by_ref().take(stretch.samples) {
+                let length = 0.5 * course.sample_time_s() * (from * (1.0 + along) + to * (1.0 + row.along));
                 phase += per_length * length;
+                (row.wake_right, along) = (phase, row.along);
             }
         }
     }
 }
 
-/// Samples that begin within a test.
-fn samples(duration_s: f64, sample_time_s: f64) -> Result<usize, Error> {
-    let count = (duration_s / sample_time_s - 1e-6).ceil();
-    if sample_time_s > 0.0 && (1.0..=1e8).contains(&count) {
-        return Ok(count as usize);
-    }
-    Err(Error::Argument {
-        name: "sample time of the water in s",
-        value: sample_time_s,
-        allowed: "more than zero, and from 1 to 1e8 samples in the test",
-    })
-}
-
-/// Mean speeds just after each sample and just before the next; a knot between two samples counts from the next sample on.
-fn speeds(flow: &FlowHistory, count: usize, sample_time_s: f64) -> Vec<[f64; 2]> {
-    let (knots, mut piece) = (flow.knots(), 0);
-    let of_sample = |k: usize| {
-        let from_s = k as f64 * sample_time_s;
-        while knots.get(piece + 1).is_some_and(|knot| knot.from_s <= from_s + 1e-6 * sample_time_s) {
-            piece += 1;
+/// From the phase of each row to the force of the wake, four rows side by side.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn swing(rows: &mut [WaterRow], shedding: &Shedding) {
+    let (up, right) = shedding.plane_rad.sin_cos();
+    for four in rows.chunks_mut(LANES) {
+        let phase = |k: usize| four[if k < four.len() { k } else { 0 }].wake_right;
+        // The plant's own sine: the same bits on every machine.
+        let (sines, _) = Lanes([phase(0), phase(1), phase(2), phase(3)]).sin_cos();
+        for (row, sine) in four.iter_mut().zip(sines.0) {
+            let coefficient = shedding.lift_coefficient * sine;
+            (row.wake_right, row.wake_up) = (coefficient * right, coefficient * up);
         }
-        [from_s, from_s + sample_time_s].map(|time_s| flow.within(piece, time_s).speed_m_s)
-    };
-    (0..count).map(of_sample).collect()
+    }
 }
 
 impl WaterTable {

@@ -4,7 +4,7 @@ use bat_dynamics::{LANES, Lanes};
 
 use super::camera::Eye;
 use super::dot::Mark;
-use super::triple::Triple;
+use super::triple::{Triple, abreast};
 use super::view::Sighting;
 
 /// Four sightings with all that is known of their dots and cameras.
@@ -17,6 +17,8 @@ pub(crate) struct Bundle {
     pub(crate) pixel: [Lanes; 2],
     /// 1, and 0 where the last bundle is filled up with a sighting that counts already.
     pub(crate) weight: Lanes,
+    /// Whether all four count.
+    pub(crate) is_full: bool,
 }
 
 /// The sightings of an image four side by side, with the memory of the image before.
@@ -42,8 +44,12 @@ impl Bundles {
             self.list.clear();
             self.list.extend(sightings.chunks(LANES).map(|four| of_four(eyes, marks, four)));
         }
-        for (bundle, four) in self.list.iter_mut().zip(sightings.chunks(LANES)) {
-            bundle.pixel = pixels(four);
+        let (fours, rest) = sightings.as_chunks::<LANES>();
+        for (bundle, [a, b, c, d]) in self.list.iter_mut().zip(fours) {
+            bundle.pixel = pixels([a, b, c, d]);
+        }
+        if let (Some(bundle), true) = (self.list.last_mut(), !rest.is_empty()) {
+            bundle.pixel = pixels(filled_up(rest));
         }
         &self.list
     }
@@ -51,8 +57,7 @@ impl Bundles {
 
 /// Written out here and below: `array::map` is not inlined, and would take longer than all the rest.
 #[inline(always)]
-fn pixels(four: &[Sighting]) -> [Lanes; 2] {
-    let [a, b, c, d] = filled_up(four);
+fn pixels([a, b, c, d]: [&Sighting; LANES]) -> [Lanes; 2] {
     [Lanes([a.pixel[0], b.pixel[0], c.pixel[0], d.pixel[0]]), Lanes([a.pixel[1], b.pixel[1], c.pixel[1], d.pixel[1]])]
 }
 
@@ -70,8 +75,9 @@ fn of_four(eyes: &[Eye], marks: &[Mark], four: &[Sighting]) -> Bundle {
     Bundle {
         place: abreast(&marks[a.dot].place, &marks[b.dot].place, &marks[c.dot].place, &marks[d.dot].place),
         eye: eyes_abreast(&[&eyes[a.camera], &eyes[b.camera], &eyes[c.camera], &eyes[d.camera]]),
-        pixel: pixels(four),
+        pixel: pixels([a, b, c, d]),
         weight: Lanes([counts(0), counts(1), counts(2), counts(3)]),
+        is_full: four.len() == LANES,
     }
 }
 
@@ -91,8 +97,10 @@ pub(crate) fn eyes_abreast(&[e, f, g, h]: &[&Eye; LANES]) -> Eye<Lanes> {
     }
 }
 
-/// Four vectors side by side.
-#[inline(always)]
-fn abreast(a: &Triple, b: &Triple, c: &Triple, d: &Triple) -> Triple<Lanes> {
-    [Lanes([a[0], b[0], c[0], d[0]]), Lanes([a[1], b[1], c[1], d[1]]), Lanes([a[2], b[2], c[2], d[2]])]
+/// Four dots side by side.
+pub(crate) fn marks_abreast(&[a, b, c, d]: &[&Mark; LANES]) -> Mark<Lanes> {
+    Mark {
+        place: abreast(&a.place, &b.place, &c.place, &d.place),
+        normal: abreast(&a.normal, &b.normal, &c.normal, &d.normal),
+    }
 }

@@ -17,11 +17,11 @@ pub struct Dot {
 /// Dots closer than this, in m, are one dot.
 const CLOSEST_M: f64 = 1e-6;
 
-/// A dot from the point that a pose is about, with a normal of length one.
+/// A dot from the point that a pose is about, with a normal of length one; or several side by side.
 #[derive(Clone, Debug)]
-pub(crate) struct Mark {
-    pub(crate) place: Triple,
-    pub(crate) normal: Triple,
+pub(crate) struct Mark<T = f64> {
+    pub(crate) place: Triple<T>,
+    pub(crate) normal: Triple<T>,
 }
 
 /// The dots ready to be looked at, from the point `reference_m` of B, checked.

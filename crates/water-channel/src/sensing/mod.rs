@@ -29,6 +29,7 @@ pub use locate::Hold;
 pub use pose::Pose;
 pub use table::SensingFile;
 pub(crate) use table::SensingTable;
+pub(crate) use tracker::observe_abreast;
 pub use tracker::{Estimate, Tracker};
 pub use view::{PixelNoise, Sighting, View};
 pub use viewer::Viewer;

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use bat_dynamics::{Lanes, Real};
 
-use super::triple::{Triple, add};
+use super::triple::Triple;
 
 /// Position of a point of the body and the body's attitude, in the ground frame G.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,17 +48,6 @@ impl Pose {
         [x, y, z, self.roll_rad, self.pitch_rad, self.heading_rad]
     }
 
-    /// The pose a step further: a shift in m and changes of roll, pitch and heading in rad.
-    #[inline(always)]
-    pub(crate) fn moved(&self, shift: Triple, angles: Triple) -> Self {
-        Self {
-            position_m: add(self.position_m, shift),
-            roll_rad: self.roll_rad + angles[0],
-            pitch_rad: self.pitch_rad + angles[1],
-            heading_rad: self.heading_rad + angles[2],
-        }
-    }
-
     /// The same attitude with roll and heading in (−pi, pi] and pitch within a quarter turn, as the model reads them.
     pub(crate) fn usual(self) -> Self {
         let within = Self { pitch_rad: wrapped(self.pitch_rad), ..self };
@@ -78,23 +67,40 @@ impl Pose {
     }
 }
 
-/// Sines and cosines of roll, pitch and heading, for all that is asked of a pose at once.
+/// Sines and cosines of roll, pitch and heading, for all that is asked of a pose at once, or of several side by side.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Attitude {
-    sines: Triple,
-    cosines: Triple,
+pub(crate) struct Attitude<T = f64> {
+    pub(crate) sines: Triple<T>,
+    pub(crate) cosines: Triple<T>,
 }
 
-impl Attitude {
+/// A cosine of the pitch below this is one of a nose straight up or down, where roll and heading are the same turn.
+const UPRIGHT: f64 = 1e-9;
+
+impl<T: Real> Attitude<T> {
+    /// Of roll, pitch and heading.
+    #[inline(always)]
+    pub(crate) fn of_angles([roll, pitch, heading]: Triple<T>) -> Self {
+        let ((sr, cr), (sp, cp), (sh, ch)) = (roll.sin_cos(), pitch.sin_cos(), heading.sin_cos());
+        Self { sines: [sr, sp, sh], cosines: [cr, cp, ch] }
+    }
+
     /// Rows of `R_gb`.
     #[inline(always)]
-    pub(crate) fn rows_gb(&self) -> [Triple; 3] {
+    pub(crate) fn rows_gb(&self) -> [Triple<T>; 3] {
         let ([sr, sp, sh], [cr, cp, ch]) = (self.sines, self.cosines);
         [
             [ch * cp, ch * sp * sr - sh * cr, ch * sp * cr + sh * sr],
             [sh * cp, sh * sp * sr + ch * cr, sh * sp * cr - ch * sr],
             [-sp, cp * sr, cp * cr],
         ]
+    }
+
+    /// 1, and 0 with the nose straight up or down, where [`Attitude::angles_of_turn`] means nothing.
+    #[inline(always)]
+    pub(crate) fn has_angles(&self) -> T {
+        let (none, one) = (T::constant(0.0), T::constant(1.0));
+        T::constant(UPRIGHT).select_below(self.cosines[1].abs(), one, none)
     }
 
     /// From a small turn in rad, along G, to the changes of roll, pitch and heading that make it.
@@ -104,12 +110,13 @@ impl Attitude {
     ///                                                    a_theta = [−sin psi, cos psi, 0],  a_psi = [0, 0, 1]
     /// ```
     ///
-    /// `None` with the nose straight up or down, where roll and heading are the same turn.
+    /// Nothing with the nose straight up or down, where roll and heading are the same turn.
     #[inline(always)]
-    pub(crate) fn angles_of_turn(&self) -> Option<[Triple; 3]> {
+    pub(crate) fn angles_of_turn(&self) -> [Triple<T>; 3] {
         let ([_, sp, sh], [_, cp, ch]) = (self.sines, self.cosines);
-        let roll = [ch / cp, sh / cp, 0.0];
-        (cp.abs() > 1e-9).then_some([roll, [-sh, ch, 0.0], [sp * roll[0], sp * roll[1], 1.0]])
+        let (zero, one) = (T::constant(0.0), T::constant(1.0));
+        let roll = [ch / cp, sh / cp, zero];
+        [roll, [-sh, ch, zero], [sp * roll[0], sp * roll[1], one]]
     }
 }
 
@@ -132,12 +139,19 @@ mod tests {
     fn small_turn_is_the_turn_of_its_angles() {
         let pose = Pose { position_m: [0.0; 3], roll_rad: 0.3, pitch_rad: -0.4, heading_rad: 2.0 };
         let turn = Vector3::new(3e-7, -2e-7, 5e-7);
-        let angles = matrix(pose.attitude().angles_of_turn().unwrap()) * turn;
-        let after = matrix(pose.moved([0.0; 3], angles.into()).rows_gb());
+        let angles = matrix(pose.attitude().angles_of_turn()) * turn;
+        let after = Pose {
+            roll_rad: pose.roll_rad + angles[0],
+            pitch_rad: pose.pitch_rad + angles[1],
+            heading_rad: pose.heading_rad + angles[2],
+            ..pose
+        };
+        let after = matrix(after.rows_gb());
         let expected = (Matrix3::identity() + turn.cross_matrix()) * matrix(pose.rows_gb());
         assert!((after - expected).amax() < 1e-12, "{}", after - expected);
         let upright = Pose { pitch_rad: PI / 2.0, ..pose };
-        assert_eq!(upright.attitude().angles_of_turn(), None, "roll and heading are one turn");
+        assert!(upright.attitude().has_angles() < 1.0, "roll and heading are one turn");
+        assert!(pose.attitude().has_angles() > 0.0, "here they are not");
     }
 
     #[test]

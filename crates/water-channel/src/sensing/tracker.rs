@@ -2,10 +2,12 @@
 
 use std::collections::VecDeque;
 
+use bat_dynamics::LANES;
 use tether_control::Measurement;
 
 use super::bundle::Bundles;
-use super::locate::Hold;
+use super::images::Shot;
+use super::locate::{Hold, Search, locate};
 use super::pose::Pose;
 use super::view::{PixelNoise, View};
 use super::viewer::Viewer;
@@ -39,6 +41,7 @@ pub struct Tracker<'a> {
     viewer: &'a Viewer,
     noise: PixelNoise,
     view: View,
+    shots: Vec<Shot>,
     bundles: Bundles,
     last: Option<Pose>,
     /// Images, and those of which no pose could be had.
@@ -57,20 +60,50 @@ impl<'a> Tracker<'a> {
         let on_the_way = VecDeque::with_capacity(viewer.delay_samples() + 1);
         let (noise, view) = (PixelNoise::new(viewer.seed()), View::default());
         let blind = (0..viewer.n_cameras()).collect();
-        Self { viewer, noise, view, bundles: Bundles::default(), last: None, images: 0, held: 0, blind, on_the_way }
+        Self {
+            viewer,
+            noise,
+            view,
+            shots: Vec::new(),
+            bundles: Bundles::default(),
+            last: None,
+            images: 0,
+            held: 0,
+            blind,
+            on_the_way,
+        }
     }
 
     /// Takes the images of a body at `truth` and returns the estimate that arrives at this sample.
     pub fn observe(&mut self, truth: &Pose) -> Estimate {
-        let last = *self.last.get_or_insert_with(|| {
+        self.look(truth);
+        let idle = || Search::held(Hold::NotConverged);
+        let mut searches = [self.search(), idle(), idle(), idle()];
+        locate(&mut searches);
+        let found = searches[0].found();
+        self.conclude(found)
+    }
+
+    fn look(&mut self, truth: &Pose) {
+        if self.last.is_none() {
             let start = Estimate { pose: *truth, dots_seen: 0, cameras_seeing: 0, hold: Some(Hold::NoImageYet) };
             self.on_the_way.extend(std::iter::repeat_n(start, self.viewer.delay_samples()));
-            *truth
-        });
-        self.viewer.look_into(&mut self.view, truth, &mut self.noise);
-        let (pose, hold) = match self.viewer.locate_with(&mut self.bundles, &self.view, &last) {
+            self.last = Some(*truth);
+        }
+        self.viewer.look_into(&mut self.shots, &mut self.view, truth, &mut self.noise);
+    }
+
+    /// The search for the pose of the last image.
+    #[inline(always)]
+    fn search(&mut self) -> Search<'_> {
+        let guess = self.last.unwrap_or_default();
+        self.viewer.search(&mut self.bundles, &self.view, &guess)
+    }
+
+    fn conclude(&mut self, found: Result<Pose, Hold>) -> Estimate {
+        let (pose, hold) = match found {
             Ok(pose) => (pose, None),
-            Err(hold) => (last, Some(hold)),
+            Err(hold) => (self.last.unwrap_or_default(), Some(hold)),
         };
         self.last = Some(pose);
         self.images += 1;
@@ -94,5 +127,34 @@ impl<'a> Tracker<'a> {
     #[must_use]
     pub fn blind_cameras(&self) -> &[usize] {
         &self.blind
+    }
+}
+
+/// [`Tracker::observe`] of up to four flights, whose poses are sought side by side; without a tracker there is no estimate.
+pub(crate) fn observe_abreast(trackers: &mut [Option<Tracker<'_>>], truths: &[Pose]) -> [Option<Estimate>; LANES] {
+    let mut each = trackers.iter_mut();
+    let mut four: [Option<&mut Tracker<'_>>; LANES] = core::array::from_fn(|_| each.next().and_then(Option::as_mut));
+    for (tracker, truth) in four.iter_mut().zip(truths) {
+        if let Some(tracker) = tracker {
+            tracker.look(truth);
+        }
+    }
+    let [a, b, c, d] = &mut four;
+    let mut searches = [search(a), search(b), search(c), search(d)];
+    locate(&mut searches);
+    let [a, b, c, d] = &searches;
+    let found = [a.found(), b.found(), c.found(), d.found()];
+    let mut estimates = [None; LANES];
+    for ((estimate, tracker), found) in estimates.iter_mut().zip(four).zip(found) {
+        *estimate = tracker.map(|tracker| tracker.conclude(found));
+    }
+    estimates
+}
+
+#[inline(always)]
+fn search<'b>(tracker: &'b mut Option<&mut Tracker<'_>>) -> Search<'b> {
+    match tracker {
+        Some(tracker) => tracker.search(),
+        None => Search::held(Hold::NotConverged),
     }
 }

@@ -1,6 +1,6 @@
 //! Three-vectors on arrays, of one number or of several side by side.
 
-use bat_dynamics::Real;
+use bat_dynamics::{Lanes, Real};
 
 /// Components along some frame.
 pub(crate) type Triple<T = f64> = [T; 3];
@@ -41,4 +41,10 @@ pub(crate) fn times<T: Real>(rows: &[Triple<T>; 3], a: Triple<T>) -> Triple<T> {
 #[inline(always)]
 pub(crate) fn constant<T: Real>(a: Triple) -> Triple<T> {
     [T::constant(a[0]), T::constant(a[1]), T::constant(a[2])]
+}
+
+/// Four vectors side by side.
+#[inline(always)]
+pub(crate) fn abreast(a: &Triple, b: &Triple, c: &Triple, d: &Triple) -> Triple<Lanes> {
+    [Lanes([a[0], b[0], c[0], d[0]]), Lanes([a[1], b[1], c[1], d[1]]), Lanes([a[2], b[2], c[2], d[2]])]
 }

@@ -56,6 +56,10 @@ impl View {
         (0..n_cameras).filter(sees).count()
     }
 
+    pub(crate) fn sightings_mut(&mut self) -> &mut [Sighting] {
+        &mut self.sightings
+    }
+
     /// Forgets all sightings and keeps their memory.
     pub(crate) fn clear(&mut self) {
         self.sightings.clear();
@@ -84,9 +88,17 @@ impl PixelNoise {
         Self { generator: Pcg64::seed_from_u64(seed) }
     }
 
-    /// The next normal number of mean 0 and variance 1.
-    #[inline]
-    pub(crate) fn draw(&mut self) -> f64 {
-        StandardNormal.sample(&mut self.generator)
+    /// Adds normal numbers of mean 0 and the standard deviation `deviation_px` to u and v of one sighting after the other.
+    #[inline(always)]
+    pub(crate) fn add_to(&mut self, sightings: &mut [Sighting], deviation_px: f64) {
+        // Not by reference: within this loop the generator stays in registers.
+        let mut generator = self.generator.clone();
+        for sighting in sightings {
+            for pixel in &mut sighting.pixel {
+                let number: f64 = StandardNormal.sample(&mut generator);
+                *pixel += deviation_px * number;
+            }
+        }
+        self.generator = generator;
     }
 }

@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, Matrix6};
 use super::arrangement::Sensing;
 use super::bundle::Bundles;
 use super::dot::marks;
-use super::images::{self, Images};
-use super::locate::{FEWEST_DOTS, Hold, locate};
+use super::images::{self, Images, Shot};
+use super::locate::{FEWEST_DOTS, Hold, Search, locate};
 use super::normal_equations::NormalEquations;
 use super::pose::Pose;
 use super::view::{PixelNoise, View};
@@ -66,13 +66,13 @@ impl Viewer {
     #[must_use]
     pub fn look(&self, pose: &Pose, noise: &mut PixelNoise) -> View {
         let mut view = View::default();
-        self.look_into(&mut view, pose, noise);
+        self.look_into(&mut Vec::new(), &mut view, pose, noise);
         view
     }
 
-    /// [`Viewer::look`] into the memory of a view.
-    pub(crate) fn look_into(&self, view: &mut View, pose: &Pose, noise: &mut PixelNoise) {
-        images::take(&self.images, view, pose, noise);
+    /// [`Viewer::look`] into the memory of a view, with that of shots.
+    pub(crate) fn look_into(&self, shots: &mut Vec<Shot>, view: &mut View, pose: &Pose, noise: &mut PixelNoise) {
+        images::take(&self.images, shots, view, pose, noise);
     }
 
     /// The pose whose pixels are closest to those of `view` in the sense of least squares, sought from `guess`.
@@ -85,15 +85,21 @@ impl Viewer {
         if !self.knows(view) {
             return Err(Hold::NotConverged);
         }
-        self.locate_with(&mut Bundles::default(), view, guess)
+        let mut bundles = Bundles::default();
+        let alone = self.search(&mut bundles, view, guess);
+        let idle = || Search::held(Hold::NotConverged);
+        let mut searches = [alone, idle(), idle(), idle()];
+        locate(&mut searches);
+        searches[0].found()
     }
 
-    /// [`Viewer::locate`] for a view of this viewer, with the memory of earlier ones.
-    pub(crate) fn locate_with(&self, bundles: &mut Bundles, view: &View, guess: &Pose) -> Result<Pose, Hold> {
+    /// The search of [`Viewer::locate`] for a view of this viewer, with the memory of earlier ones.
+    #[inline(always)]
+    pub(crate) fn search<'b>(&self, bundles: &'b mut Bundles, view: &View, guess: &Pose) -> Search<'b> {
         if view.dots_seen() < FEWEST_DOTS {
-            return Err(Hold::TooFewDots);
+            return Search::held(Hold::TooFewDots);
         }
-        locate(bundles.take(&self.images.eyes, &self.images.marks, view.sightings()), guess)
+        Search::new(bundles.take(&self.images.eyes, &self.images.marks, view.sightings()), guess)
     }
 
     /// Covariance of x, y, z in m and roll, pitch, heading in rad at `pose`, from `view` with pixels of the standard
@@ -107,9 +113,12 @@ impl Viewer {
         }
         let (mut bundles, attitude) = (Bundles::default(), pose.attitude());
         let bundles = bundles.take(&self.images.eyes, &self.images.marks, view.sightings());
-        let of_turns = NormalEquations::new(bundles, pose, &attitude)?.inverse()?;
+        let of_turns = NormalEquations::new(bundles, pose.position_m, &attitude.rows_gb())?.inverse()?;
+        if attitude.has_angles() <= 0.0 {
+            return None;
+        }
         let mut to_angles = Matrix6::identity();
-        let rows = attitude.angles_of_turn()?;
+        let rows = attitude.angles_of_turn();
         to_angles.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::from_fn(|i, j| rows[i][j]));
         Some(to_angles * of_turns * to_angles.transpose() * (deviation_px * deviation_px))
     }
@@ -127,7 +136,7 @@ impl Viewer {
     /// That cameras and dots, without noise and quantization, give a pose of a body at `start`.
     pub(crate) fn check_start(&self, start: &Pose) -> Result<(), Error> {
         let mut view = View::default();
-        images::take(&self.images.exact(), &mut view, start, &mut PixelNoise::new(self.seed));
+        images::take(&self.images.exact(), &mut Vec::new(), &mut view, start, &mut PixelNoise::new(self.seed));
         let Err(hold) = self.locate(&view, start) else { return Ok(()) };
         let cameras_seeing = view.cameras_seeing(self.n_cameras());
         let (dots_seen, dots, cameras) = (view.dots_seen(), self.images.marks.len(), self.n_cameras());
