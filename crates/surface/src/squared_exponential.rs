@@ -122,10 +122,11 @@ impl SquaredExponential {
     fn estimate<const L: usize>(&self, block: &[[f64; L]]) -> [f64; L] {
         let mut sums = Sums::<L>::new(self.scale * self.scale);
         let mut rows = self.packed.rows();
-        while let Some(row) = rows.next() {
-            match rows.next() {
-                Some(other) => sums.add(block, &[row, other]),
-                None => sums.add(block, &[row]),
+        while let Some(first) = rows.next() {
+            match (rows.next(), rows.next()) {
+                (Some(second), Some(third)) => sums.add(block, &[first, second, third]),
+                (Some(second), None) => sums.add(block, &[first, second]),
+                _ => sums.add(block, &[first]),
             }
         }
         let Sums { totals, mut sums, nearest, .. } = sums;
@@ -170,7 +171,7 @@ impl<const L: usize> Sums<L> {
         Self { rate, totals: [0.0; L], sums: [0.0; L], nearest: [f64::INFINITY; L] }
     }
 
-    /// Adds so many data, one after the other.
+    /// Adds so many data, one after the other: three are enough for no step to wait for another.
     #[inline(always)]
     fn add<const N: usize>(&mut self, block: &[[f64; L]], rows: &[Row<'_>; N]) {
         let mut exponents = [[0.0; L]; N];
