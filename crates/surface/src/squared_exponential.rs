@@ -120,6 +120,7 @@ impl SquaredExponential {
 
     #[inline(always)]
     fn estimate<const L: usize>(&self, block: &[[f64; L]]) -> [f64; L] {
+        let block = &block[..block.len().min(self.data.n_factors())];
         let mut sums = Sums::<L>::new(self.scale * self.scale);
         let mut rows = self.packed.rows();
         while let Some(first) = rows.next() {
