@@ -29,17 +29,40 @@ const COEFFICIENTS: [f64; 10] = [
 /// exp(z) for z ≤ 0, within one unit in the last place; 0 below [`SMALLEST_ARGUMENT`], not meant for NaN.
 #[inline(always)]
 pub(crate) fn exp_of_negative(z: f64) -> f64 {
-    let shifted = z * std::f64::consts::LOG2_E + ROUND;
-    let n = shifted - ROUND;
-    let r = (z - n * LN_2_HIGH) - n * LN_2_LOW;
-    let mut q = COEFFICIENTS[9];
-    for &coefficient in COEFFICIENTS[..9].iter().rev() {
-        q = q * r + coefficient;
+    exp_of_minus(&[[-z]])[0][0]
+}
+
+/// exp(−e) for several e ≥ 0, the same bits. All go step by step: each step waits for the one before, and those of others fill
+/// the time.
+#[inline(always)]
+pub(crate) fn exp_of_minus<const L: usize, const N: usize>(e: &[[f64; L]; N]) -> [[f64; L]; N] {
+    let (mut shifted, mut r) = ([[0.0; L]; N], [[0.0; L]; N]);
+    for row in 0..N {
+        for lane in 0..L {
+            shifted[row][lane] = ROUND - e[row][lane] * std::f64::consts::LOG2_E;
+            let minus_n = ROUND - shifted[row][lane];
+            r[row][lane] = (minus_n * LN_2_HIGH - e[row][lane]) + minus_n * LN_2_LOW;
+        }
     }
-    let mantissa = 1.0 + (r + r * r * q);
-    // The exponent of the result is the sum of both: n sits in the lowest bits of the shifted number.
-    let value = f64::from_bits(mantissa.to_bits().wrapping_add(shifted.to_bits() << 52));
-    if z >= SMALLEST_ARGUMENT { value } else { 0.0 }
+    let mut q = [[COEFFICIENTS[9]; L]; N];
+    // A loop that the compiler knows all of is written out by it, lane by lane.
+    for &coefficient in std::hint::black_box(&COEFFICIENTS[..9]).iter().rev() {
+        for row in 0..N {
+            for lane in 0..L {
+                q[row][lane] = q[row][lane] * r[row][lane] + coefficient;
+            }
+        }
+    }
+    for row in 0..N {
+        for lane in 0..L {
+            let r = r[row][lane];
+            let mantissa = 1.0 + (r + r * r * q[row][lane]);
+            // The exponent of the result is the sum of both: n sits in the lowest bits of the shifted number.
+            let value = f64::from_bits(mantissa.to_bits().wrapping_add(shifted[row][lane].to_bits() << 52));
+            q[row][lane] = if e[row][lane] <= -SMALLEST_ARGUMENT { value } else { 0.0 };
+        }
+    }
+    q
 }
 
 #[cfg(test)]

@@ -3,12 +3,12 @@
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
-use crate::exponential::exp_of_negative;
+use crate::exponential::exp_of_minus;
 use crate::lanes::{is_usable, one_lane};
 use crate::over_grid::Exponentials;
 use crate::relative_average::{average, nearest, relative_weight};
 use crate::scale_choice::SCALES;
-use crate::weighted_average::{Datum, Packed, squared_distances, used};
+use crate::weighted_average::{Datum, Packed, Row, used};
 use crate::{Data, Error, GridPoints, LANES, Lanes, LeaveOneOut, MOST_FACTORS, OverGrid, ScaleChoice, Surface};
 
 /// The average of the values, each weighted by a squared exponential of the distance to its point.
@@ -120,18 +120,17 @@ impl SquaredExponential {
 
     #[inline(always)]
     fn estimate<const L: usize>(&self, block: &[[f64; L]]) -> [f64; L] {
-        let (mut totals, mut sums, mut nearest) = ([0.0; L], [0.0; L], [f64::INFINITY; L]);
-        let rate = self.scale * self.scale;
-        for row in self.packed.rows() {
-            let squares = squared_distances(block, row.point);
-            for lane in 0..L {
-                let exponent = rate * squares[lane];
-                nearest[lane] = if exponent < nearest[lane] { exponent } else { nearest[lane] };
-                let omega = exp_of_negative(-exponent);
-                totals[lane] += omega * row.weight;
-                sums[lane] += omega * row.weighted_value;
+        let block = &block[..block.len().min(self.data.n_factors())];
+        let mut sums = Sums::<L>::new(self.scale * self.scale);
+        let mut rows = self.packed.rows();
+        while let Some(first) = rows.next() {
+            match (rows.next(), rows.next()) {
+                (Some(second), Some(third)) => sums.add(block, &[first, second, third]),
+                (Some(second), None) => sums.add(block, &[first, second]),
+                _ => sums.add(block, &[first]),
             }
         }
+        let Sums { totals, mut sums, nearest, .. } = sums;
         let mut all_plain = true;
         for lane in 0..L {
             sums[lane] = self.packed.within(sums[lane] / totals[lane]);
@@ -154,6 +153,50 @@ impl SquaredExponential {
             }
             point.iter_mut().zip(block).for_each(|(x, coordinate)| *x = coordinate[lane]);
             estimates[lane] = self.packed.within(average(point, self.packed.data(), self.scale));
+        }
+    }
+}
+
+/// Σ w exp(−(c d)²) and Σ w J exp(−(c d)²), for points side by side.
+struct Sums<const L: usize> {
+    rate: f64,
+    totals: [f64; L],
+    sums: [f64; L],
+    /// (c d)² of the nearest.
+    nearest: [f64; L],
+}
+
+impl<const L: usize> Sums<L> {
+    #[inline(always)]
+    fn new(rate: f64) -> Self {
+        Self { rate, totals: [0.0; L], sums: [0.0; L], nearest: [f64::INFINITY; L] }
+    }
+
+    /// Adds so many data, one after the other: three are enough for no step to wait for another.
+    #[inline(always)]
+    fn add<const N: usize>(&mut self, block: &[[f64; L]], rows: &[Row<'_>; N]) {
+        let mut exponents = [[0.0; L]; N];
+        for (axis, x) in block.iter().enumerate() {
+            for (of_row, row) in exponents.iter_mut().zip(rows) {
+                let coordinate = row.point[axis];
+                for lane in 0..L {
+                    let difference = x[lane] - coordinate;
+                    of_row[lane] += difference * difference;
+                }
+            }
+        }
+        for of_row in &mut exponents {
+            for (exponent, nearest) in of_row.iter_mut().zip(&mut self.nearest) {
+                *exponent *= self.rate;
+                *nearest = if *exponent < *nearest { *exponent } else { *nearest };
+            }
+        }
+        let omegas = exp_of_minus(&exponents);
+        for (of_row, row) in omegas.iter().zip(rows) {
+            for (omega, (total, sum)) in of_row.iter().zip(self.totals.iter_mut().zip(&mut self.sums)) {
+                *total += omega * row.weight;
+                *sum += omega * row.weighted_value;
+            }
         }
     }
 }

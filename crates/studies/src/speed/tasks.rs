@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
 use anyhow::{Context as _, Result};
 use bat_dynamics::Fidelity;
@@ -20,8 +21,8 @@ const AT_ONCE: u64 = 8192;
 /// Flights in lanes at a time.
 pub(super) const FLIGHTS: usize = 16;
 
-/// Does the task once; the sum of what it found.
-type Ours = Box<dyn FnMut() -> Result<f64> + Send>;
+/// Does the task once: its time in seconds, and the sum of what it found, which no longer counts.
+type Ours = Box<dyn FnMut() -> Result<(f64, f64)> + Send>;
 
 /// Something that takes time.
 pub(super) struct Task {
@@ -56,13 +57,16 @@ impl Reference {
                 let (seconds, sum) = theirs.run(task)?;
                 Ok((seconds, is_same.then_some(sum)))
             }
-            Self::Own { run, times, .. } => {
-                let start = std::time::Instant::now();
-                run()?;
-                Ok((*times * start.elapsed().as_secs_f64(), None))
-            }
+            Self::Own { run, times, .. } => Ok((*times * run()?.0, None)),
         }
     }
+}
+
+/// What comes out, and how many seconds it took.
+fn timed<T>(task: impl FnOnce() -> T) -> (f64, T) {
+    let start = Instant::now();
+    let found = task();
+    (start.elapsed().as_secs_f64(), found)
 }
 
 /// Points that fill the box evenly, with a smooth response.
@@ -144,8 +148,9 @@ fn over_points(surface: Arc<dyn Surface>) -> Result<Ours> {
     let points = (0..grid.n_points()).map(point).collect::<Result<Vec<_>>>()?.concat();
     let mut estimates = vec![0.0; points.len() / K];
     Ok(Box::new(move || {
-        surface.predict_into(&points, &mut estimates)?;
-        Ok(estimates.iter().sum())
+        let (seconds, found) = timed(|| surface.predict_into(&points, &mut estimates));
+        found?;
+        Ok((seconds, estimates.iter().sum()))
     }))
 }
 
@@ -153,8 +158,9 @@ fn over_the_grid(surface: Arc<dyn Surface>) -> Result<Ours> {
     let grid = grid()?;
     let mut estimates = vec![0.0; usize::try_from(grid.n_points())?];
     Ok(Box::new(move || {
-        surface.predict_range(&grid, 0, &mut estimates)?;
-        Ok(estimates.iter().sum())
+        let (seconds, found) = timed(|| surface.predict_range(&grid, 0, &mut estimates));
+        found?;
+        Ok((seconds, estimates.iter().sum()))
     }))
 }
 
@@ -180,12 +186,9 @@ fn process() -> Result<Ours> {
     }
     Ok(Box::new(move || {
         use rayon::prelude::*;
-        let sum = |places: &Places| {
-            let found = process.marginals(places);
-            found.means.iter().sum::<f64>() + found.variances.iter().sum::<f64>()
-        };
-        // Which of them is added first makes no difference to the time.
-        Ok(parts.par_iter().map(sum).collect::<Vec<_>>().iter().sum())
+        let marginals = |places: &Places| process.marginals(places);
+        let (seconds, found) = timed(|| parts.par_iter().map(marginals).collect::<Vec<_>>());
+        Ok((seconds, found.iter().flat_map(|part| part.means.iter().chain(&part.variances)).sum()))
     }))
 }
 
@@ -209,8 +212,8 @@ fn flights(root: &Path) -> Result<Task> {
     let alone = (requests[0].clone(), profile.clone());
     let settings = FlightSettings::with_steps(1);
     let in_lanes: Ours = Box::new(move || {
-        let found = fly_all(&requests, &profile, &settings, |_| {});
-        Ok(found.iter().filter(|flight| flight.is_ok()).count() as f64)
+        let (seconds, found) = timed(|| fly_all(&requests, &profile, &settings, |_| {}));
+        Ok((seconds, found.iter().filter(|flight| flight.is_ok()).count() as f64))
     });
     Ok(Task {
         words: "16 flights of 300 s, in lanes on two threads",
@@ -226,5 +229,8 @@ fn flights(root: &Path) -> Result<Task> {
 
 fn one_alone((request, profile): (FlightRequest, TestProfile)) -> Ours {
     let settings = FlightSettings::with_steps(1);
-    Box::new(move || Ok(f64::from(u8::from(fly(&request, &profile, &settings).is_ok()))))
+    Box::new(move || {
+        let (seconds, found) = timed(|| fly(&request, &profile, &settings));
+        Ok((seconds, f64::from(u8::from(found.is_ok()))))
+    })
 }

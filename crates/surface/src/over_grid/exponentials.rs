@@ -88,22 +88,42 @@ impl Run for ExponentialsRun<'_> {
 
     #[inline(always)]
     fn block(&self, at: usize) -> [f64; WIDTH] {
+        let [averages] = self.averages([at]);
+        averages
+    }
+
+    /// What stands before the exponentials is then read once for all of them.
+    #[inline(always)]
+    fn three_blocks(&self, at: usize) -> [[f64; WIDTH]; 3] {
+        self.averages([at, at + WIDTH, at + 2 * WIDTH])
+    }
+}
+
+impl ExponentialsRun<'_> {
+    #[inline(always)]
+    fn averages<const N: usize>(&self, at: [usize; N]) -> [[f64; WIDTH]; N] {
         let Exponentials { packed, tables, .. } = self.exponentials;
-        let (mut totals, mut sums) = ([0.0; WIDTH], [0.0; WIDTH]);
+        let of_blocks = at.map(|at| tables.of_run(at));
+        let (mut totals, mut sums) = ([[0.0; WIDTH]; N], [[0.0; WIDTH]; N]);
         let numbers = self.weights.as_chunks::<GROUP>().0.iter().zip(self.weighted_values.as_chunks::<GROUP>().0);
-        for (factors, (weights, values)) in tables.of_run(at).iter().zip(numbers) {
-            for lane in 0..WIDTH {
-                let [a, b, c, d] =
-                    [factors[lane], factors[WIDTH + lane], factors[2 * WIDTH + lane], factors[3 * WIDTH + lane]];
-                totals[lane] += (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
-                sums[lane] += (values[0] * a + values[1] * b) + (values[2] * c + values[3] * d);
+        for (group, (weights, values)) in numbers.enumerate() {
+            for block in 0..N {
+                let factors = &of_blocks[block][group];
+                for lane in 0..WIDTH {
+                    let [a, b, c, d] =
+                        [factors[lane], factors[WIDTH + lane], factors[2 * WIDTH + lane], factors[3 * WIDTH + lane]];
+                    totals[block][lane] += (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
+                    sums[block][lane] += (values[0] * a + values[1] * b) + (values[2] * c + values[3] * d);
+                }
             }
         }
-        let mut averages = [0.0; WIDTH];
-        for lane in 0..WIDTH {
-            let average = packed.within(sums[lane] / totals[lane]);
-            averages[lane] = if totals[lane] >= LEAST_TOTAL { average } else { f64::NAN };
+        for block in 0..N {
+            for lane in 0..WIDTH {
+                let (total, sum) = (totals[block][lane], sums[block][lane]);
+                let average = packed.within(sum / total);
+                sums[block][lane] = if total >= LEAST_TOTAL { average } else { f64::NAN };
+            }
         }
-        averages
+        sums
     }
 }

@@ -5,7 +5,7 @@ use faer::{Accum, Mat, Par};
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
-use crate::exponential::exp_of_negative;
+use crate::exponential::exp_of_minus;
 use crate::lanes::{LANES, Lanes};
 use crate::process::places::Places;
 
@@ -145,13 +145,16 @@ impl<'a> Parts<'a> {
     }
 
     /// The covariance without noise, a row per place of `rows`.
-    pub(crate) fn covariance(&self, structure: Structure, hyper: &Hyperparameters) -> Mat<f64> {
-        let mut matrix = Mat::zeros(self.rows.n_places(), self.columns.len());
+    pub(crate) fn covariance(mut self, structure: Structure, hyper: &Hyperparameters) -> Mat<f64> {
+        let mut matrix = std::mem::replace(&mut self.trend, Mat::new());
         for column in 0..self.columns.len() {
             if let Some(into) = matrix.col_mut(column).try_as_col_major_mut() {
-                self.column(structure, hyper, column, 0, into.as_slice_mut());
+                let into = into.as_slice_mut();
+                constant_and_trend(hyper.trend, into);
+                self.add_simulation(structure, hyper, column, 0, into);
             }
         }
+        self.add_residual(structure, hyper, false, &mut matrix);
         matrix
     }
 
@@ -160,36 +163,85 @@ impl<'a> Parts<'a> {
         let mut matrix = Mat::zeros(self.rows.n_places(), self.columns.len());
         for column in 0..self.columns.len() {
             if let Some(into) = matrix.col_mut(column).try_as_col_major_mut() {
-                self.column(structure, hyper, column, column, &mut into.as_slice_mut()[column..]);
+                let into = &mut into.as_slice_mut()[column..];
+                if let Some(trend) = self.trend.col(column).try_as_col_major() {
+                    into.copy_from_slice(&trend.as_slice()[column..]);
+                    constant_and_trend(hyper.trend, into);
+                }
+                self.add_simulation(structure, hyper, column, column, into);
             }
         }
+        self.add_residual(structure, hyper, true, &mut matrix);
         matrix
     }
 
-    /// Covariances of the places from `first` on with one of the columns.
-    fn column(&self, structure: Structure, hyper: &Hyperparameters, column: usize, first: usize, into: &mut [f64]) {
-        if let Some(trend) = self.trend.col(column).try_as_col_major() {
-            for (value, trend) in into.iter_mut().zip(&trend.as_slice()[first..]) {
-                *value = CONSTANT + hyper.trend * trend;
-            }
-        }
+    /// Adds the covariances of what the simulation says at the places from `first` on with that at one of the columns.
+    fn add_simulation(
+        &self,
+        structure: Structure,
+        hyper: &Hyperparameters,
+        column: usize,
+        first: usize,
+        into: &mut [f64],
+    ) {
         if let (SimulationUse::Scaled, Some([rows, columns])) = (structure.simulation, &self.simulated) {
             let factor = hyper.simulation * columns[column];
             for (value, t) in into.iter_mut().zip(&rows[first..]) {
                 *value += factor * t;
             }
         }
-        if structure.residual != Residual::None {
-            let rates: Vec<f64> = hyper.lengths.iter().map(|length| 1.0 / (length * length)).collect();
-            let axes: Vec<&[f64]> = (0..rates.len()).map(|axis| &self.rows.axis(axis)[first..]).collect();
-            let point = &self.columns[column];
-            match structure.residual {
-                Residual::Rough => add_rough(&axes, point, &rates, hyper.residual, into),
-                _ => add_smooth(&axes, point, &rates, hyper.residual, into),
+    }
+
+    /// Adds the covariances of the residual: all of them, or the lower half of a square.
+    fn add_residual(&self, structure: Structure, hyper: &Hyperparameters, is_lower: bool, matrix: &mut Mat<f64>) {
+        let rates: Vec<f64> = hyper.lengths.iter().map(|length| 1.0 / (length * length)).collect();
+        let pairs =
+            Pairs { rows: self.rows, columns: &self.columns, rates: &rates, variance: hyper.residual, is_lower };
+        match structure.residual {
+            Residual::None => {}
+            Residual::Smooth => pairs.add(matrix, smooth),
+            Residual::Rough => pairs.add(matrix, rough),
+        }
+    }
+}
+
+/// What the covariances of a residual are computed from.
+struct Pairs<'a> {
+    rows: &'a Places,
+    columns: &'a [Vec<f64>],
+    /// The inverse squared lengths.
+    rates: &'a [f64],
+    variance: f64,
+    is_lower: bool,
+}
+
+impl Pairs<'_> {
+    /// Adds them, for [`LANES`] rows and two columns at a time.
+    fn add(&self, matrix: &mut Mat<f64>, correlations: Correlations) {
+        let (n_rows, mut block) = (self.rows.n_places(), vec![[0.0; LANES]; self.rates.len()]);
+        let mut both = [[0.0; LANES]; 2];
+        for start in (0..n_rows).step_by(LANES) {
+            let end = n_rows.min(start + LANES);
+            for (axis, lanes) in block.iter_mut().enumerate() {
+                lanes[..end - start].copy_from_slice(&self.rows.axis(axis)[start..end]);
+            }
+            let n_columns = if self.is_lower { end } else { self.columns.len() };
+            for column in (0..n_columns).step_by(2) {
+                let other = n_columns.min(column + 2) - 1;
+                correlations(&block, [&self.columns[column], &self.columns[other]], self.rates, &mut both);
+                for (column, of_column) in (column..=other).zip(&both) {
+                    let from = if self.is_lower { start.max(column) } else { start };
+                    if let Some(into) = matrix.col_mut(column).try_as_col_major_mut() {
+                        add_times(self.variance, &of_column[from - start..], &mut into.as_slice_mut()[from..end]);
+                    }
+                }
             }
         }
     }
 }
+
+/// Correlations of places side by side with two points; the third are the inverse squared lengths.
+type Correlations = fn(&[Lanes], [&[f64]; 2], &[f64], &mut [Lanes; 2]);
 
 /// The prior variance without noise at places whose simulated response is centered and scaled.
 pub(crate) fn prior_variances(
@@ -210,48 +262,61 @@ pub(crate) fn prior_variances(
         .collect()
 }
 
-/// The Matérn-5/2 correlation at a squared distance in lengths: (1 + r + r²/3) exp(−r) with r = √5 d.
-#[inline(always)]
-pub(crate) fn smooth(squared_distance: f64) -> f64 {
-    let square = 5.0 * squared_distance;
-    let r = square.sqrt();
-    (1.0 + r + square / 3.0) * exp_of_negative(-r)
-}
-
-/// The Matérn-3/2 correlation at a squared distance in lengths: (1 + r) exp(−r) with r = √3 d.
-#[inline(always)]
-pub(crate) fn rough(squared_distance: f64) -> f64 {
-    let r = (3.0 * squared_distance).sqrt();
-    (1.0 + r) * exp_of_negative(-r)
-}
-
-/// Adds `variance` times the Matérn-5/2 correlation of each place with `point`; `rates` are the inverse squared lengths.
+/// A constant and so many times each number.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
-fn add_smooth(axes: &[&[f64]], point: &[f64], rates: &[f64], variance: f64, into: &mut [f64]) {
-    add_correlations(axes, point, rates, into, |square| variance * smooth(square));
+fn constant_and_trend(factor: f64, numbers: &mut [f64]) {
+    numbers.iter_mut().for_each(|number| *number = CONSTANT + factor * *number);
 }
 
-/// As [`add_smooth`], Matérn-3/2.
+/// Adds so many times each of these numbers.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
-fn add_rough(axes: &[&[f64]], point: &[f64], rates: &[f64], variance: f64, into: &mut [f64]) {
-    add_correlations(axes, point, rates, into, |square| variance * rough(square));
+fn add_times(factor: f64, numbers: &[f64], into: &mut [f64]) {
+    into.iter_mut().zip(numbers).for_each(|(value, number)| *value += factor * number);
 }
 
-#[inline(always)]
-fn add_correlations(axes: &[&[f64]], point: &[f64], rates: &[f64], into: &mut [f64], covariance: impl Fn(f64) -> f64) {
-    for (block, into) in into.chunks_mut(LANES).enumerate() {
-        let mut squares: Lanes = [0.0; LANES];
-        for ((axis, &center), &rate) in axes.iter().zip(point).zip(rates) {
-            let axis = &axis[block * LANES..][..into.len()];
-            for (square, x) in squares.iter_mut().zip(axis) {
-                *square += rate * ((x - center) * (x - center));
-            }
-        }
-        for square in &mut squares {
-            *square = covariance(*square);
-        }
-        for (value, covariance) in into.iter_mut().zip(&squares) {
-            *value += covariance;
+/// Matérn-5/2: (1 + r + r²/3) exp(−r) with r = √5 d.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+fn smooth(block: &[Lanes], points: [&[f64]; 2], rates: &[f64], correlations: &mut [Lanes; 2]) {
+    let (mut r, mut factors) = (squared_distances(block, points, rates), [[0.0; LANES]; 2]);
+    for row in 0..2 {
+        for lane in 0..LANES {
+            let square = 5.0 * r[row][lane];
+            r[row][lane] = square.sqrt();
+            factors[row][lane] = 1.0 + r[row][lane] + square / 3.0;
         }
     }
+    let exponentials = exp_of_minus(&r);
+    for row in 0..2 {
+        for lane in 0..LANES {
+            correlations[row][lane] = factors[row][lane] * exponentials[row][lane];
+        }
+    }
+}
+
+/// Matérn-3/2: (1 + r) exp(−r) with r = √3 d.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+fn rough(block: &[Lanes], points: [&[f64]; 2], rates: &[f64], correlations: &mut [Lanes; 2]) {
+    let mut r = squared_distances(block, points, rates);
+    r.as_flattened_mut().iter_mut().for_each(|square| *square = (3.0 * *square).sqrt());
+    let exponentials = exp_of_minus(&r);
+    for row in 0..2 {
+        for lane in 0..LANES {
+            correlations[row][lane] = (1.0 + r[row][lane]) * exponentials[row][lane];
+        }
+    }
+}
+
+/// Squared distances of places with two points, in lengths.
+#[inline(always)]
+fn squared_distances(block: &[Lanes], points: [&[f64]; 2], rates: &[f64]) -> [Lanes; 2] {
+    let mut squares = [[0.0; LANES]; 2];
+    for (axis, (x, &rate)) in block.iter().zip(rates).enumerate() {
+        for (of_point, point) in squares.iter_mut().zip(points) {
+            let center = point[axis];
+            for lane in 0..LANES {
+                of_point[lane] += rate * ((x[lane] - center) * (x[lane] - center));
+            }
+        }
+    }
+    squares
 }

@@ -252,11 +252,16 @@ impl GaussianProcess {
     }
 
     fn marginals_of_block(&self, places: &Places) -> Marginals {
-        let (means, whitened) = self.conditioned(places);
+        let (mut cross, means) = self.scaled_means(places);
+        // A row per place, as it stands: the steps of the solution then go over places side by side.
+        solve_lower_triangular_in_place(self.factor.as_ref(), cross.transpose_mut(), Par::Seq);
+        let mut explained = vec![0.0; places.n_places()];
+        for column in cross.col_iter() {
+            explained.iter_mut().zip(column.iter()).for_each(|(sum, value)| *sum += value * value);
+        }
         let units = self.sites.units();
         let prior = prior_variances(places, self.structure, &self.hyper, &|s| units.simulated(s));
-        let variances = whitened.col_iter().zip(prior);
-        let variances = variances.map(|(column, prior)| (prior - column.squared_norm_l2()).max(0.0));
+        let variances = prior.iter().zip(&explained).map(|(prior, explained)| (prior - explained).max(0.0));
         Marginals {
             means: means.iter().map(|mean| units.center + units.scale * mean).collect(),
             variances: variances.map(|variance| variance * units.scale * units.scale).collect(),

@@ -116,12 +116,23 @@ impl Places {
     /// The trend regressors but for the constant, orthogonal over the box: x_i, x_i² − 1/3, x_i x_j. One row per point.
     pub(crate) fn trend(&self) -> Mat<f64> {
         let k = self.n_factors;
-        let mut columns: Vec<(usize, Option<usize>)> = (0..k).map(|i| (i, None)).collect();
-        columns.extend((0..k).flat_map(|i| (i..k).map(move |j| (i, Some(j)))));
-        Mat::from_fn(self.n_places, columns.len(), |place, column| match columns[column] {
-            (i, None) => self.axis(i)[place],
-            (i, Some(j)) if i == j => self.axis(i)[place].powi(2) - 1.0 / 3.0,
-            (i, Some(j)) => self.axis(i)[place] * self.axis(j)[place],
-        })
+        let pairs = (0..k).flat_map(|i| (i..k).map(move |j| (i, j)));
+        let columns: Vec<(usize, Option<usize>)> =
+            (0..k).map(|i| (i, None)).chain(pairs.map(|(i, j)| (i, Some(j)))).collect();
+        let mut trend = Mat::zeros(self.n_places, columns.len());
+        for (column, (i, other)) in trend.col_iter_mut().zip(columns) {
+            let Some(into) = column.try_as_col_major_mut() else { continue };
+            let (into, a) = (into.as_slice_mut(), self.axis(i));
+            match other {
+                None => into.copy_from_slice(a),
+                Some(j) => {
+                    let shift = if i == j { 1.0 / 3.0 } else { 0.0 };
+                    for (value, (a, b)) in into.iter_mut().zip(a.iter().zip(self.axis(j))) {
+                        *value = a * b - shift;
+                    }
+                }
+            }
+        }
+        trend
     }
 }

@@ -303,6 +303,32 @@ proptest! {
     }
 }
 
+/// Places are computed in blocks and sites in pairs: 300 places and 41 sites leave some of both over.
+#[test]
+fn a_place_among_many_has_the_marginals_of_a_place_alone() {
+    let coordinate = |at: usize| ((at as f64 + 0.5) * 0.618_033_988_749).fract() * 2.0 - 1.0;
+    let points: Vec<f64> = (0..82).map(coordinate).collect();
+    let values = points.chunks_exact(2).map(|x| x[0] * x[1] + (2.0 * x[0]).sin()).collect();
+    let data = Data::new(2, points, values).expect("valid data");
+    let coordinates: Vec<f64> = (82..682).map(coordinate).collect();
+    let places = Places::new(2, &coordinates).expect("valid places");
+    for residual in [Residual::None, Residual::Smooth, Residual::Rough] {
+        let structure = Structure { simulation: SimulationUse::Ignored, residual };
+        let [trend, variance, noise] = [1.0, 0.7, 1e-2];
+        let lengths = vec![0.6, 1.1];
+        let hyper = Hyperparameters { trend, simulation: 0.0, residual: variance, lengths, noise, assembly: 0.0 };
+        let sites = Arc::new(Sites::new(&data, None).expect("valid sites"));
+        let process = GaussianProcess::new(sites, structure, hyper).expect("well conditioned");
+        let (all, joint) = (process.marginals(&places), process.joint(&places));
+        for (place, point) in coordinates.chunks_exact(2).enumerate() {
+            let alone = process.marginals(&Places::new(2, point).expect("a place"));
+            check_close(all.means[place], alone.means[0], 1e-12, "mean");
+            check_close(all.variances[place], alone.variances[0], 1e-12, "variance");
+            check_close(all.variances[place], joint.variance(place), 1e-12, "variance beside covariances");
+        }
+    }
+}
+
 #[test]
 fn means_alone_and_differences_are_those_of_the_marginals() {
     let points: Vec<f64> = (0..16).map(|i| (f64::from(i) * 0.61).sin()).collect();
