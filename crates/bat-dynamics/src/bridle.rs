@@ -83,13 +83,14 @@ impl<T: Real> Bridle<T> {
     /// The pose that these lines and the free coordinates give.
     #[inline(always)]
     pub(crate) fn pose(&self, free: [T; 3], flow: &Flow<T>) -> Pose<T> {
-        // A loop that stays one: a smaller block of code around it, which the compiler packs into vectors as a whole.
-        let mut turned = [(free[0], free[0]); 3];
-        for (turned, angle) in turned.iter_mut().zip([free[0], free[1] - flow.direction_rad, free[2]]) {
-            *turned = angle.sin_cos();
-        }
-        let [zenith, azimuth, twist] = turned;
-        Pose::new(self.length, zenith, azimuth, twist, (self.pitch.sin, self.pitch.cos), (self.roll.sin, self.roll.cos))
+        Pose::new(
+            self.length,
+            free[0].sin_cos(),
+            (free[1] - flow.direction_rad).sin_cos(),
+            free[2].sin_cos(),
+            (self.pitch.sin, self.pitch.cos),
+            (self.roll.sin, self.roll.cos),
+        )
     }
 
     #[inline(always)]

@@ -150,7 +150,7 @@ impl<T: Real> Pose<T> {
         let level = (rows[0][0] * rows[0][0] + rows[1][0] * rows[1][0]).sqrt();
         let legs = [(rows[2][1], rows[2][2]), (-rows[2][0], level), (rows[1][0], rows[0][0])];
         let mut angles = [level; 3];
-        // A loop, as in `Bridle::pose`.
+        // A loop that stays one: a smaller block of code around it, which the compiler packs into vectors as a whole.
         for (angle, (y, x)) in angles.iter_mut().zip(legs) {
             *angle = y.atan2(x);
         }
