@@ -24,6 +24,8 @@ mod chapter7;
 mod claims;
 mod costs;
 #[cfg(feature = "global")]
+mod decisive;
+#[cfg(feature = "global")]
 mod design_page;
 #[cfg(feature = "global")]
 mod doe_records;
@@ -39,6 +41,7 @@ mod handover;
 mod identification;
 #[cfg(feature = "global")]
 mod kept;
+mod lock;
 mod logged;
 #[cfg(feature = "global")]
 mod memory;
@@ -63,6 +66,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::ensure;
+use lock::alone;
 use reproduction::{Extent, Reproduction};
 
 const STUDIES: &[Reproduction] = &[
@@ -100,7 +104,7 @@ fn main() -> ExitCode {
 /// Runs a command; none if there is none of this name.
 fn run(words: &[&str]) -> Option<anyhow::Result<()>> {
     let (root, work) = (Path::new("."), work(words)?);
-    Some(in_workspace(root).and_then(|()| work(root)))
+    Some(in_workspace(root).and_then(|()| alone(root, words)).and_then(|_alone| work(root)))
 }
 
 /// What a command does in the folder of the workspace.
@@ -144,6 +148,7 @@ fn of_all(words: &[&str]) -> Option<Work> {
         ["reproduce-all", "--ensemble"] => Box::new(ensemble::run),
         ["reproduce-all", "--ensemble", "--page"] => Box::new(ensemble::write_page),
         ["reproduce-all", "--ensemble", "--check"] => Box::new(ensemble::check),
+        ["reproduce-all", "--ensemble", "--check", "--all"] => Box::new(ensemble::check_all),
         _ => return None,
     };
     Some(work)
@@ -189,6 +194,7 @@ fn of_benchmark(words: &[&str]) -> Option<Work> {
     let work: Work = match words {
         ["speed"] => Box::new(speed::run),
         ["speed", "--flights"] => Box::new(speed::flights),
+        ["speed", "--guard"] => Box::new(speed::guard),
         ["benchmark"] => Box::new(benchmark::run),
         ["benchmark", "--page"] => Box::new(benchmark::write_page),
         ["benchmark", "--check"] => Box::new(benchmark::check),

@@ -34,6 +34,8 @@ pub(crate) enum Verdict {
     NotReproduced,
     /// A design that nobody chose would meet it, too.
     NotDiscriminating,
+    /// It does not come out, and could not: no design that any method has tried meets it.
+    OutOfReach,
     /// It comes out, but both ends of it were fitted: that the loop goes from one towards the other is all that it shows.
     PartlyCalibrated,
     /// It was fitted.
@@ -46,12 +48,13 @@ pub(crate) enum Verdict {
 
 impl Verdict {
     /// In the order in which pages list them; the first four count.
-    pub(crate) const ALL: [Self; 9] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::Reproduced,
         Self::InKind,
         Self::InPart,
         Self::NotReproduced,
         Self::NotDiscriminating,
+        Self::OutOfReach,
         Self::PartlyCalibrated,
         Self::Calibrated,
         Self::TakenOver,
@@ -72,6 +75,7 @@ impl Verdict {
             Self::InPart => palette::ORANGE,
             Self::NotReproduced => palette::VERMILION,
             Self::NotDiscriminating => "#888888",
+            Self::OutOfReach => "#777777",
             Self::PartlyCalibrated => "#999999",
             Self::Calibrated => "#bbbbbb",
             Self::TakenOver => "#cccccc",
@@ -87,6 +91,7 @@ impl Verdict {
             Self::InPart => "in part",
             Self::NotReproduced => "not",
             Self::NotDiscriminating => "not discriminating",
+            Self::OutOfReach => "out of reach",
             Self::PartlyCalibrated => "partly calibrated",
             Self::Calibrated => "calibrated",
             Self::TakenOver => "taken over",
@@ -167,6 +172,8 @@ pub(crate) enum Standing {
     FittedEnds,
     /// What no plant of this structure and no draw could fail: it cannot count.
     Sure,
+    /// What no design meets of all that were tried on any plant, by whatever method: that the loop does not says nothing of the loop.
+    OutOfReach,
 }
 
 /// What a claim is judged by, and by nothing else.
@@ -194,6 +201,7 @@ impl Judged {
         match standing {
             Standing::Sure if count.all() => Verdict::Check,
             Standing::Sure => Verdict::NotReproduced,
+            Standing::OutOfReach if count.few() => Verdict::OutOfReach,
             _ if count.few() || self.is_worse_than_chance() => Verdict::NotReproduced,
             _ if by_chance.is_some_and(|chance| chance > BY_CHANCE + SAME) => Verdict::NotDiscriminating,
             Standing::FittedEnds => Verdict::PartlyCalibrated,
@@ -270,6 +278,13 @@ pub(crate) fn words() -> Vec<(&'static str, String)> {
                 "it would be in kind or in part, but a design that nobody chose meets it too, in more than {:.0} % of the cases; of the test \
                  that drops cells, a blind draw of as many cells.",
                 100.0 * BY_CHANCE
+            ),
+        ),
+        (
+            "Out of reach",
+            format!(
+                "in fewer than {FEW_PCT} % of the campaigns over the ensemble, of what a design shows, and no design that any method tried on any plant \
+                 shows it: no loop over these plants could. Not asked of one plant, where few designs are flown."
             ),
         ),
         (
@@ -384,6 +399,18 @@ mod tests {
         }
     }
 
+    /// One design that meets it after all, and the word is that of the others.
+    #[test]
+    fn what_is_out_of_reach_does_not_count() {
+        assert_eq!(verdict(0, 150, Standing::OutOfReach, Some(0.0)), Verdict::OutOfReach);
+        assert_eq!(verdict(0, 150, Standing::StandIn, Some(0.0)), Verdict::NotReproduced);
+        assert_eq!(
+            verdict(140, 150, Standing::OutOfReach, Some(0.1)),
+            Verdict::InKind,
+            "nobody is told that it cannot be"
+        );
+    }
+
     #[test]
     fn ties_are_said_where_a_word_hangs_on_them() {
         let judged = |holding, cases, chance| Judged {
@@ -408,6 +435,6 @@ mod tests {
     #[test]
     fn the_first_four_words_count() {
         let counting: Vec<bool> = Verdict::ALL.iter().map(|verdict| verdict.counts()).collect();
-        assert_eq!(counting, [true, true, true, true, false, false, false, false, false]);
+        assert_eq!(counting, [true, true, true, true, false, false, false, false, false, false]);
     }
 }

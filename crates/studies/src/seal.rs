@@ -8,32 +8,6 @@ use anyhow::{Context as _, Result, ensure};
 
 use crate::costs::key::Key;
 
-/// What a text that files are made from decides: neither words nor what stands under `others` at the top.
-pub(crate) fn decisive(text: &str, others: &[&str]) -> Result<toml::Table> {
-    let mut table: toml::Table = text.parse()?;
-    others.iter().for_each(|key| drop(table.remove(*key)));
-    drop_words(&mut table);
-    Ok(table)
-}
-
-/// Keys whose words decide nothing.
-const WORDS: [&str; 5] = ["title", "label", "reason", "source", "provenance"];
-
-fn drop_words(table: &mut toml::Table) {
-    WORDS.iter().for_each(|key| drop(table.remove(*key)));
-    for (_, value) in table.iter_mut() {
-        drop_words_within(value);
-    }
-}
-
-fn drop_words_within(value: &mut toml::Value) {
-    match value {
-        toml::Value::Table(table) => drop_words(table),
-        toml::Value::Array(values) => values.iter_mut().for_each(drop_words_within),
-        _ => {}
-    }
-}
-
 /// Drops entries by their keys, `SECTION.NAME` each, of those keys that begin with `before`.
 pub(crate) fn drop_entries(table: &mut toml::Table, before: &str, keys: &[String]) {
     for key in keys.iter().filter_map(|key| key.strip_prefix(before)) {
@@ -190,16 +164,5 @@ mod tests {
             let error = open(path, form, "a,b\n1,2\n", "abc").expect_err("no first line").to_string();
             assert!(error.contains(&form.line("abc", "a,b\n1,2\n")), "{error}");
         }
-    }
-
-    /// Comments, reasons and what is named beside do not count; numbers do.
-    #[test]
-    fn words_decide_nothing() {
-        let text = |lower: &str, reason: &str, members: &str| {
-            format!("# why\nmembers = {members}\n[[free]]\nkey = \"a\"\nlower = {lower}\nreason = \"{reason}\"\n")
-        };
-        let of = |text: String| decisive(&text, &["members"]).expect("a table").to_string();
-        assert_eq!(of(text("1.0", "old", "3")), of(text("1.0", "new", "4")));
-        assert_ne!(of(text("1.0", "old", "3")), of(text("1.5", "old", "3")));
     }
 }

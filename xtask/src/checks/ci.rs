@@ -38,6 +38,7 @@ const STEPS: &[Step] = &[
     Step { heading: "identified plants", run: || study(&["identify", "--check"]) },
     Step { heading: "constraints", run: || study(&["benchmark", "--constrained", "--check"]) },
     Step { heading: "plants built", run: || study(&["plants", "--check"]) },
+    Step { heading: "flights in lanes", run: || study(&["speed", "--guard"]) },
     Step { heading: "claims over the ensemble", run: || study(&["reproduce-all", "--ensemble", "--check"]) },
     Step { heading: "all chapters", run: || study(&["reproduce-all", "--check"]) },
 ];

@@ -36,6 +36,10 @@ const PROOFS: &[Proof] = &[
         claim: "what is kept of each plant of the ensemble over its box is what it flies",
         by: By::Study(&["calibrate", "--check", "--all"]),
     },
+    Proof {
+        claim: "kept campaigns on a plant of the ensemble, one unit of each kind, are those of this program",
+        by: By::Study(&["reproduce-all", "--ensemble", "--check", "--all"]),
+    },
 ];
 
 /// A proof that held.

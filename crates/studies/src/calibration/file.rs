@@ -14,7 +14,8 @@ use super::free::{Free, FreeEntry};
 use super::outcome::Member;
 use super::store::{Range, Shape};
 use crate::costs::key::Key;
-use crate::seal::{decisive, drop_entries};
+use crate::decisive::decisive;
+use crate::seal::drop_entries;
 use crate::study_file;
 
 const FILE: &str = "fixtures/bat/calibration.toml";

@@ -7,10 +7,26 @@ use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
 
 use crate::claims::{Claim, Place, Truth};
+use crate::costs::key::Key;
+use crate::decisive::decisive;
 use crate::kept;
 use crate::rules::Judged;
 
 const FILE: &str = "fixtures/bat/chapter6-all-levels.json";
+const WRITTEN_BY: &str = "cargo xtask reproduce-chapter6 --full";
+/// What decides of it.
+const FILES: [&str; 4] = ["chapter6.toml", "rig.toml", "test-profile.toml", "cost-chapter7.toml"];
+
+/// Names what the files of today say, but for their words.
+fn made_from(root: &Path) -> Result<String> {
+    let mut key = Key::default();
+    for name in FILES {
+        let path = root.join("fixtures/bat").join(name);
+        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        key = key.with(decisive(&text, &[]).with_context(|| path.display().to_string())?.to_string());
+    }
+    Ok(key.name())
+}
 
 /// A claim as all levels judge it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,26 +51,35 @@ impl Row {
 #[serde(deny_unknown_fields)]
 pub(crate) struct AllLevels {
     written_by: String,
+    /// Names the study, the rig, the test and the weights.
+    made_from: String,
     rows: Vec<Row>,
 }
 
 impl AllLevels {
-    fn of(claims: &[Claim]) -> Self {
+    fn of(claims: &[Claim], made_from: String) -> Self {
         let row = |claim: &Claim| {
             let (place, says) = (claim.place.clone(), claim.says.clone());
             Some(Row { place, says, truth: claim.truth, judged: claim.judged? })
         };
-        Self {
-            written_by: "cargo xtask reproduce-chapter6 --full".to_owned(),
-            rows: claims.iter().filter_map(row).collect(),
-        }
+        Self { written_by: WRITTEN_BY.to_owned(), made_from, rows: claims.iter().filter_map(row).collect() }
     }
 
-    /// What is kept.
+    /// What is kept of today's files; of others it says nothing, and that is told.
     #[cfg(feature = "ensemble")]
     pub(crate) fn read(root: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(root.join(FILE)).context(FILE)?;
-        serde_json::from_str(&text).with_context(|| format!("{FILE}: take it back from version control"))
+        let kept: Self =
+            serde_json::from_str(&text).with_context(|| format!("{FILE}: take it back from version control"))?;
+        let today = made_from(root)?;
+        if kept.made_from == today {
+            return Ok(kept);
+        }
+        eprintln!(
+            "warning: {FILE} was made from `{}`, today's files are `{today}`: it overrules nothing until `{WRITTEN_BY}` makes it anew",
+            kept.made_from
+        );
+        Ok(Self { rows: Vec::new(), ..kept })
     }
 
     /// Puts the judgement by all levels in the place of that by fewer, where it comes to another word. Whether it does.
@@ -81,7 +106,7 @@ impl AllLevels {
 
 /// Keeps what a run with all levels came to.
 pub(super) fn keep(root: &Path, claims: &[Claim]) -> Result<()> {
-    let text = serde_json::to_string_pretty(&AllLevels::of(claims)).context(FILE)?;
+    let text = serde_json::to_string_pretty(&AllLevels::of(claims, made_from(root)?)).context(FILE)?;
     kept::replace(&root.join(FILE), format!("{text}\n").as_bytes())
 }
 
@@ -91,6 +116,7 @@ mod tests {
     use super::*;
     use crate::claims::Verdict;
     use crate::rules::{Count, Standing};
+    use crate::seal::Copies;
 
     fn root() -> std::path::PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -118,10 +144,21 @@ mod tests {
     }
 
     #[test]
+    fn of_another_plant_nothing_is_overruled() {
+        let copies = Copies::of(&FILES);
+        let path = copies.root().join(FILE);
+        std::fs::copy(root().join(FILE), path).expect("a copy");
+        let n_rows = || AllLevels::read(copies.root()).expect("kept").rows.len();
+        assert!(n_rows() > 0, "of today's files");
+        let after = copies.with("cost-chapter7.toml", ["value = ", "value = 1"], n_rows);
+        assert_eq!(after, 0, "other weights");
+    }
+
+    #[test]
     fn all_levels_overrule_where_they_say_another_word() {
         let judged = |holding| Judged::of(Count { holding, cases: 26 }, Standing::StandIn);
         let fewer = |holding| Claim::new(Place::Section("5.5".into()), "It keeps", judged(holding), "So.".into());
-        let kept = AllLevels::of(&[fewer(16)]);
+        let kept = AllLevels::of(&[fewer(16)], String::new());
         let mut claim = fewer(26);
         assert!(kept.overrule(&mut claim));
         assert_eq!((claim.verdict, claim.judged), (Verdict::InPart, Some(judged(16))));

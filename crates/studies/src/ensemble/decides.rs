@@ -26,7 +26,7 @@ pub(super) struct Property {
     values: Vec<f64>,
 }
 
-/// The numbers that were free, and what the model is worth in a study and a world.
+/// The numbers that were free, where the water moves by what the sides differ, and what the model is worth in a study and a world.
 pub(super) fn properties(setup: &Setup, cases: &[Case<'_>], study: Study, world: World) -> Vec<Property> {
     let free = setup.keys.iter().enumerate().map(|(k, key)| Property {
         name: format!("`{key}`"),
@@ -34,6 +34,14 @@ pub(super) fn properties(setup: &Setup, cases: &[Case<'_>], study: Study, world:
     });
     let case = |plant: u64| cases.iter().find(|case| case.study == study && case.world == world && case.plant == plant);
     let mut all: Vec<Property> = free.collect();
+    if world == World::Moving {
+        let sides: Vec<Vec<(&str, f64)>> = setup.plants.iter().map(|plant| setup.sides(plant.number)).collect();
+        let keys = sides.first().into_iter().flatten().map(|(key, _)| *key);
+        all.extend(keys.enumerate().map(|(k, key)| Property {
+            name: format!("`{key}`, from side to side"),
+            values: sides.iter().map(|sides| sides[k].1).collect(),
+        }));
+    }
     for (name, words) in [
         ("rank_correlation", "rank correlation of model and truth"),
         ("fit_of_61", "R² of (61)"),

@@ -116,7 +116,9 @@ fn counts(rows: &[Row<'_>]) -> Table {
     let mut heads = vec![Column::new("Verdict", ""), Column::new("All plants", "claims")];
     heads.extend(WORTH.map(|(_, words)| Column::new(&format!("best by {words}"), "claims")));
     let mut table = Table::new(heads);
-    for verdict in [Verdict::InKind, Verdict::InPart, Verdict::NotReproduced, Verdict::NotDiscriminating] {
+    for verdict in
+        [Verdict::InKind, Verdict::InPart, Verdict::NotReproduced, Verdict::NotDiscriminating, Verdict::OutOfReach]
+    {
         let of = |judged: &dyn Fn(&Row<'_>) -> Option<Verdict>| {
             rows.iter().filter(|row| judged(row) == Some(verdict)).count().to_string()
         };

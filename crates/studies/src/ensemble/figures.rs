@@ -10,11 +10,12 @@ use super::tables::Both;
 use crate::rules::Verdict;
 
 /// What becomes of claims here.
-const KINDS: [Verdict; 6] = [
+const KINDS: [Verdict; 7] = [
     Verdict::InKind,
     Verdict::InPart,
     Verdict::NotReproduced,
     Verdict::NotDiscriminating,
+    Verdict::OutOfReach,
     Verdict::PartlyCalibrated,
     Verdict::Check,
 ];

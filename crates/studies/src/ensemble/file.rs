@@ -202,14 +202,19 @@ impl Setup {
         &self.moving.profile
     }
 
-    /// The rig of a plant with sides that differ, drawn by its number.
+    /// By what the sides of a plant differ, drawn by its number: key and value.
+    pub(super) fn sides(&self, plant: u64) -> Vec<(&str, f64)> {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.hull.seed);
+        rng.set_stream(plant);
+        let value = |largest: f64, rng: &mut ChaCha8Rng| (2.0 * rng.random::<f64>() - 1.0) * largest;
+        self.hull.asymmetry.iter().map(|entry| (&*entry.key, value(entry.largest, &mut rng))).collect()
+    }
+
+    /// The rig of a plant with sides that differ.
     pub(super) fn lopsided(&self, plant: &calibration::Plant) -> Rig {
         let mut rig = plant.rig.clone();
-        let mut rng = ChaCha8Rng::seed_from_u64(self.hull.seed);
-        rng.set_stream(plant.number);
-        for entry in &self.hull.asymmetry {
-            let share = 2.0 * rng.random::<f64>() - 1.0;
-            set(&mut rig, &entry.key, share * entry.largest);
+        for (key, value) in self.sides(plant.number) {
+            set(&mut rig, key, value);
         }
         for entry in &self.hull.given {
             set(&mut rig, &entry.key, entry.value);

@@ -74,12 +74,26 @@ impl Judged {
 /// What became of a claim in a world.
 pub(super) fn judge(claim: &Claim, world: World, cases: &[Case<'_>]) -> Judged {
     let by = claim.judged_by(world);
-    let mine = cases.iter().filter(|case| case.study == claim.study && Some(case.world) == by);
-    let shares = mine.filter_map(|case| {
+    let mine = || cases.iter().filter(|case| case.study == claim.study && Some(case.world) == by);
+    let shares = mine().filter_map(|case| {
         let (outcomes, chance) = outcomes(claim, case);
         (!outcomes.is_empty()).then(|| Share { plant: case.plant, count: Count::of(outcomes), chance })
     });
-    Judged::of(shares.collect(), claim.standing_in(world))
+    let is_within_reach = claim.of_a_place || mine().any(|case| is_within_reach(claim, case));
+    let standing = if is_within_reach { claim.standing_in(world) } else { Standing::OutOfReach };
+    Judged::of(shares.collect(), standing)
+}
+
+/// Whether any design that was tried on a plant, by whatever method, meets a claim about designs; others are not asked.
+fn is_within_reach(claim: &Claim, case: &Case<'_>) -> bool {
+    let anybody = |before: &Row, test: &dyn Fn(&Row, &Row) -> bool| case.rows.iter().any(|row| test(before, row));
+    match &claim.test {
+        Test::End(test) => case.numerical().is_some_and(|before| anybody(before, test)),
+        Test::SinceFirst(test) => {
+            paths(case).iter().filter_map(|path| path.first()).any(|before| anybody(before, test))
+        }
+        Test::Path(_) | Test::Kept | Test::Seed(_) | Test::Plant(_) => true,
+    }
 }
 
 /// Campaign by campaign whether a claim holds, and by chance: for how many of the designs that nobody chose it would, or for how many

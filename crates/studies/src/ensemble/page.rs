@@ -90,7 +90,7 @@ fn batches(setup: &Setup, study: Study) -> [usize; 2] {
 
 const HOW: &str = "Written by `cargo xtask reproduce-all --ensemble` from what is kept in `fixtures/bat/ensemble`: a row for each design that \
     somebody chose, with what it truly shows. A run that is killed goes on where it was, `--page` writes this page alone, and `--check`, a \
-    part of `cargo xtask ci`, holds it against what is kept and runs a little of it again.";
+    part of `cargo xtask ci`, holds it against what is kept and flies the center of the box on two plants again; `cargo xtask proofs` runs a unit of each kind.";
 
 const WORLDS: &str = "**Still water**: the stand-in as it was calibrated, its state known, and bounded noise added to the cost as the files of \
     the chapters say. **Moving water**: turbulence, vortex shedding and a hull whose sides differ, drawn plant by plant; an experiment is one \
@@ -224,18 +224,21 @@ fn decided(setup: &Setup, cases: &[Case<'_>], all: &[Both]) -> String {
         entries.iter().map(|(both, k, properties)| (&both.judged[*k], properties.as_slice())).collect();
     let found = decides::decide(setup, &judged);
     let looked = found.iter().flatten().count();
-    let n_properties = entries.first().map_or(0, |(.., properties)| properties.len());
+    let n_properties = |world: usize| entries.iter().find(|(_, k, _)| *k == world).map_or(0, |(.., of)| of.len());
+    let n_properties = [n_properties(0), n_properties(1)];
     let decided: Vec<(&Both, usize, Decided)> =
         entries.iter().zip(found).filter_map(|((both, k, _), found)| Some((*both, *k, found?))).collect();
     let count = |p: fn(&Decided) -> f64| decided.iter().filter(|(.., one)| p(one) <= tables::SIGNIFICANT).count();
     let [own, of_all] = [count(|one| one.p), count(|one| one.p_of_all)];
     let mut text = format!(
         "\n## What decides\n\nOf the claims that count, {looked}, still and moving water taken apart, hold in more than half of the campaigns of at \
-         least three plants and fail so in at least three. For each, the property of the plants that goes with it most closely by rank correlation, out of {n_properties}: the numbers that were free \
-         in the calibration, and what the model is worth. p is the share of {} random orders of the plants that give a correlation as large with \
+         least three plants and fail so in at least three. For each, the property of the plants that goes with it most closely by rank correlation, out of {} in still and {} in moving water: the numbers that were free \
+         in the calibration, there also by what the sides differ, and what the model is worth. p is the share of {} random orders of the plants that give a correlation as large with \
          any property of the same claim; then the share of orders in which any of these claims has a p as small. {own} reach {} for their own properties, {} would by chance; {of_all} for all \
          claims. Those {own} are shown, each claim in one row: property, rank correlation, p for its own properties, p for all claims; of the \
          others nothing goes with them closely enough.",
+        n_properties[0],
+        n_properties[1],
         decides::N_ORDERS,
         tables::SIGNIFICANT,
         crate::words::number(tables::SIGNIFICANT * looked as f64, 1),
@@ -258,13 +261,14 @@ fn count_words(all: &[Both], k: usize) -> String {
     let of = |verdict: Verdict| all.iter().filter(|both| both.judged[k].is(verdict)).count();
     let judged = all.iter().filter(|both| both.judged[k].verdict().is_some()).count();
     format!(
-        "In {} water, of {judged} claims {} hold in kind, {} in part, {} do not. The others do not count: {} do not discriminate, {} were partly \
-         calibrated, and {} could not fail.",
+        "In {} water, of {judged} claims {} hold in kind, {} in part, {} do not. The others do not count: {} do not discriminate, {} are met by no \
+         design that was tried, {} were partly calibrated, and {} could not fail.",
         World::OF_CAMPAIGNS[k].name(),
         of(Verdict::InKind),
         of(Verdict::InPart),
         of(Verdict::NotReproduced),
         of(Verdict::NotDiscriminating),
+        of(Verdict::OutOfReach),
         of(Verdict::PartlyCalibrated),
         of(Verdict::Check)
     )

@@ -24,6 +24,16 @@ pub(super) struct Found {
     pub(super) seconds: f64,
 }
 
+impl Found {
+    /// Whether another run found the same, to the digits that are kept; how many flights that took may differ.
+    pub(super) fn agrees_with(&self, other: &Self) -> bool {
+        let rows = |found: &Self| found.rows.iter().map(Row::cells).collect::<Vec<_>>();
+        let facts =
+            |found: &Self| found.facts.iter().filter(|fact| fact.name != LAST).map(Fact::cells).collect::<Vec<_>>();
+        rows(self) == rows(other) && facts(self) == facts(other)
+    }
+}
+
 /// One unit with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Done {
@@ -222,6 +232,16 @@ impl Store {
             }
         }
         let ended: BTreeSet<Unit> = units.iter().cloned().collect();
+        let lines = [&rows, &times, &facts].into_iter().flat_map(|table| &table.lines);
+        let unfinished: BTreeSet<&Unit> = lines.map(|line| &line.unit).filter(|unit| !ended.contains(*unit)).collect();
+        if let ([first, _, ..], n) = (&unfinished.iter().collect::<Vec<_>>()[..], unfinished.len()) {
+            bail!(
+                "{}: {n} studies of a plant are not whole, {} of plant {} first, and a run that is killed leaves one at most; {REMEDY}",
+                folder.display(),
+                first.0,
+                first.1
+            );
+        }
         [&mut rows, &mut times, &mut facts].into_iter().for_each(|table| table.keep(&ended));
         let (of_rows, of_times, of_facts) = (rows.by_unit(), times.by_unit(), facts.by_unit());
         let none = Vec::new();
@@ -308,9 +328,13 @@ mod tests {
 
     /// Adds what is missing of three units.
     fn go_on(folder: &Path) -> Store {
+        go_on_to(folder, 3)
+    }
+
+    fn go_on_to(folder: &Path, end: u64) -> Store {
         let mut store = Store::read(folder, "key").expect("a store");
         store.drop_unfinished().expect("a writable store");
-        for number in 0..3 {
+        for number in 0..end {
             let unit = ("two".to_owned(), number);
             if !store.has(&unit) {
                 store.add(unit, found(number), 7).expect("written");
@@ -320,29 +344,42 @@ mod tests {
     }
 
     #[test]
-    fn wherever_the_tables_are_cut_a_run_goes_on_to_the_same_tables() {
+    fn wherever_a_run_is_killed_it_goes_on_to_the_same_tables() {
         let folder = tempfile::tempdir().expect("a folder");
         go_on(folder.path());
         let whole = texts(folder.path());
-        // A kill leaves the tables as they were written: one after the other, and each up to some byte.
-        let ends = whole.each_ref().map(String::len);
-        for cut in (0..ends.iter().sum::<usize>()).step_by(43) {
-            for (k, name) in NAMES.iter().enumerate() {
-                let before: usize = ends[..k].iter().sum();
-                let end = cut.saturating_sub(before).min(ends[k]);
-                fs::write(folder.path().join(name), &whole[k][..end]).expect("written");
-            }
-            go_on(folder.path());
-            let again = texts(folder.path());
-            let sorted = |text: &String| {
-                let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-                lines[2..].sort();
-                lines
-            };
-            for (whole, again) in whole.iter().zip(&again) {
-                assert_eq!(sorted(whole), sorted(again), "cut at {cut}");
+        for units in 0..3 {
+            let before = tempfile::tempdir().expect("a folder");
+            go_on_to(before.path(), units);
+            let ends = texts(before.path()).map(|text| text.len());
+            go_on_to(before.path(), units + 1);
+            let after = texts(before.path());
+            // A kill leaves the tables as they are written: one after the other, and each up to some byte.
+            let added: Vec<usize> = after.iter().zip(ends).map(|(text, end)| text.len() - end).collect();
+            for cut in (0..added.iter().sum::<usize>()).step_by(17) {
+                for (k, name) in NAMES.iter().enumerate() {
+                    let end = ends[k] + cut.saturating_sub(added[..k].iter().sum()).min(added[k]);
+                    fs::write(folder.path().join(name), &after[k][..end]).expect("written");
+                }
+                go_on(folder.path());
+                assert_eq!(whole, texts(folder.path()), "{units} units, cut at {cut}");
             }
         }
+    }
+
+    #[test]
+    fn more_than_a_kill_can_have_left_is_refused_and_nothing_is_dropped() {
+        let folder = tempfile::tempdir().expect("a folder");
+        go_on(folder.path());
+        let path = folder.path().join(NAMES[2]);
+        let text = fs::read_to_string(&path).expect("a table");
+        // The facts of the last two units.
+        let lines: Vec<&str> = text.lines().take(4).collect();
+        fs::write(&path, lines.join("\n") + "\n").expect("written");
+        let cut = texts(folder.path());
+        let error = format!("{:#}", Store::read(folder.path(), "key").expect_err("two units are not whole"));
+        assert!(error.contains("2 studies of a plant are not whole, two of plant 1 first"), "{error}");
+        assert_eq!(texts(folder.path()), cut);
     }
 
     #[test]

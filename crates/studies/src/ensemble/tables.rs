@@ -91,7 +91,9 @@ pub(super) fn met_by_others(all: &[Both], cases: &[Case<'_>]) -> Table {
     {
         let claim = &both.claim;
         let count = |method: Method| met_by(claim, method, world, cases);
-        if judged.verdict().is_none_or(|verdict| verdict == Verdict::NotReproduced) || count(JUDGED).is_none() {
+        if judged.verdict().is_none_or(|verdict| matches!(verdict, Verdict::NotReproduced | Verdict::OutOfReach))
+            || count(JUDGED).is_none()
+        {
             continue;
         }
         let words = |count: Option<Count>| count.map_or("–".to_owned(), |count| number(100.0 * count.share(), 1));

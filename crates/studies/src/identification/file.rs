@@ -13,7 +13,7 @@ use super::which::Which;
 use crate::calibration::{Candidate, Free, FreeEntry};
 use crate::chapter4::Setup;
 use crate::costs::key::Key;
-use crate::seal::decisive;
+use crate::decisive::decisive;
 use crate::study_file;
 
 const FILE: &str = "fixtures/bat/identification.toml";

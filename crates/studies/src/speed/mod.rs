@@ -1,6 +1,7 @@
 //! `cargo xtask speed`: how fast this is, each figure a ratio to a reference in the same run.
 
 mod builds;
+mod guard;
 mod page;
 mod switches;
 mod tasks;
@@ -10,6 +11,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Result, ensure};
+pub(crate) use guard::run as guard;
 use page::Row;
 pub(crate) use switches::run as flights;
 use tasks::{Task, tasks};
