@@ -75,7 +75,7 @@ impl Verdict {
             Self::InPart => palette::ORANGE,
             Self::NotReproduced => palette::VERMILION,
             Self::NotDiscriminating => "#888888",
-            Self::OutOfReach => "#777777",
+            Self::OutOfReach => "#555555",
             Self::PartlyCalibrated => "#999999",
             Self::Calibrated => "#bbbbbb",
             Self::TakenOver => "#cccccc",
