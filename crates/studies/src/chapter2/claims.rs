@@ -16,6 +16,7 @@ pub(crate) fn claims(findings: &Findings<'_>) -> Result<Vec<Claim>> {
     Ok(vec![
         equivalence(findings),
         groups_of_the_plant(findings),
+        groups_in_normalized_time(findings),
         groups_of_the_controller(findings),
         powers_of_length(findings)?,
         scale_models(findings),
@@ -66,6 +67,17 @@ fn groups_of_the_plant(findings: &Findings<'_>) -> Claim {
         findings.groups_sentence(plant, "(15)"),
     )
     .in_short(in_numbers(plant))
+}
+
+fn groups_in_normalized_time(findings: &Findings<'_>) -> Claim {
+    let stretched = &findings.setup.normalized_time;
+    Claim::new(
+        Place::Section("2.4.1".to_owned()),
+        "In normalized time they give the 12 groups (17)",
+        theory(is_same(stretched)),
+        findings.groups_sentence(stretched, "(17)"),
+    )
+    .in_short(in_numbers(stretched))
 }
 
 fn groups_of_the_controller(findings: &Findings<'_>) -> Claim {

@@ -15,6 +15,7 @@ pub(crate) struct StudyFile {
     pub(crate) title: String,
     files: FilesEntry,
     plant: SystemEntry,
+    normalized_time: SystemEntry,
     controller: SystemEntry,
     also: Also,
     pub(crate) stated: Vec<Stated>,
@@ -158,6 +159,8 @@ pub(crate) struct Setup {
     pub(crate) file: StudyFile,
     pub(crate) units: Units,
     pub(crate) plant: Analysis,
+    /// The plant again, with time stretched.
+    pub(crate) normalized_time: Analysis,
     pub(crate) controller: Analysis,
     /// All variables of both.
     pub(crate) both: System,
@@ -208,6 +211,7 @@ impl Setup {
     fn of(file: StudyFile, directory: &Path) -> Result<Self> {
         let units = units_of_the_files()?;
         let plant = file.plant.analysis(&units, "plant")?;
+        let normalized_time = file.normalized_time.analysis(&units, "normalized_time")?;
         let controller = file.controller.analysis(&units, "controller")?;
         let mut variables = plant.system.variables().to_vec();
         variables.extend(
@@ -255,7 +259,20 @@ impl Setup {
         let reynolds = System::parse(&units, &[("L_c", "m"), ("V", "m/s"), ("nu", &file.viscosity.unit)])
             .and_then(|system| system.groups(&["L_c", "nu"]))
             .context("viscosity")?;
-        let setup = Self { file, units, plant, controller, both, set_ups, tolerance, reference, reynolds, rig, texts };
+        let setup = Self {
+            file,
+            units,
+            plant,
+            normalized_time,
+            controller,
+            both,
+            set_ups,
+            tolerance,
+            reference,
+            reynolds,
+            rig,
+            texts,
+        };
         setup.full_scale_law()?;
         setup.reynolds()?;
         Ok(setup)

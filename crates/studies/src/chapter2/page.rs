@@ -105,6 +105,7 @@ pub(crate) fn page(
         "Plant: the groups of Table 1's variables, computed in exact arithmetic.",
     );
     page.paragraph(&findings.groups_sentence(&setup.plant, "(15)"));
+    page.paragraph(&in_normalized_time(findings));
     page.table(&tables::groups(&setup.controller, LISTED_19), "Controller: the groups of Section 2.4.2's variables.");
     page.paragraph(&findings.groups_sentence(&setup.controller, REPAIRED_19));
     page.heading("The dissertation's Table 2, checked");
@@ -159,7 +160,7 @@ pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim], first: &str) -
         "# Chapter 2: results\n\n{first}\n\
          Written by `cargo xtask reproduce-chapter2`; `cargo xtask ci` fails when this page is not what the command finds.\n\
          {NO_EXPERIMENT}\n\n{}\n\
-         ## Dimensionless groups\n\n{}\n\n{}\n{}\n\n{}\n\
+         ## Dimensionless groups\n\n{} {}\n\n{}\n{}\n\n{}\n\
          ## The dissertation's Table 2, checked\n\n{}\n{SIMILARITY_CAPTION}\n\n{}\n{}\n\n{}\n{}\n\n\
          ## Figures 11 and 12\n\n{}\n\n{COLLAPSE_CAPTION}\n\n{}\n{}\n\n\
          ## What this does not show\n\n{BY_CONSTRUCTION}\n\n{REYNOLDS_CAPTION}\n\n{}\n\
@@ -167,6 +168,7 @@ pub(crate) fn markdown(findings: &Findings<'_>, claims: &[Claim], first: &str) -
          ## The rig at full scale, in air\n\n{}{}\n{}",
         claims::by_verdict_markdown(claims),
         findings.groups_sentence(&setup.plant, "(15)"),
+        in_normalized_time(findings),
         tables::groups(&setup.plant, LISTED_15).markdown(),
         findings.groups_sentence(&setup.controller, REPAIRED_19),
         tables::groups(&setup.controller, LISTED_19).markdown(),
@@ -204,4 +206,11 @@ pub(crate) fn print(findings: &Findings<'_>, out: &Path) {
         out.display(),
         findings.seconds
     );
+}
+
+fn in_normalized_time(findings: &Findings<'_>) -> String {
+    format!(
+        "With speed and gravity in normalized time: {}",
+        findings.groups_sentence(&findings.setup.normalized_time, "(17)")
+    )
 }

@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn computed_groups_and_listed_groups_say_the_same() {
         let setup = setup();
-        for (analysis, count) in [(&setup.plant, 11), (&setup.controller, 8)] {
+        for (analysis, count) in [(&setup.plant, 11), (&setup.normalized_time, 12), (&setup.controller, 8)] {
             assert_eq!((analysis.groups.len(), analysis.listed.len()), (count, count), "groups");
             assert!(analysis.groups.span_same_space(&analysis.listed), "{:?}", analysis.listed);
             assert!(!analysis.groups.span_same_space(&analysis.listed[1..]), "one less is not enough");
