@@ -8,7 +8,7 @@ mod tasks;
 mod theirs;
 
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Result, ensure};
 pub(crate) use guard::run as guard;
@@ -25,6 +25,8 @@ const ROUNDS: usize = 11;
 const THREADS: usize = 2;
 /// Before each of both: threads of the other that wait for more to do keep a core busy for a while.
 const REST: Duration = Duration::from_millis(200);
+/// Untimed runs before each of both.
+const WARMING: Duration = Duration::from_millis(50);
 /// Estimates of both agree to this, relative.
 const SAME: f64 = 1e-9;
 
@@ -44,17 +46,24 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     page::write(root, &rows, &built, THREADS, theirs.versions())
 }
 
+/// Again and again for a while, of which the last counts: threads that have rested begin on one processor, and the system moves them apart
+/// some milliseconds later.
+fn last_of<T>(mut run: impl FnMut() -> Result<T>) -> Result<T> {
+    let start = Instant::now();
+    while start.elapsed() < WARMING {
+        run()?;
+    }
+    run()
+}
+
 /// Ours and the reference in turn, so that whatever else the machine does slows both.
 fn measured(mut task: Task, theirs: &mut Theirs) -> Result<Row> {
     let mut row = Row { task: task.words, reference: task.reference.words(), goal: task.goal, seconds: Vec::new() };
     for round in 0..=ROUNDS {
-        // Twice, of which the second counts: a processor that has rested takes some milliseconds to wake.
         std::thread::sleep(REST);
-        (task.ours)()?;
-        let (ours, sum) = (task.ours)()?;
+        let (ours, sum) = last_of(&mut task.ours)?;
         std::thread::sleep(REST);
-        task.reference.run(theirs)?;
-        let (reference, expected) = task.reference.run(theirs)?;
+        let (reference, expected) = last_of(|| task.reference.run(theirs))?;
         if let Some(expected) = expected {
             let is_same = (sum - expected).abs() <= SAME * expected.abs();
             ensure!(is_same, "{}: our estimates sum to {sum}, the reference's to {expected}", task.words);
