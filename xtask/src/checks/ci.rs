@@ -46,7 +46,6 @@ const STEPS: &[Step] = &[
 /// Runs the steps.
 pub(crate) fn run() -> Result<()> {
     let start = Instant::now();
-    python::make_ready();
     for (number, step) in STEPS.iter().enumerate() {
         print!("[{}/{}] {:28}", number + 1, STEPS.len(), step.heading);
         std::io::stdout().flush().context("standard output")?;

@@ -5,8 +5,6 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::{Mutex, PoisonError};
-use std::thread;
 
 use anyhow::{Context as _, Result, bail, ensure};
 use toml::{Table, Value};
@@ -43,26 +41,11 @@ pub(crate) fn check(build: Build) -> Result<()> {
     }
 }
 
-/// Held while the environment is made.
-static MAKING: Mutex<()> = Mutex::new(());
-
-/// Begins to make the environment, which takes one processor half a minute; whoever needs it waits for it, and hears what is wrong.
-pub(crate) fn make_ready() {
-    thread::spawn(|| {
-        let made = MAKING.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(python) = workspace::interpreter() {
-            drop(Place::of_the_workspace().and_then(|place| place.prepare(&python)));
-        }
-        drop(made);
-    });
-}
-
 fn check_with(python: &Path, build: Build) -> Result<()> {
-    let place = Place::of_the_workspace()?;
-    let made = MAKING.lock().unwrap_or_else(PoisonError::into_inner);
-    let is_there = place.prepare(python)?;
-    drop(made);
-    if !is_there {
+    let root = workspace::root()?;
+    let folder = workspace::target_directory()?.join("python");
+    let place = Place { venv: folder.join("venv"), root, folder };
+    if !place.prepare(python)? {
         println!("NOT CHECKED: pip cannot get what the tests of the Python package need");
         return Ok(());
     }
@@ -75,12 +58,6 @@ fn check_with(python: &Path, build: Build) -> Result<()> {
 }
 
 impl Place {
-    fn of_the_workspace() -> Result<Self> {
-        let root = workspace::root()?;
-        let folder = workspace::target_directory()?.join("python");
-        Ok(Self { venv: folder.join("venv"), root, folder })
-    }
-
     /// An environment with what the package is built with and tested by; `false` where pip cannot get it. One that is
     /// there is used again, as long as the list is the same.
     fn prepare(&self, python: &Path) -> Result<bool> {
