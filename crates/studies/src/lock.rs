@@ -7,7 +7,7 @@ use anyhow::{Context as _, Error, Result, bail};
 
 const FOLDER: &str = "target/reproduction";
 /// Runs with one of these words write nothing that is kept.
-const READERS: [&str; 5] = ["--check", "--guard", "--serve", "design-page", "speed"];
+const READERS: [&str; 4] = ["--check", "--guard", "--serve", "design-page"];
 /// Runs with one of these write other tables than the command alone.
 const APART: [&str; 2] = ["--ensemble", "--constrained"];
 

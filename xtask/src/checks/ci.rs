@@ -83,8 +83,7 @@ fn documentation() -> Result<()> {
 /// Runs a study by the program that was built with all others.
 fn study(words: &[&str]) -> Result<()> {
     workspace::build_programs()?;
-    let program = metadata()?.target_directory.join("release/studies").with_extension(std::env::consts::EXE_EXTENSION);
-    run_quietly(Command::new(program).args(words).current_dir(workspace::root()?))
+    workspace::run_study(words)
 }
 
 /// Runs every example, where what it writes is in nobody's way.

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::workspace::{cargo, root, run_cargo, run_quietly, target_directory};
+use crate::workspace::{cargo, root, run_cargo, run_study, target_directory};
 
 const PAGE: &str = "docs/proofs.md";
 /// Where a test writes a number that it has measured.
@@ -100,9 +100,7 @@ impl By {
                 read(&found)
             }
             Self::Study(words) => {
-                let program =
-                    target_directory()?.join("release/studies").with_extension(std::env::consts::EXE_EXTENSION);
-                run_quietly(Command::new(program).args(*words).current_dir(root()?))?;
+                run_study(words)?;
                 Ok("all the same".to_owned())
             }
         }

@@ -54,6 +54,12 @@ pub(crate) fn build_programs() -> Result<()> {
     run_cargo(&[&["build", "--release"], packages(), &["--lib", "--bins", "--examples"]].concat())
 }
 
+/// Runs a command of the studies, which were built before.
+pub(crate) fn run_study(words: &[&str]) -> Result<()> {
+    let program = target_directory()?.join("release/studies").with_extension(env::consts::EXE_EXTENSION);
+    run_quietly(Command::new(program).args(words).current_dir(root()?))
+}
+
 /// Where cargo puts what it builds.
 pub(crate) fn target_directory() -> Result<PathBuf> {
     Ok(metadata()?.target_directory)

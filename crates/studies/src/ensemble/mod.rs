@@ -168,17 +168,20 @@ pub(crate) fn write_page(root: &Path) -> Result<()> {
 /// That the page follows from what is kept, and that a plant flies as it did when that was kept.
 pub(crate) fn check(root: &Path) -> Result<()> {
     let setup = Setup::read(root)?;
-    let store = open_whole(root, &setup)?;
-    cameras::fly_again(&setup, &store.done)?;
-    setup.plants.first().map_or(Ok(()), |plant| curves::fly_again(&setup, &store.done, plant))?;
-    page::check(root, &setup, &store)
+    check_with(root, &setup, &open_whole(root, &setup)?)
+}
+
+fn check_with(root: &Path, setup: &Setup, store: &Store) -> Result<()> {
+    cameras::fly_again(setup, &store.done)?;
+    setup.plants.first().map_or(Ok(()), |plant| curves::fly_again(setup, &store.done, plant))?;
+    page::check(root, setup, store)
 }
 
 /// The same, and that one unit of each kind, on the last plant that has it, comes out as it is kept.
 pub(crate) fn check_all(root: &Path) -> Result<()> {
-    check(root)?;
     let setup = Setup::read(root)?;
     let store = open_whole(root, &setup)?;
+    check_with(root, &setup, &store)?;
     let designs = Memory::of(root, Extent::Default).designs()?;
     let of_each_kind: BTreeMap<String, Work<'_>> =
         works(&setup).into_iter().map(|work| (work.unit().0, work)).collect();

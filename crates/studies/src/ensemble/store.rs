@@ -234,12 +234,13 @@ impl Store {
         let ended: BTreeSet<Unit> = units.iter().cloned().collect();
         let lines = [&rows, &times, &facts].into_iter().flat_map(|table| &table.lines);
         let unfinished: BTreeSet<&Unit> = lines.map(|line| &line.unit).filter(|unit| !ended.contains(*unit)).collect();
-        if let ([first, _, ..], n) = (&unfinished.iter().collect::<Vec<_>>()[..], unfinished.len()) {
+        if unfinished.len() > 1
+            && let Some((work, plant)) = unfinished.first()
+        {
             bail!(
-                "{}: {n} studies of a plant are not whole, {} of plant {} first, and a run that is killed leaves one at most; {REMEDY}",
+                "{}: {} studies of a plant are not whole, {work} of plant {plant} first, and a run that is killed leaves one at most; {REMEDY}",
                 folder.display(),
-                first.0,
-                first.1
+                unfinished.len()
             );
         }
         [&mut rows, &mut times, &mut facts].into_iter().for_each(|table| table.keep(&ended));

@@ -4,16 +4,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Result, ensure};
+use bat_dynamics::LANES;
 use page::quantile;
-use water_channel::{
-    FlightRequest, FlightSettings, MovingWater, ProfileFile, RigFile, TestProfile, Turbulence, fly, fly_all,
-};
+use water_channel::{FlightRequest, FlightSettings, MovingWater, ProfileFile, RigFile, TestProfile, fly, fly_all};
 
-use super::tasks::over_the_box;
+use super::tasks::{TURBULENCE, over_the_box};
 use crate::words::number;
 
-/// Flights at a time, as many as there are lanes.
-const LANES: usize = 4;
 /// Lanes and flights alone, in turn.
 const ROUNDS: usize = 7;
 /// Four flights in lanes have to take so many times less than one after the other: 3.5 to 3.9 times were measured, and a third less
@@ -88,10 +85,7 @@ struct Bench {
 
 impl Bench {
     fn of(kind: &Kind, requests: &[FlightRequest], profile: &TestProfile) -> Result<Self> {
-        let intensity = 0.03;
-        let turbulence =
-            Turbulence { intensity, lateral_intensity: intensity, vertical_intensity: intensity, length_m: 0.1 };
-        let water = MovingWater { turbulence: kind.moving.then_some(turbulence), shedding: None, seed: 1 };
+        let water = MovingWater { turbulence: kind.moving.then_some(TURBULENCE), shedding: None, seed: 1 };
         let mut requests = requests.to_vec();
         if kind.lopsided {
             requests.iter_mut().for_each(|request| request.rig.plant.asymmetry.center_of_mass_y_m = 2e-4);

@@ -7,10 +7,10 @@ use anyhow::{Context as _, Result};
 use page::{Column, Table, quantile};
 use water_channel::{
     Flight, FlightError, FlightRequest, FlightSettings, MovingWater, ProfileFile, RigFile, Sensing, SensingFile,
-    Shedding, TestProfile, Turbulence, fly_all, fly_seeded,
+    Shedding, TestProfile, fly_all, fly_seeded,
 };
 
-use super::tasks::{FLIGHTS, over_the_box};
+use super::tasks::{FLIGHTS, TURBULENCE, over_the_box};
 use crate::kept;
 use crate::reproduction::progress;
 use crate::words::number;
@@ -120,12 +120,9 @@ impl Bench {
 
     /// The table of the water is made within the time.
     fn seconds(&self, variant: &Variant, steps_per_sample: usize) -> Result<f64> {
-        let intensity = 0.03;
-        let turbulence =
-            Turbulence { intensity, lateral_intensity: intensity, vertical_intensity: intensity, length_m: 0.1 };
         let shedding = Shedding { strouhal: 0.2, width_m: 0.092, lift_coefficient: 0.05, plane_rad: 0.5 };
         let water = MovingWater {
-            turbulence: variant.turbulence.then_some(turbulence),
+            turbulence: variant.turbulence.then_some(TURBULENCE),
             shedding: variant.shedding.then_some(shedding),
             seed: 1,
         };

@@ -9,7 +9,7 @@ use bat_dynamics::Fidelity;
 use doe::{Model, Space};
 use surface::process::{GaussianProcess, Hyperparameters, Places, Residual, SimulationUse, Sites, Structure};
 use surface::{Data, GridPoints, InverseDistance, PointSource as _, Regression, SquaredExponential, Surface};
-use water_channel::{FlightRequest, FlightSettings, ProfileFile, Rig, RigFile, TestProfile, fly, fly_all};
+use water_channel::{FlightRequest, FlightSettings, ProfileFile, Rig, RigFile, TestProfile, Turbulence, fly, fly_all};
 
 use super::theirs::Theirs;
 
@@ -191,6 +191,10 @@ fn process() -> Result<Ours> {
         Ok((seconds, found.iter().flat_map(|part| part.means.iter().chain(&part.variances)).sum()))
     }))
 }
+
+/// Turbulence as the flights that are timed meet it, alike in three directions.
+pub(super) const TURBULENCE: Turbulence =
+    Turbulence { intensity: 0.03, lateral_intensity: 0.03, vertical_intensity: 0.03, length_m: 0.1 };
 
 /// Flights of the stand-in over the box of Chapter 4, four by four.
 pub(super) fn over_the_box(rig: &Rig) -> Vec<FlightRequest> {
