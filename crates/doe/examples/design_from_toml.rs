@@ -50,7 +50,7 @@ fn search(problem: &Problem, settings: &Settings) -> Result<Found, doe::Error> {
                 *last = Some(progress);
             }
         };
-        let found = search_watched(problem, settings, Watch { interrupt: None, progress: Some(&mut note) });
+        let found = search_watched(problem, settings, Watch { is_interrupted: None, progress: Some(&mut note) });
         drop(over);
         found
     })

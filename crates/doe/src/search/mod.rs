@@ -5,8 +5,6 @@ mod bounded;
 mod candidates;
 mod continuous;
 mod curvature;
-#[cfg(test)]
-mod cutting;
 mod ending;
 mod exchange;
 mod frame;
@@ -27,7 +25,6 @@ mod smooth;
 mod starts;
 mod table;
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 pub use problem::{Problem, Replicates};
@@ -46,15 +43,16 @@ use starts::{Counts, Outcome, Runner};
 /// How a caller watches a search and ends it.
 #[derive(Default)]
 pub struct Watch<'a> {
-    /// Once true no further start begins and those on their way are cut; the best design so far is the result.
-    pub interrupt: Option<&'a AtomicBool>,
+    /// Asked often, by every thread. Once true no further start begins and those on their way are cut; the best design so far is
+    /// the result.
+    pub is_interrupted: Option<&'a (dyn Fn() -> bool + Sync)>,
     /// Called now and then.
     pub progress: Option<&'a mut dyn FnMut(Progress)>,
 }
 
 impl std::fmt::Debug for Watch<'_> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.debug_struct("Watch").field("interrupt", &self.interrupt).finish_non_exhaustive()
+        formatter.debug_struct("Watch").finish_non_exhaustive()
     }
 }
 
@@ -111,8 +109,8 @@ pub fn search(problem: &Problem, settings: &Settings) -> Result<Found, Error> {
 ///
 /// As [`search`].
 pub fn search_watched(problem: &Problem, settings: &Settings, watch: Watch<'_>) -> Result<Found, Error> {
-    let Watch { interrupt, mut progress } = watch;
-    let is_interrupted = || interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
+    let Watch { is_interrupted, mut progress } = watch;
+    let is_interrupted = || is_interrupted.is_some_and(|is_interrupted| is_interrupted());
     search_until(problem, settings, &is_interrupted, &mut |state| {
         if let Some(progress) = progress.as_mut() {
             progress(state);

@@ -1,6 +1,6 @@
 //! Searches: what they find, what they promise, what they refuse.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use doe::{
@@ -81,13 +81,14 @@ fn an_interrupted_search_returns_what_it_has_or_says_that_it_has_nothing() {
     let mut progress = |progress: doe::Progress| {
         heard += 1;
         assert!(progress.starts > 0);
-        interrupt.store(true, std::sync::atomic::Ordering::Relaxed);
+        interrupt.store(true, Ordering::Relaxed);
     };
-    let watch = Watch { interrupt: Some(&interrupt), progress: Some(&mut progress) };
+    let is_interrupted = || interrupt.load(Ordering::Relaxed);
+    let watch = Watch { is_interrupted: Some(&is_interrupted), progress: Some(&mut progress) };
     let found = search_watched(&problem, &settings(u64::MAX), watch).unwrap();
     assert_eq!(found.report.stop, StopReason::Interrupted);
     assert!(heard >= 1 && found.efficiency.percent > 60.0, "{}", found.efficiency);
-    let watch = Watch { interrupt: Some(&interrupt), progress: None };
+    let watch = Watch { is_interrupted: Some(&is_interrupted), progress: None };
     assert_eq!(search_watched(&problem, &settings(5), watch).unwrap_err(), Error::NoDesign { starts: 0 });
 }
 

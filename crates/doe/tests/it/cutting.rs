@@ -2,20 +2,30 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::{Found, Problem, Settings, StopReason, search, search_until};
-use crate::{Axis, Criterion, Error, Forbidden, Model, Replicates, Space};
+use doe::{
+    Axis, Criterion, Error, Forbidden, Found, Model, Problem, Replicates, Settings, Space, StopReason, Watch, search,
+    search_watched,
+};
 
 /// A search that is over at the call of this number, on one thread; and how often it asked.
 fn cut_at(problem: &Problem, settings: &Settings, call: u64) -> (Result<Found, Error>, u64) {
     let calls = AtomicU64::new(0);
     let is_interrupted = || calls.fetch_add(1, Ordering::Relaxed) >= call;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    let found = pool.install(|| search_until(problem, settings, &is_interrupted, &mut |_| ()));
+    let found = pool.install(|| {
+        search_watched(problem, settings, Watch { is_interrupted: Some(&is_interrupted), progress: None })
+    });
     (found, calls.into_inner())
 }
 
 fn settings() -> Settings {
-    Settings { starts: 17, ..Settings::default() }
+    with_starts(17)
+}
+
+fn with_starts(starts: u64) -> Settings {
+    let mut settings = Settings::default();
+    settings.starts = starts;
+    settings
 }
 
 fn spaces() -> Vec<Space> {
@@ -60,7 +70,7 @@ fn a_search_cut_anywhere_returns_the_best_it_has() {
                 // The promise of the report; T's is of the D design that it is held against, which is cut too.
                 if criterion != Criterion::T && call % 2 == 0 {
                     let starts = found.report.starts.max(found.report.best_start + 1);
-                    let again = search(&problem, &Settings { starts, ..settings() }).expect("a design");
+                    let again = search(&problem, &with_starts(starts)).expect("a design");
                     let (again, found) = (again.efficiency.percent, found.efficiency.percent);
                     assert!(again >= found - 1e-6, "{case}: {found} %, and {again} % by {starts} whole starts");
                 }
@@ -87,7 +97,8 @@ fn a_time_limit_that_has_passed_still_gives_a_design() {
     for space in spaces() {
         for criterion in Criterion::ALL {
             let problem = Problem::new(Model::quadratic(2).expect("a model"), space.clone(), 9, criterion);
-            let settings = Settings { time_limit: Some(std::time::Duration::from_nanos(1)), ..settings() };
+            let mut settings = settings();
+            settings.time_limit = Some(std::time::Duration::from_nanos(1));
             let found = search(&problem.expect("a problem"), &settings);
             let found = found.unwrap_or_else(|error| panic!("{criterion} over the {}: {error}", space.over()));
             assert_eq!(found.report.stop, StopReason::TimeLimit);
