@@ -12,9 +12,8 @@ fn cut_at(problem: &Problem, settings: &Settings, call: u64) -> (Result<Found, E
     let calls = AtomicU64::new(0);
     let is_interrupted = || calls.fetch_add(1, Ordering::Relaxed) >= call;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    let found = pool.install(|| {
-        search_watched(problem, settings, Watch { is_interrupted: Some(&is_interrupted), progress: None })
-    });
+    let found = pool
+        .install(|| search_watched(problem, settings, Watch { is_interrupted: Some(&is_interrupted), progress: None }));
     (found, calls.into_inner())
 }
 

@@ -17,7 +17,6 @@ mod pooled;
 mod pooled_report;
 mod problems;
 mod programs;
-mod quarter_car;
 mod queued_experiments;
 mod queues;
 mod report;

@@ -1,11 +1,7 @@
 //! The suspension of the tutorial: the same program that the shell calls.
 
-#[path = "../../../infuse-cli/examples/quarter_car/model.rs"]
-#[allow(dead_code, reason = "the example prints and the tests look at more of it")]
-mod model;
-
-pub(super) use model::Car;
-use model::{Design, Drive, Vehicle, road};
+pub(super) use quarter_car::Car;
+use quarter_car::{Design, Drive, Vehicle, road};
 
 use crate::costs::Cost;
 
@@ -21,5 +17,5 @@ pub(super) fn cost(car: Car, point: &[f64]) -> Cost {
     let design =
         Design { spring_n_m: point[0], damper_n_s_m: point[1], skyhook_n_s_m: point[2], tire_gain_n_m: point[3] };
     let ride = Vehicle { car, design }.drive(&road(), &Drive::STANDARD, |_| {});
-    ride.map(|ride| ride.cost_m_s2()).map_err(|time_s| format!("the drive ends at {time_s} s"))
+    ride.map(|ride| ride.cost_m_s2()).map_err(|error| error.to_string())
 }

@@ -25,6 +25,7 @@ const ROOMS: &[Room] = &[
             "doe",
             "infuse",
             "page",
+            "quarter-car",
             "scaling",
             "surface",
             "tether-control",
@@ -40,6 +41,7 @@ const ROOMS: &[Room] = &[
     room(2, "water-channel", &["bat-dynamics", "scaling", "tether-control"]),
     room(1, "design-space", &[]),
     room(1, "bat-dynamics", &[]),
+    room(1, "quarter-car", &[]),
     room(1, "tether-control", &[]),
     room(1, "scaling", &[]),
 ];

@@ -1,14 +1,12 @@
 //! The suspension of the tutorial: what its simulation and its test stand are worth.
 
-#[path = "../../examples/quarter_car/model.rs"]
-mod model;
-
 use std::f64::consts::TAU;
 
-use model::{
-    BODY_KG, Car, Design, Drive, NOISE, Ride, Sample, TIRE_N_M, Tire, Vehicle, WEIGHT_N, WHEEL_KG, Wave, measured, road,
-};
 use proptest::prelude::*;
+use quarter_car::{
+    BODY_KG, Car, Design, Drive, Error, NOISE, Ride, Sample, TIRE_N_M, Tire, Vehicle, WEIGHT_N, WHEEL_KG, Wave,
+    measured, road,
+};
 
 /// The ranges that the example states.
 const LOWER: [f64; 4] = [8e3, 300.0, 0.0, 0.0];
@@ -337,9 +335,30 @@ fn late_or_limited_actuator_comes_close_to_a_perfect_one() {
 
 #[test]
 fn drive_that_leaves_the_model_says_when() {
-    let time_s = vehicle(Car::SIMULATED, [20e3, 1e9, 0.0, 0.0]).drive(&road(), &Drive::STANDARD, |_| {});
-    let time_s = time_s.expect_err("too stiff for the step");
-    assert!((0.0..0.1).contains(&time_s), "{time_s}");
+    for damper in [1e9, f64::NAN] {
+        let ride = vehicle(Car::SIMULATED, [20e3, damper, 0.0, 0.0]).drive(&road(), &Drive::STANDARD, |_| {});
+        match ride.expect_err("too stiff for the step, or no number") {
+            Error::LeavesTheModel { time_s } => assert!((0.0..0.1).contains(&time_s), "{time_s}"),
+            other => panic!("{other}"),
+        }
+    }
+}
+
+#[test]
+fn times_that_make_no_drive_are_refused_by_name() {
+    let refused = |step_s, warm_up_s, measured_s| {
+        let drive = Drive { step_s, warm_up_s, measured_s };
+        vehicle(Car::SIMULATED, BEST_SIMULATED).drive(&road(), &drive, |_| {}).expect_err("no drive").to_string()
+    };
+    assert_eq!(refused(0.0, 5.0, 10.0), "step_s = 0: it must be above 0 s");
+    assert_eq!(refused(f64::NAN, 5.0, 10.0), "step_s = NaN: it must be above 0 s");
+    assert_eq!(refused(1e-3, -1.0, 10.0), "warm_up_s = -1: it must be 0 s or more");
+    assert_eq!(refused(1e-3, 0.0, 0.0), "measured_s = 0: it must be a step or more");
+    assert_eq!(refused(1e-3, 0.0, f64::INFINITY), "measured_s = inf: it must be a step or more");
+    assert_eq!(
+        refused(1e-30, 0.0, 1.0),
+        "step_s = 0.000000000000000000000000000001: it must be at least the hundred millionth part of the drive"
+    );
 }
 
 #[test]

@@ -1,31 +1,15 @@
-//! A quarter of a car: body, strut, wheel and tire, on a road made of sines.
-//!
-//! ```text
-//! m_s z_s'' = F + u
-//! m_u z_u'' = N(z_r - z_u) - F - u
-//! F = -k_s (z_s - z_u) - c_s (z_s' - z_u') - friction
-//! u = -c_sky z_s' + g_t (z_u - z_r), late and limited on the test stand
-//! ```
-//!
-//! Heights z point up and are counted from rest, so that weight and preload cancel; N is the load of the tire beyond
-//! what it carries at rest.
-//!
-//! Optimal linear feedback of a quarter car (Thompson 1976; Hrovat 1997) weighs four states: the deflections of strut and
-//! tire, and the velocities of body and wheel. Spring and damper feed back the strut's deflection and the difference of
-//! the velocities, and need no actuator for it. What is left are the velocity of the body, which is the skyhook of
-//! Karnopp (1974), and the deflection of the tire: those are the two gains. A gain on the strut's deflection, on the
-//! velocity of the wheel or on the acceleration of the body could not be told from other values of these four.
+#![doc = include_str!("../README.md")]
 
 use std::f64::consts::TAU;
 
 /// m_s, mass of the body.
-pub(crate) const BODY_KG: f64 = 300.0;
+pub const BODY_KG: f64 = 300.0;
 /// m_u, mass of wheel and axle.
-pub(crate) const WHEEL_KG: f64 = 40.0;
+pub const WHEEL_KG: f64 = 40.0;
 /// What the tire carries at rest.
-pub(crate) const WEIGHT_N: f64 = (BODY_KG + WHEEL_KG) * 9.81;
+pub const WEIGHT_N: f64 = (BODY_KG + WHEEL_KG) * 9.81;
 /// That over the deflection of the tire at rest, as one would measure it with a ruler.
-pub(crate) const TIRE_N_M: f64 = 180e3;
+pub const TIRE_N_M: f64 = 180e3;
 /// Where friction has reached tanh 1 = 76 % of its value.
 const FRICTION_SPEED_M_S: f64 = 0.01;
 /// Farther than this from rest no strut reaches.
@@ -33,38 +17,42 @@ const LARGEST_HEIGHT_M: f64 = 1.0;
 
 /// What is designed: two parameters of the plant, two of the controller.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Design {
-    /// k_s.
-    pub(crate) spring_n_m: f64,
-    /// c_s.
-    pub(crate) damper_n_s_m: f64,
-    /// c_sky: holds against the velocity of the body.
-    pub(crate) skyhook_n_s_m: f64,
-    /// g_t: relieves a tire that is pressed, and presses one that is relieved.
-    pub(crate) tire_gain_n_m: f64,
+pub struct Design {
+    /// k_s, N/m.
+    pub spring_n_m: f64,
+    /// c_s, N s/m.
+    pub damper_n_s_m: f64,
+    /// c_sky, N s/m: holds against the velocity of the body.
+    pub skyhook_n_s_m: f64,
+    /// g_t, N/m: relieves a tire that is pressed, and presses one that is relieved.
+    pub tire_gain_n_m: f64,
 }
 
 /// What is not designed, and where the simulation is wrong.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Car {
-    pub(crate) tire: Tire,
+pub struct Car {
+    /// How it carries.
+    pub tire: Tire,
     /// Of the strut, N.
-    pub(crate) friction_n: f64,
-    /// Time constant of the actuator, s; at zero it follows at once.
-    pub(crate) actuator_lag_s: f64,
+    pub friction_n: f64,
+    /// Time constant of the actuator, s, zero or more; at zero it follows at once.
+    pub actuator_lag_s: f64,
     /// What the actuator can be asked for, N.
-    pub(crate) actuator_limit_n: f64,
+    pub actuator_limit_n: f64,
 }
 
 impl Car {
-    pub(crate) const SIMULATED: Self =
+    /// What the simulation knows: a linear tire, no friction, an actuator that follows at once.
+    pub const SIMULATED: Self =
         Self { tire: Tire::Linear, friction_n: 0.0, actuator_lag_s: 0.0, actuator_limit_n: f64::INFINITY };
-    pub(crate) const ON_THE_STAND: Self =
+    /// The test stand: the tire stiffens and leaves the ground, the strut sticks, the actuator is late and limited.
+    pub const ON_THE_STAND: Self =
         Self { tire: Tire::Stiffening(0.4), friction_n: 200.0, actuator_lag_s: 0.02, actuator_limit_n: 1000.0 };
 }
 
+/// The load of a tire over how far it is pressed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Tire {
+pub enum Tire {
     /// A spring of [`TIRE_N_M`] that also pulls.
     Linear,
     /// By this share stiffer at rest than [`TIRE_N_M`], and softer at the first touch; off the ground without load.
@@ -73,7 +61,7 @@ pub(crate) enum Tire {
 
 impl Tire {
     /// N, in newton, where the tire is pressed by so much more than at rest.
-    pub(crate) fn load_n(self, pressed_m: f64) -> f64 {
+    pub fn load_n(self, pressed_m: f64) -> f64 {
         match self {
             Self::Linear => TIRE_N_M * pressed_m,
             Self::Stiffening(share) => {
@@ -87,16 +75,19 @@ impl Tire {
 
 /// One sine of a road as it passes below the wheel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wave {
-    pub(crate) frequency_hz: f64,
-    pub(crate) amplitude_m: f64,
-    pub(crate) phase_rad: f64,
+pub struct Wave {
+    /// As it passes, Hz.
+    pub frequency_hz: f64,
+    /// Of the height, m.
+    pub amplitude_m: f64,
+    /// At the beginning, rad.
+    pub phase_rad: f64,
 }
 
 /// A road of class B of ISO 8608, G_d(n) = 64e-6 m^3 (n / 0.1 m^-1)^-2, at 20 m/s, from 0.3 to 25 Hz.
 ///
 /// All frequencies are multiples of 0.1 Hz: the road repeats after the 10 s that [`Drive::STANDARD`] measures.
-pub(crate) fn road() -> Vec<Wave> {
+pub fn road() -> Vec<Wave> {
     const SPEED_M_S: f64 = 20.0;
     const DENSITY_M3: f64 = 64e-6;
     const AT_PER_M: f64 = 0.1;
@@ -138,13 +129,17 @@ fn heights_m(road: &[Wave], interval_s: f64, n: usize) -> Vec<f64> {
 
 /// Body, wheel and actuator at one time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct State {
-    pub(crate) body_m: f64,
-    pub(crate) body_m_s: f64,
-    pub(crate) wheel_m: f64,
-    pub(crate) wheel_m_s: f64,
-    /// Stays zero where there is no lag.
-    pub(crate) actuator_n: f64,
+pub struct State {
+    /// z_s, height of the body above rest, m.
+    pub body_m: f64,
+    /// Its rate, m/s.
+    pub body_m_s: f64,
+    /// z_u, height of the wheel above rest, m.
+    pub wheel_m: f64,
+    /// Its rate, m/s.
+    pub wheel_m_s: f64,
+    /// Force of the actuator, N; stays zero where there is no lag.
+    pub actuator_n: f64,
 }
 
 impl State {
@@ -161,12 +156,17 @@ impl State {
 
 /// All in N; those of strut and actuator push the body up and the wheel down, that of the tire pushes the wheel up.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Forces {
-    pub(crate) spring_n: f64,
-    pub(crate) damper_n: f64,
-    pub(crate) friction_n: f64,
-    pub(crate) actuator_n: f64,
-    pub(crate) tire_n: f64,
+pub struct Forces {
+    /// Of the spring.
+    pub spring_n: f64,
+    /// Of the damper.
+    pub damper_n: f64,
+    /// Of the strut's friction.
+    pub friction_n: f64,
+    /// u.
+    pub actuator_n: f64,
+    /// N.
+    pub tire_n: f64,
 }
 
 impl Forces {
@@ -177,9 +177,11 @@ impl Forces {
 
 /// A car with its design.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Vehicle {
-    pub(crate) car: Car,
-    pub(crate) design: Design,
+pub struct Vehicle {
+    /// What is given.
+    pub car: Car,
+    /// What is chosen.
+    pub design: Design,
 }
 
 impl Vehicle {
@@ -229,8 +231,10 @@ impl Vehicle {
     /// Drives, starting at rest on the road's first height, and shows every step to `see`.
     ///
     /// # Errors
-    /// The first time in s at which body or wheel are where no car can be.
-    pub(crate) fn drive(&self, road: &[Wave], drive: &Drive, mut see: impl FnMut(&Sample)) -> Result<Ride, f64> {
+    /// [`Error::Drive`] for times that make no drive; [`Error::LeavesTheModel`] once body or wheel are where no car can be, which is
+    /// also what becomes of parameters and roads that are not finite.
+    pub fn drive(&self, road: &[Wave], drive: &Drive, mut see: impl FnMut(&Sample)) -> Result<Ride, Error> {
+        drive.validate()?;
         let step_s = drive.step_s;
         let [warm_up, measured] = [drive.warm_up_s, drive.measured_s].map(|time_s| (time_s / step_s).round() as usize);
         let road_m = heights_m(road, step_s / 2.0, 2 * (warm_up + measured) + 1);
@@ -242,7 +246,7 @@ impl Vehicle {
             let [now_m, half_m, next_m] = [0, 1, 2].map(|k| road_m[2 * step + k]);
             let is_within = |height_m: f64| height_m.abs() <= LARGEST_HEIGHT_M;
             if !(is_within(state.body_m) && is_within(state.wheel_m)) {
-                return Err(time_s);
+                return Err(Error::LeavesTheModel { time_s });
             }
             let forces = self.forces(&state, now_m);
             see(&Sample { time_s, road_m: now_m, state, forces });
@@ -260,39 +264,84 @@ impl Vehicle {
 
 /// Times of a drive, s.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Drive {
-    /// Of the integration.
-    pub(crate) step_s: f64,
-    /// Before anything is measured.
-    pub(crate) warm_up_s: f64,
-    pub(crate) measured_s: f64,
+pub struct Drive {
+    /// Of the integration; above zero.
+    pub step_s: f64,
+    /// Before anything is measured; zero or more.
+    pub warm_up_s: f64,
+    /// While it is measured; a step or more.
+    pub measured_s: f64,
 }
 
 impl Drive {
-    pub(crate) const STANDARD: Self = Self { step_s: 1e-3, warm_up_s: 5.0, measured_s: 10.0 };
+    /// 5 s for transients to die out, then one period of [`road`].
+    pub const STANDARD: Self = Self { step_s: 1e-3, warm_up_s: 5.0, measured_s: 10.0 };
+}
+
+/// More steps than any road is worth.
+const MOST_STEPS: f64 = 1e8;
+
+impl Drive {
+    fn validate(&self) -> Result<(), Error> {
+        let Self { step_s, warm_up_s, measured_s } = *self;
+        let check = |name, value: f64, is_right: bool, allowed| match is_right && value.is_finite() {
+            true => Ok(()),
+            false => Err(Error::Drive { name, value, allowed }),
+        };
+        check("step_s", step_s, step_s > 0.0, "above 0 s")?;
+        check("warm_up_s", warm_up_s, warm_up_s >= 0.0, "0 s or more")?;
+        check("measured_s", measured_s, measured_s >= step_s, "a step or more")?;
+        let n_steps = (warm_up_s + measured_s) / step_s;
+        check("step_s", step_s, n_steps <= MOST_STEPS, "at least the hundred millionth part of the drive")
+    }
+}
+
+/// Why there is no ride.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Body or wheel is farther than 1 m from rest, or nowhere.
+    #[error("the drive ends at {time_s:.3} s: body or wheel is more than 1 m from rest")]
+    LeavesTheModel {
+        /// When, s.
+        time_s: f64,
+    },
+    /// A time that makes no drive.
+    #[error("{name} = {value}: it must be {allowed}")]
+    Drive {
+        /// The field of [`Drive`].
+        name: &'static str,
+        /// What it was.
+        value: f64,
+        /// What it may be.
+        allowed: &'static str,
+    },
 }
 
 /// One step of a drive.
-#[allow(dead_code, reason = "it is the tests that look at every step")]
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
-    pub(crate) time_s: f64,
-    pub(crate) road_m: f64,
-    pub(crate) state: State,
-    pub(crate) forces: Forces,
+pub struct Sample {
+    /// Since the beginning, s.
+    pub time_s: f64,
+    /// z_r, height of the road, m.
+    pub road_m: f64,
+    /// Before the step.
+    pub state: State,
+    /// In that state.
+    pub forces: Forces,
 }
 
 /// Root mean squares of a drive.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ride {
-    /// Acceleration of the body.
-    pub(crate) body_m_s2: f64,
-    /// Load of the tire beyond its weight.
-    pub(crate) tire_n: f64,
-    /// Deflection of the strut.
-    pub(crate) travel_m: f64,
-    /// Force of the actuator.
-    pub(crate) actuator_n: f64,
+pub struct Ride {
+    /// Acceleration of the body, m/s^2.
+    pub body_m_s2: f64,
+    /// Load of the tire beyond that at rest, N.
+    pub tire_n: f64,
+    /// Deflection of the strut, m.
+    pub travel_m: f64,
+    /// Force of the actuator, N.
+    pub actuator_n: f64,
 }
 
 impl Ride {
@@ -300,17 +349,17 @@ impl Ride {
     ///
     /// The quadratic cost of optimal suspensions (Hrovat 1997), as a root mean square: 1 m/s^2 of the body weighs as much
     /// as 667 N at the tire, 10 mm of travel or 333 N of the actuator.
-    pub(crate) fn cost_m_s2(&self) -> f64 {
+    pub fn cost_m_s2(&self) -> f64 {
         let terms = [self.body_m_s2, 1.5e-3 * self.tire_n, 100.0 * self.travel_m, 3e-3 * self.actuator_n];
         terms.iter().map(|term| term * term).sum::<f64>().sqrt()
     }
 }
 
 /// Largest error of a measured cost, as a share of it.
-pub(crate) const NOISE: f64 = 0.01;
+pub const NOISE: f64 = 0.01;
 
 /// What the test stand reads in run `run`: off by at most [`NOISE`], in the same way whenever the run is repeated.
-pub(crate) fn measured(cost: f64, run: u64) -> f64 {
+pub fn measured(cost: f64, run: u64) -> f64 {
     // SplitMix64 (Steele, Lea, Flood 2014); its 53 upper bits are uniform on [0, 1).
     let mut bits = run.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

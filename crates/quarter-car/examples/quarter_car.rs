@@ -1,12 +1,10 @@
 //! What a suspension costs, simulated or on a test stand, as a command that any tool can call.
 #![expect(clippy::print_stdout, reason = "an example talks")]
 
-mod model;
-
 use std::fmt::Display;
 use std::process::ExitCode;
 
-use model::{Car, Design, Drive, Ride, Vehicle, measured, road};
+use quarter_car::{Car, Design, Drive, Error, Ride, Vehicle, measured, road};
 
 const USAGE: &str = "\
 quarter_car simulate   --spring N/m --damper N*s/m --skyhook N*s/m --tire-gain N/m
@@ -77,9 +75,8 @@ impl Stop {
         Self { code: ExitCode::from(USAGE_ERROR), reason: reason.to_string() }
     }
 
-    fn broken(time_s: f64) -> Self {
-        let reason = format!("the drive ends at {time_s:.3} s: body or wheel is more than 1 m from rest");
-        Self { code: ExitCode::FAILURE, reason }
+    fn broken(error: Error) -> Self {
+        Self { code: ExitCode::FAILURE, reason: error.to_string() }
     }
 }
 
