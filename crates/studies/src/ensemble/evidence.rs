@@ -88,7 +88,8 @@ pub(super) fn section(all: &[Both], cases: &[Case<'_>]) -> String {
         "\n## On the plants with the better models\n\nWhat a model is worth was no evidence in the calibration: only the published rows are. The dissertation's \
          spaces shrank to 15 and 20 %, so its surfaces may have fitted better than ours. Here the claims are judged once more on {n} of the plants alone: those of \
          the highest rank correlation of model and stand-in, at least {} (none is good), and those where the regressor (61) fits best, R² at least {}; means \
-         over the studies, in still water. Claims about designs of experiments know no plant and are left out.\n\n",
+         over the studies, in still water. For the rank correlation the stand-in is flown at the points of a Sobol sequence and the model taken at the nearest cell \
+         of its grid, up to half a level away in each parameter. Claims about designs of experiments know no plant and are left out.\n\n",
         least(0),
         least(1)
     );
