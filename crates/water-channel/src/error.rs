@@ -92,8 +92,8 @@ pub enum Error {
     },
     /// Cameras and dots that, even without noise, give no pose of the body where a flight begins.
     #[error(
-        "sensing: no pose can be had where the flight begins: {reason} ({dots_seen} of {dots} dots by {cameras_seeing} of {cameras} cameras); \
-         cameras or dots must stand otherwise"
+        "sensing: no pose can be had where the flight begins: {reason} ({dots_seen} of {dots} dots; of them {}); cameras or dots must stand otherwise",
+        by_camera(.seen_by)
     )]
     NoFirstPose {
         /// Why not.
@@ -102,11 +102,14 @@ pub enum Error {
         dots_seen: usize,
         /// All dots.
         dots: usize,
-        /// Cameras that see at least one dot.
-        cameras_seeing: usize,
-        /// All cameras.
-        cameras: usize,
+        /// Every camera by its name, with the number of dots that it sees in the first image.
+        seen_by: Vec<(String, usize)>,
     },
+}
+
+fn by_camera(seen_by: &[(String, usize)]) -> String {
+    let each = seen_by.iter().map(|(camera, dots)| format!("{dots} by camera `{camera}`"));
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// Why a flight has no result. The trial failed, and says why; no cost stands for it.

@@ -167,10 +167,35 @@ pub(crate) fn free_keys(root: &Path) -> Result<Vec<String>> {
     Ok(calibration.free.iter().flat_map(|free| free.keys().map(str::to_owned)).collect())
 }
 
+/// From where plants were found.
+#[cfg(feature = "ensemble")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// From starts about one plant: the ensemble.
+    Near,
+    /// From starts farther away, tried beside them.
+    Beyond,
+}
+
+#[cfg(feature = "ensemble")]
+impl Origin {
+    /// Where they are kept.
+    pub(crate) const fn folder(self) -> &'static str {
+        match self {
+            Self::Near => ENSEMBLE,
+            Self::Beyond => BEYOND,
+        }
+    }
+}
+
 /// The plants that are kept, in their order, after the names of the numbers that were free.
 #[cfg(feature = "ensemble")]
-pub(crate) fn plants(root: &Path) -> Result<(Vec<String>, Vec<Plant>)> {
-    let (calibration, store) = read(root)?;
+pub(crate) fn plants(root: &Path, origin: Origin) -> Result<(Vec<String>, Vec<Plant>)> {
+    let (calibration, near) = read(root)?;
+    let store = match origin {
+        Origin::Near => near,
+        Origin::Beyond => all_beyond(root, &calibration)?,
+    };
     let plants = store.members.iter().map(|member| {
         let candidate = calibration.with(&member.values)?;
         let values = member.values.clone();

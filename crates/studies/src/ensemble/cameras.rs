@@ -3,9 +3,10 @@
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
+use water_channel::Camera;
 
 use super::file::Setup;
-use super::row::{Method, Row, Study, World};
+use super::row::{Fact, Method, Row, Study, World};
 use super::site::Site;
 use super::store::{Done, Found};
 use crate::calibration::Plant;
@@ -40,9 +41,28 @@ pub(super) fn run(setup: &Setup, done: &[Done], plant: &Plant) -> Result<(Found,
             found.rows.push(Row { world: World::Cameras, readings, ..row.clone() });
         }
         n_flights += site.n_flights();
+        found.facts.extend(blind_facts(setup, study, &site.blind_cameras()));
     }
     found.seconds = start.elapsed().as_secs_f64();
     Ok((found, n_flights))
+}
+
+/// Flights before cameras that came to their end.
+pub(super) const FLOWN: &str = "flown";
+
+/// Flights in which a camera saw no dot in any image.
+pub(super) fn of_blind(camera: &str) -> String {
+    format!("blind/{camera}")
+}
+
+/// In how many flights which camera was blind.
+fn blind_facts(setup: &Setup, study: Study, flights: &[Vec<usize>]) -> Vec<Fact> {
+    let fact = |name: String, n: usize| Fact { study, world: World::Cameras, name, value: n as f64 };
+    let of_camera = |(place, camera): (usize, &Camera)| {
+        fact(of_blind(&camera.name), flights.iter().filter(|blind| blind.contains(&place)).count())
+    };
+    let cameras = setup.sensing.cameras.iter().enumerate().map(of_camera);
+    std::iter::once(fact(FLOWN.to_owned(), flights.len())).chain(cameras).collect()
 }
 
 /// How many plants are flown again by a check.
@@ -62,7 +82,8 @@ pub(super) fn fly_again(setup: &Setup, done: &[Done]) -> Result<()> {
             let again = Row { readings: *readings.first().context("one design")?, ..kept.clone() };
             ensure!(
                 again.cells() == kept.cells(),
-                "plant {} in {} water flies otherwise than when it was kept: {} s, {} s then",
+                "{}: plant {} in {} water flies otherwise than when it was kept: {} s, {} s then",
+                setup.origin.folder(),
                 plant.number,
                 world.name(),
                 again.cost(),
@@ -71,4 +92,31 @@ pub(super) fn fly_again(setup: &Setup, done: &[Done]) -> Result<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One of three cameras is turned to the floor: its flight comes to an end by the others, and is counted.
+    #[test]
+    fn a_blind_camera_is_counted_by_its_name() -> Result<()> {
+        let mut setup = Setup::read(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))?;
+        let last = setup.sensing.cameras.last_mut().context("a camera")?;
+        last.pose.pitch_rad = -last.pose.pitch_rad;
+        let name = last.name.clone();
+        setup.campaigns.truth_seeds = 1;
+        let (plant, case) = (&setup.plants[0], &setup.chapter7.cases[0]);
+        let site = Site::new(&setup, &case.bat, plant, plant.weights[1], World::Cameras)?;
+        site.observe(&[case.space.region().center()]);
+        let facts = blind_facts(&setup, Study::Two, &site.blind_cameras());
+        let found: Vec<(&str, f64)> = facts.iter().map(|fact| (fact.name.as_str(), fact.value)).collect();
+        let (first, cameras) = found.split_first().context("facts")?;
+        assert_eq!(*first, (FLOWN, 1.0));
+        assert_eq!(cameras.len(), setup.sensing.cameras.len());
+        for (fact, value) in cameras {
+            assert!((value - f64::from(u8::from(*fact == of_blind(&name)))).abs() < 1e-12, "{fact} {value}");
+        }
+        Ok(())
+    }
 }

@@ -14,7 +14,7 @@ use crate::words::number;
 /// One in so many plants is taken.
 const ONE_IN: usize = 3;
 /// Draws of as many plants at random.
-const N_DRAWS: usize = 999;
+pub(super) const N_DRAWS: usize = 999;
 
 /// What a model is worth: the name of a fact, and in words.
 const WORTH: [(&str, &str); 2] = [("rank_correlation", "rank correlation"), ("fit_of_61", "R² of (61)")];
@@ -53,15 +53,24 @@ impl Row<'_> {
     }
 }
 
-/// How many verdicts change on so many plants drawn at random, median and nine tenths of the draws.
-fn by_chance(rows: &[Row<'_>], plants: &[u64], n: usize) -> [f64; 2] {
+/// The plants that anything was judged on.
+fn plants_of(all: &[&Judged]) -> Vec<u64> {
+    let mut plants: Vec<u64> = all.iter().flat_map(|judged| &judged.shares).map(|share| share.plant).collect();
+    plants.sort_unstable();
+    plants.dedup();
+    plants
+}
+
+/// How many verdicts change on so many of the plants drawn at random, median and nine tenths of the draws.
+pub(super) fn by_chance(all: &[&Judged], n: usize) -> [f64; 2] {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let mut order = plants.to_vec();
+    let mut order = plants_of(all);
+    let n = n.min(order.len());
     let counts: Vec<f64> = (0..N_DRAWS)
         .map(|_| {
             order.shuffle(&mut rng);
-            let changes = |row: &&Row<'_>| row.all().among(&order[..n]).verdict() != row.all().verdict();
-            rows.iter().filter(changes).count() as f64
+            let changes = |judged: &&&Judged| judged.among(&order[..n]).verdict() != judged.verdict();
+            all.iter().filter(changes).count() as f64
         })
         .collect();
     [0.5, 0.9].map(|share| quantile(&counts, share).unwrap_or(f64::NAN))
@@ -80,22 +89,21 @@ pub(super) fn section(all: &[Both], cases: &[Case<'_>]) -> String {
             }
         }
     }
-    let mut plants: Vec<u64> = rows.iter().flat_map(|row| &row.all().shares).map(|share| share.plant).collect();
-    plants.sort_unstable();
-    plants.dedup();
     let least = |k: usize| number(chosen[k].1, 2);
     let mut text = format!(
         "\n## On the plants with the better models\n\nWhat a model is worth was no evidence in the calibration: only the published rows are. The dissertation's \
          spaces shrank to 15 and 20 %, so its surfaces may have fitted better than ours. Here the claims are judged once more on {n} of the plants alone: those of \
          the highest rank correlation of model and stand-in, at least {} (none is good), and those where the regressor (61) fits best, R² at least {}; means \
-         over the studies, in still water. Claims about designs of experiments know no plant and are left out.\n\n",
+         over the studies, in still water. For the rank correlation the stand-in is flown at the points of a Sobol sequence and the model taken at the nearest cell \
+         of its grid, up to half a level away in each parameter. Claims about designs of experiments know no plant and are left out.\n\n",
         least(0),
         least(1)
     );
     text += &counts(&rows).markdown();
     let changed = |row: &&Row<'_>, k: usize| row.chosen[k].verdict() != row.all().verdict();
     let [by_rank, by_fit] = [0, 1].map(|k| rows.iter().filter(|row| changed(row, k)).count());
-    let [median, most] = by_chance(&rows, &plants, n);
+    let on_all: Vec<&Judged> = rows.iter().map(Row::all).collect();
+    let [median, most] = by_chance(&on_all, n);
     text += &format!(
         "\nOf {} verdicts {by_rank} change with the rank correlation and {by_fit} with R²; on {n} plants drawn at random {median} do in the median of {N_DRAWS} \
          draws, and up to {most} in nine of ten.",

@@ -9,6 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 use water_channel::{ProfileFile, Rig, Sensing, SensingFile, TestProfile};
 
+use crate::calibration::Origin;
 use crate::costs::key::Key;
 use crate::reproduction::Extent;
 use crate::seal::drop_entries;
@@ -20,7 +21,7 @@ const FILE: &str = "ensemble.toml";
 /// What all rows follow from, beside this program. The plants name in their first line what they were calibrated by.
 const TEXTS: [&str; 10] = [
     FILE,
-    "ensemble/members.csv",
+    PLANTS,
     "test-profile.toml",
     "test-profile-open-loop.toml",
     "chapter3.toml",
@@ -30,6 +31,9 @@ const TEXTS: [&str; 10] = [
     "moving-water.toml",
     "sensing.toml",
 ];
+/// In the place of which the plants from farther away stand for rows of these.
+const PLANTS: &str = "ensemble/members.csv";
+const PLANTS_BEYOND: &str = "ensemble/beyond/members.csv";
 /// The files of the default plant, with what stands before the keys of free numbers in them: rows follow from the others alone.
 const COMMON: [(&str, &str); 3] =
     [("rig.toml", ""), ("cost-chapter4.toml", "chapter4."), ("cost-chapter7.toml", "chapter7.")];
@@ -123,6 +127,7 @@ pub(super) struct Setup {
     pub(super) campaigns: Campaigns,
     /// Names of the numbers that were free in the plants.
     pub(super) keys: Vec<String>,
+    pub(super) origin: Origin,
     pub(super) plants: Vec<calibration::Plant>,
     pub(super) chapter3: chapter3::Setup,
     pub(super) chapter4: chapter4::Setup,
@@ -139,18 +144,26 @@ pub(super) struct Setup {
 }
 
 impl Setup {
+    /// That on the plants of the ensemble.
+    #[cfg(test)]
     pub(super) fn read(root: &Path) -> Result<Self> {
+        Self::read_of(root, Origin::Near)
+    }
+
+    /// The study on plants of one origin.
+    pub(super) fn read_of(root: &Path, origin: Origin) -> Result<Self> {
         let folder = root.join(FOLDER);
-        let (keys, plants) = calibration::plants(root)?;
+        let (keys, plants) = calibration::plants(root, origin)?;
         let mut key = Key::default();
         for name in TEXTS {
+            let name = if name == PLANTS && origin == Origin::Beyond { PLANTS_BEYOND } else { name };
             key = key.with(without_comments(&text(&folder, name)?));
         }
         let free = calibration::free_keys(root)?;
         for (name, before) in COMMON {
             key = key.with(common(&text(&folder, name)?, before, &free).context(name)?);
         }
-        let of = |file: StudyFile, folder: &Path| Self::of(file, folder, keys, plants, key.name());
+        let of = |file: StudyFile, folder: &Path| Self::of(file, folder, keys, (origin, plants), key.name());
         study_file::read(&folder.join(FILE), of)
     }
 
@@ -158,7 +171,7 @@ impl Setup {
         file: StudyFile,
         folder: &Path,
         keys: Vec<String>,
-        plants: Vec<calibration::Plant>,
+        (origin, plants): (Origin, Vec<calibration::Plant>),
         key: String,
     ) -> Result<Self> {
         file.campaigns.check()?;
@@ -183,6 +196,7 @@ impl Setup {
             title: file.title,
             campaigns: file.campaigns,
             keys,
+            origin,
             plants,
             chapter3: chapter3::Setup::read(&folder.join(&file.files.chapter3))?,
             chapter4: chapter4::Setup::read(&folder.join(&file.files.chapter4))?,
@@ -355,6 +369,25 @@ mod tests {
         assert_ne!(weights("k1_heading = 1\nk2_pitch = 2"), weights("k1_heading = 1\nk2_pitch = 3"));
     }
 
+    /// Each store holds rows of its own plants alone.
+    #[test]
+    fn rows_of_plants_from_farther_away_are_refused_for_the_ensemble() -> Result<()> {
+        use crate::ensemble::store::Store;
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let [near, beyond] = [Origin::Near, Origin::Beyond].map(|origin| Setup::read_of(&root, origin));
+        let (near, beyond) = (near?, beyond?);
+        assert_ne!(near.key, beyond.key);
+        assert_eq!(near.keys, beyond.keys);
+        for (own, other) in [(&near, &beyond), (&beyond, &near)] {
+            let folder = root.join(own.origin.folder());
+            let store = Store::read(&folder, &own.key)?;
+            assert!(own.plants.iter().all(|plant| store.done.iter().any(|done| done.unit.1 == plant.number)));
+            let error = format!("{:#}", Store::read(&folder, &other.key).expect_err("rows of other plants"));
+            assert!(error.contains("designs.csv") && error.contains("first line"), "{error}");
+        }
+        Ok(())
+    }
+
     /// As its first line says: below the title it may be appended to the test.
     #[test]
     fn a_test_in_moving_water_is_the_one_with_the_tables_below_it() {
@@ -372,7 +405,7 @@ mod tests {
     }
 
     fn of(file: StudyFile, folder: &Path) -> Result<Setup> {
-        Setup::of(file, folder, Vec::new(), Vec::new(), String::new())
+        Setup::of(file, folder, Vec::new(), (Origin::Near, Vec::new()), String::new())
     }
 
     fn refuses(from: &str, to: &str, words: &[&str]) {

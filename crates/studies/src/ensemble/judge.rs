@@ -42,6 +42,17 @@ impl Judged {
         }
     }
 
+    /// The same claim judged on other plants alone: what some design meets on any plant of both is within reach on all.
+    pub(super) fn on(&self, others: &Self) -> Self {
+        let standings = [self, others].map(|judged| judged.by_rule.map(|judged| judged.standing));
+        match standings {
+            [Some(Standing::OutOfReach), Some(standing)] | [Some(standing), Some(_)] => {
+                Self::of(others.shares.clone(), standing)
+            }
+            _ => Self { shares: others.shares.clone(), by_rule: None },
+        }
+    }
+
     pub(super) fn verdict(&self) -> Option<Verdict> {
         self.by_rule.map(|judged| judged.verdict())
     }
@@ -222,6 +233,21 @@ mod tests {
         let plants: Vec<Vec<Row>> = (0..30).map(|_| campaigns(0.2, 4)).collect();
         let found = judged(&claim, &plants);
         assert_eq!((found.verdict(), found.n_holding()), (Some(Verdict::InPart), 0), "four of five on each plant");
+    }
+
+    /// What no design meets on these plants alone, or on those alone, may be within reach on the others.
+    #[test]
+    fn what_any_plant_reaches_is_within_reach_on_others() {
+        let of = |holding: usize, standing: Standing| {
+            Judged::of(vec![Share { plant: 1, count: Count { holding, cases: 20 }, chance: Some(0.0) }], standing)
+        };
+        let verdict = |near: Standing, others: Standing| of(0, near).on(&of(1, others)).verdict();
+        let (out, within) = (Standing::OutOfReach, Standing::StandIn);
+        assert_eq!(verdict(out, out), Some(Verdict::OutOfReach));
+        assert_eq!([verdict(out, within), verdict(within, out)], [Some(Verdict::NotReproduced); 2]);
+        let not_asked = Judged { shares: Vec::new(), by_rule: None };
+        assert_eq!(not_asked.on(&of(1, within)).verdict(), None);
+        assert_eq!(of(1, within).on(&not_asked).verdict(), None);
     }
 
     #[test]

@@ -1,7 +1,22 @@
 //! What is kept, as it is read: cases of a study on a plant in a world, with their campaigns.
 
+use super::file::Setup;
 use super::row::{Fact, Method, Row, Study, World};
-use super::store::Done;
+use super::store::{Done, Store};
+
+/// Plants with what is kept of campaigns on them.
+#[derive(Debug)]
+pub(super) struct Kept {
+    pub(super) setup: Setup,
+    pub(super) store: Store,
+}
+
+/// The plants of the ensemble, and those from farther away.
+#[derive(Debug)]
+pub(super) struct Ensembles {
+    pub(super) near: Kept,
+    pub(super) beyond: Kept,
+}
 
 /// A study on a plant in a world.
 #[derive(Clone, Debug)]

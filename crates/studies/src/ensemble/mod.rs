@@ -8,9 +8,13 @@
 //! what that design truly shows in its flights ([`site`]), and facts about the plant ([`facts`]). They are appended to the tables of
 //! `fixtures/bat/ensemble` when the unit is done ([`store`]); nothing else remembers anything, so that a run that is killed goes on.
 //!
+//! The same is done on the few plants that came of starts farther away, with tables of their own beside them ([`beyond`]); they count for no
+//! word.
+//!
 //! All that is written on the page follows from these tables: claims are judged from them ([`judge`]), and `--check` says whether the
 //! page is what they say.
 
+mod beyond;
 mod cameras;
 mod claims;
 mod curves;
@@ -35,37 +39,46 @@ use std::path::Path;
 
 use anyhow::{Result, bail, ensure};
 
-use crate::calibration::Plant;
+use crate::calibration::{Origin, Plant};
 use crate::claims::{Place, Truth};
 use crate::gridded::Designs;
 use crate::memory::Memory;
 use crate::reproduction::{Extent, progress};
 use file::Setup;
+use kept::{Ensembles, Kept};
 use row::{Study, Unit};
 use store::{Found, Store};
 
-const FOLDER: &str = "fixtures/bat/ensemble";
-
 /// Runs what is missing, and writes the page.
 pub(crate) fn run(root: &Path) -> Result<()> {
-    let setup = Setup::read(root)?;
-    let mut store = open(root, &setup)?;
-    if store.drop_unfinished()? {
-        eprintln!("{FOLDER}: what an interrupted run had left of a unit was dropped");
-    }
     let designs = Memory::of(root, Extent::Default).designs()?;
-    let works = works(&setup);
-    let bar = progress("claims over the ensemble: studies of a plant", works.len());
+    let of = |origin, words: &str| -> Result<Kept> {
+        let setup = Setup::read_of(root, origin)?;
+        let store = run_missing(root, &setup, &designs, words)?;
+        Ok(Kept { setup, store })
+    };
+    let near = of(Origin::Near, "claims over the ensemble: studies of a plant")?;
+    let beyond = of(Origin::Beyond, "the same on plants from farther away")?;
+    page::write(root, &Ensembles { near, beyond })
+}
+
+fn run_missing(root: &Path, setup: &Setup, designs: &Designs, words: &str) -> Result<Store> {
+    let mut store = open(root, setup)?;
+    if store.drop_unfinished()? {
+        eprintln!("{}: what an interrupted run had left of a unit was dropped", setup.origin.folder());
+    }
+    let works = works(setup);
+    let bar = progress(words, works.len());
     for work in works {
         let unit = work.unit();
         if !store.has(&unit) {
-            let (found, n_flights) = work.run(&setup, &store, &designs)?;
+            let (found, n_flights) = work.run(setup, &store, designs)?;
             store.add(unit, found, n_flights)?;
         }
         bar.inc(1);
     }
     bar.finish();
-    page::write(root, &setup, &store)
+    Ok(store)
 }
 
 /// One unit of work.
@@ -87,7 +100,10 @@ fn works(setup: &Setup) -> Vec<Work<'_>> {
         .into_iter()
         .flat_map(|study| plants(study).iter().map(move |plant| Work::Study(study, plant)));
     let mut works: Vec<Work<'_>> = studies.collect();
-    works.push(Work::Designs);
+    // They know no plant: once is enough.
+    if setup.origin == Origin::Near {
+        works.push(Work::Designs);
+    }
     works.extend(plants(Study::Four).iter().map(Work::Cameras));
     works.extend(plants(Study::Four).iter().map(Work::Curves));
     works
@@ -114,21 +130,27 @@ impl Work<'_> {
 }
 
 fn open(root: &Path, setup: &Setup) -> Result<Store> {
-    Store::read(&root.join(FOLDER), &setup.key)
+    Store::read(&root.join(setup.origin.folder()), &setup.key)
 }
 
 /// The same, with nothing missing.
-fn open_whole(root: &Path, setup: &Setup) -> Result<Store> {
-    let store = open(root, setup)?;
-    let works = works(setup);
+fn open_whole(root: &Path, origin: Origin) -> Result<Kept> {
+    let setup = Setup::read_of(root, origin)?;
+    let store = open(root, &setup)?;
+    let works = works(&setup);
     let missing: Vec<Unit> = works.iter().map(Work::unit).filter(|unit| !store.has(unit)).collect();
     if let Some((work, plant)) = missing.first() {
         let (n, all) = (missing.len(), works.len());
         bail!(
-            "{FOLDER}: {n} of {all} studies of a plant are missing, {work} of plant {plant} first: run `cargo xtask reproduce-all --ensemble`"
+            "{}: {n} of {all} studies of a plant are missing, {work} of plant {plant} first: run `cargo xtask reproduce-all --ensemble`",
+            origin.folder()
         );
     }
-    Ok(store)
+    Ok(Kept { setup, store })
+}
+
+fn open_both(root: &Path) -> Result<Ensembles> {
+    Ok(Ensembles { near: open_whole(root, Origin::Near)?, beyond: open_whole(root, Origin::Beyond)? })
 }
 
 /// What became of a claim over the ensemble, for the page over all chapters.
@@ -143,8 +165,7 @@ pub(crate) struct OverEnsemble {
 
 /// All claims that were judged, and how many became what in each world, from what is kept.
 pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
-    let setup = Setup::read(root)?;
-    let store = open_whole(root, &setup)?;
+    let Kept { setup, store } = open_whole(root, Origin::Near)?;
     let cases = kept::cases(&store.done);
     let all = page::judged(&setup, &cases);
     let counts = page::counts(&all);
@@ -160,40 +181,66 @@ pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
 
 /// Writes the page from what is kept, and runs nothing.
 pub(crate) fn write_page(root: &Path) -> Result<()> {
-    let setup = Setup::read(root)?;
-    let store = open_whole(root, &setup)?;
-    page::write(root, &setup, &store)
+    page::write(root, &open_both(root)?)
 }
 
 /// That the page follows from what is kept, and that a plant flies as it did when that was kept.
 pub(crate) fn check(root: &Path) -> Result<()> {
-    let setup = Setup::read(root)?;
-    check_with(root, &setup, &open_whole(root, &setup)?)
+    check_with(root, &open_both(root)?)
 }
 
-fn check_with(root: &Path, setup: &Setup, store: &Store) -> Result<()> {
-    cameras::fly_again(setup, &store.done)?;
+fn check_with(root: &Path, both: &Ensembles) -> Result<()> {
+    for Kept { setup, store } in [&both.near, &both.beyond] {
+        cameras::fly_again(setup, &store.done)?;
+    }
+    let Kept { setup, store } = &both.near;
     setup.plants.first().map_or(Ok(()), |plant| curves::fly_again(setup, &store.done, plant))?;
-    page::check(root, setup, store)
+    page::check(root, both)
 }
 
 /// The same, and that one unit of each kind, on the last plant that has it, comes out as it is kept.
 pub(crate) fn check_all(root: &Path) -> Result<()> {
-    let setup = Setup::read(root)?;
-    let store = open_whole(root, &setup)?;
-    check_with(root, &setup, &store)?;
+    let both = open_both(root)?;
+    check_with(root, &both)?;
     let designs = Memory::of(root, Extent::Default).designs()?;
-    let of_each_kind: BTreeMap<String, Work<'_>> =
-        works(&setup).into_iter().map(|work| (work.unit().0, work)).collect();
+    let Kept { setup, store } = &both.near;
+    let of_each_kind: BTreeMap<String, Work<'_>> = works(setup).into_iter().map(|work| (work.unit().0, work)).collect();
     for work in of_each_kind.values() {
-        let (found, _) = work.run(&setup, &store, &designs)?;
+        let (found, _) = work.run(setup, store, &designs)?;
         let (kind, plant) = work.unit();
         let kept = store.done.iter().find(|done| done.unit == work.unit());
         ensure!(
             kept.is_some_and(|kept| kept.found.agrees_with(&found)),
-            "{FOLDER}: {kind} of plant {plant} is no longer what is kept: remove the tables to run all campaigns anew"
+            "{}: {kind} of plant {plant} is no longer what is kept: remove the tables to run all campaigns anew",
+            setup.origin.folder()
         );
         eprintln!("{kind} of plant {plant}: {} designs and {} facts as kept", found.rows.len(), found.facts.len());
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Designs of experiments know no plant, and are not searched for again.
+    #[test]
+    fn plants_from_farther_away_have_all_studies_but_that_without_plants() -> Result<()> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let kinds = |origin: Origin| -> Result<Vec<String>> {
+            let setup = Setup::read_of(&root, origin)?;
+            let of_last = |work: &Work<'_>| setup.plants.last().is_some_and(|plant| work.unit().1 == plant.number);
+            let kinds =
+                works(&setup).into_iter().filter(|work| of_last(work) || work.unit().1 == 0).map(|work| work.unit().0);
+            let mut kinds: Vec<String> = kinds.collect();
+            kinds.sort_unstable();
+            kinds.dedup();
+            Ok(kinds)
+        };
+        let (mut near, beyond) = (kinds(Origin::Near)?, kinds(Origin::Beyond)?);
+        near.retain(|kind| kind != "designs");
+        assert_eq!((near.len(), &near), (5, &beyond));
+        assert!(open_both(&root).is_ok(), "both are kept whole");
+        Ok(())
+    }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use page::quantile;
 
+use super::beyond::Beyond;
 use super::claims;
 use super::curves;
 use super::decides::{self, Decided, Property};
@@ -12,7 +13,7 @@ use super::evidence;
 use super::figures;
 use super::file::Setup;
 use super::judge::judge;
-use super::kept::{Case, cases};
+use super::kept::{Case, Ensembles, Kept, cases};
 use super::row::{Method, Reading, Study, World};
 use super::sentences;
 use super::store::Store;
@@ -31,14 +32,14 @@ const OF_CHAPTER3: &str = "docs/results-ensemble-chapter3.svg";
 const OF_CHAPTER6: &str = "docs/results-ensemble-chapter6.svg";
 const LOST_DOTS: &str = "docs/results-ensemble-lost-dots.svg";
 
-pub(super) fn write(root: &Path, setup: &Setup, store: &Store) -> Result<()> {
-    kept::write(root, &texts(setup, store))
+pub(super) fn write(root: &Path, ensembles: &Ensembles) -> Result<()> {
+    kept::write(root, &texts(ensembles))
 }
 
 /// That the committed page follows from what is kept.
-pub(super) fn check(root: &Path, setup: &Setup, store: &Store) -> Result<()> {
+pub(super) fn check(root: &Path, ensembles: &Ensembles) -> Result<()> {
     let remedy = "does not follow from the campaigns kept: run `cargo xtask reproduce-all --ensemble --page`";
-    kept::check(root, &texts(setup, store), remedy)
+    kept::check(root, &texts(ensembles), remedy)
 }
 
 /// What became of every claim.
@@ -53,14 +54,15 @@ pub(super) fn judged(setup: &Setup, cases: &[Case<'_>]) -> Vec<Both> {
     all.into_iter().map(both).collect()
 }
 
-fn texts(setup: &Setup, store: &Store) -> [(&'static str, String); 9] {
-    let cases = cases(&store.done);
+fn texts(Ensembles { near: Kept { setup, store }, beyond }: &Ensembles) -> [(&'static str, String); 9] {
+    let [cases, cases_beyond] = [store, &beyond.store].map(|store| cases(&store.done));
     let all = judged(setup, &cases);
+    let beyond = Beyond::of(beyond, &all, &cases_beyond);
     let batches = |study: Study| batches(setup, study);
     let regret = figures::regret(&cases, &batches);
     let [of_chapter4, of_two, of_four] = figures::steps(setup, &cases, &batches);
     [
-        (PAGE, markdown(setup, store, &cases, &all)),
+        (PAGE, markdown((setup, store), &cases, &all, &beyond)),
         (VERDICTS, format!("{}\n", figures::verdicts(&all))),
         (REGRET, format!("{regret}\n")),
         (OF_CHAPTER4, format!("{of_chapter4}\n")),
@@ -111,10 +113,12 @@ fn rule(n_random: u64) -> String {
     )
 }
 
-fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> String {
+fn markdown((setup, store): (&Setup, &Store), cases: &[Case<'_>], all: &[Both], beyond: &Beyond<'_>) -> String {
     let mut text = format!("# {}\n\n", setup.title);
+    let mut findings = findings(setup, store, cases, all);
+    findings.extend(beyond.finding());
     text += &around(
-        &findings(setup, store, cases, all),
+        &findings,
         "![What became of the claims](results-ensemble.svg)\n\nA box for each claim; gray ones do not count.",
     );
     text += &format!("{HOW}\n\n{WORLDS}\n\n{}\n\n", rule(setup.campaigns.random_designs));
@@ -162,6 +166,7 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
              each plant are flown again with the three cameras of `sensing.toml`, whose dots may leave the view: then the pose is held. Medians \
              over plants.\n\n";
     text += &tables::cameras(cases).markdown();
+    text += &format!("\n{}\n", sentences::blind_cameras(setup, cases));
     text += &format!(
         "\nThe dissertation has spikes in the heading of the model's optimum over the last 30 s (Figure 26, Section 7.2), where a pair of dots leaves the region of interest for a moment; here they come with the third pull at the port line. With three cameras and ten \
          dots no pair is missed. Here one camera, `{}`, sees dots {} alone, and looks for them only about where it sees them while the center of the box flies \
@@ -176,6 +181,7 @@ fn markdown(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> S
         curves::table_of_headings(setup, cases).markdown()
     );
     text += &evidence::section(all, cases);
+    text += &beyond.section();
     text += &decided(setup, cases, all);
     text += "\n## What was estimated\n\nOf the moving world the dissertation says nothing.\n\n";
     text += &tables::estimates(&setup.estimates()).markdown();
@@ -296,9 +302,7 @@ fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> V
     findings.extend(World::OF_CAMPAIGNS.map(|world| regrets(cases, world)));
     findings.push(noise_words(cases));
     findings.push(curves::lost_in_words(setup, cases));
-    let facts = store.done.iter().flat_map(|done| &done.found.facts);
-    let flights: f64 = facts.filter(|fact| fact.name == super::store::LAST).map(|fact| fact.value).sum();
-    let seconds: f64 = store.done.iter().map(|done| done.found.seconds).sum();
+    let [flights, seconds] = store.took();
     let plants = |study: Study| cases.iter().filter(|case| case.study == study && case.world == World::Still).count();
     let words = Study::OF_CAMPAIGNS.map(|study| format!("{} ({})", plants(study), study.words()));
     let of_four = match setup.campaigns.seeds_of_four {

@@ -1,9 +1,12 @@
 //! What the page says in sentences of more than one row: where a word hangs on one case, what the models are worth, what the test keeps,
 //! where campaigns run into a bound.
 
+use std::collections::BTreeSet;
+
 use design_space::Region;
 use page::{Column, Table};
 
+use super::cameras::{FLOWN, of_blind};
 use super::claims::{JUDGED, Test};
 use super::file::Setup;
 use super::judge::met_by;
@@ -144,6 +147,26 @@ pub(super) fn kept_best(all: &[Both], cases: &[Case<'_>]) -> String {
     )
 }
 
+/// Which cameras saw no dot in any image of a flight, in how many flights and on how many plants.
+pub(super) fn blind_cameras(setup: &Setup, cases: &[Case<'_>]) -> String {
+    let seen: Vec<&Case<'_>> = cases.iter().filter(|case| case.fact(FLOWN).is_some()).collect();
+    let plants = |cases: &[&Case<'_>]| cases.iter().map(|case| case.plant).collect::<BTreeSet<u64>>().len();
+    let n_flights: f64 = seen.iter().filter_map(|case| case.fact(FLOWN)).sum();
+    let blind = setup.sensing.cameras.iter().filter_map(|camera| {
+        let of = |case: &Case<'_>| case.fact(&of_blind(&camera.name)).unwrap_or(0.0);
+        let mine: Vec<&Case<'_>> = seen.iter().copied().filter(|case| of(case) > 0.0).collect();
+        let n: f64 = mine.iter().map(|case| of(case)).sum();
+        (n > 0.0).then(|| format!("`{}` in {n}, on {} plants", camera.name, plants(&mine)))
+    });
+    let blind: Vec<String> = blind.collect();
+    let all = format!("{n_flights} of these flights on {} plants came to their end", plants(&seen));
+    if blind.is_empty() {
+        format!("{all}, and in none was a camera blind, which is without a dot in any of its images.")
+    } else {
+        format!("{all}; blind, which is without a dot in any of its images, was camera {}.", blind.join("; "))
+    }
+}
+
 /// The box of a study, natural.
 fn region(setup: &Setup, study: Study) -> Option<&Region> {
     match study {
@@ -207,4 +230,37 @@ pub(super) fn at_bound(setup: &Setup, cases: &[Case<'_>]) -> String {
         pitch.upper(),
         words.join(" and ")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::row::Fact;
+    use super::*;
+
+    #[test]
+    fn blind_cameras_are_named_with_flights_and_plants() {
+        let setup = Setup::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).expect("the ensemble");
+        let fact =
+            |name: &str, value: f64| Fact { study: Study::Two, world: World::Cameras, name: name.to_owned(), value };
+        let words = |blind: [f64; 2]| {
+            let facts = blind.map(|n| [fact(FLOWN, 8.0), fact(&of_blind("below"), n), fact(&of_blind("side"), 0.0)]);
+            let cases: Vec<Case<'_>> = (7..)
+                .zip(&facts)
+                .map(|(plant, facts)| Case {
+                    study: Study::Two,
+                    world: World::Cameras,
+                    plant,
+                    rows: Vec::new(),
+                    facts: facts.iter().collect(),
+                })
+                .collect();
+            blind_cameras(&setup, &cases)
+        };
+        let none = words([0.0, 0.0]);
+        assert!(none.starts_with("16 of these flights on 2 plants") && none.contains("in none"), "{none}");
+        let one = words([0.0, 3.0]);
+        assert!(one.contains("`below` in 3, on 1 plants") && !one.contains("side"), "{one}");
+    }
 }

@@ -32,6 +32,22 @@ pub(super) enum Noise {
     Absolute(f64),
 }
 
+/// What a design shows in a flight.
+#[derive(Clone, Debug)]
+struct Shown {
+    readings: Readings,
+    /// The cameras that saw no dot in any image, by their place.
+    blind: Vec<usize>,
+}
+
+/// What a design truly shows in all of its flights.
+#[derive(Clone, Debug)]
+struct Seen {
+    readings: Readings,
+    /// Of each flight that came to its end.
+    blind: Vec<Vec<usize>>,
+}
+
 /// A plant in a world.
 #[derive(Debug)]
 pub(super) struct Site {
@@ -40,7 +56,7 @@ pub(super) struct Site {
     rig: Bat,
     /// The same in the water of each of the flights that are the truth.
     truths: Vec<Bat>,
-    seen: Mutex<HashMap<Vec<u64>, Readings>>,
+    seen: Mutex<HashMap<Vec<u64>, Seen>>,
     n_seeded: AtomicUsize,
 }
 
@@ -78,18 +94,27 @@ impl Site {
 
     /// What designs truly show, in their order.
     pub(super) fn observe(&self, points: &[Vec<f64>]) -> Vec<Readings> {
-        let bits = |point: &Vec<f64>| -> Vec<u64> { point.iter().map(|x| x.to_bits()).collect() };
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         let mut unknown: Vec<&Vec<f64>> = points.iter().filter(|point| !seen.contains_key(&bits(point))).collect();
         unknown.sort_by_key(|point| bits(point));
         unknown.dedup_by_key(|point| bits(point));
         let flights = unknown.par_iter().flat_map(|point| self.truths.par_iter().map(|bat| fly(bat, point)));
-        let flights: Vec<Option<Readings>> = flights.collect();
+        let flights: Vec<Option<Shown>> = flights.collect();
         self.n_seeded.fetch_add(flights.len(), Ordering::Relaxed);
         for (point, flights) in unknown.iter().zip(flights.chunks(self.truths.len())) {
-            seen.insert(bits(point), mean(flights));
+            let blind = flights.iter().flatten().map(|shown| shown.blind.clone()).collect();
+            let flights: Vec<Option<Readings>> =
+                flights.iter().map(|shown| shown.as_ref().map(|shown| shown.readings)).collect();
+            seen.insert(bits(point), Seen { readings: mean(&flights), blind });
         }
-        points.iter().map(|point| seen.get(&bits(point)).copied().unwrap_or([f64::NAN; N_READINGS])).collect()
+        let of = |point: &Vec<f64>| seen.get(&bits(point)).map_or([f64::NAN; N_READINGS], |seen| seen.readings);
+        points.iter().map(of).collect()
+    }
+
+    /// Of each flight so far that came to its end the cameras that saw no dot in it, by their place.
+    pub(super) fn blind_cameras(&self) -> Vec<Vec<usize>> {
+        let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        seen.values().flat_map(|seen| seen.blind.iter().cloned()).collect()
     }
 
     /// How many flights were made of experiments and of what designs truly show.
@@ -129,7 +154,11 @@ fn noisy(cost: Cost, noise: Noise, seed: u64, id: u64) -> Cost {
     })
 }
 
-fn fly(bat: &Bat, point: &[f64]) -> Option<Readings> {
+fn bits(point: &[f64]) -> Vec<u64> {
+    point.iter().map(|x| x.to_bits()).collect()
+}
+
+fn fly(bat: &Bat, point: &[f64]) -> Option<Shown> {
     let logged = bat.logged(point, STAND_IN).ok()?;
     let mut readings = [f64::NAN; N_READINGS];
     let mut set = |reading: Reading, value: f64| readings[reading as usize] = value;
@@ -144,7 +173,7 @@ fn fly(bat: &Bat, point: &[f64]) -> Option<Readings> {
     set(Reading::Footprint, 1e4 * logged.mean(LogRow::footprint_m2));
     set(Reading::SteadyPitch, steady(&logged, |row| row.pitch_error_rad.to_degrees()));
     set(Reading::Held, held(&logged));
-    Some(readings)
+    Some(Shown { readings, blind: logged.flight.blind_cameras })
 }
 
 /// Magnitude of the mean over the end of the test.

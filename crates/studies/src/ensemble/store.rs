@@ -215,7 +215,7 @@ pub(super) struct Store {
 }
 
 /// The fact that ends a unit.
-pub(super) const LAST: &str = "flights";
+const LAST: &str = "flights";
 
 impl Store {
     /// What a folder holds of the study with this key; nothing is written.
@@ -272,6 +272,13 @@ impl Store {
     pub(super) fn drop_unfinished(&self) -> Result<bool> {
         let dropped = [self.rows.drop_unfinished()?, self.times.drop_unfinished()?, self.facts.drop_unfinished()?];
         Ok(dropped.contains(&true))
+    }
+
+    /// Flights, and seconds.
+    pub(super) fn took(&self) -> [f64; 2] {
+        let facts = self.done.iter().flat_map(|done| &done.found.facts);
+        let flights = facts.filter(|fact| fact.name == LAST).map(|fact| fact.value).sum();
+        [flights, self.done.iter().map(|done| done.found.seconds).sum()]
     }
 
     pub(super) fn has(&self, unit: &Unit) -> bool {

@@ -24,6 +24,8 @@ const LONGEST_DELAY: usize = 10_000;
 #[derive(Clone, Debug)]
 pub struct Viewer {
     images: Images,
+    /// Of the cameras, in their order.
+    names: Vec<String>,
     delay_samples: usize,
     seed: u64,
 }
@@ -55,6 +57,7 @@ impl Viewer {
         }
         Ok(Self {
             images: Images::new(cameras, marks(dots, reference_m)?, *pixel_noise_px, *quantization_px)?,
+            names: cameras.iter().map(|camera| camera.name.clone()).collect(),
             delay_samples: *delay_samples,
             seed: *seed,
         })
@@ -138,9 +141,13 @@ impl Viewer {
         let mut view = View::default();
         images::take(&self.images.exact(), &mut Vec::new(), &mut view, start, &mut PixelNoise::new(self.seed));
         let Err(hold) = self.locate(&view, start) else { return Ok(()) };
-        let cameras_seeing = view.cameras_seeing(self.n_cameras());
-        let (dots_seen, dots, cameras) = (view.dots_seen(), self.images.marks.len(), self.n_cameras());
-        Err(Error::NoFirstPose { reason: hold.to_string(), dots_seen, dots, cameras_seeing, cameras })
+        let seen_by = self.names.iter().enumerate().map(|(camera, name)| (name.clone(), view.seen_by(camera)));
+        Err(Error::NoFirstPose {
+            reason: hold.to_string(),
+            dots_seen: view.dots_seen(),
+            dots: self.images.marks.len(),
+            seen_by: seen_by.collect(),
+        })
     }
 
     pub(crate) fn delay_samples(&self) -> usize {

@@ -3,8 +3,8 @@
 use bat_dynamics::{Fidelity, Plant, driven_of_lines, rotation, translation};
 use rayon::ThreadPoolBuilder;
 use water_channel::{
-    Control, FlightLog, FlightRequest, FlightSettings, Hold, PixelNoise, Pose, Sensing, TestProfile, Tracker, fly,
-    fly_all, fly_logged,
+    Control, Error, FlightError, FlightLog, FlightRequest, FlightSettings, Hold, PixelNoise, Pose, Sensing,
+    TestProfile, Tracker, fly, fly_all, fly_logged,
 };
 
 use super::{MIDDLE, cameras, distance, perfect, viewer, with};
@@ -209,12 +209,38 @@ fn flight_whose_cameras_give_no_pose_at_the_start_does_not_start() {
         camera.pose.pitch_rad = -camera.pose.pitch_rad;
     }
     let request = with(first_row(), away);
-    let words = "cannot start: sensing: no pose can be had where the flight begins: three dots or fewer are seen (0 of";
+    let words = "cannot start: sensing: no pose can be had where the flight begins: three dots or fewer are seen (0 of 10 dots; of them \
+                 0 by camera `side`, 0 by camera `downstream`, 0 by camera `below`); cameras or dots must stand otherwise";
     let alone = fly(&request, &short_test(1.0), &FlightSettings::default()).unwrap_err();
-    assert!(alone.to_string().starts_with(words), "{alone}");
+    assert_eq!(alone.to_string(), words);
     let together = fly_all(&[first_row(), request], &short_test(1.0), &FlightSettings::default(), |_| {});
     assert!(together[0].is_ok());
     assert_eq!(together[1], Err(alone));
+}
+
+/// Two dots in the image of one camera and none in those of the others.
+#[test]
+fn error_names_every_camera_with_the_dots_that_it_sees() {
+    let start = logged(&with(first_row(), perfect()), &short_test(1.0)).rows[0].estimate.unwrap().pose;
+    let mut sensing = perfect();
+    for camera in &mut sensing.cameras[1..] {
+        camera.pose.heading_rad += std::f64::consts::PI;
+        camera.pose.pitch_rad = -camera.pose.pitch_rad;
+    }
+    let names: Vec<String> = sensing.cameras.iter().map(|camera| camera.name.clone()).collect();
+    let rig = with(first_row(), sensing.clone()).rig;
+    let view = rig.viewer().unwrap().unwrap().look(&start, &mut PixelNoise::new(0));
+    let mut columns: Vec<f64> = view.sightings().iter().map(|sighting| sighting.pixel[0]).collect();
+    columns.sort_by(f64::total_cmp);
+    assert!(columns.len() > 2, "{columns:?}");
+    // All that lies to the right of the second dot is cut off.
+    sensing.cameras[0].region.right_px = 0.5 * (columns[1] + columns[2]);
+    let error = fly(&with(first_row(), sensing), &short_test(1.0), &FlightSettings::default()).unwrap_err();
+    let FlightError::Start(Error::NoFirstPose { dots_seen, seen_by, .. }) = &error else { panic!("{error}") };
+    let expected: Vec<(String, usize)> = names.iter().cloned().zip([2, 0, 0]).collect();
+    assert_eq!((*dots_seen, seen_by), (2, &expected));
+    let words = format!("2 by camera `{}`, 0 by camera `{}`, 0 by camera `{}`", names[0], names[1], names[2]);
+    assert!(error.to_string().contains(&words), "{error}");
 }
 
 /// Nine flights: some with cameras, with seeds and delays of their own, some without, one that cannot start.
