@@ -10,6 +10,8 @@ use super::tables::Digits;
 use super::{claims, figures, loops, margins, page, tables};
 use crate::bat::{MODEL, STAND_IN};
 use crate::handover::Handover;
+#[cfg(feature = "global")]
+use crate::memory::Memory;
 use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use ::page::{Column, write_columns_csv};
 use anyhow::{Context as _, Result};
@@ -23,14 +25,16 @@ pub(crate) const CHAPTER: Reproduction = Reproduction {
     name: "chapter4",
     title: "Chapter 4",
     has_claims: true,
-    run: Run::Always(reproduce),
+    run: Run::Remembering(reproduce),
 };
 
 /// Runs the study of Chapter 4 and writes the page, the figures and the data.
-pub(crate) fn reproduce(root: &Path) -> Result<()> {
+pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter4.toml"))?;
-    let out = CHAPTER.prepare(root, Extent::Default)?;
+    let out = CHAPTER.prepare(root, extent)?;
+    #[cfg(feature = "global")]
+    Memory::of(root, extent).remind(&setup.bat, setup.problem.region(), &[MODEL, STAND_IN])?;
     eprintln!("{}: the stand-in for the water channel is a richer model, not an experiment.", setup.file.title);
 
     let bar = progress("1/4 cost landscapes: flights of model and stand-in", 2 * Lattice::size(&setup));
