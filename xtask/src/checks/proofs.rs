@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
 
-use crate::workspace::{cargo, root, run_cargo, run_study, target_directory};
+use crate::workspace::{cargo, root, run_cargo, run_quietly, study, target_directory};
 
 const PAGE: &str = "docs/proofs.md";
 /// Where a test writes a number that it has measured.
@@ -100,7 +100,7 @@ impl By {
                 read(&found)
             }
             Self::Study(words) => {
-                run_study(words)?;
+                run_quietly(&mut study(words)?)?;
                 Ok("all the same".to_owned())
             }
         }

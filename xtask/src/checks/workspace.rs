@@ -54,10 +54,12 @@ pub(crate) fn build_programs() -> Result<()> {
     run_cargo(&[&["build", "--release"], packages(), &["--lib", "--bins", "--examples"]].concat())
 }
 
-/// Runs a command of the studies, which were built before.
-pub(crate) fn run_study(words: &[&str]) -> Result<()> {
+/// A command of the studies, which were built before.
+pub(crate) fn study(words: &[&str]) -> Result<Command> {
     let program = target_directory()?.join("release/studies").with_extension(env::consts::EXE_EXTENSION);
-    run_quietly(Command::new(program).args(words).current_dir(root()?))
+    let mut command = Command::new(program);
+    command.args(words).current_dir(root()?);
+    Ok(command)
 }
 
 /// Where cargo puts what it builds.

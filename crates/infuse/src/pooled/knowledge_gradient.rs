@@ -172,12 +172,12 @@ impl<'a> Gradient<'a> {
         let n = self.pool.cells.len();
         let (still, stay): (Vec<f64>, Vec<Step>) =
             (vec![0.0; n], self.admissions.iter().map(Admission::stay).collect());
-        let reserve = self.reserve();
-        let now = self.lowest_of_each(&still, normals, &stay, reserve);
+        let bounded = Bounded { reserve: self.reserve(), promising: self.promising(&stay) };
+        let now = self.lowest_of_each(&still, normals, &stay, &bounded);
         let gain = |row: usize| {
             let effect = self.joint.effect(row, self.noise);
             let steps: Vec<Step> = self.admissions.iter().map(|admission| admission.step(row, number)).collect();
-            let then = self.lowest_of_each(&effect, normals, &steps, reserve);
+            let then = self.lowest_of_each(&effect, normals, &steps, &bounded);
             self.weight(row, economy) * (now - then).max(0.0)
         };
         let gains: Vec<f64> = (0..n).into_par_iter().map(gain).collect();
@@ -197,26 +197,51 @@ impl Gradient<'_> {
         self.joint.means().iter().copied().fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// What a design of this mean is worth where it has to keep to bounds.
+    fn worth(&self, row: usize, mean: f64, steps: &[Step], outcome: usize, reserve: f64) -> f64 {
+        let of_each = self.admissions.iter().zip(steps);
+        let chance: f64 = of_each.map(|(admission, step)| admission.chance(row, step, outcome)).product();
+        reserve + chance * (mean - reserve)
+    }
+
+    /// All rows, those first that are worth most in the first outcome as things stand; none where there is no bound.
+    fn promising(&self, stay: &[Step]) -> Vec<usize> {
+        if self.admissions.is_empty() {
+            return Vec::new();
+        }
+        let reserve = self.reserve();
+        let means = self.futures[0].iter().enumerate();
+        let worths: Vec<f64> = means.map(|(row, mean)| self.worth(row, mean.min(reserve), stay, 0, reserve)).collect();
+        let mut rows: Vec<usize> = (0..worths.len()).collect();
+        rows.sort_by(|&a, &b| worths[a].total_cmp(&worths[b]));
+        rows
+    }
+
     /// What the best design is worth after a run of this effect, summed over the outcomes.
-    fn lowest_of_each(&self, effect: &[f64], normals: &[f64], steps: &[Step], reserve: f64) -> f64 {
+    fn lowest_of_each(&self, effect: &[f64], normals: &[f64], steps: &[Step], bounded: &Bounded) -> f64 {
         if self.admissions.is_empty() {
             return self.futures.iter().zip(normals).map(|(future, z)| lowest(future, effect, *z)).sum();
         }
         let of_outcome = |(outcome, (future, z)): (usize, (&Vec<f64>, &f64))| {
-            let mut best = reserve;
-            for (row, (mean, effect)) in future.iter().zip(effect).enumerate() {
-                let mean = mean + z * effect;
+            let mut best = bounded.reserve;
+            for &row in &bounded.promising {
+                let mean = future[row] + z * effect[row];
                 // Even a design that is sure to keep to its bounds is worth no less than its mean.
                 if mean < best {
-                    let of_each = self.admissions.iter().zip(steps);
-                    let chance: f64 = of_each.map(|(admission, step)| admission.chance(row, step, outcome)).product();
-                    best = best.min(reserve + chance * (mean - reserve));
+                    best = best.min(self.worth(row, mean, steps, outcome, bounded.reserve));
                 }
             }
             best
         };
         self.futures.iter().zip(normals).enumerate().map(of_outcome).sum()
     }
+}
+
+/// What helps to find the best design that keeps to its bounds.
+struct Bounded {
+    reserve: f64,
+    /// The rows in the order in which they are looked at: after a good one most need not be weighed.
+    promising: Vec<usize>,
 }
 
 /// Root of the mean variance.
