@@ -124,9 +124,9 @@ mod tests {
     use super::*;
 
     fn metadata(second: &str) -> Metadata {
-        let text = r#"{"target_directory": "target", "packages": [{"name": "a", "version": "0.1.0", "targets": [
+        let text = r#"{"target_directory": "target", "packages": [{"name": "a", "version": "0.1.0", "manifest_path": "a/Cargo.toml", "targets": [
             {"name": "a", "kind": ["lib"]}, {"name": "first", "kind": ["example"]}]},
-            {"name": "b", "version": "0.1.0", "targets": [{"name": "it", "kind": ["test"]}, {"name": "SECOND", "kind": ["example"]}]}]}"#;
+            {"name": "b", "version": "0.1.0", "manifest_path": "b/Cargo.toml", "targets": [{"name": "it", "kind": ["test"]}, {"name": "SECOND", "kind": ["example"]}]}]}"#;
         serde_json::from_str(&text.replace("SECOND", second)).expect("valid")
     }
 

@@ -8,8 +8,9 @@ use std::process::Command;
 use anyhow::{Context as _, Result, ensure};
 use serde::Deserialize;
 use sha2::{Digest as _, Sha256};
+use toml::{Table, Value};
 
-use crate::workspace::{self, metadata, run_cargo, run_quietly};
+use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly};
 
 /// Packs every crate, and compiles it from what was packed.
 ///
@@ -54,7 +55,9 @@ pub(crate) fn check() -> Result<()> {
     check_locks(&folder, &unpacked, &packed, &own)?;
     let manifest = unpacked.join("Cargo.toml");
     let root_manifest = fs::read_to_string(root.join("Cargo.toml")).context("Cargo.toml")?;
-    fs::write(&manifest, workspace_of(&packed, &root_manifest)).with_context(|| manifest.display().to_string())?;
+    let of_others = with_the_same_features(&unpacked, &metadata, &root_manifest)?;
+    let text = workspace_of(&packed, &of_others, &root_manifest)?;
+    fs::write(&manifest, text).with_context(|| manifest.display().to_string())?;
     fs::write(unpacked.join(lock), own).context(lock)?;
     let arguments = ["check", "--release", "--workspace", "--offline"];
     let mut check = workspace::cargo(&arguments)?;
@@ -63,11 +66,68 @@ pub(crate) fn check() -> Result<()> {
 
 /// A workspace of these unpacked packages, each in the folder of its own name, with the profiles of the workspace itself,
 /// so that what was compiled with them is used again.
-fn workspace_of(packed: &[(&str, String)], root_manifest: &str) -> String {
-    let stems: Vec<&String> = packed.iter().map(|(_, stem)| stem).collect();
+fn workspace_of(packed: &[(&str, String)], of_others: &[String], root_manifest: &str) -> Result<String> {
+    let members: Vec<&String> = packed.iter().map(|(_, stem)| stem).chain(of_others).collect();
     let patches: Vec<String> = packed.iter().map(|(name, stem)| format!("{name} = {{ path = {stem:?} }}\n")).collect();
+    let root: Table = toml::from_str(root_manifest).context("Cargo.toml")?;
+    let dependencies = table(&root, "workspace").and_then(|workspace| table(workspace, "dependencies"));
+    let dependencies = of_others_only(dependencies.context("no [workspace.dependencies]")?);
+    let dependencies = toml::to_string(&within("workspace", within("dependencies", dependencies)))?;
     let profiles = root_manifest.find("[profile.").map_or("", |at| &root_manifest[at..]);
-    format!("[workspace]\nresolver = \"3\"\nmembers = {stems:?}\n\n[patch.crates-io]\n{}\n{profiles}", patches.concat())
+    let members = format!("[workspace]\nresolver = \"3\"\nmembers = {members:?}\n");
+    let patches = format!("[patch.crates-io]\n{}", patches.concat());
+    Ok(format!("{members}\n{dependencies}\n{patches}\n{profiles}"))
+}
+
+/// Empty packages that ask of others' packages what those of the workspace and their tests ask, by their folders: what is compiled
+/// depends on what all ask together, and would be compiled once more for fewer.
+fn with_the_same_features(unpacked: &Path, metadata: &Metadata, root_manifest: &str) -> Result<Vec<String>> {
+    let root: Table = toml::from_str(root_manifest).context("Cargo.toml")?;
+    let own = table(&root, "workspace").and_then(|workspace| table(workspace, "dependencies"));
+    let own = own.iter().flat_map(|own| own.iter()).filter(|(_, asked)| is_own(asked));
+    let own: Vec<&str> = own.map(|(name, _)| name.as_str()).collect();
+    let is_built = |name: &str| name != workspace::PYTHON_PACKAGE || workspace::interpreter().is_some();
+    let mut folders = Vec::new();
+    for package in metadata.packages.iter().filter(|package| is_built(&package.name)) {
+        let text = fs::read_to_string(&package.manifest_path).with_context(|| package.name.clone())?;
+        let manifest: Table = toml::from_str(&text).with_context(|| package.name.clone())?;
+        for kind in ["dependencies", "dev-dependencies"] {
+            let Some(asked) = table(&manifest, kind) else { continue };
+            let mut asked = of_others_only(asked);
+            asked.retain(|name, _| !own.contains(&name));
+            asked.iter_mut().filter_map(|(_, asked)| asked.as_table_mut()).for_each(|asked| {
+                asked.remove("optional");
+            });
+            let name = format!("{kind}-of-{}", package.name);
+            let head = format!("[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n");
+            let source = unpacked.join(&name).join("src");
+            fs::create_dir_all(&source).with_context(|| source.display().to_string())?;
+            fs::write(source.join("lib.rs"), "")?;
+            let manifest = format!("{head}\n{}", toml::to_string(&within("dependencies", asked))?);
+            fs::write(unpacked.join(&name).join("Cargo.toml"), manifest)?;
+            folders.push(name);
+        }
+    }
+    Ok(folders)
+}
+
+fn table<'a>(table: &'a Table, name: &str) -> Option<&'a Table> {
+    table.get(name)?.as_table()
+}
+
+fn within(name: &str, table: Table) -> Table {
+    Table::from_iter([(name.to_owned(), Value::Table(table))])
+}
+
+/// Whether it lies in the workspace.
+fn is_own(asked: &Value) -> bool {
+    asked.get("path").is_some()
+}
+
+/// Of a table of dependencies those that lie elsewhere.
+fn of_others_only(dependencies: &Table) -> Table {
+    let others = dependencies.iter().filter(|(_, asked)| !is_own(asked));
+    others.map(|(name, asked)| (name.clone(), asked.clone())).collect()
 }
 
 /// A lock file, as far as it says which packages were taken.

@@ -13,8 +13,6 @@ use anyhow::{Context as _, Result};
 /// Says that this program stands for the compiler; holds a wrapper that a person has set, or nothing.
 const MARK: &str = "CHECKS_STAND_FOR_THE_COMPILER";
 const WRAPPER: &str = "RUSTC_WRAPPER";
-/// What a test in the library itself searches for minutes without optimization.
-const OPTIMIZED: [&str; 1] = ["doe"];
 
 /// Lets cargo compile by this program.
 pub(crate) fn set_for(cargo: &mut Command) -> Result<()> {
@@ -49,13 +47,7 @@ fn compile(wrapper: &OsStr, command: &[OsString]) -> Result<u8> {
 
 /// What is added to the arguments of the compiler: of two levels, it takes the last.
 fn added(arguments: &[&OsStr]) -> &'static [&'static str] {
-    let is_test = arguments.iter().any(|argument| *argument == "--test");
-    let name = arguments.iter().skip_while(|argument| **argument != "--crate-name").nth(1);
-    if is_test && !name.is_some_and(|name| OPTIMIZED.iter().any(|kept| *name == *kept)) {
-        &["-C", "opt-level=0"]
-    } else {
-        &[]
-    }
+    if arguments.iter().any(|argument| *argument == "--test") { &["-C", "opt-level=0"] } else { &[] }
 }
 
 #[cfg(test)]
@@ -70,6 +62,5 @@ mod tests {
     fn tests_alone_are_compiled_without_optimization() {
         assert_eq!(added_to("--crate-name it tests/it/main.rs -C opt-level=3 --test"), ["-C", "opt-level=0"]);
         assert!(added_to("--crate-name surface src/lib.rs -C opt-level=3").is_empty(), "a library");
-        assert!(added_to("--crate-name doe src/lib.rs -C opt-level=3 --test").is_empty(), "one that searches");
     }
 }
