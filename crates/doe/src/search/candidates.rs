@@ -490,4 +490,16 @@ mod tests {
         let n_inside = list.points().filter(|point| variance.value(point) >= 0.5 * one.highest).count();
         assert_eq!(one.points.len() / 3, n_inside, "by the polynomial itself");
     }
+
+    /// Of 2049 × 2049 points, one more than are kept as a whole; 2048 × 2048 are.
+    #[test]
+    fn a_grid_too_large_to_be_scanned_as_a_whole_is_scanned_in_parts() {
+        let products = Products::of(&Model::quadratic(2).expect("a model"));
+        let shape = |count| {
+            let axes = vec![Axis::equally_spaced(count).expect("levels"); 2];
+            BoxShape { axes, forbidden: Vec::new() }
+        };
+        assert!(matches!(Candidates::grid(&shape(2048), &products).values, Values::Whole(_)));
+        assert!(matches!(Candidates::grid(&shape(2049), &products).values, Values::Parts(_, PART)));
+    }
 }

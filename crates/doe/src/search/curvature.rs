@@ -222,4 +222,36 @@ mod tests {
             assert!((difference - exact).abs() < 1e-3 * (1.0 + exact.abs()), "{a} {b}: {difference} is not {exact}");
         }
     }
+
+    /// Runs made twice predict with half the variance, whose curvature is half as large, too.
+    #[test]
+    fn curvature_of_a_doubled_design_is_half() {
+        let model = Model::quadratic(2).expect("a model");
+        let x = [-0.9, -0.8, 0.95, -0.95, -1.0, 0.9, 0.9, 0.9, -0.95, 0.1, 0.9, 0.2, -0.1, -0.97, 0.05, 0.98];
+        let hessian = |times: f64| {
+            let frame = Frame {
+                criterion: Criterion::G,
+                regressors: Regressors::of(&model),
+                products: Arc::new(Products::of(&model)),
+                fixed: vec![0.0; 36],
+                multiplicities: vec![times; 8],
+                moments: Vec::new(),
+                least_log_determinant: f64::NEG_INFINITY,
+                table: None,
+            };
+            let (_, z, rows, inverse) = height(&frame, &x, 0.0);
+            let free: Vec<usize> = (0..x.len()).collect();
+            let (regressors, multiplicities) = (&frame.regressors, &frame.multiplicities[..]);
+            let local = Local { regressors, multiplicities, x: &x, rows: &rows, inverse: &inverse, free: &free };
+            let mut hessian = vec![0.0; free.len() * free.len()];
+            // In the second coordinate it is hardly curved: the least curvature counts.
+            local.add(&[z[0], 0.3], |_| true, 1.0, &mut hessian);
+            hessian
+        };
+        let (once, hundred) = (hessian(1.0), hessian(100.0));
+        let size = once.iter().map(|h| h.abs()).fold(0.0, f64::max);
+        for (one, other) in once.iter().zip(&hundred) {
+            assert!((one - 100.0 * other).abs() < 1e-9 * size, "{one} and {other}");
+        }
+    }
 }

@@ -709,9 +709,11 @@ mod tests {
         let candidates = Candidates::grid(shape, &Products::of(&Model::quadratic(2).expect("a model")));
         let mut generator = Pcg64::seed_from_u64(5);
         let mut compared = 0;
-        for criterion in [Criterion::D, Criterion::A, Criterion::I, Criterion::G] {
+        let criteria = [Criterion::D, Criterion::A, Criterion::I, Criterion::G];
+        // Six runs are as many as terms: every exchange for another of them leaves a singular design.
+        for (criterion, n) in criteria.into_iter().flat_map(|criterion| [(criterion, 9), (criterion, 6)]) {
             let problem =
-                Problem::new(Model::quadratic(2).expect("a model"), space.clone(), 9, criterion).expect("sound");
+                Problem::new(Model::quadratic(2).expect("a model"), space.clone(), n, criterion).expect("sound");
             let frame = Frame::of(&problem, Some(&shape.relaxed()), f64::NEG_INFINITY, &<[f64]>::to_vec);
             let frame = frame.expect("a frame");
             let search = Discrete {
@@ -729,9 +731,10 @@ mod tests {
                 if runs.look_around().is_none() {
                     continue;
                 }
-                let offers: Vec<Vec<f64>> = (0..12).map(|_| candidates.sample(&mut generator)).collect();
+                let mut offers: Vec<Vec<f64>> = (0..12).map(|_| candidates.sample(&mut generator)).collect();
+                offers.extend(runs.x.chunks_exact(2).map(<[f64]>::to_vec));
                 let offers = Offers::of(&frame, offers.iter().map(Vec::as_slice));
-                for run in 0..9 {
+                for run in 0..n {
                     let by_formula = runs.best_by_formula(run, offers.iter(&frame), None);
                     let exactly = runs.best_exactly(run, offers.iter(&frame));
                     // Mirror images and the same candidate twice may tie: then the values count.
@@ -750,5 +753,24 @@ mod tests {
             }
         }
         assert!(compared > 400, "{compared}");
+    }
+
+    #[test]
+    fn size_is_a_power_mean_that_tends_to_the_largest() {
+        let values = [1.0, 3.0, 2.0, 0.5];
+        assert!((size(&values, Some(2)) - (1.0 + 81.0 + 16.0 + 0.0625_f64).powf(0.25)).abs() < 1e-14);
+        assert!((size(&values, Some(10)) - 3.0).abs() < 1e-14);
+        assert_eq!(size(&values, None).to_bits(), 3.0_f64.to_bits());
+        assert_eq!(size(&[0.0; 3], Some(5)).to_bits(), 0.0_f64.to_bits());
+    }
+
+    /// They take little time beside the exchanges after them; few factors do without.
+    #[test]
+    fn a_thorough_start_in_many_factors_rounds_the_best_of_several_designs() {
+        for (effort, k, several) in
+            [(Effort::Quick, 5, false), (Effort::Thorough, 2, false), (Effort::Thorough, 3, true)]
+        {
+            assert_eq!(n_relaxed(effort, k) > 1, several, "{effort:?} in {k} factors");
+        }
     }
 }

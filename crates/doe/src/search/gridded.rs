@@ -87,3 +87,32 @@ fn opened(forbidden: &Forbidden, shape: &BoxShape) -> Option<Forbidden> {
     };
     Forbidden::new(forbidden.ranges().iter().zip(&shape.axes).map(range).collect()).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 50 levels of each of six factors: 12 of each are 3 million points, 13 would be 4.8 million.
+    #[test]
+    fn a_large_grid_is_thinned_to_as_many_levels_as_can_be_scanned() {
+        let levels = Axis::equally_spaced(50).expect("levels");
+        let corner = Forbidden::new(vec![Some([0.31, 1.0]), None, None, None, None, None]).expect("a box");
+        let shape = BoxShape { axes: vec![levels.clone(); 6], forbidden: vec![corner] };
+        let Axis::Levels(all) = &levels else { unreachable!("an axis with levels") };
+        for (factor, axis) in thinned(&shape).axes.iter().enumerate() {
+            let Axis::Levels(kept) = axis else { panic!("levels stay levels") };
+            assert!((12..=15).contains(&kept.len()), "{} levels along factor {factor}", kept.len());
+            assert!(kept.iter().all(|level| all.contains(level)));
+            assert_eq!((kept[0], kept[kept.len() - 1]), (-1.0, 1.0));
+            if factor == 0 {
+                let next_to = |sign: f64| all.iter().copied().filter(move |level| sign * (level - 0.31) >= 0.0);
+                let (below, above) = (next_to(-1.0).fold(-1.0, f64::max), next_to(1.0).fold(1.0, f64::min));
+                assert!(kept.contains(&below) && kept.contains(&above), "{below} and {above} next to the end");
+            } else {
+                assert_eq!(kept.len(), 12);
+            }
+        }
+        let small = BoxShape { axes: vec![levels; 4], forbidden: Vec::new() };
+        assert_eq!(thinned(&small).axes, small.axes, "6 million points are searched as a whole");
+    }
+}

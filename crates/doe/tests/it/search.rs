@@ -91,6 +91,18 @@ fn an_interrupted_search_returns_what_it_has_or_says_that_it_has_nothing() {
     assert_eq!(search_watched(&problem, &settings(5), watch).unwrap_err(), Error::NoDesign { starts: 0 });
 }
 
+/// Rounds go on where the last one ended, and each start is refined or not.
+#[test]
+fn every_start_is_made_once_and_most_are_given_up() {
+    let problem = Problem::new(Model::quadratic(1).unwrap(), Space::cube(1).unwrap(), 4, Criterion::G).unwrap();
+    for starts in [16, 40, 70] {
+        let report = search(&problem, &settings(starts)).unwrap().report;
+        assert_eq!((report.starts, report.stop), (starts, StopReason::StartsDone));
+        assert!(report.best_start < starts && report.times_found + report.abandoned + report.failed <= starts);
+        assert!(report.abandoned > starts / 2, "{report:?}");
+    }
+}
+
 #[test]
 fn stops_at_the_target() {
     let problem = Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), 8, Criterion::G).unwrap();
