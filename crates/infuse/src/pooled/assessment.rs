@@ -421,4 +421,28 @@ mod tests {
             assert!((found - expected).abs() < 1e-14, "{a:?} and {b:?}: {found}");
         }
     }
+
+    /// Errors of the readings, of their assembly and of the recommended mean add up in squares.
+    #[test]
+    fn a_contradiction_is_told_in_standard_errors_of_the_readings_and_of_what_they_contradict() {
+        let mut scene = crate::pooled::scene::Scene::new(&[21]);
+        for (at, (x, response)) in
+            [(0, 2.0), (0, 2.3), (5, 1.0), (5, 1.1), (10, 0.5), (10, 0.6), (15, 1.6), (20, 2.1)].into_iter().enumerate()
+        {
+            scene.read(&[x], response);
+            scene.readings[at].assembly = Some(at / 2);
+        }
+        let (readings, low, recommended) = (scene.readings.clone(), scene.cell(&[10]), scene.cell(&[1]));
+        let mut knowledge = scene.knowledge(None);
+        let (noise, assembly) = (knowledge.process.noise(), knowledge.process.assembly_deviation());
+        assert!(noise > 0.0 && assembly > 0.0, "{noise} {assembly}");
+        for deviation in [0.0, 1.0] {
+            let one = standing(&mut knowledge, &readings, &[], recommended, recommended, 0.9).unwrap();
+            let one = Standing { mean: 50.0, deviation, ..one };
+            let found = contradiction(&mut knowledge, &readings, &[], &one, 0.9).unwrap().unwrap();
+            let error = (0.5_f64.sqrt() * noise).hypot(assembly).hypot(deviation);
+            assert_eq!(found.standing.cell, low, "two readings of 0.55 in the mean");
+            assert!((found.deviations * error - 49.45).abs() < 1e-9, "{} of {error}", found.deviations);
+        }
+    }
 }
