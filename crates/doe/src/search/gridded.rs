@@ -115,4 +115,32 @@ mod tests {
         let small = BoxShape { axes: vec![levels; 4], forbidden: Vec::new() };
         assert_eq!(thinned(&small).axes, small.axes, "6 million points are searched as a whole");
     }
+
+    /// Along continuous axes the ends of a forbidden range are allowed, but for those at the bounds.
+    #[test]
+    fn ends_of_forbidden_ranges_are_levels_and_allowed() {
+        let corner = Forbidden::new(vec![Some([0.33, 1.0]), Some([-1.0, -0.42])]).expect("a box");
+        let middle = Forbidden::new(vec![Some([-0.71, -0.13]), None]).expect("a box");
+        let shape = BoxShape { axes: vec![Axis::Continuous; 2], forbidden: vec![corner, middle] };
+        let grid = gridded(&shape).expect("a grid");
+        let has = |factor: usize, level: f64| match &grid.axes[factor] {
+            Axis::Levels(levels) => levels.iter().any(|other| (level - other).abs() < 1e-12),
+            Axis::Continuous => false,
+        };
+        assert!([-0.71, -0.13, 0.33].into_iter().all(|end| has(0, end)) && has(1, -0.42));
+        for (point, is_forbidden) in [
+            ([0.33, -1.0], false),
+            ([0.6, -0.42], false),
+            ([1.0, -1.0], true),
+            ([1.0, -0.42], false),
+            ([1.0, -0.5], true),
+            ([0.4, -1.0], true),
+            ([-0.71, 0.0], false),
+            ([-0.13, 1.0], false),
+            ([-0.4, 1.0], true),
+        ] {
+            assert_eq!(grid.forbids(&point), is_forbidden, "{point:?}");
+            assert_eq!(shape.forbids(&point), is_forbidden, "{point:?} of the box itself");
+        }
+    }
 }

@@ -442,6 +442,8 @@ fn refuses_problems_without_a_solution() {
     let message = "the space has 9 points, too few for 10 distinct runs: plan replicates or allow them";
     assert_eq!(many.validate().unwrap_err().to_string(), message);
     assert_eq!(search(&many, &settings(2)).unwrap_err().to_string(), message);
+    let two = Design::from_runs(&[[0.0, 1.0], [1.0, 1.0]]).unwrap();
+    assert_eq!(many.clone().with_fixed_runs(two).unwrap().validate().unwrap_err().to_string(), message);
     let fixed = Design::new(2, vec![0.0, 2.0]).unwrap();
     check(new(cube.clone(), 8).unwrap().with_fixed_runs(fixed), "run 1 lies outside the space: [0.0, 2.0]");
     check(
