@@ -445,4 +445,16 @@ mod tests {
             assert!((found.deviations * error - 49.45).abs() < 1e-9, "{} of {error}", found.deviations);
         }
     }
+
+    /// After so many batches the bound is no longer above what is worth it, and after one less it is.
+    #[test]
+    fn further_batches_are_as_many_as_it_takes() {
+        for (bound, worth, remaining) in [(8.0, 1.1, 0.5), (3.0, 0.4, 0.8), (0.2, 0.19, 0.9), (1e6, 1.0, 0.06)] {
+            let n = i32::try_from(further(bound, worth, remaining)).unwrap();
+            let after = |n: i32| bound * f64::powi(remaining, n);
+            assert!(n >= 1 && after(n) <= worth && after(n - 1) > worth, "{n} batches from {bound} to {worth}");
+        }
+        assert_eq!(further(8.0, 1.0, 0.0), 1, "a batch never leaves nothing at all");
+        assert!(further(8.0, 1.0, 1.0) > 50, "nor everything");
+    }
 }
