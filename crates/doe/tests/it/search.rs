@@ -101,6 +101,11 @@ fn every_start_is_made_once_and_most_are_given_up() {
         assert!(report.best_start < starts && report.times_found + report.abandoned + report.failed <= starts);
         assert!(report.abandoned > starts / 2, "{report:?}");
     }
+    // Four runs at four corners: every start finds the same, and the first is named.
+    let corners = Space::grid(&[2, 2]).unwrap();
+    let problem = Problem::new(Model::linear(2).unwrap(), corners, 4, Criterion::G).unwrap();
+    let report = search(&problem, &settings(40)).unwrap().report;
+    assert!(report.best_start == 0 && report.times_found > 1, "{report:?}");
 }
 
 #[test]
