@@ -251,12 +251,19 @@ mod tests {
     #[test]
     fn newtons_steps_end_where_no_slope_is_left() {
         let variance = variance();
-        let mut point = vec![0.08, -0.11];
-        let mut value = variance.value(&point);
-        let before = value;
-        finish(&variance, &square(), &mut point, &mut value);
-        let slopes = variance.gradient(&point).unwrap();
-        assert!(value > before && slopes.iter().all(|slope| slope.abs() < 1e-9), "{point:?}: {slopes:?}");
+        let mut point = Vec::new();
+        let mut value = 0.0;
+        for start in [[0.08, -0.11], [0.3, 0.1], [-0.3, -0.1], [0.2, -0.4], [-0.2, 0.3]] {
+            point = start.to_vec();
+            let before = variance.value(&point);
+            value = before;
+            finish(&variance, &square(), &mut point, &mut value);
+            let slopes = variance.gradient(&point).unwrap();
+            assert!(
+                value > before && slopes.iter().all(|slope| slope.abs() < 1e-9),
+                "{start:?} to {point:?}: {slopes:?}"
+            );
+        }
         let there = point.clone();
         assert!(!escape(&variance, &square(), &mut point, &mut value), "nothing rises from a maximum");
         assert_eq!(point, there);

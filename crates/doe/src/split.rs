@@ -414,5 +414,8 @@ mod tests {
         let design = Design::from_runs(&[[0.5], [-1.0], [0.7], [-0.2], [0.8]]).unwrap();
         assert_eq!(chain(&design), [1, 3, 0, 2, 4]);
         assert_eq!(from_mean(&design)[0], 1);
+        // The same from the other end, against the order of the coordinates.
+        let mirrored = Design::from_runs(&[[-0.5], [1.0], [-0.7], [0.2], [-0.8]]).unwrap();
+        assert_eq!(chain(&mirrored), [1, 3, 0, 2, 4]);
     }
 }

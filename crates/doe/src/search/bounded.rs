@@ -157,4 +157,35 @@ mod tests {
         let value = minimize(&mut Valley, &mut x, (&[-2.0; 2], &[0.5, 2.0]), limits, &|| false);
         assert!((value - 0.25).abs() < 1e-9 && (x[1] - 0.25).abs() < 1e-4, "{x:?}");
     }
+
+    /// c/2 · (x − a)², and how often it was asked for.
+    struct Parabola {
+        curvature: f64,
+        bottom: f64,
+        asked: usize,
+    }
+
+    impl Objective for Parabola {
+        fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+            self.asked += 1;
+            gradient[0] = self.curvature * (x[0] - self.bottom);
+            0.5 * self.curvature * (x[0] - self.bottom).powi(2)
+        }
+    }
+
+    /// Nothing is known of the curvature yet, so the first step is short whatever the slope is; one that overshoots ends at the
+    /// bottom of the parabola through both values, which is that of a parabola.
+    #[test]
+    fn first_step_is_a_tenth_and_one_too_long_ends_at_the_bottom() {
+        let once = Limits { iterations: 1, improvement: 0.0 };
+        for curvature in [0.02, 7.0] {
+            for (bottom, expected, asked) in [(0.9, 0.1, 2), (-0.9, -0.1, 2), (0.03, 0.03, 3), (-0.04, -0.04, 3)] {
+                let (mut parabola, mut x) = (Parabola { curvature, bottom, asked: 0 }, [0.0]);
+                let value = minimize(&mut parabola, &mut x, (&[-1.0], &[1.0]), once, &|| false);
+                assert!((x[0] - expected).abs() < 1e-15, "{} for {expected}", x[0]);
+                assert!((value - 0.5 * curvature * (x[0] - bottom).powi(2)).abs() < 1e-15, "{value}");
+                assert_eq!(parabola.asked, asked, "bottom at {bottom}");
+            }
+        }
+    }
 }

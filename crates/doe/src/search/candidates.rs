@@ -490,4 +490,40 @@ mod tests {
         let n_inside = list.points().filter(|point| variance.value(point) >= 0.5 * one.highest).count();
         assert_eq!(one.points.len() / 3, n_inside, "by the polynomial itself");
     }
+
+    /// Of 2049 × 2049 points, one more than are kept as a whole; 2048 × 2048 are.
+    #[test]
+    fn a_grid_too_large_to_be_scanned_as_a_whole_is_scanned_in_parts() {
+        let products = Products::of(&Model::quadratic(2).expect("a model"));
+        let shape = |count| {
+            let axes = vec![Axis::equally_spaced(count).expect("levels"); 2];
+            BoxShape { axes, forbidden: Vec::new() }
+        };
+        assert!(matches!(Candidates::grid(&shape(2048), &products).values, Values::Whole(_)));
+        assert!(matches!(Candidates::grid(&shape(2049), &products).values, Values::Parts(_, PART)));
+    }
+
+    /// The highest of them, and no more than were asked for beside the local maxima.
+    #[test]
+    fn a_scan_returns_as_many_points_as_are_asked_for_the_highest() {
+        let model = Model::quadratic(2).expect("a model");
+        let runs = [[-1.0, -0.9], [0.9, -1.0], [-0.8, 1.0], [1.0, 0.7], [0.1, -1.0], [-1.0, 0.2], [0.2, 0.1]];
+        let design = Design::from_runs(&runs).expect("a design");
+        let information = crate::Information::of(&model, &design).expect("not singular");
+        let variance = PredictionVariance::from_information(&model, &information).expect("a variance");
+        let shape = BoxShape { axes: vec![Axis::equally_spaced(9).expect("levels"); 2], forbidden: Vec::new() };
+        let candidates = Candidates::grid(&shape, &Products::of(&model));
+        let near = candidates.scan(&variance, information.inverse(), (0.0, 12), &mut Vec::new());
+        let found: Vec<f64> = near.points.chunks_exact(2).map(|point| variance.value(point)).collect();
+        let mut all: Vec<f64> = (0..81).map(|index| variance.value(&candidates.lattice.point(index))).collect();
+        all.sort_by(|a, b| b.total_cmp(a));
+        assert!(found.len() >= 12 && found.len() <= 12 + near.n_peaks, "{} points", found.len());
+        let twelfth = all[11];
+        assert!(found[near.n_peaks..].iter().all(|value| *value >= twelfth - 1e-12), "{found:?} below {twelfth}");
+        assert!((near.highest - all[0]).abs() < 1e-12 && n_above(&found, twelfth) == 12, "{found:?}");
+    }
+
+    fn n_above(values: &[f64], least: f64) -> usize {
+        values.iter().filter(|value| **value >= least - 1e-12).count()
+    }
 }

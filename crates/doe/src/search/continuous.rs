@@ -268,3 +268,33 @@ impl Continuous<'_> {
         range
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use rand::SeedableRng as _;
+
+    use crate::search::frame::lattice;
+    use crate::search::problem::Problem;
+    use crate::shape::Shape;
+    use crate::{Model, Space};
+
+    /// Only the worst prediction is smoothed in stages, at each of which a start that falls behind is given up.
+    #[test]
+    fn starts_for_the_worst_prediction_are_given_up_where_they_fall_behind() {
+        let space = Space::cube(2).unwrap();
+        let Shape::Box(shape) = space.shape() else { unreachable!("a cube is a box") };
+        for (criterion, is_given_up) in [(Criterion::G, true), (Criterion::D, false)] {
+            let problem = Problem::new(Model::quadratic(2).unwrap(), space.clone(), 8, criterion).unwrap();
+            let frame = Frame::of(&problem, Some(shape), f64::NEG_INFINITY, &<[f64]>::to_vec).unwrap();
+            let lattice = &lattice(shape, &frame.products);
+            let search = Continuous { frame: &frame, shape, judged: shape, lattice, effort: Effort::Quick };
+            let start = |known: &Incumbents| search.start(&mut Pcg64::seed_from_u64(2), known, &|| false);
+            let mut known = Incumbents::default();
+            let Attempt::Found { value, .. } = start(&known) else { panic!("a start without a design") };
+            known.note(&[value - 1.0; 4], value - 1.0);
+            assert_eq!(matches!(start(&known), Attempt::Abandoned), is_given_up, "{criterion}");
+        }
+    }
+}

@@ -222,4 +222,83 @@ mod tests {
             assert!((difference - exact).abs() < 1e-3 * (1.0 + exact.abs()), "{a} {b}: {difference} is not {exact}");
         }
     }
+
+    /// Runs made twice predict with half the variance, whose curvature is half as large, too.
+    #[test]
+    fn curvature_of_a_doubled_design_is_half() {
+        let model = Model::quadratic(2).expect("a model");
+        let x = [-0.9, -0.8, 0.95, -0.95, -1.0, 0.9, 0.9, 0.9, -0.95, 0.1, 0.9, 0.2, -0.1, -0.97, 0.05, 0.98];
+        let hessian = |times: f64| {
+            let frame = Frame {
+                criterion: Criterion::G,
+                regressors: Regressors::of(&model),
+                products: Arc::new(Products::of(&model)),
+                fixed: vec![0.0; 36],
+                multiplicities: vec![times; 8],
+                moments: Vec::new(),
+                least_log_determinant: f64::NEG_INFINITY,
+                table: None,
+            };
+            let (_, z, rows, inverse) = height(&frame, &x, 0.0);
+            let free: Vec<usize> = (0..x.len()).collect();
+            let (regressors, multiplicities) = (&frame.regressors, &frame.multiplicities[..]);
+            let local = Local { regressors, multiplicities, x: &x, rows: &rows, inverse: &inverse, free: &free };
+            let mut hessian = vec![0.0; free.len() * free.len()];
+            // In the second coordinate it is hardly curved: the least curvature counts.
+            local.add(&[z[0], 0.3], |_| true, 1.0, &mut hessian);
+            hessian
+        };
+        let (once, hundred) = (hessian(1.0), hessian(100.0));
+        let size = once.iter().map(|h| h.abs()).fold(0.0, f64::max);
+        for (one, other) in once.iter().zip(&hundred) {
+            assert!((one - 100.0 * other).abs() < 1e-9 * size, "{one} and {other}");
+        }
+    }
+
+    /// Eight runs around the center: near it a maximum moves in both coordinates.
+    #[test]
+    fn curvature_of_a_maximum_that_moves_in_two_coordinates_agrees_with_differences() {
+        let model = Model::quadratic(2).expect("a model");
+        let x = [-1.0, -1.0, 1.0, -0.9, -0.8, 1.0, 1.0, 1.0, 0.2, -1.0, -0.1, 1.0, -1.0, 0.3, 1.0, 0.1];
+        let frame = Frame {
+            criterion: Criterion::G,
+            regressors: Regressors::of(&model),
+            products: Arc::new(Products::of(&model)),
+            fixed: vec![0.0; 36],
+            multiplicities: vec![1.0; 8],
+            moments: Vec::new(),
+            least_log_determinant: f64::NEG_INFINITY,
+            table: None,
+        };
+        let shape = crate::shape::BoxShape { axes: vec![crate::shape::Axis::Continuous; 2], forbidden: Vec::new() };
+        let peak = |x: &[f64]| {
+            let (_, _, rows, inverse) = height(&frame, x, 0.0);
+            let variance = PredictionVariance::with_products(frame.products.clone(), &inverse);
+            let (z, value) = crate::ascent::climb(&variance, &shape, &[0.0, 0.0]);
+            (value, z, rows, inverse)
+        };
+        let (value, z, rows, inverse) = peak(&x);
+        assert!(z.iter().all(|z| z.abs() < 0.3), "a maximum inside: {z:?}");
+        let free: Vec<usize> = (0..x.len()).collect();
+        let (regressors, multiplicities) = (&frame.regressors, &frame.multiplicities[..]);
+        let local = Local { regressors, multiplicities, x: &x, rows: &rows, inverse: &inverse, free: &free };
+        let mut hessian = vec![0.0; free.len() * free.len()];
+        local.add_moving(&z, &[0, 1], 1.0, 0.0, &mut hessian);
+        let step = 1e-3;
+        for (a, b) in [(0, 0), (0, 1), (3, 3), (4, 9), (5, 5), (8, 12), (13, 15), (12, 12), (14, 15)] {
+            let at = |da: f64, db: f64| {
+                let mut moved = x;
+                moved[a] += da;
+                moved[b] += db;
+                peak(&moved).0
+            };
+            let difference = if a == b {
+                (at(step, 0.0) - 2.0 * value + at(-step, 0.0)) / (step * step)
+            } else {
+                (at(step, step) - at(step, -step) - at(-step, step) + at(-step, -step)) / (4.0 * step * step)
+            };
+            let exact = hessian[a * free.len() + b];
+            assert!((difference - exact).abs() < 1e-3 * (1.0 + exact.abs()), "{a} {b}: {difference} is not {exact}");
+        }
+    }
 }

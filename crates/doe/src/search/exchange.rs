@@ -709,9 +709,11 @@ mod tests {
         let candidates = Candidates::grid(shape, &Products::of(&Model::quadratic(2).expect("a model")));
         let mut generator = Pcg64::seed_from_u64(5);
         let mut compared = 0;
-        for criterion in [Criterion::D, Criterion::A, Criterion::I, Criterion::G] {
+        let criteria = [Criterion::D, Criterion::A, Criterion::I, Criterion::G];
+        // Six runs are as many as terms: every exchange for another of them leaves a singular design.
+        for (criterion, n) in criteria.into_iter().flat_map(|criterion| [(criterion, 9), (criterion, 6)]) {
             let problem =
-                Problem::new(Model::quadratic(2).expect("a model"), space.clone(), 9, criterion).expect("sound");
+                Problem::new(Model::quadratic(2).expect("a model"), space.clone(), n, criterion).expect("sound");
             let frame = Frame::of(&problem, Some(&shape.relaxed()), f64::NEG_INFINITY, &<[f64]>::to_vec);
             let frame = frame.expect("a frame");
             let search = Discrete {
@@ -729,9 +731,10 @@ mod tests {
                 if runs.look_around().is_none() {
                     continue;
                 }
-                let offers: Vec<Vec<f64>> = (0..12).map(|_| candidates.sample(&mut generator)).collect();
+                let mut offers: Vec<Vec<f64>> = (0..12).map(|_| candidates.sample(&mut generator)).collect();
+                offers.extend(runs.x.chunks_exact(2).map(<[f64]>::to_vec));
                 let offers = Offers::of(&frame, offers.iter().map(Vec::as_slice));
-                for run in 0..9 {
+                for run in 0..n {
                     let by_formula = runs.best_by_formula(run, offers.iter(&frame), None);
                     let exactly = runs.best_exactly(run, offers.iter(&frame));
                     // Mirror images and the same candidate twice may tie: then the values count.
@@ -750,5 +753,80 @@ mod tests {
             }
         }
         assert!(compared > 400, "{compared}");
+    }
+
+    #[test]
+    fn size_is_a_power_mean_that_tends_to_the_largest() {
+        let values = [1.0, 3.0, 2.0, 0.5];
+        assert!((size(&values, Some(2)) - (1.0 + 81.0 + 16.0 + 0.0625_f64).powf(0.25)).abs() < 1e-14);
+        assert!((size(&values, Some(10)) - 3.0).abs() < 1e-14);
+        assert_eq!(size(&values, None).to_bits(), 3.0_f64.to_bits());
+        assert_eq!(size(&[0.0; 3], Some(5)).to_bits(), 0.0_f64.to_bits());
+    }
+
+    /// They take little time beside the exchanges after them; few factors do without.
+    #[test]
+    fn a_thorough_start_in_many_factors_rounds_the_best_of_several_designs() {
+        for (effort, k, several) in
+            [(Effort::Quick, 5, false), (Effort::Thorough, 2, false), (Effort::Thorough, 3, true)]
+        {
+            assert_eq!(n_relaxed(effort, k) > 1, several, "{effort:?} in {k} factors");
+        }
+    }
+
+    /// Near every run of a grid of 25 points lie all of them.
+    #[test]
+    fn a_start_ends_where_no_exchange_of_one_run_is_better() {
+        let space = Space::grid(&[5, 5]).expect("a grid");
+        let Shape::Box(shape) = space.shape() else { unreachable!("a grid is a box") };
+        let model = Model::quadratic(2).expect("a model");
+        let candidates = Candidates::grid(shape, &Products::of(&model));
+        let all: Vec<[f64; 2]> = (0..25).map(|i| [i / 5, i % 5].map(|level| f64::from(level) / 2.0 - 1.0)).collect();
+        for criterion in [Criterion::D, Criterion::A, Criterion::I] {
+            let problem = Problem::new(model.clone(), space.clone(), 9, criterion).expect("sound");
+            let frame = Frame::of(&problem, Some(&shape.relaxed()), f64::NEG_INFINITY, &<[f64]>::to_vec);
+            let frame = frame.expect("a frame");
+            let search = Discrete {
+                frame: &frame,
+                candidates: &candidates,
+                relaxed: None,
+                n_relaxed: 1,
+                apart: SAME_RUN,
+                is_distinct: true,
+                fixed: Vec::new(),
+            };
+            for seed in 0..4 {
+                let attempt = search.start(&mut Pcg64::seed_from_u64(seed), &Incumbents::default(), &|| false);
+                let Attempt::Found { x, .. } = attempt else { panic!("a start without a design") };
+                let mut runs = Runs::new(&search, x);
+                runs.look_around().expect("not singular");
+                let offers = Offers::of(&frame, all.iter().map(|point| &point[..]));
+                for run in 0..9 {
+                    let better = runs.best_exactly(run, offers.iter(&frame));
+                    assert!(better.is_none(), "{criterion}, seed {seed}: run {run} to {better:?}");
+                }
+            }
+        }
+    }
+
+    /// One term, equal to 1 at 64 points: an exchange takes off all of them the same.
+    #[test]
+    fn size_after_an_exchange_is_that_of_the_changed_variances() {
+        let watched = vec![1.0; 2 * BLOCK];
+        let values: Vec<f64> = (0..2 * BLOCK).map(|point| 1.0 + 0.01 * point as f64).collect();
+        let along_g = vec![0.5; 2 * BLOCK];
+        // v − (0.4 f² + 0.2 f g − 0.6 g²) with f = 1 and g = 1/2.
+        let exchange = Exchange { d_f: &[1.0], weights: [0.4, 0.2, 0.6], values: &values, along_g: &along_g };
+        let changed: Vec<f64> = values.iter().map(|v| v - (0.4 + 0.1 - 0.15)).collect();
+        for stage in [None, Some(3), Some(7)] {
+            let (before, after) = (size(&values, stage), size(&changed, stage));
+            let found = size_exchanged(&watched, exchange, stage, before).expect("it is smaller");
+            assert!((found - after).abs() < 1e-12, "{stage:?}: {found} is not {after}");
+            assert_eq!(
+                size_exchanged(&watched, exchange, stage, 0.999 * after),
+                None,
+                "{stage:?}: no better than that"
+            );
+        }
     }
 }

@@ -87,3 +87,60 @@ fn opened(forbidden: &Forbidden, shape: &BoxShape) -> Option<Forbidden> {
     };
     Forbidden::new(forbidden.ranges().iter().zip(&shape.axes).map(range).collect()).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 50 levels of each of six factors: 12 of each are 3 million points, 13 would be 4.8 million.
+    #[test]
+    fn a_large_grid_is_thinned_to_as_many_levels_as_can_be_scanned() {
+        let levels = Axis::equally_spaced(50).expect("levels");
+        let corner = Forbidden::new(vec![Some([0.31, 1.0]), None, None, None, None, None]).expect("a box");
+        let shape = BoxShape { axes: vec![levels.clone(); 6], forbidden: vec![corner] };
+        let Axis::Levels(all) = &levels else { unreachable!("an axis with levels") };
+        for (factor, axis) in thinned(&shape).axes.iter().enumerate() {
+            let Axis::Levels(kept) = axis else { panic!("levels stay levels") };
+            assert!((12..=15).contains(&kept.len()), "{} levels along factor {factor}", kept.len());
+            assert!(kept.iter().all(|level| all.contains(level)));
+            assert_eq!((kept[0], kept[kept.len() - 1]), (-1.0, 1.0));
+            if factor == 0 {
+                let next_to = |sign: f64| all.iter().copied().filter(move |level| sign * (level - 0.31) >= 0.0);
+                let (below, above) = (next_to(-1.0).fold(-1.0, f64::max), next_to(1.0).fold(1.0, f64::min));
+                assert!(kept.contains(&below) && kept.contains(&above), "{below} and {above} next to the end");
+            } else {
+                assert_eq!(kept.len(), 12);
+            }
+        }
+        let small = BoxShape { axes: vec![levels; 4], forbidden: Vec::new() };
+        assert_eq!(thinned(&small).axes, small.axes, "6 million points are searched as a whole");
+    }
+
+    /// Along continuous axes the ends of a forbidden range are allowed, but for those at the bounds.
+    #[test]
+    fn ends_of_forbidden_ranges_are_levels_and_allowed() {
+        let corner = Forbidden::new(vec![Some([0.33, 1.0]), Some([-1.0, -0.42])]).expect("a box");
+        let middle = Forbidden::new(vec![Some([-0.71, -0.13]), None]).expect("a box");
+        let shape = BoxShape { axes: vec![Axis::Continuous; 2], forbidden: vec![corner, middle] };
+        let grid = gridded(&shape).expect("a grid");
+        let has = |factor: usize, level: f64| match &grid.axes[factor] {
+            Axis::Levels(levels) => levels.iter().any(|other| (level - other).abs() < 1e-12),
+            Axis::Continuous => false,
+        };
+        assert!([-0.71, -0.13, 0.33].into_iter().all(|end| has(0, end)) && has(1, -0.42));
+        for (point, is_forbidden) in [
+            ([0.33, -1.0], false),
+            ([0.6, -0.42], false),
+            ([1.0, -1.0], true),
+            ([1.0, -0.42], false),
+            ([1.0, -0.5], true),
+            ([0.4, -1.0], true),
+            ([-0.71, 0.0], false),
+            ([-0.13, 1.0], false),
+            ([-0.4, 1.0], true),
+        ] {
+            assert_eq!(grid.forbids(&point), is_forbidden, "{point:?}");
+            assert_eq!(shape.forbids(&point), is_forbidden, "{point:?} of the box itself");
+        }
+    }
+}

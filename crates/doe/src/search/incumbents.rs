@@ -83,3 +83,23 @@ impl Incumbents {
         self.ranked.truncate(ELITE);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_best_is_kept_and_no_design_twice() {
+        let mut incumbents = Incumbents::default();
+        for (start, value) in [(0, 0.5), (1, 0.3), (2, 0.5 + 1e-12), (3, 0.4)] {
+            incumbents.insert(Contender { value, start, x: vec![value] });
+        }
+        let kept: Vec<u64> = incumbents.ranked.iter().map(|contender| contender.start).collect();
+        assert_eq!(kept, [1, 3, 0], "the best first");
+        assert_eq!(incumbents.best_log_value().to_bits(), 0.3_f64.to_bits());
+        for start in 4..40 {
+            incumbents.insert(Contender { value: 1.0 + start as f64, start, x: Vec::new() });
+        }
+        assert_eq!((incumbents.ranked.len(), incumbents.ranked[0].start), (ELITE, 1));
+    }
+}

@@ -371,4 +371,67 @@ mod tests {
         assert!((step(2.0) + 0.5).abs() < 1e-6, "{}", step(2.0));
         assert!((step(-2.0) + 2.0).abs() < 1e-3, "{}", step(-2.0));
     }
+
+    /// Functions and bounds at random, the same every time.
+    fn random(m: usize, n: usize, seed: usize) -> [Vec<f64>; 4] {
+        let number = |i: usize| ((i * i * 7919 + i * 31 + seed * 104_729) % 2003) as f64 / 1001.0 - 1.0;
+        let at = |from: usize, count: usize| (from..from + count).map(number).collect::<Vec<f64>>();
+        let lower = at(1000, n).iter().map(|x| -0.02 - 0.05 * x.abs()).collect();
+        // Some bounds are tight.
+        let upper = at(2000, n).iter().map(|x| if *x < 0.3 { 0.0 } else { 0.1 * x }).collect();
+        [at(0, m).iter().map(|x| 1.0 - 0.1 * x.abs()).collect(), at(100, m * n), lower, upper]
+    }
+
+    /// Any multipliers give a bound from below: Σ λ_j h_j + Σ_i min(l_i c_i, u_i c_i) with c = Gᵀ λ. At the optimum it is met, in
+    /// whatever unit the functions are.
+    #[test]
+    fn a_linear_step_meets_its_dual_bound_in_few_iterations() {
+        for (m, n, seed, unit) in
+            [(3, 2, 1, 1.0), (12, 8, 2, 1.0), (40, 24, 3, 1.0), (30, 40, 4, 1.0), (40, 24, 3, 1e4), (9, 9, 5, 1e4)]
+        {
+            let [mut heights, mut slopes, lower, upper] = random(m, n, seed);
+            heights.iter_mut().chain(&mut slopes).for_each(|value| *value *= unit);
+            let problem =
+                MinimaxStep { heights: &heights, slopes: &slopes, lower: &lower, upper: &upper, curvature: &[] };
+            let asked = std::sync::atomic::AtomicU32::new(0);
+            let is_over = || {
+                asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                false
+            };
+            let Solution { step, multipliers } = solve(&problem, &is_over).expect("solvable");
+            let reached = heights.iter().zip(slopes.chunks_exact(n)).map(|(h, row)| h + dot(row, &step));
+            let reached = reached.fold(f64::NEG_INFINITY, f64::max);
+            let mut c = vec![0.0; n];
+            slopes.chunks_exact(n).zip(&multipliers).for_each(|(row, lambda)| axpy(*lambda, row, &mut c));
+            let bounds = c.iter().zip(lower.iter().zip(&upper)).map(|(c, (l, u))| (l * c).min(u * c));
+            let dual = dot(&heights, &multipliers) + bounds.sum::<f64>();
+            assert!((multipliers.iter().sum::<f64>() - 1.0).abs() < 1e-8, "{m} {n}: {multipliers:?}");
+            assert!(
+                multipliers.iter().all(|lambda| *lambda >= 0.0)
+                    && reached < heights.iter().copied().fold(0.0, f64::max)
+            );
+            assert!((reached - dual).abs() < 1e-9 * unit, "{m} functions of {n}: {reached} and {dual}");
+            let asked = asked.into_inner();
+            assert!(asked <= 15, "{asked} iterations for {m} functions of {n}");
+        }
+    }
+
+    /// What is foreseen of a step is what it comes to, and the slacks stay those of the functions.
+    #[test]
+    fn a_step_leads_to_the_mean_product_that_was_foreseen() {
+        let [heights, slopes, lower, upper] = random(7, 5, 6);
+        let problem = MinimaxStep { heights: &heights, slopes: &slopes, lower: &lower, upper: &upper, curvature: &[] };
+        let (mut state, mut work) = (State::start(&problem), Work::new(7, 5, 0.0));
+        for (primal, dual) in [(0.3, 0.3), (0.2, 0.05), (0.1, 0.4)] {
+            work.factor(&problem, &state, &|| false).expect("positive definite");
+            let step = work.direction(&problem, &state);
+            let foreseen = state.mu_after(&step, primal, dual);
+            state.advance(&step, primal, dual);
+            assert!((state.mu() - foreseen).abs() < 1e-12 * foreseen.abs(), "{} is not {foreseen}", state.mu());
+            let slack = |(height, row): (&f64, &[f64])| state.t - height - dot(row, &state.d);
+            for (s, expected) in state.s.iter().zip(heights.iter().zip(slopes.chunks_exact(5)).map(slack)) {
+                assert!((s - expected).abs() < 1e-12, "{s} is not {expected}");
+            }
+        }
+    }
 }

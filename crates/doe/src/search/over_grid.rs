@@ -122,3 +122,81 @@ impl OffGrid<'_> {
         Some(problem.log_value(efficiency.percent))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use rand::SeedableRng as _;
+
+    use crate::shape::Shape;
+    use crate::{Axis, Criterion, Model, Space};
+
+    /// What a search over five levels of one factor and any value of another consists of.
+    fn mixed(then: impl Fn(&Problem, Discrete<'_>, OffGrid<'_>)) {
+        let space = Space::of_axes(vec![Axis::equally_spaced(5).unwrap(), Axis::Continuous]).unwrap();
+        let problem = Problem::new(Model::quadratic(2).unwrap(), space.clone(), 8, Criterion::G).unwrap();
+        let Shape::Box(shape) = space.shape() else { unreachable!("axes make a box") };
+        let (grid, relaxed) = (gridded(shape).unwrap(), shape.relaxed());
+        let frame = Frame::of(&problem, Some(&relaxed), f64::NEG_INFINITY, &<[f64]>::to_vec).unwrap();
+        let (lattice, candidates) = (lattice(&relaxed, &frame.products), Candidates::grid(&grid, &frame.products));
+        let search = Discrete {
+            frame: &frame,
+            candidates: &candidates,
+            relaxed: None,
+            n_relaxed: 1,
+            is_distinct: false,
+            apart: APART,
+            fixed: Vec::new(),
+        };
+        let (shape, judged, effort) = (&relaxed, &relaxed, Effort::Thorough);
+        let polish = Continuous { frame: &frame, shape, judged, lattice: &lattice, effort };
+        let Shape::Box(shape) = space.shape() else { unreachable!("axes make a box") };
+        then(&problem, search, OffGrid { problem: &problem, shape, polish });
+    }
+
+    fn value_of(attempt: Attempt) -> f64 {
+        match attempt {
+            Attempt::Found { value, .. } => value,
+            other => panic!("a start without a design: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_start_keeps_the_best_of_its_tries() {
+        mixed(|_, search, _| {
+            let none = Incumbents::default();
+            let (mut one, mut other) = (Pcg64::seed_from_u64(3), Pcg64::seed_from_u64(3));
+            let alone = (0..4).map(|_| value_of(search.start(&mut one, &none, &|| false)));
+            let (best, worst) =
+                alone.fold((f64::INFINITY, 0.0), |(best, worst), value| (value.min(best), value.max(worst)));
+            let gridded = Gridded { search, off_grid: None, n_tries: 4 };
+            let found = value_of(gridded.start(&mut other, &none, &|| false));
+            assert_eq!(found.to_bits(), best.to_bits(), "{found} of {best} to {worst}");
+            assert!(best < worst, "they differ");
+            // What is best on the grid need not be off it: more are refined, and from further behind.
+            let once = Gridded { n_tries: 1, ..gridded };
+            assert_eq!(once.worth_refining(), WORTH_REFINING);
+            let tried = Gridded { n_tries: 4, ..once };
+            assert!(tried.worth_refining().0 > WORTH_REFINING.0 && tried.worth_refining().1 > WORTH_REFINING.1);
+        });
+    }
+
+    /// Scored where it counts: by the efficiency over the space.
+    #[test]
+    fn a_design_is_moved_off_the_grid_where_that_is_better() {
+        mixed(|problem, search, off_grid| {
+            let mut generator = Pcg64::seed_from_u64(3);
+            let Attempt::Found { x, .. } = search.start(&mut generator, &Incumbents::default(), &|| false) else {
+                panic!("a start without a design");
+            };
+            let percent = |x: &[f64]| {
+                let design = problem.design(x).unwrap();
+                problem.criterion().efficiency(problem.model(), problem.space(), &design).unwrap().percent
+            };
+            let (moved, value) = off_grid.refine(x.clone(), &Incumbents::default(), &|| false).unwrap();
+            assert!((problem.percent(value) - percent(&moved)).abs() < 1e-9, "{value}");
+            assert!(percent(&moved) > percent(&x) + 0.01, "{} of {}", percent(&moved), percent(&x));
+        });
+    }
+}

@@ -320,3 +320,25 @@ fn check_planned(found: usize, n_runs: usize) -> Result<(), Error> {
     let most = n_runs / 2;
     if found > most { Err(Error::Count { name: "planned replicates", found, least: 0, most }) } else { Ok(()) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Four corners of a square: M = 4 I, so D⁻¹ is 4, tr D is 3/4, and the largest v is 3/4; all by 100 %.
+    #[test]
+    fn percent_of_an_orthogonal_design_is_one_hundred() {
+        for (criterion, log_value) in [
+            (Criterion::D, -4.0_f64.ln()),
+            (Criterion::A, 0.75_f64.ln()),
+            (Criterion::G, 0.75_f64.ln()),
+            (Criterion::E, 0.25_f64.ln()),
+            (Criterion::T, -12.0_f64.ln()),
+        ] {
+            let problem = Problem::new(Model::linear(2).unwrap(), Space::cube(2).unwrap(), 4, criterion).unwrap();
+            assert!((problem.percent(log_value) - 100.0).abs() < 1e-12, "{criterion}: {}", problem.percent(log_value));
+            assert!((problem.log_value(100.0) - log_value).abs() < 1e-15, "{criterion}");
+            assert!((problem.percent(problem.log_value(61.0)) - 61.0).abs() < 1e-12, "{criterion}");
+        }
+    }
+}

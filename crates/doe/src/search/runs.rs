@@ -90,3 +90,34 @@ fn power(x: f64, exponent: i32) -> f64 {
         _ => x.powi(exponent),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Second derivatives of 1, x, x³, x² y, x y² z³ by differences of the first; at zero, too.
+    #[test]
+    fn curvature_is_the_slope_of_the_slopes() {
+        let terms = [[0, 0, 0], [1, 0, 0], [3, 0, 0], [2, 1, 0], [1, 2, 3]].map(Term::new).to_vec();
+        let regressors = Regressors::of(&Model::new(3, terms).expect("a model"));
+        let u = [0.3, -1.2, 0.7, 1.1, -0.4];
+        for point in [[0.3, -0.6, 0.8], [0.0, 0.5, -0.2], [0.0, 0.0, 0.0], [-0.9, 0.0, 1.0]] {
+            let mut curvature = vec![0.0; 9];
+            regressors.add_curvature(&point, &u, 1.5, &mut curvature);
+            for axis in 0..3 {
+                let slopes = |by: f64| {
+                    let (mut moved, mut slopes) = (point, [0.0; 3]);
+                    moved[axis] += by;
+                    regressors.add_slopes(&moved, &u, 1.5, &mut slopes);
+                    slopes
+                };
+                let (above, below) = (slopes(1e-5), slopes(-1e-5));
+                for other in 0..3 {
+                    let expected = (above[other] - below[other]) / 2e-5;
+                    let found = curvature[3 * axis + other];
+                    assert!((found - expected).abs() < 1e-8, "{axis} {other} at {point:?}: {found} is not {expected}");
+                }
+            }
+        }
+    }
+}

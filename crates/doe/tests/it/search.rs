@@ -92,6 +92,23 @@ fn an_interrupted_search_returns_what_it_has_or_says_that_it_has_nothing() {
     assert_eq!(search_watched(&problem, &settings(5), watch).unwrap_err(), Error::NoDesign { starts: 0 });
 }
 
+/// Rounds go on where the last one ended, and each start is refined or not.
+#[test]
+fn every_start_is_made_once_and_most_are_given_up() {
+    let problem = Problem::new(Model::quadratic(1).unwrap(), Space::cube(1).unwrap(), 4, Criterion::G).unwrap();
+    for starts in [16, 40, 70] {
+        let report = search(&problem, &settings(starts)).unwrap().report;
+        assert_eq!((report.starts, report.stop), (starts, StopReason::StartsDone));
+        assert!(report.best_start < starts && report.times_found + report.abandoned + report.failed <= starts);
+        assert!(report.abandoned > starts / 2, "{report:?}");
+    }
+    // Four runs at four corners: every start finds the same, and the first is named.
+    let corners = Space::grid(&[2, 2]).unwrap();
+    let problem = Problem::new(Model::linear(2).unwrap(), corners, 4, Criterion::G).unwrap();
+    let report = search(&problem, &settings(40)).unwrap().report;
+    assert!(report.best_start == 0 && report.times_found > 1, "{report:?}");
+}
+
 #[test]
 fn stops_at_the_target() {
     let problem = Problem::new(Model::quadratic(2).unwrap(), Space::cube(2).unwrap(), 8, Criterion::G).unwrap();
@@ -315,13 +332,13 @@ fn a_gridded_axis_beside_a_continuous_one_keeps_its_levels() {
     assert!(found.efficiency.percent > 75.0, "{}", found.efficiency);
 }
 
-/// 2,000 starts of an earlier version led to 73.29 %, its default to 70.03 to 72.41 % with most seeds.
+/// 2,000 starts of an earlier version led to 73.29 %, its default of 200 to 70.03 to 72.41 % with most seeds.
 #[test]
 fn a_continuous_axis_beside_two_with_levels_ends_at_the_best_design_known() {
     let levels = |count| Axis::equally_spaced(count).unwrap();
     let space = Space::of_axes(vec![Axis::Continuous, levels(3), levels(5)]).unwrap();
     let problem = Problem::new(Model::quadratic(3).unwrap(), space.clone(), 12, Criterion::G).unwrap();
-    let found = search(&problem, &Settings::default()).unwrap();
+    let found = search(&problem, &settings(48)).unwrap();
     found.design.check_within(&space).unwrap();
     assert!(found.efficiency.percent > 73.2, "{}", found.efficiency);
 }
@@ -333,12 +350,10 @@ fn a_few_starts_come_within_a_hundredth_of_the_best_on_the_list_of_the_case_stud
     let points = (0..24_usize.pow(4)).flat_map(|cell| [1, 24, 576, 13_824].map(|stride| level(cell / stride % 24)));
     let list = Space::list(4, points.collect()).unwrap();
     let problem = Problem::new(Model::quadratic(4).unwrap(), list, 18, Criterion::G).unwrap();
-    for seed in [3, 4] {
-        let mut some = settings(48);
-        some.seed = seed;
-        let found = search(&problem, &some).unwrap();
-        assert!(found.efficiency.percent > 0.99 * 77.87, "seed {seed}: {}", found.efficiency);
-    }
+    let mut few = settings(32);
+    few.seed = 3;
+    let found = search(&problem, &few).unwrap();
+    assert!(found.efficiency.percent > 0.99 * 77.87, "{}", found.efficiency);
 }
 
 #[test]
@@ -370,7 +385,7 @@ fn regions() -> Vec<Space> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(12))]
 
     #[test]
     fn a_g_search_is_hardly_ever_worse_than_a_d_search_over_any_region(
@@ -433,6 +448,8 @@ fn refuses_problems_without_a_solution() {
     let message = "the space has 9 points, too few for 10 distinct runs: plan replicates or allow them";
     assert_eq!(many.validate().unwrap_err().to_string(), message);
     assert_eq!(search(&many, &settings(2)).unwrap_err().to_string(), message);
+    let two = Design::from_runs(&[[0.0, 1.0], [1.0, 1.0]]).unwrap();
+    assert_eq!(many.clone().with_fixed_runs(two).unwrap().validate().unwrap_err().to_string(), message);
     let fixed = Design::new(2, vec![0.0, 2.0]).unwrap();
     check(new(cube.clone(), 8).unwrap().with_fixed_runs(fixed), "run 1 lies outside the space: [0.0, 2.0]");
     check(
@@ -551,7 +568,7 @@ fn a_time_limit_holds_with_thousands_of_coordinates() {
 fn orthogonal_designs_in_many_factors_are_found_by_a_few_starts() {
     for (space, k, n) in [(Space::cube(11), 11, 12), (Space::grid(&[2; 12]), 12, 16)] {
         let problem = Problem::new(Model::linear(k).unwrap(), space.unwrap(), n, Criterion::G).unwrap();
-        let found = search(&problem, &settings(16)).unwrap();
+        let found = search(&problem, &settings(4)).unwrap();
         assert!(found.efficiency.percent > 99.999, "K {k}: {}", found.efficiency);
     }
 }

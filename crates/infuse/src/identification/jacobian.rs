@@ -76,3 +76,49 @@ fn sides_of(residuals: &Residuals<'_>, shares: &[f64], moves: Vec<(usize, f64)>)
     }
     Ok(sides)
 }
+
+#[cfg(test)]
+mod tests {
+    use design_space::{Parameter, Region};
+
+    use super::super::measurements::Measurements;
+    use super::super::residuals::Answer;
+    use super::super::settings::Noise;
+    use super::super::unknowns::Unknowns;
+    use super::*;
+
+    /// ∂r/∂u of r = u₀² + 3 u₁ and how often the model was asked, where it fails above `most` of the first unknown.
+    fn of(shares: [f64; 2], most: f64, step: f64, sides: Sides) -> ([f64; 2], usize) {
+        let unknown = |name: &str| Parameter::continuous(name, "1", 0.0, 1.0).expect("a number");
+        let region = Region::new(vec![unknown("a"), unknown("b")]).expect("a region");
+        let unknowns = Unknowns::new(region, vec![0.5; 2]).expect("unknowns");
+        let mut measurements = Measurements::new(vec!["r".to_owned()]).expect("a response");
+        measurements.push(&[0.0], &[0.0], &[1.0]).expect("a reading");
+        let mut model = |unknowns: &[Vec<f64>], _: &[Vec<f64>]| -> Vec<Vec<Answer>> {
+            let one = |u: &Vec<f64>| {
+                let failed = || Err("it fails there".to_owned());
+                vec![if u[0] > most { failed() } else { Ok(vec![u[0] * u[0] + 3.0 * u[1]]) }]
+            };
+            unknowns.iter().map(one).collect()
+        };
+        let residuals = Residuals::new(&unknowns, &measurements, Noise::Known, &mut model);
+        let here = [shares[0] * shares[0] + 3.0 * shares[1]];
+        let found = jacobian(&residuals, &shares, &here, step, sides).expect("the model answers");
+        ([found[(0, 0)], found[(0, 1)]], residuals.n_simulations())
+    }
+
+    /// Of u² one difference is 2 u ± h, both together 2 u.
+    #[test]
+    fn a_search_asks_once_for_each_unknown_and_the_other_way_only_where_that_fails() {
+        let check = |found: ([f64; 2], usize), first: f64, asked: usize| {
+            assert!((found.0[0] - first).abs() < 1e-9 && (found.0[1] - 3.0).abs() < 1e-9, "{found:?} for {first}");
+            assert_eq!(found.1, asked, "{found:?}");
+        };
+        check(of([0.25, 0.25], 1.0, 0.125, Sides::One), 0.625, 2);
+        check(of([0.75, 0.75], 1.0, 0.125, Sides::One), 1.375, 2);
+        check(of([0.25, 0.25], 1.0, 0.125, Sides::Both), 0.5, 4);
+        check(of([0.25, 0.25], 0.3, 0.125, Sides::One), 0.375, 3);
+        // Beyond the bound there is nothing to ask for.
+        check(of([0.0, 0.25], 0.1, 0.125, Sides::One), 0.0, 2);
+    }
+}

@@ -127,5 +127,9 @@ mod tests {
         let found = directions(&unknowns, &rows, &[f64::INFINITY; 2]);
         let words: Vec<&str> = found.iter().map(|direction| direction.words.as_str()).collect();
         assert_eq!(words, ["a", "c"].map(|name| format!("`{name}` has no effect on what was measured")));
+        let rows = DMatrix::from_row_slice(1, 3, &[0.0, 1.0, 0.0]);
+        let said = "what was measured says no more of `b` than its bounds do: standard error 0.70 of the range";
+        let found = directions(&unknowns, &rows, &[0.7]);
+        assert_eq!((found[0].words.as_str(), found[0].standard_error), (said, Some(0.7)));
     }
 }

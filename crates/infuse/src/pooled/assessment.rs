@@ -421,4 +421,40 @@ mod tests {
             assert!((found - expected).abs() < 1e-14, "{a:?} and {b:?}: {found}");
         }
     }
+
+    /// Errors of the readings, of their assembly and of the recommended mean add up in squares.
+    #[test]
+    fn a_contradiction_is_told_in_standard_errors_of_the_readings_and_of_what_they_contradict() {
+        let mut scene = crate::pooled::scene::Scene::new(&[21]);
+        for (at, (x, response)) in
+            [(0, 2.0), (0, 2.3), (5, 1.0), (5, 1.1), (10, 0.5), (10, 0.6), (15, 1.6), (20, 2.1)].into_iter().enumerate()
+        {
+            scene.read(&[x], response);
+            scene.readings[at].assembly = Some(at / 2);
+        }
+        let (readings, low, recommended) = (scene.readings.clone(), scene.cell(&[10]), scene.cell(&[1]));
+        let mut knowledge = scene.knowledge(None);
+        let (noise, assembly) = (knowledge.process.noise(), knowledge.process.assembly_deviation());
+        assert!(noise > 0.0 && assembly > 0.0, "{noise} {assembly}");
+        for deviation in [0.0, 1.0] {
+            let one = standing(&mut knowledge, &readings, &[], recommended, recommended, 0.9).unwrap();
+            let one = Standing { mean: 50.0, deviation, ..one };
+            let found = contradiction(&mut knowledge, &readings, &[], &one, 0.9).unwrap().unwrap();
+            let error = (0.5_f64.sqrt() * noise).hypot(assembly).hypot(deviation);
+            assert_eq!(found.standing.cell, low, "two readings of 0.55 in the mean");
+            assert!((found.deviations * error - 49.45).abs() < 1e-9, "{} of {error}", found.deviations);
+        }
+    }
+
+    /// After so many batches the bound is no longer above what is worth it, and after one less it is.
+    #[test]
+    fn further_batches_are_as_many_as_it_takes() {
+        for (bound, worth, remaining) in [(8.0, 1.1, 0.5), (3.0, 0.4, 0.8), (0.2, 0.19, 0.9), (1e6, 1.0, 0.06)] {
+            let n = i32::try_from(further(bound, worth, remaining)).unwrap();
+            let after = |n: i32| bound * f64::powi(remaining, n);
+            assert!(n >= 1 && after(n) <= worth && after(n - 1) > worth, "{n} batches from {bound} to {worth}");
+        }
+        assert_eq!(further(8.0, 1.0, 0.0), 1, "a batch never leaves nothing at all");
+        assert!(further(8.0, 1.0, 1.0) > 50, "nor everything");
+    }
 }

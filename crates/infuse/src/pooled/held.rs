@@ -181,3 +181,31 @@ impl Chances {
         self
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pooled::scene::Scene;
+
+    /// What the particles say of each place is one mixture, however it is put together.
+    #[test]
+    fn what_is_expected_is_the_mixture_of_all_particles() {
+        let mut scene = Scene::new(&[21]);
+        for (x, travel) in [(0, 1.0), (6, 1.9), (11, 1.2), (20, 3.0)] {
+            scene.read(&[x], travel);
+        }
+        scene.settings.constraints = vec![Constraint::at_most("travel", 2.0)];
+        let (designs, simulated, source) = (&scene.designs, Simulated::default(), Source::Nothing);
+        let held = Held::of(0, &scene.readings, designs, &scene.settings, &simulated, &source).unwrap();
+        let cells: Vec<Cell> = (0..21).map(|x| scene.cell(&[x])).collect();
+        let places = held.places(designs, &cells, &simulated, &source).unwrap();
+        let expected = held.expected(&places, &source).unwrap();
+        let together = Joint::of_mixture(&held.joint_of_each(&places, &source).unwrap());
+        for place in 0..cells.len() {
+            let (mean, deviation) = (together.means()[place], together.variance(place).max(0.0).sqrt());
+            assert!((expected.means[place] - mean).abs() < 1e-9, "{mean} at {place}");
+            assert!((expected.deviations[place] - deviation).abs() < 1e-7, "{deviation} at {place}");
+        }
+        assert!(expected.deviations.iter().any(|deviation| *deviation > 0.05), "{:?}", expected.deviations);
+    }
+}

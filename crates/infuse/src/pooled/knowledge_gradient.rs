@@ -264,3 +264,178 @@ fn lowest(means: &[f64], effect: &[f64], z: f64) -> f64 {
     let rest = rest.iter().zip(rest_of_effects).map(|(mean, effect)| mean + z * effect);
     lanes.into_iter().chain(rest).fold(f64::INFINITY, f64::min)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pooled::constraint::Constraint;
+    use crate::pooled::scene::Scene;
+
+    /// Seven levels of two numbers; the simulation has its lowest response elsewhere.
+    fn misled(n: usize, unit: f64) -> Scene {
+        let mut scene = Scene::new(&[7, 7]);
+        for reading in 0..n as u64 {
+            let (x, y) = (reading * 3 % 7, reading * 5 % 7 + reading / 7);
+            let (a, b) = (x as f64 / 6.0, y as f64 / 6.0);
+            scene.read(&[x, y], unit * ((a - 0.8).powi(2) + (b - 0.3).powi(2)));
+        }
+        scene
+    }
+
+    fn simulation(unit: f64) -> impl FnMut(Cell, &[f64]) -> Result<f64, String> {
+        move |_, point| Ok(unit * ((point[0] - 0.1).powi(2) + (point[1] - 0.9).powi(2)))
+    }
+
+    /// What is picked: with the sceptic, and without.
+    fn picks(scene: &mut Scene, unit: f64, count: usize) -> [Picks; 2] {
+        let (mut simulate, designs) = (simulation(unit), scene.designs.clone());
+        let mut knowledge = scene.knowledge(Some(&mut simulate));
+        let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
+        let economy = || Economy::of(None, &designs);
+        let with = pick(&knowledge, &pool, &[], count, 7, economy()).unwrap();
+        knowledge.sceptic = None;
+        [with, pick(&knowledge, &pool, &[], count, 7, economy()).unwrap()]
+    }
+
+    /// The last half while there are fewer readings than for two batches, one in six afterwards, none of a few.
+    #[test]
+    fn the_last_picks_are_for_the_one_who_does_not_believe_the_simulation() {
+        for (n_readings, count, doubted) in [(5, 6, 3), (5, 5, 2), (11, 6, 3), (12, 6, 1), (13, 5, 1), (6, 3, 0)] {
+            let [with, without] = picks(&mut misled(n_readings, 1.0), 1.0, count);
+            let same = with.cells.iter().zip(&without.cells).take_while(|(a, b)| a == b).count();
+            assert_eq!(count - same, doubted, "{count} picks after {n_readings} readings");
+        }
+    }
+
+    /// In a thousand times as large numbers the same is known.
+    #[test]
+    fn what_remains_uncertain_is_a_share() {
+        let [of_one, of_thousand] = [1.0, 1000.0].map(|unit| picks(&mut misled(8, unit), unit, 4)[0].remaining);
+        assert!(of_one > 0.01 && of_one < 0.99, "{of_one}");
+        assert!((of_thousand / of_one - 1.0).abs() < 1e-3, "{of_one} and {of_thousand}");
+    }
+
+    /// A cell that is a little less likely to give a response than one that may be recommended.
+    #[test]
+    fn the_sceptic_asks_only_where_a_design_may_be_recommended() {
+        let (mut scene, mut simulate) = (misled(12, 1.0), simulation(1.0));
+        let designs = scene.designs.clone();
+        let knowledge = &mut scene.knowledge(Some(&mut simulate));
+        let mut pool = Pool::gather(knowledge, 1, 0).unwrap();
+        let last = |pool: &Pool| {
+            let picks = pick(knowledge, pool, &[], 4, 7, Economy::of(None, &designs)).unwrap();
+            picks.cells[3]
+        };
+        let before = last(&pool);
+        let row = pool.cells.iter().position(|cell| *cell == before).unwrap();
+        pool.chances.responding[row] = FEASIBLE;
+        assert_eq!(last(&pool), before, "it is likely enough");
+        pool.chances.responding[row] = FEASIBLE - 1e-9;
+        assert_ne!(last(&pool), before);
+    }
+
+    /// A pool of some places on a line, and what is known of them.
+    fn line(places: &[f64], shift: f64) -> (Pool, Joint) {
+        let responses = [1.0, 1.4, 0.7, 2.0].map(|response| response + shift);
+        let data = surface::Data::new(1, vec![-1.0, -0.2, 0.4, 1.0], responses.to_vec()).expect("valid data");
+        let sites = surface::process::Sites::new(&data, None).expect("valid data");
+        let settings = surface::process::SamplerSettings { particles: 4, ..Default::default() };
+        let process = surface::process::AveragedProcess::new(sites, &settings).expect("a process");
+        let places = surface::process::Places::new(1, places).expect("places");
+        let n = places.n_places();
+        let chances = crate::pooled::held::Chances {
+            responding: vec![1.0; n],
+            within: vec![1.0; n],
+            suffices: vec![true; n],
+            possible: vec![true; n],
+        };
+        let pool = Pool {
+            cells: (0..n as u64).map(Cell::new).collect(),
+            marginals: process.marginals(&places),
+            chances,
+            random: Vec::new(),
+            places: places.clone(),
+        };
+        (pool, process.joint(&places))
+    }
+
+    /// Of two designs: E min(m₁ + b₁ Z, m₂ + b₂ Z) is below the lower mean by s (φ(d/s) − d/s Φ(−d/s)), with s = |b₁ − b₂| and
+    /// d = |m₁ − m₂| (Frazier, Powell and Dayanik 2009).
+    #[test]
+    fn of_two_designs_the_one_with_the_larger_knowledge_gradient_is_picked() {
+        let (normal, scene) = (Normal::standard(), Scene::new(&[7]));
+        let mut picked = [0; 2];
+        for (places, responding, noise) in [
+            ([-0.6, 0.1], 1.0, 0.01),
+            ([-0.6, 0.7], 1.0, 0.01),
+            ([0.3, 0.7], 1.0, 0.01),
+            ([0.7, 0.3], 1.0, 0.5),
+            ([0.25, 0.55], 0.8, 0.01),
+            ([0.55, 0.25], 0.6, 0.01),
+        ] {
+            let (mut pool, joint) = line(&places, 10.0);
+            pool.chances.responding[1] = responding;
+            let (m, gradient) = (joint.means().to_vec(), Gradient::of(std::slice::from_ref(&joint), &pool, noise));
+            let gain = |row: usize| {
+                let [own, other] = [row, 1 - row].map(|place| joint.covariances(row)[place]);
+                let s = (own - other).abs() / (joint.variance(row) + noise).sqrt();
+                let t = (m[0] - m[1]).abs() / s;
+                let density = (-0.5 * t * t).exp() / std::f64::consts::TAU.sqrt();
+                pool.chances.responding[row] * s * (density - t * normal.cdf(-t))
+            };
+            let (gains, normals) = ([gain(0), gain(1)], outcomes(0, 7));
+            let best = usize::from(gains[1] > gains[0]);
+            assert!(gains[best] > 1.1 * gains[1 - best], "a clear case: {gains:?} for {places:?}");
+            assert_eq!(gradient.most_telling(&normals, 0, &Economy::of(None, &scene.designs)), best, "{places:?}");
+            picked[best] += 1;
+        }
+        assert!(picked.iter().all(|times| *times > 0), "{picked:?}");
+    }
+
+    /// What a run takes from the variances, each counted by how likely its design is the best.
+    #[test]
+    fn the_clearest_run_takes_most_from_the_variances_of_what_may_be_best() {
+        let (normal, scene, noise) = (Normal::standard(), Scene::new(&[7]), 0.01);
+        for within in [[1.0, 1.0, 1.0, 1.0], [1.0, 0.001, 1.0, 1.0], [0.001, 1.0, 1.0, 0.001], [1.0, 1.0, 0.01, 1.0]] {
+            let (mut pool, joint) = line(&[-0.6, 0.1, 0.3, 0.75], 0.0);
+            pool.chances.within = within.to_vec();
+            let best = joint.means().iter().copied().fold(f64::INFINITY, f64::min);
+            let learnt = |row: usize| {
+                let mut after = joint.clone();
+                after.measure(&joint.effect(row, noise));
+                let of_place = |place: usize| {
+                    let share = normal.cdf((best - joint.means()[place]) / joint.variance(place).sqrt());
+                    share * within[place] * (joint.variance(place) - after.variance(place))
+                };
+                (0..4).map(of_place).sum::<f64>()
+            };
+            let learnt: Vec<f64> = (0..4).map(learnt).collect();
+            let row = (0..4).max_by(|&a, &b| learnt[a].total_cmp(&learnt[b])).unwrap();
+            let gradient = Gradient::of(std::slice::from_ref(&joint), &pool, noise);
+            assert_eq!(gradient.clearest(&Economy::of(None, &scene.designs)), row, "{within:?}: {learnt:?}");
+        }
+    }
+
+    /// A design that breaks a bound is worth as much as the worst: where the zero of the response lies is irrelevant.
+    #[test]
+    fn with_bounds_the_pick_does_not_depend_on_the_zero_of_the_response() {
+        let (scene, places) = (Scene::new(&[7]), [-0.6, 0.1, 0.3, 0.75]);
+        let admission = || {
+            let limits = Constraint::at_most("travel", 1.2);
+            Admission::of(&limits, line(&places, 0.0).1, 0.1, 0, 7)
+        };
+        let picks = [-100.0, 0.0, 100.0].map(|shift| {
+            let (pool, joint) = line(&places, shift);
+            let mut gradient = Gradient::of(std::slice::from_ref(&joint), &pool, 0.01);
+            gradient.admissions.push(admission());
+            let stay: Vec<Step> = gradient.admissions.iter().map(Admission::stay).collect();
+            let lowest = gradient.lowest_of_each(&[0.0; 4], &[0.0; 48], &stay, gradient.reserve());
+            let picked = gradient.most_telling(&outcomes(0, 7), 0, &Economy::of(None, &scene.designs));
+            (picked, lowest / f64::from(OUTCOMES) - shift)
+        });
+        for (picked, lowest) in picks {
+            assert_eq!(picked, picks[1].0);
+            assert!((lowest - picks[1].1).abs() < 1e-6, "{picks:?}");
+        }
+    }
+}

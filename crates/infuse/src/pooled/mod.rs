@@ -61,6 +61,8 @@ mod plants;
 mod pool;
 mod readings;
 mod recommendation;
+#[cfg(test)]
+mod scene;
 mod settings;
 mod simulated;
 mod streams;

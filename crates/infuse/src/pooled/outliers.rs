@@ -276,4 +276,27 @@ mod tests {
         ]);
         assert_eq!(quarrels(&some), [1, 5]);
     }
+
+    /// A smooth curve, and at its middle one run more, three above it.
+    #[test]
+    fn of_two_runs_that_differ_the_one_that_the_others_do_not_expect_is_set_aside() {
+        let mut scene = crate::pooled::scene::Scene::new(&[21]);
+        scene.settings.noise = Some(0.02);
+        let curve = |x: u64| (0.1 * x as f64 - 1.0).powi(2);
+        for x in [0, 3, 6, 10, 14, 17, 20] {
+            scene.read(&[x], curve(x) + 0.01 * (x as f64).sin());
+        }
+        let (kept, mut readings) = (scene.readings.clone(), Vec::new());
+        for (above, expected) in [(3.0, vec![7]), (0.05, vec![])] {
+            scene.readings = kept.clone();
+            scene.read(&[10], curve(10) + above);
+            readings.clone_from(&scene.readings);
+            let settings = scene.settings.clone();
+            let aside = set_aside(&mut scene.knowledge(None), &mut readings, &settings).unwrap();
+            assert_eq!(aside.iter().map(|outlier| outlier.reading).collect::<Vec<_>>(), expected, "{above} above");
+            assert!(aside.iter().all(|outlier| outlier.set_aside && outlier.deviations > STRIKING_TO_OTHERS));
+            assert_eq!(readings.len(), 8 - expected.len());
+            assert_eq!(readings[..7], kept, "the others stay");
+        }
+    }
 }

@@ -181,3 +181,20 @@ impl Assemblies {
         self.next
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_assembly_is_one_plant_in_one_batch() {
+        let mut assemblies = Assemblies::default();
+        let first = assemblies.of(0, vec![1, 2]);
+        let others =
+            [assemblies.of(0, vec![2, 1]), assemblies.of(1, vec![1, 2]), assemblies.alone(), assemblies.alone()];
+        assert_eq!(assemblies.of(0, vec![1, 2]), first, "the same plant in the same batch");
+        assert_eq!(assemblies.of(1, vec![1, 2]), others[1]);
+        let all: std::collections::BTreeSet<usize> = others.into_iter().chain([first]).collect();
+        assert_eq!(all.len(), 5, "{first} and {others:?}");
+    }
+}

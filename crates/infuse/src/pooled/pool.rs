@@ -151,3 +151,44 @@ impl Pool {
         self.select(&rows)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pooled::scene::Scene;
+
+    /// 30 levels of two numbers, a valley along the diagonal.
+    fn valley() -> Scene {
+        let mut scene = Scene::new(&[30, 30]);
+        for (x, y) in [(0, 0), (29, 29), (3, 21), (22, 8), (15, 14), (9, 2), (12, 27)] {
+            let (a, b) = (x as f64 / 29.0, y as f64 / 29.0);
+            scene.read(&[x, y], 4.0 * (a - b).powi(2) + 0.1 * a);
+        }
+        scene
+    }
+
+    #[test]
+    fn a_cell_is_in_a_pool_once() {
+        let mut scene = valley();
+        let mut knowledge = scene.knowledge(None);
+        let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
+        let distinct: BTreeSet<Cell> = pool.cells.iter().copied().collect();
+        assert_eq!(distinct.len(), pool.cells.len());
+        assert!(pool.cells.len() <= 900 && pool.cells.len() > SMALL as usize, "{}", pool.cells.len());
+        assert_eq!(pool.marginals.means.len(), pool.cells.len());
+    }
+
+    /// Joint distributions are affordable on 500 cells: the 375 most promising, and others.
+    #[test]
+    fn a_large_pool_is_reduced_to_what_is_promising_and_others() {
+        let mut scene = valley();
+        let mut knowledge = scene.knowledge(None);
+        let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
+        let reduced = pool.reduced(None, 1, 0);
+        assert_eq!(reduced.cells.len(), PROMISING + OTHERS);
+        let promising: Vec<Cell> = pool.by_lower_bound(2.0)[..PROMISING].iter().map(|&row| pool.cells[row]).collect();
+        assert_eq!(reduced.cells[..PROMISING], promising);
+        let few = pool.first(&pool.by_lower_bound(2.0), SMALL as usize);
+        assert_eq!(few.reduced(None, 1, 0).cells, few.cells, "so many are affordable");
+    }
+}

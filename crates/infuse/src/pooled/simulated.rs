@@ -353,4 +353,26 @@ mod tests {
         found.sort_unstable();
         assert_eq!(found, [cells[3], cells[2]]);
     }
+
+    /// The difference of a design to itself is known; those to others no better than each particle knows them, and no worse than
+    /// all of them together.
+    #[test]
+    fn differences_of_emulated_responses_are_known_as_their_joint_distribution_says() {
+        let (designs, mut simulated) = (designs(), Simulated::default());
+        for (x, y, response) in [(0, 0, 1.0), (10, 10, 2.0), (3, 7, 0.5), (8, 1, 1.7)] {
+            simulated.insert(cell(&designs, x, y), Some(Responses::from(response)));
+        }
+        let source = Source::Emulated(Emulator::of(&simulated, &designs, &Settings::new(5)).unwrap().unwrap());
+        let cells = [(5, 5), (0, 0), (5, 5), (10, 0)].map(|(x, y)| cell(&designs, x, y));
+        let places = designs.places(&cells).unwrap();
+        let found = source.variances_from_first(&places).unwrap();
+        let joint = source.joint(&places, Column::Objective).unwrap();
+        assert_eq!(found.len(), 4);
+        for (place, variance) in found.iter().enumerate() {
+            let most = joint.variance(0) + joint.variance(place) - 2.0 * joint.covariances(0)[place];
+            assert!(*variance <= most + 1e-9, "{variance} at {place}, {most} together");
+            assert_eq!(*variance > 1e-6, place % 2 == 1, "{variance} at {place}");
+        }
+        assert!(Source::Nothing.variances_from_first(&places).is_none());
+    }
 }

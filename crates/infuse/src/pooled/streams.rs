@@ -23,3 +23,30 @@ pub(crate) fn stream(seed: u64, purpose: Purpose, batch: usize) -> ChaCha8Rng {
     rng.set_stream(((batch as u64) << 8) | purpose as u64);
     rng
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use rand::RngExt as _;
+
+    #[test]
+    fn every_purpose_has_numbers_of_its_own_in_every_batch() {
+        let purposes = [
+            Purpose::FirstBatch,
+            Purpose::Pool,
+            Purpose::KnowledgeGradient,
+            Purpose::Certificate,
+            Purpose::Simulations,
+            Purpose::Recommendation,
+            Purpose::Constraints,
+            Purpose::Designs,
+            Purpose::Plants,
+        ];
+        let all = purposes.into_iter().flat_map(|purpose| (0..4).map(move |batch| (purpose, batch)));
+        let first =
+            all.flat_map(|(purpose, batch)| (1..3).map(move |seed| stream(seed, purpose, batch).random::<u64>()));
+        let distinct: std::collections::BTreeSet<u64> = first.collect();
+        assert_eq!(distinct.len(), 9 * 4 * 2);
+    }
+}

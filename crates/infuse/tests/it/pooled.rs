@@ -649,7 +649,7 @@ fn with_a_spoilt_reading(seed: u64, slip: f64, max_batches: usize) -> Loop {
 #[test]
 fn a_spoilt_reading_is_set_aside_once_it_was_run_again() {
     let mut n_aside = 0;
-    for (seed, slip) in (1..=6).flat_map(|seed| [(seed, 2.0), (seed, -2.0)]) {
+    for (seed, slip) in (1..=3).flat_map(|seed| [(seed, 2.0), (seed, -2.0)]) {
         let mut campaign = with_a_spoilt_reading(seed, slip, 3);
         let found = assessed(&mut campaign);
         let spoilt = usize::try_from(seed % 10).expect("a small number");
@@ -664,7 +664,7 @@ fn a_spoilt_reading_is_set_aside_once_it_was_run_again() {
         assert!(regret < 0.02 && regret <= found.certificate.bound, "seed {seed}, {slip}: regret {regret}");
         n_aside += aside.len();
     }
-    assert!(n_aside >= 10, "of 12 spoilt readings {n_aside} were found out");
+    assert!(n_aside >= 5, "of 6 spoilt readings {n_aside} were found out");
 }
 
 /// Two spoilt readings of one setting that agree are believed: a well that nobody knew of looks the same.
@@ -688,7 +688,7 @@ fn runs_that_agree_are_not_set_aside() {
 /// Many repeats, however noisy, and none of them is taken for spoilt.
 #[test]
 fn honest_repeats_are_not_set_aside() {
-    for (seed, noise) in (1..=4).flat_map(|seed| [(seed, 0.0), (seed, 0.02), (seed, 0.3)]) {
+    for (seed, noise) in (1..=2).flat_map(|seed| [(seed, 0.0), (seed, 0.02), (seed, 0.3)]) {
         let mut campaign = campaign(2, 21, batches(12, 2, seed));
         let mut experiment = noisy(seed, noise, truth);
         campaign.run(&mut simulation, &mut experiment).expect("it ends");

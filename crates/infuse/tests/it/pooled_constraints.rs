@@ -44,11 +44,11 @@ fn given(is_given: bool, simulate: &mut dyn Simulate) -> Option<&mut dyn Simulat
     if is_given { Some(simulate) } else { None }
 }
 
-fn campaign(seed: u64, with_simulation: bool) -> (Loop, Assessment) {
+fn campaign(seed: u64, levels: u32, with_simulation: bool) -> Assessment {
     let mut settings = Settings::new(8);
     (settings.max_batches, settings.seed) = (4, seed);
     settings.constraints = vec![Constraint::at_most("travel", 1.0)];
-    let mut campaign = Loop::new(&square(21), settings).expect("a campaign");
+    let mut campaign = Loop::new(&square(levels), settings).expect("a campaign");
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut both = |_: Cell, point: &[f64]| {
         Ok(Responses { objective: rough(point), constrained: vec![Some(rough_travel(point))] })
@@ -61,18 +61,17 @@ fn campaign(seed: u64, with_simulation: bool) -> (Loop, Assessment) {
             campaign.tell_constrained(trial.id, &[Some(travel)]).expect("a trial");
         }
     }
-    let found = campaign.assess(given(with_simulation, &mut both)).expect("a fit").expect("responses");
-    (campaign, found)
+    campaign.assess(given(with_simulation, &mut both)).expect("a fit").expect("responses")
 }
 
-/// The lowest response lies where the travel is 1.8; of the designs that are allowed the best is at 0.32. How often this
+/// The lowest response lies where the travel is 1.8; of the designs that are allowed the best is at 0.38. How often this
 /// holds over hundreds of campaigns is counted by `cargo xtask benchmark --constrained`.
 #[test]
 fn recommended_design_keeps_to_its_bounds_and_is_nearly_the_best_that_does() {
-    let best = best(&square(21), 441, 1.0);
-    assert!(best > 0.3);
-    for (seed, with_simulation) in [(1, true), (2, true), (1, false)] {
-        let (_, found) = campaign(seed, with_simulation);
+    let best = best(&square(16), 256, 1.0);
+    assert!(best > 0.37);
+    for (seed, with_simulation) in [(2, true), (1, false)] {
+        let found = campaign(seed, 16, with_simulation);
         let point = &found.recommended.point;
         let (travel, regret) = (travel(point), truth(point) - best);
         assert!(travel <= 1.0 + 1e-9 && regret <= 0.08, "seed {seed}: {travel} {regret}");
@@ -85,7 +84,7 @@ fn recommended_design_keeps_to_its_bounds_and_is_nearly_the_best_that_does() {
 fn same_seed_gives_the_same_bits_whatever_the_threads() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| campaign(3, true).1)
+        pool.install(|| campaign(3, 11, true))
     };
     assert_eq!(run(1), run(3));
 }

@@ -102,7 +102,10 @@ fn probabilities_are_between_0_and_1() {
         &mut each(constant),
     );
     let found = found.unwrap();
-    says(found.estimates[0].interval(1.0).unwrap_err(), &["probability", "1.0"]);
+    for probability in [0.0, 1.0] {
+        let error = found.estimates[0].interval(probability).unwrap_err();
+        says(error, &["probability", &format!("{probability:?}")]);
+    }
     // 1.645 standard errors to each side.
     let [lower, upper] = found.estimates[0].interval(0.9).unwrap().unwrap();
     assert!((lower - (0.3 - 0.164_485)).abs() < 1e-5 && (upper - (0.3 + 0.164_485)).abs() < 1e-5);
