@@ -172,7 +172,7 @@ impl<'a> Gradient<'a> {
         let n = self.pool.cells.len();
         let (still, stay): (Vec<f64>, Vec<Step>) =
             (vec![0.0; n], self.admissions.iter().map(Admission::stay).collect());
-        let bounded = Bounded { reserve: self.reserve(), promising: self.promising(&stay) };
+        let bounded = self.bounded(&stay);
         let now = self.lowest_of_each(&still, normals, &stay, &bounded);
         let gain = |row: usize| {
             let effect = self.joint.effect(row, self.noise);
@@ -204,17 +204,18 @@ impl Gradient<'_> {
         reserve + chance * (mean - reserve)
     }
 
-    /// All rows, those first that are worth most in the first outcome as things stand; none where there is no bound.
-    fn promising(&self, stay: &[Step]) -> Vec<usize> {
-        if self.admissions.is_empty() {
-            return Vec::new();
-        }
+    /// What is the same for all runs that may be next: the rows in the order of what they are worth in the first outcome as things
+    /// stand, none where there is no bound.
+    fn bounded(&self, stay: &[Step]) -> Bounded {
         let reserve = self.reserve();
+        if self.admissions.is_empty() {
+            return Bounded { reserve, promising: Vec::new() };
+        }
         let means = self.futures[0].iter().enumerate();
         let worths: Vec<f64> = means.map(|(row, mean)| self.worth(row, mean.min(reserve), stay, 0, reserve)).collect();
-        let mut rows: Vec<usize> = (0..worths.len()).collect();
-        rows.sort_by(|&a, &b| worths[a].total_cmp(&worths[b]));
-        rows
+        let mut promising: Vec<usize> = (0..worths.len()).collect();
+        promising.sort_by(|&a, &b| worths[a].total_cmp(&worths[b]));
+        Bounded { reserve, promising }
     }
 
     /// What the best design is worth after a run of this effect, summed over the outcomes.
@@ -416,6 +417,32 @@ mod tests {
         }
     }
 
+    /// The order of the rows, and that most are not weighed, changes nothing.
+    #[test]
+    fn with_bounds_the_lowest_worth_is_that_of_all_rows() {
+        let places = [-0.9, -0.6, 0.1, 0.3, 0.75];
+        let (pool, joint) = line(&places, 0.0);
+        let limits = Constraint::at_most("travel", 1.2);
+        let mut gradient = Gradient::of(std::slice::from_ref(&joint), &pool, 0.01);
+        gradient.admissions.push(Admission::of(&limits, line(&places, 0.3).1, 0.1, 0, 7));
+        let stay: Vec<Step> = gradient.admissions.iter().map(Admission::stay).collect();
+        let (bounded, normals) = (gradient.bounded(&stay), outcomes(0, 7));
+        for row in 0..places.len() {
+            let effect = gradient.joint.effect(row, gradient.noise);
+            let steps = [gradient.admissions[0].step(row, 0)];
+            let worth = |outcome: usize, other: usize| {
+                let mean = gradient.futures[outcome][other] + normals[outcome] * effect[other];
+                let chance = gradient.admissions[0].chance(other, &steps[0], outcome);
+                bounded.reserve + chance * (mean - bounded.reserve).min(0.0)
+            };
+            let of_outcome =
+                |outcome| (0..places.len()).map(|other| worth(outcome, other)).fold(f64::INFINITY, f64::min);
+            let expected: f64 = (0..normals.len()).map(of_outcome).sum();
+            let found = gradient.lowest_of_each(&effect, &normals, &steps, &bounded);
+            assert!((found - expected).abs() < 1e-12 * expected.abs(), "row {row}: {found} {expected}");
+        }
+    }
+
     /// A design that breaks a bound is worth as much as the worst: where the zero of the response lies is irrelevant.
     #[test]
     fn with_bounds_the_pick_does_not_depend_on_the_zero_of_the_response() {
@@ -429,7 +456,7 @@ mod tests {
             let mut gradient = Gradient::of(std::slice::from_ref(&joint), &pool, 0.01);
             gradient.admissions.push(admission());
             let stay: Vec<Step> = gradient.admissions.iter().map(Admission::stay).collect();
-            let lowest = gradient.lowest_of_each(&[0.0; 4], &[0.0; 48], &stay, gradient.reserve());
+            let lowest = gradient.lowest_of_each(&[0.0; 4], &[0.0; 48], &stay, &gradient.bounded(&stay));
             let picked = gradient.most_telling(&outcomes(0, 7), 0, &Economy::of(None, &scene.designs));
             (picked, lowest / f64::from(OUTCOMES) - shift)
         });

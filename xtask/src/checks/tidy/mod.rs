@@ -146,9 +146,12 @@ fn sources(folder: &Path) -> Result<Vec<(String, String)>> {
     Ok(sources)
 }
 
-/// A file, or a folder with a main file.
+/// A program to run or a campaign to begin.
 fn has_example(package: &Path) -> bool {
-    let is_example = |path: &PathBuf| path.extension().is_some_and(|end| end == "rs") || path.join("main.rs").is_file();
+    let is_example = |path: &PathBuf| {
+        path.extension().is_some_and(|end| end == "rs")
+            || ["main.rs", "campaign.toml"].iter().any(|name| path.join(name).is_file())
+    };
     entries(&package.join("examples")).is_ok_and(|paths| paths.iter().any(is_example))
 }
 
