@@ -33,7 +33,7 @@ pub struct Design {
 pub struct Car {
     /// How it carries.
     pub tire: Tire,
-    /// Of the strut, N.
+    /// Of the strut, N, zero or more.
     pub friction_n: f64,
     /// Time constant of the actuator, s, zero or more; at zero it follows at once.
     pub actuator_lag_s: f64,
@@ -200,10 +200,15 @@ impl Vehicle {
         Forces {
             spring_n: -self.design.spring_n_m * (state.body_m - state.wheel_m),
             damper_n: -self.design.damper_n_s_m * sliding_m_s,
-            friction_n: -self.car.friction_n * (sliding_m_s / FRICTION_SPEED_M_S).tanh(),
+            friction_n: self.friction_n(sliding_m_s),
             actuator_n: if self.lags() { state.actuator_n } else { self.command_n(state, road_m) },
             tire_n: self.car.tire.load_n(road_m - state.wheel_m),
         }
+    }
+
+    fn friction_n(&self, sliding_m_s: f64) -> f64 {
+        let largest_n = self.car.friction_n;
+        if largest_n > 0.0 { -largest_n * (sliding_m_s / FRICTION_SPEED_M_S).tanh() } else { 0.0 }
     }
 
     /// The rate of each entry of the state.
