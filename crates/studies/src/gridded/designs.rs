@@ -140,7 +140,8 @@ fn key(campaign: &global::Loop) -> Result<String> {
     if let Some(settings) = settings.as_object_mut() {
         WITHOUT_INFLUENCE.iter().for_each(|name| drop(settings.remove(*name)));
     }
-    let left: Vec<u8> = campaign.retained().cells().flat_map(|cell| cell.index().to_le_bytes()).collect();
+    let mut left = Vec::new();
+    campaign.retained().cells().for_each(|cell| left.extend_from_slice(&cell.index().to_le_bytes()));
     let key = Key::default()
         .with(serde_json::to_string(campaign.region())?)
         .with(settings.to_string())
