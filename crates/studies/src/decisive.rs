@@ -1,9 +1,16 @@
 //! What of a file decides what follows from it: its numbers, not its words.
 
-use anyhow::Result;
+use std::path::Path;
 
-/// What a text that files are made from decides: neither words nor what stands under `others` at the top.
-pub(crate) fn decisive(text: &str, others: &[&str]) -> Result<toml::Table> {
+use anyhow::{Context as _, Result};
+
+/// What a file decides of what is made from it: neither its words nor what stands under `others` at the top.
+pub(crate) fn decisive(path: &Path, others: &[&str]) -> Result<toml::Table> {
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    of_text(&text, others).with_context(|| path.display().to_string())
+}
+
+fn of_text(text: &str, others: &[&str]) -> Result<toml::Table> {
     let mut table: toml::Table = text.parse()?;
     others.iter().for_each(|key| drop(table.remove(*key)));
     drop_words(&mut table);
@@ -38,7 +45,7 @@ mod tests {
         let text = |lower: &str, reason: &str, members: &str| {
             format!("# why\nmembers = {members}\n[[free]]\nkey = \"a\"\nlower = {lower}\nreason = \"{reason}\"\n")
         };
-        let of = |text: String| decisive(&text, &["members"]).expect("a table").to_string();
+        let of = |text: String| of_text(&text, &["members"]).expect("a table").to_string();
         assert_eq!(of(text("1.0", "old", "3")), of(text("1.0", "new", "4")));
         assert_ne!(of(text("1.0", "old", "3")), of(text("1.5", "old", "3")));
     }

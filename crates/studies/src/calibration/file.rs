@@ -187,16 +187,12 @@ impl Calibration {
 
     /// What the tables of what was found hold: the columns, and a name of all that decides what comes of a start.
     pub(super) fn shape(&self, root: &Path) -> Result<Shape> {
-        let of = |path: &Path, beside: &[&str]| {
-            let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-            decisive(&text, beside).with_context(|| path.display().to_string())
-        };
         let free: Vec<String> = self.free.iter().flat_map(|free| free.keys().map(str::to_owned)).collect();
-        let mut key = Key::default().with(of(&root.join(FILE), &BESIDE)?.to_string());
-        key = key.with(of(&self.profile_file, &[])?.to_string());
+        let mut key = Key::default().with(decisive(&root.join(FILE), &BESIDE)?.to_string());
+        key = key.with(decisive(&self.profile_file, &[])?.to_string());
         // The plants that are kept differ from the default plant in these numbers, and do not depend on its own.
         for (path, before) in self.files.iter().zip(BEFORE) {
-            let mut table = of(path, &[])?;
+            let mut table = decisive(path, &[])?;
             drop_entries(&mut table, before, &free);
             key = key.with(table.to_string());
         }

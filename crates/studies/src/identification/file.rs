@@ -136,10 +136,7 @@ impl Study {
     pub(super) fn key(&self, root: &Path) -> Result<String> {
         let path = root.join(FILE);
         let folder = path.parent().unwrap_or(Path::new("."));
-        let of = |path: &Path, beside: &[&str]| {
-            let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-            Ok::<_, anyhow::Error>(decisive(&text, beside).with_context(|| path.display().to_string())?.to_string())
-        };
+        let of = |path: &Path, beside: &[&str]| Ok::<_, anyhow::Error>(decisive(path, beside)?.to_string());
         let key = Key::default().with(of(&path, &BESIDE)?);
         let mut key = key.with(of(&folder.join(&self.study), &BESIDE_OF_STUDY)?);
         let files = &self.setup.file.files;
