@@ -9,7 +9,7 @@
 //! | in a batch of 576, two threads, per flight | 1.50 ms |  | 200,000 | 0.14 |
 //!
 //! The batch takes 0.87 s.
-//! One pose, images and noise included, takes 0.8 us (the difference that three cameras make, by `cargo xtask speed --flights`): mostly two Gauss-Newton steps over two dozen sightings, two thirds of it in sums and solution, a third in dots, pixels and noise.
+//! One pose, images and noise included, takes 0.7 us (the difference that three cameras make, by `cargo xtask speed --flights`): mostly a Gauss-Newton step over two dozen sightings and one or two more by the same matrix, half of it in sums and solution, a third in dots, pixels and noise.
 //! One right-hand side with its share of the loop takes 230 ns in `f64` and 61 ns in lanes.
 //! Lanes exist only as far as the compiler packs straight-line code into vectors: the bench shows at once if a change loses that, since lanes then take longer than flights alone.
 //! Where the time goes, by sampling, in per cent (the `f64` column from a build in which the trigonometry is not inlined, so that it can be told apart):

@@ -7,7 +7,7 @@ use super::bundle::Bundles;
 use super::dot::marks;
 use super::images::{self, Images, Shot};
 use super::locate::{FEWEST_DOTS, Hold, Search, locate};
-use super::normal_equations::NormalEquations;
+use super::normal_equations::Shares;
 use super::pose::Pose;
 use super::view::{PixelNoise, View};
 use crate::error::Error;
@@ -116,7 +116,7 @@ impl Viewer {
         }
         let (mut bundles, attitude) = (Bundles::default(), pose.attitude());
         let bundles = bundles.take(&self.images.eyes, &self.images.marks, view.sightings());
-        let of_turns = NormalEquations::new(bundles, pose.position_m, &attitude.rows_gb())?.inverse()?;
+        let of_turns = Shares::new(bundles, pose.position_m, &attitude.rows_gb())?.inverse()?;
         if attitude.has_angles() <= 0.0 {
             return None;
         }

@@ -43,6 +43,37 @@ fn errors_under_noise_have_the_covariance_of_the_normal_equations() {
     }
 }
 
+/// A search ends before it has come to rest, and what it leaves is nothing beside the noise: sought from another noisy pose and a
+/// sample's way off, as in a flight, every number of a pose is within half a thousandth of its standard deviation of where searches
+/// come to rest that begin where the last one ended.
+#[test]
+fn what_a_search_leaves_is_far_below_the_noise() {
+    for noise_px in [0.03, 0.1, 0.3, 1.0] {
+        let viewer = viewer(&Sensing { pixel_noise_px: noise_px, ..perfect() });
+        let (mut noise, mut generator) = (PixelNoise::new(11), Pcg64::seed_from_u64(5));
+        for _ in 0..2000 {
+            let truth = scattered(&mut generator);
+            let mut off = |size: f64| size * (2.0 * generator.random::<f64>() - 1.0);
+            let before = Pose {
+                position_m: std::array::from_fn(|k| truth.position_m[k] + off(5e-4)),
+                roll_rad: truth.roll_rad + off(5e-3),
+                pitch_rad: truth.pitch_rad + off(5e-3),
+                heading_rad: truth.heading_rad + off(5e-3),
+            };
+            let guess = viewer.locate(&viewer.look(&before, &mut noise), &before).unwrap();
+            let view = viewer.look(&truth, &mut noise);
+            let found = viewer.locate(&view, &guess).unwrap();
+            let at_rest = (0..3).fold(found, |pose, _| viewer.locate(&view, &pose).unwrap());
+            let promised = viewer.covariance(&view, &at_rest, noise_px).unwrap();
+            let left = error_of(&found, &at_rest);
+            for i in 0..6 {
+                let (left, limit) = (left[i].abs(), 5e-4 * promised[(i, i)].sqrt());
+                assert!(left < limit, "{noise_px} px, number {i}: {left:e}, at most {limit:e}");
+            }
+        }
+    }
+}
+
 /// Poses all over a few pixels, so that dots fall anywhere between the steps.
 fn scattered(generator: &mut Pcg64) -> Pose {
     let mut off = |size: f64| size * (2.0 * generator.random::<f64>() - 1.0);
