@@ -32,14 +32,8 @@ const USAGE_ERROR: u8 = 2;
 /// Shown to whoever gives no arguments: the middle of the ranges, and the best of either kind.
 const SHOWN: [(&str, Design); 3] = [
     ("in the middle", Design { spring_n_m: 19e3, damper_n_s_m: 1400.0, skyhook_n_s_m: 2000.0, tire_gain_n_m: 30e3 }),
-    (
-        "best simulated",
-        Design { spring_n_m: 13_670.0, damper_n_s_m: 1357.0, skyhook_n_s_m: 1426.0, tire_gain_n_m: 10_890.0 },
-    ),
-    (
-        "best on the stand",
-        Design { spring_n_m: 17_550.0, damper_n_s_m: 632.0, skyhook_n_s_m: 1439.0, tire_gain_n_m: 35_040.0 },
-    ),
+    ("best simulated", Design::BEST_SIMULATED),
+    ("best on the stand", Design::BEST_ON_THE_STAND),
 ];
 
 fn main() -> ExitCode {

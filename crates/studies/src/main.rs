@@ -89,7 +89,10 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let Some(outcome) = run(&words) else {
-        eprintln!("error: no study `{}`, or not with the features of this build", words.join(" "));
+        match words.as_slice() {
+            [] => eprintln!("error: which study? `cargo xtask help` lists them"),
+            _ => eprintln!("error: no study `{}`, or not with the features of this build", words.join(" ")),
+        }
         return ExitCode::from(USAGE_ERROR);
     };
     match outcome {

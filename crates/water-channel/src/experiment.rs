@@ -34,8 +34,7 @@ impl BoundedNoise {
     /// The relative error of experiment `number`, within the bound.
     #[must_use]
     pub fn relative_error(&self, number: u64) -> f64 {
-        // One stream of the generator per seed, one place in it per experiment; the first draws decorrelate
-        // neighboring numbers.
+        // A generator for each experiment; neighbors in seed or number share no draw, and the first is thrown away.
         let mut generator = Pcg64::seed_from_u64(self.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(number));
         let _: u64 = generator.random();
         let share: f64 = generator.random();

@@ -30,7 +30,7 @@ const STEPS: &[Step] = &[
     Step { heading: "examples", run: examples },
     Step { heading: "files of the fuzzer", run: fuzz::replay },
     Step { heading: "tutorials", run: tutorials::check },
-    Step { heading: "packages", run: packages::check },
+    Step { heading: "packages", run: || packages::check(packages::Features::OfTheWorkspace) },
     Step { heading: "licenses", run: || licenses::run(tutorials::Texts::Compare) },
     Step { heading: "python", run: || python::check(python::Build::Library) },
     Step { heading: "flights in lanes", run: || studies(&[&["speed", "--guard"]]) },
@@ -80,8 +80,8 @@ fn tests() -> Result<()> {
     test_programs::run(&[&["--release"], workspace::packages()].concat())
 }
 
-/// An example is among them so that cargo counts what tests need of others' packages, as it did for the lints: without it the large
-/// ones would be compiled once more, for fewer features.
+/// What is compiled of others' packages depends on what all ask of them, tests only where an example or a test is named. One is, so
+/// that what was compiled for the lints serves here, too.
 fn documentation() -> Result<()> {
     let targets = ["--lib", "--bin", "studies", "--bin", "checks", "--bin", "xtask", "--example", "rig_settings"];
     let mut command =

@@ -35,7 +35,7 @@ fn main() -> ExitCode {
         ["fuzz", reader, minutes] => fuzz::run(reader, minutes),
         ["machines"] => machines::run(),
         ["proofs"] => proofs::run(),
-        ["packages"] => packages::check(),
+        ["packages"] => packages::check(packages::Features::OfThePublished),
         ["semver", revision] => semver::check(revision),
         ["licenses"] => licenses::run(Texts::Compare),
         ["licenses", "--write"] => licenses::run(Texts::Write),

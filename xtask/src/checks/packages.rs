@@ -12,13 +12,22 @@ use toml::{Table, Value};
 
 use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly};
 
+/// What packages are compiled with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Features {
+    /// What those that are published ask of others' packages together: as their users have them.
+    OfThePublished,
+    /// What the workspace and its tests ask: others' packages are there, as the lints have compiled them.
+    OfTheWorkspace,
+}
+
 /// Packs every crate, and compiles it from what was packed.
 ///
 /// Cargo's own verification unpacks into cargo's home under a name that holds the version but not the content, and finds
 /// there what an earlier run has left. So it is done here: the packages are the members of a workspace of their own, in
 /// which they find each other, and nothing needs to be published. All else was fetched by the steps before, and
 /// `--offline` keeps cargo from asking the registry for news.
-pub(crate) fn check() -> Result<()> {
+pub(crate) fn check(features: Features) -> Result<()> {
     run_cargo(&[
         "package",
         "--workspace",
@@ -54,9 +63,11 @@ pub(crate) fn check() -> Result<()> {
     let own = fs::read_to_string(root.join(lock)).context(lock)?;
     check_locks(&folder, &unpacked, &packed, &own)?;
     let manifest = unpacked.join("Cargo.toml");
-    let root_manifest = fs::read_to_string(root.join("Cargo.toml")).context("Cargo.toml")?;
-    let of_others = with_the_same_features(&unpacked, &metadata, &root_manifest)?;
-    let text = workspace_of(&packed, &of_others, &root_manifest)?;
+    let root = fs::read_to_string(root.join("Cargo.toml")).context("Cargo.toml")?;
+    let root: Table = toml::from_str(&root).context("Cargo.toml")?;
+    let askers = if features == Features::OfTheWorkspace { askers(&metadata, &root)? } else { Vec::new() };
+    askers.iter().try_for_each(|asker| asker.write(&unpacked))?;
+    let text = workspace_of(&packed, &askers, &root)?;
     fs::write(&manifest, text).with_context(|| manifest.display().to_string())?;
     fs::write(unpacked.join(lock), own).context(lock)?;
     let arguments = ["check", "--release", "--workspace", "--offline"];
@@ -64,59 +75,80 @@ pub(crate) fn check() -> Result<()> {
     run_quietly(check.current_dir(&unpacked).arg("--target-dir").arg(&metadata.target_directory))
 }
 
-/// A workspace of these unpacked packages, each in the folder of its own name, with the profiles of the workspace itself,
-/// so that what was compiled with them is used again.
-fn workspace_of(packed: &[(&str, String)], of_others: &[String], root_manifest: &str) -> Result<String> {
-    let members: Vec<&String> = packed.iter().map(|(_, stem)| stem).chain(of_others).collect();
-    let patches: Vec<String> = packed.iter().map(|(name, stem)| format!("{name} = {{ path = {stem:?} }}\n")).collect();
-    let root: Table = toml::from_str(root_manifest).context("Cargo.toml")?;
-    let dependencies = table(&root, "workspace").and_then(|workspace| table(workspace, "dependencies"));
-    let dependencies = of_others_only(dependencies.context("no [workspace.dependencies]")?);
-    let dependencies = toml::to_string(&within("workspace", within("dependencies", dependencies)))?;
-    let profiles = root_manifest.find("[profile.").map_or("", |at| &root_manifest[at..]);
-    let members = format!("[workspace]\nresolver = \"3\"\nmembers = {members:?}\n");
-    let patches = format!("[patch.crates-io]\n{}", patches.concat());
-    Ok(format!("{members}\n{dependencies}\n{patches}\n{profiles}"))
+/// A workspace of these members, packed ones each in the folder of its own name, with the profiles of the workspace itself, so that
+/// what was compiled with them is used again.
+fn workspace_of(packed: &[(&str, String)], askers: &[Asker], root: &Table) -> Result<String> {
+    let members = packed.iter().map(|(_, stem)| stem).chain(askers.iter().map(|asker| &asker.name));
+    let members = members.map(|member| Value::String(member.clone())).collect();
+    let patch = |(name, stem): &(&str, String)| ((*name).to_owned(), Value::Table(of("path", stem.clone())));
+    let dependencies = elsewhere(table(table(root, "workspace")?, "dependencies")?);
+    let workspace = Table::from_iter([
+        ("resolver".to_owned(), "3".into()),
+        ("members".to_owned(), Value::Array(members)),
+        ("dependencies".to_owned(), Value::Table(dependencies)),
+    ]);
+    let mut manifest = of("workspace", workspace);
+    manifest.extend(of("patch", of("crates-io", packed.iter().map(patch).collect::<Table>())));
+    manifest.extend(of("profile", table(root, "profile")?.clone()));
+    Ok(toml::to_string(&manifest)?)
 }
 
-/// Empty packages that ask of others' packages what those of the workspace and their tests ask, by their folders: what is compiled
-/// depends on what all ask together, and would be compiled once more for fewer.
-fn with_the_same_features(unpacked: &Path, metadata: &Metadata, root_manifest: &str) -> Result<Vec<String>> {
-    let root: Table = toml::from_str(root_manifest).context("Cargo.toml")?;
-    let own = table(&root, "workspace").and_then(|workspace| table(workspace, "dependencies"));
-    let own = own.iter().flat_map(|own| own.iter()).filter(|(_, asked)| is_own(asked));
-    let own: Vec<&str> = own.map(|(name, _)| name.as_str()).collect();
+/// An empty package that asks of others' packages what one of ours asks, or its tests. What is compiled of a package depends on what
+/// all ask of it together: without the tests and the programs that are not published it would be less, and compiled once more.
+#[derive(Debug, PartialEq)]
+struct Asker {
+    name: String,
+    manifest: Table,
+}
+
+impl Asker {
+    /// For what a package of this manifest asks under this key; nothing if that is nothing.
+    fn of(package: &str, manifest: &Table, key: &str, root: &Table) -> Result<Option<Self>> {
+        let Some(asked) = manifest.get(key).and_then(Value::as_table) else { return Ok(None) };
+        let in_workspace = table(table(root, "workspace")?, "dependencies")?;
+        let mut asked = elsewhere(asked);
+        asked.retain(|name, _| !in_workspace.get(name).is_some_and(is_own));
+        asked.iter_mut().filter_map(|(_, asked)| asked.as_table_mut()).for_each(|asked| {
+            asked.remove("optional");
+        });
+        let name = format!("{key}-of-{package}");
+        let head = [("name", name.as_str()), ("version", "0.0.0"), ("edition", "2024")];
+        let head: Table = head.map(|(key, value)| (key.to_owned(), value.into())).into_iter().collect();
+        let mut manifest = of("package", head);
+        manifest.extend(of("dependencies", asked));
+        Ok(Some(Self { name, manifest }))
+    }
+
+    fn write(&self, unpacked: &Path) -> Result<()> {
+        let folder = unpacked.join(&self.name);
+        let words = || folder.display().to_string();
+        fs::create_dir_all(folder.join("src")).with_context(words)?;
+        fs::write(folder.join("src/lib.rs"), "").with_context(words)?;
+        fs::write(folder.join("Cargo.toml"), toml::to_string(&self.manifest)?).with_context(words)
+    }
+}
+
+/// One for each package that is built here and for its tests.
+fn askers(metadata: &Metadata, root: &Table) -> Result<Vec<Asker>> {
     let is_built = |name: &str| name != workspace::PYTHON_PACKAGE || workspace::interpreter().is_some();
-    let mut folders = Vec::new();
+    let mut askers = Vec::new();
     for package in metadata.packages.iter().filter(|package| is_built(&package.name)) {
         let text = fs::read_to_string(&package.manifest_path).with_context(|| package.name.clone())?;
         let manifest: Table = toml::from_str(&text).with_context(|| package.name.clone())?;
-        for kind in ["dependencies", "dev-dependencies"] {
-            let Some(asked) = table(&manifest, kind) else { continue };
-            let mut asked = of_others_only(asked);
-            asked.retain(|name, _| !own.contains(&name));
-            asked.iter_mut().filter_map(|(_, asked)| asked.as_table_mut()).for_each(|asked| {
-                asked.remove("optional");
-            });
-            let name = format!("{kind}-of-{}", package.name);
-            let head = format!("[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n");
-            let source = unpacked.join(&name).join("src");
-            fs::create_dir_all(&source).with_context(|| source.display().to_string())?;
-            fs::write(source.join("lib.rs"), "")?;
-            let manifest = format!("{head}\n{}", toml::to_string(&within("dependencies", asked))?);
-            fs::write(unpacked.join(&name).join("Cargo.toml"), manifest)?;
-            folders.push(name);
+        for key in ["dependencies", "dev-dependencies"] {
+            askers.extend(Asker::of(&package.name, &manifest, key, root)?);
         }
     }
-    Ok(folders)
+    Ok(askers)
 }
 
-fn table<'a>(table: &'a Table, name: &str) -> Option<&'a Table> {
-    table.get(name)?.as_table()
+fn table<'a>(table: &'a Table, name: &str) -> Result<&'a Table> {
+    table.get(name).and_then(Value::as_table).with_context(|| format!("Cargo.toml: no table `{name}`"))
 }
 
-fn within(name: &str, table: Table) -> Table {
-    Table::from_iter([(name.to_owned(), Value::Table(table))])
+/// A table of one entry.
+fn of(name: &str, value: impl Into<Value>) -> Table {
+    Table::from_iter([(name.to_owned(), value.into())])
 }
 
 /// Whether it lies in the workspace.
@@ -125,7 +157,7 @@ fn is_own(asked: &Value) -> bool {
 }
 
 /// Of a table of dependencies those that lie elsewhere.
-fn of_others_only(dependencies: &Table) -> Table {
+fn elsewhere(dependencies: &Table) -> Table {
     let others = dependencies.iter().filter(|(_, asked)| !is_own(asked));
     others.map(|(name, asked)| (name.clone(), asked.clone())).collect()
 }
@@ -185,6 +217,54 @@ fn strangers(lock: &Lock, own: &Lock, checksums: &BTreeMap<String, String>) -> V
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn parsed(text: &str) -> Table {
+        toml::from_str(text).expect("a table")
+    }
+
+    const ROOT: &str = r#"
+        [workspace.dependencies]
+        doe = { package = "infuse-doe", path = "crates/doe" }
+        csv = "1.4"
+        rand = { version = "0.10", default-features = false }
+        [profile.release]
+        lto = "off"
+        [profile.release.package]
+        csv = { opt-level = 0 }"#;
+
+    #[test]
+    fn an_asker_asks_all_of_others_and_nothing_of_ours() {
+        let manifest = parsed(
+            "[dependencies]\ndoe.workspace = true\ncsv.workspace = true\n\
+             rand = { workspace = true, features = [\"std\"], optional = true }\nown = { path = \"../own\" }\n",
+        );
+        let asker = Asker::of("studies", &manifest, "dependencies", &parsed(ROOT)).expect("tables").expect("it asks");
+        let expected = "[package]\nname = \"dependencies-of-studies\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\
+                        [dependencies]\ncsv.workspace = true\nrand = { workspace = true, features = [\"std\"] }\n";
+        assert_eq!(asker.manifest, parsed(expected));
+        assert_eq!(Asker::of("studies", &manifest, "dev-dependencies", &parsed(ROOT)).expect("tables"), None);
+    }
+
+    #[test]
+    fn the_packed_workspace_has_the_profiles_and_versions_of_ours() {
+        let packed = [("infuse-doe", "infuse-doe-0.1.0".to_owned())];
+        let asker = Asker { name: "dependencies-of-studies".to_owned(), manifest: Table::new() };
+        let found = parsed(&workspace_of(&packed, &[asker], &parsed(ROOT)).expect("tables"));
+        let expected = r#"
+            [workspace]
+            resolver = "3"
+            members = ["infuse-doe-0.1.0", "dependencies-of-studies"]
+            [workspace.dependencies]
+            csv = "1.4"
+            rand = { version = "0.10", default-features = false }
+            [patch.crates-io]
+            infuse-doe = { path = "infuse-doe-0.1.0" }
+            [profile.release]
+            lto = "off"
+            [profile.release.package]
+            csv = { opt-level = 0 }"#;
+        assert_eq!(found, parsed(expected));
+    }
 
     #[test]
     fn a_strangers_package_in_a_lock_file_is_found() {

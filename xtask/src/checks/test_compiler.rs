@@ -1,4 +1,5 @@
-//! The compiler as `ci` calls it for tests: what they call is optimized, they themselves are not.
+//! The compiler as `ci` calls it for tests: what they call of other crates is optimized, they themselves are not, and a crate with the
+//! tests within it neither.
 //!
 //! A program of tests is used once, and takes longer to optimize than to run. Cargo has one profile for a package and its tests; so
 //! this program stands between cargo and the compiler (`RUSTC_WRAPPER`), and takes the optimization off what is compiled with

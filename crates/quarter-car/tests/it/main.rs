@@ -8,15 +8,13 @@ use quarter_car::{
     measured, road,
 };
 
-/// The ranges that the example states.
-const LOWER: [f64; 4] = [8e3, 300.0, 0.0, 0.0];
-const UPPER: [f64; 4] = [30e3, 2500.0, 4000.0, 60e3];
-/// Found by a search from four starts, all of which ended here; digits beyond change the cost by less than 1e-6.
-const BEST_SIMULATED: [f64; 4] = [13_670.0, 1357.0, 1426.0, 10_890.0];
-const BEST_ON_THE_STAND: [f64; 4] = [17_550.0, 632.0, 1439.0, 35_040.0];
+const LOWER: [f64; 4] = Design::LOWEST.to_array();
+const UPPER: [f64; 4] = Design::HIGHEST.to_array();
+const BEST_SIMULATED: [f64; 4] = Design::BEST_SIMULATED.to_array();
+const BEST_ON_THE_STAND: [f64; 4] = Design::BEST_ON_THE_STAND.to_array();
 
-fn vehicle(car: Car, [spring_n_m, damper_n_s_m, skyhook_n_s_m, tire_gain_n_m]: [f64; 4]) -> Vehicle {
-    Vehicle { car, design: Design { spring_n_m, damper_n_s_m, skyhook_n_s_m, tire_gain_n_m } }
+fn vehicle(car: Car, design: [f64; 4]) -> Vehicle {
+    Vehicle { car, design: Design::from_array(design) }
 }
 
 fn cost(car: Car, design: [f64; 4]) -> f64 {
@@ -342,6 +340,22 @@ fn drive_that_leaves_the_model_says_when() {
             other => panic!("{other}"),
         }
     }
+}
+
+#[test]
+fn numbers_that_make_no_car_are_refused_by_name() {
+    let refused = |change: fn(&mut Car)| {
+        let mut car = Car::ON_THE_STAND;
+        change(&mut car);
+        let ride = vehicle(car, BEST_ON_THE_STAND).drive(&road(), &Drive::STANDARD, |_| {});
+        ride.expect_err("no car").to_string()
+    };
+    assert_eq!(refused(|car| car.friction_n = -1.0), "friction_n = -1: it must be 0 N or more");
+    assert_eq!(refused(|car| car.friction_n = f64::NAN), "friction_n = NaN: it must be 0 N or more");
+    assert_eq!(refused(|car| car.actuator_lag_s = f64::NAN), "actuator_lag_s = NaN: it must be 0 s or more");
+    assert_eq!(refused(|car| car.actuator_limit_n = -5.0), "actuator_limit_n = -5: it must be 0 N or more");
+    assert_eq!(refused(|car| car.actuator_limit_n = f64::NAN), "actuator_limit_n = NaN: it must be 0 N or more");
+    assert_eq!(refused(|car| car.tire = Tire::Stiffening(1.5)), "tire = 1.5: it must be a share from 0 to 1");
 }
 
 #[test]

@@ -71,7 +71,7 @@ fn markdown(cases: &[Case], store: &Store) -> String {
     text += &format!(
         "Two of four parameters are built, two are typed. A plant is put together for a batch and taken apart after it; what goes wrong \
          then is an error that its runs share, of {} % of what 80 % of all designs span, beside the noise of a run of {} %. Regret is what \
-         the recommended design costs more than the best that is known, in percent of the same; the machines are a surrogate of the \
+         the recommended design costs more than the best that is known, in percent of the same; the machines are the stand-in for the \
          water channel and the test stand of the [suspension](tutorial-campaign-suspension.md). Nothing was tuned on these campaigns.\n\n\
          Written by `cargo xtask plants` from `fixtures/plants`; `--page` runs none, and `--check`, a part of `cargo xtask ci`, runs one \
          campaign of each machine anew.\n",

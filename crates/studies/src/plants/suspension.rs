@@ -1,4 +1,4 @@
-//! The suspension of the tutorial: the same program that the shell calls.
+//! The suspension of the tutorial, whose command drives the same car.
 
 pub(super) use quarter_car::Car;
 use quarter_car::{Design, Drive, Vehicle, road};
@@ -7,10 +7,10 @@ use crate::costs::Cost;
 
 /// Name, unit and bounds of each parameter: those of the example.
 pub(super) const RANGES: [(&str, &str, f64, f64); 4] = [
-    ("spring", "N/m", 8e3, 30e3),
-    ("damper", "N s/m", 300.0, 2500.0),
-    ("skyhook", "N s/m", 0.0, 4000.0),
-    ("tire gain", "N/m", 0.0, 60e3),
+    ("spring", "N/m", Design::LOWEST.spring_n_m, Design::HIGHEST.spring_n_m),
+    ("damper", "N s/m", Design::LOWEST.damper_n_s_m, Design::HIGHEST.damper_n_s_m),
+    ("skyhook", "N s/m", Design::LOWEST.skyhook_n_s_m, Design::HIGHEST.skyhook_n_s_m),
+    ("tire gain", "N/m", Design::LOWEST.tire_gain_n_m, Design::HIGHEST.tire_gain_n_m),
 ];
 
 pub(super) fn cost(car: Car, point: &[f64]) -> Cost {
