@@ -86,7 +86,7 @@ impl std::fmt::Debug for Watch<'_> {
 /// No single step bounds the way to 99 % at K = 4, N = 18 (a sampling profile of that bench): the largest are the second derivatives of the polish (9 %), the products that the smoothed criterion and its slopes are assembled from (7 % and 5 %), the quasi-Newton step (6 %) and the factorization in the quadratic program (5 %); ascents to the maxima take about 13 % together.
 ///
 /// `fixtures/doe` keeps the best designs known to us for the full quadratic model on the cube, and `verified.csv` what a program that shares nothing with this one says of them; for up to three factors it also gives a bound that holds for certain.
-/// `cargo run --release -p infuse-doe --example record_search -- 4 18 60 1` searches one, `--example list_search` the 331,776 points of 24 levels in four factors.
+/// `cargo run --release -p infuse-doe --example record_search -- 4 18 60 1` searches one, `--example list_search -- 5` the 331,776 points of 24 levels in four factors.
 /// The second gives, with 5 s each on two busy cores, over the grid and over the list:
 ///
 /// | runs | quadratic | additive quadratic |
