@@ -164,6 +164,41 @@ mod tests {
     use crate::{Criterion, Model, PredictionVariance};
     use std::sync::Arc;
 
+    /// What designs of eight runs in two factors are looked at by.
+    fn frame_of(multiplicities: [f64; 8]) -> Frame {
+        let model = Model::quadratic(2).expect("a model");
+        Frame {
+            criterion: Criterion::G,
+            regressors: Regressors::of(&model),
+            products: Arc::new(Products::of(&model)),
+            fixed: vec![0.0; 36],
+            multiplicities: multiplicities.to_vec(),
+            moments: Vec::new(),
+            least_log_determinant: f64::NEG_INFINITY,
+            table: None,
+        }
+    }
+
+    /// A few second derivatives of the highest v against central differences.
+    fn assert_agrees_with_differences(hessian: &[f64], x: &[f64; 16], highest: impl Fn(&[f64]) -> f64) {
+        let (step, value) = (1e-3, highest(x));
+        for (a, b) in [(0, 0), (0, 1), (3, 3), (4, 9), (5, 5), (8, 12), (13, 15), (12, 12), (14, 15)] {
+            let at = |da: f64, db: f64| {
+                let mut moved = *x;
+                moved[a] += da;
+                moved[b] += db;
+                highest(&moved)
+            };
+            let difference = if a == b {
+                (at(step, 0.0) - 2.0 * value + at(-step, 0.0)) / (step * step)
+            } else {
+                (at(step, step) - at(step, -step) - at(-step, step) + at(-step, -step)) / (4.0 * step * step)
+            };
+            let exact = hessian[a * x.len() + b];
+            assert!((difference - exact).abs() < 1e-3 * (1.0 + exact.abs()), "{a} {b}: {difference} is not {exact}");
+        }
+    }
+
     /// Highest v along the line through (·, z₂), and the matrices of a design.
     fn height(frame: &Frame, x: &[f64], second: f64) -> (f64, Vec<f64>, Vec<f64>, Vec<f64>) {
         let p = frame.n_terms();
@@ -179,19 +214,9 @@ mod tests {
 
     #[test]
     fn curvature_of_a_moving_maximum_agrees_with_differences() {
-        let model = Model::quadratic(2).expect("a model");
-        let frame = Frame {
-            criterion: Criterion::G,
-            regressors: Regressors::of(&model),
-            products: Arc::new(Products::of(&model)),
-            fixed: vec![0.0; 36],
-            multiplicities: vec![1.0, 1.0, 2.0, 1.0, 1.0, 1.0, 1.0, 1.0],
-            moments: Vec::new(),
-            least_log_determinant: f64::NEG_INFINITY,
-            table: None,
-        };
+        let frame = frame_of([1.0, 1.0, 2.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
         let x = [-0.9, -0.8, 0.95, -0.95, -1.0, 0.9, 0.9, 0.9, -0.95, 0.1, 0.9, 0.2, -0.1, -0.97, 0.05, 0.98];
-        let (value, z, rows, inverse) = height(&frame, &x, 0.0);
+        let (_, z, rows, inverse) = height(&frame, &x, 0.0);
         assert!(z[0].abs() < 0.5, "a maximum inside: {z:?}");
         let free: Vec<usize> = (0..x.len()).collect();
         let local = Local {
@@ -205,40 +230,15 @@ mod tests {
         // The second coordinate is held, as by a bound: a value beyond 1 could not be used here, so only the first moves.
         let mut hessian = vec![0.0; free.len() * free.len()];
         local.add_moving(&z, &[0], 1.0, 0.0, &mut hessian);
-        let step = 1e-3;
-        for (a, b) in [(0, 0), (0, 1), (3, 3), (4, 9), (5, 5), (8, 12), (13, 15), (12, 12), (14, 15)] {
-            let at = |da: f64, db: f64| {
-                let mut moved = x;
-                moved[a] += da;
-                moved[b] += db;
-                height(&frame, &moved, 0.0).0
-            };
-            let difference = if a == b {
-                (at(step, 0.0) - 2.0 * value + at(-step, 0.0)) / (step * step)
-            } else {
-                (at(step, step) - at(step, -step) - at(-step, step) + at(-step, -step)) / (4.0 * step * step)
-            };
-            let exact = hessian[a * free.len() + b];
-            assert!((difference - exact).abs() < 1e-3 * (1.0 + exact.abs()), "{a} {b}: {difference} is not {exact}");
-        }
+        assert_agrees_with_differences(&hessian, &x, |x| height(&frame, x, 0.0).0);
     }
 
     /// Runs made twice predict with half the variance, whose curvature is half as large, too.
     #[test]
     fn curvature_of_a_doubled_design_is_half() {
-        let model = Model::quadratic(2).expect("a model");
         let x = [-0.9, -0.8, 0.95, -0.95, -1.0, 0.9, 0.9, 0.9, -0.95, 0.1, 0.9, 0.2, -0.1, -0.97, 0.05, 0.98];
         let hessian = |times: f64| {
-            let frame = Frame {
-                criterion: Criterion::G,
-                regressors: Regressors::of(&model),
-                products: Arc::new(Products::of(&model)),
-                fixed: vec![0.0; 36],
-                multiplicities: vec![times; 8],
-                moments: Vec::new(),
-                least_log_determinant: f64::NEG_INFINITY,
-                table: None,
-            };
+            let frame = frame_of([times; 8]);
             let (_, z, rows, inverse) = height(&frame, &x, 0.0);
             let free: Vec<usize> = (0..x.len()).collect();
             let (regressors, multiplicities) = (&frame.regressors, &frame.multiplicities[..]);
@@ -258,18 +258,8 @@ mod tests {
     /// Eight runs around the center: near it a maximum moves in both coordinates.
     #[test]
     fn curvature_of_a_maximum_that_moves_in_two_coordinates_agrees_with_differences() {
-        let model = Model::quadratic(2).expect("a model");
         let x = [-1.0, -1.0, 1.0, -0.9, -0.8, 1.0, 1.0, 1.0, 0.2, -1.0, -0.1, 1.0, -1.0, 0.3, 1.0, 0.1];
-        let frame = Frame {
-            criterion: Criterion::G,
-            regressors: Regressors::of(&model),
-            products: Arc::new(Products::of(&model)),
-            fixed: vec![0.0; 36],
-            multiplicities: vec![1.0; 8],
-            moments: Vec::new(),
-            least_log_determinant: f64::NEG_INFINITY,
-            table: None,
-        };
+        let frame = frame_of([1.0; 8]);
         let shape = crate::shape::BoxShape { axes: vec![crate::shape::Axis::Continuous; 2], forbidden: Vec::new() };
         let peak = |x: &[f64]| {
             let (_, _, rows, inverse) = height(&frame, x, 0.0);
@@ -277,28 +267,13 @@ mod tests {
             let (z, value) = crate::ascent::climb(&variance, &shape, &[0.0, 0.0]);
             (value, z, rows, inverse)
         };
-        let (value, z, rows, inverse) = peak(&x);
+        let (_, z, rows, inverse) = peak(&x);
         assert!(z.iter().all(|z| z.abs() < 0.3), "a maximum inside: {z:?}");
         let free: Vec<usize> = (0..x.len()).collect();
         let (regressors, multiplicities) = (&frame.regressors, &frame.multiplicities[..]);
         let local = Local { regressors, multiplicities, x: &x, rows: &rows, inverse: &inverse, free: &free };
         let mut hessian = vec![0.0; free.len() * free.len()];
         local.add_moving(&z, &[0, 1], 1.0, 0.0, &mut hessian);
-        let step = 1e-3;
-        for (a, b) in [(0, 0), (0, 1), (3, 3), (4, 9), (5, 5), (8, 12), (13, 15), (12, 12), (14, 15)] {
-            let at = |da: f64, db: f64| {
-                let mut moved = x;
-                moved[a] += da;
-                moved[b] += db;
-                peak(&moved).0
-            };
-            let difference = if a == b {
-                (at(step, 0.0) - 2.0 * value + at(-step, 0.0)) / (step * step)
-            } else {
-                (at(step, step) - at(step, -step) - at(-step, step) + at(-step, -step)) / (4.0 * step * step)
-            };
-            let exact = hessian[a * free.len() + b];
-            assert!((difference - exact).abs() < 1e-3 * (1.0 + exact.abs()), "{a} {b}: {difference} is not {exact}");
-        }
+        assert_agrees_with_differences(&hessian, &x, |x| peak(x).0);
     }
 }

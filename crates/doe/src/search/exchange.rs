@@ -702,6 +702,11 @@ mod tests {
     use crate::{Model, Problem, Space};
     use rand::SeedableRng;
 
+    /// A search without a continuous solution and without fixed runs.
+    fn plain<'a>(frame: &'a Frame, candidates: &'a Candidates<'a>, is_distinct: bool) -> Discrete<'a> {
+        Discrete { frame, candidates, relaxed: None, n_relaxed: 1, apart: SAME_RUN, is_distinct, fixed: Vec::new() }
+    }
+
     #[test]
     fn formulas_choose_what_computing_from_scratch_chooses() {
         let space = Space::grid(&[5, 5]).expect("a grid");
@@ -716,15 +721,7 @@ mod tests {
                 Problem::new(Model::quadratic(2).expect("a model"), space.clone(), n, criterion).expect("sound");
             let frame = Frame::of(&problem, Some(&shape.relaxed()), f64::NEG_INFINITY, &<[f64]>::to_vec);
             let frame = frame.expect("a frame");
-            let search = Discrete {
-                frame: &frame,
-                candidates: &candidates,
-                relaxed: None,
-                n_relaxed: 1,
-                apart: SAME_RUN,
-                is_distinct: false,
-                fixed: Vec::new(),
-            };
+            let search = plain(&frame, &candidates, false);
             for _ in 0..20 {
                 let x = search.greedy(&mut generator).expect("nine runs");
                 let mut runs = Runs::new(&search, x);
@@ -786,15 +783,7 @@ mod tests {
             let problem = Problem::new(model.clone(), space.clone(), 9, criterion).expect("sound");
             let frame = Frame::of(&problem, Some(&shape.relaxed()), f64::NEG_INFINITY, &<[f64]>::to_vec);
             let frame = frame.expect("a frame");
-            let search = Discrete {
-                frame: &frame,
-                candidates: &candidates,
-                relaxed: None,
-                n_relaxed: 1,
-                apart: SAME_RUN,
-                is_distinct: true,
-                fixed: Vec::new(),
-            };
+            let search = plain(&frame, &candidates, true);
             for seed in 0..4 {
                 let attempt = search.start(&mut Pcg64::seed_from_u64(seed), &Incumbents::default(), &|| false);
                 let Attempt::Found { x, .. } = attempt else { panic!("a start without a design") };
