@@ -7,7 +7,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, ensure};
 
 use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly, run_side_by_side};
-use crate::{fuzz, licenses, packages, python, test_programs, tidy, tutorials};
+use crate::{compiler, fuzz, licenses, packages, python, test_programs, tidy, tutorials};
 
 /// One heading of the output.
 struct Step {
@@ -20,13 +20,13 @@ struct Step {
 const STEPS: &[Step] = &[
     Step { heading: "format", run: || run_cargo(&["fmt", "--all", "--check"]) },
     Step { heading: "tidy", run: tidy::check },
-    Step { heading: "clippy", run: clippy },
-    Step { heading: "tests", run: tests },
+    Step { heading: "compiler, clippy, rustdoc", run: compile },
+    Step { heading: "the least of each feature", run: clippy_of_least },
+    Step { heading: "tests", run: || test_programs::run(&test_selection()) },
     Step {
         heading: "tests in the documentation",
         run: || run_cargo(&[&["test", "--release"], workspace::packages(), &["--doc"]].concat()),
     },
-    Step { heading: "documentation", run: documentation },
     Step { heading: "examples", run: examples },
     Step { heading: "files of the fuzzer", run: fuzz::replay },
     Step { heading: "tutorials", run: tutorials::check },
@@ -51,6 +51,7 @@ const STUDIES: &[&[&str]] = &[
 /// Runs the steps.
 pub(crate) fn run() -> Result<()> {
     let start = Instant::now();
+    workspace::compile_by(compiler::prepare(&workspace::root()?, &workspace::target_directory()?)?);
     for (number, step) in STEPS.iter().enumerate() {
         print!("[{}/{}] {:28}", number + 1, STEPS.len(), step.heading);
         std::io::stdout().flush().context("standard output")?;
@@ -64,29 +65,25 @@ pub(crate) fn run() -> Result<()> {
     Ok(())
 }
 
-/// All packages, and the least that each feature leaves: of these packages together, because none of them turns on a feature
-/// of another, and what they share is then checked once.
-fn clippy() -> Result<()> {
-    let deny = ["--", "-D", "warnings"];
-    run_cargo(&[&["clippy", "--release", "--all-targets"], workspace::packages(), &deny].concat())?;
+/// Compiles everything, and reads it for lints and for its documentation. The examples are compiled with the tests, whose
+/// dependencies they share. No kind of target is named: a library that has no tests, as its manifest says, would be compiled for
+/// them all the same.
+fn compile() -> Result<()> {
+    run_cargo(&[&["test", "--no-run"], test_selection().as_slice()].concat())?;
+    run_cargo(&[&["build", "--release"], workspace::packages(), &["--bench", "*"]].concat())
+}
+
+fn test_selection() -> Vec<&'static str> {
+    [&["--release"], workspace::packages()].concat()
+}
+
+/// What each feature leaves at the least: of these packages together, because none of them turns on a feature of another, and what
+/// they share is then checked once.
+fn clippy_of_least() -> Result<()> {
     let packages = ["--package", "infuse-loop", "--package", "infuse-scaling", "--package", "studies"];
     let command = ["clippy", "--release", "--no-default-features"];
-    run_cargo(&[command.as_slice(), &packages, &deny].concat())
-}
-
-/// The examples are compiled with the tests, whose dependencies they share. No kind of target is named: a library that has no
-/// tests, as its manifest says, would be compiled for them all the same.
-fn tests() -> Result<()> {
-    test_programs::run(&[&["--release"], workspace::packages()].concat())
-}
-
-/// What is compiled of others' packages depends on what all ask of them, tests only where an example or a test is named. One is, so
-/// that what was compiled for the lints serves here, too.
-fn documentation() -> Result<()> {
-    let targets = ["--lib", "--bin", "studies", "--bin", "checks", "--bin", "xtask", "--example", "rig_settings"];
-    let mut command =
-        workspace::cargo(&[&["doc", "--release", "--no-deps"], workspace::packages(), &targets].concat())?;
-    run_quietly(command.env("RUSTDOCFLAGS", "-D warnings"))
+    let mut clippy = workspace::cargo(&[command.as_slice(), &packages, &["--", "-D", "warnings"]].concat())?;
+    run_quietly(clippy.env_remove(workspace::COMPILED_BY))
 }
 
 /// Runs studies by the program that was built with all others.

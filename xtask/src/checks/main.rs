@@ -2,6 +2,7 @@
 #![expect(clippy::print_stdout, reason = "a program of the command line talks")]
 
 mod ci;
+mod compiler;
 mod fuzz;
 mod licenses;
 mod machines;
@@ -9,7 +10,6 @@ mod packages;
 mod proofs;
 mod python;
 mod semver;
-mod test_compiler;
 mod test_programs;
 mod tidy;
 mod tutorials;
@@ -23,7 +23,7 @@ use tutorials::Texts;
 const USAGE_ERROR: u8 = 2;
 
 fn main() -> ExitCode {
-    if let Some(code) = test_compiler::stand_in() {
+    if let Some(code) = compiler::stand_in() {
         return code;
     }
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -17,7 +17,7 @@ use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly};
 pub(crate) enum Features {
     /// What those that are published ask of others' packages together: as their users have them.
     OfThePublished,
-    /// What the workspace and its tests ask: others' packages are there, as the lints have compiled them.
+    /// What the workspace and its tests ask: others' packages are there, as they were compiled for programs and tests.
     OfTheWorkspace,
 }
 
@@ -67,17 +67,33 @@ pub(crate) fn check(features: Features) -> Result<()> {
     let root: Table = toml::from_str(&root).context("Cargo.toml")?;
     let askers = if features == Features::OfTheWorkspace { askers(&metadata, &root)? } else { Vec::new() };
     askers.iter().try_for_each(|asker| asker.write(&unpacked))?;
-    let text = workspace_of(&packed, &askers, &root)?;
+    let mut text = workspace_of(&packed, &askers, &root)?;
+    if features == Features::OfTheWorkspace {
+        not_optimized(&mut text, &packed)?;
+    }
+    let text = toml::to_string(&text)?;
     fs::write(&manifest, text).with_context(|| manifest.display().to_string())?;
     fs::write(unpacked.join(lock), own).context(lock)?;
-    let arguments = ["check", "--release", "--workspace", "--offline"];
-    let mut check = workspace::cargo(&arguments)?;
-    run_quietly(check.current_dir(&unpacked).arg("--target-dir").arg(&metadata.target_directory))
+    let compile = if features == Features::OfTheWorkspace { "build" } else { "check" };
+    let mut cargo = workspace::cargo(&[compile, "--release", "--workspace", "--offline"])?;
+    cargo.env_remove(workspace::COMPILED_BY).current_dir(&unpacked);
+    run_quietly(cargo.arg("--target-dir").arg(&metadata.target_directory))
+}
+
+/// That they compile is all that is asked of the packages themselves.
+fn not_optimized(manifest: &mut Table, packed: &[(&str, String)]) -> Result<()> {
+    let release =
+        manifest.get_mut("profile").and_then(|profile| profile.get_mut("release")).and_then(Value::as_table_mut);
+    let of_packages = release.context("Cargo.toml: no profile `release`")?.entry("package");
+    let of_packages = of_packages.or_insert_with(|| Value::Table(Table::new())).as_table_mut();
+    let of_packages = of_packages.context("Cargo.toml: `profile.release.package` is no table")?;
+    of_packages.extend(packed.iter().map(|(name, _)| ((*name).to_owned(), Value::Table(of("opt-level", 0)))));
+    Ok(())
 }
 
 /// A workspace of these members, packed ones each in the folder of its own name, with the profiles of the workspace itself, so that
 /// what was compiled with them is used again.
-fn workspace_of(packed: &[(&str, String)], askers: &[Asker], root: &Table) -> Result<String> {
+fn workspace_of(packed: &[(&str, String)], askers: &[Asker], root: &Table) -> Result<Table> {
     let members = packed.iter().map(|(_, stem)| stem).chain(askers.iter().map(|asker| &asker.name));
     let members = members.map(|member| Value::String(member.clone())).collect();
     let patch = |(name, stem): &(&str, String)| ((*name).to_owned(), Value::Table(of("path", stem.clone())));
@@ -90,7 +106,7 @@ fn workspace_of(packed: &[(&str, String)], askers: &[Asker], root: &Table) -> Re
     let mut manifest = of("workspace", workspace);
     manifest.extend(of("patch", of("crates-io", packed.iter().map(patch).collect::<Table>())));
     manifest.extend(of("profile", table(root, "profile")?.clone()));
-    Ok(toml::to_string(&manifest)?)
+    Ok(manifest)
 }
 
 /// An empty package that asks of others' packages what one of ours asks, or its tests. What is compiled of a package depends on what
@@ -249,7 +265,7 @@ mod tests {
     fn the_packed_workspace_has_the_profiles_and_versions_of_ours() {
         let packed = [("infuse-doe", "infuse-doe-0.1.0".to_owned())];
         let asker = Asker { name: "dependencies-of-studies".to_owned(), manifest: Table::new() };
-        let found = parsed(&workspace_of(&packed, &[asker], &parsed(ROOT)).expect("tables"));
+        let mut found = workspace_of(&packed, &[asker], &parsed(ROOT)).expect("tables");
         let expected = r#"
             [workspace]
             resolver = "3"
@@ -264,6 +280,9 @@ mod tests {
             [profile.release.package]
             csv = { opt-level = 0 }"#;
         assert_eq!(found, parsed(expected));
+        not_optimized(&mut found, &packed).expect("a profile");
+        let expected = parsed("csv = { opt-level = 0 }\ninfuse-doe = { opt-level = 0 }");
+        assert_eq!(found["profile"]["release"]["package"], Value::Table(expected), "others' packages as they are");
     }
 
     #[test]

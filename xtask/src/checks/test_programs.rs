@@ -9,7 +9,6 @@ use std::process::Command;
 use anyhow::{Context as _, Result, bail, ensure};
 use serde::Deserialize;
 
-use crate::test_compiler;
 use crate::workspace::{self, run_side_by_side};
 
 /// The seed of the cases that properties are tested on.
@@ -30,9 +29,7 @@ struct TestProgram {
 /// Compiles and runs the tests that these arguments of `cargo test` select.
 pub(crate) fn run(selection: &[&str]) -> Result<()> {
     let arguments = [&["test", "--no-run", "--message-format", "json-render-diagnostics"], selection].concat();
-    let mut cargo = workspace::cargo(&arguments)?;
-    test_compiler::set_for(&mut cargo)?;
-    let output = cargo.output().context("cannot start cargo")?;
+    let output = workspace::cargo(&arguments)?.output().context("cannot start cargo")?;
     if !output.status.success() {
         bail!("cargo {}\n{}", arguments.join(" "), String::from_utf8_lossy(&output.stderr));
     }

@@ -4,7 +4,7 @@ use std::env;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread;
 
 use anyhow::{Context as _, Result, bail};
@@ -29,10 +29,23 @@ pub(crate) fn root() -> Result<PathBuf> {
         .with_context(|| format!("no workspace at or above {}", start.display()))
 }
 
+/// What compiles our own packages, if it is not the compiler itself.
+static COMPILER: OnceLock<PathBuf> = OnceLock::new();
+/// By this cargo knows it.
+pub(crate) const COMPILED_BY: &str = "RUSTC_WORKSPACE_WRAPPER";
+
+/// From now on, cargo compiles our own packages by this program.
+pub(crate) fn compile_by(program: PathBuf) {
+    COMPILER.get_or_init(|| program);
+}
+
 /// The cargo that runs this program, called in the root of the workspace.
 pub(crate) fn cargo(arguments: &[&str]) -> Result<Command> {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments).current_dir(root()?);
+    if let Some(program) = COMPILER.get() {
+        command.env(COMPILED_BY, program);
+    }
     Ok(command)
 }
 

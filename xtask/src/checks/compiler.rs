@@ -1,0 +1,233 @@
+//! The compiler as `ci` has it: compiles as cargo says, and then reads the same source for lints and for its documentation.
+//!
+//! `cargo clippy` and `cargo doc` ask others' packages for their types alone, and cargo compiles them once more for that. What they
+//! were compiled to for programs tells the types as well; so this program stands between cargo and the compiler of our own packages
+//! (`RUSTC_WORKSPACE_WRAPPER`), and hands each call on, first to the compiler, then to clippy, then to rustdoc. Cargo remembers what
+//! has passed, as it does with the compiler.
+//!
+//! Libraries are optimized as cargo says. All else is used once here, tests, examples and programs, or not run at all, as benches:
+//! it takes longer to optimize than to run, and what it calls of libraries is optimized.
+
+use std::env;
+use std::ffi::{OsStr, OsString};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use anyhow::{Context as _, Result};
+use sha2::{Digest as _, Sha256};
+
+/// The name of this program where it stands for the compiler.
+const NAME: &str = "checking-compiler";
+/// What clippy is told in a file.
+const SETTINGS: &str = "clippy.toml";
+/// Programs that are documented for those who change them, with all that is private. Of other packages it is the libraries.
+const DOCUMENTED: [&str; 3] = ["studies", "checks", "xtask"];
+const DENY: [&str; 2] = ["-D", "warnings"];
+
+/// Makes what cargo is to start in place of the compiler: a copy of this program, since cargo may build it anew meanwhile. What has
+/// passed with other settings of clippy counts for nothing, because cargo knows the compiler by its path.
+pub(crate) fn prepare(root: &Path, target: &Path) -> Result<PathBuf> {
+    let settings = root.join(SETTINGS);
+    let text = fs::read(&settings).with_context(|| settings.display().to_string())?;
+    let digest: String = Sha256::digest(text).iter().take(4).map(|byte| format!("{byte:02x}")).collect();
+    let folder = target.join("checked").join(digest);
+    fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let program = folder.join(NAME).with_extension(env::consts::EXE_EXTENSION);
+    let own = env::current_exe().context("where this program is")?;
+    fs::copy(&own, &program).with_context(|| program.display().to_string())?;
+    Ok(program)
+}
+
+/// Compiles, if that is what this program was started for.
+pub(crate) fn stand_in() -> Option<ExitCode> {
+    let own = PathBuf::from(env::args_os().next()?);
+    if own.file_stem()? != NAME {
+        return None;
+    }
+    let command: Vec<OsString> = env::args_os().skip(1).collect();
+    Some(match compile_and_check(&command, &own) {
+        Ok(code) => ExitCode::from(code),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    })
+}
+
+/// The exit code of the first of the calls that fails.
+fn compile_and_check(command: &[OsString], own: &Path) -> Result<u8> {
+    let (compiler, arguments) = command.split_first().context("cargo names no compiler")?;
+    let Some(unit) = Unit::of(arguments) else { return run(Command::new(compiler).args(arguments)) };
+    let compiled = run(Command::new(compiler).args(arguments).args(unit.compiled_with()))?;
+    if compiled != 0 {
+        return Ok(compiled);
+    }
+    // For what nobody reads.
+    let folder = tempfile::tempdir().context("a folder for what clippy writes")?;
+    let linted = run(Command::new("clippy-driver").arg(compiler).args(unit.linted_with(folder.path())))?;
+    if linted != 0 || !unit.is_documented() {
+        return Ok(linted);
+    }
+    let documentation = own.parent().context("this program is in no folder")?.join("documentation");
+    run(Command::new("rustdoc").args(unit.documented_with(&documentation)))
+}
+
+fn run(command: &mut Command) -> Result<u8> {
+    let status = command.status().with_context(|| format!("cannot start {}", command.get_program().display()))?;
+    Ok(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1))
+}
+
+/// What the compiler is called for.
+#[derive(Debug)]
+struct Unit<'a> {
+    arguments: &'a [OsString],
+}
+
+impl<'a> Unit<'a> {
+    /// Nothing where cargo asks the compiler about itself.
+    fn of(arguments: &'a [OsString]) -> Option<Self> {
+        let unit = Self { arguments };
+        unit.value_of("--emit").is_some().then_some(unit)
+    }
+
+    /// Of `--name value` or `--name=value`.
+    fn value_of(&self, name: &str) -> Option<&'a OsStr> {
+        let mut rest = self.arguments.iter();
+        while let Some(argument) = rest.next() {
+            if argument == name {
+                return rest.next().map(OsString::as_os_str);
+            }
+            let value = argument.to_str().and_then(|text| text.strip_prefix(name)?.strip_prefix('='));
+            if let Some(value) = value {
+                return Some(OsStr::new(value));
+            }
+        }
+        None
+    }
+
+    fn is_test(&self) -> bool {
+        self.arguments.iter().any(|argument| argument == "--test")
+    }
+
+    /// Whether others are compiled with it, or link it.
+    fn is_library(&self) -> bool {
+        !self.is_test() && self.value_of("--crate-type").is_some_and(|kind| kind == "lib")
+    }
+
+    fn is_program(&self) -> bool {
+        self.value_of("--crate-type").is_some_and(|kind| kind == "bin")
+    }
+
+    fn is_documented(&self) -> bool {
+        let name = self.value_of("--crate-name").and_then(OsStr::to_str);
+        !self.is_test() && (!self.is_program() || name.is_some_and(|name| DOCUMENTED.contains(&name)))
+    }
+
+    /// What is added for the compiler: of two levels, it takes the last. Clippy says all that it would.
+    fn compiled_with(&self) -> Vec<&'static str> {
+        let level: &[_] = if !self.is_library() { &["-C", "opt-level=0"] } else { &[] };
+        [&["--cap-lints", "allow"], level].concat()
+    }
+
+    fn linted_with(&self, folder: &Path) -> Vec<OsString> {
+        let mut arguments = self.without(&["--emit", "--out-dir"]);
+        arguments.extend(["--emit=metadata".into(), "--out-dir".into(), folder.into()]);
+        arguments.extend(DENY.map(OsString::from));
+        arguments
+    }
+
+    fn documented_with(&self, folder: &Path) -> Vec<OsString> {
+        let mut arguments = self.without(&["--emit", "--out-dir", "-C"]);
+        arguments.extend(["-o".into(), folder.into()]);
+        if self.is_program() {
+            arguments.push("--document-private-items".into());
+        }
+        arguments.extend(DENY.map(OsString::from));
+        arguments
+    }
+
+    /// All arguments but these and their values, and without a message for each file that is written: cargo waits for those of the
+    /// compiler.
+    fn without(&self, names: &[&str]) -> Vec<OsString> {
+        let mut kept = Vec::new();
+        let mut rest = self.arguments.iter();
+        while let Some(argument) = rest.next() {
+            let text = argument.to_str().unwrap_or_default();
+            if names.contains(&text) {
+                rest.next();
+            } else if let Some(messages) = text.strip_prefix("--json=") {
+                let messages: Vec<&str> = messages.split(',').filter(|kind| *kind != "artifacts").collect();
+                kept.push(format!("--json={}", messages.join(",")).into());
+            } else if !names.iter().any(|name| text.strip_prefix(name).is_some_and(|rest| rest.starts_with('='))) {
+                kept.push(argument.clone());
+            }
+        }
+        kept
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(line: &str) -> Vec<OsString> {
+        line.split(' ').map(OsString::from).collect()
+    }
+
+    const LIBRARY: &str = "--crate-name surface --edition=2024 src/lib.rs --error-format=json \
+        --json=diagnostic-rendered-ansi,artifacts,future-incompat --crate-type lib --emit=dep-info,metadata,link -C opt-level=3 \
+        --warn=missing_docs --cfg feature=\"a\" -C metadata=12 --out-dir /t/deps --extern rayon=/t/deps/librayon.rmeta";
+
+    #[test]
+    fn libraries_alone_are_optimized() {
+        for unit in [
+            "src/lib.rs --crate-type lib --test",
+            "benches/batch.rs --crate-type bin",
+            "src/lib.rs --crate-type cdylib",
+        ] {
+            let unit = words(&format!("--crate-name it {unit} --emit=dep-info,link -C opt-level=3"));
+            let added = Unit::of(&unit).expect("a unit").compiled_with();
+            assert_eq!(added, ["--cap-lints", "allow", "-C", "opt-level=0"], "{unit:?}");
+        }
+        let library = words(LIBRARY);
+        assert_eq!(Unit::of(&library).expect("a unit").compiled_with(), ["--cap-lints", "allow"]);
+    }
+
+    #[test]
+    fn what_cargo_asks_the_compiler_about_itself_is_handed_on() {
+        for question in ["-vV", "- --crate-name ___ --print=file-names --crate-type bin --print=cfg"] {
+            assert!(Unit::of(&words(question)).is_none(), "{question}");
+        }
+    }
+
+    #[test]
+    fn clippy_reads_the_same_source_and_writes_elsewhere() {
+        let library = words(LIBRARY);
+        let linted = Unit::of(&library).expect("a unit").linted_with(Path::new("/elsewhere"));
+        let expected = "--crate-name surface --edition=2024 src/lib.rs --error-format=json \
+            --json=diagnostic-rendered-ansi,future-incompat --crate-type lib -C opt-level=3 --warn=missing_docs --cfg feature=\"a\" \
+            -C metadata=12 --extern rayon=/t/deps/librayon.rmeta --emit=metadata --out-dir /elsewhere -D warnings";
+        assert_eq!(linted, words(expected));
+    }
+
+    #[test]
+    fn libraries_are_documented_and_of_programs_those_that_developers_change() {
+        let library = words(LIBRARY);
+        let unit = Unit::of(&library).expect("a unit");
+        assert!(unit.is_documented());
+        let expected = "--crate-name surface --edition=2024 src/lib.rs --error-format=json \
+            --json=diagnostic-rendered-ansi,future-incompat --crate-type lib --warn=missing_docs --cfg feature=\"a\" \
+            --extern rayon=/t/deps/librayon.rmeta -o /docs -D warnings";
+        assert_eq!(unit.documented_with(Path::new("/docs")), words(expected));
+        for (name, expected) in [("studies", true), ("infuse", false), ("an_example", false)] {
+            let program = words(&format!("--crate-name {name} src/main.rs --crate-type bin --emit=dep-info,link"));
+            let unit = Unit::of(&program).expect("a unit");
+            assert_eq!(unit.is_documented(), expected, "{name}");
+            let documented = unit.documented_with(Path::new("/docs"));
+            assert!(documented.contains(&"--document-private-items".into()), "{name}");
+        }
+        let test = words(&format!("{LIBRARY} --test"));
+        assert!(!Unit::of(&test).expect("a unit").is_documented(), "a test");
+    }
+}
