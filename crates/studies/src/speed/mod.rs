@@ -1,6 +1,7 @@
 //! `cargo xtask speed`: how fast this is, each figure a ratio to a reference in the same run.
 
 mod builds;
+mod generated;
 mod guard;
 mod page;
 mod switches;
@@ -32,7 +33,7 @@ const SAME: f64 = 1e-9;
 
 /// Measures everything and writes the page.
 pub(crate) fn run(root: &Path) -> Result<()> {
-    let mut theirs = Theirs::start(root)?;
+    let mut theirs = Theirs::start(root, "fixtures/peers/speed.py", "numpy, scipy and scikit-learn")?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(THREADS).build()?;
     let tasks = tasks(root)?;
     let bar = progress("tasks, then builds from nothing", tasks.len() + builds::COUNT);

@@ -10,6 +10,7 @@ use water_channel::{
     Shedding, TestProfile, fly_all, fly_seeded,
 };
 
+use super::generated;
 use super::tasks::{FLIGHTS, TURBULENCE, over_the_box};
 use crate::kept;
 use crate::reproduction::progress;
@@ -99,7 +100,9 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     };
     let all = STEPS.into_iter().map(timed).collect::<Result<Vec<_>>>()?;
     bar.finish();
-    kept::write(root, &[(PAGE, markdown(&all))])
+    let flights = generated::Flights { profile: &bench.profile, requests: &bench.requests, pool: &pool };
+    let beside = flights.timed(root)?;
+    kept::write(root, &[(PAGE, markdown(&all, &beside))])
 }
 
 struct Bench {
@@ -167,7 +170,7 @@ fn steps_words(steps_per_sample: usize) -> &'static str {
     if steps_per_sample == 1 { "one step" } else { "two steps" }
 }
 
-fn markdown(all: &[Timed]) -> String {
+fn markdown(all: &[Timed], beside: &generated::Timed) -> String {
     let mut text = "# What is off by default, and what it costs\n\n".to_owned();
     for (place, variant) in VARIANTS.iter().enumerate() {
         let Some(limit) = variant.limit else { continue };
@@ -183,6 +186,7 @@ fn markdown(all: &[Timed]) -> String {
             number(limit, 1)
         );
     }
+    text += &beside.sentence();
     text += "- The studies fly one step a sample, campaigns of the ensemble with a water for each flight and without cameras.\n\n";
     let mut table = Table::new(vec![
         Column::words("on"),
@@ -207,10 +211,11 @@ fn markdown(all: &[Timed]) -> String {
     text += &format!(
         "\nMedians of {} rounds of one run, every variant in turn in each round, after one round for the caches; in brackets the lowest and the \
          highest ratio of a round. {FLIGHTS} flights of 300 s of the stand-in over the box of Chapter 4, four in lanes, on one thread; the making of \
-         the water's table and the images are within the time.\n\n\
-         Written by `cargo xtask speed --flights`; times are those of the machine, so that `cargo xtask ci` does not repeat them.\n",
+         the water's table and the images are within the time.\n",
         all.first().map_or(0, |timed| timed.rounds.len())
     );
+    text += &beside.section();
+    text += "\nWritten by `cargo xtask speed --flights`; times are those of the machine, so that `cargo xtask ci` does not repeat them.\n";
     text
 }
 
@@ -226,7 +231,7 @@ mod tests {
             seconds
         };
         let timed = Timed { steps_per_sample: 1, rounds: vec![round(1.2), round(1.25), round(1.9)] };
-        let text = markdown(&[timed]);
+        let text = markdown(&[timed], &generated::Timed::default());
         assert!(text.contains("one water for all flights a flight takes 1.25 times as long at one step a sample (met); the goal is at most 1.3 times"), "{text}");
         assert!(
             text.contains("a water for each flight a flight takes 2.00 times as long at one step a sample (missed)"),

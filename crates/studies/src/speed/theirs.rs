@@ -1,4 +1,4 @@
-//! The tasks in numpy, scipy and scikit-learn, by a program that answers line by line.
+//! The tasks in Python, by a program that answers line by line.
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
@@ -6,11 +6,10 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use anyhow::{Context as _, Result};
 
-const PROGRAM: &str = "fixtures/peers/speed.py";
-
 /// The program, waiting for the next task.
 #[derive(Debug)]
 pub(super) struct Theirs {
+    program: &'static str,
     child: Child,
     questions: ChildStdin,
     answers: BufReader<ChildStdout>,
@@ -18,10 +17,11 @@ pub(super) struct Theirs {
 }
 
 impl Theirs {
-    pub(super) fn start(root: &Path) -> Result<Self> {
+    /// `needed` is what the program imports, in words.
+    pub(super) fn start(root: &Path, program: &'static str, needed: &str) -> Result<Self> {
         let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
         let mut command = Command::new(&python);
-        command.arg(root.join(PROGRAM)).stdin(Stdio::piped()).stdout(Stdio::piped());
+        command.arg(root.join(program)).stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut child = command.spawn().with_context(|| format!("cannot start {}", python.display()))?;
         let questions = child.stdin.take().context("its input")?;
         let mut answers = BufReader::new(child.stdout.take().context("its output")?);
@@ -29,9 +29,9 @@ impl Theirs {
         answers.read_line(&mut versions)?;
         anyhow::ensure!(
             !versions.trim().is_empty(),
-            "{PROGRAM} says nothing: it needs a Python with numpy, scipy and scikit-learn; the variable PYTHON may name one"
+            "{program} says nothing: it needs a Python with {needed}; the variable PYTHON may name one"
         );
-        Ok(Self { child, questions, answers, versions: versions.trim().to_owned() })
+        Ok(Self { program, child, questions, answers, versions: versions.trim().to_owned() })
     }
 
     /// Which versions of what.
@@ -41,13 +41,13 @@ impl Theirs {
 
     /// Runs a task once: its time in seconds, and the sum of its estimates.
     pub(super) fn run(&mut self, task: &str) -> Result<(f64, f64)> {
-        writeln!(self.questions, "{task}").with_context(|| format!("{PROGRAM}, {task}"))?;
+        writeln!(self.questions, "{task}").with_context(|| format!("{}, {task}", self.program))?;
         let mut answer = String::new();
         self.answers.read_line(&mut answer)?;
         let numbers = answer.split_whitespace().map(str::parse::<f64>).collect::<Result<Vec<f64>, _>>();
         match numbers.as_deref() {
             Ok(&[seconds, sum]) => Ok((seconds, sum)),
-            _ => anyhow::bail!("{PROGRAM}, {task}: it answered `{}`, expected two numbers", answer.trim()),
+            _ => anyhow::bail!("{}, {task}: it answered `{}`, expected two numbers", self.program, answer.trim()),
         }
     }
 }
