@@ -3,6 +3,7 @@
 mod arguments;
 mod campaign;
 mod command;
+mod disk;
 mod dissertation;
 mod echo;
 mod findings;

@@ -7,9 +7,9 @@ use page::Finding;
 use serde_json::json;
 
 use super::output::Output;
+use crate::disk::replace;
 use crate::journal::JOURNAL;
 use crate::problem::PROBLEM;
-use crate::sheet::replace;
 
 const TEMPLATE: &str = include_str!("new/campaign.toml");
 const SIMULATION: &str = include_str!("new/simulation.csv");

@@ -8,9 +8,9 @@ use page::Finding;
 use serde_json::json;
 
 use super::output::Output;
+use crate::disk;
 use crate::folder;
 use crate::journal::Journal;
-use crate::sheet;
 
 pub(crate) fn report(folder: &Path, output: Option<&Path>) -> Result<Output> {
     let path = match output {
@@ -26,7 +26,7 @@ pub(crate) fn report(folder: &Path, output: Option<&Path>) -> Result<Output> {
     );
     let mut campaign = folder::read(folder)?;
     let page = campaign.page(&Journal::read(folder)?)?;
-    sheet::replace(&path, page.as_bytes())?;
+    disk::replace(&path, page.as_bytes())?;
     let written = Finding::new(format!("Written to {}: open it in a browser, or send it.", path.display()));
     let notices = campaign.take_notices();
     let json = json!({ "report": path, "bytes": page.len(), "batches": campaign.n_closed() });

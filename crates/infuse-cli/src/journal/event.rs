@@ -1,6 +1,7 @@
 //! The lines of a journal.
 
 use std::collections::BTreeMap;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use design_space::Cell;
 use serde::{Deserialize, Serialize};
@@ -226,5 +227,29 @@ impl Event {
 
 /// The time as it stands in the lines: nothing is ever computed from it.
 pub(crate) fn now() -> String {
-    humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string()
+    written(SystemTime::now())
+}
+
+/// A clock may be set to any time, also to one that has no such text.
+fn written(time: SystemTime) -> String {
+    let end_of_9999 = UNIX_EPOCH + Duration::from_secs(253_402_300_799);
+    humantime::format_rfc3339_seconds(time.clamp(UNIX_EPOCH, end_of_9999)).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clock_may_be_wrong_by_any_amount() {
+        let hour = Duration::from_secs(3600);
+        for (time, expected) in [
+            (UNIX_EPOCH, "1970-01-01T00:00:00Z"),
+            (UNIX_EPOCH - hour, "1970-01-01T00:00:00Z"),
+            (UNIX_EPOCH + Duration::from_secs(951_782_400), "2000-02-29T00:00:00Z"),
+            (UNIX_EPOCH + Duration::from_secs(253_402_300_799) + hour, "9999-12-31T23:59:59Z"),
+        ] {
+            assert_eq!(written(time), expected);
+        }
+    }
 }

@@ -29,7 +29,7 @@ pub(crate) use submission::SubmissionName;
 pub(crate) use undo::Last;
 use undo::Standing;
 
-use crate::left_running;
+use crate::{disk, left_running};
 
 /// The journal of a folder, for reading.
 #[derive(Debug)]
@@ -93,6 +93,9 @@ impl Writer {
         let file = OpenOptions::new().read(true).append(true).create(true).open(&path).with_context(name)?;
         let mut bytes = Vec::new();
         (&file).read_to_end(&mut bytes).with_context(name)?;
+        if bytes.is_empty() {
+            disk::keep_name(&path);
+        }
         let text = text::read(&bytes).with_context(|| format!("{} cannot be read", path.display()))?;
         let mut writer =
             Self { path: path.clone(), file, n_bytes: bytes.len() as u64, checksum: text.checksum, _lock: lock };

@@ -12,11 +12,11 @@ use super::bands::NINE_IN_TEN;
 use super::bounds::as_json;
 use super::campaign::Campaign;
 use super::findings::standing_in_words;
+use crate::disk::replace;
 use crate::findings::{amount, value_to};
 use crate::journal::Measured;
 use crate::number::{are_written_alike, count, resolved, short};
 use crate::problem::{Goal, heading, written};
-use crate::sheet::replace;
 
 /// Rows of a table over the grid, at most.
 const MOST_ROWS: u64 = 20_000;

@@ -9,6 +9,7 @@ use design_space::Region;
 
 use super::script::{of_a_run, of_a_task};
 use super::task::Task;
+use crate::disk::replace;
 use crate::journal::Measured;
 use crate::problem::{Program, Queue};
 use crate::program::{Ran, ended, tail};
@@ -80,8 +81,7 @@ impl Runs {
 
     /// Notes that the scheduler took a submission, with what it said.
     pub(super) fn note_taken(&self, name: &str, said: &str) -> Result<()> {
-        let path = self.taken(name);
-        std::fs::write(&path, said).with_context(|| path.display().to_string())
+        replace(&self.taken(name), said.as_bytes())
     }
 
     /// What the scheduler said when it took a submission; none if nobody knows whether it did.
@@ -99,8 +99,7 @@ impl Runs {
         if self.was_shown(name) {
             return Ok(());
         }
-        let path = self.shown(name);
-        std::fs::write(&path, "").with_context(|| path.display().to_string())
+        replace(&self.shown(name), b"")
     }
 
     /// Whether a list has ever shown a submission.
@@ -114,8 +113,7 @@ impl Runs {
 
     /// Notes that a submission was stopped from here.
     pub(super) fn note_stopped(&self, name: &str) -> Result<()> {
-        let path = self.stopped(name);
-        std::fs::write(&path, "").with_context(|| path.display().to_string())
+        replace(&self.stopped(name), b"")
     }
 
     /// Whether a submission was stopped from here.

@@ -17,4 +17,4 @@ pub(crate) use import::{Imported, imported};
 pub(crate) use read::{Answer, answers, setting_fault, to_fill_in, typed};
 pub(crate) use same::check_same;
 pub(crate) use table::{Fault, Row, Table, none_of};
-pub(crate) use write::{check_ending, replace, write};
+pub(crate) use write::{check_ending, write};

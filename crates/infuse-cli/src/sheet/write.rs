@@ -1,6 +1,5 @@
 //! A sheet for the rig.
 
-use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
@@ -8,6 +7,7 @@ use infuse::pooled::Trial;
 
 use super::columns::Columns;
 use super::table::Column;
+use crate::disk::replace;
 use crate::problem::{Problem, written};
 
 /// Whether a sheet can be written under this name.
@@ -50,19 +50,4 @@ pub(crate) fn write(path: &Path, problem: &Problem, trials: &[(Trial, Option<u64
 
 fn is_workbook(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xlsx"))
-}
-
-/// Puts a whole file in its place, so that nobody ever sees half of it.
-pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
-    let name = || path.display().to_string();
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::Builder::new().prefix(".infuse-").tempfile_in(folder).with_context(name)?;
-    file.write_all(bytes).and_then(|()| file.as_file().sync_all()).with_context(name)?;
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644)).with_context(name)?;
-    }
-    file.persist(path).map_err(|error| error.error).with_context(name)?;
-    Ok(())
 }

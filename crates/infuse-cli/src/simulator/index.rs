@@ -9,8 +9,9 @@ use design_space::{Cell, Grid, Levels};
 use sha2::{Digest as _, Sha256};
 
 use super::rows::Rows;
+use crate::disk::replace;
 use crate::problem::Problem;
-use crate::sheet::{point_columns, replace};
+use crate::sheet::point_columns;
 
 /// A shorter table is read as fast.
 pub(super) const LEAST_BYTES: usize = 1 << 20;
