@@ -52,7 +52,7 @@ mod provenance;
 mod reproduce_all;
 mod reproduction;
 mod rules;
-#[cfg(feature = "calibration")]
+#[cfg(feature = "global")]
 mod seal;
 #[cfg(feature = "benchmark")]
 mod speed;
