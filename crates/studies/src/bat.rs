@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
-use bat_dynamics::Fidelity;
+use bat_dynamics::{Fidelity, LANES};
 #[cfg(feature = "global")]
 use bat_dynamics::{FluidInertia, Lift};
 #[cfg(feature = "global")]
 use design_space::Region;
+use rayon::prelude::*;
 use water_channel::{
     CostBreakdown, CostFile, CostWeights, Flight, FlightError, FlightRequest, FlightSettings, ProfileFile, Record, Rig,
-    RigFile, TestProfile, fly, fly_all, fly_logged,
+    RigFile, TestProfile, fly, fly_all, fly_all_logged, fly_logged,
 };
 
 #[cfg(feature = "ensemble")]
@@ -181,6 +182,26 @@ impl Bat {
         let (flight, log) = fly_logged(&request, &self.profile, &self.report_settings, LOG_EVERY)?;
         let flight = flight?;
         Ok(Logged { cost: self.breakdown(&request.rig, &flight), flight, log })
+    }
+
+    /// What `read` makes of flights of reported designs, which are flown side by side.
+    pub(crate) fn read_logged<T: Send>(
+        &self,
+        points: &[Vec<f64>],
+        fidelity: Fidelity,
+        read: impl Fn(&[f64], Logged) -> T + Sync,
+    ) -> Vec<Result<T>> {
+        // A few at a time: logs are large.
+        let fly = |some: &[Vec<f64>]| {
+            let requests: Vec<FlightRequest> = some.iter().map(|point| self.request(point, fidelity)).collect();
+            let flown = fly_all_logged(&requests, &self.profile, &self.report_settings, LOG_EVERY);
+            let each = some.iter().zip(&requests).zip(flown).map(|((point, request), flown)| {
+                let (flight, log) = flown?;
+                Ok(read(point, Logged { cost: self.breakdown(&request.rig, &flight), flight, log }))
+            });
+            each.collect::<Vec<_>>()
+        };
+        points.par_chunks(LANES).flat_map_iter(fly).collect()
     }
 
     /// How many different points are known in a fidelity.
