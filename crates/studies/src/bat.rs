@@ -158,6 +158,25 @@ impl Bat {
         requests.iter().zip(flown).map(|(request, flight)| self.value(&request.rig, flight)).collect()
     }
 
+    /// The costs at points in several fidelities, flown together unless they are remembered.
+    pub(crate) fn costs_in_each(&self, asked: &[(Vec<Vec<f64>>, Fidelity)]) -> Vec<Vec<Cost>> {
+        let all = || asked.iter().flat_map(|(points, fidelity)| points.iter().map(|point| (point, *fidelity)));
+        let mut unknown: Vec<(&Vec<f64>, Fidelity)> = Vec::new();
+        for (point, fidelity) in all() {
+            if self.costs.get(point, fidelity).is_none() && !unknown.contains(&(point, fidelity)) {
+                unknown.push((point, fidelity));
+            }
+        }
+        let requests: Vec<FlightRequest> =
+            unknown.iter().map(|(point, fidelity)| self.request(point, *fidelity)).collect();
+        let flown = fly_all(&requests, &self.profile, &self.settings, |_| {});
+        for (((point, fidelity), request), flight) in unknown.into_iter().zip(&requests).zip(flown) {
+            self.costs.add(fidelity, [(point.as_slice(), &self.value(&request.rig, flight))]);
+        }
+        // All are remembered now.
+        asked.iter().map(|(points, fidelity)| self.costs(points, *fidelity, |_| {})).collect()
+    }
+
     /// The costs, term by term, of these flights, all flown and none remembered.
     #[cfg(feature = "identification")]
     pub(crate) fn breakdowns(&self, requests: &[FlightRequest]) -> Vec<std::result::Result<CostBreakdown, String>> {

@@ -57,6 +57,7 @@ mod seal;
 #[cfg(feature = "benchmark")]
 mod speed;
 mod study_file;
+mod together;
 mod variable;
 mod words;
 
