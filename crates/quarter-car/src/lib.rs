@@ -281,12 +281,18 @@ impl Vehicle {
     /// # Errors
     /// [`Error::Car`] and [`Error::Drive`] for numbers that make no car or no drive; [`Error::LeavesTheModel`] once body or wheel are where no car can be, which is
     /// also what becomes of designs and roads that are not finite.
-    pub fn drive(&self, road: &[Wave], drive: &Drive, mut see: impl FnMut(&Sample)) -> Result<Ride, Error> {
+    pub fn drive(&self, road: &[Wave], drive: &Drive, see: impl FnMut(&Sample)) -> Result<Ride, Error> {
         self.car.validate()?;
-        drive.validate()?;
-        let step_s = drive.step_s;
-        let [warm_up, measured] = [drive.warm_up_s, drive.measured_s].map(|time_s| (time_s / step_s).round() as usize);
-        let road_m = heights_m(road, step_s / 2.0, 2 * (warm_up + measured) + 1);
+        self.drive_over(&Track::new(road, drive)?, see)
+    }
+
+    /// The same over a track, which many drives may share.
+    ///
+    /// # Errors
+    /// [`Error::Car`] and [`Error::LeavesTheModel`], as of [`Vehicle::drive`].
+    pub fn drive_over(&self, track: &Track, mut see: impl FnMut(&Sample)) -> Result<Ride, Error> {
+        self.car.validate()?;
+        let Track { step_s, warm_up, measured, ref road_m } = *track;
         let (body_m, wheel_m) = (road_m[0], road_m[0]);
         let mut state = State { body_m, body_m_s: 0.0, wheel_m, wheel_m_s: 0.0, actuator_n: 0.0 };
         let mut squares = [0.0; 4];
@@ -308,6 +314,30 @@ impl Vehicle {
         }
         let [body_m_s2, tire_n, travel_m, actuator_n] = squares.map(|sum| (sum / measured as f64).sqrt());
         Ok(Ride { body_m_s2, tire_n, travel_m, actuator_n })
+    }
+}
+
+/// The heights of a road at the steps of a drive, and half way between them.
+#[derive(Clone, Debug)]
+pub struct Track {
+    step_s: f64,
+    /// Steps.
+    warm_up: usize,
+    measured: usize,
+    road_m: Vec<f64>,
+}
+
+impl Track {
+    /// Of a road, for a drive.
+    ///
+    /// # Errors
+    /// [`Error::Drive`] for times that make no drive.
+    pub fn new(road: &[Wave], drive: &Drive) -> Result<Self, Error> {
+        drive.validate()?;
+        let step_s = drive.step_s;
+        let [warm_up, measured] = [drive.warm_up_s, drive.measured_s].map(|time_s| (time_s / step_s).round() as usize);
+        let road_m = heights_m(road, step_s / 2.0, 2 * (warm_up + measured) + 1);
+        Ok(Self { step_s, warm_up, measured, road_m })
     }
 }
 

@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, ensure};
-use bat_dynamics::Fidelity;
+use bat_dynamics::{Fidelity, LANES};
 #[cfg(feature = "global")]
 use bat_dynamics::{FluidInertia, Lift};
 #[cfg(feature = "global")]
 use design_space::Region;
+use rayon::prelude::*;
 use water_channel::{
     CostBreakdown, CostFile, CostWeights, Flight, FlightError, FlightRequest, FlightSettings, ProfileFile, Record, Rig,
-    RigFile, TestProfile, fly, fly_all, fly_logged,
+    RigFile, TestProfile, fly, fly_all, fly_all_logged, fly_logged,
 };
 
 #[cfg(feature = "ensemble")]
@@ -157,6 +158,25 @@ impl Bat {
         requests.iter().zip(flown).map(|(request, flight)| self.value(&request.rig, flight)).collect()
     }
 
+    /// The costs at points in several fidelities, flown together unless they are remembered.
+    pub(crate) fn costs_in_each(&self, asked: &[(Vec<Vec<f64>>, Fidelity)]) -> Vec<Vec<Cost>> {
+        let all = || asked.iter().flat_map(|(points, fidelity)| points.iter().map(|point| (point, *fidelity)));
+        let mut unknown: Vec<(&Vec<f64>, Fidelity)> = Vec::new();
+        for (point, fidelity) in all() {
+            if self.costs.get(point, fidelity).is_none() && !unknown.contains(&(point, fidelity)) {
+                unknown.push((point, fidelity));
+            }
+        }
+        let requests: Vec<FlightRequest> =
+            unknown.iter().map(|(point, fidelity)| self.request(point, *fidelity)).collect();
+        let flown = fly_all(&requests, &self.profile, &self.settings, |_| {});
+        for (((point, fidelity), request), flight) in unknown.into_iter().zip(&requests).zip(flown) {
+            self.costs.add(fidelity, [(point.as_slice(), &self.value(&request.rig, flight))]);
+        }
+        // All are remembered now.
+        asked.iter().map(|(points, fidelity)| self.costs(points, *fidelity, |_| {})).collect()
+    }
+
     /// The costs, term by term, of these flights, all flown and none remembered.
     #[cfg(feature = "identification")]
     pub(crate) fn breakdowns(&self, requests: &[FlightRequest]) -> Vec<std::result::Result<CostBreakdown, String>> {
@@ -181,6 +201,26 @@ impl Bat {
         let (flight, log) = fly_logged(&request, &self.profile, &self.report_settings, LOG_EVERY)?;
         let flight = flight?;
         Ok(Logged { cost: self.breakdown(&request.rig, &flight), flight, log })
+    }
+
+    /// What `read` makes of flights of reported designs, which are flown side by side.
+    pub(crate) fn read_logged<T: Send>(
+        &self,
+        points: &[Vec<f64>],
+        fidelity: Fidelity,
+        read: impl Fn(&[f64], Logged) -> T + Sync,
+    ) -> Vec<Result<T>> {
+        // A few at a time: logs are large.
+        let fly = |some: &[Vec<f64>]| {
+            let requests: Vec<FlightRequest> = some.iter().map(|point| self.request(point, fidelity)).collect();
+            let flown = fly_all_logged(&requests, &self.profile, &self.report_settings, LOG_EVERY);
+            let each = some.iter().zip(&requests).zip(flown).map(|((point, request), flown)| {
+                let (flight, log) = flown?;
+                Ok(read(point, Logged { cost: self.breakdown(&request.rig, &flight), flight, log }))
+            });
+            each.collect::<Vec<_>>()
+        };
+        points.par_chunks(LANES).flat_map_iter(fly).collect()
     }
 
     /// How many different points are known in a fidelity.

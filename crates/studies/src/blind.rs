@@ -2,7 +2,6 @@
 
 use anyhow::Result;
 use design_space::Region;
-use rayon::prelude::*;
 
 /// So many are flown for what chance gives.
 const N_FLOWN: usize = 64;
@@ -21,9 +20,10 @@ pub(crate) fn points(region: &Region, n: usize) -> Vec<Vec<f64>> {
 #[derive(Clone, Debug)]
 pub(crate) struct Blind<T>(Vec<Option<T>>);
 
-impl<T: Send> Blind<T> {
-    pub(crate) fn read(region: &Region, read: impl Fn(&[f64]) -> Result<T> + Sync) -> Self {
-        Self(points(region, N_FLOWN).par_iter().map(|point| read(point).ok()).collect())
+impl<T> Blind<T> {
+    /// By what is read of all of them together, in their order.
+    pub(crate) fn read(region: &Region, read: impl FnOnce(&[Vec<f64>]) -> Vec<Result<T>>) -> Self {
+        Self(read(&points(region, N_FLOWN)).into_iter().map(Result::ok).collect())
     }
 }
 
@@ -57,7 +57,8 @@ mod tests {
 
     #[test]
     fn what_cannot_fly_meets_nothing() {
-        let blind = Blind::read(&region(), |point| if point[0] < 0.5 { Ok(point[0]) } else { anyhow::bail!("slack") });
+        let read = |point: &Vec<f64>| if point[0] < 0.5 { Ok(point[0]) } else { anyhow::bail!("slack") };
+        let blind = Blind::read(&region(), |points| points.iter().map(read).collect());
         let share = blind.share(|_| true);
         assert!((0.4..0.6).contains(&share), "{share}");
         assert!(blind.share(|x| *x < 0.25) < share);

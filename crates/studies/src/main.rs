@@ -52,11 +52,12 @@ mod provenance;
 mod reproduce_all;
 mod reproduction;
 mod rules;
-#[cfg(feature = "calibration")]
+#[cfg(feature = "global")]
 mod seal;
 #[cfg(feature = "benchmark")]
 mod speed;
 mod study_file;
+mod together;
 mod variable;
 mod words;
 

@@ -1,4 +1,4 @@
-//! Where the chapters' flights and designs of batches are remembered: in the target directory what runs of this tree made;
+//! Where the chapters' flights, panels and designs of batches are remembered: in the target directory what runs of this tree made;
 //! with the sources, kept, what the pages in `docs/` were written from.
 //!
 //! Files on either side are named after what this program makes of some designs, so that nothing stale is ever found. Only
@@ -19,6 +19,7 @@ use crate::reproduction::Extent;
 
 const FLIGHTS: &str = "flights";
 const DESIGNS: &str = "designs";
+const PANELS: &str = "panels";
 
 /// Of runs of this tree.
 const RUNS: &str = "target/reproduction";
@@ -51,6 +52,16 @@ impl Memory {
     }
 }
 
+/// The panels that a check takes over: whole files, which nobody adds to.
+pub(crate) fn kept_panels(root: &Path) -> PathBuf {
+    root.join(KEPT).join(PANELS)
+}
+
+/// Those of a run from nothing, to be kept.
+pub(crate) fn panels_made_anew(root: &Path) -> PathBuf {
+    root.join(ANEW).join(PANELS)
+}
+
 /// Forgets what an earlier run from nothing left.
 pub(crate) fn forget(root: &Path) -> Result<()> {
     let folder = root.join(ANEW);
@@ -60,9 +71,9 @@ pub(crate) fn forget(root: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Keeps what a run from nothing made in the place of what was kept, its lines in order: threads write them in any.
+/// Keeps what a run from nothing made in the place of what was kept, lines that threads wrote in any order in order.
 pub(crate) fn keep(root: &Path) -> Result<()> {
-    for name in [FLIGHTS, DESIGNS] {
+    for (name, as_kept) in [(FLIGHTS, in_order as fn(&str) -> String), (DESIGNS, in_order), (PANELS, str::to_owned)] {
         let (from, to) = (root.join(ANEW).join(name), root.join(KEPT).join(name));
         if to.exists() {
             fs::remove_dir_all(&to).with_context(|| to.display().to_string())?;
@@ -70,7 +81,7 @@ pub(crate) fn keep(root: &Path) -> Result<()> {
         for entry in fs::read_dir(&from).with_context(|| from.display().to_string())? {
             let entry = entry?;
             let text = fs::read_to_string(entry.path()).with_context(|| entry.path().display().to_string())?;
-            kept::replace(&to.join(entry.file_name()), in_order(&text).as_bytes())?;
+            kept::replace(&to.join(entry.file_name()), as_kept(&text).as_bytes())?;
         }
     }
     eprintln!("{KEPT}: what this run flew and searched for is kept");

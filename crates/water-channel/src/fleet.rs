@@ -1,12 +1,13 @@
 //! Many flights of one test: lanes within a core, threads across cores, each flight on its own.
 
-use bat_dynamics::{LANES, Lanes, Plant};
+use bat_dynamics::{FlightState, LANES, Lanes, Plant};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
 use crate::error::{Error, FlightError};
-use crate::flight::{Flight, FlightRequest, Kind, Ready, Tables};
+use crate::flight::{Flight, FlightRequest, Kind, Ready, Tables, fly_logged};
 use crate::integrate::{Ending, Setup, integrate};
+use crate::log::{FlightLog, LogRow};
 use crate::profile::TestProfile;
 use crate::settings::FlightSettings;
 
@@ -40,6 +41,54 @@ pub fn fly_seeded(
         return requests.iter().map(|_| Err(error.clone().into())).collect();
     }
     fly_chunks(requests, Some(seeds), profile, settings, finished)
+}
+
+/// Flies like [`fly_all`] and keeps every `every`-th sample of each flight.
+///
+/// Each result has the bits of [`fly_logged`]; a flight that fails has no log.
+pub fn fly_all_logged(
+    requests: &[FlightRequest],
+    profile: &TestProfile,
+    settings: &FlightSettings,
+    every: usize,
+) -> Vec<Result<(Flight, FlightLog), FlightError>> {
+    let alone = |request: &FlightRequest| {
+        let (flight, log) = fly_logged(request, profile, settings, every)?;
+        Ok((flight?, log))
+    };
+    let fly = |chunk: &[FlightRequest]| {
+        let abreast = logged_abreast(chunk, profile, settings, every);
+        abreast.unwrap_or_else(|| chunk.iter().map(alone).collect())
+    };
+    requests.par_chunks(LANES).flat_map_iter(fly).collect()
+}
+
+/// Up to `LANES` flights side by side with their logs; none where they do not all begin, or one is not of the plain kind: then each
+/// has to fly alone.
+fn logged_abreast(
+    requests: &[FlightRequest],
+    profile: &TestProfile,
+    settings: &FlightSettings,
+    every: usize,
+) -> Option<Vec<Result<(Flight, FlightLog), FlightError>>> {
+    if requests.len() < 2 || every == 0 || settings.validate().is_err() {
+        return None;
+    }
+    let mut tables = Tables::of(profile);
+    let ready = requests.iter().enumerate().map(|(k, request)| Ok((k, Ready::new(request, &mut tables, None)?)));
+    let batch: Vec<(usize, Ready)> = ready.collect::<Result<_, Error>>().ok()?;
+    let sample_time_s = batch[0].1.controller.parameters().sample_time_s;
+    let fits = |one: &Ready| {
+        one.kind() == Kind::Plain && one.controller.parameters().sample_time_s.to_bits() == sample_time_s.to_bits()
+    };
+    if !batch.iter().all(|(_, one)| fits(one)) {
+        return None;
+    }
+    let mut logs = vec![FlightLog::default(); batch.len()];
+    let (setup, start) = gathered(&batch, sample_time_s, profile, settings);
+    let endings = integrate_plain_logged(&setup, start, requests, every, &mut logs);
+    let flown = batch.into_iter().zip(endings).zip(logs);
+    Some(flown.map(|(((_, one), ending), log)| Ok((one.finish(ending)?, log))).collect())
 }
 
 fn fly_chunks(
@@ -109,6 +158,21 @@ fn fly_lanes(
     profile: &TestProfile,
     settings: &FlightSettings,
 ) -> [Ending; LANES] {
+    let (setup, start) = gathered(batch, sample_time_s, profile, settings);
+    match batch[0].1.kind() {
+        Kind::Plain => integrate_plain(&setup, start),
+        Kind::Moving => integrate_moving(&setup, start),
+        Kind::Lopsided => integrate_lopsided(&setup, start),
+    }
+}
+
+/// Flights that are ready, lane by lane, with where each starts.
+fn gathered<'a>(
+    batch: &'a [(usize, Ready)],
+    sample_time_s: f64,
+    profile: &'a TestProfile,
+    settings: &'a FlightSettings,
+) -> (Setup<'a, Lanes, LANES>, [&'a FlightState; LANES]) {
     // Unused lanes repeat the last flight.
     let lane = |k: usize| &batch[k.min(batch.len() - 1)].1;
     // All fly one test: either each has its water or none.
@@ -127,29 +191,44 @@ fn fly_lanes(
         meters: core::array::from_fn(|k| lane(k).meter),
         used: batch.len(),
     };
-    let start = core::array::from_fn(|k| &lane(k).start);
-    match batch[0].1.kind() {
-        Kind::Plain => integrate_plain(&setup, start),
-        Kind::Moving => integrate_moving(&setup, start),
-        Kind::Lopsided => integrate_lopsided(&setup, start),
-    }
+    (setup, core::array::from_fn(|k| &lane(k).start))
 }
 
 /// The loop compiled for several instruction sets, chosen when it runs; none of them contracts a product and a
 /// sum into one rounding, so all give the same bits.
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn integrate_plain(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Ending; LANES] {
+fn integrate_plain(setup: &Setup<'_, Lanes, LANES>, start: [&FlightState; LANES]) -> [Ending; LANES] {
     integrate::<Lanes, LANES, false, false>(setup, start, |_| {})
+}
+
+/// Like [`integrate_plain`] with the samples of each flight.
+#[multiversion(targets("x86_64+avx+avx2"))]
+fn integrate_plain_logged(
+    setup: &Setup<'_, Lanes, LANES>,
+    start: [&FlightState; LANES],
+    requests: &[FlightRequest],
+    every: usize,
+    logs: &mut [FlightLog],
+) -> [Ending; LANES] {
+    let mut sample = 0;
+    integrate::<Lanes, LANES, false, false>(setup, start, |seen| {
+        if sample % every == 0 {
+            for (lane, (log, request)) in logs.iter_mut().zip(requests).enumerate() {
+                log.rows.push(LogRow::of(seen, lane, &request.rig));
+            }
+        }
+        sample += 1;
+    })
 }
 
 /// Like [`integrate_plain`] for symmetric plants in water that moves beside its mean flow.
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn integrate_moving(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Ending; LANES] {
+fn integrate_moving(setup: &Setup<'_, Lanes, LANES>, start: [&FlightState; LANES]) -> [Ending; LANES] {
     integrate::<Lanes, LANES, false, true>(setup, start, |_| {})
 }
 
 /// Like [`integrate_plain`] for plants whose sides differ, in any water.
 #[multiversion(targets("x86_64+avx+avx2"))]
-fn integrate_lopsided(setup: &Setup<'_, Lanes, LANES>, start: [&bat_dynamics::FlightState; LANES]) -> [Ending; LANES] {
+fn integrate_lopsided(setup: &Setup<'_, Lanes, LANES>, start: [&FlightState; LANES]) -> [Ending; LANES] {
     integrate::<Lanes, LANES, true, true>(setup, start, |_| {})
 }

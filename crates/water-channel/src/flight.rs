@@ -227,7 +227,7 @@ pub fn fly_logged(
     let mut sample = 0;
     let [ending] = one(&ready, profile, settings, |seen| {
         if sample % every == 0 {
-            rows.push(LogRow::of(seen, &request.rig));
+            rows.push(LogRow::of(seen, 0, &request.rig));
         }
         sample += 1;
     });

@@ -31,7 +31,7 @@ pub use cost::{CostBreakdown, CostFile, CostWeights, Integrals, N_TERMS, TERM_NA
 pub use energy::{Energy, Turbine};
 pub use error::{Error, FileError, FlightError};
 pub use experiment::BoundedNoise;
-pub use fleet::{fly_all, fly_seeded};
+pub use fleet::{fly_all, fly_all_logged, fly_seeded};
 pub use flight::{Flight, FlightRequest, fly, fly_logged};
 pub use footprint::footprint_m2;
 pub use log::{FlightLog, LogRow};

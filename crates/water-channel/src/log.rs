@@ -5,7 +5,7 @@ use std::io::Write;
 use bat_dynamics::STATE_NAMES;
 
 use crate::footprint::footprint_m2;
-use crate::integrate::Sample;
+use crate::integrate::{Carrier, Sample};
 use crate::rig::Rig;
 use crate::sensing::{Estimate, Hold};
 
@@ -84,24 +84,28 @@ impl LogRow {
         })
     }
 
-    pub(crate) fn of(sample: &Sample<'_, f64, 1>, rig: &Rig) -> Self {
+    /// Of the flight in a lane.
+    #[inline(always)]
+    pub(crate) fn of<T: Carrier<N>, const N: usize>(sample: &Sample<'_, T, N>, lane: usize, rig: &Rig) -> Self {
         let (sight, tensions) = (&sample.evaluation.sight, &sample.evaluation.tensions);
+        let own = |value: T| value.split()[lane];
+        let (altitude_m, roll_rad, pitch_rad) = (own(sight.altitude), own(sight.roll), own(sight.pitch));
         Self {
             time_s: sample.time_s,
             flow_speed_m_s: sample.water.flow.speed_m_s,
             flow_direction_rad: sample.water.flow.direction_rad,
-            altitude_m: sight.altitude,
-            lateral_m: sample.water.lateral(sight),
-            roll_rad: sight.roll,
-            pitch_rad: sight.pitch,
-            heading_rad: sight.heading,
-            pitch_error_rad: sight.pitch - rig.set_points.pitch_rad,
-            roll_error_rad: sight.roll - rig.set_points.roll_rad,
-            altitude_error_m: rig.set_points.altitude_m - sight.altitude,
-            state: *sample.state,
-            commands_m_s: sample.control.commands.map(|line| line[0]),
-            tensions_n: [tensions.center, tensions.starboard, tensions.port],
-            estimate: sample.control.estimates[0],
+            altitude_m,
+            lateral_m: own(sample.water.lateral(sight)),
+            roll_rad,
+            pitch_rad,
+            heading_rad: own(sight.heading),
+            pitch_error_rad: pitch_rad - rig.set_points.pitch_rad,
+            roll_error_rad: roll_rad - rig.set_points.roll_rad,
+            altitude_error_m: rig.set_points.altitude_m - altitude_m,
+            state: sample.state.map(own),
+            commands_m_s: sample.control.commands.map(|line| line[lane]),
+            tensions_n: [tensions.center, tensions.starboard, tensions.port].map(own),
+            estimate: sample.control.estimates[lane],
         }
     }
 }

@@ -197,13 +197,42 @@ pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
     ranks
 }
 
+/// Values less their mean, for correlations with many others.
+#[derive(Clone, Debug)]
+pub(crate) struct Centered {
+    values: Vec<f64>,
+    sum_of_squares: f64,
+}
+
+impl Centered {
+    pub(crate) fn of(values: &[f64]) -> Self {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let values: Vec<f64> = values.iter().map(|value| value - mean).collect();
+        let sum_of_squares = values.iter().map(|value| value * value).sum();
+        Self { values, sum_of_squares }
+    }
+
+    /// Pearson's; 0 where one does not vary.
+    pub(crate) fn correlation(&self, other: &Self) -> f64 {
+        let (own, others) = (self.sum_of_squares, other.sum_of_squares);
+        if own > 0.0 && others > 0.0 { self.product(other) / (own * others).sqrt() } else { 0.0 }
+    }
+
+    /// Without iterators: this is compiled without optimization, and called millions of times.
+    fn product(&self, other: &Self) -> f64 {
+        let (own, others) = (self.values.as_slice(), other.values.as_slice());
+        let (mut sum, mut k, n) = (-0.0, 0, own.len().min(others.len()));
+        while k < n {
+            sum += own[k] * others[k];
+            k += 1;
+        }
+        sum
+    }
+}
+
 /// Pearson's; 0 where one does not vary.
 pub(crate) fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (ma, mb) = (mean(a), mean(b));
-    let sum = |of: &dyn Fn(f64, f64) -> f64| a.iter().zip(b).map(|(x, y)| of(x - ma, y - mb)).sum::<f64>();
-    let (aa, bb) = (sum(&|x, _| x * x), sum(&|_, y| y * y));
-    if aa > 0.0 && bb > 0.0 { sum(&|x, y| x * y) / (aa * bb).sqrt() } else { 0.0 }
+    Centered::of(a).correlation(&Centered::of(b))
 }
 
 #[cfg(test)]

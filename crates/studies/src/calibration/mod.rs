@@ -22,8 +22,12 @@ use rayon::prelude::*;
 
 use crate::reproduction::progress;
 pub(crate) use candidate::Candidate;
+#[cfg(feature = "ensemble")]
+pub(crate) use landscape::Centered;
+#[cfg(feature = "identification")]
+pub(crate) use landscape::correlation;
 #[cfg(any(feature = "identification", feature = "ensemble"))]
-pub(crate) use landscape::{correlation, ranks};
+pub(crate) use landscape::ranks;
 
 use attempt::Attempt;
 use candidate::{Flown, fly};

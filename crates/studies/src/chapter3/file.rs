@@ -99,6 +99,9 @@ const MOST_PLACES: f64 = 400.0;
 #[derive(Debug)]
 pub(crate) struct Setup {
     pub(crate) title: String,
+    /// Of rig and test.
+    #[cfg_attr(not(feature = "global"), expect(dead_code, reason = "only what is kept needs a name"))]
+    pub(super) files: [String; 2],
     rig: Rig,
     pub(crate) profile: TestProfile,
     pub(crate) records: Vec<Record>,
@@ -139,6 +142,7 @@ impl Setup {
         let profile = ProfileFile::read(directory.join(&file.profile))?;
         Ok(Self {
             title: file.title,
+            files: [file.rig, file.profile],
             rig: rig.rig,
             profile: profile.profile,
             records: [rig.records, profile.records].concat(),
@@ -155,6 +159,7 @@ impl Setup {
     pub(crate) fn on(&self, rig: Rig) -> Self {
         Self {
             title: self.title.clone(),
+            files: self.files.clone(),
             rig,
             profile: self.profile.clone(),
             records: Vec::new(),

@@ -4,6 +4,8 @@ mod claims;
 mod figures;
 mod file;
 mod findings;
+#[cfg(feature = "global")]
+mod kept;
 mod page;
 mod panels;
 mod run;

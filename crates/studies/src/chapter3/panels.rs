@@ -2,9 +2,11 @@
 
 use bat_dynamics::{Fidelity, Flow};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use water_channel::{FlightError, FlightRequest, fly_all, open_loop_cost, open_loop_modes};
 
 use super::file::{Configuration, Setup};
+use crate::bat::{MODEL, STAND_IN};
 
 /// What a design does in the open-loop test.
 #[derive(Clone, Debug)]
@@ -18,9 +20,10 @@ pub(crate) struct Design {
 }
 
 /// Why a flight has no cost.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Failure {
-    Slack(&'static str),
+    /// The line that went slack.
+    Slack(String),
     Other(String),
 }
 
@@ -40,12 +43,62 @@ impl Design {
     }
 }
 
+/// Every panel in the stand-in for the water channel, and in the numerical model.
+pub(super) type Panels<'a> = [Vec<PanelFlights<'a>>; 2];
+/// In this order.
+pub(super) const FIDELITIES: [Fidelity; 2] = [STAND_IN, MODEL];
+
+/// Every panel, flown.
+pub(super) fn fly_panels(setup: &Setup, done: impl Fn(usize) + Sync) -> Panels<'_> {
+    FIDELITIES.map(|fidelity| {
+        let configurations = setup.configurations.iter();
+        configurations.map(|configuration| PanelFlights::fly(setup, configuration, fidelity, &done)).collect()
+    })
+}
+
 /// One configuration in one physics.
 #[derive(Clone, Debug)]
 pub(crate) struct PanelFlights<'a> {
     pub(crate) configuration: &'a Configuration,
     /// Row by row of constant trim pitch.
     pub(crate) rows: Vec<Vec<Design>>,
+}
+
+/// Every design of a panel, row by row of constant trim pitch.
+pub(super) fn lattice(setup: &Setup) -> Vec<[f64; 2]> {
+    let x = setup.center_of_mass.places();
+    setup.trim_pitch.places().iter().flat_map(|y| x.iter().map(|x| [*x, *y])).collect()
+}
+
+/// What these designs do.
+pub(super) fn fly(
+    setup: &Setup,
+    configuration: &Configuration,
+    designs: &[[f64; 2]],
+    fidelity: Fidelity,
+    done: impl Fn(usize) + Sync,
+) -> Vec<Design> {
+    let requests: Vec<FlightRequest> = designs.iter().map(|at| setup.request(configuration, *at, fidelity)).collect();
+    let flights = fly_all(&requests, &setup.profile, &setup.settings, done);
+    let flows: Vec<Flow> = setup.profile.flow().knots().iter().map(|knot| knot.flow).collect();
+    let growth: Vec<Result<f64, String>> = requests
+        .par_iter()
+        .map(|request| {
+            let speeds = open_loop_modes(request, &flows).map_err(|error| error.to_string())?;
+            let fastest = speeds.iter().map(water_channel::OpenLoop::growth_rate_per_s);
+            fastest.reduce(f64::max).ok_or_else(|| "the test has no flow".to_owned())
+        })
+        .collect();
+    let designs = designs.iter().zip(flights).zip(growth).map(|((at, flight), growth_per_s)| Design {
+        at: *at,
+        outcome: match flight {
+            Ok(flight) => Ok(open_loop_cost(&flight.integrals, setup.weights.heading, setup.weights.lateral)),
+            Err(FlightError::Slack { line, .. }) => Err(Failure::Slack(line.to_owned())),
+            Err(other) => Err(Failure::Other(other.to_string())),
+        },
+        growth_per_s,
+    });
+    designs.collect()
 }
 
 impl<'a> PanelFlights<'a> {
@@ -55,31 +108,14 @@ impl<'a> PanelFlights<'a> {
         fidelity: Fidelity,
         done: impl Fn(usize) + Sync,
     ) -> Self {
-        let x = setup.center_of_mass.places();
-        let designs: Vec<[f64; 2]> =
-            setup.trim_pitch.places().iter().flat_map(|y| x.iter().map(|x| [*x, *y])).collect();
-        let requests: Vec<FlightRequest> =
-            designs.iter().map(|at| setup.request(configuration, *at, fidelity)).collect();
-        let flights = fly_all(&requests, &setup.profile, &setup.settings, done);
-        let flows: Vec<Flow> = setup.profile.flow().knots().iter().map(|knot| knot.flow).collect();
-        let growth: Vec<Result<f64, String>> = requests
-            .par_iter()
-            .map(|request| {
-                let speeds = open_loop_modes(request, &flows).map_err(|error| error.to_string())?;
-                let fastest = speeds.iter().map(water_channel::OpenLoop::growth_rate_per_s);
-                fastest.reduce(f64::max).ok_or_else(|| "the test has no flow".to_owned())
-            })
-            .collect();
-        let mut designs = designs.iter().zip(flights).zip(growth).map(|((at, flight), growth_per_s)| Design {
-            at: *at,
-            outcome: match flight {
-                Ok(flight) => Ok(open_loop_cost(&flight.integrals, setup.weights.heading, setup.weights.lateral)),
-                Err(FlightError::Slack { line, .. }) => Err(Failure::Slack(line)),
-                Err(other) => Err(Failure::Other(other.to_string())),
-            },
-            growth_per_s,
-        });
-        let rows = setup.trim_pitch.places().iter().map(|_| designs.by_ref().take(x.len()).collect()).collect();
+        Self::of(setup, configuration, fly(setup, configuration, &lattice(setup), fidelity, done))
+    }
+
+    /// Of the designs of the [`lattice`], in its order.
+    pub(super) fn of(setup: &Setup, configuration: &'a Configuration, designs: Vec<Design>) -> Self {
+        let n = setup.center_of_mass.places().len();
+        let mut designs = designs.into_iter();
+        let rows = setup.trim_pitch.places().iter().map(|_| designs.by_ref().take(n).collect()).collect();
         Self { configuration, rows }
     }
 
@@ -132,7 +168,6 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::bat::{MODEL, STAND_IN};
 
     fn setup() -> Setup {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

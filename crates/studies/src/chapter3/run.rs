@@ -2,15 +2,16 @@
 
 use super::file::Setup;
 use super::findings::{Findings, in_table4};
+#[cfg(feature = "global")]
+use super::kept;
 use super::panels::{self, PanelFlights};
 use super::{claims, figures, page};
-use crate::bat::{MODEL, STAND_IN};
+use crate::bat::STAND_IN;
 use crate::handover::Handover;
 use crate::logged::LOG_EVERY;
 use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use ::page::{Column, Table, write_columns_csv};
 use anyhow::{Context as _, Result};
-use bat_dynamics::Fidelity;
 use rayon::prelude::*;
 use std::path::Path;
 use std::time::Instant;
@@ -22,22 +23,22 @@ pub(crate) const CHAPTER: Reproduction = Reproduction {
     name: "chapter3",
     title: "Chapter 3",
     has_claims: true,
-    run: Run::Always(reproduce),
+    run: Run::Remembering(reproduce),
 };
 
-pub(crate) fn reproduce(root: &Path) -> Result<()> {
+pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let started = Instant::now();
     let setup = Setup::read(&root.join("fixtures/bat/chapter3.toml"))?;
-    let out = CHAPTER.prepare(root, Extent::Default)?;
+    let out = CHAPTER.prepare(root, extent)?;
     eprintln!("{}: the stand-in for the water channel is a richer model, not an experiment.", setup.title);
 
     let designs = setup.center_of_mass.places().len() * setup.trim_pitch.places().len();
     let bar = progress("1/2 open-loop flights of stand-in and model", 2 * setup.configurations.len() * designs);
-    let fly = |fidelity: Fidelity| -> Vec<PanelFlights<'_>> {
-        let each = setup.configurations.iter();
-        each.map(|configuration| PanelFlights::fly(&setup, configuration, fidelity, |n| bar.inc(n as u64))).collect()
-    };
-    let (stand_in, model) = (fly(STAND_IN), fly(MODEL));
+    let done = |n: usize| bar.inc(n as u64);
+    #[cfg(feature = "global")]
+    let [stand_in, model] = kept::panels(&setup, root, extent, done)?;
+    #[cfg(not(feature = "global"))]
+    let [stand_in, model] = panels::fly_panels(&setup, done);
     bar.finish();
 
     let bar = progress("2/2 pictures", 1);

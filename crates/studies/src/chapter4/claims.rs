@@ -6,6 +6,7 @@ use super::seeds::falls_pct;
 use crate::bat::STAND_IN;
 use crate::blind::Blind;
 use crate::claims::{Claim, Place, Verdict};
+use crate::logged::Logged;
 use crate::rules::{Count, Judged, Standing};
 use page::Summary;
 
@@ -30,11 +31,11 @@ impl Design {
 /// What designs show that nobody chose.
 fn blind(findings: &Findings<'_>) -> Blind<Design> {
     let setup = findings.material.setup;
-    Blind::read(setup.problem.region(), |point| {
-        let logged = setup.bat.logged(point, STAND_IN)?;
+    let read = |point: &[f64], logged: Logged| {
         let errors = ERRORS.map(|(.., error)| logged.mean(|row| error(row).to_degrees().powi(2)));
-        Ok(Design { point: point.to_vec(), cost: logged.cost.total, errors })
-    })
+        Design { point: point.to_vec(), cost: logged.cost.total, errors }
+    };
+    Blind::read(setup.problem.region(), |points| setup.bat.read_logged(points, STAND_IN, read))
 }
 
 /// Point and cost of the first and the last design of each campaign: that without noise, then seed by seed.

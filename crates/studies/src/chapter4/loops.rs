@@ -1,14 +1,24 @@
 //! The loop itself: once flown directly for the rows that are reported, and once per noise seed on remembered flights.
 
 use anyhow::{Context as _, Result};
+use bat_dynamics::Fidelity;
+use infuse::codesign::{CodesignReport, codesign};
 use infuse::{Outcome, gradient};
-use rayon::prelude::*;
 use water_channel::BoundedNoise;
 
 use super::file::{Setup, Variant};
 use super::lattice::Lattice;
 use crate::bat::{MODEL, STAND_IN};
 use crate::costs::Cost;
+use crate::together::{Search, together};
+
+/// The numerical model, the stand-in, and what lies between them.
+pub(crate) const PHYSICS: [(&str, Fidelity); 4] = [
+    ("model", MODEL),
+    ("stand-in", STAND_IN),
+    ("model with stall only", Fidelity::STALLED),
+    ("model with added mass only", Fidelity::ADDED_MASS),
+];
 
 /// A campaign that has ended.
 #[derive(Clone, Debug)]
@@ -17,11 +27,12 @@ pub(crate) struct Campaign {
     pub(crate) stop: gradient::StopReason,
 }
 
-/// Runs a variant with `simulate` as the model, with every batch of experiments flown side by side and read by `read`.
+/// Runs a variant with `simulate` as the model and `experiment` as the rig for a batch of designs, read by `read`.
 fn run(
     setup: &Setup,
     variant: &Variant,
-    mut simulate: impl FnMut(&[f64]) -> Result<f64, String>,
+    mut simulate: impl FnMut(&[f64]) -> Cost,
+    experiment: impl Fn(Vec<Vec<f64>>) -> Vec<Cost>,
     read: impl Fn(&gradient::Trial, Cost) -> Cost,
     iterated: impl Fn(),
 ) -> Result<Campaign> {
@@ -30,8 +41,7 @@ fn run(
         match campaign.ask(&mut simulate).with_context(|| variant.label.clone())? {
             gradient::Ask::Stopped(stop) => break stop,
             gradient::Ask::Trials(trials) => {
-                let points: Vec<Vec<f64>> = trials.iter().map(|trial| trial.point.clone()).collect();
-                let costs = setup.bat.costs(&points, STAND_IN, |_| {});
+                let costs = experiment(trials.iter().map(|trial| trial.point.clone()).collect());
                 for (trial, cost) in trials.iter().zip(costs) {
                     campaign.tell(trial.id, Outcome::from(read(trial, cost)))?;
                 }
@@ -42,14 +52,54 @@ fn run(
     Ok(Campaign { reports: campaign.reports().to_vec(), stop })
 }
 
-/// Every variant without noise, each simulation flown. Variants run side by side and share what they fly.
-pub(crate) fn direct(setup: &Setup, iterated: impl Fn() + Sync) -> Result<Vec<Campaign>> {
-    let fly = |variant: &Variant| run(setup, variant, |point| setup.bat.cost(point, MODEL), |_, cost| cost, &iterated);
-    // The first iteration is the same for all: flown once, remembered by the others.
-    let (first, rest) = setup.file.variant.split_first().context("no variant")?;
-    let first = fly(first)?;
-    let rest: Vec<Campaign> = rest.par_iter().map(fly).collect::<Result<_>>()?;
-    Ok(std::iter::once(first).chain(rest).collect())
+/// What is found without noise, each simulation flown.
+pub(crate) struct Direct {
+    /// Of each variant.
+    pub(crate) campaigns: Vec<Campaign>,
+    /// The optimum with each of [`PHYSICS`], by the loop's own nested optimizer. That of the stand-in an engineer could not compute.
+    pub(crate) optima: Vec<CodesignReport>,
+}
+
+enum Found {
+    Campaign(Campaign),
+    Optimum(CodesignReport),
+}
+
+/// Designs to be flown, and in what.
+type Asked = (Vec<Vec<f64>>, Fidelity);
+
+/// Every variant, and the optimum with each piece of physics: searches side by side, that fly together and share what they fly.
+pub(crate) fn direct(setup: &Setup, iterated: impl Fn() + Sync) -> Result<Direct> {
+    let iterated = &iterated;
+    let campaigns = setup.file.variant.iter().map(|variant| -> Search<'_, Asked, Vec<Cost>, Result<Found>> {
+        Box::new(move |ask| {
+            let simulate = |point: &[f64]| one(ask, point, MODEL);
+            let experiment = |points| ask((points, STAND_IN));
+            Ok(Found::Campaign(run(setup, variant, simulate, experiment, |_, cost| cost, iterated)?))
+        })
+    });
+    let optima = PHYSICS.iter().map(|(_, fidelity)| -> Search<'_, Asked, Vec<Cost>, Result<Found>> {
+        Box::new(move |ask| {
+            let settings = setup.loop_settings(&setup.file.variant[0]);
+            let start = setup.problem.region().center();
+            let mut cost = |point: &[f64]| one(ask, point, *fidelity);
+            Ok(Found::Optimum(codesign(&setup.problem, &settings.optimizer, &start, &mut cost)?))
+        })
+    });
+    let mut direct = Direct { campaigns: Vec::new(), optima: Vec::new() };
+    for found in together(campaigns.chain(optima).collect(), |asked| setup.bat.costs_in_each(&asked)) {
+        match found? {
+            Found::Campaign(campaign) => direct.campaigns.push(campaign),
+            Found::Optimum(optimum) => direct.optima.push(optimum),
+        }
+    }
+    Ok(direct)
+}
+
+/// The cost at one point.
+fn one(ask: &dyn Fn(Asked) -> Vec<Cost>, point: &[f64], fidelity: Fidelity) -> Cost {
+    let costs = ask((vec![point.to_vec()], fidelity));
+    costs.into_iter().next().unwrap_or_else(|| Err("no flight".to_owned()))
 }
 
 /// The campaigns of one variant, one per noise seed, on remembered simulations and flown experiments.
@@ -76,7 +126,8 @@ pub(crate) fn seeded(setup: &Setup, model: &Lattice, finished: impl Fn() + Sync)
                     let noise = BoundedNoise::new(noise.share, *seed)?;
                     let read =
                         |trial: &gradient::Trial, cost: Cost| cost.map(|cost| noise.measured(cost, trial.id.number()));
-                    let campaign = run(setup, variant, &simulate, read, || {})?;
+                    let experiment = |points: Vec<Vec<f64>>| setup.bat.costs(&points, STAND_IN, |_| {});
+                    let campaign = run(setup, variant, &simulate, experiment, read, || {})?;
                     finished();
                     Ok((*seed, campaign))
                 })
@@ -84,17 +135,6 @@ pub(crate) fn seeded(setup: &Setup, model: &Lattice, finished: impl Fn() + Sync)
             Ok(Seeded { label: variant.label.clone(), campaigns })
         })
         .collect()
-}
-
-/// The optimum of a cost by the loop's own nested optimizer: of the stand-in, which an engineer could not compute.
-pub(crate) fn optimum(
-    setup: &Setup,
-    cost: impl FnMut(&[f64]) -> Result<f64, String>,
-) -> Result<infuse::codesign::CodesignReport> {
-    let mut cost = cost;
-    let settings = setup.loop_settings(&setup.file.variant[0]);
-    let start = setup.problem.region().center();
-    Ok(infuse::codesign::codesign(&setup.problem, &settings.optimizer, &start, &mut cost)?)
 }
 
 #[cfg(test)]
@@ -121,7 +161,8 @@ mod tests {
             _ => cost,
         };
         let simulate = |point: &[f64]| setup.bat.cost(point, MODEL);
-        let campaign = run(&setup, &setup.file.variant[0], simulate, read, || {}).unwrap();
+        let experiment = |points: Vec<Vec<f64>>| setup.bat.costs(&points, STAND_IN, |_| {});
+        let campaign = run(&setup, &setup.file.variant[0], simulate, experiment, read, || {}).unwrap();
         let report = &campaign.reports[0];
         let reasons: Vec<&str> = report.numerical.failures.iter().map(|failure| failure.reason.as_str()).collect();
         assert!(!reasons.is_empty(), "a center of mass at 90 % of the chord flies");

@@ -2,12 +2,11 @@
 
 use anyhow::Result;
 use bat_dynamics::Fidelity;
-use rayon::prelude::*;
-use water_channel::{Flight, FlightError, FlightRequest, FlightSettings, fly, fly_all};
+use infuse::codesign::CodesignReport;
+use water_channel::{Flight, FlightError, FlightRequest, FlightSettings, fly_all};
 
 use super::file::Setup;
-use super::loops::optimum;
-use crate::bat::{MODEL, STAND_IN};
+use super::loops::PHYSICS;
 use page::{Column, Table};
 
 /// Factors on the stabilizers' areas: the ends of Table 4 and the nominal one.
@@ -18,13 +17,6 @@ const SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// Steps per sample that are compared, and the one that counts as exact.
 const STEPS: [usize; 4] = [1, 2, 4, 8];
 const EXACT_STEPS: usize = 16;
-
-const FIDELITIES: [(&str, Fidelity); 4] = [
-    ("model", MODEL),
-    ("stand-in", STAND_IN),
-    ("model with stall only", Fidelity::STALLED),
-    ("model with added mass only", Fidelity::ADDED_MASS),
-];
 
 fn requests(setup: &Setup, fidelity: Fidelity) -> Vec<FlightRequest> {
     let at = |k: usize, share: f64| setup.bounds(k).0 + share * (setup.bounds(k).1 - setup.bounds(k).0);
@@ -46,7 +38,7 @@ fn requests(setup: &Setup, fidelity: Fidelity) -> Vec<FlightRequest> {
 
 /// How many flights [`box_table`] takes.
 pub(crate) fn n_flights() -> usize {
-    FIDELITIES.len() * SHARES.len() * SHARES.len() * HORIZONTAL.len() * VERTICAL.len()
+    PHYSICS.len() * SHARES.len() * SHARES.len() * HORIZONTAL.len() * VERTICAL.len()
 }
 
 /// Failures and margins over the box of the four design parameters of Table 4.
@@ -59,7 +51,7 @@ pub(crate) fn box_table(setup: &Setup, done: impl Fn(usize) + Sync) -> Table {
         Column::new("Zenith angle", "deg"),
         Column::new("Peak heading", "deg"),
     ]);
-    for (name, fidelity) in FIDELITIES {
+    for (name, fidelity) in PHYSICS {
         let flown = fly_all(&requests(setup, fidelity), setup.bat.profile(), &FlightSettings::with_steps(1), &done);
         let extremes: Vec<_> = flown.iter().flatten().map(|flight| flight.extremes).collect();
         let fold = |f: fn(&water_channel::Extremes) -> f64, pick: fn(f64, f64) -> f64| {
@@ -94,7 +86,7 @@ fn failures(flown: &[std::result::Result<Flight, FlightError>]) -> String {
 }
 
 /// Where the optimum lies with each piece of physics, and what the model's own optimum costs there.
-pub(crate) fn physics_table(setup: &Setup, start: &[f64]) -> Result<Table> {
+pub(crate) fn physics_table(setup: &Setup, optima: &[CodesignReport], start: &[f64]) -> Table {
     let best = |k| Column::new(&format!("Best {}", setup.variable(k).label()), setup.variable(k).unit());
     let mut table = Table::new(vec![
         Column::new("Physics", ""),
@@ -103,11 +95,7 @@ pub(crate) fn physics_table(setup: &Setup, start: &[f64]) -> Result<Table> {
         Column::new("Its cost", "s"),
         Column::new("Cost of the model's optimum", "s"),
     ]);
-    let best: Vec<_> = FIDELITIES
-        .par_iter()
-        .map(|(_, fidelity)| optimum(setup, |point| setup.bat.cost(point, *fidelity)))
-        .collect::<Result<_>>()?;
-    for ((name, fidelity), best) in FIDELITIES.iter().zip(best) {
+    for ((name, fidelity), best) in PHYSICS.iter().zip(optima) {
         table.push(vec![
             (*name).to_owned(),
             format!("{:.2}", best.point[0]),
@@ -116,7 +104,7 @@ pub(crate) fn physics_table(setup: &Setup, start: &[f64]) -> Result<Table> {
             setup.bat.cost(start, *fidelity).map_or_else(|reason| reason, |cost| format!("{cost:.3}")),
         ]);
     }
-    Ok(table)
+    table
 }
 
 /// Relative error of the cost of the design at `point` by steps per sample.
@@ -124,19 +112,17 @@ pub(crate) fn step_table(setup: &Setup, point: &[f64]) -> Result<Table> {
     let mut columns = vec![Column::new("Physics", "")];
     columns.extend(STEPS.iter().map(|steps| Column::new(&format!("{steps} a sample"), "1")));
     let mut table = Table::new(columns);
-    for (name, fidelity) in FIDELITIES {
-        let cost = |steps| -> Result<f64> {
-            let settings = FlightSettings::with_steps(steps);
-            let request = setup.bat.request(point, fidelity);
-            let flight = fly(&request, setup.bat.profile(), &settings)?;
-            Ok(setup.bat.breakdown(&request.rig, &flight).total)
-        };
-        let exact = cost(EXACT_STEPS)?;
-        let mut row = vec![name.to_owned()];
-        for steps in STEPS {
-            row.push(format!("{:.0e}", (cost(steps)? / exact - 1.0).abs()));
-        }
-        table.push(row);
+    let requests = PHYSICS.map(|(_, fidelity)| setup.bat.request(point, fidelity));
+    let costs = |steps| -> Result<Vec<f64>> {
+        let flown = fly_all(&requests, setup.bat.profile(), &FlightSettings::with_steps(steps), |_| {});
+        let both = requests.iter().zip(flown);
+        both.map(|(request, flight)| Ok(setup.bat.breakdown(&request.rig, &flight?).total)).collect()
+    };
+    let exact = costs(EXACT_STEPS)?;
+    let all = STEPS.into_iter().map(costs).collect::<Result<Vec<_>>>()?;
+    for (number, (name, _)) in PHYSICS.iter().enumerate() {
+        let errors = all.iter().map(|costs| format!("{:.0e}", (costs[number] / exact[number] - 1.0).abs()));
+        table.push(std::iter::once((*name).to_owned()).chain(errors).collect());
     }
     Ok(table)
 }

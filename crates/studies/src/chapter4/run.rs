@@ -4,6 +4,7 @@ use super::figures::Material;
 use super::file::Setup;
 use super::findings::{CHECKED_POINTS, Findings};
 use super::lattice::Lattice;
+use super::loops::{Direct, PHYSICS};
 use super::rows::Rows;
 use super::seeds::followed;
 use super::tables::Digits;
@@ -15,6 +16,7 @@ use crate::memory::Memory;
 use crate::reproduction::{self, Extent, Picture, Reproduction, Run, progress};
 use ::page::{Column, write_columns_csv};
 use anyhow::{Context as _, Result};
+use infuse::codesign::CodesignReport;
 use rayon::prelude::*;
 use std::path::Path;
 use std::time::Instant;
@@ -34,7 +36,7 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let setup = Setup::read(&root.join("fixtures/bat/chapter4.toml"))?;
     let out = CHAPTER.prepare(root, extent)?;
     #[cfg(feature = "global")]
-    Memory::of(root, extent).remind(&setup.bat, setup.problem.region(), &[MODEL, STAND_IN])?;
+    Memory::of(root, extent).remind(&setup.bat, setup.problem.region(), &PHYSICS.map(|(_, fidelity)| fidelity))?;
     eprintln!("{}: the stand-in for the water channel is a richer model, not an experiment.", setup.file.title);
 
     let bar = progress("1/4 cost landscapes: flights of model and stand-in", 2 * Lattice::size(&setup));
@@ -45,8 +47,7 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
 
     let iterations = setup.loop_settings(&setup.file.variant[0]).max_iterations * setup.file.variant.len();
     let bar = progress("2/4 loops without noise: iterations", iterations);
-    let campaigns = loops::direct(&setup, || bar.inc(1))?;
-    let best = loops::optimum(&setup, |point| setup.bat.cost(point, STAND_IN))?;
+    let Direct { campaigns, optima } = loops::direct(&setup, || bar.inc(1))?;
     bar.finish();
 
     let noisy = setup.file.variant.iter().filter(|variant| variant.with_noise).count();
@@ -58,7 +59,7 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     let interpolation_error = interpolation_error(&setup, &model)?;
     let rows = Rows::fly(&setup, campaigns)?;
     let box_table = margins::box_table(&setup, |n| bar.inc(n as u64));
-    let physics_table = margins::physics_table(&setup, &rows[0].first().point)?;
+    let physics_table = margins::physics_table(&setup, &optima, &rows[0].first().point);
     let step_table = margins::step_table(&setup, &rows[0].first().point)?;
     bar.inc(1);
     let material = Material { setup: &setup, rows: &rows, model: &model, stand_in: &stand_in, seeded: &seeded };
@@ -68,7 +69,7 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
 
     let findings = Findings {
         material,
-        best,
+        best: of_stand_in(optima).context("the optimum of the stand-in")?,
         interpolation_error,
         box_table,
         physics_table,
@@ -79,6 +80,10 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     write(&out, &findings)?;
     page::print(&findings, &CHAPTER.out());
     Ok(())
+}
+
+fn of_stand_in(optima: Vec<CodesignReport>) -> Option<CodesignReport> {
+    PHYSICS.iter().zip(optima).find_map(|((_, fidelity), optimum)| (*fidelity == STAND_IN).then_some(optimum))
 }
 
 /// All figures, drawn side by side.

@@ -7,6 +7,7 @@ use water_channel::LogRow;
 use super::campaigns::Ended;
 use super::file::{Case, Setup};
 use crate::blind::Blind;
+use crate::logged::Logged;
 
 /// The optimum of the first and of the last iteration, flown in the truth.
 #[derive(Clone, Debug)]
@@ -35,20 +36,21 @@ pub(crate) fn all(setup: &Setup, shown: &[&Ended]) -> Result<Vec<BeforeAfter>> {
 
 fn before_after(setup: &Setup, ended: &Ended) -> Result<BeforeAfter> {
     let Case { space, truth, .. } = ended.case;
-    let fly = |point: &[f64]| -> Result<Flown> {
-        let logged = setup.spaces[space].bat.logged(point, setup.truth(truth).fidelity())?;
-        Ok(Flown {
-            cost: logged.cost.total,
-            heading_deg2: logged.mean(|row| row.heading_rad.to_degrees().powi(2)),
-            zenith_deg: logged.mean(|row| row.zenith_rad().to_degrees()),
-            footprint_m2: logged.mean(LogRow::footprint_m2),
-            point: point.to_vec(),
-        })
+    let read = |point: &[f64], logged: Logged| Flown {
+        cost: logged.cost.total,
+        heading_deg2: logged.mean(|row| row.heading_rad.to_degrees().powi(2)),
+        zenith_deg: logged.mean(|row| row.zenith_rad().to_degrees()),
+        footprint_m2: logged.mean(LogRow::footprint_m2),
+        point: point.to_vec(),
     };
-    let optimum = |report: Option<&global::Report>| -> Result<Flown> {
-        fly(&report.context("no iteration was made")?.screening.optimum)
+    let fly = |points: &[Vec<f64>]| setup.spaces[space].bat.read_logged(points, setup.truth(truth).fidelity(), read);
+    let optimum = |report: Option<&global::Report>| -> Result<Vec<f64>> {
+        Ok(report.context("no iteration was made")?.screening.optimum.clone())
     };
     let reports = ended.campaign.reports();
-    let designs = [optimum(reports.first())?, optimum(reports.last())?];
+    let optima = [optimum(reports.first())?, optimum(reports.last())?];
+    let mut flown = fly(&optima).into_iter();
+    let mut next = || -> Result<Flown> { flown.next().context("as many flights as designs")? };
+    let designs = [next()?, next()?];
     Ok(BeforeAfter { space, truth, designs, blind: Blind::read(setup.spaces[space].space.region(), fly) })
 }

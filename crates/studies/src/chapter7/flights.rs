@@ -59,8 +59,11 @@ pub(crate) struct Flown {
 
 impl Flown {
     pub(crate) fn fly(case: &Case, point: &[f64]) -> Result<Self> {
-        let logged = case.bat.logged(point, STAND_IN)?;
-        Ok(Self { point: point.to_vec(), cost: logged.cost.total, logged })
+        Ok(Self::of(point, case.bat.logged(point, STAND_IN)?))
+    }
+
+    pub(crate) fn of(point: &[f64], logged: Logged) -> Self {
+        Self { point: point.to_vec(), cost: logged.cost.total, logged }
     }
 
     pub(crate) fn times(&self) -> Vec<f64> {

@@ -16,7 +16,6 @@ use crate::memory::Memory;
 use crate::reproduction::{self, Extent, Reproduction, Run, progress};
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
-use rayon::prelude::*;
 use std::path::Path;
 use std::time::Instant;
 
@@ -165,11 +164,15 @@ pub(crate) fn best_known(searched: Optimum, runs: &[Runs]) -> Optimum {
 }
 
 pub(crate) fn fly_before_after(case: &Case, numerical: &Optimum, runs: &Runs) -> Result<BeforeAfter> {
-    let after_seeds = runs.noisy.par_iter().map(|steps| Ok(Flown::fly(case, &steps.last()?.point)?.means()));
+    let last = runs.noisy.iter().map(|steps| Ok(steps.last()?.point.clone())).collect::<Result<Vec<_>>>()?;
+    let after_seeds = case.bat.read_logged(&last, STAND_IN, |point, logged| Flown::of(point, logged).means());
+    let blind = |points: &[Vec<f64>]| {
+        case.bat.read_logged(points, STAND_IN, |point, logged| (point.to_vec(), Flown::of(point, logged).means()))
+    };
     Ok(BeforeAfter {
         before: Flown::fly(case, &numerical.point).context("the numerical optimum")?,
         after: Flown::fly(case, &runs.quiet.last()?.point).context("the infused optimum")?,
-        after_seeds: after_seeds.collect::<Result<_>>()?,
-        blind: Blind::read(case.space.region(), |point| Ok((point.to_vec(), Flown::fly(case, point)?.means()))),
+        after_seeds: after_seeds.into_iter().collect::<Result<_>>()?,
+        blind: Blind::read(case.space.region(), blind),
     })
 }

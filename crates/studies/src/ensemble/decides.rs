@@ -12,7 +12,7 @@ use super::file::Setup;
 use super::judge::Judged;
 use super::kept::Case;
 use super::row::{Study, World};
-use crate::calibration::{correlation, ranks};
+use crate::calibration::{Centered, ranks};
 
 /// Random orders of the plants.
 pub(super) const N_ORDERS: usize = 999;
@@ -74,7 +74,7 @@ pub(super) struct Decided {
 /// Properties and shares of a claim over the plants that have both, as ranks.
 struct Looked {
     names: Vec<String>,
-    properties: Vec<Vec<f64>>,
+    properties: Vec<Centered>,
     shares: Vec<f64>,
     /// Places of its plants among all.
     plants: Vec<usize>,
@@ -93,7 +93,7 @@ impl Looked {
         let (names, properties) = whole
             .map(|property| {
                 let values: Vec<f64> = plants.iter().map(|k| property.values[*k]).collect();
-                (property.name.clone(), ranks(&values))
+                (property.name.clone(), Centered::of(&ranks(&values)))
             })
             .unzip();
         Some(Self { names, properties, shares: ranks(&shares), plants })
@@ -104,8 +104,8 @@ impl Looked {
         // Of an order of all plants that of these.
         let mut own: Vec<usize> = (0..self.plants.len()).collect();
         own.sort_by_key(|k| order[self.plants[*k]]);
-        let shares: Vec<f64> = own.iter().map(|k| self.shares[*k]).collect();
-        let all = self.properties.iter().map(|property| correlation(property, &shares)).enumerate();
+        let shares = Centered::of(&own.iter().map(|k| self.shares[*k]).collect::<Vec<_>>());
+        let all = self.properties.iter().map(|property| property.correlation(&shares)).enumerate();
         all.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or((0, 0.0))
     }
 }

@@ -148,6 +148,16 @@ struct Beside<'a> {
     correction: PerCell<f64>,
 }
 
+/// Values of some cells, in their order.
+struct Over {
+    measures: Vec<f64>,
+    error: Vec<f64>,
+    onset_error: Vec<f64>,
+    gap: Vec<f64>,
+    e1: Vec<Vec<f64>>,
+    e2: Vec<Vec<f64>>,
+}
+
 impl<'a> Beside<'a> {
     fn new(campaign: &'a global::Loop, space: &Space, model: &FlownGrid, truth: &FlownGrid) -> Result<Self> {
         let (simulated, true_cost) = (model.values(), truth.values());
@@ -174,7 +184,8 @@ impl<'a> Beside<'a> {
         let before = self.campaign.retained_at(number).context("a closed iteration")?;
         let after = self.campaign.retained_at(number + 1).context("the iteration after a closed one")?;
         let cells = self.flying(&before);
-        let [a, b, c] = self.norms.map(|norm| self.norm(norm, &cells, &error, &onset_error));
+        let over = self.over(&cells, &error, &onset_error);
+        let [a, b, c] = self.norms.map(|norm| self.norm(norm, &over));
         let norms = [a?, b?, c?];
 
         let optimum_cell = report.screening.optimum_cell;
@@ -228,22 +239,28 @@ impl<'a> Beside<'a> {
         retained.cells().filter(flies).collect()
     }
 
-    /// What a norm over these cells says of the latest iteration.
-    fn norm(
-        &self,
-        norm: Norm,
-        cells: &[Cell],
-        error: &PerCell<f64>,
-        onset_error: &PerCell<f64>,
-    ) -> Result<NormAccuracy> {
-        let measures = vec![self.measure; cells.len()];
-        let of = |values: &PerCell<f64>| -> Result<f64> { Ok(norm.over(&values.over(cells), &measures)?) };
-        let each = |fields: &[PerCell<f64>]| fields.iter().map(of).collect::<Result<Vec<f64>>>();
-        let (e1, e2, gap) = (each(&self.e1)?, each(&self.e2)?, of(&self.gap)?);
+    /// Everything that norms are taken of, over these cells.
+    fn over(&self, cells: &[Cell], error: &PerCell<f64>, onset_error: &PerCell<f64>) -> Over {
+        let each = |fields: &[PerCell<f64>]| fields.iter().map(|field| field.over(cells)).collect();
+        Over {
+            measures: vec![self.measure; cells.len()],
+            error: error.over(cells),
+            onset_error: onset_error.over(cells),
+            gap: self.gap.over(cells),
+            e1: each(&self.e1),
+            e2: each(&self.e2),
+        }
+    }
+
+    /// What a norm says of the latest iteration.
+    fn norm(&self, norm: Norm, over: &Over) -> Result<NormAccuracy> {
+        let of = |values: &Vec<f64>| -> Result<f64> { Ok(norm.over(values, &over.measures)?) };
+        let each = |fields: &[Vec<f64>]| fields.iter().map(of).collect::<Result<Vec<f64>>>();
+        let (e1, e2, gap) = (each(&over.e1)?, each(&over.e2)?, of(&over.gap)?);
         let (simulation, experiment) = (e1[e1.len() - 1], e2[e2.len() - 1]);
         Ok(NormAccuracy {
-            error: of(error)?,
-            onset_error: of(onset_error)?,
+            error: of(&over.error)?,
+            onset_error: of(&over.onset_error)?,
             gap,
             simulation,
             experiment,

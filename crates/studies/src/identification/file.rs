@@ -9,6 +9,7 @@ use infuse::identification::{Settings, Unknowns};
 use serde::Deserialize;
 use water_channel::N_TERMS;
 
+use super::flights::Flights;
 use super::which::Which;
 use crate::calibration::{Candidate, Free, FreeEntry};
 use crate::chapter4::Setup;
@@ -79,6 +80,8 @@ pub(super) struct Study {
     pub(super) positions: [usize; 2],
     pub(super) free: Vec<Free>,
     pub(super) unknowns: Unknowns,
+    /// Of the model with unknowns.
+    pub(super) flights: Flights,
 }
 
 impl Study {
@@ -129,6 +132,7 @@ impl Study {
             positions: file.held_out.positions,
             free,
             unknowns,
+            flights: Flights::default(),
         })
     }
 

@@ -40,6 +40,14 @@ impl HeldOut {
         self.designs.len()
     }
 
+    /// The model of all these campaigns: flown together they fill the lanes.
+    pub(super) fn fly_last(&self, study: &Study, all: &[Kept]) {
+        let last: Vec<&[f64]> = all.iter().filter_map(|kept| Some(&kept.turns.last()?.unknowns[..])).collect();
+        let pairs: Vec<(&[f64], &[f64])> =
+            last.iter().flat_map(|unknowns| self.designs.iter().map(move |design| (*unknowns, &design[..]))).collect();
+        Doubted(study).fly(&pairs);
+    }
+
     /// The model with these unknowns, and a plane on it.
     pub(super) fn score(&self, study: &Study, unknowns: &[f64], slope: &[f64], offset: f64) -> Score {
         let pairs: Vec<(&[f64], &[f64])> = self.designs.iter().map(|design| (unknowns, &design[..])).collect();

@@ -45,6 +45,9 @@ pub(super) fn check(root: &Path, study: &Study, store: &Store) -> Result<()> {
 
 fn texts(study: &Study, store: &Store) -> Result<[(&'static str, String); 2]> {
     let held_out = HeldOut::fly(study);
+    held_out.fly_last(study, store.campaigns());
+    let designs = store.campaigns().iter().flat_map(|kept| kept.turns.iter().map(|turn| turn.design.clone()));
+    study.setup.bat.costs(&designs.collect::<Vec<_>>(), STAND_IN, |_| {});
     let loops = study.loops.iter().enumerate().map(|(index, entry)| {
         let silent =
             store.find(Which { index, seed: None }).with_context(|| format!("no campaign `{}`", entry.label))?;

@@ -2,9 +2,10 @@
 
 use infuse::gradient::{Reading, Trial, UncertainModel};
 use infuse::identification::Answer;
-use water_channel::{BoundedNoise, CostBreakdown, FlightRequest, N_TERMS};
+use water_channel::{BoundedNoise, FlightRequest, N_TERMS};
 
 use super::file::{Study, Weights};
+use super::flights::{Flown, Pair};
 use crate::bat::{MODEL, STAND_IN};
 use crate::calibration::Candidate;
 use crate::costs::Cost;
@@ -25,14 +26,25 @@ impl Doubted<'_> {
         Ok(request)
     }
 
-    /// The cost, term by term, of every pair of unknowns and a design, flown side by side.
-    pub(super) fn fly(&self, pairs: &[(&[f64], &[f64])]) -> Vec<Result<CostBreakdown, String>> {
-        let requests: Result<Vec<_>, String> =
-            pairs.iter().map(|(unknowns, design)| self.request(unknowns, design)).collect();
-        match requests {
-            Ok(requests) => self.0.setup.bat.breakdowns(&requests),
-            Err(reason) => vec![Err(reason); pairs.len()],
+    /// The cost, term by term, of every pair of unknowns and a design, flown side by side unless they were flown before.
+    pub(super) fn fly(&self, pairs: &[Pair<'_>]) -> Vec<Flown> {
+        self.0.flights.of(pairs, |pairs| {
+            let requests: Vec<Result<FlightRequest, String>> =
+                pairs.iter().map(|(unknowns, design)| self.request(unknowns, design)).collect();
+            let ready: Vec<FlightRequest> = requests.iter().flatten().cloned().collect();
+            let mut flown = self.0.setup.bat.breakdowns(&ready).into_iter();
+            let mut next = || flown.next().unwrap_or_else(|| Err("no flight".to_owned()));
+            requests.into_iter().map(|request| request.and_then(|_| next())).collect()
+        })
+    }
+
+    /// The costs of designs with the same unknowns, flown side by side.
+    pub(super) fn costs(&self, unknowns: &[f64], designs: &[Vec<f64>]) -> Vec<Cost> {
+        if unknowns == self.0.unknowns.start() {
+            return self.0.setup.bat.costs(designs, MODEL, |_| {});
         }
+        let pairs: Vec<(&[f64], &[f64])> = designs.iter().map(|design| (unknowns, &design[..])).collect();
+        self.fly(&pairs).into_iter().map(|flown| flown.map(|cost| cost.total)).collect()
     }
 }
 
@@ -48,7 +60,7 @@ impl UncertainModel for Doubted<'_> {
     fn responses(&mut self, unknowns: &[Vec<f64>], designs: &[Vec<f64>]) -> Vec<Vec<Answer>> {
         let pairs: Vec<(&[f64], &[f64])> =
             unknowns.iter().flat_map(|theta| designs.iter().map(move |design| (&theta[..], &design[..]))).collect();
-        let terms = |flown: Result<CostBreakdown, String>| flown.map(|cost| cost.terms[..N_TERMS].to_vec());
+        let terms = |flown: Flown| flown.map(|cost| cost.terms[..N_TERMS].to_vec());
         let mut answers = self.fly(&pairs).into_iter().map(terms);
         unknowns.iter().map(|_| answers.by_ref().take(designs.len()).collect()).collect()
     }

@@ -4,7 +4,8 @@ use bat_dynamics::{Fidelity, LANES};
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use water_channel::{
-    Flight, FlightError, FlightRequest, FlightSettings, SlackPolicy, TestProfile, Window, fly, fly_all,
+    Flight, FlightError, FlightRequest, FlightSettings, SlackPolicy, TestProfile, Window, fly, fly_all, fly_all_logged,
+    fly_logged,
 };
 
 use crate::rigs::{first_row, kick, request, short_test, steps};
@@ -47,6 +48,30 @@ fn symmetric_and_lopsided_flights_side_by_side_have_their_own_bits() {
     assert_same(&fly_all(&requests, &profile, &settings, |_| {}), &alone);
     let rolled = alone[1].as_ref().unwrap().trim.coordinates;
     assert!(rolled[1].abs() > 1e-4 && rolled[5].abs() > 1e-3, "the lopsided trim is rolled and turned: {rolled:?}");
+}
+
+/// Flights that fail at once and later, and such as have to fly alone, are among them.
+#[test]
+fn logs_side_by_side_are_those_that_flights_have_alone() {
+    let (profile, settings) = (short_test(6.0), FlightSettings::default());
+    let mut requests = vec![first_row(); 4 * LANES + 1];
+    for (k, request) in requests.iter_mut().enumerate() {
+        request.rig.set_points.pitch_rad += 0.002 * k as f64;
+    }
+    requests[LANES].rig.plant.asymmetry.center_of_mass_y_m = 1e-3;
+    requests[2 * LANES].rig.set_points.pitch_rad = 3.0;
+    requests[3 * LANES] = request(Fidelity::STALLED_WITH_ADDED_MASS, 20.0, 15.0);
+    let alone: Vec<_> = requests
+        .iter()
+        .map(|request| fly_logged(request, &profile, &settings, 3).and_then(|(flight, log)| Ok((flight?, log))))
+        .collect();
+    let failed = alone.iter().filter(|one| one.is_err()).count();
+    assert!((1..=2).contains(&failed), "{failed} fail");
+    for (k, (beside, alone)) in fly_all_logged(&requests, &profile, &settings, 3).iter().zip(&alone).enumerate() {
+        assert_eq!(format!("{beside:?}"), format!("{alone:?}"), "flight {k}");
+    }
+    let refused = fly_all_logged(&requests[..2], &profile, &settings, 0);
+    assert!(refused.iter().all(|one| matches!(one, Err(FlightError::Start(_)))), "every 0th sample: {refused:?}");
 }
 
 fn with_threads<T: Send>(n_threads: usize, f: impl FnOnce() -> T + Send) -> T {
