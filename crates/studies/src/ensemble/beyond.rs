@@ -158,7 +158,7 @@ fn rows<'a>(all: &'a [Both], cases: &[Case<'_>]) -> Vec<Row<'a>> {
     let mut rows = Vec::new();
     for both in all {
         for (world, near) in both.judged.iter().enumerate() {
-            let beyond = near.on(&judge(&both.claim, World::OF_CAMPAIGNS[world], cases));
+            let beyond = near.on(&judge(&both.claim, World::OF_CAMPAIGNS[world], cases, &[]));
             if beyond.by_rule.is_some() {
                 rows.push(Row { both, world, beyond });
             }
@@ -212,7 +212,7 @@ mod tests {
         let facts = facts(near);
         let cases = cases(&facts);
         let claim = claim();
-        Both { judged: World::OF_CAMPAIGNS.map(|world| judge(&claim, world, &cases)), claim }
+        Both { judged: World::OF_CAMPAIGNS.map(|world| judge(&claim, world, &cases, &[])), claim }
     }
 
     /// What a page says of a claim that holds on these plants of the ensemble, and on these others.

@@ -83,8 +83,8 @@ pub(super) fn section(all: &[Both], cases: &[Case<'_>]) -> String {
     let mut rows = Vec::new();
     for both in all {
         for (world, judged) in both.judged.iter().enumerate() {
-            // Of one case only: it is about designs of experiments, and about no plant.
-            if judged.shares.len() > 1 {
+            // Without any: it is about designs of experiments, and about no plant.
+            if !judged.shares.is_empty() {
                 rows.push(Row { both, world, chosen: chosen.iter().map(|(plants, _)| judged.among(plants)).collect() });
             }
         }

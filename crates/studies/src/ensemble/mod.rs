@@ -46,7 +46,7 @@ use crate::memory::Memory;
 use crate::reproduction::{Extent, progress};
 use file::Setup;
 use kept::{Ensembles, Kept};
-use row::{Study, Unit};
+use row::{DESIGNS, Study, Unit};
 use store::{Found, Store};
 
 /// Runs what is missing, and writes the page.
@@ -115,7 +115,7 @@ impl Work<'_> {
             Self::Study(study, plant) => (study.name().to_owned(), plant.number),
             Self::Cameras(plant) => ("cameras".to_owned(), plant.number),
             Self::Curves(plant) => ("curves".to_owned(), plant.number),
-            Self::Designs => ("designs".to_owned(), 0),
+            Self::Designs => (DESIGNS.to_owned(), 0),
         }
     }
 
@@ -166,8 +166,7 @@ pub(crate) struct OverEnsemble {
 /// All claims that were judged, and how many became what in each world, from what is kept.
 pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
     let Kept { setup, store } = open_whole(root, Origin::Near)?;
-    let cases = kept::cases(&store.done);
-    let all = page::judged(&setup, &cases);
+    let all = page::judged(&setup, &kept::cases(&store.done), &kept::searches(&store.done));
     let counts = page::counts(&all);
     let claims = all.into_iter().map(|both| OverEnsemble {
         words: both.words(),
@@ -238,7 +237,7 @@ mod tests {
             Ok(kinds)
         };
         let (mut near, beyond) = (kinds(Origin::Near)?, kinds(Origin::Beyond)?);
-        near.retain(|kind| kind != "designs");
+        near.retain(|kind| kind != DESIGNS);
         assert_eq!((near.len(), &near), (5, &beyond));
         assert!(open_both(&root).is_ok(), "both are kept whole");
         Ok(())

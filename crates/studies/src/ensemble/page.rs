@@ -13,8 +13,8 @@ use super::evidence;
 use super::figures;
 use super::file::Setup;
 use super::judge::judge;
-use super::kept::{Case, Ensembles, Kept, cases};
-use super::row::{Method, Reading, Study, World};
+use super::kept::{Case, Ensembles, Kept, cases, searches};
+use super::row::{Fact, Method, Reading, Study, World};
 use super::sentences;
 use super::store::Store;
 use super::tables::{self, Both};
@@ -43,9 +43,9 @@ pub(super) fn check(root: &Path, ensembles: &Ensembles) -> Result<()> {
 }
 
 /// What became of every claim.
-pub(super) fn judged(setup: &Setup, cases: &[Case<'_>]) -> Vec<Both> {
+pub(super) fn judged(setup: &Setup, cases: &[Case<'_>], searches: &[&Fact]) -> Vec<Both> {
     let both = |claim| {
-        let judged = World::OF_CAMPAIGNS.map(|world| judge(&claim, world, cases));
+        let judged = World::OF_CAMPAIGNS.map(|world| judge(&claim, world, cases, searches));
         Both { claim, judged }
     };
     let mut all = claims::all(setup);
@@ -56,7 +56,7 @@ pub(super) fn judged(setup: &Setup, cases: &[Case<'_>]) -> Vec<Both> {
 
 fn texts(Ensembles { near: Kept { setup, store }, beyond }: &Ensembles) -> [(&'static str, String); 9] {
     let [cases, cases_beyond] = [store, &beyond.store].map(|store| cases(&store.done));
-    let all = judged(setup, &cases);
+    let all = judged(setup, &cases, &searches(&store.done));
     let beyond = Beyond::of(beyond, &all, &cases_beyond);
     let batches = |study: Study| batches(setup, study);
     let regret = figures::regret(&cases, &batches);
