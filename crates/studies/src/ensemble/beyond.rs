@@ -97,7 +97,8 @@ impl<'a> Beyond<'a> {
         let [flights, seconds] = self.kept.store.took();
         let mut text = format!(
             "\n## On plants from farther away\n\nThe {n_near} plants of this page are a cloud about one plant. The same campaigns, with the same seeds, were run on the {n} that \
-             came of starts farther away ([how](results-calibration.md)): {flights:.0} flights in {:.0} minutes, kept in `fixtures/bat/ensemble/beyond`; `--check` flies two of these plants again, too. \
+             came of starts farther away ([how](results-calibration.md)): {flights:.0} flights in {:.0} minutes, kept in `fixtures/bat/ensemble/beyond`; `--check` flies the center of the box on two of these plants again, too, and `--check --all` \
+             a unit of each kind on the last of them. \
              They are no fair sample of the plants that meet the published numbers: they are what is left of starts most of which were refused, the campaigns on one plant are no \
              independent answers, and a share of {n} plants estimates nothing. They count for no word of this page. The table says in how many of them a claim holds, and which \
              word the same rules would give if there were no other plants: to show where a word may hang on where the cloud lies, and for nothing else. So read, {changes}.\n",

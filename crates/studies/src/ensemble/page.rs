@@ -92,10 +92,12 @@ fn batches(setup: &Setup, study: Study) -> [usize; 2] {
 
 const HOW: &str = "Written by `cargo xtask reproduce-all --ensemble` from what is kept in `fixtures/bat/ensemble`: a row for each design that \
     somebody chose, with what it truly shows. A run that is killed goes on where it was, `--page` writes this page alone, and `--check`, a \
-    part of `cargo xtask ci`, holds it against what is kept and flies the center of the box on two plants again; `cargo xtask proofs` runs a unit of each kind.";
+    part of `cargo xtask ci`, holds it against what is kept, and flies the center of the box again on two plants and Figures 14 and 26 on one; `--check --all`, \
+    a part of `cargo xtask proofs`, runs a unit of each kind anew on the last plant.";
 
 const WORLDS: &str = "**Still water**: the stand-in as it was calibrated, its state known, and bounded noise added to the cost as the files of \
-    the chapters say. **Moving water**: turbulence, vortex shedding and a hull whose sides differ, drawn plant by plant; an experiment is one \
+    the chapters say. **Moving water**: turbulence, vortex shedding and a hull whose sides differ, drawn plant by plant, lines of unequal length among them: by the number of the start that a plant came of, so that plants of \
+    one number, here and from farther away, differ alike; an experiment is one \
     flight, and no noise is added. What a design truly costs there is the mean over a few flights whose seeds are the same for all designs. \
     The numerical model knows nothing of either: it stays still and symmetric. Nothing was fitted in moving water.";
 
