@@ -21,6 +21,7 @@ use super::tables::{self, Both};
 use crate::first_screen::around;
 use crate::kept;
 use crate::rules::{self, Verdict};
+use crate::words::counted;
 
 const PAGE: &str = "docs/results-ensemble.md";
 const VERDICTS: &str = "docs/results-ensemble.svg";
@@ -312,10 +313,10 @@ fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> V
         other => format!(" ({other} with four parameters)"),
     };
     findings.push(format!(
-        "{} plants, {} seeds{}, two worlds: {flights:.0} flights in {:.0} minutes. Plants by study: {}. They are a cloud about one plant, and not as many \
+        "{}, {}{}, two worlds: {flights:.0} flights in {:.0} minutes. Plants by study: {}. They are a cloud about one plant, and not as many \
          independent answers ([how they were drawn](results-calibration.md)). No experiment was made in water.",
-        setup.plants.len(),
-        setup.campaigns.seeds,
+        counted(setup.plants.len(), "plant"),
+        counted(setup.campaigns.seeds as usize, "seed"),
         of_four,
         seconds / 60.0,
         words.join(", ")
@@ -359,4 +360,43 @@ fn regrets(cases: &[Case<'_>], world: World) -> String {
         each(Method::Center),
         each(Method::Random)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::calibration::Origin;
+
+    fn kept(origin: Origin) -> Kept {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let setup = Setup::read_of(&root, origin).expect("plants");
+        let store = Store::read(&root.join(origin.folder()), &setup.key).expect("campaigns");
+        Kept { setup, store }
+    }
+
+    /// The page of the first plants alone, with one seed.
+    fn page_of(n: usize) -> String {
+        let mut near = kept(Origin::Near);
+        near.setup.plants.truncate(n);
+        (near.setup.campaigns.seeds, near.setup.campaigns.seeds_of_four) = (1, 1);
+        let plants: Vec<u64> = near.setup.plants.iter().map(|plant| plant.number).collect();
+        near.store.done.retain(|done| plants.contains(&done.unit.1));
+        let [(_, page), ..] = texts(&Ensembles { near, beyond: kept(Origin::Beyond) });
+        page
+    }
+
+    #[test]
+    fn few_plants_are_counted_as_such_and_nothing_is_chosen_of_less_than_three() {
+        let chosen = |page: &str| page.contains("## On the plants with the better models");
+        let one = page_of(1);
+        assert!(one.contains("- 1 plant, 1 seed, two worlds: ") && !chosen(&one), "{one}");
+        assert!(one.contains("1 of 1 plant, "), "{one}");
+        let two = page_of(2);
+        assert!(two.contains("- 2 plants, 1 seed, two worlds: ") && !chosen(&two), "{two}");
+        let three = page_of(3);
+        assert!(chosen(&three) && three.contains("on 1 plant drawn at random"), "{three}");
+        assert!(!three.contains("at least NaN"), "{three}");
+    }
 }
