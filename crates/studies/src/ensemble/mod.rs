@@ -138,14 +138,19 @@ fn open_both(root: &Path) -> Result<Ensembles> {
     Ok(Ensembles { near: open(root, near)?, beyond: open(root, beyond)? })
 }
 
+/// A unit for people.
+fn words_of((work, plant): &Unit) -> String {
+    if work == DESIGNS { "designs of experiments".to_owned() } else { format!("{work} of plant {plant}") }
+}
+
 /// That nothing is missing.
 fn whole(Kept { setup, store }: Kept) -> Result<Kept> {
     let works = works(&setup);
     let missing: Vec<Unit> = works.iter().map(Work::unit).filter(|unit| !store.has(unit)).collect();
-    if let Some((work, plant)) = missing.first() {
+    if let Some(first) = missing.first().map(words_of) {
         let (n, all) = (missing.len(), works.len());
         bail!(
-            "{}: {n} of {all} studies of a plant are missing, {work} of plant {plant} first: run `cargo xtask reproduce-all --ensemble`",
+            "{}: {n} of {all} studies of a plant are missing, {first} first: run `cargo xtask reproduce-all --ensemble`",
             setup.origin.folder()
         );
     }
@@ -214,17 +219,17 @@ fn run_one_of_each_kind(Kept { setup, store }: &Kept, designs: &Designs) -> Resu
     let of_each_kind: BTreeMap<String, Work<'_>> = works(setup).into_iter().map(|work| (work.unit().0, work)).collect();
     for work in of_each_kind.values() {
         let (found, _) = work.run(setup, store, designs)?;
-        let (kind, plant) = work.unit();
+        let words = words_of(&work.unit());
         let kept = store.done.iter().find(|done| done.unit == work.unit());
         ensure!(
             kept.is_some_and(|kept| kept.found.agrees_with(&found)),
-            "{folder}: {kind} of plant {plant} is no longer what is kept: to run all campaigns anew remove all of {} from {} and {}",
+            "{folder}: {words} is no longer what is kept: to run all campaigns anew remove all of {} from {} and {}",
             CAMPAIGN_TABLES.join(", "),
             Origin::Near.folder(),
             Origin::Beyond.folder()
         );
         let (rows, facts) = (found.rows.len(), found.facts.len());
-        eprintln!("{folder}, {kind} of plant {plant}: {rows} designs and {facts} facts as kept");
+        eprintln!("{folder}, {words}: {rows} designs and {facts} facts as kept");
     }
     Ok(())
 }
