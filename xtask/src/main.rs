@@ -3,6 +3,8 @@
 //! This program depends on nothing, so that the first page of a study waits for no library of the checks.
 #![expect(clippy::print_stdout, reason = "a program of the command line talks")]
 
+mod forms;
+
 use std::env;
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
@@ -44,7 +46,7 @@ fn main() -> ExitCode {
         eprint!("{USAGE}");
         return ExitCode::from(USAGE_ERROR);
     };
-    if matches!(first.as_str(), "help" | "--help" | "-h") {
+    if forms::ask_for_help(&words) {
         print!("{USAGE}");
         return ExitCode::SUCCESS;
     }
@@ -52,13 +54,14 @@ fn main() -> ExitCode {
         eprintln!("error: no command `{}`\n\n{}", words.join(" "), USAGE.trim_end());
         return ExitCode::from(USAGE_ERROR);
     };
-    match start(program, &words) {
-        Ok(code) => code,
-        Err(error) => {
-            eprintln!("error: cannot start cargo: {error}");
-            ExitCode::FAILURE
-        }
+    if let Some(others) = forms::others(&words) {
+        eprintln!("error: {others}");
+        return ExitCode::from(USAGE_ERROR);
     }
+    start(program, &words).unwrap_or_else(|error| {
+        eprintln!("error: cannot start cargo: {error}");
+        ExitCode::FAILURE
+    })
 }
 
 fn program(command: &str) -> Option<Program> {
@@ -88,6 +91,7 @@ mod tests {
         for command in COMMANDS.iter().flat_map(|(names, _)| *names) {
             let named = |line: &str| line.split_whitespace().next() == Some(*command);
             assert!(USAGE.lines().any(named), "{command} is not in the usage");
+            assert!(forms::all().any(|form| form.split(' ').next() == Some(*command)), "{command} has no form");
         }
         assert_eq!(program("reproduce-chapter4"), Some(studies("")));
         assert_eq!(program("no-such-command"), None);

@@ -85,6 +85,8 @@ const STUDIES: &[Reproduction] = &[
 
 /// The exit code for a command that does not exist.
 const USAGE_ERROR: u8 = 2;
+/// The words that commands have, one form a line, those of `cargo xtask` without a study among them.
+const FORMS: &str = include_str!("../../../xtask/src/forms.txt");
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -92,7 +94,7 @@ fn main() -> ExitCode {
     let Some(outcome) = run(&words) else {
         match words.as_slice() {
             [] => eprintln!("error: which study? `cargo xtask help` lists them"),
-            _ => eprintln!("error: no study `{}`, or not with the features of this build", words.join(" ")),
+            _ => eprintln!("error: {}", unknown(&words)),
         }
         return ExitCode::from(USAGE_ERROR);
     };
@@ -103,6 +105,17 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// What is said of words that no study has: what the command has instead, where there is one of this name.
+fn unknown(words: &[&str]) -> String {
+    let of_command = |form: &&str| form.split(' ').next() == words.first().copied();
+    let forms: String = FORMS.lines().filter(of_command).map(|form| format!("\n  {form}")).collect();
+    let words = words.join(" ");
+    if forms.is_empty() || FORMS.lines().any(|form| form == words) {
+        return format!("no study `{words}`, or not with the features of this build");
+    }
+    format!("no study `{words}`: it must be one of{forms}")
 }
 
 /// Runs a command; none if there is none of this name.
@@ -225,4 +238,41 @@ fn of_designs(words: &[&str]) -> Option<Work> {
 fn in_workspace(root: &Path) -> anyhow::Result<()> {
     ensure!(root.join("fixtures/bat").is_dir(), "no fixtures/bat here: start studies by `cargo xtask`");
     Ok(())
+}
+
+#[cfg(all(test, feature = "benchmark", feature = "identification", feature = "ensemble", feature = "similarity"))]
+mod tests {
+    use super::*;
+
+    /// Of the program of the checks.
+    const CHECKS: [&str; 11] = [
+        "ci",
+        "tidy",
+        "equations",
+        "fuzz",
+        "tutorials",
+        "python",
+        "licenses",
+        "machines",
+        "packages",
+        "proofs",
+        "semver",
+    ];
+
+    #[test]
+    fn every_form_is_known_and_others_are_answered_by_these() {
+        for form in FORMS.lines() {
+            let words: Vec<&str> = form.split(' ').collect();
+            assert_ne!(work(&words).is_some(), CHECKS.contains(&words[0]), "{form}");
+        }
+        let words = ["reproduce-all", "--ensemble", "--nonsense"];
+        assert!(work(&words).is_none());
+        let error = unknown(&words);
+        assert!(error.contains("`reproduce-all --ensemble --nonsense`: "), "{error}");
+        assert!(
+            error.contains("\n  reproduce-all --ensemble --check --all") && !error.contains("calibrate"),
+            "{error}"
+        );
+        assert!(unknown(&["reproduce-chapter9"]).contains("no study `reproduce-chapter9`, or not"));
+    }
 }

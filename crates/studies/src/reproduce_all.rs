@@ -162,7 +162,8 @@ fn first_screen<'a>(listed: &[Listed<'_>], over: &Over, n_overruled: usize, pict
     let few = few_words(listed.iter().map(|one| one.claim));
     let few = Finding::new(format!(
         "{few} Chapter 6 is run with fewer levels here; {n_overruled} of its claims come to another word with [all 24⁴ designs]\
-         (results-chapter6-full.md), and count as they do there."
+         (results-chapter6-full.md), and count as they do there ([both counts, claim by claim]\
+         (results-chapter6-full.md#with-fewer-levels-and-with-all))."
     ));
     FirstScreen { findings: vec![counts(listed), few, over, contributions.fold(head, Finding::detail)], picture }
 }

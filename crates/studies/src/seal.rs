@@ -66,13 +66,12 @@ pub(crate) struct Opened<'a> {
     sum: &'a str,
 }
 
-/// Takes the first line off a text.
-pub(crate) fn open<'a>(path: &Path, form: Form, text: &'a str, key: &str) -> Result<Opened<'a>> {
+/// Takes the first line off a text; `remedy` follows where it has none.
+pub(crate) fn open<'a>(path: &Path, form: Form, text: &'a str, key: &str, remedy: &str) -> Result<Opened<'a>> {
     let (line, rows) = text.split_once('\n').unwrap_or((text, ""));
     let words = || {
         format!(
-            "{}: line 1 does not say what the rows were made from: of these rows and today's files it would be `{}`; take the file back from \
-             version control, or remove it to make it anew",
+            "{}: line 1 does not say what the rows were made from: of these rows and today's files it would be `{}`; {remedy}",
             path.display(),
             form.line(key, if form.key_and_sum(line).is_some() { rows } else { text })
         )
@@ -114,9 +113,10 @@ pub(crate) struct Copies(tempfile::TempDir);
 impl Copies {
     pub(crate) fn of(names: &[&str]) -> Self {
         let copies = Self(tempfile::tempdir().expect("a folder"));
-        std::fs::create_dir_all(copies.root().join(BAT)).expect("a folder");
         let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         for name in names.iter().map(|name| Path::new(BAT).join(name)) {
+            let folder = copies.root().join(&name);
+            std::fs::create_dir_all(folder.parent().expect("its folder")).expect("a folder");
             std::fs::copy(fixtures.join(&name), copies.root().join(&name)).expect("a copy");
         }
         copies
@@ -151,17 +151,17 @@ mod tests {
         let path = Path::new("a.csv");
         for form in [Form::Comment, Form::Json] {
             let text = sealed(form, "abc", "a,b\n1,2\n");
-            let opened = open(path, form, &text, "abc").expect("a first line");
+            let opened = open(path, form, &text, "abc", "again").expect("a first line");
             assert_eq!(opened.rows, "a,b\n1,2\n");
             opened.check_key(path, "abc", String::new).expect("its key");
             opened.check_sum(path, "again").expect("its sum");
             let error = opened.check_key(path, "abd", || ": remove it".to_owned()).expect_err("another key");
             assert_eq!(error.to_string(), "a.csv: its rows were made from `abc`, today's files are `abd`: remove it");
             let changed = text.replace("1,2", "1,3");
-            let opened = open(path, form, &changed, "abc").expect("a first line");
+            let opened = open(path, form, &changed, "abc", "again").expect("a first line");
             let error = opened.check_sum(path, "run it again").expect_err("a digit").to_string();
             assert!(error.contains("a.csv") && error.contains("run it again"), "{error}");
-            let error = open(path, form, "a,b\n1,2\n", "abc").expect_err("no first line").to_string();
+            let error = open(path, form, "a,b\n1,2\n", "abc", "again").expect_err("no first line").to_string();
             assert!(error.contains(&form.line("abc", "a,b\n1,2\n")), "{error}");
         }
     }

@@ -31,7 +31,7 @@
 //! `docs/results-flights.md`; the benches below are for whoever works on one of them. Making the table of a flight's water takes a tenth of a flight at one step a sample.
 //!
 //! With all of it off a flight is no slower than before there was any: 0.94 times at one step and 0.96 at two, against commit `b3d192f` (lanes on one thread,
-//! six runs of each in turn).
+//! six runs of each in turn, on 2026-11-24); that page says so, too.
 
 use bat_dynamics::Fidelity;
 use divan::counter::ItemsCount;

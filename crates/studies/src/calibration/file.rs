@@ -12,7 +12,7 @@ use super::candidate::{Candidate, Flown, Spot, fly};
 use super::evidence::{self, Bounds, BoxEntry, Evidence, EvidenceEntry, HeldOutEntry, Tolerance};
 use super::free::{Free, FreeEntry};
 use super::outcome::Member;
-use super::store::{Range, Shape};
+use super::store::{BEYOND, ENSEMBLE, Range, Shape};
 use crate::costs::key::Key;
 use crate::decisive::decisive;
 use crate::seal::drop_entries;
@@ -197,13 +197,13 @@ impl Calibration {
             key = key.with(table.to_string());
         }
         let range = |free: &Free| Range { key: free.key.clone(), lower: free.lower, upper: free.upper };
-        Ok(Shape { key: key.name(), ranges: self.free.iter().map(range).collect() })
+        Ok(Shape { key: key.name(), ranges: self.free.iter().map(range).collect(), folders: &[ENSEMBLE, BEYOND] })
     }
 
     /// Of the starts from farther away: what decides of the others, and how far they go.
     pub(super) fn shape_beyond(&self, shape: &Shape) -> Shape {
         let key = Key::default().with(&shape.key).with(format!("{:?}", self.beyond.0));
-        Shape { key: key.name(), ranges: shape.ranges.clone() }
+        Shape { key: key.name(), ranges: shape.ranges.clone(), folders: &[BEYOND] }
     }
 
     #[cfg(feature = "ensemble")]

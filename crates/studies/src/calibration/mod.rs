@@ -38,7 +38,9 @@ use file::Calibration;
 pub(crate) use free::{Free, FreeEntry};
 pub(crate) use seen::Look;
 use shortfall::shortfall;
-use store::{AT_ONCE, BEYOND, ENSEMBLE, REMEDY, Store};
+#[cfg(feature = "ensemble")]
+pub(crate) use store::CAMPAIGN_TABLES;
+use store::{AT_ONCE, BEYOND, ENSEMBLE, Store};
 
 /// The file, and what is kept of it: from its own ranges, and each plant within them.
 fn read(root: &Path) -> Result<(Calibration, Store)> {
@@ -52,12 +54,21 @@ fn read_beyond(root: &Path, calibration: &Calibration) -> Result<Store> {
     Store::read(&root.join(BEYOND), calibration.shape_beyond(&calibration.shape(root)?))
 }
 
+/// Both, before anything is flown: a search takes long, and what is kept of either has to fit.
+fn read_both(root: &Path) -> Result<(Calibration, [Store; 2])> {
+    let (calibration, near) = read(root)?;
+    let beyond = read_beyond(root, &calibration)?;
+    Ok((calibration, [near, beyond]))
+}
+
 /// The same, with each plant flown to see that it meets its evidence.
-fn flown(root: &Path) -> Result<(Calibration, Store)> {
-    let (calibration, store) = read(root)?;
-    let candidates = calibration.candidates(&store.members)?;
-    meet(&calibration, &candidates, |index| format!("{}, ", store.place(index)), REMEDY)?;
-    Ok((calibration, store))
+fn flown(root: &Path) -> Result<(Calibration, [Store; 2])> {
+    let (calibration, stores) = read_both(root)?;
+    for store in &stores {
+        let candidates = calibration.candidates(&store.members)?;
+        meet(&calibration, &candidates, |index| format!("{}, ", store.place(index)), &store.remedy())?;
+    }
+    Ok((calibration, stores))
 }
 
 /// That candidates fly and meet the evidence; one that does not is told by its name, with what is to be done.
@@ -95,7 +106,7 @@ fn enough(calibration: &Calibration, store: &Store) -> Result<()> {
 ///
 /// Where there are not enough in the end the error says what was missed and by how much.
 pub(crate) fn run(root: &Path) -> Result<()> {
-    let (calibration, mut store) = flown(root)?;
+    let (calibration, [mut store, mut beyond]) = flown(root)?;
     eprintln!("{}: {} of {} kept so far", calibration.title, store.members.len(), calibration.n_members);
     let bar = progress("plants kept", calibration.n_members);
     bar.inc(store.members.len() as u64);
@@ -109,7 +120,6 @@ pub(crate) fn run(root: &Path) -> Result<()> {
         return Err(shortfall(&calibration, &store)?);
     }
     let (reach, n_starts) = calibration.beyond;
-    let mut beyond = read_beyond(root, &calibration)?;
     let bar = progress("starts from farther away", usize::try_from(n_starts)?);
     bar.inc(beyond.next());
     while beyond.next() < n_starts {
@@ -129,24 +139,30 @@ fn try_some(calibration: &Calibration, store: &mut Store, reach: [f64; 2], most:
     store.add(found.into_iter().map(|Attempt { start, member, .. }| (start, member)).collect())
 }
 
-/// The starts from farther away, all of them tried.
-fn all_beyond(root: &Path, calibration: &Calibration) -> Result<Store> {
-    let beyond = read_beyond(root, calibration)?;
+/// That all starts from farther away were tried.
+fn all_tried(calibration: &Calibration, beyond: &Store) -> Result<()> {
     let (n, wanted) = (beyond.next(), calibration.beyond.1);
     ensure!(n >= wanted, "{BEYOND} has {n} starts of {wanted}: run `cargo xtask calibrate`");
-    Ok(beyond)
+    Ok(())
+}
+
+/// Both with each plant flown, and nothing missing.
+fn flown_and_whole(root: &Path) -> Result<(Calibration, [Store; 2])> {
+    let (calibration, stores) = flown(root)?;
+    enough(&calibration, &stores[0])?;
+    all_tried(&calibration, &stores[1])?;
+    Ok((calibration, stores))
 }
 
 /// Writes the page of the plants that are kept.
 pub(crate) fn write_page(root: &Path) -> Result<()> {
-    let (calibration, store) = flown(root)?;
-    enough(&calibration, &store)?;
-    page::write(root, &calibration, &store, &all_beyond(root, &calibration)?)
+    let (calibration, [store, beyond]) = flown_and_whole(root)?;
+    page::write(root, &calibration, &store, &beyond)
 }
 
 /// Writes the plant that is nearest to all others into the files of the default plant.
 pub(crate) fn write_default(root: &Path) -> Result<()> {
-    let (calibration, store) = flown(root)?;
+    let (calibration, [store, _]) = flown(root)?;
     enough(&calibration, &store)?;
     DefaultPlant::of(&calibration, &store.members)?.write(&calibration)
 }
@@ -198,7 +214,11 @@ pub(crate) fn plants(root: &Path, origin: Origin) -> Result<(Vec<String>, Vec<Pl
     let (calibration, near) = read(root)?;
     let store = match origin {
         Origin::Near => near,
-        Origin::Beyond => all_beyond(root, &calibration)?,
+        Origin::Beyond => {
+            let beyond = read_beyond(root, &calibration)?;
+            all_tried(&calibration, &beyond)?;
+            beyond
+        }
     };
     let plants = store.members.iter().map(|member| {
         let candidate = calibration.with(&member.values)?;
@@ -208,15 +228,55 @@ pub(crate) fn plants(root: &Path, origin: Origin) -> Result<(Vec<String>, Vec<Pl
     Ok((calibration.keys(), plants.collect::<Result<_>>()?))
 }
 
-/// That each plant that is kept still flies and meets its evidence, that there are enough, and that the default plant is one of them:
+/// That each plant that is kept, those from farther away among them, still flies and meets its evidence, that there are enough, and that the default plant is one of them:
 /// the one nearest to all others.
 pub(crate) fn check(root: &Path, look: Look) -> Result<()> {
-    let (calibration, store) = flown(root)?;
-    enough(&calibration, &store)?;
+    let (calibration, [store, beyond]) = flown_and_whole(root)?;
     DefaultPlant::of(&calibration, &store.members)?.check(&calibration)?;
     // Its numbers are rounded.
     let default_plant = std::slice::from_ref(&calibration.base);
     meet(&calibration, default_plant, |_| "the default plant: ".to_owned(), "run `cargo xtask calibrate --default`")?;
-    eprintln!("{} plants and the default plant fly and meet their evidence", store.members.len());
-    page::check(root, &calibration, [&store, &all_beyond(root, &calibration)?], look)
+    let [n, n_beyond] = [&store, &beyond].map(|store| store.members.len());
+    eprintln!("{n} plants, {n_beyond} from farther away and the default plant fly and meet their evidence");
+    page::check(root, &calibration, [&store, &beyond], look)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seal::{self, Copies, Form};
+
+    const FILES: [&str; 5] =
+        ["calibration.toml", "rig.toml", "test-profile.toml", "cost-chapter4.toml", "cost-chapter7.toml"];
+
+    /// A search of minutes would end with an error that could be known at its beginning.
+    #[test]
+    fn what_is_kept_of_other_files_is_refused_before_a_start_is_tried() {
+        let copies = Copies::of(&FILES);
+        let beyond = copies.root().join(BEYOND);
+        std::fs::create_dir_all(&beyond).expect("a folder");
+        let others = seal::sealed(Form::Comment, "other", "start,outcome,worst_residual\n");
+        std::fs::write(beyond.join("starts.csv"), others).expect("written");
+        let error = format!("{:#}", run(copies.root()).expect_err("starts of another file"));
+        let remedy =
+            format!("remove all of starts.csv, members.csv, designs.csv, facts.csv, times.csv from {BEYOND}, ");
+        assert!(error.contains("`other`") && error.contains(&remedy), "{error}");
+        assert!(!copies.root().join(ENSEMBLE).join("starts.csv").exists(), "no start was tried");
+    }
+
+    /// Plants from farther away are held to their evidence as the others are.
+    #[test]
+    fn a_plant_from_farther_away_that_misses_its_evidence_is_named() {
+        let beyond = ["starts.csv", "members.csv"].map(|name| format!("ensemble/beyond/{name}"));
+        let copies = Copies::of(&[&FILES[..], &beyond.each_ref().map(String::as_str)].concat());
+        let (calibration, [near, store]) = flown(copies.root()).expect("plants that meet their evidence");
+        assert_eq!((near.members.len(), store.members.len()), (0, 4));
+        let mut member = store.members[0].clone();
+        member.values[0] = calibration.free[0].lower;
+        let candidates = calibration.candidates(&[member]).expect("a plant");
+        let error =
+            meet(&calibration, &candidates, |index| store.place(index), &store.remedy()).expect_err("it misses");
+        let error = format!("{error:#}");
+        assert!(error.contains("beyond/members.csv: line 3 (start ") && error.contains("to calibrate anew"), "{error}");
+    }
 }

@@ -97,7 +97,7 @@ impl<'a> Plants<'a> {
     fn read(&self) -> Result<Vec<Seen>> {
         let path = &self.path;
         let text = std::fs::read_to_string(path).with_context(|| format!("{}; {REMEDY}", path.display()))?;
-        let opened = seal::open(path, Form::Json, &text, &self.key)?;
+        let opened = seal::open(path, Form::Json, &text, &self.key, REMEDY)?;
         opened.check_key(path, &self.key, || format!(": the plants or their files have changed since; {REMEDY}"))?;
         opened.check_sum(path, REMEDY)?;
         let seen: Vec<Seen> = opened

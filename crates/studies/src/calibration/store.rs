@@ -18,6 +18,20 @@ pub(super) struct Shape {
     /// Names what plants follow from.
     pub(super) key: String,
     pub(super) ranges: Vec<Range>,
+    /// All folders whose tables follow from this key.
+    pub(super) folders: &'static [&'static str],
+}
+
+impl Shape {
+    /// What somebody has to do about plants of other files or of another program, with all tables that have to go at once.
+    pub(super) fn remedy(&self) -> String {
+        let tables = [STARTS, MEMBERS].into_iter().chain(CAMPAIGN_TABLES).collect::<Vec<_>>().join(", ");
+        let folders = self.folders.join(" and ");
+        format!(
+            "take the tables back from version control, or, to calibrate anew, remove all of {tables} from {folders}, since campaigns follow from \
+             the plants"
+        )
+    }
 }
 
 /// A number that is free.
@@ -52,9 +66,11 @@ const START_HEAD: [&str; 3] = ["start", "outcome", "worst_residual"];
 const LINES_BEFORE: usize = 2;
 /// Ends of ranges are met as nearly as this share of them.
 const ROUNDING: f64 = 1e-9;
-/// What somebody has to do about rows that do not fit.
-pub(super) const REMEDY: &str =
-    "take starts.csv and members.csv back from version control, or remove both to calibrate anew";
+/// What campaigns on the plants are kept in, beside them.
+pub(crate) const CAMPAIGN_TABLES: [&str; 3] = ["designs.csv", "facts.csv", "times.csv"];
+/// What somebody has to do about rows that are damaged: the same plants come out of the same files.
+const REMEDY: &str =
+    "take starts.csv and members.csv back from version control, or remove both from this folder to calibrate anew";
 
 const OTHERS: &str = "ranges, evidence, tolerances, seed, reach, rig, test or weights have changed since";
 
@@ -145,7 +161,7 @@ impl Store {
         let mut store = Self { folder: folder.to_owned(), shape, starts: Vec::new(), members: Vec::new() };
         let key = &store.shape.key;
         if let Some(table) = Table::read(folder, MEMBERS, store.head())? {
-            let opened = seal::open(&table.path, Form::Comment, &table.text, key)?;
+            let opened = seal::open(&table.path, Form::Comment, &table.text, key, REMEDY)?;
             opened.check_key(&table.path, key, || store.other_words(&table, opened.rows))?;
             for line in table.lines(opened.rows)? {
                 let member = line.member()?;
@@ -157,8 +173,8 @@ impl Store {
             opened.check_sum(&table.path, REMEDY)?;
         }
         if let Some(table) = Table::read(folder, STARTS, START_HEAD.map(str::to_owned).to_vec())? {
-            let opened = seal::open(&table.path, Form::Comment, &table.text, key)?;
-            opened.check_key(&table.path, key, || format!(": {OTHERS}; {REMEDY}"))?;
+            let opened = seal::open(&table.path, Form::Comment, &table.text, key, REMEDY)?;
+            opened.check_key(&table.path, key, || format!(": {OTHERS}; {}", store.shape.remedy()))?;
             for (number, line) in (0..).zip(table.lines(opened.rows)?) {
                 let start = line.start()?;
                 ensure!(
@@ -194,7 +210,7 @@ impl Store {
         let of = format!("; {} of {} plants lie outside of the ranges of today", misfits.len(), lines.len());
         let first = misfits.first().map_or_else(String::new, |first| format!(", the first in {first}"));
         let fit = if lines.is_empty() { String::new() } else { of + &first };
-        format!(": {OTHERS}{fit}; {REMEDY}")
+        format!(": {OTHERS}{fit}; {}", self.shape.remedy())
     }
 
     /// That each plant has a start that says it was kept, and each such start its plant.
@@ -224,6 +240,11 @@ impl Store {
     /// The first start that was not tried.
     pub(super) fn next(&self) -> u64 {
         self.starts.last().map_or(0, |start| start.number + 1)
+    }
+
+    /// What is to be done about plants that are no longer met by this program.
+    pub(super) fn remedy(&self) -> String {
+        self.shape.remedy()
     }
 
     /// Where the plant of this place stands.
@@ -280,7 +301,8 @@ mod tests {
 
     fn shape() -> Shape {
         let range = |key: &str, lower, upper| Range { key: key.to_owned(), lower, upper };
-        Shape { key: "abc".to_owned(), ranges: vec![range("a", 0.0, 1e-6), range("b", 0.1, 0.5)] }
+        let ranges = vec![range("a", 0.0, 1e-6), range("b", 0.1, 0.5)];
+        Shape { key: "abc".to_owned(), ranges, folders: &[ENSEMBLE, BEYOND] }
     }
 
     fn kept(number: u64) -> Start {
@@ -348,6 +370,10 @@ mod tests {
         let narrow = |other: &mut Shape| {
             (other.key, other.ranges[1].upper) = ("abd".to_owned(), 0.2);
         };
+        refuse(
+            |other| other.key = "abd".to_owned(),
+            &["remove all of starts.csv, members.csv, designs.csv, facts.csv, times.csv", "ensemble and", "beyond"],
+        );
         refuse(narrow, &["2 of 2 plants", "line 3: `b` is 0.30000000000000004", "0.1 to 0.2"]);
         // Should two files ever have one key.
         refuse(|other| other.ranges[1].upper = 0.2, &["members.csv: line 3 (start 0)", "`b`", "0.1 to 0.2"]);

@@ -9,6 +9,7 @@ use super::row::World;
 use super::sentences;
 use super::tables::Both;
 use crate::rules::Verdict;
+use crate::words::counted;
 
 /// A claim in a world on the plants of the ensemble, and on those from farther away.
 struct Row<'a> {
@@ -71,10 +72,10 @@ impl<'a> Beyond<'a> {
             |counts: bool| self.rows.iter().filter(move |row| row.counts() == counts && row.changes()).count();
         let [of_counting, of_others] = [changed(true), changed(false)];
         let [median, most] = self.by_chance;
-        let (n, n_near) = (self.n(), self.n_near);
+        let (n, n_near) = (self.n(), counted(self.n_near, "plant"));
         let than = if (of_counting + of_others) as f64 > most { "more" } else { "no more" };
         Some(format!(
-            "of {} words {} would change, {of_counting} of them words that count; on {n} of the {n_near} plants drawn at random {median} do in the median of {N_DRAWS} \
+            "of {} words {} would change, {of_counting} of them words that count; on {n} of the {n_near} drawn at random {median} do in the median of {N_DRAWS} \
              draws, and up to {most} in nine of ten, so that this is {than} than so few plants bring by themselves",
             self.rows.len(),
             of_counting + of_others
@@ -84,10 +85,9 @@ impl<'a> Beyond<'a> {
     /// For the first screen.
     pub(super) fn finding(&self) -> Option<String> {
         let changes = self.changes()?;
-        Some(format!(
-            "On {} plants from farther away, which are no fair sample and count for no word of this page, {changes}.",
-            self.n()
-        ))
+        let plants = counted(self.n(), "plant");
+        let which = if self.n() == 1 { "is no fair sample and counts" } else { "are no fair sample and count" };
+        Some(format!("On {plants} from farther away, which {which} for no word of this page, {changes}."))
     }
 
     /// The section.
@@ -97,11 +97,13 @@ impl<'a> Beyond<'a> {
         let [flights, seconds] = self.kept.store.took();
         let mut text = format!(
             "\n## On plants from farther away\n\nThe {n_near} plants of this page are a cloud about one plant. The same campaigns, with the same seeds, were run on the {n} that \
-             came of starts farther away ([how](results-calibration.md)): {flights:.0} flights in {:.0} minutes, kept in `fixtures/bat/ensemble/beyond`; `--check` flies two of these plants again, too. \
+             came of starts farther away ([how](results-calibration.md)): {flights:.0} flights in {:.0} minutes, kept in `fixtures/bat/ensemble/beyond`; `--check` flies the center of the box on two of these plants again, too, and `--check --all` \
+             a unit of each kind on the last of them. \
              They are no fair sample of the plants that meet the published numbers: they are what is left of starts most of which were refused, the campaigns on one plant are no \
-             independent answers, and a share of {n} plants estimates nothing. They count for no word of this page. The table says in how many of them a claim holds, and which \
+             independent answers, and a share of {} estimates nothing. They count for no word of this page. The table says in how many of them a claim holds, and which \
              word the same rules would give if there were no other plants: to show where a word may hang on where the cloud lies, and for nothing else. So read, {changes}.\n",
-            seconds / 60.0
+            seconds / 60.0,
+            counted(n, "plant")
         );
         for (counts, words) in [(true, "that count"), (false, "that do not count")] {
             let mine = self.rows.iter().filter(|row| row.counts() == counts && row.changes());
@@ -124,8 +126,9 @@ impl<'a> Beyond<'a> {
     }
 
     fn table(&self) -> Table {
-        let heads = ["Still water", "Moving water"]
-            .map(|water| [format!("{water}, {} plants", self.n_near), format!("{water}, these {}", self.n())]);
+        let heads = ["Still water", "Moving water"].map(|water| {
+            [format!("{water}, {}", counted(self.n_near, "plant")), format!("{water}, these {}", self.n())]
+        });
         let heads = heads.iter().flatten().map(|name| Column::words(name));
         let heads = std::iter::once(Column::words("Claim")).chain(heads);
         let mut table = Table::new(heads.collect());
@@ -158,7 +161,7 @@ fn rows<'a>(all: &'a [Both], cases: &[Case<'_>]) -> Vec<Row<'a>> {
     let mut rows = Vec::new();
     for both in all {
         for (world, near) in both.judged.iter().enumerate() {
-            let beyond = near.on(&judge(&both.claim, World::OF_CAMPAIGNS[world], cases));
+            let beyond = near.on(&judge(&both.claim, World::OF_CAMPAIGNS[world], cases, &[]));
             if beyond.by_rule.is_some() {
                 rows.push(Row { both, world, beyond });
             }
@@ -212,7 +215,7 @@ mod tests {
         let facts = facts(near);
         let cases = cases(&facts);
         let claim = claim();
-        Both { judged: World::OF_CAMPAIGNS.map(|world| judge(&claim, world, &cases)), claim }
+        Both { judged: World::OF_CAMPAIGNS.map(|world| judge(&claim, world, &cases, &[])), claim }
     }
 
     /// What a page says of a claim that holds on these plants of the ensemble, and on these others.

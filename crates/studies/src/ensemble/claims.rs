@@ -1,8 +1,8 @@
 //! What the dissertation says, as tests of a campaign, a design or a plant.
 
 use super::file::Setup;
-use super::kept::Case;
-use super::row::{Method, Reading, Row, Study, World};
+use super::kept::{Case, value_of};
+use super::row::{Fact, Method, Reading, Row, Study, World};
 use crate::claims::{Place, Truth};
 use crate::rules::{MUCH, NEAR, Standing};
 
@@ -12,6 +12,8 @@ type OfTwo = Box<dyn Fn(&Row, &Row) -> bool>;
 type OfPath = Box<dyn Fn(&Case<'_>, &[&Row]) -> bool>;
 /// Of a campaign by the number of its seed; none where nothing is known.
 type OfSeed = Box<dyn Fn(&Case<'_>, u64) -> Option<bool>>;
+/// Of a search for a design of experiments by its seed, in the facts of all; none where nothing is known.
+type OfSearch = Box<dyn Fn(&[&Fact], u64) -> Option<bool>>;
 /// Of a plant; none where nothing is known.
 type OfPlant = Box<dyn Fn(&Case<'_>) -> Option<bool>>;
 
@@ -27,6 +29,8 @@ pub(super) enum Test {
     Kept,
     /// A campaign by the number of its seed; none where nothing is known.
     Seed(OfSeed),
+    /// A search for a design of experiments by its seed: it knows no plant.
+    Search(OfSearch),
     /// The plant itself: each counts as one campaign.
     Plant(OfPlant),
 }
@@ -249,12 +253,12 @@ fn of_plants() -> Vec<Claim> {
 /// A claim about designs of experiments: by how many runs there are, how many differ by the criteria G and D, and how far the farthest cell
 /// is from a run by either.
 fn searches(says: &'static str, rule: &'static str, holds: fn(f64, [f64; 2], [f64; 2]) -> bool) -> Claim {
-    let test = move |case: &Case<'_>, seed: u64| {
-        let of = |name: &str| case.fact(&format!("{name}/{seed}"));
+    let test = move |facts: &[&Fact], seed: u64| {
+        let of = |name: &str| value_of(facts, &format!("{name}/{seed}"));
         let distinct = [of("g_distinct")?, of("d_distinct")?];
-        Some(holds(case.fact("runs")?, distinct, [of("g_farthest")?, of("d_farthest")?]))
+        Some(holds(value_of(facts, "runs")?, distinct, [of("g_farthest")?, of("d_farthest")?]))
     };
-    Claim::new(section("5.1"), says, Study::Two, rule, Test::Seed(Box::new(test))).still()
+    Claim::new(section("5.1"), says, Study::Two, rule, Test::Search(Box::new(test))).still()
 }
 
 /// Statements of the text about experiments and surfaces.

@@ -9,7 +9,7 @@ use super::kept::Case;
 use super::row::World;
 use super::tables::Both;
 use crate::rules::Verdict;
-use crate::words::number;
+use crate::words::{counted, number};
 
 /// One in so many plants is taken.
 const ONE_IN: usize = 3;
@@ -76,15 +76,18 @@ pub(super) fn by_chance(all: &[&Judged], n: usize) -> [f64; 2] {
     [0.5, 0.9].map(|share| quantile(&counts, share).unwrap_or(f64::NAN))
 }
 
-/// The section.
+/// The section; nothing where there are not as many plants that one can be taken.
 pub(super) fn section(all: &[Both], cases: &[Case<'_>]) -> String {
     let chosen = WORTH.map(|(fact, _)| best(cases, fact));
     let n = chosen[0].0.len();
+    if chosen.iter().any(|(plants, _)| plants.is_empty()) {
+        return String::new();
+    }
     let mut rows = Vec::new();
     for both in all {
         for (world, judged) in both.judged.iter().enumerate() {
-            // Of one case only: it is about designs of experiments, and about no plant.
-            if judged.shares.len() > 1 {
+            // Without any: it is about designs of experiments, and about no plant.
+            if !judged.shares.is_empty() {
                 rows.push(Row { both, world, chosen: chosen.iter().map(|(plants, _)| judged.among(plants)).collect() });
             }
         }
@@ -105,9 +108,10 @@ pub(super) fn section(all: &[Both], cases: &[Case<'_>]) -> String {
     let on_all: Vec<&Judged> = rows.iter().map(Row::all).collect();
     let [median, most] = by_chance(&on_all, n);
     text += &format!(
-        "\nOf {} verdicts {by_rank} change with the rank correlation and {by_fit} with R²; on {n} plants drawn at random {median} do in the median of {N_DRAWS} \
+        "\nOf {} verdicts {by_rank} change with the rank correlation and {by_fit} with R²; on {} drawn at random {median} do in the median of {N_DRAWS} \
          draws, and up to {most} in nine of ten.",
-        rows.len()
+        rows.len(),
+        counted(n, "plant")
     );
     let changed: Vec<&Row<'_>> =
         rows.iter().filter(|row| row.verdicts().any(|verdict| verdict != row.all().verdict())).collect();

@@ -200,8 +200,8 @@ impl Effect {
     }
 }
 
-/// Searches for designs of experiments, each with another seed.
-const N_SEARCHES: u64 = 5;
+/// Searches for designs of experiments, seeds from 1 on, however many seeds campaigns have.
+pub(super) const N_SEARCHES: u64 = 5;
 
 /// How the first batch of Chapter 7 with two parameters fills the space by the criteria G and D: how many of its runs differ, and how far
 /// the cell is that is farthest from any, in coded units.

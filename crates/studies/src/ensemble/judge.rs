@@ -1,9 +1,11 @@
 //! What became of each claim over all plants, in a world, by the rules of all pages.
 
 use super::claims::{Claim, JUDGED, Test};
+use super::facts::N_SEARCHES;
 use super::kept::Case;
-use super::row::{Method, Row, World};
+use super::row::{Fact, Method, Row, World};
 use crate::rules::{Count, Judged as ByRule, Standing, Verdict};
+use crate::words::counted;
 
 /// A plant by its number, and in how many of its campaigns a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +19,7 @@ pub(super) struct Share {
 /// What became of a claim in a world.
 #[derive(Clone, Debug)]
 pub(super) struct Judged {
-    /// Plants with at least one campaign.
+    /// Plants with at least one campaign; none where a claim knows no plant.
     pub(super) shares: Vec<Share>,
     /// Over all campaigns of all plants; none where there are none, or where it is not asked in this world.
     pub(super) by_rule: Option<ByRule>,
@@ -31,6 +33,11 @@ impl Judged {
         let by_chance = (!chances.is_empty()).then(|| chances.iter().sum::<f64>() / chances.len() as f64);
         let by_rule = (count.cases > 0).then(|| ByRule { by_chance, ..ByRule::of(count, standing) });
         Self { shares, by_rule }
+    }
+
+    /// By cases that know no plant.
+    fn without_plants(count: Count, standing: Standing) -> Self {
+        Self { shares: Vec::new(), by_rule: (count.cases > 0).then(|| ByRule::of(count, standing)) }
     }
 
     /// The same judged on these plants alone.
@@ -70,8 +77,8 @@ impl Judged {
     pub(super) fn words(&self) -> Option<String> {
         let by_rule = self.by_rule?;
         let count = by_rule.count;
-        let plants = format!("{} of {} plants", self.n_holding(), self.shares.len());
-        let counts = if self.shares.len() == 1 {
+        let plants = format!("{} of {}", self.n_holding(), counted(self.shares.len(), "plant"));
+        let counts = if self.shares.is_empty() {
             format!("{count} cases")
         } else if count.cases == self.shares.len() {
             plants
@@ -82,9 +89,14 @@ impl Judged {
     }
 }
 
-/// What became of a claim in a world.
-pub(super) fn judge(claim: &Claim, world: World, cases: &[Case<'_>]) -> Judged {
+/// What became of a claim in a world, from the cases of plants or, where it knows no plant, from the searches for designs.
+pub(super) fn judge(claim: &Claim, world: World, cases: &[Case<'_>], searches: &[&Fact]) -> Judged {
     let by = claim.judged_by(world);
+    if let Test::Search(test) = &claim.test {
+        let seeds = by.into_iter().flat_map(|_| 1..=N_SEARCHES);
+        let count = Count::of(seeds.filter_map(|seed| test(searches, seed)));
+        return Judged::without_plants(count, claim.standing_in(world));
+    }
     let mine = || cases.iter().filter(|case| case.study == claim.study && Some(case.world) == by);
     let shares = mine().filter_map(|case| {
         let (outcomes, chance) = outcomes(claim, case);
@@ -103,7 +115,7 @@ fn is_within_reach(claim: &Claim, case: &Case<'_>) -> bool {
         Test::SinceFirst(test) => {
             paths(case).iter().filter_map(|path| path.first()).any(|before| anybody(before, test))
         }
-        Test::Path(_) | Test::Kept | Test::Seed(_) | Test::Plant(_) => true,
+        Test::Path(_) | Test::Kept | Test::Seed(_) | Test::Search(_) | Test::Plant(_) => true,
     }
 }
 
@@ -135,6 +147,7 @@ fn outcomes(claim: &Claim, case: &Case<'_>) -> (Vec<bool>, Option<f64>) {
             (ends.iter().map(|row| row.keeps_best > 0.5).collect(), mean(&left))
         }
         Test::Seed(test) => (case.seeds(JUDGED).into_iter().filter_map(|seed| test(case, seed)).collect(), None),
+        Test::Search(_) => (Vec::new(), None),
         Test::Plant(test) => (test(case).into_iter().collect(), None),
     }
 }
@@ -206,7 +219,7 @@ mod tests {
                 facts: Vec::new(),
             })
             .collect();
-        judge(claim, World::Moving, &cases)
+        judge(claim, World::Moving, &cases, &[])
     }
 
     /// Five campaigns that keep the best, or not, with so much of the space left.

@@ -1,7 +1,7 @@
 //! What is kept, as it is read: cases of a study on a plant in a world, with their campaigns.
 
 use super::file::Setup;
-use super::row::{Fact, Method, Row, Study, World};
+use super::row::{DESIGNS, Fact, Method, Row, Study, World};
 use super::store::{Done, Store};
 
 /// Plants with what is kept of campaigns on them.
@@ -28,10 +28,10 @@ pub(super) struct Case<'a> {
     pub(super) facts: Vec<&'a Fact>,
 }
 
-/// All cases, by study, world and plant.
+/// All cases, by study, world and plant; designs of experiments belong to none.
 pub(super) fn cases(done: &[Done]) -> Vec<Case<'_>> {
     let mut cases: Vec<Case<'_>> = Vec::new();
-    for Done { unit, found } in done {
+    for Done { unit, found } in done.iter().filter(|done| done.unit.0 != DESIGNS) {
         for row in &found.rows {
             case_of(&mut cases, row.study, row.world, unit.1).rows.push(row);
         }
@@ -41,6 +41,16 @@ pub(super) fn cases(done: &[Done]) -> Vec<Case<'_>> {
     }
     cases.sort_by_key(|case| (case.study, case.world, case.plant));
     cases
+}
+
+/// Facts of the searches for designs of experiments, which know no plant.
+pub(super) fn searches(done: &[Done]) -> Vec<&Fact> {
+    done.iter().filter(|done| done.unit.0 == DESIGNS).flat_map(|done| &done.found.facts).collect()
+}
+
+/// A fact by its name.
+pub(super) fn value_of(facts: &[&Fact], name: &str) -> Option<f64> {
+    facts.iter().find(|fact| fact.name == name).map(|fact| fact.value)
 }
 
 fn case_of<'a, 'b>(cases: &'b mut Vec<Case<'a>>, study: Study, world: World, plant: u64) -> &'b mut Case<'a> {
@@ -110,6 +120,46 @@ impl<'a> Case<'a> {
     }
 
     pub(super) fn fact(&self, name: &str) -> Option<f64> {
-        self.facts.iter().find(|fact| fact.name == name).map(|fact| fact.value)
+        value_of(&self.facts, name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::page;
+    use super::*;
+    use crate::calibration::Origin;
+    use crate::claims::Place;
+
+    /// The searches are kept under the number 0, which may be that of a plant and need not be.
+    #[test]
+    fn designs_of_experiments_belong_to_no_plant_and_have_seeds_of_their_own() -> anyhow::Result<()> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let setup = Setup::read_of(&root, Origin::Near)?;
+        let store = Store::read(&root.join(Origin::Near.folder()), &setup.key)?;
+        let judged = |done: &[Done]| {
+            let all = page::judged(&setup, &cases(done), &searches(done));
+            let of_designs = all.iter().filter(|both| both.claim.place == Place::Section("5.1".to_owned()));
+            let words: Vec<_> = of_designs.flat_map(|both| both.judged.clone().map(|judged| judged.words())).collect();
+            (words, page::counts(&all).concat())
+        };
+        let five = |n: usize| Some(format!("{n} of 5 cases"));
+        let (words, counts) = judged(&store.done);
+        assert_eq!(words, [five(5), None, five(0), None]);
+        assert!(counts.contains("of 46 claims"), "{counts}");
+
+        let mut others = store.done.clone();
+        others.retain(|done| done.unit.1 != 0 || done.unit.0 == DESIGNS);
+        assert!(cases(&others).iter().all(|case| case.plant != 0), "no case without a plant");
+        assert_eq!(judged(&others).0, words);
+        assert!(judged(&others).1.contains("of 46 claims"));
+
+        for done in &mut others {
+            done.found.rows.retain(|row| row.seed <= 3);
+        }
+        assert_eq!(judged(&others).0, words, "five searches, whatever the campaigns have");
+        Ok(())
     }
 }

@@ -39,31 +39,26 @@ use std::path::Path;
 
 use anyhow::{Result, bail, ensure};
 
-use crate::calibration::{Origin, Plant};
+use crate::calibration::{CAMPAIGN_TABLES, Origin, Plant};
 use crate::claims::{Place, Truth};
 use crate::gridded::Designs;
 use crate::memory::Memory;
 use crate::reproduction::{Extent, progress};
 use file::Setup;
 use kept::{Ensembles, Kept};
-use row::{Study, Unit};
+use row::{DESIGNS, Study, Unit};
 use store::{Found, Store};
 
 /// Runs what is missing, and writes the page.
 pub(crate) fn run(root: &Path) -> Result<()> {
+    let mut both = open_both(root)?;
     let designs = Memory::of(root, Extent::Default).designs()?;
-    let of = |origin, words: &str| -> Result<Kept> {
-        let setup = Setup::read_of(root, origin)?;
-        let store = run_missing(root, &setup, &designs, words)?;
-        Ok(Kept { setup, store })
-    };
-    let near = of(Origin::Near, "claims over the ensemble: studies of a plant")?;
-    let beyond = of(Origin::Beyond, "the same on plants from farther away")?;
-    page::write(root, &Ensembles { near, beyond })
+    run_missing(&mut both.near, &designs, "claims over the ensemble: studies of a plant")?;
+    run_missing(&mut both.beyond, &designs, "the same on plants from farther away")?;
+    page::write(root, &both)
 }
 
-fn run_missing(root: &Path, setup: &Setup, designs: &Designs, words: &str) -> Result<Store> {
-    let mut store = open(root, setup)?;
+fn run_missing(Kept { setup, store }: &mut Kept, designs: &Designs, words: &str) -> Result<()> {
     if store.drop_unfinished()? {
         eprintln!("{}: what an interrupted run had left of a unit was dropped", setup.origin.folder());
     }
@@ -72,13 +67,13 @@ fn run_missing(root: &Path, setup: &Setup, designs: &Designs, words: &str) -> Re
     for work in works {
         let unit = work.unit();
         if !store.has(&unit) {
-            let (found, n_flights) = work.run(setup, &store, designs)?;
+            let (found, n_flights) = work.run(setup, store, designs)?;
             store.add(unit, found, n_flights)?;
         }
         bar.inc(1);
     }
     bar.finish();
-    Ok(store)
+    Ok(())
 }
 
 /// One unit of work.
@@ -115,7 +110,7 @@ impl Work<'_> {
             Self::Study(study, plant) => (study.name().to_owned(), plant.number),
             Self::Cameras(plant) => ("cameras".to_owned(), plant.number),
             Self::Curves(plant) => ("curves".to_owned(), plant.number),
-            Self::Designs => ("designs".to_owned(), 0),
+            Self::Designs => (DESIGNS.to_owned(), 0),
         }
     }
 
@@ -129,28 +124,42 @@ impl Work<'_> {
     }
 }
 
-fn open(root: &Path, setup: &Setup) -> Result<Store> {
-    Store::read(&root.join(setup.origin.folder()), &setup.key)
+fn open(root: &Path, setup: Setup) -> Result<Kept> {
+    let store = Store::read(&root.join(setup.origin.folder()), &setup.key)?;
+    Ok(Kept { setup, store })
 }
 
-/// The same, with nothing missing.
-fn open_whole(root: &Path, origin: Origin) -> Result<Kept> {
-    let setup = Setup::read_of(root, origin)?;
-    let store = open(root, &setup)?;
+/// What is kept of both, before anything is flown: campaigns take long, and what is kept of either has to fit.
+fn open_both(root: &Path) -> Result<Ensembles> {
+    let [near, beyond] = [Origin::Near, Origin::Beyond].map(|origin| Setup::read_of(root, origin));
+    let (near, beyond) = (near?, beyond?);
+    let tables = [&near, &beyond].map(|setup| (root.join(setup.origin.folder()), setup.key.as_str()));
+    store::check_first_lines(&tables)?;
+    Ok(Ensembles { near: open(root, near)?, beyond: open(root, beyond)? })
+}
+
+/// A unit for people.
+fn words_of((work, plant): &Unit) -> String {
+    if work == DESIGNS { "designs of experiments".to_owned() } else { format!("{work} of plant {plant}") }
+}
+
+/// That nothing is missing.
+fn whole(Kept { setup, store }: Kept) -> Result<Kept> {
     let works = works(&setup);
     let missing: Vec<Unit> = works.iter().map(Work::unit).filter(|unit| !store.has(unit)).collect();
-    if let Some((work, plant)) = missing.first() {
+    if let Some(first) = missing.first().map(words_of) {
         let (n, all) = (missing.len(), works.len());
         bail!(
-            "{}: {n} of {all} studies of a plant are missing, {work} of plant {plant} first: run `cargo xtask reproduce-all --ensemble`",
-            origin.folder()
+            "{}: {n} of {all} studies of a plant are missing, {first} first: run `cargo xtask reproduce-all --ensemble`",
+            setup.origin.folder()
         );
     }
     Ok(Kept { setup, store })
 }
 
-fn open_both(root: &Path) -> Result<Ensembles> {
-    Ok(Ensembles { near: open_whole(root, Origin::Near)?, beyond: open_whole(root, Origin::Beyond)? })
+fn open_both_whole(root: &Path) -> Result<Ensembles> {
+    let Ensembles { near, beyond } = open_both(root)?;
+    Ok(Ensembles { near: whole(near)?, beyond: whole(beyond)? })
 }
 
 /// What became of a claim over the ensemble, for the page over all chapters.
@@ -165,9 +174,8 @@ pub(crate) struct OverEnsemble {
 
 /// All claims that were judged, and how many became what in each world, from what is kept.
 pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
-    let Kept { setup, store } = open_whole(root, Origin::Near)?;
-    let cases = kept::cases(&store.done);
-    let all = page::judged(&setup, &cases);
+    let Kept { setup, store } = whole(open(root, Setup::read_of(root, Origin::Near)?)?)?;
+    let all = page::judged(&setup, &kept::cases(&store.done), &kept::searches(&store.done));
     let counts = page::counts(&all);
     let claims = all.into_iter().map(|both| OverEnsemble {
         words: both.words(),
@@ -181,12 +189,12 @@ pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
 
 /// Writes the page from what is kept, and runs nothing.
 pub(crate) fn write_page(root: &Path) -> Result<()> {
-    page::write(root, &open_both(root)?)
+    page::write(root, &open_both_whole(root)?)
 }
 
 /// That the page follows from what is kept, and that a plant flies as it did when that was kept.
 pub(crate) fn check(root: &Path) -> Result<()> {
-    check_with(root, &open_both(root)?)
+    check_with(root, &open_both_whole(root)?)
 }
 
 fn check_with(root: &Path, both: &Ensembles) -> Result<()> {
@@ -198,23 +206,30 @@ fn check_with(root: &Path, both: &Ensembles) -> Result<()> {
     page::check(root, both)
 }
 
-/// The same, and that one unit of each kind, on the last plant that has it, comes out as it is kept.
+/// The same, and that one unit of each kind, on the last plant of either that has it, comes out as it is kept.
 pub(crate) fn check_all(root: &Path) -> Result<()> {
-    let both = open_both(root)?;
+    let both = open_both_whole(root)?;
     check_with(root, &both)?;
     let designs = Memory::of(root, Extent::Default).designs()?;
-    let Kept { setup, store } = &both.near;
+    [&both.near, &both.beyond].into_iter().try_for_each(|kept| run_one_of_each_kind(kept, &designs))
+}
+
+fn run_one_of_each_kind(Kept { setup, store }: &Kept, designs: &Designs) -> Result<()> {
+    let folder = setup.origin.folder();
     let of_each_kind: BTreeMap<String, Work<'_>> = works(setup).into_iter().map(|work| (work.unit().0, work)).collect();
     for work in of_each_kind.values() {
-        let (found, _) = work.run(setup, store, &designs)?;
-        let (kind, plant) = work.unit();
+        let (found, _) = work.run(setup, store, designs)?;
+        let words = words_of(&work.unit());
         let kept = store.done.iter().find(|done| done.unit == work.unit());
         ensure!(
             kept.is_some_and(|kept| kept.found.agrees_with(&found)),
-            "{}: {kind} of plant {plant} is no longer what is kept: remove the tables to run all campaigns anew",
-            setup.origin.folder()
+            "{folder}: {words} is no longer what is kept: to run all campaigns anew remove all of {} from {} and {}",
+            CAMPAIGN_TABLES.join(", "),
+            Origin::Near.folder(),
+            Origin::Beyond.folder()
         );
-        eprintln!("{kind} of plant {plant}: {} designs and {} facts as kept", found.rows.len(), found.facts.len());
+        let (rows, facts) = (found.rows.len(), found.facts.len());
+        eprintln!("{folder}, {words}: {rows} designs and {facts} facts as kept");
     }
     Ok(())
 }
@@ -222,6 +237,41 @@ pub(crate) fn check_all(root: &Path) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::seal::Copies;
+
+    const FILES: [&str; 17] = [
+        "calibration.toml",
+        "rig.toml",
+        "cost-chapter4.toml",
+        "cost-chapter7.toml",
+        "ensemble.toml",
+        "test-profile.toml",
+        "test-profile-open-loop.toml",
+        "chapter3.toml",
+        "chapter4.toml",
+        "chapter6.toml",
+        "chapter7.toml",
+        "moving-water.toml",
+        "sensing.toml",
+        "ensemble/members.csv",
+        "ensemble/starts.csv",
+        "ensemble/beyond/members.csv",
+        "ensemble/beyond/starts.csv",
+    ];
+
+    /// Campaigns of an hour would end with an error that could be known at their beginning.
+    #[test]
+    fn what_is_kept_of_another_study_is_refused_before_a_campaign_is_run() {
+        let copies = Copies::of(&FILES);
+        let [near, beyond] = [Origin::Near, Origin::Beyond].map(|origin| copies.root().join(origin.folder()));
+        let others = [near.join("facts.csv"), beyond.join("designs.csv")];
+        for path in &others {
+            std::fs::write(path, "# other\n").expect("written");
+        }
+        let error = format!("{:#}", run(copies.root()).expect_err("tables of another study"));
+        assert!(others.iter().all(|path| error.contains(&path.display().to_string())), "{error}");
+        assert!(!near.join("times.csv").exists(), "nothing was run");
+    }
 
     /// Designs of experiments know no plant, and are not searched for again.
     #[test]
@@ -238,9 +288,9 @@ mod tests {
             Ok(kinds)
         };
         let (mut near, beyond) = (kinds(Origin::Near)?, kinds(Origin::Beyond)?);
-        near.retain(|kind| kind != "designs");
+        near.retain(|kind| kind != DESIGNS);
         assert_eq!((near.len(), &near), (5, &beyond));
-        assert!(open_both(&root).is_ok(), "both are kept whole");
+        assert!(open_both_whole(&root).is_ok(), "both are kept whole");
         Ok(())
     }
 }

@@ -13,14 +13,15 @@ use super::evidence;
 use super::figures;
 use super::file::Setup;
 use super::judge::judge;
-use super::kept::{Case, Ensembles, Kept, cases};
-use super::row::{Method, Reading, Study, World};
+use super::kept::{Case, Ensembles, Kept, cases, searches};
+use super::row::{Fact, Method, Reading, Study, World};
 use super::sentences;
 use super::store::Store;
 use super::tables::{self, Both};
 use crate::first_screen::around;
 use crate::kept;
 use crate::rules::{self, Verdict};
+use crate::words::counted;
 
 const PAGE: &str = "docs/results-ensemble.md";
 const VERDICTS: &str = "docs/results-ensemble.svg";
@@ -43,9 +44,9 @@ pub(super) fn check(root: &Path, ensembles: &Ensembles) -> Result<()> {
 }
 
 /// What became of every claim.
-pub(super) fn judged(setup: &Setup, cases: &[Case<'_>]) -> Vec<Both> {
+pub(super) fn judged(setup: &Setup, cases: &[Case<'_>], searches: &[&Fact]) -> Vec<Both> {
     let both = |claim| {
-        let judged = World::OF_CAMPAIGNS.map(|world| judge(&claim, world, cases));
+        let judged = World::OF_CAMPAIGNS.map(|world| judge(&claim, world, cases, searches));
         Both { claim, judged }
     };
     let mut all = claims::all(setup);
@@ -56,7 +57,7 @@ pub(super) fn judged(setup: &Setup, cases: &[Case<'_>]) -> Vec<Both> {
 
 fn texts(Ensembles { near: Kept { setup, store }, beyond }: &Ensembles) -> [(&'static str, String); 9] {
     let [cases, cases_beyond] = [store, &beyond.store].map(|store| cases(&store.done));
-    let all = judged(setup, &cases);
+    let all = judged(setup, &cases, &searches(&store.done));
     let beyond = Beyond::of(beyond, &all, &cases_beyond);
     let batches = |study: Study| batches(setup, study);
     let regret = figures::regret(&cases, &batches);
@@ -92,10 +93,12 @@ fn batches(setup: &Setup, study: Study) -> [usize; 2] {
 
 const HOW: &str = "Written by `cargo xtask reproduce-all --ensemble` from what is kept in `fixtures/bat/ensemble`: a row for each design that \
     somebody chose, with what it truly shows. A run that is killed goes on where it was, `--page` writes this page alone, and `--check`, a \
-    part of `cargo xtask ci`, holds it against what is kept and flies the center of the box on two plants again; `cargo xtask proofs` runs a unit of each kind.";
+    part of `cargo xtask ci`, holds it against what is kept, and flies the center of the box again on two plants and Figures 14 and 26 on one; `--check --all`, \
+    a part of `cargo xtask proofs`, runs a unit of each kind anew on the last plant.";
 
 const WORLDS: &str = "**Still water**: the stand-in as it was calibrated, its state known, and bounded noise added to the cost as the files of \
-    the chapters say. **Moving water**: turbulence, vortex shedding and a hull whose sides differ, drawn plant by plant; an experiment is one \
+    the chapters say. **Moving water**: turbulence, vortex shedding and a hull whose sides differ, drawn plant by plant, lines of unequal length among them: by the number of the start that a plant came of, so that plants of \
+    one number, here and from farther away, differ alike; an experiment is one \
     flight, and no noise is added. What a design truly costs there is the mean over a few flights whose seeds are the same for all designs. \
     The numerical model knows nothing of either: it stays still and symmetric. Nothing was fitted in moving water.";
 
@@ -310,10 +313,10 @@ fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> V
         other => format!(" ({other} with four parameters)"),
     };
     findings.push(format!(
-        "{} plants, {} seeds{}, two worlds: {flights:.0} flights in {:.0} minutes. Plants by study: {}. They are a cloud about one plant, and not as many \
+        "{}, {}{}, two worlds: {flights:.0} flights in {:.0} minutes. Plants by study: {}. They are a cloud about one plant, and not as many \
          independent answers ([how they were drawn](results-calibration.md)). No experiment was made in water.",
-        setup.plants.len(),
-        setup.campaigns.seeds,
+        counted(setup.plants.len(), "plant"),
+        counted(setup.campaigns.seeds as usize, "seed"),
         of_four,
         seconds / 60.0,
         words.join(", ")
@@ -357,4 +360,43 @@ fn regrets(cases: &[Case<'_>], world: World) -> String {
         each(Method::Center),
         each(Method::Random)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::calibration::Origin;
+
+    fn kept(origin: Origin) -> Kept {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let setup = Setup::read_of(&root, origin).expect("plants");
+        let store = Store::read(&root.join(origin.folder()), &setup.key).expect("campaigns");
+        Kept { setup, store }
+    }
+
+    /// The page of the first plants alone, with one seed.
+    fn page_of(n: usize) -> String {
+        let mut near = kept(Origin::Near);
+        near.setup.plants.truncate(n);
+        (near.setup.campaigns.seeds, near.setup.campaigns.seeds_of_four) = (1, 1);
+        let plants: Vec<u64> = near.setup.plants.iter().map(|plant| plant.number).collect();
+        near.store.done.retain(|done| plants.contains(&done.unit.1));
+        let [(_, page), ..] = texts(&Ensembles { near, beyond: kept(Origin::Beyond) });
+        page
+    }
+
+    #[test]
+    fn few_plants_are_counted_as_such_and_nothing_is_chosen_of_less_than_three() {
+        let chosen = |page: &str| page.contains("## On the plants with the better models");
+        let one = page_of(1);
+        assert!(one.contains("- 1 plant, 1 seed, two worlds: ") && !chosen(&one), "{one}");
+        assert!(one.contains("1 of 1 plant, "), "{one}");
+        let two = page_of(2);
+        assert!(two.contains("- 2 plants, 1 seed, two worlds: ") && !chosen(&two), "{two}");
+        let three = page_of(3);
+        assert!(chosen(&three) && three.contains("on 1 plant drawn at random"), "{three}");
+        assert!(!three.contains("at least NaN"), "{three}");
+    }
 }

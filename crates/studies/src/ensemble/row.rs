@@ -176,6 +176,8 @@ pub(super) type Readings = [f64; N_READINGS];
 
 /// A unit of work: what is lost when a run is killed.
 pub(super) type Unit = (String, u64);
+/// The work of the unit that knows no plant: designs of experiments. Its number stands in the place of one.
+pub(super) const DESIGNS: &str = "designs";
 
 /// A design that was chosen after a step of a method.
 #[derive(Clone, Debug, PartialEq)]

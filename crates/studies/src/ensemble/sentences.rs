@@ -14,7 +14,7 @@ use super::kept::Case;
 use super::row::{Method, Study, World};
 use super::tables::Both;
 use crate::rules::{Count, Verdict};
-use crate::words::number;
+use crate::words::{counted, number};
 
 /// A model ranks designs well from this rank correlation on.
 const RANKS_WELL: f64 = 0.7;
@@ -97,8 +97,8 @@ pub(super) fn worth(cases: &[Case<'_>]) -> String {
         )
     } else {
         format!(
-            "In {} plants a model ranks designs well in some study, with a rank correlation of {RANKS_WELL} or more",
-            well.len()
+            "In {} a model ranks designs well in some study, with a rank correlation of {RANKS_WELL} or more",
+            counted(well.len(), "plant")
         )
     };
     format!(
@@ -156,10 +156,10 @@ pub(super) fn blind_cameras(setup: &Setup, cases: &[Case<'_>]) -> String {
         let of = |case: &Case<'_>| case.fact(&of_blind(&camera.name)).unwrap_or(0.0);
         let mine: Vec<&Case<'_>> = seen.iter().copied().filter(|case| of(case) > 0.0).collect();
         let n: f64 = mine.iter().map(|case| of(case)).sum();
-        (n > 0.0).then(|| format!("`{}` in {n}, on {} plants", camera.name, plants(&mine)))
+        (n > 0.0).then(|| format!("`{}` in {n}, on {}", camera.name, counted(plants(&mine), "plant")))
     });
     let blind: Vec<String> = blind.collect();
-    let all = format!("{n_flights} of these flights on {} plants came to their end", plants(&seen));
+    let all = format!("{n_flights} of these flights on {} came to their end", counted(plants(&seen), "plant"));
     if blind.is_empty() {
         format!("{all}, and in none was a camera blind, which is without a dot in any of its images.")
     } else {
@@ -261,6 +261,6 @@ mod tests {
         let none = words([0.0, 0.0]);
         assert!(none.starts_with("16 of these flights on 2 plants") && none.contains("in none"), "{none}");
         let one = words([0.0, 3.0]);
-        assert!(one.contains("`below` in 3, on 1 plants") && !one.contains("side"), "{one}");
+        assert!(one.contains("`below` in 3, on 1 plant") && !one.contains("side"), "{one}");
     }
 }

@@ -7,13 +7,14 @@
 //! was changed, taken out or added is an error when the store is opened.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, OpenOptions};
-use std::io::Write as _;
+use std::fs::{self, File, OpenOptions};
+use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Error, Result, anyhow, bail, ensure};
 
 use super::row::{Fact, Row, Unit, fact_head, row_head};
+use crate::calibration::CAMPAIGN_TABLES;
 use crate::{kept, seal};
 
 /// What a unit of work found.
@@ -62,19 +63,18 @@ struct Lines {
 }
 
 impl Lines {
+    /// One that begins as it has to ([`check_first_lines`]).
     fn read(path: PathBuf, key: &str, head: &[String]) -> Result<Self> {
-        let first = format!("# {key}\nwork,plant,{}\n", head.join(","));
+        let first = first_lines(key, head);
         let text = if path.exists() {
             fs::read_to_string(&path).with_context(|| path.display().to_string())?
         } else {
             String::new()
         };
-        if text.len() < first.len() {
-            // Killed while it was begun, or another file.
-            ensure!(first.starts_with(&text), "{}: {}", path.display(), other(&first));
+        let Some(rest) = text.strip_prefix(&first) else {
+            // Killed while it was begun.
             return Ok(Self { torn: path.exists(), path, first, lines: Vec::new() });
-        }
-        let rest = text.strip_prefix(&first).with_context(|| format!("{}: {}", path.display(), other(&first)))?;
+        };
         let whole = rest.rfind('\n').map_or(0, |end| end + 1);
         let line = |number: usize, line: &str| -> Result<Line> {
             let mut cells = line.split(',').map(str::to_owned);
@@ -194,11 +194,43 @@ fn place(path: &Path, number: usize) -> String {
     format!("{}: line {number}", path.display())
 }
 
-fn other(first: &str) -> String {
-    format!(
-        "its first line does not name the study, the plants and the rig of today, which would be `{}`: remove it to run all campaigns anew",
-        first.lines().next().unwrap_or_default()
-    )
+/// The first line and the head of a table.
+fn first_lines(key: &str, head: &[String]) -> String {
+    format!("# {key}\nwork,plant,{}\n", head.join(","))
+}
+
+/// The tables with what stands in their heads behind the unit.
+fn tables() -> [(&'static str, Vec<String>); 3] {
+    let [designs, facts, times] = CAMPAIGN_TABLES;
+    [(designs, row_head()), (facts, fact_head()), (times, TIME_HEAD.map(str::to_owned).to_vec())]
+}
+
+/// Whether a file begins with a text, or is the beginning of it: a run may be killed while it writes that.
+fn begins_with(path: &Path, first: &str) -> Result<bool> {
+    let words = || path.display().to_string();
+    let mut bytes = Vec::new();
+    File::open(path).with_context(words)?.take(first.len() as u64).read_to_end(&mut bytes).with_context(words)?;
+    Ok(first.as_bytes().starts_with(&bytes))
+}
+
+/// That the tables of some folders are those of the study with this key, each: one error names all that are not.
+pub(super) fn check_first_lines(stores: &[(PathBuf, &str)]) -> Result<()> {
+    let mut others = Vec::new();
+    for (folder, key) in stores {
+        for (name, head) in tables() {
+            let path = folder.join(name);
+            if path.exists() && !begins_with(&path, &first_lines(key, &head))? {
+                others.push(format!("{} (`# {key}`)", path.display()));
+            }
+        }
+    }
+    ensure!(
+        others.is_empty(),
+        "{}: the first line does not name the study, the plants and the rig of today, as in brackets: take the tables back from version control, \
+         or remove all that are named here to run their campaigns anew",
+        others.join(", ")
+    );
+    Ok(())
 }
 
 fn text_of(unit: &Unit, cells: &[String]) -> String {
@@ -220,10 +252,9 @@ const LAST: &str = "flights";
 impl Store {
     /// What a folder holds of the study with this key; nothing is written.
     pub(super) fn read(folder: &Path, key: &str) -> Result<Self> {
-        let lines = |name: &str, head: &[String]| Lines::read(folder.join(name), key, head);
-        let mut rows = lines("designs.csv", &row_head())?;
-        let mut times = lines("times.csv", &TIME_HEAD.map(str::to_owned))?;
-        let mut facts = lines("facts.csv", &fact_head())?;
+        check_first_lines(&[(folder.to_owned(), key)])?;
+        let [rows, facts, times] = tables().map(|(name, head)| Lines::read(folder.join(name), key, &head));
+        let (mut rows, mut facts, mut times) = (rows?, facts?, times?);
         let is_last = |cells: &Vec<String>| cells.get(2).is_some_and(|name| name == LAST);
         let mut units: Vec<Unit> = Vec::new();
         for Line { unit, cells, .. } in &facts.lines {
@@ -449,5 +480,26 @@ mod tests {
         go_on(folder.path());
         let error = format!("{:#}", Store::read(folder.path(), "other").expect_err("another key"));
         assert!(error.contains("designs.csv") && error.contains("first line"), "{error}");
+    }
+
+    /// Whoever follows the error need not read three more.
+    #[test]
+    fn one_error_names_all_tables_of_another_study_in_both_folders() {
+        let folders = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+        for folder in &folders {
+            go_on(folder.path());
+        }
+        let [near, beyond] = folders.each_ref().map(|folder| folder.path().to_owned());
+        let check = |keys: [&str; 2]| check_first_lines(&[(near.clone(), keys[0]), (beyond.clone(), keys[1])]);
+        check(["key", "key"]).expect("tables of this study");
+        let named = |keys: [&str; 2]| {
+            let error = format!("{:#}", check(keys).expect_err("another study"));
+            [&near, &beyond].map(|folder| NAMES.map(|name| error.contains(&folder.join(name).display().to_string())))
+        };
+        assert_eq!(named(["other", "others"]), [[true; 3]; 2]);
+        assert_eq!(named(["key", "others"]), [[false; 3], [true; 3]], "what is whole is not removed");
+        fs::remove_file(near.join("facts.csv")).expect("removed");
+        fs::write(near.join("times.csv"), "# key\nwork,pl").expect("written");
+        check(["key", "key"]).expect("none, and one that was killed while it was begun");
     }
 }

@@ -105,7 +105,7 @@ impl Store {
         }
         let words = || store.path.display().to_string();
         let text = std::fs::read_to_string(&store.path).with_context(words)?;
-        let opened = seal::open(&store.path, Form::Json, &text, &store.key)?;
+        let opened = seal::open(&store.path, Form::Json, &text, &store.key, REMEDY)?;
         opened.check_key(&store.path, &store.key, || {
             format!(": the study, its loops, unknowns, noise, rig, test or weights have changed since; {REMEDY}")
         })?;
