@@ -115,7 +115,7 @@ fn read(path: &Path) -> Result<Vec<Row>> {
     let words = || path.display().to_string();
     let text = fs::read_to_string(path).with_context(words)?;
     let key = name(path);
-    let opened = seal::open(path, Form::Json, &text, &key)?;
+    let opened = seal::open(path, Form::Json, &text, &key, REMEDY)?;
     opened.check_key(path, &key, || format!("; {REMEDY}"))?;
     opened.check_sum(path, REMEDY)?;
     opened.rows.lines().map(|line| Ok(serde_json::from_str(line)?)).collect::<Result<_>>().with_context(words)
