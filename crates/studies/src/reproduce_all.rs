@@ -11,7 +11,7 @@ use crate::exemptions;
 use crate::first_screen::FirstScreen;
 use crate::handover::Handover;
 use crate::memory;
-use crate::reproduction::{self, Extent, Picture, Reproduction, markdown_list};
+use crate::reproduction::{self, Extent, Picture, Reproduction};
 use crate::rules::{self, Verdict};
 use page::{Axis, Column, CountFigure, Finding, Link, Page, Table, count_figure};
 
@@ -281,7 +281,7 @@ fn page(
     page.heading("Claim by claim");
     page.prose_table(&table(listed, over), CLAIM_CAPTION, &WIDTHS_PCT);
     page.paragraph(claims::FOUND);
-    page.list(&claims::found(listed.iter().map(|one| one.claim)));
+    claims::found(listed.iter().map(|one| one.claim)).iter().for_each(|finding| page.finding(finding));
     page.prose_table(&exemptions::table(), EXEMPT_CAPTION, &exemptions::WIDTHS_PCT);
     for excerpt in chapters.iter().flat_map(|chapter| &chapter.handover.excerpts) {
         excerpt.show_in(&mut page);
@@ -312,11 +312,12 @@ fn markdown(listed: &[Listed<'_>], over: &Over, first: &str) -> String {
     format!(
         "# What of the dissertation comes out\n\n{first}\n\
          Written by `cargo xtask reproduce-all`; `cargo xtask ci` fails when this page is not what the command finds.\n\n\
-         {NOTE}\n\n{}\n{CASES}\n\n{CLAIM_CAPTION} {OF_ENSEMBLE}\n\n{}\n{}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
+         {NOTE}\n\n## The rule for each word\n\n{}\n{CASES}\n\n## Claim by claim\n\n{CLAIM_CAPTION} {OF_ENSEMBLE}\n\n{}\n{}\n\n{}\n\
+         ## Without a claim\n\n{EXEMPT_CAPTION}\n\n{}",
         rules::words_markdown(),
         table(listed, over).markdown(),
         claims::FOUND,
-        markdown_list(&claims::found(listed.iter().map(|one| one.claim))),
+        claims::markdown(&claims::found(listed.iter().map(|one| one.claim))),
         exemptions::table().markdown()
     )
 }

@@ -1,6 +1,6 @@
 //! What becomes of the claims on the few plants that were found from starts farther away, which are a sample of nothing.
 
-use page::{Column, Table};
+use page::{Column, Finding, Table};
 
 use super::evidence::{N_DRAWS, by_chance};
 use super::judge::{Judged, judge};
@@ -9,6 +9,7 @@ use super::row::World;
 use super::sentences;
 use super::tables::Both;
 use crate::rules::Verdict;
+use crate::words::capitalized;
 
 /// A claim in a world on the plants of the ensemble, and on those from farther away.
 struct Row<'a> {
@@ -63,7 +64,7 @@ impl<'a> Beyond<'a> {
     }
 
     /// How many words would change, beside what so few plants of the ensemble would do; none without such plants.
-    fn changes(&self) -> Option<String> {
+    fn changes(&self) -> Option<[String; 2]> {
         if self.rows.is_empty() {
             return None;
         }
@@ -73,26 +74,31 @@ impl<'a> Beyond<'a> {
         let [median, most] = self.by_chance;
         let (n, n_near) = (self.n(), self.n_near);
         let than = if (of_counting + of_others) as f64 > most { "more" } else { "no more" };
-        Some(format!(
-            "of {} words {} would change, {of_counting} of them words that count; on {n} of the {n_near} plants drawn at random {median} do in the median of {N_DRAWS} \
-             draws, and up to {most} in nine of ten, so that this is {than} than so few plants bring by themselves",
-            self.rows.len(),
-            of_counting + of_others
-        ))
+        Some([
+            format!(
+                "of {} words {} would change, {of_counting} of them words that count",
+                self.rows.len(),
+                of_counting + of_others
+            ),
+            format!(
+                "on {n} of the {n_near} plants drawn at random {median} do in the median of {N_DRAWS} draws, and up to {most} in nine of ten, so \
+                 that this is {than} than so few plants bring by themselves"
+            ),
+        ])
     }
 
-    /// For the first screen.
-    pub(super) fn finding(&self) -> Option<String> {
-        let changes = self.changes()?;
-        Some(format!(
-            "On {} plants from farther away, which are no fair sample and count for no word of this page, {changes}.",
+    /// With what the page begins.
+    pub(super) fn finding(&self) -> Option<Finding> {
+        let head = format!(
+            "On {} plants from farther away, which are no fair sample and count for no word of this page:",
             self.n()
-        ))
+        );
+        Some(Finding::new(head).with_sentences(self.changes()?.map(|changes| format!("{}.", capitalized(&changes)))))
     }
 
     /// The section.
     pub(super) fn section(&self) -> String {
-        let Some(changes) = self.changes() else { return String::new() };
+        let Some(changes) = self.changes().map(|changes| changes.join("; ")) else { return String::new() };
         let (n, n_near) = (self.n(), self.n_near);
         let [flights, seconds] = self.kept.store.took();
         let mut text = format!(
@@ -221,7 +227,7 @@ mod tests {
         let (kept, all, facts) = (kept(folder.path()), [both(near)], facts(others));
         let cases = cases(&facts);
         let beyond = Beyond::of(&kept, &all, &cases);
-        (beyond.finding(), beyond.section())
+        (beyond.finding().map(|finding| finding.markdown()), beyond.section())
     }
 
     #[test]

@@ -23,6 +23,7 @@ mod evidence;
 mod facts;
 mod figures;
 mod file;
+mod findings;
 mod judge;
 mod kept;
 mod loops;
@@ -168,7 +169,7 @@ pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
     let Kept { setup, store } = open_whole(root, Origin::Near)?;
     let cases = kept::cases(&store.done);
     let all = page::judged(&setup, &cases);
-    let counts = page::counts(&all);
+    let counts = findings::counts(&all);
     let claims = all.into_iter().map(|both| OverEnsemble {
         words: both.words(),
         flown: both.claim.study.chapter(),

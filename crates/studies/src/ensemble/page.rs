@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use anyhow::Result;
-use page::quantile;
 
 use super::beyond::Beyond;
 use super::claims;
@@ -12,9 +11,10 @@ use super::decides::{self, Decided, Property};
 use super::evidence;
 use super::figures;
 use super::file::Setup;
+use super::findings;
 use super::judge::judge;
 use super::kept::{Case, Ensembles, Kept, cases};
-use super::row::{Method, Reading, Study, World};
+use super::row::{Study, World};
 use super::sentences;
 use super::store::Store;
 use super::tables::{self, Both};
@@ -115,13 +115,15 @@ fn rule(n_random: u64) -> String {
 
 fn markdown((setup, store): (&Setup, &Store), cases: &[Case<'_>], all: &[Both], beyond: &Beyond<'_>) -> String {
     let mut text = format!("# {}\n\n", setup.title);
-    let mut findings = findings(setup, store, cases, all);
+    let mut findings = findings::findings(setup, store, cases, all);
     findings.extend(beyond.finding());
     text += &around(
         &findings,
-        "![What became of the claims](results-ensemble.svg)\n\nA box for each claim; gray ones do not count.",
+        "![What became of the claims](results-ensemble.svg)",
+        "A box for each claim; gray ones do not count.",
     );
-    text += &format!("{HOW}\n\n{WORLDS}\n\n{}\n\n", rule(setup.campaigns.random_designs));
+    text +=
+        &format!("\n{HOW}\n\n{WORLDS}\n\n## The rule for each word\n\n{}\n\n", rule(setup.campaigns.random_designs));
     text += "## Claim by claim\n\n";
     text += &tables::claims(all).markdown();
     text += "\n## Who else meets it\n\nClaims about the end of the loop that come out somewhere: in how many per cent of the cases it meets them, and \
@@ -256,105 +258,4 @@ fn decided(setup: &Setup, cases: &[Case<'_>], all: &[Both]) -> String {
         text += &tables::decides(&decided).markdown();
     }
     text
-}
-
-/// How many claims became what, world by world.
-pub(super) fn counts(all: &[Both]) -> Vec<String> {
-    (0..World::OF_CAMPAIGNS.len()).map(|k| count_words(all, k)).collect()
-}
-
-fn count_words(all: &[Both], k: usize) -> String {
-    let of = |verdict: Verdict| all.iter().filter(|both| both.judged[k].is(verdict)).count();
-    let judged = all.iter().filter(|both| both.judged[k].verdict().is_some()).count();
-    format!(
-        "In {} water, of {judged} claims {} hold in kind, {} in part, {} do not. The others do not count: {} do not discriminate, {} are met by no \
-         design that was tried, {} were partly calibrated, and {} could not fail.",
-        World::OF_CAMPAIGNS[k].name(),
-        of(Verdict::InKind),
-        of(Verdict::InPart),
-        of(Verdict::NotReproduced),
-        of(Verdict::NotDiscriminating),
-        of(Verdict::OutOfReach),
-        of(Verdict::PartlyCalibrated),
-        of(Verdict::Check)
-    )
-}
-
-fn listed(all: &[Both], k: usize, verdict: Verdict) -> String {
-    let mine = all.iter().filter(|both| both.judged[k].is(verdict));
-    let words = mine.map(|both| {
-        let tie = both.judged[k].by_rule.map_or("", |judged| judged.tie_words());
-        format!("{} ({}){tie}", both.claim.words(), both.claim.place)
-    });
-    words.collect::<Vec<_>>().join("; ")
-}
-
-/// The first screen.
-fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> Vec<String> {
-    let mut findings = counts(all);
-    let in_kind = listed(all, 1, Verdict::InKind);
-    if !in_kind.is_empty() {
-        findings.push(format!("In kind in moving water: {in_kind}."));
-    }
-    findings.extend(sentences::without_simulation(all, cases));
-    findings.extend(sentences::ties(setup, all));
-    findings.push(sentences::worth(cases));
-    findings.extend(World::OF_CAMPAIGNS.map(|world| regrets(cases, world)));
-    findings.push(noise_words(cases));
-    findings.push(curves::lost_in_words(setup, cases));
-    let [flights, seconds] = store.took();
-    let plants = |study: Study| cases.iter().filter(|case| case.study == study && case.world == World::Still).count();
-    let words = Study::OF_CAMPAIGNS.map(|study| format!("{} ({})", plants(study), study.words()));
-    let of_four = match setup.campaigns.seeds_of_four {
-        same if same == setup.campaigns.seeds => String::new(),
-        other => format!(" ({other} with four parameters)"),
-    };
-    findings.push(format!(
-        "{} plants, {} seeds{}, two worlds: {flights:.0} flights in {:.0} minutes. Plants by study: {}. They are a cloud about one plant, and not as many \
-         independent answers ([how they were drawn](results-calibration.md)). No experiment was made in water.",
-        setup.plants.len(),
-        setup.campaigns.seeds,
-        of_four,
-        seconds / 60.0,
-        words.join(", ")
-    ));
-    findings
-}
-
-fn noise_words(cases: &[Case<'_>]) -> String {
-    let random = cases.iter().filter(|case| case.world == World::Moving).flat_map(|case| case.ends(Method::Random));
-    let shares: Vec<f64> =
-        random.map(|row| row.of(Reading::CostSd) / row.cost()).filter(|share| share.is_finite()).collect();
-    let median = quantile(&shares, 0.5).unwrap_or(f64::NAN);
-    format!(
-        "In moving water one flight differs from the next of the same design by {:.1} % of the cost (standard deviation, median over plants and \
-         random designs).",
-        100.0 * median
-    )
-}
-
-fn regrets(cases: &[Case<'_>], world: World) -> String {
-    let median = |study: Study, method: Method| {
-        let mine = cases.iter().filter(|case| case.study == study && case.world == world);
-        let regrets: Vec<f64> =
-            mine.flat_map(|case| case.ends(method).into_iter().map(|row| case.regret(row))).collect();
-        quantile(&regrets, 0.5)
-    };
-    let has = |study: &Study| median(*study, Method::Numerical).is_some();
-    let each = |method: Method| {
-        let all = Study::OF_CAMPAIGNS.into_iter().filter(has).filter_map(|study| median(study, method));
-        all.map(|regret| format!("{:.1}", 100.0 * regret)).collect::<Vec<_>>().join(", ")
-    };
-    let studies = Study::OF_CAMPAIGNS.into_iter().filter(has).map(Study::words).collect::<Vec<_>>().join("; ");
-    format!(
-        "Cost above the best design known in {} water, median in % ({studies}, the last a lower limit): dissertation's loop {}; pooled loop {}; Sobol points and a Gaussian \
-         process {}; optimum of the model {}; center of the box {}; random design {}.",
-        world.name(),
-        each(Method::Dissertation),
-        each(Method::Pooled),
-        each(Method::Process),
-        each(Method::Numerical),
-        each(Method::Center),
-        each(Method::Random)
-    )
 }
