@@ -114,9 +114,10 @@ pub(crate) struct Copies(tempfile::TempDir);
 impl Copies {
     pub(crate) fn of(names: &[&str]) -> Self {
         let copies = Self(tempfile::tempdir().expect("a folder"));
-        std::fs::create_dir_all(copies.root().join(BAT)).expect("a folder");
         let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         for name in names.iter().map(|name| Path::new(BAT).join(name)) {
+            let folder = name.parent().map(|folder| copies.root().join(folder));
+            folder.map(std::fs::create_dir_all).transpose().expect("a folder");
             std::fs::copy(fixtures.join(&name), copies.root().join(&name)).expect("a copy");
         }
         copies
