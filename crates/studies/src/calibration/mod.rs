@@ -56,7 +56,7 @@ fn flown(root: &Path) -> Result<(Calibration, Store)> {
     Ok((calibration, store))
 }
 
-/// That candidates fly and meet the evidence; one that does not is told by its name, with what is to be done.
+/// That candidates fly and meet the evidence; one that does not is named, with what is to be done.
 fn meet(
     calibration: &Calibration,
     candidates: &[Candidate],

@@ -247,7 +247,7 @@ mod tests {
     fn a_word_that_stays_is_not_bold() {
         let near: Vec<bool> = (0..30).map(|plant| plant % 2 == 0).collect();
         let (finding, section) = page(&near, &[true, false, false, true]);
-        assert!(finding.expect("no change is told, too").contains("1 words 0 would change"));
+        assert!(finding.expect("no change is said, too").contains("1 words 0 would change"));
         assert!(section.contains("Of the words that count none would change."), "{section}");
         assert!(section.contains("| in part: 15 of 30 plants | 2 of 4 plants | – | – |"), "{section}");
     }
