@@ -3,7 +3,7 @@
     not(feature = "ensemble"),
     expect(
         dead_code,
-        reason = "some of what the studies share is for those with the global loop, or for the page over all"
+        reason = "some of what the studies share is for those with the dissertation's loop, or for the page over all"
     )
 )]
 
