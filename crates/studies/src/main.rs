@@ -22,6 +22,8 @@ mod chapter6;
 #[cfg(feature = "global")]
 mod chapter7;
 mod claims;
+#[cfg(feature = "calibration")]
+mod correlation;
 mod costs;
 #[cfg(feature = "global")]
 mod decisive;

@@ -13,6 +13,7 @@ use crate::handover::Handover;
 use crate::memory;
 use crate::reproduction::{self, Extent, Picture, Reproduction};
 use crate::rules::{self, Verdict};
+use crate::words::counted;
 use page::{Axis, Column, CountFigure, Finding, Link, Page, Table, count_figure};
 
 const DIRECTORY: &str = "target/reproduction";
@@ -202,7 +203,6 @@ const WIDTHS_PCT: [u32; 5] = [12, 33, 12, 16, 27];
 
 fn count_words<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
     let count = |verdict: Verdict| claims.clone().filter(|claim| claim.verdict == verdict).count();
-    let be = |n: usize, [one, many]: [&str; 2]| format!("{n} {}", if n == 1 { one } else { many });
     let twice = claims.clone().filter(|claim| claim.truth == Truth::StandIn).count();
     let twice = match twice {
         0 => String::new(),
@@ -212,15 +212,15 @@ fn count_words<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
         "Of {} claims{twice} {} reproduced, {} in kind, {} in part, and {} not. The others do not count: {} not discriminate, {} partly \
          calibrated, {} calibrated, {}, and {}.",
         claims.clone().count(),
-        be(count(Verdict::Reproduced), ["is", "are"]),
+        counted(count(Verdict::Reproduced), ["is", "are"]),
         count(Verdict::InKind),
         count(Verdict::InPart),
         count(Verdict::NotReproduced),
-        be(count(Verdict::NotDiscriminating), ["does", "do"]),
-        be(count(Verdict::PartlyCalibrated), ["was", "were"]),
+        counted(count(Verdict::NotDiscriminating), ["does", "do"]),
+        counted(count(Verdict::PartlyCalibrated), ["was", "were"]),
         count(Verdict::Calibrated),
-        be(count(Verdict::TakenOver), ["is an input", "are inputs"]),
-        be(count(Verdict::Check), ["is a check", "are checks"])
+        counted(count(Verdict::TakenOver), ["is an input", "are inputs"]),
+        counted(count(Verdict::Check), ["is a check", "are checks"])
     )
 }
 

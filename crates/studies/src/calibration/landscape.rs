@@ -12,6 +12,7 @@ use super::candidate::{Candidate, Flown, Spot};
 use super::evidence::{Bounds, Evidence};
 use super::file::Calibration;
 use crate::bat::{MODEL, STAND_IN};
+use crate::correlation::rank_correlation;
 
 /// Flights along center of mass and pitch set point, for both studies together.
 const COARSE: [usize; 2] = [9, 12];
@@ -176,45 +177,9 @@ fn diagnostics(pairs: &[([f64; 2], f64, f64)], bounds: Bounds) -> Result<Diagnos
     let data = Data::new(2, coordinates, stand_in.clone())?;
     let fit = |model: &Model| -> Result<f64> { Ok(Regression::fit(model, &data)?.r_squared().unwrap_or(f64::NAN)) };
     Ok(Diagnostics {
-        rank_correlation: correlation(&ranks(&model), &ranks(&stand_in)),
+        rank_correlation: rank_correlation(&model, &stand_in),
         better_than_model: better,
         additive_fit: fit(&Model::additive_quadratic(2)?)?,
         quadratic_fit: fit(&Model::quadratic(2)?)?,
     })
-}
-
-/// Ranks from 0, equal values with their mean rank.
-pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-    let mut ranks = vec![0.0; values.len()];
-    let mut first = 0;
-    for same in order.chunk_by(|a, b| values[*a].total_cmp(&values[*b]).is_eq()) {
-        let mean = first as f64 + (same.len() - 1) as f64 / 2.0;
-        same.iter().for_each(|index| ranks[*index] = mean);
-        first += same.len();
-    }
-    ranks
-}
-
-/// Pearson's; 0 where one does not vary.
-pub(crate) fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (ma, mb) = (mean(a), mean(b));
-    let sum = |of: &dyn Fn(f64, f64) -> f64| a.iter().zip(b).map(|(x, y)| of(x - ma, y - mb)).sum::<f64>();
-    let (aa, bb) = (sum(&|x, _| x * x), sum(&|_, y| y * y));
-    if aa > 0.0 && bb > 0.0 { sum(&|x, y| x * y) / (aa * bb).sqrt() } else { 0.0 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// scipy.stats.spearmanr([1, 2, 2, 4, 7], [3, 1, 4, 4, 9]) is 0.763157894736842.
-    #[test]
-    fn rank_correlation_is_that_of_scipy() {
-        let found = correlation(&ranks(&[1.0, 2.0, 2.0, 4.0, 7.0]), &ranks(&[3.0, 1.0, 4.0, 4.0, 9.0]));
-        assert!((found - 0.763_157_894_736_842).abs() < 1e-12, "{found}");
-        assert!(correlation(&[1.0, 1.0], &[2.0, 3.0]) == 0.0);
-    }
 }

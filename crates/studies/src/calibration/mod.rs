@@ -21,11 +21,9 @@ use anyhow::{Context as _, Result, ensure};
 use rayon::prelude::*;
 
 use crate::reproduction::progress;
-pub(crate) use candidate::Candidate;
 #[cfg(any(feature = "identification", feature = "ensemble"))]
-pub(crate) use landscape::{correlation, ranks};
-
 use attempt::Attempt;
+pub(crate) use candidate::Candidate;
 use candidate::{Flown, fly};
 use default_plant::DefaultPlant;
 use evidence::{Aims, Found};

@@ -18,6 +18,7 @@ use super::store::Store;
 use crate::bat::STAND_IN;
 use crate::first_screen::around;
 use crate::kept;
+use crate::words::digits;
 
 const PAGE: &str = "docs/results-calibration.md";
 const PICTURE: &str = "docs/results-calibration.svg";
@@ -378,15 +379,6 @@ fn ranges_table(calibration: &Calibration, store: &Store) -> Table {
         ]);
     }
     table
-}
-
-/// Three digits.
-fn digits(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let decimals = (2 - value.abs().log10().floor() as i32).max(0) as usize;
-    if decimals > 5 { format!("{value:.2e}") } else { format!("{value:.decimals$}") }
 }
 
 fn picture(calibration: &Calibration, store: &Store) -> String {

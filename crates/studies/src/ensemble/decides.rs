@@ -12,7 +12,7 @@ use super::file::Setup;
 use super::judge::Judged;
 use super::kept::Case;
 use super::row::{Study, World};
-use crate::calibration::{correlation, ranks};
+use crate::correlation::{correlation, ranks};
 
 /// Random orders of the plants.
 pub(super) const N_ORDERS: usize = 999;

@@ -13,7 +13,7 @@ use super::which::Which;
 use crate::bat::STAND_IN;
 use crate::first_screen::around;
 use crate::kept;
-use crate::words::{capitalized, number, signed};
+use crate::words::{capitalized, digits, number, signed};
 
 const PAGE: &str = "docs/results-identification.md";
 const PICTURE: &str = "docs/results-identification.svg";
@@ -381,15 +381,6 @@ fn left_open(loops: &[LoopSeen<'_>]) -> String {
         }
     }
     text
-}
-
-/// Three digits.
-fn digits(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let decimals = (2 - value.abs().log10().floor() as i32).max(0) as usize;
-    if decimals > 5 { format!("{value:.2e}").replace('-', "−") } else { number(value, decimals) }
 }
 
 fn picture(study: &Study, loops: &[LoopSeen<'_>]) -> String {
