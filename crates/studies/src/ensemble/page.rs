@@ -124,12 +124,33 @@ fn markdown((setup, store): (&Setup, &Store), cases: &[Case<'_>], all: &[Both], 
     );
     text +=
         &format!("\n{HOW}\n\n{WORLDS}\n\n## The rule for each word\n\n{}\n\n", rule(setup.campaigns.random_designs));
-    text += "## Claim by claim\n\n";
+    text += &claim_by_claim(all, cases);
+    text += &who_chooses(setup, cases);
+    text += &what_designs_show(cases);
+    text += &curves_words(setup, cases);
+    text += &what_is_left(setup, cases, all);
+    text += &seen_by_cameras(setup, cases);
+    text += &evidence::section(all, cases);
+    text += &beyond.section();
+    text += &decided(setup, cases, all);
+    text += "\n## What was estimated\n\nOf the moving world the dissertation says nothing.\n\n";
+    text += &tables::estimates(&setup.estimates()).markdown();
+    text
+}
+
+/// What became of each claim, and who else meets it.
+fn claim_by_claim(all: &[Both], cases: &[Case<'_>]) -> String {
+    let mut text = "## Claim by claim\n\n".to_owned();
     text += &tables::claims(all).markdown();
     text += "\n## Who else meets it\n\nClaims about the end of the loop that come out somewhere: in how many per cent of the cases it meets them, and \
              in how many those who do not use it, or a model. Beside the model's optimum, or the loop's first design, as above.\n\n";
     text += &tables::met_by_others(all, cases).markdown();
-    text += &format!(
+    text
+}
+
+/// How good the designs are that each method chooses, and where they lie.
+fn who_chooses(setup: &Setup, cases: &[Case<'_>]) -> String {
+    let mut text = format!(
         "\n## Who chooses how well\n\nWith equal numbers of experiments, except for those who make none. Medians over plants and seeds with \
          quartiles. {BEST_KNOWN} {}\n\n",
         sentences::at_bound(setup, cases)
@@ -141,15 +162,24 @@ fn markdown((setup, store): (&Setup, &Store), cases: &[Case<'_>], all: &[Both], 
     text += "\n![Cost above the best known against experiments](results-ensemble-regret.svg)\n\nMedians over all plants and seeds, and \
              quartiles; what is less than 0.1 % is drawn there. At 0 experiments: the optimum of the numerical model. In Chapter 4 the loop's design of an \
              iteration is the one around which its experiments are made, so that the first is the same.\n\n";
-    text += "## What designs show\n\nMedians over plants and seeds with quartiles.\n\n";
+    text
+}
+
+/// The readings of designs, in a table and iteration by iteration.
+fn what_designs_show(cases: &[Case<'_>]) -> String {
+    let mut text = "## What designs show\n\nMedians over plants and seeds with quartiles.\n\n".to_owned();
     text += &tables::flights(cases).markdown();
     text += "\n![Chapter 4, iteration by iteration](results-ensemble-chapter4.svg)\n\nWhat Figures 16 to 18 and Table 3 show of one campaign, over all: the \
              designs of the dissertation's loop, means over their flights. At the first stands the optimum of the model.\n";
     text += "\n![Chapter 7, 2 parameters, iteration by iteration](results-ensemble-chapter7-two.svg)\n\nWhat Figures 20, 22, 24, 26 and 28 show of one \
              campaign, and of Figure 27 the roll offset and the zenith angle, over all; at 0 the optimum of the model. With four parameters:\n";
     text += "\n![Chapter 7, 4 parameters, iteration by iteration](results-ensemble-chapter7-four.svg)\n";
-    text += &curves_words(setup, cases);
-    text += "\n## What is left of the space\n\nAfter each iteration of the dissertation's loop, median over plants and seeds with quartiles.\n\n";
+    text
+}
+
+/// What is left of the space, and what experiments scatter by.
+fn what_is_left(setup: &Setup, cases: &[Case<'_>], all: &[Both]) -> String {
+    let mut text = "\n## What is left of the space\n\nAfter each iteration of the dissertation's loop, median over plants and seeds with quartiles.\n\n".to_owned();
     let published = |study: Study, step: usize| {
         let case = setup.chapter7.cases.get(usize::from(study == Study::Four))?;
         Some(case.published.get(step)?.share)
@@ -164,9 +194,14 @@ fn markdown((setup, store): (&Setup, &Store), cases: &[Case<'_>], all: &[Both], 
         100.0 * setup.chapter7.file.noise.share
     );
     text += &tables::noise(cases).markdown();
-    text += "\n## Seen by cameras\n\nWith cameras a flight takes several times as long, so that in campaigns the state is known. Here the model's optimum and one last design of \
+    text
+}
+
+/// Designs flown again before cameras.
+fn seen_by_cameras(setup: &Setup, cases: &[Case<'_>]) -> String {
+    let mut text = "\n## Seen by cameras\n\nWith cameras a flight takes several times as long, so that in campaigns the state is known. Here the model's optimum and one last design of \
              each plant are flown again with the three cameras of `sensing.toml`, whose dots may leave the view: then the pose is held. Medians \
-             over plants.\n\n";
+             over plants.\n\n".to_owned();
     text += &tables::cameras(cases).markdown();
     text += &format!("\n{}\n", sentences::blind_cameras(setup, cases));
     text += &format!(
@@ -182,11 +217,6 @@ fn markdown((setup, store): (&Setup, &Store), cases: &[Case<'_>], all: &[Both], 
         curves::BIN_S,
         curves::table_of_headings(setup, cases).markdown()
     );
-    text += &evidence::section(all, cases);
-    text += &beyond.section();
-    text += &decided(setup, cases, all);
-    text += "\n## What was estimated\n\nOf the moving world the dissertation says nothing.\n\n";
-    text += &tables::estimates(&setup.estimates()).markdown();
     text
 }
 
