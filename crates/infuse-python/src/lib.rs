@@ -7,9 +7,9 @@
 mod arrays;
 mod background;
 mod designs;
+mod dissertation;
 mod error;
 mod flights;
-mod global;
 mod parameters;
 mod pooled;
 mod saved;
@@ -24,7 +24,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Error", module.py().get_type::<error::Error>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<pooled::PooledLoop>()?;
-    module.add_class::<global::GlobalLoop>()?;
+    module.add_class::<dissertation::DissertationLoop>()?;
     module.add_class::<surfaces::Regression>()?;
     module.add_class::<surfaces::InverseDistance>()?;
     module.add_class::<surfaces::SquaredExponential>()?;

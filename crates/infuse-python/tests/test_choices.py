@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 import infuse
-from infuse import GlobalLoop, Parameter, PooledLoop
+from infuse import DissertationLoop, Parameter, PooledLoop
 
 PARAMETERS = [Parameter("spring", "N/mm", 0.0, 10.0, levels=11), Parameter.choice("pad", ["foam", "film", "wood"])]
 OFFSET = {"foam": 2.0, "film": 0.0, "wood": 5.0}
@@ -60,6 +60,6 @@ def test_data_frames_hold_names() -> None:
 
 def test_what_needs_numbers_refuses_choices() -> None:
     with pytest.raises(infuse.Error, match="pad"):
-        GlobalLoop(PARAMETERS, "linear", 6, 8)
+        DissertationLoop(PARAMETERS, "linear", 6, 8)
     with pytest.raises(infuse.Error, match="pad"):
         infuse.doe.search(PARAMETERS, 8)

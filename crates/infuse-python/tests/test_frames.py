@@ -9,7 +9,7 @@ import pandas
 import pytest
 
 from conftest import SPRING_AND_DAMPER, Refused, rig, simulation
-from infuse import Constraint, Error, GlobalLoop, Parameter, PooledLoop, doe, flights, surface
+from infuse import Constraint, Error, DissertationLoop, Parameter, PooledLoop, doe, flights, surface
 
 VARIABLES = ["center_of_mass", "pitch_set_point"]
 TRAVEL = [Constraint("travel", upper=5.0)]
@@ -145,7 +145,7 @@ def test_settings_are_written_as_in_a_sheet_and_still_count_as_asked() -> None:
 
 
 def test_the_dissertations_loop_shows_every_trial_of_a_batch_that_is_open() -> None:
-    loop = GlobalLoop(SPRING_AND_DAMPER, "quadratic", 9, 12, max_batches=2)
+    loop = DissertationLoop(SPRING_AND_DAMPER, "quadratic", 9, 12, max_batches=2)
     for trial in loop.ask(simulation):
         loop.tell(trial.id, rig(trial.settings))
     first = loop.ask(simulation)[0]
@@ -156,6 +156,6 @@ def test_the_dissertations_loop_shows_every_trial_of_a_batch_that_is_open() -> N
     assert table["value"].notna().sum() == 10 and table["value"][9] == 1.0
     n_left = len(loop.outstanding())
     assert loop.tell_frame(table.assign(value=table["value"].fillna(2.0))) == n_left and loop.batch == 2
-    with pytest.raises(AttributeError, match="`GlobalLoop` has no `correct`, `PooledLoop` has: the surfaces of a closed"):
+    with pytest.raises(AttributeError, match="`DissertationLoop` has no `correct`, `PooledLoop` has: the surfaces of a closed"):
         loop.correct(1, 2.0)  # type: ignore[attr-defined]
     assert not hasattr(loop, "change")

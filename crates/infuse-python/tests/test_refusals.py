@@ -10,7 +10,7 @@ import pandas
 import pytest
 
 from conftest import SPRING_AND_DAMPER, Refused
-from infuse import Constraint, Error, GlobalLoop, LinearConstraint, Parameter, Plants, PooledLoop, doe, surface
+from infuse import Constraint, Error, DissertationLoop, LinearConstraint, Parameter, Plants, PooledLoop, doe, surface
 
 LEVELS = [Parameter("x", "mm", 0.0, 10.0, levels=11)]
 PAD = [Parameter("spring", "N/mm", 10.0, 50.0, levels=9), Parameter.choice("pad", ["foam", "film", "wood"])]
@@ -27,8 +27,8 @@ def pooled(n_experiments: Any = 3, **settings: Any) -> PooledLoop:
     return PooledLoop(LEVELS, n_experiments, **settings)
 
 
-def dissertation(**settings: Any) -> GlobalLoop:
-    return GlobalLoop(SPRING_AND_DAMPER, "linear", 6, 8, **settings)
+def dissertation(**settings: Any) -> DissertationLoop:
+    return DissertationLoop(SPRING_AND_DAMPER, "linear", 6, 8, **settings)
 
 
 def test_numbers_of_numpy_are_numbers() -> None:
@@ -119,7 +119,7 @@ def test_names_are_refused_as_the_shell_refuses_them() -> None:
         parameter = Parameter(name, "", 0.0, 1.0, levels=5)
         check([
             (lambda: PooledLoop([parameter], 3), f"`{name}` {heading}"),
-            (lambda: GlobalLoop([parameter], "linear", 3, 3), f"`{name}` {heading}"),
+            (lambda: DissertationLoop([parameter], "linear", 3, 3), f"`{name}` {heading}"),
         ])
 
 

@@ -30,7 +30,7 @@ def test_pooled_campaign(rust: Dict[str, Any]) -> None:
 
 
 def test_global_campaign(rust: Dict[str, Any]) -> None:
-    loop = infuse.GlobalLoop(SPRING_AND_DAMPER, "quadratic", 9, 12, max_batches=2, seed=7)
+    loop = infuse.DissertationLoop(SPRING_AND_DAMPER, "quadratic", 9, 12, max_batches=2, seed=7)
     loop.run(simulation, rig)
     assert loop.reports() == rust["global"]
 

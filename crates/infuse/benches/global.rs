@@ -1,4 +1,4 @@
-//! One batch of the global loop, and what of it is the scan over the cells: `cargo bench -p infuse-loop`.
+//! One batch of the dissertation's loop, and what of it is the scan over the cells: `cargo bench -p infuse-loop`.
 
 use design_space::{Cell, Model, Parameter, Region};
 use divan::Bencher;

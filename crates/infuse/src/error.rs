@@ -228,7 +228,7 @@ pub enum Error {
         /// Why the surface could not be fitted.
         reason: surface::Error,
     },
-    /// Designs that the next batch of the global loop cannot be opened with.
+    /// Designs that the next batch of the dissertation's loop cannot be opened with.
     #[error("the plan of batch {batch} is not usable, expected {expected}")]
     Plan {
         /// The batch, from 1.

@@ -46,6 +46,11 @@ impl Finding {
         self
     }
 
+    /// The same with sentences that belong to it, each shown below it.
+    pub fn with_sentences(self, sentences: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        sentences.into_iter().map(Finding::new).fold(self, Finding::detail)
+    }
+
     /// What is said.
     pub fn sentence(&self) -> &str {
         &self.sentence
@@ -96,6 +101,8 @@ mod tests {
             .detail(Finding::new("4.2 N there.").with("force", 4.201, "N").detail(Finding::new("Measured twice.")));
         assert_eq!(finding.to_string(), "Best: gap 3 mm.\n  4.2 N there.\n    Measured twice.\n");
         assert_eq!(finding.markdown(), "- Best: gap 3 mm.\n  - 4.2 N there.\n    - Measured twice.\n");
+        let sentences = Finding::new("Best: gap 3 mm.").with_sentences(["4.2 N there.", "Measured twice."]);
+        assert_eq!(sentences.markdown(), "- Best: gap 3 mm.\n  - 4.2 N there.\n  - Measured twice.\n");
         assert_eq!(finding.numbers()[0].name, "gap");
         assert_eq!(finding.details()[0].sentence(), "4.2 N there.");
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::rules::Judged;
 pub(crate) use crate::rules::Verdict;
-use crate::words::capitalized;
+use crate::words::{capitalized, sentences};
 use page::{Column, Finding, Table};
 
 /// Where the dissertation says it; in the order in which the claims are listed.
@@ -152,8 +152,7 @@ const ELSEWHERE: &str = "The words are those of the [page over all chapters](rep
 
 /// The same for a page of `docs/`.
 pub(crate) fn by_verdict_markdown(claims: &[Claim]) -> String {
-    let list: String = by_verdict(claims).iter().map(Finding::markdown).collect();
-    format!("## {BY_VERDICT}\n\n{list}\n{ELSEWHERE}\n")
+    format!("## {BY_VERDICT}\n\n{}\n{ELSEWHERE}\n", markdown(&by_verdict(claims)))
 }
 
 /// Claims with what became of them, for the page of their study.
@@ -166,16 +165,37 @@ pub(crate) fn table<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Table {
     table
 }
 
-/// What the latest run found about each, to be read below the table.
-pub(crate) fn found<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Vec<String> {
-    claims.into_iter().map(|claim| format!("{}, {}: {}", claim.place, claim.words(), claim.found)).collect()
+/// Letters of a claim and a sentence about it that stand on one line.
+const LONGEST: usize = 300;
+
+/// What the latest run found about each, to be read below the table: a sentence beside the claim, more of them below it.
+pub(crate) fn found<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Vec<Finding> {
+    let finding = |claim: &Claim| {
+        let head = format!("{}, {}:", claim.place, claim.words());
+        match sentences(&claim.found).as_slice() {
+            [one] if head.len() + one.len() <= LONGEST => Finding::new(format!("{head} {one}")),
+            all => below(&head, all),
+        }
+    };
+    claims.into_iter().map(finding).collect()
 }
 
 /// What decides each, with its verdict.
-pub(crate) fn decided(claims: &[Claim]) -> Vec<String> {
-    let words =
-        |claim: &Claim| format!("{}, {}: {}. {}", claim.place, claim.words(), claim.verdict_words(), claim.found);
-    claims.iter().map(words).collect()
+pub(crate) fn decided(claims: &[Claim]) -> Vec<Finding> {
+    let finding = |claim: &Claim| {
+        let head = format!("{}, {}: {}.", claim.place, claim.words(), claim.verdict_words());
+        below(&head, &sentences(&claim.found))
+    };
+    claims.iter().map(finding).collect()
+}
+
+fn below(head: &str, sentences: &[&str]) -> Finding {
+    Finding::new(head).with_sentences(sentences.iter().copied())
+}
+
+/// Findings as a list of a page of `docs/`.
+pub(crate) fn markdown(findings: &[Finding]) -> String {
+    findings.iter().map(Finding::markdown).collect()
 }
 
 /// What stands above them.
@@ -222,6 +242,17 @@ mod tests {
             "## What became of the claims\n\n- Reproduced, 1 of 3:\n  - It costs.\n- Not reproduced, 2 of 3:\n  - It flies: 0 of \
              20.\n  - It turns."
         );
+    }
+
+    #[test]
+    fn sentences_stand_below_a_claim_where_there_are_more_than_one() {
+        let claim = |found: &str| Claim::given(Place::Table(1), "It flies", Verdict::Reproduced, found.to_owned());
+        let claims = [claim("It does, (55)."), claim("It does at 3.5 s. So it was.")];
+        assert_eq!(
+            markdown(&found(&claims)),
+            "- Table 1, It flies: It does, (55).\n- Table 1, It flies:\n  - It does at 3.5 s.\n  - So it was.\n"
+        );
+        assert_eq!(markdown(&decided(&claims[..1])), "- Table 1, It flies: reproduced.\n  - It does, (55).\n");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result, ensure};
 #[cfg(feature = "benchmark")]
 use serde::{Serialize, de::DeserializeOwned};
 
-/// Writes texts to their places, which are told.
+/// Writes texts to their places, and says which.
 pub(crate) fn write(root: &Path, texts: &[(&str, String)]) -> Result<()> {
     for (path, text) in texts {
         std::fs::write(root.join(path), text).with_context(|| (*path).to_owned())?;

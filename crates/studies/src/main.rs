@@ -3,7 +3,7 @@
     not(feature = "ensemble"),
     expect(
         dead_code,
-        reason = "some of what the studies share is for those with the global loop, or for the page over all"
+        reason = "some of what the studies share is for those with the dissertation's loop, or for the page over all"
     )
 )]
 
@@ -22,6 +22,8 @@ mod chapter6;
 #[cfg(feature = "global")]
 mod chapter7;
 mod claims;
+#[cfg(feature = "calibration")]
+mod correlation;
 mod costs;
 #[cfg(feature = "global")]
 mod decisive;

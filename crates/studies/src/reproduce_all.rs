@@ -11,8 +11,9 @@ use crate::exemptions;
 use crate::first_screen::FirstScreen;
 use crate::handover::Handover;
 use crate::memory;
-use crate::reproduction::{self, Extent, Picture, Reproduction, markdown_list};
+use crate::reproduction::{self, Extent, Picture, Reproduction};
 use crate::rules::{self, Verdict};
+use crate::words::counted;
 use page::{Axis, Column, CountFigure, Finding, Link, Page, Table, count_figure};
 
 const DIRECTORY: &str = "target/reproduction";
@@ -203,7 +204,6 @@ const WIDTHS_PCT: [u32; 5] = [12, 33, 12, 16, 27];
 
 fn count_words<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
     let count = |verdict: Verdict| claims.clone().filter(|claim| claim.verdict == verdict).count();
-    let be = |n: usize, [one, many]: [&str; 2]| format!("{n} {}", if n == 1 { one } else { many });
     let twice = claims.clone().filter(|claim| claim.truth == Truth::StandIn).count();
     let twice = match twice {
         0 => String::new(),
@@ -213,15 +213,15 @@ fn count_words<'a>(claims: impl Iterator<Item = &'a Claim> + Clone) -> String {
         "Of {} claims{twice} {} reproduced, {} in kind, {} in part, and {} not. The others do not count: {} not discriminate, {} partly \
          calibrated, {} calibrated, {}, and {}.",
         claims.clone().count(),
-        be(count(Verdict::Reproduced), ["is", "are"]),
+        counted(count(Verdict::Reproduced), ["is", "are"]),
         count(Verdict::InKind),
         count(Verdict::InPart),
         count(Verdict::NotReproduced),
-        be(count(Verdict::NotDiscriminating), ["does", "do"]),
-        be(count(Verdict::PartlyCalibrated), ["was", "were"]),
+        counted(count(Verdict::NotDiscriminating), ["does", "do"]),
+        counted(count(Verdict::PartlyCalibrated), ["was", "were"]),
         count(Verdict::Calibrated),
-        be(count(Verdict::TakenOver), ["is an input", "are inputs"]),
-        be(count(Verdict::Check), ["is a check", "are checks"])
+        counted(count(Verdict::TakenOver), ["is an input", "are inputs"]),
+        counted(count(Verdict::Check), ["is a check", "are checks"])
     )
 }
 
@@ -282,7 +282,7 @@ fn page(
     page.heading("Claim by claim");
     page.prose_table(&table(listed, over), CLAIM_CAPTION, &WIDTHS_PCT);
     page.paragraph(claims::FOUND);
-    page.list(&claims::found(listed.iter().map(|one| one.claim)));
+    claims::found(listed.iter().map(|one| one.claim)).iter().for_each(|finding| page.finding(finding));
     page.prose_table(&exemptions::table(), EXEMPT_CAPTION, &exemptions::WIDTHS_PCT);
     for excerpt in chapters.iter().flat_map(|chapter| &chapter.handover.excerpts) {
         excerpt.show_in(&mut page);
@@ -313,11 +313,12 @@ fn markdown(listed: &[Listed<'_>], over: &Over, first: &str) -> String {
     format!(
         "# What of the dissertation comes out\n\n{first}\n\
          Written by `cargo xtask reproduce-all`; `cargo xtask ci` fails when this page is not what the command finds.\n\n\
-         {NOTE}\n\n{}\n{CASES}\n\n{CLAIM_CAPTION} {OF_ENSEMBLE}\n\n{}\n{}\n\n{}\n{EXEMPT_CAPTION}\n\n{}",
+         {NOTE}\n\n## The rule for each word\n\n{}\n{CASES}\n\n## Claim by claim\n\n{CLAIM_CAPTION} {OF_ENSEMBLE}\n\n{}\n{}\n\n{}\n\
+         ## Without a claim\n\n{EXEMPT_CAPTION}\n\n{}",
         rules::words_markdown(),
         table(listed, over).markdown(),
         claims::FOUND,
-        markdown_list(&claims::found(listed.iter().map(|one| one.claim))),
+        claims::markdown(&claims::found(listed.iter().map(|one| one.claim))),
         exemptions::table().markdown()
     )
 }

@@ -115,8 +115,8 @@ impl Copies {
         let copies = Self(tempfile::tempdir().expect("a folder"));
         let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         for name in names.iter().map(|name| Path::new(BAT).join(name)) {
-            let folder = copies.root().join(&name);
-            std::fs::create_dir_all(folder.parent().expect("its folder")).expect("a folder");
+            let folder = name.parent().map(|folder| copies.root().join(folder));
+            folder.map(std::fs::create_dir_all).transpose().expect("a folder");
             std::fs::copy(fixtures.join(&name), copies.root().join(&name)).expect("a copy");
         }
         copies

@@ -168,7 +168,7 @@ impl Data {
         &self.weights
     }
 
-    /// Indices of the points of positive weight, grouped by place: points with the same coordinates are replicates.
+    /// Indices of the points of positive weight, grouped by place: points with the same coordinates are repeats.
     #[must_use]
     pub fn sites(&self) -> Vec<Vec<usize>> {
         let mut order: Vec<usize> = (0..self.n_points()).filter(|&point| self.weights[point] > 0.0).collect();

@@ -158,7 +158,7 @@ pub enum Error {
     /// No degrees of freedom for pure error or for lack of fit.
     #[error(
         "{n_points} points at {n_sites} places and {n_terms} terms leave no test for lack of fit, expected more points \
-         than places (replicates) and more places than terms"
+         than places (repeats) and more places than terms"
     )]
     NoLackOfFitTest {
         /// Number of points with a weight above zero.

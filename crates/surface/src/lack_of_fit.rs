@@ -1,4 +1,4 @@
-//! Whether a regression misses more than the scatter of replicates explains.
+//! Whether a regression misses more than the scatter of repeats explains.
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
@@ -7,7 +7,7 @@ use crate::{Error, Regression};
 /// Estimates within this of the values, relative, agree with them.
 const ROUNDING: f64 = 1e-13;
 
-/// The residual sum of squares, split by replicates into pure error and lack of fit, and the F test of the two.
+/// The residual sum of squares, split by repeats into pure error and lack of fit, and the F test of the two.
 ///
 /// With n points of positive weight at m places and p terms:
 ///
@@ -27,14 +27,14 @@ pub struct LackOfFit {
     pub lack_of_fit: f64,
     /// m − p.
     pub lack_of_fit_degrees: usize,
-    /// Ratio of the mean squares: infinite if replicates agree exactly and the model misses them, 0 if it does not.
+    /// Ratio of the mean squares: infinite if repeats agree exactly and the model misses them, 0 if it does not.
     pub f: f64,
     /// Probability of at least this F if the model is right and the errors are normal.
     pub p_value: f64,
 }
 
 impl Regression {
-    /// The test for lack of fit against pure error. Points with exactly the same coordinates are replicates.
+    /// The test for lack of fit against pure error. Points with exactly the same coordinates are repeats.
     ///
     /// Pure error is meant to be scatter of repeated observations: an experiment and a simulation of the same point
     /// differ by more than that, and pooling them hides lack of fit.

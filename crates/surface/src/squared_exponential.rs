@@ -75,7 +75,7 @@ impl SquaredExponential {
     /// A surface with the scale that predicts each place best from the other places.
     ///
     /// The source leaves c to the user. This rule takes the least weighted mean square of the residuals when all
-    /// points of one place are left out together: were replicates left out one by one, each would be predicted by
+    /// points of one place are left out together: were repeats left out one by one, each would be predicted by
     /// its partners and the scale would grow without bound. [`ScaleChoice`] tells how it went.
     ///
     /// # Errors

@@ -133,7 +133,7 @@ impl Channel {
         let flight = fly(&FlightRequest { rig, fidelity }, &self.profile, &FlightSettings::with_steps(1))?;
         if let Some(held) = flight.held_share.filter(|held| *held > 0.0) {
             eprintln!(
-                "warning: {:.1} % of the images gave no pose: the controller was told the last one again",
+                "warning: {:.1} % of the images gave no pose: the controller was given the last one again",
                 100.0 * held
             );
         }

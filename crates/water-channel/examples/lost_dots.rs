@@ -1,4 +1,4 @@
-//! A pair of dots leaves the view of the camera below: the heading that is told stands still, and jumps when they are back.
+//! A pair of dots leaves the view of the camera below: the heading that is reported stands still, and jumps when they are back.
 //!
 //! An argument names a CSV file for the samples; Figure 26 of the dissertation shows such spikes.
 #![expect(clippy::print_stdout, reason = "an example talks")]
@@ -27,14 +27,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let time_s = 0.025 * f64::from(sample);
         let heading_rad = 40.0_f64.to_radians() * time_s / 30.0 * (2.0 * PI * time_s / 6.0).sin();
         let truth = Pose { position_m: [-0.15, 0.0, -0.56], roll_rad: 0.0, pitch_rad: 0.2, heading_rad };
-        let told = tracker.observe(&truth);
-        let error_rad = (told.pose.heading_rad - heading_rad).abs();
-        match told.hold {
+        let reported = tracker.observe(&truth);
+        let error_rad = (reported.pose.heading_rad - heading_rad).abs();
+        match reported.hold {
             None => largest_seen = largest_seen.max(error_rad),
             Some(_) => (held, largest) = (held + 1, largest.max(error_rad)),
         }
-        let code = told.hold.map_or(0, water_channel::Hold::code);
-        let (estimated, dots) = (told.pose.heading_rad, told.dots_seen);
+        let code = reported.hold.map_or(0, water_channel::Hold::code);
+        let (estimated, dots) = (reported.pose.heading_rad, reported.dots_seen);
         csv += &format!("{time_s},{heading_rad},{estimated},{dots},{code}\n");
     }
     println!("{held} of 1201 samples are held for want of dots");

@@ -43,7 +43,7 @@ pub struct Flight {
     pub final_state: FlightState,
     /// What the turbine of the test gave and the winches took, if the test has one.
     pub energy: Option<Energy>,
-    /// The share of its images of which no pose could be had, so that the controller was told the last one again; none without
+    /// The share of its images of which no pose could be had, so that the controller was given the last one again; none without
     /// cameras.
     pub held_share: Option<f64>,
     /// The cameras that saw no dot in any image, by their place in [`Sensing::cameras`](crate::Sensing::cameras): the others
@@ -90,14 +90,14 @@ impl<'a> Tables<'a> {
         Self { profile, course: None, last: None }
     }
 
-    /// With what the tables of all flights share that have the sample time of `first`; an error is told where it flies.
+    /// With what the tables of all flights share that have the sample time of `first`; an error is said where it flies.
     pub(crate) fn seeded(profile: &'a TestProfile, first: &FlightRequest) -> Self {
         let mut tables = Self::of(profile);
         let _: Result<_, Error> = tables.course_at(first.rig.sample_time_s);
         tables
     }
 
-    /// With the table that `first` needs, which flights without seeds of their own will share; an error is told where it flies.
+    /// With the table that `first` needs, which flights without seeds of their own will share; an error is said where it flies.
     pub(crate) fn shared_with(profile: &'a TestProfile, first: &FlightRequest) -> Self {
         let mut tables = Self::of(profile);
         let _: Result<_, Error> = tables.get(first.rig.sample_time_s, None);

@@ -92,7 +92,7 @@ pub(crate) struct Sample<'a, T, const N: usize> {
     pub(crate) control: &'a Control<N>,
 }
 
-/// What the controllers were told at one sample, and what they asked for.
+/// What the controllers were given at one sample, and what they asked for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Control<const N: usize> {
     /// What the cameras make of the state, where there are any.

@@ -40,7 +40,7 @@ pub struct LogRow {
     pub commands_m_s: [f64; 3],
     /// Line tensions: center, starboard, port.
     pub tensions_n: [f64; 3],
-    /// What the cameras told the controller, where the rig has cameras.
+    /// What the cameras gave the controller, where the rig has cameras.
     pub estimate: Option<Estimate>,
 }
 
@@ -122,7 +122,7 @@ impl LogRow {
 /// | the twelve states: `zenith`, `azimuth`, `twist`, their `_rate`, `line_` and `reel_` of the three lines | rad, rad/s, m, m/s |
 /// | `command_` and `tension_` of `center`, `starboard`, `port` | m/s, N |
 ///
-/// A flight with cameras has nine more, which say what the controller was told at the sample:
+/// A flight with cameras has nine more, which say what the controller was given at the sample:
 ///
 /// | columns | unit |
 /// |---|---|

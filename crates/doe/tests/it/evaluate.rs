@@ -182,7 +182,7 @@ fn saturated_designs_have_full_leverage_and_nothing_to_check_with() {
 }
 
 #[test]
-fn replicates_and_runs_outside_are_told() {
+fn replicates_and_runs_outside_are_named() {
     let design = Design::new(1, vec![-1.0, 0.0, 1.0, 0.0, 1.5, 0.0]).unwrap();
     let evaluation = evaluated(&Model::quadratic(1).unwrap(), &design);
     assert_eq!(evaluation.replicates, [vec![1, 3, 5]]);

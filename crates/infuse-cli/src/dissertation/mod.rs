@@ -1,4 +1,4 @@
-//! Campaigns of the dissertation's global loop: a surface per batch, tests that drop designs, a corrected simulation.
+//! Campaigns of the dissertation's loop: a surface per batch, tests that drop designs, a corrected simulation.
 
 mod apply;
 mod campaign;

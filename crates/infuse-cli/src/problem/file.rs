@@ -173,7 +173,7 @@ pub(crate) enum Method {
     /// All data in one surface, with the simulation inside.
     #[default]
     Pooled,
-    /// The global loop of the dissertation, batch by batch.
+    /// The dissertation's loop, batch by batch.
     Dissertation,
 }
 

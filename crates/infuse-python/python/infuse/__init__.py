@@ -1,9 +1,9 @@
 """Experimentally infused optimization: a wrong model, few experiments, and a loop that corrects the one by the other.
 
 `PooledLoop` says which experiments to run next, which design to build, and how much better another may be.
-`GlobalLoop` is the loop of Deodhar's dissertation. `infuse.doe` finds optimal designs, `infuse.surface` fits response
-surfaces, `infuse.flights` flies the tethered turbine of the case study. The work is done by the Rust libraries of the
-same names; the same seed gives the same bits here and there.
+`DissertationLoop` is the loop of Deodhar's dissertation. `infuse.doe` finds optimal designs, `infuse.surface` fits
+response surfaces, `infuse.flights` flies the tethered turbine of the case study. The work is done by the Rust libraries
+of the same names; the same seed gives the same bits here and there.
 
 >>> import infuse
 >>> loop = infuse.PooledLoop(
@@ -27,8 +27,8 @@ same names; the same seed gives the same bits here and there.
 from infuse import doe, flights, surface
 from infuse._native import Error, __version__
 from infuse._parameters import Parameter, Settings, with_frames
-from infuse.dissertation import Assessment as GlobalAssessment
-from infuse.dissertation import Loop as GlobalLoop
+from infuse.dissertation import Assessment as DissertationAssessment
+from infuse.dissertation import Loop as DissertationLoop
 from infuse.dissertation import Outlook, RegretBound
 from infuse.pooled import (
     Assessment,
@@ -51,9 +51,9 @@ __all__ = [
     "Constrained",
     "Constraint",
     "Contradiction",
+    "DissertationAssessment",
+    "DissertationLoop",
     "Error",
-    "GlobalAssessment",
-    "GlobalLoop",
     "LinearConstraint",
     "Outlier",
     "Outlook",

@@ -79,7 +79,7 @@ class Assessment:
 
 
 class Loop:
-    """The global loop over every combination of levels, as ask and tell; `infuse.GlobalLoop` is this class.
+    """The dissertation's loop over every combination of levels; `infuse.DissertationLoop` is this class.
 
     `model` is `"linear"`, `"additive quadratic"`, `"quadratic"`, or a list with the exponents of each term. Other
     settings of the Rust library, such as `replicates`, `confidence`, `first_screening`, `careful` or `correction`, go by
@@ -114,11 +114,11 @@ class Loop:
             "max_batches": max_batches,
             **settings,
         }
-        self._loop = _native.GlobalLoop(tuples_of(parameters), _model(model), as_json(every))
+        self._loop = _native.DissertationLoop(tuples_of(parameters), _model(model), as_json(every))
         self._parameters = list(parameters)
 
     @classmethod
-    def _around(cls, loop: _native.GlobalLoop) -> "Loop":
+    def _around(cls, loop: _native.DissertationLoop) -> "Loop":
         self = cls.__new__(cls)
         self._loop = loop
         self._parameters = [of_tuple(parameter) for parameter in loop.parameters()]
@@ -243,7 +243,7 @@ class Loop:
 
     @classmethod
     def _of_json(cls, text: str) -> "Loop":
-        return cls._around(_native.GlobalLoop.from_json(text))
+        return cls._around(_native.DissertationLoop.from_json(text))
 
     def __reduce__(self) -> Tuple[Any, ...]:
         return type(self)._of_json, (self._loop.to_json(),)
@@ -258,11 +258,11 @@ class Loop:
 
         def __getattr__(self, name: str) -> Any:
             if name in _LACKING:
-                raise AttributeError(f"`GlobalLoop` has no `{name}`, `PooledLoop` has: {_LACKING[name]}")
-            raise AttributeError(f"`GlobalLoop` has no `{name}`")
+                raise AttributeError(f"`DissertationLoop` has no `{name}`, `PooledLoop` has: {_LACKING[name]}")
+            raise AttributeError(f"`DissertationLoop` has no `{name}`")
 
     def __repr__(self) -> str:
-        return f"GlobalLoop({', '.join(self._names)}: {self.batch} batches closed)"
+        return f"DissertationLoop({', '.join(self._names)}: {self.batch} batches closed)"
 
 
 _LACKING = {

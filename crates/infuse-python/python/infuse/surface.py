@@ -120,7 +120,7 @@ class Regression(_Surface):
         return self._surface.variance(self._at(points))
 
     def lack_of_fit(self) -> Tuple[float, float]:
-        """F of the test against the scatter of replicates, and its probability if the model is right."""
+        """F of the test against the scatter of repeats, and its probability if the model is right."""
         return self._surface.lack_of_fit()
 
 

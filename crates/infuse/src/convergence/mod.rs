@@ -1,7 +1,7 @@
 //! How far a corrected model can be from the truth, and what that says about a design: Section 5.4 and Chapter 6,
 //! repaired and extended.
 //!
-//! The global loop corrects the model everywhere, by the difference of two fitted surfaces, Ĵexp of the experiments and
+//! The dissertation's loop corrects the model everywhere, by the difference of two fitted surfaces, Ĵexp of the experiments and
 //! Ĵsim of the simulations. A [`Rule`](crate::correction::Rule) says how, [`Bound`] how far the corrected model can then be
 //! from the truth, [`RegretCertificate`] what that means for a design.
 //!
@@ -22,7 +22,7 @@
 //! * In the sup norm a bound eps certifies a design: its true response is above the best by at most its excess in the model plus 2 eps.
 //!   About designs dropped earlier that says nothing unless each was dropped by more than 2 eps; [`possible_optima`] drops no others.
 //!
-//! A global loop takes all this over its own cells, one after the other and without a list of them: `norm_over` is (42) over
+//! The dissertation's loop takes all this over its own cells, one after the other and without a list of them: `norm_over` is (42) over
 //! any M_i of any surface, `certificate` says what an eps promises of p̂*, `possible_optima` which cells are left that may be
 //! better.
 //!

@@ -39,7 +39,7 @@ pub enum Law {
     /// ```
     ///
     /// Do not use it on a rig. It adds up corrections that are sums already, so a constant gap is
-    /// corrected k, 2k, 4k, 8k, ... times. In the global loop its numbers pass what a surface
+    /// corrected k, 2k, 4k, 8k, ... times. In the dissertation's loop its numbers pass what a surface
     /// takes, 1e100, after some 330 batches for a gap of 1, and `tell` then answers with an error; on their own they
     /// overflow after a thousand. It is offered so that one can watch it fail.
     ///

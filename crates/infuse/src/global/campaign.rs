@@ -1,4 +1,4 @@
-//! A campaign of the global loop: its state, and what can be read from it.
+//! A campaign of the dissertation's loop: its state, and what can be read from it.
 
 use std::collections::BTreeSet;
 

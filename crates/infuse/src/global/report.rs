@@ -1,4 +1,4 @@
-//! What a batch of the global loop did, and why a campaign ended.
+//! What a batch of the dissertation's loop did, and why a campaign ended.
 
 use std::fmt;
 

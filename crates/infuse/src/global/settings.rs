@@ -1,4 +1,4 @@
-//! The numbers and choices of the global loop.
+//! The numbers and choices of the dissertation's loop.
 
 use design_space::{Model, Region};
 use doe::SplitMethod;
@@ -72,7 +72,7 @@ pub enum SpreadFallback {
     Stop,
 }
 
-/// The settings of a global loop.
+/// The settings of the dissertation's loop.
 #[non_exhaustive]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -40,7 +40,7 @@ impl Numbered for Trial {
     }
 }
 
-/// A trial of the global loop with what is known of it. `actual` holds the settings really made of all parameters, natural.
+/// A trial of the dissertation's loop with what is known of it. `actual` holds the settings really made of all parameters, natural.
 pub type TrialRecord = Record<Trial, Vec<f64>>;
 
 /// The trials of a batch.

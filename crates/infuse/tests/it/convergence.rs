@@ -1,4 +1,4 @@
-//! The correction laws of the global loop, their bounds and what follows from them.
+//! The correction laws of the dissertation's loop, their bounds and what follows from them.
 
 mod assumption;
 mod bound;

@@ -1,4 +1,4 @@
-//! What a global loop refuses to begin with.
+//! What the dissertation's loop refuses to begin with.
 
 use design_space::{Cell, Model, Parameter, Region};
 use doe::SplitMethod;

@@ -1,8 +1,9 @@
 //! `docs/results-constraints.md`: how often what was promised of a constraint held, and how good the recommended designs are.
 
-use page::{Axis, Column, LineFigure, Panel, Series, Table, line_figure, quantile};
+use page::{Axis, Column, Finding, LineFigure, Panel, Series, Table, line_figure, quantile};
 
 use super::constrained::{ALLOWED, BATCHES, CASES, Case, Row, SEEDS, WAYS, Way};
+use crate::first_screen::around;
 use crate::words::number;
 
 pub(super) const PAGE: &str = "docs/results-constraints.md";
@@ -67,9 +68,9 @@ fn markdown(rows: &[Row]) -> String {
     let mut text = "# Responses within bounds\n\n".to_owned();
     let last = |way: &Way| Came::of(&of(rows, way, |row| row.batch == BATCHES));
     let all = Came::of(&of(rows, &WAYS[0], |_| true));
-    text += &format!(
-        "- Of {} recommended designs of the pooled loop that were said to keep to the bound with 90 % probability or more ({} % on \
-         average), {} % truly do; of the certificates {} % held.\n",
+    let kept = format!(
+        "Of {} recommended designs of the pooled loop that were said to keep to the bound with 90 % probability or more ({} % on \
+         average), {} % truly do; of the certificates {} % held.",
         number((all.n as f64 * all.suffice).round(), 0),
         exactly(all.promised),
         exactly(all.kept),
@@ -82,16 +83,19 @@ fn markdown(rows: &[Row]) -> String {
             format!("{} {} % (90th percentile {} %)", way.words, number(came.median, 2), number(came.p90, 2))
         })
         .collect();
-    text += &format!(
-        "- After {BATCHES} batches the recommended design is, in the median, worse than the best that is allowed by: {}.\n",
+    let worse = format!(
+        "After {BATCHES} batches the recommended design is, in the median, worse than the best that is allowed by: {}.",
         said.join("; ")
     );
-    text += &format!(
-        "\n![Regret among the allowed](results-constraints.svg)\n\nMedian over all families and {SEEDS} seeds, of the recommended designs \
-         that keep to the bound. Lower is better.\n\n"
+    text += &around(
+        &[kept, worse].map(Finding::new),
+        "![Regret among the allowed](results-constraints.svg)",
+        &format!(
+            "Median over all families and {SEEDS} seeds, of the recommended designs that keep to the bound. Lower is better."
+        ),
     );
     text += &format!(
-        "The response is that of a family of the [benchmark](results-benchmark.md), the constrained one that of the same family with \
+        "\nThe response is that of a family of the [benchmark](results-benchmark.md), the constrained one that of the same family with \
          another seed: at most the {} % quantile of all designs. Both are measured with noise, and simulated wrongly. Regret is in percent \
          of the range of the response. In the cases with a choice the last \
          parameter is one of four, at places of its axis in no order. Nothing was tuned on these campaigns. The way that knows nothing of what is promising runs Sobol \

@@ -2,15 +2,16 @@
 
 use std::path::Path;
 
-use crate::first_screen::around;
 use anyhow::{Result, ensure};
-use page::{Axis, Column, LineFigure, Panel, Series, Table, line_figure, quantile};
+use page::{Axis, Column, Finding, LineFigure, Panel, Series, Table, line_figure, quantile};
 
 use super::families::{FAMILIES, Family};
 use super::methods::METHODS;
 use super::results::{PEERS, Results};
 use super::summary::{FLOOR, Paired, Promised, Stops, paired, promised, regret, share_within, shared, stops, typical};
 use super::task::{BATCHES, FRESH_FAMILIES, FRESH_SEEDS, SEEDS};
+use crate::first_screen::around;
+use crate::words::capitalized;
 
 const PAGE: &str = "docs/results-benchmark.md";
 const PICTURE: &str = "docs/results-benchmark.svg";
@@ -149,17 +150,22 @@ fn markdown(kept: &[Results], fresh: &Results) -> Result<String> {
     let ours = &kept[0];
     ensure!(!ours.rows.is_empty(), "no campaign of the pooled loop is kept: run `cargo xtask benchmark`");
     let mut text = String::from("# The benchmark of the loops\n\n");
-    let picture = format!(
-        "![Regret after each batch](results-benchmark.svg)\n\nRegret after each batch: geometric mean over families of the mean over seeds, {} % added to each. The campaigns are \
-         those that {} ran: {}; {}. Those who learn nothing, the quadratic, and methods that did not run all of these campaigns are not drawn.",
-        percent(FLOOR),
-        PEERS[0].words,
+    text += &around(
+        &findings(&methods, ours, fresh),
+        "![Regret after each batch](results-benchmark.svg)",
+        &format!(
+            "Regret after each batch, on the campaigns that {} ran: geometric mean over families of the mean over seeds, {} % added to each.",
+            PEERS[0].words,
+            percent(FLOOR)
+        ),
+    );
+    text += "\nWritten by `cargo xtask benchmark` from the campaigns kept in `fixtures/benchmark` and `fixtures/peers/results`; delete \
+             rows there and they are run anew. With `--check` it fails if this page is not what they come to.\n\n";
+    text += &format!(
+        "The picture has the campaigns {}; {}. Those who learn nothing, the quadratic, and methods that did not run all of these campaigns are not drawn.\n\n",
         Common::of(kept, PICTURED[0]).words(),
         Common::of(kept, PICTURED[1]).words(),
     );
-    text += &around(&findings(&methods, ours, fresh), &picture);
-    text += "Written by `cargo xtask benchmark` from the campaigns kept in `fixtures/benchmark` and `fixtures/peers/results`; delete \
-             rows there and they are run anew. With `--check` it fails if this page is not what they come to.\n\n";
     text += "## Beside the others\n\n";
     text += &format!(
         "Campaigns that both ran, and the share of them in which the recommended design is worse than the best by at \
@@ -231,70 +237,113 @@ fn promises(ours: &Results) -> String {
     text
 }
 
-/// What a reader should know first.
-fn findings(methods: &[Kept<'_>], ours: &Results, fresh: &Results) -> Vec<String> {
-    let close = |other: &Results, batch: usize| shared(ours, other, batch, CLOSE);
-    let share = |share: f64| format!("{:.0} %", 100.0 * share);
-    let within = |families: &[&Family], batch| share(share_within(ours, families.iter().copied(), batch, CLOSE));
-    let all: Vec<&Family> = FAMILIES.iter().collect();
-    let own = [2, 3, BATCHES].map(|batch| within(&all, batch));
+/// What a reader should know first, then the rest.
+fn findings(methods: &[Kept<'_>], ours: &Results, fresh: &Results) -> Vec<Finding> {
     let (tuned, others): (Vec<&Family>, Vec<&Family>) =
         FAMILIES.iter().partition(|family| TUNED_ON.contains(&family.name));
-    let mut findings = vec![format!(
-        "The pooled loop ran {} campaigns: {} families of a truth and a simulation that is wrong about it, {SEEDS} seeds each. The design \
-         that it recommends is close to the best, worse by at most {} % of the range, in {} of them after 2 batches of experiments, {} \
-         after 3 and {} after {BATCHES}; {} after {BATCHES} in the families on which it was not tuned.",
-        close(ours, BATCHES).campaigns,
-        FAMILIES.len(),
-        100.0 * CLOSE,
-        own[0],
-        own[1],
-        own[2],
-        within(&others, BATCHES)
-    )];
-    let clause = |method: &Kept<'_>| {
-        let [early, late] = [2, BATCHES].map(|batch| close(method.results, batch));
-        let both = |which: usize| [early, late].map(|found| share(found.within[which])).join(" and ");
-        format!("{} in {} of {} ({})", method.words, both(1), late.campaigns, both(0))
-    };
-    let list = |keep: &dyn Fn(&&Kept<'_>) -> bool| {
-        methods.iter().skip(1).filter(keep).map(clause).collect::<Vec<_>>().join("; ")
-    };
-    findings.push(format!(
-        "As close after 2 and after {BATCHES} batches, on the campaigns that both ran, with the pooled loop in brackets: {}.",
-        list(&|method| !method.is_peer && !method.is_blind)
+    let mut findings = vec![how_close(ours, &others), beside_first(methods, ours)];
+    findings.push(Finding::new(where_others_are_better(methods, ours)));
+    let [promised, in_detail] = what_was_promised(ours);
+    findings.push(promised);
+
+    findings.push(as_close(
+        &format!(
+            "Close after 2 and after {BATCHES} batches, on the campaigns that both ran, with the pooled loop in brackets:"
+        ),
+        methods.iter().skip(1).filter(|method| !method.is_peer && !method.is_blind),
+        ours,
     ));
     if methods.iter().any(|method| method.is_peer) {
-        findings.push(format!(
-            "Peers with the same budget, of which those of two fidelities are given simulations too: {}.",
-            list(&|method| method.is_peer)
+        findings.push(as_close(
+            "Peers with the same budget, of which those of two fidelities are given simulations too:",
+            methods.iter().skip(1).filter(|method| method.is_peer),
+            ours,
         ));
     }
-    findings.push(where_others_are_better(methods, ours));
-    findings.extend(where_it_is_worst(ours));
-    findings.push(what_was_promised(ours));
+    findings.extend([Some(in_detail), where_it_is_worst(ours)].into_iter().flatten());
+
     findings.extend(FRESH_FAMILIES.iter().filter_map(|name| on_fresh_seeds(fresh, name)));
+    findings.push(when_it_stops(ours));
+    findings.push(tuned_on(&tuned, others.len()));
+    findings
+}
+
+/// How often what the pooled loop recommends is close to the best.
+fn how_close(ours: &Results, not_tuned: &[&Family]) -> Finding {
+    let within = |families: &[&Family], batch| whole(share_within(ours, families.iter().copied(), batch, CLOSE));
+    let all: Vec<&Family> = FAMILIES.iter().collect();
+    let [early, third, late] = [2, 3, BATCHES].map(|batch| within(&all, batch));
+    Finding::new(format!(
+        "The pooled loop ran {} campaigns: {} families of a truth and a wrong simulation, {SEEDS} seeds each. What it recommends is close to \
+         the best, worse by at most {} % of the range, in {early} of them after 2 batches, {third} after 3 and {late} after {BATCHES} ({} \
+         in the families on which it was not tuned).",
+        shared(ours, ours, BATCHES, CLOSE).campaigns,
+        FAMILIES.len(),
+        100.0 * CLOSE,
+        within(not_tuned, BATCHES)
+    ))
+}
+
+/// The same of the dissertation's loop and of the first of the peers, after the last batch.
+fn beside_first(methods: &[Kept<'_>], ours: &Results) -> Finding {
+    let first = [METHODS[1].name, PEERS[0].name];
+    let clause = |method: &Kept<'_>| {
+        let [own, other] = shared(ours, method.results, BATCHES, CLOSE).within.map(whole);
+        format!("{} in {other} ({own})", method.words)
+    };
+    let clauses = methods.iter().filter(|method| first.contains(&method.results.method())).map(clause);
+    Finding::new(format!(
+        "As close after {BATCHES} batches, in brackets the pooled loop on the same campaigns: {}.",
+        clauses.collect::<Vec<_>>().join("; ")
+    ))
+}
+
+/// A share in percent.
+fn whole(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
+}
+
+/// How often methods are close to the best, beside the pooled loop.
+fn as_close<'a>(head: &str, methods: impl Iterator<Item = &'a Kept<'a>>, ours: &Results) -> Finding {
+    let clause = |method: &Kept<'_>| {
+        let [early, late] = [2, BATCHES].map(|batch| shared(ours, method.results, batch, CLOSE));
+        let both = |which: usize| [early, late].map(|found| whole(found.within[which])).join(" and ");
+        Finding::new(format!("{}: {} of {} ({}).", capitalized(method.words), both(1), late.campaigns, both(0)))
+    };
+    methods.map(clause).fold(Finding::new(head), Finding::detail)
+}
+
+/// When campaigns stop that ask what another batch is worth.
+fn when_it_stops(ours: &Results) -> Finding {
     let all = FAMILIES.iter().map(|family| stops(ours, family, WORTH)).fold(Stops::default(), Stops::and);
-    findings.push(format!(
-        "If another batch has to be worth {} % of the range, {} of {} campaigns stop within {BATCHES} batches, after {:.1} in the \
-         mean: {} of them too early, with more than that missing, and {} at least a batch later than an oracle would. Of the others {} had \
-         come as close without knowing it.",
+    let head = Finding::new(format!(
+        "If another batch has to be worth {} % of the range, {} of {} campaigns stop within {BATCHES} batches, after {:.1} in the mean:",
         100.0 * WORTH,
         all.stopped,
         all.campaigns,
-        all.batches as f64 / all.stopped.max(1) as f64,
-        all.too_early,
-        all.late,
-        all.unaware
+        all.batches as f64 / all.stopped.max(1) as f64
     ));
-    findings.push(format!(
-        "Tuned on: {}, seeds {SEEDS_OF_LOOP} for the loop, {SEEDS_OF_CERTIFICATE} for the certificate; of `hidden-4` the sceptic's share of the \
-         second batch and of the cells that are looked at, seeds 1 to 60. The other {} families were not looked at but for that share: \
-         {LOOKED_AT}, seeds 1 to 40 and 101 to 112. No peer was tuned, but that SMT is used in the best of three ways on ten campaigns.",
-        names(&tuned),
-        others.len()
-    ));
-    findings
+    let details = [
+        format!("{} of them too early, with more than that missing.", all.too_early),
+        format!("{} at least a batch later than an oracle would.", all.late),
+        format!("Of the others {} had come as close without knowing it.", all.unaware),
+    ];
+    head.with_sentences(details)
+}
+
+/// On which campaigns something was chosen.
+fn tuned_on(tuned: &[&Family], n_others: usize) -> Finding {
+    let details = [
+        format!("Seeds {SEEDS_OF_LOOP} for the loop, {SEEDS_OF_CERTIFICATE} for the certificate."),
+        "Of `hidden-4` the sceptic's share of the second batch and of the cells that are looked at, seeds 1 to 60."
+            .to_owned(),
+        format!(
+            "The other {n_others} families were not looked at but for that share: {LOOKED_AT}, seeds 1 to 40 and 101 to 112."
+        ),
+        "No peer was tuned, but that SMT is used in the best of three ways on ten campaigns.".to_owned(),
+    ];
+    let head = Finding::new(format!("Tuned on {}:", names(tuned)));
+    head.with_sentences(details)
 }
 
 fn where_others_are_better(methods: &[Kept<'_>], ours: &Results) -> String {
@@ -338,41 +387,45 @@ fn cut_short(kept: &[Results]) -> impl Iterator<Item = String> {
     })
 }
 
-fn where_it_is_worst(ours: &Results) -> Option<String> {
+fn where_it_is_worst(ours: &Results) -> Option<Finding> {
     let found = |family: &'static Family| Some((family, regret(ours, family, BATCHES)?));
     let worst = FAMILIES.iter().filter_map(found).max_by(|a, b| a.1[1].total_cmp(&b.1[1]));
     worst.map(|(family, [median, most])| {
-        format!(
+        Finding::new(format!(
             "The pooled loop is worst in `{}`: after {BATCHES} batches the median of what is missing is {} % of the range, and in one \
              campaign of ten it is {} % or more.",
             family.name,
             percent(median),
             percent(most)
-        )
+        ))
     })
 }
 
 /// How it does in one of the families where simulations hide the best, in campaigns on which nothing was chosen.
-fn on_fresh_seeds(fresh: &Results, name: &str) -> Option<String> {
+fn on_fresh_seeds(fresh: &Results, name: &str) -> Option<Finding> {
     let family = FAMILIES.iter().find(|family| family.name == name)?;
     let each = (1..=BATCHES).map(|batch| promised(fresh, family, batch)).collect::<Option<Vec<_>>>()?;
     let [batches, breached] =
         [|one: &Promised| one.campaigns, |one: &Promised| one.breached].map(|of| each.iter().map(of).sum::<usize>());
     let [median, most] = regret(fresh, family, BATCHES)?;
-    Some(format!(
-        "In `{name}`, seeds {} to {}, on which nothing was chosen: the certificate was broken after {breached} of {batches} batches ({} %; \
-         by batch {}); after {BATCHES} batches the median of what is missing is {} % of the range, and in one campaign of ten it is {} % or \
-         more.",
-        FRESH_SEEDS.start(),
-        FRESH_SEEDS.end(),
-        percent(breached as f64 / batches.max(1) as f64),
-        each.iter().map(|one| one.breached.to_string()).collect::<Vec<_>>().join(", "),
-        percent(median),
-        percent(most)
-    ))
+    let details = [
+        format!(
+            "The certificate was broken after {breached} of {batches} batches ({} %; by batch {}).",
+            percent(breached as f64 / batches.max(1) as f64),
+            each.iter().map(|one| one.breached.to_string()).collect::<Vec<_>>().join(", ")
+        ),
+        format!(
+            "After {BATCHES} batches the median of what is missing is {} % of the range, and in one campaign of ten it is {} % or more.",
+            percent(median),
+            percent(most)
+        ),
+    ];
+    let [first, last] = [FRESH_SEEDS.start(), FRESH_SEEDS.end()];
+    let head = Finding::new(format!("In `{name}`, seeds {first} to {last}, on which nothing was chosen:"));
+    Some(head.with_sentences(details))
 }
 
-fn what_was_promised(ours: &Results) -> String {
+fn what_was_promised(ours: &Results) -> [Finding; 2] {
     let (mut campaigns, mut breached, mut elsewhere) = (0, 0, [0, 0]);
     let mut worst = (0.0, String::new());
     for family in &FAMILIES {
@@ -395,19 +448,29 @@ fn what_was_promised(ours: &Results) -> String {
         let widths: Vec<f64> = widths.filter_map(|family| Some(promised(ours, family, BATCHES)?.width)).collect();
         quantile(&widths, 0.5).map_or("–".to_owned(), percent)
     };
-    format!(
-        "The certificate promises with 90 % probability that no design is better by more than c. It was broken after {breached} of \
-         {campaigns} batches ({} %; {} of {} in the families on which it was not tuned), most often in {} ({:.0} % of the campaigns). After batch {BATCHES} c is {} % of the range with 2 \
-         parameters, {} % with 4 and {} % with 6 (median of the families' medians).",
-        percent(breached as f64 / campaigns.max(1) as f64),
-        elsewhere[0],
-        elsewhere[1],
-        if worst.1.is_empty() { "none" } else { &worst.1 },
-        100.0 * worst.0,
-        width(2),
-        width(4),
-        width(6)
-    )
+    let promised = Finding::new(format!(
+        "Its certificate, which promises with 90 % probability that no design is better by more than c, was broken after {breached} of {campaigns} batches \
+         ({} %).",
+        percent(breached as f64 / campaigns.max(1) as f64)
+    ));
+    let details = [
+        format!(
+            "In the families on which the loop was not tuned it was broken after {} of {} batches.",
+            elsewhere[0], elsewhere[1]
+        ),
+        format!(
+            "Most often in {}: {:.0} % of the campaigns.",
+            if worst.1.is_empty() { "none" } else { &worst.1 },
+            100.0 * worst.0
+        ),
+        format!(
+            "After batch {BATCHES} c is {} % of the range with 2 parameters, {} % with 4 and {} % with 6 (median of the families' medians).",
+            width(2),
+            width(4),
+            width(6)
+        ),
+    ];
+    [promised, Finding::new("About the certificate:").with_sentences(details)]
 }
 
 fn others_table(methods: &[Kept<'_>], ours: &Results) -> Table {

@@ -9,7 +9,7 @@ use super::task::SEEDS;
 /// Regrets below this share of the range count as equal: a tenth of the smallest noise.
 pub(super) const FLOOR: f64 = 0.003;
 
-/// Of fewer campaigns of a family neither percentiles nor errors are told.
+/// Of fewer campaigns of a family neither percentiles nor errors are given.
 const FEWEST: usize = 5;
 
 /// The rows of a family after a batch, in the order of the seeds.

@@ -21,15 +21,8 @@ use anyhow::{Context as _, Result, ensure};
 use rayon::prelude::*;
 
 use crate::reproduction::progress;
-pub(crate) use candidate::Candidate;
-#[cfg(feature = "ensemble")]
-pub(crate) use landscape::Centered;
-#[cfg(feature = "identification")]
-pub(crate) use landscape::correlation;
-#[cfg(any(feature = "identification", feature = "ensemble"))]
-pub(crate) use landscape::ranks;
-
 use attempt::Attempt;
+pub(crate) use candidate::Candidate;
 use candidate::{Flown, fly};
 use default_plant::DefaultPlant;
 use evidence::{Aims, Found};
@@ -71,7 +64,7 @@ fn flown(root: &Path) -> Result<(Calibration, [Store; 2])> {
     Ok((calibration, stores))
 }
 
-/// That candidates fly and meet the evidence; one that does not is told by its name, with what is to be done.
+/// That candidates fly and meet the evidence; one that does not is named, with what is to be done.
 fn meet(
     calibration: &Calibration,
     candidates: &[Candidate],

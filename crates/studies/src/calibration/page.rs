@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use bat_dynamics::Fidelity;
-use page::{Axis, Column, StripFigure, Table, strip_figure};
+use page::{Axis, Column, Finding, StripFigure, Table, strip_figure};
 
 use super::candidate::STUDIES;
 use super::default_plant::DefaultPlant;
@@ -18,6 +18,7 @@ use super::store::Store;
 use crate::bat::STAND_IN;
 use crate::first_screen::around;
 use crate::kept;
+use crate::words::digits;
 
 const PAGE: &str = "docs/results-calibration.md";
 const PICTURE: &str = "docs/results-calibration.svg";
@@ -64,14 +65,15 @@ fn markdown(
     default_plant: &DefaultPlant<'_>,
 ) -> String {
     let mut text = format!("# {}\n\n", calibration.title);
-    let mut sentences = findings(calibration, [store, beyond], seen);
-    sentences.push(default_words(default_plant));
+    let mut findings = findings(calibration, store, seen);
+    findings.extend([evidence_met(calibration, store), cloud(calibration, [store, beyond]), worth(seen)]);
+    findings.push(Finding::new(default_words(default_plant)));
     text += &around(
-        &sentences,
-        "![Where the plants lie in their ranges](results-calibration.svg)\n\n\
-         Each row is a number that is free, each dot a plant, from the lower end of the range at 0 to the upper at 1.",
+        &findings,
+        "![Where the plants lie in their ranges](results-calibration.svg)",
+        "Each row is a number that is free, each dot a plant, from the lower end of the range at 0 to the upper at 1.",
     );
-    text += "Written by `cargo xtask calibrate` from `fixtures/bat/calibration.toml`, which has every range with its reason; the plants are \
+    text += "\nWritten by `cargo xtask calibrate` from `fixtures/bat/calibration.toml`, which has every range with its reason; the plants are \
              in `fixtures/bat/ensemble`. A run that is killed goes on where it was, `--page` writes this page alone, and `--check`, a \
              part of `cargo xtask ci`, flies every plant against its evidence.\n\n";
     text += "## Evidence\n\nWhat was fitted: it counts for nothing. Optima are the lowest cost over the box, between flights by cubic \
@@ -118,70 +120,97 @@ fn on_bounds(calibration: &Calibration, seen: &[Seen]) -> String {
 }
 
 /// How many starts were refused for which reason.
-fn refused(store: &Store) -> String {
-    let refused = Refusal::ALL.into_iter().filter_map(|refusal| {
+fn refused(store: &Store) -> impl Iterator<Item = String> {
+    Refusal::ALL.into_iter().filter_map(|refusal| {
         let count = store.starts.iter().filter(|start| start.refusal == Some(refusal)).count();
         (count > 0).then(|| format!("{count}: {}", refusal.words()))
-    });
-    refused.collect::<Vec<_>>().join("; ")
+    })
 }
 
-fn findings(calibration: &Calibration, [store, beyond]: [&Store; 2], seen: &[Seen]) -> Vec<String> {
+/// The first screen.
+fn findings(calibration: &Calibration, store: &Store, seen: &[Seen]) -> Vec<Finding> {
     let n = store.members.len();
-    let fifths: Vec<usize> = (0..calibration.free.len()).map(|k| n_fifths(calibration, store, k)).collect();
-    let wide = fifths.iter().filter(|count| **count >= 4).count();
-    let of =
-        |study: usize, read: fn(&Diagnostics) -> f64| spread(seen.iter().map(|seen| read(&seen.diagnostics[study])));
     let falls =
         seen.iter().filter(|seen| matches!((seen.table_6[0], seen.table_6[5]), (Some(a), Some(b)) if b < a)).count();
     let row_2 = spread(seen.iter().map(|seen| seen.held_out[0]));
     let printed = calibration.held_out[0].cost.unwrap_or(f64::NAN);
-    vec![
+    let sentences = [
         format!(
-            "{n} plants meet the fitted rows of Tables 3 and 5, each optimum within {} % of chord and {} deg over the whole box, each \
-             cost within {} %: calibrated, from {} starts between one plant and another drawn over the ranges. Refused were {}.",
-            calibration.tolerance.center_of_mass,
-            calibration.tolerance.pitch_set_point,
-            100.0 * calibration.tolerance.cost,
+            "{n} plants, from {} starts, meet the rows of Tables 3 and 5 that were fitted. They are a cloud about one plant, and not all that \
+             the evidence allows: a free number spreads in the mean by {:.3} of its range (standard deviation over the plants), evenly drawn \
+             ones by {:.3}.",
             store.starts.len(),
-            refused(store)
-        ),
-        format!(
-            "This is a cloud about one plant, and not all that the evidence allows: starts went {:.0} to {:.0} % of the way from the one where \
-             all begin to one drawn over the ranges. A free number spreads in the mean by {:.3} of its range (standard deviation over the \
-             plants), evenly drawn ones by {:.3}; of {} free numbers {wide} lie in at least four of the five fifths of their range. Kept were, by \
-             reach, {}; of {} starts of {:.0} to {:.0} %, tried beside them, {} ({}). With these a free number would spread by {:.3}.",
-            100.0 * calibration.reach[0],
-            100.0 * calibration.reach[1],
             mean_spread(calibration, &store.members),
             (1.0_f64 / 12.0).sqrt(),
-            fifths.len(),
-            by_reach(calibration, store),
+        ),
+        format!(
+            "Predicted, not fitted: the experiment of Table 3, row 2, costs {} s where {printed} is printed (median, lowest to highest): {}.",
+            words(row_2, 2),
+            missed_words(calibration, seen, printed)
+        ),
+        worth_words(seen),
+        format!("Along the printed path of Table 6 the cost falls from row 0 to row 5 in {falls} of {n} plants."),
+    ];
+    sentences.map(Finding::new).into()
+}
+
+/// What a plant has to meet, and why starts were refused.
+fn evidence_met(calibration: &Calibration, store: &Store) -> Finding {
+    let head = Finding::new(format!(
+        "A plant is kept if each optimum lies within {} % of chord and {} deg of the printed one, over the whole box, and each cost within {} \
+         %. Of {} starts were refused:",
+        calibration.tolerance.center_of_mass,
+        calibration.tolerance.pitch_set_point,
+        100.0 * calibration.tolerance.cost,
+        store.starts.len()
+    ));
+    head.with_sentences(refused(store).map(|words| format!("{words}.")))
+}
+
+/// How far the plants spread, and how many starts were kept by how far away they began.
+fn cloud(calibration: &Calibration, [store, beyond]: [&Store; 2]) -> Finding {
+    let fifths: Vec<usize> = (0..calibration.free.len()).map(|k| n_fifths(calibration, store, k)).collect();
+    let wide = fifths.iter().filter(|count| **count >= 4).count();
+    let head = Finding::new(format!(
+        "Starts went {:.0} to {:.0} % of the way from the one where all begin to one drawn over the ranges.",
+        100.0 * calibration.reach[0],
+        100.0 * calibration.reach[1]
+    ));
+    let details = [
+        format!("Of {} free numbers {wide} lie in at least four of the five fifths of their range.", fifths.len()),
+        format!("Kept were, by reach: {}.", by_reach(calibration, store)),
+        format!(
+            "Of {} starts of {:.0} to {:.0} %, tried beside them, {} were kept ({}).",
             beyond.starts.len(),
             100.0 * calibration.beyond.0[0],
             100.0 * calibration.beyond.0[1],
             beyond.members.len(),
-            refused(beyond),
-            mean_spread(calibration, &[store.members.as_slice(), &beyond.members].concat()),
+            refused(beyond).collect::<Vec<_>>().join("; ")
         ),
         format!(
-            "Predicted: the experiment of Table 3, row 2, costs {} s where {printed} is printed (median, lowest to highest): {}. Along the printed \
-             path of Table 6 the cost falls from row 0 to row 5 in {falls} of {n} plants.",
-            words(row_2, 2),
-            missed_words(calibration, seen, printed)
+            "With these a free number would spread by {:.3}.",
+            mean_spread(calibration, &[store.members.as_slice(), &beyond.members].concat())
         ),
-        format!(
-            "{} Rank correlation of model and stand-in over the box: {} in Chapter 4, {} in Chapter 7 (two parameters). Better than the \
-             model's optimum: {} and {} % of the box. R² of (61): {} and {}. None of these was made evidence.",
-            worth_words(seen),
-            words(of(0, |d| d.rank_correlation), 2),
-            words(of(1, |d| d.rank_correlation), 2),
-            words(of(0, |d| 100.0 * d.better_than_model), 0),
-            words(of(1, |d| 100.0 * d.better_than_model), 0),
-            words(of(0, |d| d.additive_fit), 2),
-            words(of(1, |d| d.additive_fit), 2),
-        ),
-    ]
+    ];
+    head.with_sentences(details)
+}
+
+/// What the models of the plants are worth, study by study.
+fn worth(seen: &[Seen]) -> Finding {
+    let of =
+        |study: usize, read: fn(&Diagnostics) -> f64| spread(seen.iter().map(|seen| read(&seen.diagnostics[study])));
+    let each = |read: fn(&Diagnostics) -> f64, digits: usize| [0, 1].map(|study| words(of(study, read), digits));
+    let [ranks, better, fits] =
+        [each(|d| d.rank_correlation, 2), each(|d| 100.0 * d.better_than_model, 0), each(|d| d.additive_fit, 2)];
+    let head = Finding::new(
+        "What a model is worth, which was not made evidence, in Chapter 4 and in Chapter 7 with two parameters, median (lowest to highest):",
+    );
+    let details = [
+        format!("Rank correlation of model and stand-in over the box: {} and {}.", ranks[0], ranks[1]),
+        format!("Part of the box that is better than the model's optimum: {} and {} %.", better[0], better[1]),
+        format!("R² of (61): {} and {}.", fits[0], fits[1]),
+    ];
+    head.with_sentences(details)
 }
 
 /// Standard deviation of a number over the plants, as a share of its range, in the mean over all numbers.
@@ -241,9 +270,9 @@ fn worth_words(seen: &[Seen]) -> String {
 
 fn default_words(DefaultPlant { member, mean_distance }: &DefaultPlant<'_>) -> String {
     format!(
-        "The default plant of the other commands is plant {} of these, chosen by a rule and not by hand: it is the medoid, the one with the \
-         least mean distance to all others, {mean_distance:.3}, each free number taken as a share of its range. `cargo xtask calibrate \
-         --default` writes its numbers, to seven digits, into the rig and the weights.",
+        "The default plant of the other commands is plant {} of these, chosen by a rule: it is the medoid, the one with the least mean \
+         distance to all others, {mean_distance:.3}, each free number taken as a share of its range. `cargo xtask calibrate --default` \
+         writes its numbers, to seven digits, into the rig and the weights.",
         member.start
     )
 }
@@ -350,15 +379,6 @@ fn ranges_table(calibration: &Calibration, store: &Store) -> Table {
         ]);
     }
     table
-}
-
-/// Three digits.
-fn digits(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let decimals = (2 - value.abs().log10().floor() as i32).max(0) as usize;
-    if decimals > 5 { format!("{value:.2e}") } else { format!("{value:.decimals$}") }
 }
 
 fn picture(calibration: &Calibration, store: &Store) -> String {

@@ -33,7 +33,7 @@ impl Findings<'_> {
         let system = &analysis.system;
         let same = analysis.groups.span_same_space(&analysis.listed);
         format!(
-            "{} variables of rank {} leave {} groups; with {} repeating, the computed ones and the {} listed in {equation} {}. {} \
+            "{} variables of rank {} leave {} groups. With {} repeating the computed ones and the {} listed in {equation} {}. {} \
              choices of repeating variables are possible.",
             system.variables().len(),
             system.rank(),

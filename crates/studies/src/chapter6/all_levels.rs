@@ -63,7 +63,7 @@ impl AllLevels {
         Self { written_by: WRITTEN_BY.to_owned(), made_from, rows: claims.iter().filter_map(row).collect() }
     }
 
-    /// What is kept of today's files; of others it says nothing, and that is told.
+    /// What is kept of today's files; of others it says nothing, with a warning.
     #[cfg(feature = "ensemble")]
     pub(crate) fn read(root: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(root.join(FILE)).context(FILE)?;
@@ -96,7 +96,7 @@ impl AllLevels {
             claim.found
         );
         (claim.verdict, claim.judged) = (whole.verdict, whole.judged);
-        // What is told in short is told of fewer levels.
+        // What is said in short is said of fewer levels.
         claim.in_short = whole.judged.map_or_else(String::new, |judged| format!("with all levels, {}", judged.count));
         true
     }

@@ -170,10 +170,8 @@ fn bounds(findings: &Findings, space: usize, truth: usize) -> Picture {
         name: format!("figure-21-{}-{}", file_name(label), file_name(name)),
         svg: line_figure(&figure),
         caption: format!(
-            "The counterpart of Figure 21 for {label} with {} as the truth, {}: the norm (42) with {} of \
-             Ĵnum,n − J_true over what is left at the onset of iteration n, noise by noise, and the part of the space that \
-             is left after it. The right-hand side of (55) bounds the limit, not each iteration; what the error cannot \
-             exceed holds at every n. Spaces that are left differ between the panels.",
+            "The counterpart of Figure 21 for {label}, with {} as the truth, {}: how far the corrected model is from it, norm (42) with {}, noise \
+             by noise, and the space that is left. The right-hand side of (55) bounds the limit alone.",
             setup.truth(truth).with_article(),
             setup.first_variant().label,
             NORMS[Q2]

@@ -168,17 +168,23 @@ pub(crate) fn finding(findings: &Findings) -> Finding {
     let labels: Vec<&str> = findings.cases().map(|(case, _)| case.entry.label.as_str()).collect();
     let dissertations = findings.setup.file.variant.iter().enumerate().map(|(number, variant)| {
         let regret = |case: &Case, found: &Found| ends(number)(case, found).map_or(f64::NAN, |ends| ends.dissertations);
-        format!("{} s with the {}", each(&regret), variant.label)
+        format!("The dissertation's loop with the {}: {} s.", variant.label, each(&regret))
     });
     let pooled = |case: &Case, found: &Found| ends(0)(case, found).map_or(f64::NAN, |ends| ends.pooled);
     let finding = Finding::new(format!(
-        "The pooled loop, which is not the dissertation's, ends with the same budget {} s above the best design known in the median ({}), \
-         the dissertation's loop {}; the center of the box lies {} s above it; {held} of {n} certificates of the pooled loop held.",
-        each(&pooled),
-        labels.join("; "),
-        dissertations.collect::<Vec<_>>().join(", "),
-        each(&|_, found| found.pooled.center_cost - found.best.cost),
+        "So far above the best design known a loop ends with the same budget in the median ({}):",
+        labels.join("; ")
     ));
+    let finding = finding
+        .with_sentences([format!(
+            "The pooled loop, which is not the dissertation's: {} s; {held} of {n} of its certificates held.",
+            each(&pooled)
+        )])
+        .with_sentences(dissertations)
+        .with_sentences([format!(
+            "The center of the box: {} s.",
+            each(&|_, found| found.pooled.center_cost - found.best.cost)
+        )]);
     let finding = findings.cases().fold(finding, |finding, (case, found)| {
         let name = format!("regret of the pooled loop, {}", case.entry.label);
         let finding = finding.with(&name, pooled(case, found), "s");

@@ -273,7 +273,7 @@ pub(crate) fn page(findings: &Findings, claims: &[Claim], pictures: &[Picture], 
     page.heading("What the dissertation says, and what holds here");
     page.prose_table(&claims::table(claims), CLAIM_CAPTION, &claims::WIDTHS_PCT);
     page.paragraph(FOUND);
-    page.list(&claims::found(claims));
+    claims::found(claims).iter().for_each(|finding| page.finding(finding));
     page.heading("Every number");
     if let Some(case) = findings.setup.cases.first() {
         page.table(
@@ -366,7 +366,7 @@ pub(crate) fn markdown(findings: &Findings, claims: &[Claim], first: &str) -> St
     section(
         "What the dissertation says, and what holds here",
         CLAIM_CAPTION,
-        &format!("{}\n{FOUND}\n\n{}", claims::table(claims).markdown(), markdown_list(&claims::found(claims))),
+        &format!("{}\n{FOUND}\n\n{}", claims::table(claims).markdown(), claims::markdown(&claims::found(claims))),
     );
     for (number, (case, found)) in findings.cases().enumerate() {
         let what = (number == 0).then(|| both_loops::WHAT.to_owned());

@@ -275,7 +275,7 @@ pub(crate) fn markdown(findings: &Findings, first: &str) -> String {
     format!(
         "# Optimal designs: the record\n\n{first}\n\
          Written by `cargo xtask doe-records`; `cargo xtask ci` fails when this page is not what the command finds.\n\
-         {DEFINITION}\n\n{RECORD_CAPTION}\n\n{}\n\
+         {DEFINITION}\n\n## Every kept design\n\n{RECORD_CAPTION}\n\n{}\n\
          The command also searches for designs of the same sizes anew, and for designs on the grid of the case study (24 levels in each of \
          four factors), and shows efficiencies and times on its page.\n",
         record_table(findings).markdown(),

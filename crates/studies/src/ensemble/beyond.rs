@@ -1,6 +1,6 @@
 //! What becomes of the claims on the few plants that were found from starts farther away, which are a sample of nothing.
 
-use page::{Column, Table};
+use page::{Column, Finding, Table};
 
 use super::evidence::{N_DRAWS, by_chance};
 use super::judge::{Judged, judge};
@@ -9,7 +9,7 @@ use super::row::World;
 use super::sentences;
 use super::tables::Both;
 use crate::rules::Verdict;
-use crate::words::counted;
+use crate::words::{PLANTS, capitalized, counted};
 
 /// A claim in a world on the plants of the ensemble, and on those from farther away.
 struct Row<'a> {
@@ -64,7 +64,7 @@ impl<'a> Beyond<'a> {
     }
 
     /// How many words would change, beside what so few plants of the ensemble would do; none without such plants.
-    fn changes(&self) -> Option<String> {
+    fn changes(&self) -> Option<[String; 2]> {
         if self.rows.is_empty() {
             return None;
         }
@@ -72,27 +72,32 @@ impl<'a> Beyond<'a> {
             |counts: bool| self.rows.iter().filter(move |row| row.counts() == counts && row.changes()).count();
         let [of_counting, of_others] = [changed(true), changed(false)];
         let [median, most] = self.by_chance;
-        let (n, n_near) = (self.n(), counted(self.n_near, "plant"));
+        let (n, n_near) = (self.n(), counted(self.n_near, PLANTS));
         let than = if (of_counting + of_others) as f64 > most { "more" } else { "no more" };
-        Some(format!(
-            "of {} words {} would change, {of_counting} of them words that count; on {n} of the {n_near} drawn at random {median} do in the median of {N_DRAWS} \
-             draws, and up to {most} in nine of ten, so that this is {than} than so few plants bring by themselves",
-            self.rows.len(),
-            of_counting + of_others
-        ))
+        Some([
+            format!(
+                "of {} words {} would change, {of_counting} of them words that count",
+                self.rows.len(),
+                of_counting + of_others
+            ),
+            format!(
+                "on {n} of the {n_near} drawn at random {median} do in the median of {N_DRAWS} draws, and up to {most} in nine of ten, so \
+                 that this is {than} than so few plants bring by themselves"
+            ),
+        ])
     }
 
-    /// For the first screen.
-    pub(super) fn finding(&self) -> Option<String> {
-        let changes = self.changes()?;
-        let plants = counted(self.n(), "plant");
+    /// With what the page begins.
+    pub(super) fn finding(&self) -> Option<Finding> {
         let which = if self.n() == 1 { "is no fair sample and counts" } else { "are no fair sample and count" };
-        Some(format!("On {plants} from farther away, which {which} for no word of this page, {changes}."))
+        let head =
+            format!("On {} from farther away, which {which} for no word of this page:", counted(self.n(), PLANTS));
+        Some(Finding::new(head).with_sentences(self.changes()?.map(|changes| format!("{}.", capitalized(&changes)))))
     }
 
     /// The section.
     pub(super) fn section(&self) -> String {
-        let Some(changes) = self.changes() else { return String::new() };
+        let Some(changes) = self.changes().map(|changes| changes.join("; ")) else { return String::new() };
         let (n, n_near) = (self.n(), self.n_near);
         let [flights, seconds] = self.kept.store.took();
         let mut text = format!(
@@ -103,7 +108,7 @@ impl<'a> Beyond<'a> {
              independent answers, and a share of {} estimates nothing. They count for no word of this page. The table says in how many of them a claim holds, and which \
              word the same rules would give if there were no other plants: to show where a word may hang on where the cloud lies, and for nothing else. So read, {changes}.\n",
             seconds / 60.0,
-            counted(n, "plant")
+            counted(n, PLANTS)
         );
         for (counts, words) in [(true, "that count"), (false, "that do not count")] {
             let mine = self.rows.iter().filter(|row| row.counts() == counts && row.changes());
@@ -127,7 +132,7 @@ impl<'a> Beyond<'a> {
 
     fn table(&self) -> Table {
         let heads = ["Still water", "Moving water"].map(|water| {
-            [format!("{water}, {}", counted(self.n_near, "plant")), format!("{water}, these {}", self.n())]
+            [format!("{water}, {}", counted(self.n_near, PLANTS)), format!("{water}, these {}", self.n())]
         });
         let heads = heads.iter().flatten().map(|name| Column::words(name));
         let heads = std::iter::once(Column::words("Claim")).chain(heads);
@@ -224,7 +229,7 @@ mod tests {
         let (kept, all, facts) = (kept(folder.path()), [both(near)], facts(others));
         let cases = cases(&facts);
         let beyond = Beyond::of(&kept, &all, &cases);
-        (beyond.finding(), beyond.section())
+        (beyond.finding().map(|finding| finding.markdown()), beyond.section())
     }
 
     #[test]
@@ -244,7 +249,7 @@ mod tests {
     fn a_word_that_stays_is_not_bold() {
         let near: Vec<bool> = (0..30).map(|plant| plant % 2 == 0).collect();
         let (finding, section) = page(&near, &[true, false, false, true]);
-        assert!(finding.expect("no change is told, too").contains("1 words 0 would change"));
+        assert!(finding.expect("no change is said, too").contains("1 words 0 would change"));
         assert!(section.contains("Of the words that count none would change."), "{section}");
         assert!(section.contains("| in part: 15 of 30 plants | 2 of 4 plants | – | – |"), "{section}");
     }

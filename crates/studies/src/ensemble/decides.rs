@@ -12,7 +12,7 @@ use super::file::Setup;
 use super::judge::Judged;
 use super::kept::Case;
 use super::row::{Study, World};
-use crate::calibration::{Centered, ranks};
+use crate::correlation::{Centered, ranks};
 
 /// Random orders of the plants.
 pub(super) const N_ORDERS: usize = 999;

@@ -9,7 +9,7 @@ use super::kept::Case;
 use super::row::World;
 use super::tables::Both;
 use crate::rules::Verdict;
-use crate::words::{counted, number};
+use crate::words::{PLANTS, counted, number};
 
 /// One in so many plants is taken.
 const ONE_IN: usize = 3;
@@ -111,7 +111,7 @@ pub(super) fn section(all: &[Both], cases: &[Case<'_>]) -> String {
         "\nOf {} verdicts {by_rank} change with the rank correlation and {by_fit} with R²; on {} drawn at random {median} do in the median of {N_DRAWS} \
          draws, and up to {most} in nine of ten.",
         rows.len(),
-        counted(n, "plant")
+        counted(n, PLANTS)
     );
     let changed: Vec<&Row<'_>> =
         rows.iter().filter(|row| row.verdicts().any(|verdict| verdict != row.all().verdict())).collect();

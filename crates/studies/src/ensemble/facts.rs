@@ -11,8 +11,9 @@ use super::file::Setup;
 use super::loops::Measured;
 use super::row::{Fact, Readings, Study, World};
 use crate::bat::{Bat, STAND_IN};
-use crate::calibration::{Plant, correlation, ranks};
+use crate::calibration::Plant;
 use crate::chapter4;
+use crate::correlation::rank_correlation;
 use crate::gridded::Space;
 use crate::logged::Logged;
 use crate::variable::Variable;
@@ -88,7 +89,7 @@ pub(super) fn worth(
         Ok(Regression::fit_with(regressor, &data, Confounded::Drop)?.r_squared().unwrap_or(f64::NAN))
     };
     Ok(vec![
-        ("rank_correlation", correlation(&ranks(&model), &ranks(&true_costs))),
+        ("rank_correlation", rank_correlation(&model, &true_costs)),
         ("fit_of_61", fit(regressor)?),
         ("fit_of_quadratic", fit(&Model::quadratic(space.variables.len())?)?),
         ("failed_designs", (truth.len() - true_costs.len()) as f64 / truth.len().max(1) as f64),

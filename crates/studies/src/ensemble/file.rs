@@ -11,6 +11,7 @@ use water_channel::{ProfileFile, Rig, Sensing, SensingFile, TestProfile};
 
 use crate::calibration::Origin;
 use crate::costs::key::Key;
+use crate::decisive::decisive;
 use crate::reproduction::Extent;
 use crate::seal::drop_entries;
 use crate::study_file::{self, check_seeds};
@@ -18,10 +19,9 @@ use crate::{calibration, chapter3, chapter4, chapter6, chapter7, provenance};
 
 const FOLDER: &str = "fixtures/bat";
 const FILE: &str = "ensemble.toml";
-/// What all rows follow from, beside this program. The plants name in their first line what they were calibrated by.
-const TEXTS: [&str; 10] = [
+/// What all rows follow from, beside this program, the plants and what these have in common.
+const FILES: [&str; 9] = [
     FILE,
-    PLANTS,
     "test-profile.toml",
     "test-profile-open-loop.toml",
     "chapter3.toml",
@@ -31,7 +31,9 @@ const TEXTS: [&str; 10] = [
     "moving-water.toml",
     "sensing.toml",
 ];
-/// In the place of which the plants from farther away stand for rows of these.
+/// How many plants there are decides nothing about the rows of one.
+const COUNTS: &str = "campaigns.plants_of_four";
+/// The plants, and those from farther away. They name in their first line what they were calibrated by.
 const PLANTS: &str = "ensemble/members.csv";
 const PLANTS_BEYOND: &str = "ensemble/beyond/members.csv";
 /// The files of the default plant, with what stands before the keys of free numbers in them: rows follow from the others alone.
@@ -154,15 +156,7 @@ impl Setup {
     pub(super) fn read_of(root: &Path, origin: Origin) -> Result<Self> {
         let folder = root.join(FOLDER);
         let (keys, plants) = calibration::plants(root, origin)?;
-        let mut key = Key::default();
-        for name in TEXTS {
-            let name = if name == PLANTS && origin == Origin::Beyond { PLANTS_BEYOND } else { name };
-            key = key.with(without_comments(&text(&folder, name)?));
-        }
-        let free = calibration::free_keys(root)?;
-        for (name, before) in COMMON {
-            key = key.with(common(&text(&folder, name)?, before, &free).context(name)?);
-        }
+        let key = made_from(&folder, origin, &calibration::free_keys(root)?)?;
         let of = |file: StudyFile, folder: &Path| Self::of(file, folder, keys, (origin, plants), key.name());
         study_file::read(&folder.join(FILE), of)
     }
@@ -266,23 +260,20 @@ impl Setup {
     }
 }
 
-fn text(folder: &Path, name: &str) -> Result<String> {
-    let path = folder.join(name);
-    std::fs::read_to_string(&path).with_context(|| path.display().to_string())
-}
-
-/// What all plants have in common of a file of the default plant: all but the numbers that are free.
-fn common(text: &str, before: &str, free: &[String]) -> Result<String> {
-    let mut table: toml::Table = text.parse()?;
-    drop_entries(&mut table, before, free);
-    Ok(table.to_string())
-}
-
-/// What rows follow from in a text: neither comments, nor where fits began, nor how many plants there are.
-fn without_comments(text: &str) -> String {
-    let counts =
-        |line: &&str| !["#", "start = ", "plants_of_four"].iter().any(|start| line.trim_start().starts_with(start));
-    text.lines().filter(counts).collect::<Vec<_>>().join("\n")
+/// Names all that rows follow from: what of the files decides, and the plants. Of the files of the default plant the free numbers
+/// are left out, for these are the plants' own.
+fn made_from(folder: &Path, origin: Origin, free: &[String]) -> Result<Key> {
+    let plants = folder.join(if origin == Origin::Beyond { PLANTS_BEYOND } else { PLANTS });
+    let text = std::fs::read_to_string(&plants).with_context(|| plants.display().to_string())?;
+    let (_, rows) = text.split_once('\n').with_context(|| format!("{}: no rows", plants.display()))?;
+    let counts = [COUNTS.to_owned()];
+    let own = FILES.map(|name| (name, "", counts.as_slice()));
+    let common = COMMON.map(|(name, before)| (name, before, free));
+    own.into_iter().chain(common).try_fold(Key::default().with(rows), |key, (name, before, others)| {
+        let mut table = decisive(&folder.join(name), &[])?;
+        drop_entries(&mut table, before, others);
+        Ok(key.with(table.to_string()))
+    })
 }
 
 fn set(rig: &mut Rig, key: &str, value: f64) {
@@ -353,20 +344,36 @@ impl HullEntry {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::seal::Copies;
 
-    /// The default plant is one of many, and rows of all do not follow from which; they do from what all have in common.
+    /// Words decide nothing, and the default plant is one of many; the plants and what they have in common do.
     #[test]
-    fn free_numbers_of_the_default_plant_are_not_in_the_key() {
-        let free = ["plant.hull.lift_zero", "chapter4.k1_heading"].map(str::to_owned);
-        let rig = |lift: &str, area: &str| {
-            let text = format!("[plant.hull]\nlift_zero = {{ value = {lift} }}\narea = {{ value = {area} }}");
-            common(&text, "", &free).expect("a file")
-        };
-        assert_eq!(rig("0.3", "1"), rig("0.4", "1"));
-        assert_ne!(rig("0.3", "1"), rig("0.3", "2"));
-        let weights = |text: &str| common(text, "chapter4.", &free).expect("a file");
-        assert_eq!(weights("k1_heading = 1\nk2_pitch = 2"), weights("k1_heading = 3\nk2_pitch = 2"));
-        assert_ne!(weights("k1_heading = 1\nk2_pitch = 2"), weights("k1_heading = 1\nk2_pitch = 3"));
+    fn rows_follow_from_numbers_that_are_not_free() {
+        let names = [&FILES[..], &COMMON.map(|(name, _)| name), &[PLANTS, PLANTS_BEYOND]].concat();
+        let copies = Copies::of(&names);
+        let free = ["plant.hull.center_x", "chapter4.k1_heading"].map(str::to_owned);
+        let key = || made_from(&copies.root().join(FOLDER), Origin::Near, &free).expect("a key").name();
+        let before = key();
+        for (name, from, to) in [
+            (FILE, "# Seeds of the noise", "# The seeds of noise"),
+            (FILE, "title = \"Claims", "title = \"All claims"),
+            (FILE, "plants_of_four = 30", "plants_of_four = 20"),
+            (PLANTS, "# made from", "# from"),
+            ("rig.toml", "center_x = { value = 28", "center_x = { value = 29"),
+            ("cost-chapter4.toml", "k1_heading = { value = ", "k1_heading = { value = 1"),
+        ] {
+            assert_eq!(before, copies.with(name, [from, to], key), "{name}: {to}");
+        }
+        for (name, from, to) in [
+            (FILE, "seeds = 5", "seeds = 6"),
+            ("chapter7.toml", "confidence = 0.9", "confidence = 0.8"),
+            ("cost-chapter4.toml", "k2_pitch = { value = ", "k2_pitch = { value = 1"),
+            ("rig.toml", "value = 1000.0", "value = 1001.0"),
+            (PLANTS, "\n0,0.", "\n0,1."),
+        ] {
+            assert_ne!(before, copies.with(name, [from, to], key), "{name}: {to}");
+        }
+        assert_ne!(before, made_from(&copies.root().join(FOLDER), Origin::Beyond, &free).expect("a key").name());
     }
 
     /// Each store holds rows of its own plants alone.
@@ -426,12 +433,6 @@ mod tests {
         refuses("unit = \"1/rad\"", "unit = \"1/deg\"", &["lift_slope_difference", "1/deg", "1/rad"]);
         refuses("largest = 0.3", "largest = -0.3", &["lift_slope_difference", "-0.3", "not negative"]);
         refuses("water = \"moving-water.toml\"", "water = \"rig.toml\"", &["rig.toml", "no [water]"]);
-    }
-
-    #[test]
-    fn what_rows_follow_from_has_neither_comments_nor_counts() {
-        let text = "# why\nseeds = 5\n  # more\nplants_of_four = 20\ncoarser = 2.0";
-        assert_eq!(without_comments(text), "seeds = 5\ncoarser = 2.0");
     }
 
     /// Sides differ by what the number of a plant draws, within the ranges; the plant itself stays as it is.

@@ -5,7 +5,7 @@ use super::facts::N_SEARCHES;
 use super::kept::Case;
 use super::row::{Fact, Method, Row, World};
 use crate::rules::{Count, Judged as ByRule, Standing, Verdict};
-use crate::words::counted;
+use crate::words::{PLANTS, counted};
 
 /// A plant by its number, and in how many of its campaigns a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +77,7 @@ impl Judged {
     pub(super) fn words(&self) -> Option<String> {
         let by_rule = self.by_rule?;
         let count = by_rule.count;
-        let plants = format!("{} of {}", self.n_holding(), counted(self.shares.len(), "plant"));
+        let plants = format!("{} of {}", self.n_holding(), counted(self.shares.len(), PLANTS));
         let counts = if self.shares.is_empty() {
             format!("{count} cases")
         } else if count.cases == self.shares.len() {

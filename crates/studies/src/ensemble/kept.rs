@@ -128,7 +128,7 @@ impl<'a> Case<'a> {
 mod tests {
     use std::path::Path;
 
-    use super::super::page;
+    use super::super::{findings, page};
     use super::*;
     use crate::calibration::Origin;
     use crate::claims::Place;
@@ -143,7 +143,7 @@ mod tests {
             let all = page::judged(&setup, &cases(done), &searches(done));
             let of_designs = all.iter().filter(|both| both.claim.place == Place::Section("5.1".to_owned()));
             let words: Vec<_> = of_designs.flat_map(|both| both.judged.clone().map(|judged| judged.words())).collect();
-            (words, page::counts(&all).concat())
+            (words, findings::counts(&all).concat())
         };
         let five = |n: usize| Some(format!("{n} of 5 cases"));
         let (words, counts) = judged(&store.done);

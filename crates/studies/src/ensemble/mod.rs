@@ -23,6 +23,7 @@ mod evidence;
 mod facts;
 mod figures;
 mod file;
+mod findings;
 mod judge;
 mod kept;
 mod loops;
@@ -176,7 +177,7 @@ pub(crate) struct OverEnsemble {
 pub(crate) fn over(root: &Path) -> Result<(Vec<OverEnsemble>, Vec<String>)> {
     let Kept { setup, store } = whole(open(root, Setup::read_of(root, Origin::Near)?)?)?;
     let all = page::judged(&setup, &kept::cases(&store.done), &kept::searches(&store.done));
-    let counts = page::counts(&all);
+    let counts = findings::counts(&all);
     let claims = all.into_iter().map(|both| OverEnsemble {
         words: both.words(),
         flown: both.claim.study.chapter(),

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use anyhow::Result;
-use page::quantile;
 
 use super::beyond::Beyond;
 use super::claims;
@@ -12,16 +11,16 @@ use super::decides::{self, Decided, Property};
 use super::evidence;
 use super::figures;
 use super::file::Setup;
+use super::findings;
 use super::judge::judge;
 use super::kept::{Case, Ensembles, Kept, cases, searches};
-use super::row::{Fact, Method, Reading, Study, World};
+use super::row::{Fact, Study, World};
 use super::sentences;
 use super::store::Store;
 use super::tables::{self, Both};
 use crate::first_screen::around;
 use crate::kept;
 use crate::rules::{self, Verdict};
-use crate::words::counted;
 
 const PAGE: &str = "docs/results-ensemble.md";
 const VERDICTS: &str = "docs/results-ensemble.svg";
@@ -118,19 +117,42 @@ fn rule(n_random: u64) -> String {
 
 fn markdown((setup, store): (&Setup, &Store), cases: &[Case<'_>], all: &[Both], beyond: &Beyond<'_>) -> String {
     let mut text = format!("# {}\n\n", setup.title);
-    let mut findings = findings(setup, store, cases, all);
+    let mut findings = findings::findings(setup, store, cases, all);
     findings.extend(beyond.finding());
     text += &around(
         &findings,
-        "![What became of the claims](results-ensemble.svg)\n\nA box for each claim; gray ones do not count.",
+        "![What became of the claims](results-ensemble.svg)",
+        "A box for each claim; gray ones do not count.",
     );
-    text += &format!("{HOW}\n\n{WORLDS}\n\n{}\n\n", rule(setup.campaigns.random_designs));
-    text += "## Claim by claim\n\n";
+    text +=
+        &format!("\n{HOW}\n\n{WORLDS}\n\n## The rule for each word\n\n{}\n\n", rule(setup.campaigns.random_designs));
+    text += &claim_by_claim(all, cases);
+    text += &who_chooses(setup, cases);
+    text += &what_designs_show(cases);
+    text += &curves_words(setup, cases);
+    text += &what_is_left(setup, cases, all);
+    text += &seen_by_cameras(setup, cases);
+    text += &evidence::section(all, cases);
+    text += &beyond.section();
+    text += &decided(setup, cases, all);
+    text += "\n## What was estimated\n\nOf the moving world the dissertation says nothing.\n\n";
+    text += &tables::estimates(&setup.estimates()).markdown();
+    text
+}
+
+/// What became of each claim, and who else meets it.
+fn claim_by_claim(all: &[Both], cases: &[Case<'_>]) -> String {
+    let mut text = "## Claim by claim\n\n".to_owned();
     text += &tables::claims(all).markdown();
     text += "\n## Who else meets it\n\nClaims about the end of the loop that come out somewhere: in how many per cent of the cases it meets them, and \
              in how many those who do not use it, or a model. Beside the model's optimum, or the loop's first design, as above.\n\n";
     text += &tables::met_by_others(all, cases).markdown();
-    text += &format!(
+    text
+}
+
+/// How good the designs are that each method chooses, and where they lie.
+fn who_chooses(setup: &Setup, cases: &[Case<'_>]) -> String {
+    let mut text = format!(
         "\n## Who chooses how well\n\nWith equal numbers of experiments, except for those who make none. Medians over plants and seeds with \
          quartiles. {BEST_KNOWN} {}\n\n",
         sentences::at_bound(setup, cases)
@@ -142,15 +164,24 @@ fn markdown((setup, store): (&Setup, &Store), cases: &[Case<'_>], all: &[Both], 
     text += "\n![Cost above the best known against experiments](results-ensemble-regret.svg)\n\nMedians over all plants and seeds, and \
              quartiles; what is less than 0.1 % is drawn there. At 0 experiments: the optimum of the numerical model. In Chapter 4 the loop's design of an \
              iteration is the one around which its experiments are made, so that the first is the same.\n\n";
-    text += "## What designs show\n\nMedians over plants and seeds with quartiles.\n\n";
+    text
+}
+
+/// The readings of designs, in a table and iteration by iteration.
+fn what_designs_show(cases: &[Case<'_>]) -> String {
+    let mut text = "## What designs show\n\nMedians over plants and seeds with quartiles.\n\n".to_owned();
     text += &tables::flights(cases).markdown();
     text += "\n![Chapter 4, iteration by iteration](results-ensemble-chapter4.svg)\n\nWhat Figures 16 to 18 and Table 3 show of one campaign, over all: the \
              designs of the dissertation's loop, means over their flights. At the first stands the optimum of the model.\n";
     text += "\n![Chapter 7, 2 parameters, iteration by iteration](results-ensemble-chapter7-two.svg)\n\nWhat Figures 20, 22, 24, 26 and 28 show of one \
              campaign, and of Figure 27 the roll offset and the zenith angle, over all; at 0 the optimum of the model. With four parameters:\n";
     text += "\n![Chapter 7, 4 parameters, iteration by iteration](results-ensemble-chapter7-four.svg)\n";
-    text += &curves_words(setup, cases);
-    text += "\n## What is left of the space\n\nAfter each iteration of the dissertation's loop, median over plants and seeds with quartiles.\n\n";
+    text
+}
+
+/// What is left of the space, and what experiments scatter by.
+fn what_is_left(setup: &Setup, cases: &[Case<'_>], all: &[Both]) -> String {
+    let mut text = "\n## What is left of the space\n\nAfter each iteration of the dissertation's loop, median over plants and seeds with quartiles.\n\n".to_owned();
     let published = |study: Study, step: usize| {
         let case = setup.chapter7.cases.get(usize::from(study == Study::Four))?;
         Some(case.published.get(step)?.share)
@@ -165,9 +196,14 @@ fn markdown((setup, store): (&Setup, &Store), cases: &[Case<'_>], all: &[Both], 
         100.0 * setup.chapter7.file.noise.share
     );
     text += &tables::noise(cases).markdown();
-    text += "\n## Seen by cameras\n\nWith cameras a flight takes several times as long, so that in campaigns the state is known. Here the model's optimum and one last design of \
+    text
+}
+
+/// Designs flown again before cameras.
+fn seen_by_cameras(setup: &Setup, cases: &[Case<'_>]) -> String {
+    let mut text = "\n## Seen by cameras\n\nWith cameras a flight takes several times as long, so that in campaigns the state is known. Here the model's optimum and one last design of \
              each plant are flown again with the three cameras of `sensing.toml`, whose dots may leave the view: then the pose is held. Medians \
-             over plants.\n\n";
+             over plants.\n\n".to_owned();
     text += &tables::cameras(cases).markdown();
     text += &format!("\n{}\n", sentences::blind_cameras(setup, cases));
     text += &format!(
@@ -183,11 +219,6 @@ fn markdown((setup, store): (&Setup, &Store), cases: &[Case<'_>], all: &[Both], 
         curves::BIN_S,
         curves::table_of_headings(setup, cases).markdown()
     );
-    text += &evidence::section(all, cases);
-    text += &beyond.section();
-    text += &decided(setup, cases, all);
-    text += "\n## What was estimated\n\nOf the moving world the dissertation says nothing.\n\n";
-    text += &tables::estimates(&setup.estimates()).markdown();
     text
 }
 
@@ -259,107 +290,6 @@ fn decided(setup: &Setup, cases: &[Case<'_>], all: &[Both]) -> String {
         text += &tables::decides(&decided).markdown();
     }
     text
-}
-
-/// How many claims became what, world by world.
-pub(super) fn counts(all: &[Both]) -> Vec<String> {
-    (0..World::OF_CAMPAIGNS.len()).map(|k| count_words(all, k)).collect()
-}
-
-fn count_words(all: &[Both], k: usize) -> String {
-    let of = |verdict: Verdict| all.iter().filter(|both| both.judged[k].is(verdict)).count();
-    let judged = all.iter().filter(|both| both.judged[k].verdict().is_some()).count();
-    format!(
-        "In {} water, of {judged} claims {} hold in kind, {} in part, {} do not. The others do not count: {} do not discriminate, {} are met by no \
-         design that was tried, {} were partly calibrated, and {} could not fail.",
-        World::OF_CAMPAIGNS[k].name(),
-        of(Verdict::InKind),
-        of(Verdict::InPart),
-        of(Verdict::NotReproduced),
-        of(Verdict::NotDiscriminating),
-        of(Verdict::OutOfReach),
-        of(Verdict::PartlyCalibrated),
-        of(Verdict::Check)
-    )
-}
-
-fn listed(all: &[Both], k: usize, verdict: Verdict) -> String {
-    let mine = all.iter().filter(|both| both.judged[k].is(verdict));
-    let words = mine.map(|both| {
-        let tie = both.judged[k].by_rule.map_or("", |judged| judged.tie_words());
-        format!("{} ({}){tie}", both.claim.words(), both.claim.place)
-    });
-    words.collect::<Vec<_>>().join("; ")
-}
-
-/// The first screen.
-fn findings(setup: &Setup, store: &Store, cases: &[Case<'_>], all: &[Both]) -> Vec<String> {
-    let mut findings = counts(all);
-    let in_kind = listed(all, 1, Verdict::InKind);
-    if !in_kind.is_empty() {
-        findings.push(format!("In kind in moving water: {in_kind}."));
-    }
-    findings.extend(sentences::without_simulation(all, cases));
-    findings.extend(sentences::ties(setup, all));
-    findings.push(sentences::worth(cases));
-    findings.extend(World::OF_CAMPAIGNS.map(|world| regrets(cases, world)));
-    findings.push(noise_words(cases));
-    findings.push(curves::lost_in_words(setup, cases));
-    let [flights, seconds] = store.took();
-    let plants = |study: Study| cases.iter().filter(|case| case.study == study && case.world == World::Still).count();
-    let words = Study::OF_CAMPAIGNS.map(|study| format!("{} ({})", plants(study), study.words()));
-    let of_four = match setup.campaigns.seeds_of_four {
-        same if same == setup.campaigns.seeds => String::new(),
-        other => format!(" ({other} with four parameters)"),
-    };
-    findings.push(format!(
-        "{}, {}{}, two worlds: {flights:.0} flights in {:.0} minutes. Plants by study: {}. They are a cloud about one plant, and not as many \
-         independent answers ([how they were drawn](results-calibration.md)). No experiment was made in water.",
-        counted(setup.plants.len(), "plant"),
-        counted(setup.campaigns.seeds as usize, "seed"),
-        of_four,
-        seconds / 60.0,
-        words.join(", ")
-    ));
-    findings
-}
-
-fn noise_words(cases: &[Case<'_>]) -> String {
-    let random = cases.iter().filter(|case| case.world == World::Moving).flat_map(|case| case.ends(Method::Random));
-    let shares: Vec<f64> =
-        random.map(|row| row.of(Reading::CostSd) / row.cost()).filter(|share| share.is_finite()).collect();
-    let median = quantile(&shares, 0.5).unwrap_or(f64::NAN);
-    format!(
-        "In moving water one flight differs from the next of the same design by {:.1} % of the cost (standard deviation, median over plants and \
-         random designs).",
-        100.0 * median
-    )
-}
-
-fn regrets(cases: &[Case<'_>], world: World) -> String {
-    let median = |study: Study, method: Method| {
-        let mine = cases.iter().filter(|case| case.study == study && case.world == world);
-        let regrets: Vec<f64> =
-            mine.flat_map(|case| case.ends(method).into_iter().map(|row| case.regret(row))).collect();
-        quantile(&regrets, 0.5)
-    };
-    let has = |study: &Study| median(*study, Method::Numerical).is_some();
-    let each = |method: Method| {
-        let all = Study::OF_CAMPAIGNS.into_iter().filter(has).filter_map(|study| median(study, method));
-        all.map(|regret| format!("{:.1}", 100.0 * regret)).collect::<Vec<_>>().join(", ")
-    };
-    let studies = Study::OF_CAMPAIGNS.into_iter().filter(has).map(Study::words).collect::<Vec<_>>().join("; ");
-    format!(
-        "Cost above the best design known in {} water, median in % ({studies}, the last a lower limit): dissertation's loop {}; pooled loop {}; Sobol points and a Gaussian \
-         process {}; optimum of the model {}; center of the box {}; random design {}.",
-        world.name(),
-        each(Method::Dissertation),
-        each(Method::Pooled),
-        each(Method::Process),
-        each(Method::Numerical),
-        each(Method::Center),
-        each(Method::Random)
-    )
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use design_space::Region;
-use page::{Column, Table};
+use page::{Column, Finding, Table};
 
 use super::cameras::{FLOWN, of_blind};
 use super::claims::{JUDGED, Test};
@@ -14,7 +14,7 @@ use super::kept::Case;
 use super::row::{Method, Study, World};
 use super::tables::Both;
 use crate::rules::{Count, Verdict};
-use crate::words::{counted, number};
+use crate::words::{PLANTS, counted, number};
 
 /// A model ranks designs well from this rank correlation on.
 const RANKS_WELL: f64 = 0.7;
@@ -22,7 +22,7 @@ const RANKS_WELL: f64 = 0.7;
 const AT_BOUND: f64 = 1e-6;
 
 /// The words that hang on a single case.
-pub(super) fn ties(setup: &Setup, all: &[Both]) -> Vec<String> {
+pub(super) fn ties(setup: &Setup, all: &[Both]) -> Option<Finding> {
     let mut found = Vec::new();
     for (both, k) in all.iter().flat_map(|both| [(both, 0), (both, 1)]) {
         let judged = &both.judged[k];
@@ -40,12 +40,10 @@ pub(super) fn ties(setup: &Setup, all: &[Both]) -> Vec<String> {
             };
             words.push(format!("by chance in exactly 50 %{of}"));
         }
-        found.push(format!("{}, {} water: {}", both.claim.place, World::OF_CAMPAIGNS[k].name(), words.join(", ")));
+        found.push(format!("{}, {} water: {}.", both.claim.place, World::OF_CAMPAIGNS[k].name(), words.join(", ")));
     }
-    let found = (!found.is_empty()).then(|| {
-        format!("Words that hang on one case, because a share is exactly that of the rule: {}.", found.join("; "))
-    });
-    found.into_iter().collect()
+    let head = "Words that hang on one case, because a share is exactly that of the rule:";
+    (!found.is_empty()).then(|| Finding::new(head).with_sentences(found))
 }
 
 /// Claims in kind in moving water that come out without any simulation as often.
@@ -73,8 +71,8 @@ fn spread(values: &[f64], digits: usize) -> String {
     format!("{} ({} to {})", at(0.5), at(0.0), at(1.0))
 }
 
-/// What the models of these plants are worth, over designs that nobody chose.
-pub(super) fn worth(cases: &[Case<'_>]) -> String {
+/// What the models of these plants are worth in each study, over designs that nobody chose.
+pub(super) fn worth_by_study(cases: &[Case<'_>]) -> Finding {
     let of = |study: Study| cases.iter().filter(move |case| case.study == study && case.world == World::Still);
     let mut words = Vec::new();
     for study in Study::OF_CAMPAIGNS {
@@ -82,30 +80,34 @@ pub(super) fn worth(cases: &[Case<'_>]) -> String {
         let better: Vec<f64> =
             of(study).filter_map(|case| Some(100.0 * case.random_better(case.numerical()?))).collect();
         if !ranks.is_empty() {
-            words.push(format!("{} {} and {} %", study.words(), spread(&ranks, 2), spread(&better, 0)));
+            words.push(format!("{}: {} and {} %.", study.words(), spread(&ranks, 2), spread(&better, 0)));
         }
     }
+    Finding::new(
+        "Rank correlation of model and stand-in over designs that nobody chose, and the share of these that is better than the model's optimum, \
+         in still water, median (lowest to highest plant):",
+    )
+    .with_sentences(words)
+}
+
+/// Whether any of the models ranks designs well.
+pub(super) fn worth(cases: &[Case<'_>]) -> Finding {
     let all = cases.iter().filter_map(|case| Some((case.fact("rank_correlation")?, case.plant)));
     let mut well: Vec<u64> = all.clone().filter(|(rank, _)| *rank >= RANKS_WELL).map(|(_, plant)| plant).collect();
     well.sort_unstable();
     well.dedup();
     let highest = all.map(|(rank, _)| rank).fold(f64::NEG_INFINITY, f64::max);
-    let verdict = if well.is_empty() {
+    Finding::new(if well.is_empty() {
         format!(
-            "No plant of this ensemble has a model that ranks designs well: the highest rank correlation, of all studies in both waters, is {}",
+            "No plant of this ensemble has a model that ranks designs well: the highest rank correlation, of all studies in both waters, is {}.",
             number(highest, 2)
         )
     } else {
         format!(
-            "In {} a model ranks designs well in some study, with a rank correlation of {RANKS_WELL} or more",
-            counted(well.len(), "plant")
+            "In {} a model ranks designs well in some study, with a rank correlation of {RANKS_WELL} or more.",
+            counted(well.len(), PLANTS)
         )
-    };
-    format!(
-        "{verdict}. Rank correlation of model and stand-in over designs that nobody chose, and the share of these that is better than the model's \
-         optimum, in still water, median (lowest to highest plant): {}.",
-        words.join("; ")
-    )
+    })
 }
 
 /// What the test that drops cells keeps, beside blind draws.
@@ -156,10 +158,10 @@ pub(super) fn blind_cameras(setup: &Setup, cases: &[Case<'_>]) -> String {
         let of = |case: &Case<'_>| case.fact(&of_blind(&camera.name)).unwrap_or(0.0);
         let mine: Vec<&Case<'_>> = seen.iter().copied().filter(|case| of(case) > 0.0).collect();
         let n: f64 = mine.iter().map(|case| of(case)).sum();
-        (n > 0.0).then(|| format!("`{}` in {n}, on {}", camera.name, counted(plants(&mine), "plant")))
+        (n > 0.0).then(|| format!("`{}` in {n}, on {}", camera.name, counted(plants(&mine), PLANTS)))
     });
     let blind: Vec<String> = blind.collect();
-    let all = format!("{n_flights} of these flights on {} came to their end", counted(plants(&seen), "plant"));
+    let all = format!("{n_flights} of these flights on {} came to their end", counted(plants(&seen), PLANTS));
     if blind.is_empty() {
         format!("{all}, and in none was a camera blind, which is without a dot in any of its images.")
     } else {

@@ -1,4 +1,4 @@
-//! Campaigns of the global loop on flown cells.
+//! Campaigns of the dissertation's loop on flown cells.
 
 use anyhow::Result;
 use design_space::Cell;

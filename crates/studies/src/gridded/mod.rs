@@ -1,4 +1,4 @@
-//! What the studies of the global loop share: a design space of levels, its cost at every cell, campaigns over it, and how
+//! What the studies of the dissertation's loop share: a design space of levels, its cost at every cell, campaigns over it, and how
 //! far their models are from the truth.
 
 mod accuracy;

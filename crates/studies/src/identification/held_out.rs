@@ -4,7 +4,7 @@ use super::file::Study;
 use super::plant::Doubted;
 use super::store::Kept;
 use crate::bat::STAND_IN;
-use crate::calibration::{correlation, ranks};
+use crate::correlation::rank_correlation;
 
 /// What is known of the designs that are held out.
 pub(super) struct HeldOut {
@@ -60,12 +60,13 @@ impl HeldOut {
             .filter_map(|((flown, design), truth)| Some((flown.ok()?.total + plane(design), *truth)))
             .filter(|(_, truth)| truth.is_finite())
             .collect();
+        let (models, truths): (Vec<f64>, Vec<f64>) = both.iter().copied().unzip();
         let n = both.len().max(1) as f64;
         let squares: f64 = both.iter().map(|(model, truth)| (model / truth - 1.0).powi(2)).sum();
         Score {
             error_pct: 100.0 * (squares / n).sqrt(),
             bias: both.iter().map(|(model, truth)| model - truth).sum::<f64>() / n,
-            rank_correlation: rank_correlation(&both),
+            rank_correlation: rank_correlation(&models, &truths),
         }
     }
 
@@ -73,25 +74,5 @@ impl HeldOut {
     pub(super) fn score_of(&self, study: &Study, kept: &Kept) -> Option<Score> {
         let last = kept.turns.last()?;
         Some(self.score(study, &last.unknowns, &last.carried_slope, last.carried_offset))
-    }
-}
-
-/// Spearman's.
-fn rank_correlation(both: &[(f64, f64)]) -> f64 {
-    let (a, b): (Vec<f64>, Vec<f64>) = both.iter().copied().unzip();
-    correlation(&ranks(&a), &ranks(&b))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rank_correlation_is_that_of_the_textbook() {
-        let falling: Vec<(f64, f64)> = (0..5).map(|k| (f64::from(k), (-f64::from(k)).exp())).collect();
-        assert!((rank_correlation(&falling) + 1.0).abs() < 1e-12);
-        // scipy.stats.spearmanr([1, 2, 3, 4, 5], [5, 6, 7, 8, 7.5]).statistic
-        let mixed = [(1.0, 5.0), (2.0, 6.0), (3.0, 7.0), (4.0, 8.0), (5.0, 7.5)];
-        assert!((rank_correlation(&mixed) - 0.9).abs() < 1e-12);
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use page::{Axis, Column, Group, Reference, SpreadFigure, Table, spread_figure};
+use page::{Axis, Column, Finding, Group, Reference, SpreadFigure, Table, spread_figure};
 use rayon::prelude::*;
 
 use super::file::Study;
@@ -13,7 +13,7 @@ use super::which::Which;
 use crate::bat::STAND_IN;
 use crate::first_screen::around;
 use crate::kept;
-use crate::words::{number, signed};
+use crate::words::{capitalized, digits, number, signed};
 
 const PAGE: &str = "docs/results-identification.md";
 const PICTURE: &str = "docs/results-identification.svg";
@@ -90,11 +90,11 @@ fn markdown(study: &Study, loops: &[LoopSeen<'_>], held_out: &HeldOut, untouched
     let mut text = format!("# {}\n\n", study.title);
     text += &around(
         &findings(study, loops, held_out, untouched),
-        "![What each mechanism makes of the cost](results-identification.svg)\n\n\
-         The cost of each iteration's design in the stand-in, noise taken off, over the noise seeds; in the dissertation, in the water \
+        "![What each mechanism makes of the cost](results-identification.svg)",
+        "The cost of each iteration's design in the stand-in, noise taken off, over the noise seeds; in the dissertation, in the water \
          channel. Lower is better.",
     );
-    text += "Written by `cargo xtask identify` from `fixtures/bat/identification.toml`, which has every number in doubt with its range and the \
+    text += "\nWritten by `cargo xtask identify` from `fixtures/bat/identification.toml`, which has every number in doubt with its range and the \
              reason; the campaigns are in `fixtures/bat/identification`. A run that is killed goes on where it was, `--page` writes this page \
              alone, and `--check`, a part of `cargo xtask ci`, runs one campaign anew and holds the others against their flights.\n\n";
     text += &setting(study);
@@ -118,7 +118,7 @@ fn markdown(study: &Study, loops: &[LoopSeen<'_>], held_out: &HeldOut, untouched
 }
 
 /// The numbers that the sentences are about.
-fn findings(study: &Study, loops: &[LoopSeen<'_>], held_out: &HeldOut, untouched: Score) -> Vec<String> {
+fn findings(study: &Study, loops: &[LoopSeen<'_>], held_out: &HeldOut, untouched: Score) -> Vec<Finding> {
     let noisy: Vec<&LoopSeen<'_>> = loops.iter().filter(|seen| !seen.noisy.is_empty()).collect();
     let listed = |words: fn(&LoopSeen<'_>) -> String, of: &[&LoopSeen<'_>]| -> String {
         of.iter().map(|seen| words(seen)).collect::<Vec<_>>().join("; ")
@@ -161,8 +161,9 @@ fn findings(study: &Study, loops: &[LoopSeen<'_>], held_out: &HeldOut, untouched
         ),
     ];
     sentences.extend(contrast(study, loops, untouched));
-    sentences.extend(meaning(study, loops));
-    sentences
+    let mut findings: Vec<Finding> = sentences.into_iter().map(Finding::new).collect();
+    findings.extend(meaning(study, loops));
+    findings
 }
 
 /// Where identification alone predicts better than the model as it was, and designs worse.
@@ -194,7 +195,7 @@ fn change(seen: &Seen<'_>) -> f64 {
 }
 
 /// What the numbers mean: how many are determined, at a bound, and away from the truth, which is their start.
-fn meaning(study: &Study, loops: &[LoopSeen<'_>]) -> Vec<String> {
+fn meaning(study: &Study, loops: &[LoopSeen<'_>]) -> [Finding; 2] {
     let n = study.unknowns.len();
     let of = |seen: &LoopSeen<'_>| {
         let found = seen.silent.kept.found.as_ref()?;
@@ -207,24 +208,21 @@ fn meaning(study: &Study, loops: &[LoopSeen<'_>]) -> Vec<String> {
         let off =
             if off.is_empty() { String::new() } else { format!(" ({} standard errors off the truth)", off.join(", ")) };
         Some(format!(
-            "{}: {determined} determined{off}, {at_bound} at a bound, {} open; residuals {} times the noise",
-            seen.label,
+            "{}: {determined} determined{off}, {at_bound} at a bound, {} open; residuals {} times the noise.",
+            capitalized(seen.label),
             n - determined - at_bound,
             number(found.misfit, 1)
         ))
     };
-    let words: Vec<String> = loops.iter().filter_map(of).collect();
-    let bound = bounds_over_seeds(study, loops);
-    vec![
-        format!("Of {n} numbers in doubt, without noise: {}.", words.join("; ")),
-        format!(
-            "The identified numbers mean nothing physical: the stand-in flies with the very numbers that the model starts with, and what it has \
-             besides is stall and added mass, so that every move of a number stands in for these{bound}."
-        ),
-    ]
+    let numbers = Finding::new(format!("What became of {n} numbers in doubt, without noise:"));
+    let physical = Finding::new(
+        "The identified numbers mean nothing physical: the stand-in flies with the very numbers that the model starts with, and what it has \
+         besides is stall and added mass, so that every move of a number stands in for these.",
+    );
+    [numbers.with_sentences(loops.iter().filter_map(of)), physical.with_sentences(bounds_over_seeds(study, loops))]
 }
 
-fn bounds_over_seeds(study: &Study, loops: &[LoopSeen<'_>]) -> String {
+fn bounds_over_seeds(study: &Study, loops: &[LoopSeen<'_>]) -> Option<String> {
     let founds: Vec<&Found> =
         loops.iter().flat_map(|seen| &seen.noisy).filter_map(|seen| seen.kept.found.as_ref()).collect();
     let count = |j: usize| founds.iter().filter(|found| found.unknowns[j].bound.is_some()).count();
@@ -232,7 +230,7 @@ fn bounds_over_seeds(study: &Study, loops: &[LoopSeen<'_>]) -> String {
         .filter(|j| count(*j) > 0)
         .map(|j| format!("`{}` in {} of {} campaigns with noise", study.free[j].key, count(j), founds.len()))
         .collect();
-    if words.is_empty() { String::new() } else { format!("; at a bound ends {}", words.join(", ")) }
+    (!words.is_empty()).then(|| format!("At a bound ends {}.", words.join(", ")))
 }
 
 fn setting(study: &Study) -> String {
@@ -386,15 +384,6 @@ fn left_open(loops: &[LoopSeen<'_>]) -> String {
         }
     }
     text
-}
-
-/// Three digits.
-fn digits(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let decimals = (2 - value.abs().log10().floor() as i32).max(0) as usize;
-    if decimals > 5 { format!("{value:.2e}").replace('-', "−") } else { number(value, decimals) }
 }
 
 fn picture(study: &Study, loops: &[LoopSeen<'_>]) -> String {

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use anyhow::Result;
-use page::{Axis, Column, LineFigure, Panel, Series, Table, line_figure, quantile};
+use page::{Axis, Column, Finding, LineFigure, Panel, Series, Table, line_figure, quantile};
 
 use super::campaign::{ASSEMBLY, BATCHES, EXPERIMENTS, METHODS, Method, NOISE, SEEDS};
 use super::case::Case;
 use super::store::Store;
+use crate::first_screen::around;
 use crate::kept;
-use crate::words::number;
+use crate::words::{capitalized, number};
 
 const PAGE: &str = "docs/results-plants.md";
 const PICTURE: &str = "docs/results-plants.svg";
@@ -60,16 +61,16 @@ fn first_at_most(case: &Case, method: &Method, regret: f64, store: &Store) -> Op
 
 fn markdown(cases: &[Case], store: &Store) -> String {
     let mut text = "# Plants that have to be built\n\n".to_owned();
-    for case in cases {
-        text += &format!("- {}\n", finding(case, store));
-    }
-    text += &format!(
-        "\n![Regret against plants built](results-plants.svg)\n\nMedian of {} seeds, a dot a batch of {EXPERIMENTS} experiments. Further \
-         left is cheaper, lower is better.\n\n",
-        SEEDS
+    let findings: Vec<Finding> = cases.iter().map(|case| Finding::new(finding(case, store))).collect();
+    text += &around(
+        &findings,
+        "![Regret against plants built](results-plants.svg)",
+        &format!(
+            "Median of {SEEDS} seeds, a dot a batch of {EXPERIMENTS} experiments. Further left is cheaper, lower is better."
+        ),
     );
     text += &format!(
-        "Two of four parameters are built, two are typed. A plant is put together for a batch and taken apart after it; what goes wrong \
+        "\nTwo of four parameters are built, two are typed. A plant is put together for a batch and taken apart after it; what goes wrong \
          then is an error that its runs share, of {} % of what 80 % of all designs span, beside the noise of a run of {} %. Regret is what \
          the recommended design costs more than the best that is known, in percent of the same; the machines are the stand-in for the \
          water channel and the test stand of the [suspension](tutorial-campaign-suspension.md). Nothing was tuned on these campaigns.\n\n\
@@ -81,17 +82,12 @@ fn markdown(cases: &[Case], store: &Store) -> String {
     for case in cases {
         text += &format!(
             "\n## {}\n\nA design drawn at random has a median regret of {} %.\n\n{}",
-            heading(case.words),
+            capitalized(case.words),
             number(100.0 * (case.typical - case.best) / case.spread, 0),
             table(case, store).markdown()
         );
     }
     text
-}
-
-fn heading(words: &str) -> String {
-    let mut letters = words.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().collect::<String>() + letters.as_str())
 }
 
 fn finding(case: &Case, store: &Store) -> String {

@@ -23,7 +23,7 @@ const BUILDS: [(&str, &[&str]); 3] = [
 /// How many there are.
 pub(super) const COUNT: usize = BUILDS.len();
 
-/// Each in a folder of its own, with all packages fetched before; `done` is told of each.
+/// Each in a folder of its own, with all packages fetched before; `done` gets each.
 pub(super) fn measured(root: &Path, mut done: impl FnMut()) -> Result<Vec<Built>> {
     cargo(root, &["fetch", "--locked"], None)?;
     let target = root.join(TARGET);

@@ -132,7 +132,7 @@ fn refuses_a_test_for_lack_of_fit_without_degrees_of_freedom() {
     check(
         fit.lack_of_fit(),
         "3 points at 3 places and 2 terms leave no test for lack of fit, expected more points than places \
-         (replicates) and more places than terms",
+         (repeats) and more places than terms",
     );
     let two_places = Data::new(1, vec![0.0, 1.0, 1.0], vec![0.0, 1.0, 2.0]).expect("valid data");
     let fit = Regression::fit(&Model::linear(1).expect("a valid model"), &two_places).expect("three points");

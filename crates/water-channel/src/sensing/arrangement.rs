@@ -14,7 +14,7 @@ pub struct Sensing {
     pub dots: Vec<Dot>,
     /// Standard deviation of the normal error of u and of v of every sighting, independent of each other.
     pub pixel_noise_px: f64,
-    /// Pixels are told in the middle of steps of this size: 1 for whole pixels, less where dots are found within a pixel, 0 for exact.
+    /// Pixels are reported in the middle of steps of this size: 1 for whole pixels, less where dots are found within a pixel, 0 for exact.
     pub quantization_px: f64,
     /// How many samples pass between an image and the pose that the controller gets of it.
     pub delay_samples: usize,

@@ -13,7 +13,7 @@ pub(crate) struct Bundle {
     /// The dots from the point of the pose, along B.
     pub(crate) place: Triple<Lanes>,
     pub(crate) eye: Eye<Lanes>,
-    /// u and v as they were told.
+    /// u and v as they were reported.
     pub(crate) pixel: [Lanes; 2],
     /// 1, and 0 where the last bundle is filled up with a sighting that counts already.
     pub(crate) weight: Lanes,

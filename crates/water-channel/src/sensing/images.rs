@@ -1,4 +1,4 @@
-//! From a pose to what the cameras tell of it: four dots side by side, camera after camera.
+//! From a pose to what the cameras report of it: four dots side by side, camera after camera.
 //!
 //! Loops are over indices: iterators are not inlined here, and take longer than the rest.
 
@@ -48,9 +48,9 @@ impl Images {
         Self { noise_px: 0.0, step_px: 0.0, ..self.clone() }
     }
 
-    /// Makes of exact pixels what the image processing tells: noise first, then the middle of a step.
+    /// Makes of exact pixels what the image processing reports: noise first, then the middle of a step.
     #[inline(always)]
-    fn tell(&self, sightings: &mut [Sighting], noise: &mut PixelNoise) {
+    fn report(&self, sightings: &mut [Sighting], noise: &mut PixelNoise) {
         if self.noise_px > 0.0 {
             noise.add_to(sightings, self.noise_px);
         }
@@ -132,5 +132,5 @@ pub(crate) fn take(images: &Images, shots: &mut Vec<Shot>, view: &mut View, pose
             }
         }
     }
-    images.tell(view.sightings_mut(), noise);
+    images.report(view.sightings_mut(), noise);
 }

@@ -12,7 +12,7 @@ use super::pose::Pose;
 use super::view::{PixelNoise, View};
 use super::viewer::Viewer;
 
-/// What the controller is told at a sample.
+/// What the controller is given at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The pose, of an image as old as the delay: new or, with a `hold`, the last one.

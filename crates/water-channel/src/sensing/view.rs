@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-/// A dot as one camera told it.
+/// A dot as one camera reported it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sighting {
     /// The place of the dot in [`Sensing::dots`](super::Sensing::dots).

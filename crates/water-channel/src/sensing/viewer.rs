@@ -63,7 +63,7 @@ impl Viewer {
         })
     }
 
-    /// What the cameras tell of a body at `pose`, noise and quantization included.
+    /// What the cameras report of a body at `pose`, noise and quantization included.
     ///
     /// A camera that sees no dot adds nothing, and no camera need see any. Two numbers are drawn from `noise` per sighting.
     #[must_use]

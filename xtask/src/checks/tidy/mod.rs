@@ -52,7 +52,12 @@ fn complaints(root: &Path) -> Result<Vec<String>> {
     }
     complaints.extend(equation_complaints(&texts));
     complaints.extend(layers::page_complaints(&texts));
-    for package in package_directories(root)? {
+    let packages = package_directories(root)?;
+    let folders =
+        packages.iter().map(|path| path.strip_prefix(root).unwrap_or(path).to_string_lossy().replace('\\', "/"));
+    let front = texts.iter().find(|(name, _)| name == pages::FRONT).map_or("", |(_, text)| text);
+    complaints.extend(pages::crate_rows(front, &folders.collect::<Vec<_>>()));
+    for package in packages {
         let name = package.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let read = |file: &str| fs::read_to_string(package.join(file)).ok();
         let manifest = read("Cargo.toml").with_context(|| format!("{name}: no Cargo.toml"))?;

@@ -23,6 +23,34 @@ pub(super) fn complaints(name: &str, text: &str) -> Vec<String> {
     complaints
 }
 
+/// The page with the table of crates.
+pub(super) const FRONT: &str = "README.md";
+
+/// Complaints about the table of crates: a row for each of these folders, given from the root, and no other.
+pub(super) fn crate_rows(text: &str, folders: &[String]) -> Vec<String> {
+    // `| [`name`](folder) | what it does |`
+    let folder = |line: &str| {
+        let (name, rest) = line.strip_prefix("| [`")?.split_once("`](")?;
+        let (folder, _) = rest.split_once(") |")?;
+        (folder == "xtask" || folder.starts_with("crates/")).then(|| (name.to_owned(), folder.to_owned()))
+    };
+    let rows: Vec<(String, String)> = text.lines().filter_map(folder).collect();
+    let missing = folders.iter().filter(|folder| !rows.iter().any(|(_, row)| row == *folder));
+    let mut complaints: Vec<String> =
+        missing.map(|folder| format!("{FRONT}: `{folder}` is not in the table of crates")).collect();
+    for (index, (name, folder)) in rows.iter().enumerate() {
+        if !folders.contains(folder) {
+            complaints.push(format!("{FRONT}: `{folder}` is in the table of crates and not in the tree"));
+        } else if folder.rsplit('/').next() != Some(name) {
+            complaints.push(format!("{FRONT}: the table of crates calls `{folder}` `{name}`"));
+        }
+        if rows[..index].iter().any(|(_, other)| other == folder) {
+            complaints.push(format!("{FRONT}: `{folder}` is twice in the table of crates"));
+        }
+    }
+    complaints
+}
+
 /// Complaints about tests that a page names and no crate has, given all sources of tests by their names from the root.
 pub(super) fn missing_tests(name: &str, text: &str, sources: &[(String, String)]) -> Vec<String> {
     let crates: BTreeSet<&str> =
@@ -81,6 +109,25 @@ pub(super) fn missing_places(name: &str, text: &str, names: &[&str]) -> Vec<Stri
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_table_of_crates_has_a_row_for_each_folder_and_no_other() {
+        let page = |rows: &[&str]| format!("# Title\n\n| crate | what it does |\n|---|---|\n{}\n", rows.join("\n"));
+        let [doe, xtask] = ["| [`doe`](crates/doe) | designs |", "| [`xtask`](xtask) | starts the studies |"];
+        let folders = ["crates/doe", "xtask"].map(str::to_owned);
+        let complaints = |rows: &[&str]| crate_rows(&page(rows), &folders);
+        let link = "| [`results`](docs/results.md) | no crate |";
+        assert_eq!(complaints(&[doe, xtask, link]), Vec::<String>::new());
+        assert_eq!(complaints(&[xtask]), ["README.md: `crates/doe` is not in the table of crates"]);
+        let gone = "| [`grid`](crates/grid) | cells |";
+        assert_eq!(
+            complaints(&[doe, gone, xtask]),
+            ["README.md: `crates/grid` is in the table of crates and not in the tree"]
+        );
+        let renamed = "| [`designs`](crates/doe) | designs |";
+        assert_eq!(complaints(&[renamed, xtask]), ["README.md: the table of crates calls `crates/doe` `designs`"]);
+        assert_eq!(complaints(&[doe, xtask, doe]), ["README.md: `crates/doe` is twice in the table of crates"]);
+    }
 
     #[test]
     fn long_cells_and_long_front_pages_are_found() {

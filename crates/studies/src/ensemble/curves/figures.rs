@@ -130,7 +130,7 @@ pub(super) fn fallen(cases: &[Case<'_>], method: Method) -> [usize; 2] {
     [whole().count(), whole().filter(|held| held.is_nan()).count()]
 }
 
-/// Figure 26: errors of the heading that was told, and how many plants have any.
+/// Figure 26: errors of the heading that was reported, and how many plants have any.
 pub(in crate::ensemble) fn headings(setup: &Setup, cases: &[Case<'_>]) -> String {
     let n_bins = (setup.still.duration_s() / BIN_S).ceil() as usize;
     let t: Vec<f64> = (0..n_bins).map(|bin| bin as f64 * BIN_S).collect();

@@ -127,7 +127,7 @@ fn headings(setup: &Setup, done: &[Done], plant: &Plant) -> Result<Facts> {
     Ok((facts, 1 + both.len()))
 }
 
-/// The largest error of the heading that was told, in deg, in each bin of time.
+/// The largest error of the heading that was reported, in deg, in each bin of time.
 fn largest_errors(flight: &Logged) -> Vec<f64> {
     let mut largest = Vec::new();
     for row in &flight.log.rows {
@@ -233,7 +233,7 @@ mod tests {
             Ok(on(&seen.regions(&camera, margin_px)).logged(&center, STAND_IN)?.flight.held_share)
         };
         assert_eq!(held(0.5)?, Some(0.0), "the log has one sample in four: half a pixel to spare");
-        assert!(largest_errors(&calm).iter().all(|error| *error < 0.5), "without lost dots the heading is told");
+        assert!(largest_errors(&calm).iter().all(|error| *error < 0.5), "without lost dots the heading is reported");
         Ok(())
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn of_held(method: Method, seed: u64, margin_px: f64) -> String {
 /// A margin that leaves the whole image: what is lost there is not lost because of a region.
 pub(super) const WHOLE_IMAGE: f64 = f64::INFINITY;
 
-/// The largest error of the heading that was told, in deg, in a bin of time.
+/// The largest error of the heading that was reported, in deg, in a bin of time.
 pub(super) fn of_bin(method: Method, bin: usize) -> String {
     format!("{}/heading/{bin}", method.name())
 }

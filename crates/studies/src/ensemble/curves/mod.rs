@@ -11,5 +11,5 @@ pub(super) use figures::{errors, headings, lowest};
 pub(super) use fly::{fly_again, run};
 pub(super) use kept::BIN_S;
 pub(super) use tables::{
-    errors as table_of_errors, fallen_in_words, headings as table_of_headings, lost_in_words, lowest as table_of_lowest,
+    errors as table_of_errors, fallen_in_words, headings as table_of_headings, lost_poses, lowest as table_of_lowest,
 };

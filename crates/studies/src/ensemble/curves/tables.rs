@@ -1,6 +1,6 @@
 //! What the curves say in numbers.
 
-use page::{Column, Table, quantile};
+use page::{Column, Finding, Table, quantile};
 
 use super::figures::{DESIGNS, fallen, lost};
 use super::kept::{ERROR, ITERATIONS, LEFT, cases_of_figure21, of_bin, of_iteration, of_place, over, places_in_table4};
@@ -8,7 +8,7 @@ use crate::ensemble::file::Setup;
 use crate::ensemble::kept::Case;
 use crate::ensemble::row::{Study, World};
 use crate::ensemble::tables::quartiles_of;
-use crate::words::number;
+use crate::words::{capitalized, number};
 
 /// Figure 14: where the lowest cost lies within Table 4, panel by panel.
 pub(in crate::ensemble) fn lowest(setup: &Setup, cases: &[Case<'_>]) -> Table {
@@ -117,17 +117,18 @@ pub(in crate::ensemble) fn headings(setup: &Setup, cases: &[Case<'_>]) -> Table 
 }
 
 /// The same with the pixels that are drawn, in a sentence.
-pub(in crate::ensemble) fn lost_in_words(setup: &Setup, cases: &[Case<'_>]) -> String {
+pub(in crate::ensemble) fn lost_poses(setup: &Setup, cases: &[Case<'_>]) -> Finding {
     let each = DESIGNS.map(|(method, words)| {
         let [lose, fall, n] = lost(cases, method, setup.regions.shown_px);
         let falls = if fall > 0 { format!(" ({fall} more fall)") } else { String::new() };
-        format!("{words} {lose} of {n}{falls}")
+        format!("{}: {lose} of {n}{falls}.", capitalized(words))
     });
-    format!(
-        "Spikes of the heading (Figure 26): before one camera with a narrow region of interest ({} px to spare) the heading is lost for a while, as in the dissertation; so it is at: {}.",
-        setup.regions.shown_px,
-        each.join("; ")
-    )
+    Finding::new(format!(
+        "Spikes of the heading (Figure 26): before one camera with a narrow region of interest ({} px to spare) the heading is lost for a \
+         while, as in the dissertation. Designs that lose it so:",
+        setup.regions.shown_px
+    ))
+    .with_sentences(each)
 }
 
 /// What falls before the whole image, in a sentence.

@@ -47,17 +47,17 @@ fn estimates_are_the_state_in_the_ground_frame() {
         let [zenith, azimuth, twist, .., l1, l2, l3, _, _, _] = row.state;
         let [length, pitch, roll] = driven_of_lines(&plant, [l1, l2, l3]);
         let truth = pose_of(&plant, &[zenith, azimuth, twist, length, pitch, roll]);
-        let told = row.estimate.unwrap().pose;
-        assert!(distance(&told, &truth) < 1e-9, "t = {}: {told:?} and {truth:?}", row.time_s);
+        let reported = row.estimate.unwrap().pose;
+        assert!(distance(&reported, &truth) < 1e-9, "t = {}: {reported:?} and {truth:?}", row.time_s);
 
         let written: Vec<f64> = row.camera_numbers().collect();
         for (name, number) in [
-            ("estimated_x", told.position_m[0]),
-            ("estimated_y", told.position_m[1]),
-            ("estimated_altitude", -told.position_m[2]),
-            ("estimated_roll", told.roll_rad),
-            ("estimated_pitch", told.pitch_rad),
-            ("estimated_heading", told.heading_rad),
+            ("estimated_x", reported.position_m[0]),
+            ("estimated_y", reported.position_m[1]),
+            ("estimated_altitude", -reported.position_m[2]),
+            ("estimated_roll", reported.roll_rad),
+            ("estimated_pitch", reported.pitch_rad),
+            ("estimated_heading", reported.heading_rad),
         ] {
             assert_close(written[place(name)], number, 0.0, name);
         }
@@ -103,16 +103,16 @@ fn without_cameras_there_are_no_columns_of_theirs() {
 
 #[test]
 fn delay_is_exactly_a_shift() {
-    // In open loop the body does not notice what is told of it.
+    // In open loop the body does not notice what is reported of it.
     let profile = short_test(6.0).with_control(Control::OpenLoop);
-    let told = |delay_samples: usize| {
+    let reported = |delay_samples: usize| {
         let sensing = Sensing { delay_samples, ..cameras() };
         let log = logged(&with(first_row(), sensing), &profile);
         log.rows.iter().map(|row| row.estimate.unwrap()).collect::<Vec<_>>()
     };
-    let at_once = told(0);
+    let at_once = reported(0);
     for delay in [1, 7] {
-        let late = told(delay);
+        let late = reported(delay);
         assert_eq!(late[delay..], at_once[..at_once.len() - delay], "{delay} samples late");
         for early in &late[..delay] {
             assert_eq!((early.hold, early.dots_seen), (Some(Hold::NoImageYet), 0));
@@ -126,9 +126,9 @@ fn delay_of_a_tracker_is_exactly_a_shift() {
     let pose = |k: usize| Pose { heading_rad: 0.01 * k as f64, ..MIDDLE };
     let (at_once, late) = [0, 3].map(|delay_samples| viewer(&Sensing { delay_samples, ..cameras() })).into();
     let (mut at_once, mut late) = (Tracker::new(&at_once), Tracker::new(&late));
-    let told: Vec<_> = (0..20).map(|k| (at_once.observe(&pose(k)), late.observe(&pose(k)))).collect();
+    let reported: Vec<_> = (0..20).map(|k| (at_once.observe(&pose(k)), late.observe(&pose(k)))).collect();
     for k in 3..20 {
-        assert_eq!(told[k].1, told[k - 3].0, "sample {k}");
+        assert_eq!(reported[k].1, reported[k - 3].0, "sample {k}");
     }
 }
 
@@ -155,20 +155,20 @@ fn flight_goes_on_with_the_last_pose_while_dots_are_out_of_view() {
     let flow = steps(&[(0.0, 0.245, 0.0), (2.0, 0.245, 25.0), (8.0, 0.245, 0.0)]);
     let profile = TestProfile::new(30.0, flow, Vec::new()).unwrap();
     let log = logged(&with(first_row(), sensing), &profile);
-    let told: Vec<_> = log.rows.iter().map(|row| row.estimate.unwrap()).collect();
-    let held = told.iter().filter(|told| told.hold == Some(Hold::TooFewDots)).count();
-    assert!((10..1000).contains(&held), "{held} of {} samples are held", told.len());
-    for (before, now) in told.iter().zip(&told[1..]) {
+    let reported: Vec<_> = log.rows.iter().map(|row| row.estimate.unwrap()).collect();
+    let held = reported.iter().filter(|reported| reported.hold == Some(Hold::TooFewDots)).count();
+    assert!((10..1000).contains(&held), "{held} of {} samples are held", reported.len());
+    for (before, now) in reported.iter().zip(&reported[1..]) {
         assert!(now.hold.is_none() || now.pose == before.pose, "held: {before:?} and {now:?}");
     }
-    assert_eq!(told.last().unwrap().hold, None, "the dots are back");
-    let (row, told) = (log.rows.last().unwrap(), told.last().unwrap());
-    assert_close(told.pose.altitude_m(), row.altitude_m, 1e-9, "regained");
+    assert_eq!(reported.last().unwrap().hold, None, "the dots are back");
+    let (row, reported) = (log.rows.last().unwrap(), reported.last().unwrap());
+    assert_close(reported.pose.altitude_m(), row.altitude_m, 1e-9, "regained");
 }
 
-/// The share that a flight tells is that of its log, alone and side by side; a delay counts for nothing.
+/// The share that a flight says is that of its log, alone and side by side; a delay counts for nothing.
 #[test]
-fn flight_tells_on_how_many_images_a_pose_was_held() {
+fn flight_says_on_how_many_images_a_pose_was_held() {
     let mut narrow = perfect();
     narrow.cameras = narrow.cameras.split_off(2);
     (narrow.cameras[0].region.top_px, narrow.cameras[0].region.bottom_px) = (205.0, 275.0);
@@ -188,7 +188,7 @@ fn flight_tells_on_how_many_images_a_pose_was_held() {
 
 /// One of three cameras is turned to the floor: the others do, and the flight says which saw nothing; lane by lane, and alone.
 #[test]
-fn flight_tells_which_cameras_saw_no_dot_at_all() {
+fn flight_says_which_cameras_saw_no_dot_at_all() {
     let mut turned = cameras();
     turned.cameras[2].pose.pitch_rad = -turned.cameras[2].pose.pitch_rad;
     let requests = [with(first_row(), cameras()), with(first_row(), turned), first_row()];

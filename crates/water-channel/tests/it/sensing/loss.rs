@@ -35,26 +35,26 @@ fn heading_is_held_while_a_pair_of_dots_is_out_of_view_and_regained_after() {
     let swing = |k: usize| headed(0.8 * (std::f64::consts::PI * k as f64 / 400.0).sin());
     let (mut held, mut fewest, mut last, mut largest) = (0, 4, headed(0.0), 0.0f64);
     for k in 0..=400 {
-        let (truth, told) = (swing(k), tracker.observe(&swing(k)));
-        let error = (told.pose.heading_rad - truth.heading_rad).abs();
+        let (truth, reported) = (swing(k), tracker.observe(&swing(k)));
+        let error = (reported.pose.heading_rad - truth.heading_rad).abs();
         largest = largest.max(error);
-        match told.hold {
+        match reported.hold {
             None => {
-                assert_eq!(told.dots_seen, 4, "sample {k}");
-                assert!(distance(&told.pose, &truth) < 1e-9, "sample {k}: {told:?}");
-                last = told.pose;
+                assert_eq!(reported.dots_seen, 4, "sample {k}");
+                assert!(distance(&reported.pose, &truth) < 1e-9, "sample {k}: {reported:?}");
+                last = reported.pose;
             }
             Some(hold) => {
                 assert_eq!(hold, Hold::TooFewDots);
-                fewest = fewest.min(told.dots_seen);
-                assert_eq!(told.pose, last, "held at sample {k}");
+                fewest = fewest.min(reported.dots_seen);
+                assert_eq!(reported.pose, last, "held at sample {k}");
                 held += 1;
             }
         }
     }
     assert_eq!(fewest, 2, "a pair is out of view at the widest heading");
     assert!((100..300).contains(&held), "{held} samples held");
-    assert!(largest > 0.1, "the heading told is off by {largest} rad before the dots come back");
+    assert!(largest > 0.1, "the heading reported is off by {largest} rad before the dots come back");
     assert!(distance(&tracker.observe(&swing(0)).pose, &swing(0)) < 1e-9, "regained");
 }
 
@@ -81,9 +81,9 @@ fn camera_that_sees_no_dot_is_no_error() {
     let view = look(&viewer, &MIDDLE);
     assert_eq!(view.seen_by(2), 0, "it looks at the floor");
     assert!(view.seen_by(0) > 0 && view.seen_by(1) > 0, "{view:?}");
-    let told = Tracker::new(&viewer).observe(&MIDDLE);
-    assert_eq!((told.cameras_seeing, told.hold), (2, None));
-    assert!(distance(&told.pose, &MIDDLE) < 1e-9, "two cameras are enough");
+    let reported = Tracker::new(&viewer).observe(&MIDDLE);
+    assert_eq!((reported.cameras_seeing, reported.hold), (2, None));
+    assert!(distance(&reported.pose, &MIDDLE) < 1e-9, "two cameras are enough");
 }
 
 #[test]
@@ -150,9 +150,9 @@ fn pose_that_is_no_number_is_held() {
     let mut tracker = Tracker::new(&viewer);
     tracker.observe(&MIDDLE);
     for bad in [f64::NAN, f64::INFINITY, 1e300] {
-        let told = tracker.observe(&Pose { position_m: [bad; 3], ..MIDDLE });
-        assert_eq!((told.dots_seen, told.hold), (0, Some(Hold::TooFewDots)), "{bad}");
-        assert!(distance(&told.pose, &MIDDLE) < 1e-9, "{told:?}");
+        let reported = tracker.observe(&Pose { position_m: [bad; 3], ..MIDDLE });
+        assert_eq!((reported.dots_seen, reported.hold), (0, Some(Hold::TooFewDots)), "{bad}");
+        assert!(distance(&reported.pose, &MIDDLE) < 1e-9, "{reported:?}");
     }
     let nowhere = Pose { position_m: [f64::NAN; 3], ..MIDDLE };
     assert_eq!(viewer.locate(&look(&viewer, &MIDDLE), &nowhere), Err(Hold::NotConverged));

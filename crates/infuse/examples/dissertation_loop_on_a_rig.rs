@@ -1,4 +1,4 @@
-//! The global loop in two parameters on a rig, its state in a JSON file between visits.
+//! The dissertation's loop in two parameters on a rig, its state in a JSON file between visits.
 
 use std::error::Error;
 use std::fs;

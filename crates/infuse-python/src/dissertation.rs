@@ -19,12 +19,12 @@ const DRAWS: usize = 200;
 /// `infuse::global::Loop`.
 #[pyclass(module = "infuse._native")]
 #[derive(Debug, Clone)]
-pub(crate) struct GlobalLoop {
+pub(crate) struct DissertationLoop {
     campaign: Loop,
 }
 
 #[pymethods]
-impl GlobalLoop {
+impl DissertationLoop {
     /// `settings` is a JSON object with the keys of `infuse::global::Settings`, the model left out.
     #[new]
     fn new(parameters: Vec<ParameterTuple>, model: ModelChoice, settings: &str) -> PyResult<Self> {
