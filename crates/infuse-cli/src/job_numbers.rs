@@ -5,8 +5,11 @@ use anyhow::{Result, bail};
 use crate::number::plain;
 use crate::program::Ran;
 
-/// So many plain whole numbers in a row are enough to be sure if they follow each other without a gap.
+/// So many plain whole numbers in a row are enough to be sure if they follow each other without a gap. Each run beside
+/// leaves room for one gap more, and takes two numbers more: with twenty side by side, six even responses below 40 would
+/// pass for numbers of jobs otherwise.
 const SURE: usize = 5;
+const SURE_PER_RUN_BESIDE: usize = 2;
 /// And so many if each is larger than all before: others submit in between. Of different designs one such series in 40,000
 /// is no numbers of jobs. Runs side by side may be exchanged, so it takes as many times more.
 const SURE_WITH_GAPS: usize = 8;
@@ -60,7 +63,8 @@ impl JobNumbers {
         let (is_dense, rises) = (self.is_dense(side_by_side), self.rises(side_by_side));
         self.is_settled = !is_dense && !rises;
         let n = self.seen.len();
-        if is_dense && n >= SURE || rises && n >= SURE_WITH_GAPS * side_by_side {
+        let sure = SURE + SURE_PER_RUN_BESIDE * side_by_side.saturating_sub(1);
+        if is_dense && n >= sure || rises && n >= SURE_WITH_GAPS * side_by_side {
             let seen: Vec<String> = self.seen.iter().map(|value| plain(*value)).collect();
             bail!(
                 "`command` printed {} for {} designs: whole numbers that rise from run to run are the numbers of jobs and no \
@@ -145,7 +149,12 @@ mod tests {
     fn numbers_of_jobs_are_told_from_whole_responses() {
         assert_eq!(held_back(&[4712.0, 4713.0, 4714.0, 4715.0, 4716.0], 1), (vec![true; 4], true));
         // Two at a time, and the second was faster.
-        assert_eq!(held_back(&[4713.0, 4712.0, 4714.0, 4716.0, 4715.0], 2), (vec![true; 4], true));
+        let two = [4713.0, 4712.0, 4714.0, 4716.0, 4715.0, 4718.0, 4717.0];
+        assert_eq!(held_back(&two, 2), (vec![true; 6], true));
+        // Twenty at a time: whole responses of a few designs lie as near to each other as numbers of jobs would.
+        assert_eq!(held_back(&[10.0, 12.0, 20.0, 22.0, 34.0, 32.0, 16.0, 12.0], 20), (vec![true; 8], false));
+        let twenty: Vec<f64> = (0..60).map(|run| f64::from(4711 + (run ^ 3))).collect();
+        assert_eq!(held_back(&twenty, 20), (vec![true; 42], true));
         assert_eq!(
             held_back(&[3.0, 4.0, 4.0, 5.0, 6.0, 7.0, 8.0], 1),
             (vec![true, true, false, false, false, false, false], false)
