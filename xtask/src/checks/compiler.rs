@@ -5,6 +5,9 @@
 //! (`RUSTC_WORKSPACE_WRAPPER`), and hands each call on, first to the compiler, then to clippy, then to rustdoc. Cargo remembers what
 //! has passed, as it does with the compiler.
 //!
+//! A library or program that has unit tests is compiled a second time with them: clippy reads it then, tests and all. What the
+//! tests alone use is no use; so without them it is the compiler that is told to refuse what it would warn of.
+//!
 //! Libraries are optimized as cargo says. All else is used once here, tests, examples and programs, or not run at all, as benches:
 //! it takes longer to optimize than to run, and what it calls of libraries is optimized.
 
@@ -16,6 +19,7 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context as _, Result};
 use sha2::{Digest as _, Sha256};
+use toml::{Table, Value};
 
 /// The name of this program where it stands for the compiler.
 const NAME: &str = "checking-compiler";
@@ -59,18 +63,39 @@ pub(crate) fn stand_in() -> Option<ExitCode> {
 fn compile_and_check(command: &[OsString], own: &Path) -> Result<u8> {
     let (compiler, arguments) = command.split_first().context("cargo names no compiler")?;
     let Some(unit) = Unit::of(arguments) else { return run(Command::new(compiler).args(arguments)) };
-    let compiled = run(Command::new(compiler).args(arguments).args(unit.compiled_with()))?;
+    let has_tests = unit.is_root() && has_tests()?;
+    let compiled = run(Command::new(compiler).args(arguments).args(unit.compiled_with(has_tests)))?;
     if compiled != 0 {
         return Ok(compiled);
     }
-    // For what nobody reads.
-    let folder = tempfile::tempdir().context("a folder for what clippy writes")?;
-    let linted = run(Command::new("clippy-driver").arg(compiler).args(unit.linted_with(folder.path())))?;
-    if linted != 0 || !unit.is_documented() {
-        return Ok(linted);
+    if !has_tests {
+        // For what nobody reads.
+        let folder = tempfile::tempdir().context("a folder for what clippy writes")?;
+        let linted = run(Command::new("clippy-driver").arg(compiler).args(unit.linted_with(folder.path())))?;
+        if linted != 0 {
+            return Ok(linted);
+        }
+    }
+    if !unit.is_documented() {
+        return Ok(0);
     }
     let documentation = own.parent().context("this program is in no folder")?.join("documentation");
     run(Command::new("rustdoc").args(unit.documented_with(&documentation)))
+}
+
+/// Whether cargo compiles the package that it names once more, with its unit tests: unless its manifest says no.
+fn has_tests() -> Result<bool> {
+    let manifest = PathBuf::from(env::var_os("CARGO_MANIFEST_PATH").context("cargo names no manifest")?);
+    let name = || manifest.display().to_string();
+    let text = fs::read_to_string(&manifest).with_context(name)?;
+    let manifest: Table = text.parse().with_context(name)?;
+    Ok(!says_no_tests(&manifest))
+}
+
+fn says_no_tests(manifest: &Table) -> bool {
+    let programs = manifest.get("bin").and_then(Value::as_array).into_iter().flatten();
+    let mut targets = manifest.get("lib").into_iter().chain(programs);
+    targets.any(|target| target.get("test").and_then(Value::as_bool) == Some(false))
 }
 
 fn run(command: &mut Command) -> Result<u8> {
@@ -119,15 +144,22 @@ impl<'a> Unit<'a> {
         self.value_of("--crate-type").is_some_and(|kind| kind == "bin")
     }
 
-    fn is_documented(&self) -> bool {
-        let name = self.value_of("--crate-name").and_then(OsStr::to_str);
-        !self.is_test() && (!self.is_program() || name.is_some_and(|name| DOCUMENTED.contains(&name)))
+    /// Whether it is the library or the program of a package, without the tests that it may have.
+    fn is_root(&self) -> bool {
+        let source = self.arguments.iter().map(Path::new).find(|path| path.extension() == Some(OsStr::new("rs")));
+        !self.is_test() && source.is_some_and(|path| path.components().any(|part| part.as_os_str() == "src"))
     }
 
-    /// What is added for the compiler: of two levels, it takes the last. Clippy says all that it would.
-    fn compiled_with(&self) -> Vec<&'static str> {
+    fn is_documented(&self) -> bool {
+        let name = self.value_of("--crate-name").and_then(OsStr::to_str);
+        self.is_root() && (!self.is_program() || name.is_some_and(|name| DOCUMENTED.contains(&name)))
+    }
+
+    /// What is added for the compiler: of two levels, it takes the last. Where clippy reads the unit it says all that it would.
+    fn compiled_with(&self, has_tests: bool) -> Vec<&'static str> {
+        let lints: &[_] = if has_tests { &DENY } else { &["--cap-lints", "allow"] };
         let level: &[_] = if !self.is_library() { &["-C", "opt-level=0"] } else { &[] };
-        [&["--cap-lints", "allow"], level].concat()
+        [lints, level].concat()
     }
 
     fn linted_with(&self, folder: &Path) -> Vec<OsString> {
@@ -187,11 +219,33 @@ mod tests {
             "src/lib.rs --crate-type cdylib",
         ] {
             let unit = words(&format!("--crate-name it {unit} --emit=dep-info,link -C opt-level=3"));
-            let added = Unit::of(&unit).expect("a unit").compiled_with();
+            let added = Unit::of(&unit).expect("a unit").compiled_with(false);
             assert_eq!(added, ["--cap-lints", "allow", "-C", "opt-level=0"], "{unit:?}");
         }
         let library = words(LIBRARY);
-        assert_eq!(Unit::of(&library).expect("a unit").compiled_with(), ["--cap-lints", "allow"]);
+        assert_eq!(Unit::of(&library).expect("a unit").compiled_with(false), ["--cap-lints", "allow"]);
+    }
+
+    #[test]
+    fn what_has_unit_tests_is_linted_with_them_and_may_warn_of_nothing_without() {
+        let library = words(LIBRARY);
+        let unit = Unit::of(&library).expect("a unit");
+        assert!(unit.is_root());
+        assert_eq!(unit.compiled_with(true), ["-D", "warnings"]);
+        let with_tests = words(&format!("{LIBRARY} --test"));
+        let bench = words("--crate-name batch benches/batch.rs --crate-type bin --emit=dep-info,link");
+        let module = words("--crate-name it tests/it/main.rs --test --emit=dep-info,link");
+        for unit in [&with_tests, &bench, &module] {
+            assert!(!Unit::of(unit).expect("a unit").is_root(), "{unit:?}");
+        }
+        for (manifest, expected) in [
+            ("[lib]\nname = 'a'", false),
+            ("[lib]\ntest = false", true),
+            ("[[bin]]\nname = 'b'\ntest = false", true),
+            ("", false),
+        ] {
+            assert_eq!(says_no_tests(&manifest.parse().expect("a table")), expected, "{manifest}");
+        }
     }
 
     #[test]
@@ -221,7 +275,8 @@ mod tests {
             --extern rayon=/t/deps/librayon.rmeta -o /docs -D warnings";
         assert_eq!(unit.documented_with(Path::new("/docs")), words(expected));
         for (name, expected) in [("studies", true), ("infuse", false), ("an_example", false)] {
-            let program = words(&format!("--crate-name {name} src/main.rs --crate-type bin --emit=dep-info,link"));
+            let program =
+                words(&format!("--crate-name {name} crates/{name}/src/main.rs --crate-type bin --emit=dep-info,link"));
             let unit = Unit::of(&program).expect("a unit");
             assert_eq!(unit.is_documented(), expected, "{name}");
             let documented = unit.documented_with(Path::new("/docs"));
