@@ -50,6 +50,11 @@ pub(crate) struct Written {
 impl Written {
     /// The number in `unit`, if `admits` finds it in the range that `words` describe.
     pub(crate) fn within<E: Fault>(&self, unit: &str, admits: impl Fn(f64) -> bool, words: &str) -> Result<f64, E> {
+        self.within_any(unit, &admits, words)
+    }
+
+    /// As one function for all ranges: it was compiled for each of some sixty.
+    fn within_any<E: Fault>(&self, unit: &str, admits: &dyn Fn(f64) -> bool, words: &str) -> Result<f64, E> {
         let Some(value) = converted(self.value, &self.unit, unit) else {
             let (found, expected) = (format!("in the unit `{}`", self.unit), format!("in {}", understood(unit)));
             return Err(E::invalid_value(Unexpected::Other(&found), &expected.as_str()));

@@ -26,6 +26,13 @@ struct TestProgram {
     folder: PathBuf,
 }
 
+impl TestProgram {
+    /// Whether it is of the package whose tests mostly wait.
+    fn waits(&self) -> bool {
+        self.folder.ends_with(WAITING)
+    }
+}
+
 /// Compiles and runs the tests that these arguments of `cargo test` select.
 pub(crate) fn run(selection: &[&str]) -> Result<()> {
     let arguments = [&["test", "--no-run", "--message-format", "json-render-diagnostics"], selection].concat();
@@ -35,12 +42,14 @@ pub(crate) fn run(selection: &[&str]) -> Result<()> {
     }
     let mut programs = programs(&String::from_utf8_lossy(&output.stdout))?;
     ensure!(!programs.is_empty(), "cargo {} selects no test", selection.join(" "));
-    // The largest first: nobody should wait for one that was begun last.
-    programs.sort_by_key(|program| std::cmp::Reverse(fs::metadata(&program.path).map_or(0, |data| data.len())));
+    // Those that wait first, and then the largest: nobody should wait for one that was begun last.
+    programs.sort_by_key(|program| {
+        (!program.waits(), std::cmp::Reverse(fs::metadata(&program.path).map_or(0, |data| data.len())))
+    });
     let command = |program: &TestProgram| {
         let mut command = Command::new(&program.path);
         command.current_dir(&program.folder);
-        if program.folder.ends_with(WAITING) && std::env::var_os(THREADS).is_none() {
+        if program.waits() && std::env::var_os(THREADS).is_none() {
             let n_processors = std::thread::available_parallelism().map_or(1, NonZero::get);
             command.env(THREADS, (AT_ONCE * n_processors).to_string());
         }
