@@ -22,7 +22,7 @@ pub(crate) fn stop_words(ended: &Ended) -> String {
     }
 }
 
-/// Three digits, however large.
+/// Three decimals, or two digits with their power of ten for what is large or tiny.
 pub(crate) fn digits(value: f64) -> String {
     if value.abs() >= 1e4 || (value.abs() < 1e-3 && value.abs() > 1e-12) {
         format!("{value:.1e}")
