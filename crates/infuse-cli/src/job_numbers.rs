@@ -36,8 +36,8 @@ pub(crate) fn submits_a_job(command: &[String]) -> Option<&str> {
 /// Watches what a command prints, run by run: whole numbers that follow each other, or that rise all the time, are the
 /// numbers of jobs.
 ///
-/// A response may be whole, and two of them may follow each other, but not the first five of different designs, nor do eight
-/// rise from the first to the last. Once anything else was printed nothing is suspected any more.
+/// A response may be whole, and two of them may follow each other, but not the first five of different designs that run one at a
+/// time, nor do eight rise from the first to the last. Once anything else was printed nothing is suspected any more.
 #[derive(Debug, Default)]
 pub(crate) struct JobNumbers {
     seen: Vec<f64>,
