@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result, ensure};
 
+use crate::compiler::Task;
 use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly, run_side_by_side};
 use crate::{compiler, fuzz, licenses, packages, python, test_programs, tidy, tutorials};
 
@@ -21,7 +22,7 @@ const STEPS: &[Step] = &[
     Step { heading: "format", run: || run_cargo(&["fmt", "--all", "--check"]) },
     Step { heading: "tidy", run: tidy::check },
     Step { heading: "compiler, clippy, rustdoc", run: compile },
-    Step { heading: "the least of each feature", run: clippy_of_least },
+    Step { heading: "the least of each feature", run: lints_of_least },
     Step { heading: "tests", run: || test_programs::run(&test_selection()) },
     Step {
         heading: "tests in the documentation",
@@ -78,12 +79,13 @@ fn test_selection() -> Vec<&'static str> {
 }
 
 /// What each feature leaves at the least: of these packages together, because none of them turns on a feature of another, and what
-/// they share is then checked once.
-fn clippy_of_least() -> Result<()> {
+/// they share is then checked once. Of others' packages it is what was compiled for programs.
+fn lints_of_least() -> Result<()> {
     let packages = ["--package", "infuse-loop", "--package", "infuse-scaling", "--package", "studies"];
-    let command = ["clippy", "--release", "--no-default-features"];
-    let mut clippy = workspace::cargo(&[command.as_slice(), &packages, &["--", "-D", "warnings"]].concat())?;
-    run_quietly(clippy.env_remove(workspace::COMPILED_BY))
+    let command = ["build", "--release", "--no-default-features"];
+    let mut cargo = workspace::cargo(&[command.as_slice(), &packages].concat())?;
+    let compiler = workspace::compiler().context("nothing stands in for the compiler")?;
+    run_quietly(compiler::for_task(&mut cargo, compiler, Task::Lints))
 }
 
 /// Runs studies by the program that was built with all others.

@@ -10,6 +10,9 @@
 //!
 //! Libraries are optimized as cargo says. All else is used once here, tests, examples and programs, or not run at all, as benches:
 //! it takes longer to optimize than to run, and what it calls of libraries is optimized.
+//!
+//! With other features than those of the workspace, or unpacked, our packages are read and not run: then their types are all that is
+//! made of them.
 
 use std::env;
 use std::ffi::{OsStr, OsString};
@@ -21,36 +24,67 @@ use anyhow::{Context as _, Result};
 use sha2::{Digest as _, Sha256};
 use toml::{Table, Value};
 
-/// The name of this program where it stands for the compiler.
-const NAME: &str = "checking-compiler";
+use crate::workspace;
+
+/// What this program does where it stands for the compiler.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Task {
+    /// Compiles, and reads for lints and documentation.
+    Programs,
+    /// Reads for lints, and makes types alone.
+    Lints,
+    /// Makes types alone.
+    Types,
+}
+
+const TASKS: [Task; 3] = [Task::Programs, Task::Lints, Task::Types];
+
+impl Task {
+    /// The name of this program then.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Programs => "checking-compiler",
+            Self::Lints => "checking-lints",
+            Self::Types => "checking-types",
+        }
+    }
+}
+
 /// What clippy is told in a file.
 const SETTINGS: &str = "clippy.toml";
 /// Programs that are documented for those who change them, with all that is private. Of other packages it is the libraries.
 const DOCUMENTED: [&str; 3] = ["studies", "checks", "xtask"];
 const DENY: [&str; 2] = ["-D", "warnings"];
 
-/// Makes what cargo is to start in place of the compiler: a copy of this program, since cargo may build it anew meanwhile. What has
-/// passed with other settings of clippy counts for nothing, because cargo knows the compiler by its path.
+/// Makes what cargo is to start in place of the compiler, to compile programs: a copy of this program, since cargo may build it anew
+/// meanwhile, and beside it one for each other task. What has passed with other settings of clippy counts for nothing, because cargo
+/// knows the compiler by its path.
 pub(crate) fn prepare(root: &Path, target: &Path) -> Result<PathBuf> {
     let settings = root.join(SETTINGS);
     let text = fs::read(&settings).with_context(|| settings.display().to_string())?;
     let digest: String = Sha256::digest(text).iter().take(4).map(|byte| format!("{byte:02x}")).collect();
     let folder = target.join("checked").join(digest);
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    let program = folder.join(NAME).with_extension(env::consts::EXE_EXTENSION);
     let own = env::current_exe().context("where this program is")?;
-    fs::copy(&own, &program).with_context(|| program.display().to_string())?;
-    Ok(program)
+    let copy = |task: Task| folder.join(task.name()).with_extension(env::consts::EXE_EXTENSION);
+    for task in TASKS {
+        fs::copy(&own, copy(task)).with_context(|| copy(task).display().to_string())?;
+    }
+    Ok(copy(Task::Programs))
+}
+
+/// Cargo as it was called, where our own packages are compiled for this task.
+pub(crate) fn for_task<'a>(cargo: &'a mut Command, compiler: &Path, task: Task) -> &'a mut Command {
+    let program = compiler.with_file_name(task.name()).with_extension(env::consts::EXE_EXTENSION);
+    cargo.env(workspace::COMPILED_BY, program)
 }
 
 /// Compiles, if that is what this program was started for.
 pub(crate) fn stand_in() -> Option<ExitCode> {
     let own = PathBuf::from(env::args_os().next()?);
-    if own.file_stem()? != NAME {
-        return None;
-    }
+    let task = TASKS.into_iter().find(|task| own.file_stem().is_some_and(|stem| stem == task.name()))?;
     let command: Vec<OsString> = env::args_os().skip(1).collect();
-    Some(match compile_and_check(&command, &own) {
+    Some(match carry_out(task, &command, &own) {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
             eprintln!("error: {error:#}");
@@ -59,12 +93,30 @@ pub(crate) fn stand_in() -> Option<ExitCode> {
     })
 }
 
-/// The exit code of the first of the calls that fails.
-fn compile_and_check(command: &[OsString], own: &Path) -> Result<u8> {
+fn carry_out(task: Task, command: &[OsString], own: &Path) -> Result<u8> {
     let (compiler, arguments) = command.split_first().context("cargo names no compiler")?;
     let Some(unit) = Unit::of(arguments) else { return run(Command::new(compiler).args(arguments)) };
+    match task {
+        Task::Programs => compile_and_check(compiler, &unit, own),
+        Task::Lints => make_types(Command::new("clippy-driver").arg(compiler), &unit, &DENY),
+        Task::Types => make_types(&mut Command::new(compiler), &unit, &[]),
+    }
+}
+
+/// What others are compiled with, and no program: of a library, a file without content stands for what would be linked, since cargo
+/// makes anew what is not there.
+fn make_types(driver: &mut Command, unit: &Unit<'_>, lints: &[&str]) -> Result<u8> {
+    let code = run(driver.args(unit.typed_with()).args(lints))?;
+    if let (0, Some(linked)) = (code, unit.linked_library()) {
+        fs::write(&linked, "").with_context(|| linked.display().to_string())?;
+    }
+    Ok(code)
+}
+
+/// The exit code of the first of the calls that fails.
+fn compile_and_check(compiler: &OsStr, unit: &Unit<'_>, own: &Path) -> Result<u8> {
     let has_tests = unit.is_root() && has_tests()?;
-    let compiled = run(Command::new(compiler).args(arguments).args(unit.compiled_with(has_tests)))?;
+    let compiled = run(Command::new(compiler).args(unit.arguments).args(unit.compiled_with(has_tests)))?;
     if compiled != 0 {
         return Ok(compiled);
     }
@@ -179,6 +231,35 @@ impl<'a> Unit<'a> {
         arguments
     }
 
+    /// Types of what it needs are as good as what would be linked, wherever there are any.
+    fn typed_with(&self) -> Vec<OsString> {
+        let types = |argument: &OsString| {
+            let text = argument.to_str().unwrap_or_default();
+            match text {
+                "--emit=dep-info,metadata,link" | "--emit=dep-info,link" => "--emit=dep-info,metadata".into(),
+                _ => match text.strip_suffix(".rlib").map(|stem| format!("{stem}.rmeta")) {
+                    Some(types) if types.split_once('=').is_some_and(|(_, path)| Path::new(path).exists()) => {
+                        types.into()
+                    }
+                    _ => argument.clone(),
+                },
+            }
+        };
+        self.arguments.iter().map(types).collect()
+    }
+
+    /// What cargo expects of a library beside its types.
+    fn linked_library(&self) -> Option<PathBuf> {
+        let of_compiler = |name: &str| {
+            let mut values = self.arguments.iter().filter_map(|argument| argument.to_str());
+            values.find_map(|value| value.strip_prefix(name)?.strip_prefix('='))
+        };
+        let name = self.value_of("--crate-name")?.to_str()?;
+        let folder = Path::new(self.value_of("--out-dir")?);
+        let extra = of_compiler("extra-filename").unwrap_or_default();
+        self.is_library().then(|| folder.join(format!("lib{name}{extra}.rlib")))
+    }
+
     /// All arguments but these and their values, and without a message for each file that is written: cargo waits for those of the
     /// compiler.
     fn without(&self, names: &[&str]) -> Vec<OsString> {
@@ -263,6 +344,28 @@ mod tests {
             --json=diagnostic-rendered-ansi,future-incompat --crate-type lib -C opt-level=3 --warn=missing_docs --cfg feature=\"a\" \
             -C metadata=12 --extern rayon=/t/deps/librayon.rmeta --emit=metadata --out-dir /elsewhere -D warnings";
         assert_eq!(linted, words(expected));
+    }
+
+    #[test]
+    fn types_are_made_of_types() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path().display();
+        std::fs::write(folder.path().join("libours-12.rmeta"), "").expect("written");
+        let program = words(&format!(
+            "--crate-name it --crate-type bin --emit=dep-info,link -C extra-filename=-7 --out-dir {out} \
+             --extern ours={out}/libours-12.rlib --extern theirs={out}/libtheirs-3.rlib --extern macro={out}/libmacro-4.so"
+        ));
+        let expected = words(&format!(
+            "--crate-name it --crate-type bin --emit=dep-info,metadata -C extra-filename=-7 --out-dir {out} \
+             --extern ours={out}/libours-12.rmeta --extern theirs={out}/libtheirs-3.rlib --extern macro={out}/libmacro-4.so"
+        ));
+        let program = Unit::of(&program).expect("a unit");
+        assert_eq!(program.typed_with(), expected);
+        assert_eq!(program.linked_library(), None, "a program that was not linked must not be taken for one");
+        let library = words(&format!("{LIBRARY} -C extra-filename=-12"));
+        let library = Unit::of(&library).expect("a unit");
+        assert!(library.typed_with().contains(&"--emit=dep-info,metadata".into()));
+        assert_eq!(library.linked_library(), Some("/t/deps/libsurface-12.rlib".into()));
     }
 
     #[test]

@@ -10,6 +10,7 @@ use serde::Deserialize;
 use sha2::{Digest as _, Sha256};
 use toml::{Table, Value};
 
+use crate::compiler::{self, Task};
 use crate::workspace::{self, Metadata, metadata, run_cargo, run_quietly};
 
 /// What packages are compiled with.
@@ -67,28 +68,17 @@ pub(crate) fn check(features: Features) -> Result<()> {
     let root: Table = toml::from_str(&root).context("Cargo.toml")?;
     let askers = if features == Features::OfTheWorkspace { askers(&metadata, &root)? } else { Vec::new() };
     askers.iter().try_for_each(|asker| asker.write(&unpacked))?;
-    let mut text = workspace_of(&packed, &askers, &root)?;
-    if features == Features::OfTheWorkspace {
-        not_optimized(&mut text, &packed)?;
-    }
-    let text = toml::to_string(&text)?;
+    let text = toml::to_string(&workspace_of(&packed, &askers, &root)?)?;
     fs::write(&manifest, text).with_context(|| manifest.display().to_string())?;
     fs::write(unpacked.join(lock), own).context(lock)?;
     let compile = if features == Features::OfTheWorkspace { "build" } else { "check" };
     let mut cargo = workspace::cargo(&[compile, "--release", "--workspace", "--offline"])?;
-    cargo.env_remove(workspace::COMPILED_BY).current_dir(&unpacked);
-    run_quietly(cargo.arg("--target-dir").arg(&metadata.target_directory))
-}
-
-/// That they compile is all that is asked of the packages themselves.
-fn not_optimized(manifest: &mut Table, packed: &[(&str, String)]) -> Result<()> {
-    let release =
-        manifest.get_mut("profile").and_then(|profile| profile.get_mut("release")).and_then(Value::as_table_mut);
-    let of_packages = release.context("Cargo.toml: no profile `release`")?.entry("package");
-    let of_packages = of_packages.or_insert_with(|| Value::Table(Table::new())).as_table_mut();
-    let of_packages = of_packages.context("Cargo.toml: `profile.release.package` is no table")?;
-    of_packages.extend(packed.iter().map(|(name, _)| ((*name).to_owned(), Value::Table(of("opt-level", 0)))));
-    Ok(())
+    cargo.env_remove(workspace::COMPILED_BY).current_dir(&unpacked).arg("--target-dir").arg(&metadata.target_directory);
+    // That they compile is all that is asked of them.
+    match workspace::compiler() {
+        Some(compiler) => run_quietly(compiler::for_task(&mut cargo, compiler, Task::Types)),
+        None => run_quietly(&mut cargo),
+    }
 }
 
 /// A workspace of these members, packed ones each in the folder of its own name, with the profiles of the workspace itself, so that
@@ -265,7 +255,7 @@ mod tests {
     fn the_packed_workspace_has_the_profiles_and_versions_of_ours() {
         let packed = [("infuse-doe", "infuse-doe-0.1.0".to_owned())];
         let asker = Asker { name: "dependencies-of-studies".to_owned(), manifest: Table::new() };
-        let mut found = workspace_of(&packed, &[asker], &parsed(ROOT)).expect("tables");
+        let found = workspace_of(&packed, &[asker], &parsed(ROOT)).expect("tables");
         let expected = r#"
             [workspace]
             resolver = "3"
@@ -280,9 +270,6 @@ mod tests {
             [profile.release.package]
             csv = { opt-level = 0 }"#;
         assert_eq!(found, parsed(expected));
-        not_optimized(&mut found, &packed).expect("a profile");
-        let expected = parsed("csv = { opt-level = 0 }\ninfuse-doe = { opt-level = 0 }");
-        assert_eq!(found["profile"]["release"]["package"], Value::Table(expected), "others' packages as they are");
     }
 
     #[test]

@@ -39,6 +39,11 @@ pub(crate) fn compile_by(program: PathBuf) {
     COMPILER.get_or_init(|| program);
 }
 
+/// What [`compile_by`] was given.
+pub(crate) fn compiler() -> Option<&'static Path> {
+    COMPILER.get().map(PathBuf::as_path)
+}
+
 /// The cargo that runs this program, called in the root of the workspace.
 pub(crate) fn cargo(arguments: &[&str]) -> Result<Command> {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
