@@ -52,6 +52,7 @@ const STUDIES: &[&[&str]] = &[
 /// Runs the steps.
 pub(crate) fn run() -> Result<()> {
     let start = Instant::now();
+    python::begin();
     workspace::compile_by(compiler::prepare(&workspace::root()?, &workspace::target_directory()?)?);
     for (number, step) in STEPS.iter().enumerate() {
         print!("[{}/{}] {:28}", number + 1, STEPS.len(), step.heading);

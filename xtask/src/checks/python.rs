@@ -5,6 +5,8 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
 
 use anyhow::{Context as _, Result, bail, ensure};
 use toml::{Table, Value};
@@ -41,11 +43,29 @@ pub(crate) fn check(build: Build) -> Result<()> {
     }
 }
 
+/// An environment that is being made.
+static BEGUN: Mutex<Option<JoinHandle<Result<bool>>>> = Mutex::new(None);
+
+/// Begins to make the environment: pip mostly waits for others, and what is done meanwhile costs no time.
+pub(crate) fn begin() {
+    let make = || match workspace::interpreter() {
+        Some(python) => Place::of_workspace()?.prepare(&python),
+        None => Ok(false),
+    };
+    *BEGUN.lock().unwrap_or_else(PoisonError::into_inner) = Some(thread::spawn(make));
+}
+
+fn begun() -> Option<JoinHandle<Result<bool>>> {
+    BEGUN.lock().unwrap_or_else(PoisonError::into_inner).take()
+}
+
 fn check_with(python: &Path, build: Build) -> Result<()> {
-    let root = workspace::root()?;
-    let folder = workspace::target_directory()?.join("python");
-    let place = Place { venv: folder.join("venv"), root, folder };
-    if !place.prepare(python)? {
+    let place = Place::of_workspace()?;
+    let is_ready = match begun() {
+        Some(thread) => thread.join().unwrap_or_else(|_| bail!("a thread panicked"))?,
+        None => place.prepare(python)?,
+    };
+    if !is_ready {
         println!("NOT CHECKED: pip cannot get what the tests of the Python package need");
         return Ok(());
     }
@@ -58,6 +78,11 @@ fn check_with(python: &Path, build: Build) -> Result<()> {
 }
 
 impl Place {
+    fn of_workspace() -> Result<Self> {
+        let folder = workspace::target_directory()?.join("python");
+        Ok(Self { venv: folder.join("venv"), root: workspace::root()?, folder })
+    }
+
     /// An environment with what the package is built with and tested by; `false` where pip cannot get it. One that is
     /// there is used again, as long as the list is the same.
     fn prepare(&self, python: &Path) -> Result<bool> {

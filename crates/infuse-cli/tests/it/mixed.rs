@@ -148,6 +148,7 @@ fn what_can_be_built_may_change_from_one_batch_to_the_next() {
 #[test]
 fn a_constraint_may_come_move_and_go_and_be_taken_back() {
     let rig = rig_of(X, "plants = 4\ncost_unit = \"h\"\n", "");
+    rig.edit("experiments = 8\nsimulations = 30", "experiments = 6\nsimulations = 20");
     rig.edit("role = \"plant\"", "role = \"plant\"\nchange_cost = 5");
     batch(&rig, false);
     batch(&rig, false);
