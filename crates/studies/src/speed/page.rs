@@ -45,16 +45,9 @@ pub(super) fn write(root: &Path, rows: &[Row], built: &[Built], n_threads: usize
 }
 
 fn markdown(rows: &[Row], built: &[Built], n_threads: usize, versions: &str) -> String {
-    let met = |row: &&Row| row.ratios()[1] >= row.goal;
-    let named = |rows: Vec<&Row>| match rows.as_slice() {
-        [] => "none".to_owned(),
-        rows => rows.iter().map(|row| row.task).collect::<Vec<_>>().join("; "),
-    };
     let mut text = "# How fast\n\n".to_owned();
-    for row in rows {
-        let [low, median, high] = row.ratios().map(|ratio| number(ratio, 1));
-        text += &format!("- {}: {median} ({low} to {high}) times as fast as {}.\n", row.task, row.reference);
-    }
+    text += &goals(rows);
+    text += &span(rows);
     if let [first, .., all] = built {
         text += &format!(
             "- From nothing, {} is compiled in {} s; {} in {} s, {} times as long.\n",
@@ -65,11 +58,7 @@ fn markdown(rows: &[Row], built: &[Built], n_threads: usize, versions: &str) -> 
             number(all.seconds / first.seconds, 1)
         );
     }
-    text += &format!(
-        "\nThe goal is met by: {}. It is missed by: {}.\n\n",
-        named(rows.iter().filter(met).collect()),
-        named(rows.iter().filter(|row| !met(row)).collect())
-    );
+    text.push('\n');
     text += &table(rows).markdown();
     text += &format!(
         "\nMedians of {} rounds of one run, ours and the reference in turn, after one for the caches; in brackets the lowest and the \
@@ -86,6 +75,32 @@ fn markdown(rows: &[Row], built: &[Built], n_threads: usize, versions: &str) -> 
         builds_table(built).markdown()
     );
     text
+}
+
+/// How many goals are met, and by how much the others are missed.
+fn goals(rows: &[Row]) -> String {
+    let missed: Vec<&Row> = rows.iter().filter(|row| row.ratios()[1] < row.goal).collect();
+
+    if missed.is_empty() {
+        return "- All goals are met in this run.\n".to_owned();
+    }
+    let by = |row: &&Row| {
+        let times = number(row.ratios()[1], 1);
+        format!("{}, {times} times as fast as {} for a goal of {}", row.task, row.reference, number(row.goal, 0))
+    };
+    let missed: Vec<String> = missed.iter().map(by).collect();
+    let n_met = rows.len() - missed.len();
+    format!("- Of {} goals {n_met} are met in this run. Missed are: {}.\n", rows.len(), missed.join("; "))
+}
+
+/// What is gained least and most.
+fn span(rows: &[Row]) -> String {
+    let order = |a: &&Row, b: &&Row| a.ratios()[1].total_cmp(&b.ratios()[1]);
+    let words = |row: &Row| format!("{}, {} times as fast as {}", row.task, number(row.ratios()[1], 1), row.reference);
+    match (rows.iter().min_by(order), rows.iter().max_by(order)) {
+        (Some(least), Some(most)) => format!("- Least is gained by: {}. Most by: {}.\n", words(least), words(most)),
+        _ => String::new(),
+    }
 }
 
 fn builds_table(built: &[Built]) -> Table {
@@ -131,6 +146,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn first_it_is_said_which_goals_are_missed_and_by_how_much() {
+        let row = |task, ratio: f64| Row { task, reference: "another", goal: 12.0, seconds: vec![[1.0, ratio]; 3] };
+        let rows = [row("a quick task", 36.0), row("a slow task", 11.5), row("a task", 12.0)];
+        let missed = "- Of 3 goals 2 are met in this run. Missed are: a slow task, 11.5 times as fast as another for a goal of 12.\n";
+        assert_eq!(goals(&rows), missed);
+        let span = span(&rows);
+        assert!(span.contains("Least is gained by: a slow task") && span.contains("Most by: a quick task"), "{span}");
+    }
+
+    #[test]
     fn ratios_are_those_of_rounds() {
         let seconds = vec![[0.001, 0.010], [0.002, 0.030], [0.001, 0.040]];
         let row = Row { task: "a task", reference: "a reference", goal: 12.0, seconds };
@@ -139,8 +164,7 @@ mod tests {
         assert!(off.fold(0.0, f64::max) < 1e-9, "{:?}", row.ratios());
         let built = [Built { words: "the half", seconds: 20.0 }, Built { words: "the whole", seconds: 50.0 }];
         let text = markdown(&[row], &built, 2, "numpy 2");
-        assert!(text.contains("- a task: 15.0 (10.0 to 40.0) times as fast as a reference."), "{text}");
-        assert!(text.contains("The goal is met by: a task. It is missed by: none."), "{text}");
+        assert!(text.contains("15.0 (10.0 to 40.0)") && text.contains("- All goals are met in this run."), "{text}");
         let compiled = "- From nothing, the half is compiled in 20 s; the whole in 50 s, 2.5 times as long.";
         assert!(text.contains(compiled) && text.contains("| the half | 20 | 40 |"), "{text}");
     }
