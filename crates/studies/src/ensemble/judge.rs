@@ -205,7 +205,7 @@ mod tests {
         readings[reading as usize] = value;
         let step = usize::from(method == JUDGED);
         let (study, world, point) = (Study::Two, World::Moving, vec![50.0, 8.0]);
-        Row { study, world, method, seed, step, point, share, spread: 1.0, keeps_best, bound: 0.0, readings }
+        Row { study, world, method, seed, step, point, share, spread: 1.0, keeps_best, readings }
     }
 
     fn judged(claim: &Claim, plants: &[Vec<Row>]) -> Judged {

@@ -33,12 +33,11 @@ pub(super) struct Step {
     pub(super) point: Vec<f64>,
     pub(super) share: f64,
     pub(super) spread: f64,
-    pub(super) bound: f64,
 }
 
 impl Step {
     pub(super) fn new(method: Method, seed: u64, step: usize, point: Vec<f64>) -> Self {
-        Self { method, seed, step, point, share: f64::NAN, spread: f64::NAN, bound: f64::NAN }
+        Self { method, seed, step, point, share: f64::NAN, spread: f64::NAN }
     }
 }
 
@@ -139,8 +138,7 @@ pub(super) fn pooled_loop(task: &Task<'_>, seed: u64) -> Result<Vec<Step>> {
         tell(&mut campaign, task, &trials, seed)?;
         let assessment = campaign.assess(None)?.context("no experiment gave a response")?;
         let point = task.space.point(assessment.recommended.cell)?;
-        let step = Step::new(Method::Pooled, seed, steps.len() + 1, point);
-        steps.push(Step { bound: assessment.certificate.bound, ..step });
+        steps.push(Step::new(Method::Pooled, seed, steps.len() + 1, point));
         campaign.set_settings(settings.clone())?;
     }
     Ok(steps)

@@ -196,8 +196,6 @@ pub(super) struct Row {
     pub(super) spread: f64,
     /// 1 where the best design known is still in what is left, 0 where it was dropped.
     pub(super) keeps_best: f64,
-    /// How much better another design may be, says the method.
-    pub(super) bound: f64,
     pub(super) readings: Readings,
 }
 
@@ -222,10 +220,10 @@ pub(super) struct Fact {
 
 /// The coordinates of a point that a table has room for.
 const N_COORDINATES: usize = 4;
-const N_OWN: usize = 9;
+const N_OWN: usize = 8;
 
 pub(super) fn row_head() -> Vec<String> {
-    let own = ["study", "world", "method", "seed", "step", "share_left", "spread_s", "keeps_best", "bound_s"];
+    let own = ["study", "world", "method", "seed", "step", "share_left", "spread_s", "keeps_best"];
     let coordinates = ["center_of_mass_pct", "pitch_set_point_deg", "horizontal_area", "vertical_area"];
     own.into_iter().chain(coordinates).chain(READING_NAMES).map(str::to_owned).collect()
 }
@@ -255,7 +253,7 @@ impl Row {
     pub(super) fn cells(&self) -> Vec<String> {
         let mut cells = [self.study.name(), self.world.name(), self.method.name()].map(str::to_owned).to_vec();
         cells.extend([self.seed.to_string(), self.step.to_string()]);
-        cells.extend([self.share, self.spread, self.keeps_best, self.bound].map(digits));
+        cells.extend([self.share, self.spread, self.keeps_best].map(digits));
         cells.extend((0..N_COORDINATES).map(|k| self.point.get(k).map_or(String::new(), |x| digits(*x))));
         cells.extend(self.readings.map(digits));
         cells
@@ -282,7 +280,6 @@ impl Row {
             share: at(5)?,
             spread: at(6)?,
             keeps_best: at(7)?,
-            bound: at(8)?,
             point: (N_OWN..N_OWN + N_COORDINATES).filter(|k| !cells[*k].is_empty()).map(at).collect::<Result<_>>()?,
             readings,
         })

@@ -352,7 +352,6 @@ mod tests {
             share: 0.5,
             spread: f64::NAN,
             keeps_best: 1.0,
-            bound: f64::NAN,
             readings: core::array::from_fn::<f64, N_READINGS, _>(|k| 0.125 * (k as u64 + number) as f64),
         };
         let fact = Fact { study: Study::Two, world: World::Still, name: "a/1".to_owned(), value: 0.25 };

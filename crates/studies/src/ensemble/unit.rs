@@ -243,7 +243,7 @@ impl Common<'_> {
     }
 
     fn row(&self, world: World, step: Step, readings: Readings) -> Row {
-        let Step { method, seed, step, point, share, spread, bound } = step;
+        let Step { method, seed, step, point, share, spread } = step;
         Row {
             study: self.study,
             world,
@@ -254,7 +254,6 @@ impl Common<'_> {
             share,
             spread,
             keeps_best: f64::NAN,
-            bound,
             readings,
         }
     }
