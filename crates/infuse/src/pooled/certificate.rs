@@ -11,10 +11,9 @@ use crate::pooled::measurements::Reading;
 use crate::pooled::pool::Pool;
 use crate::pooled::streams::{Purpose, stream};
 
-/// The bound of a certificate of 90 % is this quantile of what may be gained, and beyond it as the allowance says; that of another
-/// probability leaves its share of the draws beyond.
+/// The probability whose shares of the draws are those of [`Trust`]; with another one, as many times as much may go wrong as many times
+/// as much is left beyond the bound.
 const USUAL: f64 = 0.9;
-const SURE: f64 = 0.99;
 /// Cells on which the response is drawn.
 const CELLS: usize = 256;
 const DRAWS: usize = 1080;
@@ -29,13 +28,20 @@ struct Trust {
     doubt: f64,
     /// By this the quantile is widened.
     allowance: f64,
+    /// Share of the draws beyond the quantile, of a certificate that may fail in one case of ten.
+    beyond: f64,
 }
 
 impl Trust {
-    /// Both fall as the readings outnumber the terms of a quadratic.
+    /// Doubt and allowance fall as the readings outnumber the terms of a quadratic. A hundredth is beyond up to four readings a term,
+    /// and more as there are more, up to three hundredths: what the surface says of itself has then been put to the test.
     fn after(n_readings: usize, n_terms: usize) -> Self {
         let scarcity = (n_terms as f64 / n_readings.max(1) as f64).min(1.0);
-        Self { doubt: scarcity, allowance: 1.0 + 8.0 * scarcity * scarcity }
+        Self {
+            doubt: scarcity,
+            allowance: 1.0 + 8.0 * scarcity * scarcity,
+            beyond: 0.01 * (0.25 / scarcity).clamp(1.0, 3.0),
+        }
     }
 }
 
@@ -62,7 +68,7 @@ pub(crate) struct Draws {
     believed: Gains,
     /// With the draws that do not believe the simulation.
     all: Gains,
-    allowance: f64,
+    trust: Trust,
     /// What the readings differ by: further than that nothing is widened.
     spread: f64,
 }
@@ -102,18 +108,13 @@ impl Draws {
         } else {
             Gains::of(vec![(believed.clone(), 1.0 - trust.doubt), (doubted, trust.doubt)])
         };
-        Ok(Self {
-            believed: Gains::of(vec![(believed, 1.0)]),
-            all,
-            allowance: trust.allowance,
-            spread: spread(readings),
-        })
+        Ok(Self { believed: Gains::of(vec![(believed, 1.0)]), all, trust, spread: spread(readings) })
     }
 
     pub(crate) fn certificate(&self, probability: f64) -> Certificate {
-        let sure = 1.0 - (1.0 - SURE) * (1.0 - probability) / (1.0 - USUAL);
+        let sure = 1.0 - self.trust.beyond * (1.0 - probability) / (1.0 - USUAL);
         let (quantile, drawn) = (self.believed.quantile(probability), self.all.quantile(sure));
-        let bound = (self.allowance * drawn).min(self.spread).max(drawn).max(quantile);
+        let bound = (self.trust.allowance * drawn).min(self.spread).max(drawn).max(quantile);
         Certificate { probability, bound, quantile }
     }
 }
@@ -231,9 +232,9 @@ mod tests {
         let sample = || prop::collection::vec(0.0..1.0_f64, 1..200);
         (sample(), sample(), 1_usize..200, 1_usize..50, 0.0..3.0_f64).prop_map(
             |(believed, doubted, n_readings, n_terms, spread)| {
-                let Trust { doubt, allowance } = Trust::after(n_readings, n_terms);
-                let all = Gains::of(vec![(believed.clone(), 1.0 - doubt), (doubted, doubt)]);
-                Draws { believed: Gains::of(vec![(believed, 1.0)]), all, allowance, spread }
+                let trust = Trust::after(n_readings, n_terms);
+                let all = Gains::of(vec![(believed.clone(), 1.0 - trust.doubt), (doubted, trust.doubt)]);
+                Draws { believed: Gains::of(vec![(believed, 1.0)]), all, trust, spread }
             },
         )
     }
@@ -247,13 +248,15 @@ mod tests {
             prop_assert!(low.quantile <= low.bound && high.quantile <= high.bound, "{low:?} {high:?}");
         }
 
-        /// As the readings become more the doubt and the allowance fall, toward none.
+        /// As the readings become more the doubt and the allowance fall, toward none, and more may be beyond; never more than fails.
         #[test]
         fn trust_grows_with_the_readings(n_terms in 1_usize..900, n_readings in 1_usize..10_000) {
             let trust = |n| Trust::after(n, n_terms);
             let (now, then) = (trust(n_readings), trust(n_readings + 1));
             prop_assert!(then.doubt <= now.doubt && then.allowance <= now.allowance);
             prop_assert!((0.0..=1.0).contains(&now.doubt) && (1.0..=9.0).contains(&now.allowance));
+            prop_assert!(now.beyond <= then.beyond && (0.01..1.0 - USUAL).contains(&now.beyond));
+            prop_assert!((now.beyond <= 0.01) == (n_readings <= 4 * n_terms), "{}", now.beyond);
         }
     }
 
