@@ -2,15 +2,12 @@
 
 use std::fs::{self, File};
 use std::io::Write as _;
-use std::path::Path;
-#[cfg(any(feature = "benchmark", feature = "identification"))]
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 #[cfg(feature = "benchmark")]
 use serde::{Serialize, de::DeserializeOwned};
 
-#[cfg(any(feature = "benchmark", feature = "identification"))]
 use crate::seal::{self, Form};
 
 /// Writes texts to their places, and says which.
@@ -75,6 +72,9 @@ pub(crate) const KEPT: &str = "fixtures/bat/kept";
 /// Every how many of what is kept is made anew by a check.
 pub(crate) const SAMPLE: usize = 50;
 
+/// The same where there are few and each takes long.
+pub(crate) const SAMPLE_OF_LONG: usize = 10;
+
 /// That a sample came out as it is kept.
 pub(crate) fn ensure_same<T: PartialEq + std::fmt::Debug>(what: &str, kept: &T, anew: &T) -> Result<()> {
     ensure_same_in(Path::new(KEPT), what, kept, anew, "`cargo xtask reproduce-all --keep` makes all of it anew")
@@ -95,7 +95,6 @@ fn ensure_same_in<T: PartialEq + std::fmt::Debug>(
 
 /// A file of flights or costs that a check takes over, with what it has to be made from: all that decides them, and what this program
 /// makes of some of them, so that of other files or of another program nothing is taken over.
-#[cfg(any(feature = "benchmark", feature = "identification"))]
 #[derive(Debug)]
 pub(crate) struct KeptFile {
     pub(crate) path: PathBuf,
@@ -104,7 +103,6 @@ pub(crate) struct KeptFile {
     pub(crate) remedy: &'static str,
 }
 
-#[cfg(any(feature = "benchmark", feature = "identification"))]
 impl KeptFile {
     /// Its rows, which are what the program wrote; none where there is no file, or one that was made from something else.
     pub(crate) fn rows(&self) -> Result<Option<String>> {
@@ -138,19 +136,7 @@ impl KeptFile {
     }
 }
 
-/// Numbers parted by blanks, printed so that they come back bit for bit.
-#[cfg(any(feature = "benchmark", feature = "identification"))]
-pub(crate) fn numbers(values: &[f64]) -> String {
-    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
-}
-
-/// The same as they were.
-#[cfg(any(feature = "benchmark", feature = "identification"))]
-pub(crate) fn read_numbers(text: &str) -> Option<Vec<f64>> {
-    if text.is_empty() { Some(Vec::new()) } else { text.split(' ').map(|x| x.parse().ok()).collect() }
-}
-
-#[cfg(all(test, feature = "benchmark", feature = "identification"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -171,17 +157,5 @@ mod tests {
         }
         let error = file("abc").ensure_same("the cost", &1.0, &1.5).expect_err("another").to_string();
         assert!(error.contains("a.tsv: the cost is kept as 1.0, and this program finds 1.5: remove it"), "{error}");
-    }
-
-    #[test]
-    fn numbers_come_back_bit_for_bit() {
-        for values in [vec![], vec![0.1 + 0.2, -0.0, 1e-300]] {
-            let read = read_numbers(&numbers(&values)).expect("numbers");
-            assert_eq!(
-                read.iter().map(|x| x.to_bits()).collect::<Vec<_>>(),
-                values.iter().map(|x| x.to_bits()).collect::<Vec<_>>()
-            );
-        }
-        assert_eq!(read_numbers("1 x"), None);
     }
 }

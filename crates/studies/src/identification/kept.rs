@@ -13,7 +13,7 @@ use super::plant::Doubted;
 use super::store::REMEDY;
 use crate::blind;
 use crate::costs::key::Key;
-use crate::kept::{KeptFile, SAMPLE, numbers, read_numbers};
+use crate::kept::{KeptFile, SAMPLE};
 
 const FILE: &str = "flights.tsv";
 
@@ -70,6 +70,16 @@ pub(super) fn keep(file: &KeptFile, study: &Study) -> Result<()> {
 /// A failure with the words that fit into a line.
 fn in_a_line(flown: Flown) -> Flown {
     flown.map_err(|words| words.replace(['\n', '\t'], " "))
+}
+
+/// Numbers parted by blanks, printed so that they come back bit for bit.
+fn numbers(values: &[f64]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// The same as they were.
+fn read_numbers(text: &str) -> Option<Vec<f64>> {
+    if text.is_empty() { Some(Vec::new()) } else { text.split(' ').map(|x| x.parse().ok()).collect() }
 }
 
 /// A line of unknowns, below it a line for each design that was flown with them: the design, a tabulator, and the cost with its terms
