@@ -297,7 +297,7 @@ impl Bat {
 
     /// A name for everything that a cost depends on. The plant, the controller and the integration of this program are
     /// in it by what they make of some designs, flown anew.
-    fn key(&self, region: &Region, fidelity: Fidelity) -> String {
+    pub(crate) fn key(&self, region: &Region, fidelity: Fidelity) -> String {
         let mut key = Key::default();
         for text in &self.texts {
             key = key.with(text);

@@ -2,11 +2,13 @@
 
 use std::fs::{self, File};
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 #[cfg(feature = "benchmark")]
 use serde::{Serialize, de::DeserializeOwned};
+
+use crate::seal::{self, Form};
 
 /// Writes texts to their places, and says which.
 pub(crate) fn write(root: &Path, texts: &[(&str, String)]) -> Result<()> {
@@ -70,11 +72,90 @@ pub(crate) const KEPT: &str = "fixtures/bat/kept";
 /// Every how many of what is kept is made anew by a check.
 pub(crate) const SAMPLE: usize = 50;
 
+/// The same where there are few and each takes long.
+pub(crate) const SAMPLE_OF_LONG: usize = 10;
+
 /// That a sample came out as it is kept.
 pub(crate) fn ensure_same<T: PartialEq + std::fmt::Debug>(what: &str, kept: &T, anew: &T) -> Result<()> {
-    ensure!(
-        kept == anew,
-        "{KEPT}: {what} is kept as {kept:?}, and this program finds {anew:?}: `cargo xtask reproduce-all --keep` makes all of it anew"
-    );
+    ensure_same_in(Path::new(KEPT), what, kept, anew, "`cargo xtask reproduce-all --keep` makes all of it anew")
+}
+
+/// The same of what lies elsewhere; `remedy` follows where it did not.
+fn ensure_same_in<T: PartialEq + std::fmt::Debug>(
+    path: &Path,
+    what: &str,
+    kept: &T,
+    anew: &T,
+    remedy: &str,
+) -> Result<()> {
+    let path = path.display();
+    ensure!(kept == anew, "{path}: {what} is kept as {kept:?}, and this program finds {anew:?}: {remedy}");
     Ok(())
+}
+
+/// A file of flights or costs that a check takes over, with what it has to be made from: all that decides them, and what this program
+/// makes of some of them, so that of other files or of another program nothing is taken over.
+#[derive(Debug)]
+pub(crate) struct KeptFile {
+    pub(crate) path: PathBuf,
+    pub(crate) key: String,
+    /// What somebody has to do about rows that do not fit.
+    pub(crate) remedy: &'static str,
+}
+
+impl KeptFile {
+    /// Its rows, which are what the program wrote; none where there is no file, or one that was made from something else.
+    pub(crate) fn rows(&self) -> Result<Option<String>> {
+        let Self { path, key, remedy } = self;
+        if !path.exists() {
+            return Ok(None);
+        }
+        let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        let opened = seal::open(path, Form::Comment, &text, key, remedy)?;
+        opened.check_sum(path, remedy)?;
+        let is_of_today = opened.check_key(path, key, String::new).is_ok();
+        Ok(is_of_today.then(|| opened.rows.to_owned()))
+    }
+
+    /// Puts rows in the place of those that are there.
+    pub(crate) fn write(&self, rows: &str) -> Result<()> {
+        replace(&self.path, seal::sealed(Form::Comment, &self.key, rows).as_bytes())
+    }
+
+    /// That a sample came out as it is kept.
+    pub(crate) fn ensure_same<T: PartialEq + std::fmt::Debug>(&self, what: &str, kept: &T, anew: &T) -> Result<()> {
+        ensure_same_in(&self.path, what, kept, anew, self.remedy)
+    }
+
+    /// Says how many were needed that are not there.
+    pub(crate) fn warn(&self, n_missing: usize, what: &str) {
+        if n_missing > 0 {
+            let path = self.path.display();
+            eprintln!("warning: {path}: {n_missing} {what} were needed that are not kept, and made; {}", self.remedy);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_of_other_files_are_none_and_changed_ones_are_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = |key: &str| KeptFile { path: folder.path().join("a.tsv"), key: key.to_owned(), remedy: "remove it" };
+        assert_eq!(file("abc").rows().expect("no file"), None);
+        file("abc").write("1\t2\n").expect("written");
+        assert_eq!(file("abc").rows().expect("rows").as_deref(), Some("1\t2\n"));
+        assert_eq!(file("abd").rows().expect("rows of another"), None);
+        let path = folder.path().join("a.tsv");
+        let text = fs::read_to_string(&path).expect("a file");
+        fs::write(&path, text.replace("\t2", "\t3")).expect("written");
+        for key in ["abc", "abd"] {
+            let error = file(key).rows().expect_err("a digit was changed").to_string();
+            assert!(error.contains("a.tsv") && error.contains("remove it"), "{error}");
+        }
+        let error = file("abc").ensure_same("the cost", &1.0, &1.5).expect_err("another").to_string();
+        assert!(error.contains("a.tsv: the cost is kept as 1.0, and this program finds 1.5: remove it"), "{error}");
+    }
 }

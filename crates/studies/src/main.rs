@@ -43,6 +43,8 @@ mod handover;
 mod identification;
 #[cfg(feature = "global")]
 mod kept;
+#[cfg(any(feature = "benchmark", feature = "identification"))]
+mod known;
 mod lock;
 mod logged;
 #[cfg(feature = "global")]

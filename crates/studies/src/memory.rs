@@ -1,4 +1,4 @@
-//! Where the chapters' flights, panels and designs of batches are remembered: in the target directory what runs of this tree made;
+//! Where the chapters' flights, panels, campaigns of the pooled loop and designs of batches are remembered: in the target directory what runs of this tree made;
 //! with the sources, kept, what the pages in `docs/` were written from.
 //!
 //! Files on either side are named after what this program makes of some designs, so that nothing stale is ever found. Only
@@ -20,6 +20,7 @@ use crate::reproduction::Extent;
 const FLIGHTS: &str = "flights";
 const DESIGNS: &str = "designs";
 const PANELS: &str = "panels";
+const CAMPAIGNS: &str = "campaigns";
 
 /// Of runs of this tree.
 const RUNS: &str = "target/reproduction";
@@ -30,12 +31,14 @@ const ANEW: &str = "target/reproduction/anew";
 pub(crate) struct Memory {
     of_runs: PathBuf,
     kept: Option<PathBuf>,
+    is_anew: bool,
 }
 
 impl Memory {
     pub(crate) fn of(root: &Path, extent: Extent) -> Self {
         let kept = (extent == Extent::WithKept).then(|| root.join(KEPT));
-        Self { of_runs: root.join(if extent == Extent::Anew { ANEW } else { RUNS }), kept }
+        let is_anew = extent == Extent::Anew;
+        Self { of_runs: root.join(if is_anew { ANEW } else { RUNS }), kept, is_anew }
     }
 
     /// Has a machine go on with what is known of it in these fidelities, and remember what it flies.
@@ -49,6 +52,19 @@ impl Memory {
     /// The designs of batches that are known, which grow by those that are searched for.
     pub(crate) fn designs(&self) -> Result<Designs> {
         Designs::keep_in(&self.of_runs.join(DESIGNS), self.kept.as_ref().map(|kept| kept.join(DESIGNS)).as_deref())
+    }
+}
+
+/// Campaigns of the pooled loop: whole files, which nobody adds to.
+impl Memory {
+    /// Those that a check takes over.
+    pub(crate) fn kept_campaigns(&self) -> Option<PathBuf> {
+        self.kept.as_ref().map(|kept| kept.join(CAMPAIGNS))
+    }
+
+    /// Those of a run from nothing, to be kept.
+    pub(crate) fn campaigns_to_keep(&self) -> Option<PathBuf> {
+        self.is_anew.then(|| self.of_runs.join(CAMPAIGNS))
     }
 }
 
@@ -73,7 +89,12 @@ pub(crate) fn forget(root: &Path) -> Result<()> {
 
 /// Keeps what a run from nothing made in the place of what was kept, lines that threads wrote in any order in order.
 pub(crate) fn keep(root: &Path) -> Result<()> {
-    for (name, as_kept) in [(FLIGHTS, in_order as fn(&str) -> String), (DESIGNS, in_order), (PANELS, str::to_owned)] {
+    for (name, as_kept) in [
+        (FLIGHTS, in_order as fn(&str) -> String),
+        (DESIGNS, in_order),
+        (PANELS, str::to_owned),
+        (CAMPAIGNS, str::to_owned),
+    ] {
         let (from, to) = (root.join(ANEW).join(name), root.join(KEPT).join(name));
         if to.exists() {
             fs::remove_dir_all(&to).with_context(|| to.display().to_string())?;
@@ -108,8 +129,11 @@ mod tests {
     fn only_a_check_takes_over_what_is_kept() {
         let root = Path::new("root");
         for extent in [Extent::Default, Extent::Full, Extent::Anew] {
-            assert_eq!(Memory::of(root, extent).kept, None, "{extent:?}");
+            let memory = Memory::of(root, extent);
+            assert_eq!((&memory.kept, memory.kept_campaigns()), (&None, None), "{extent:?}");
+            assert_eq!(memory.campaigns_to_keep().is_some(), extent == Extent::Anew, "{extent:?}");
         }
-        assert!(Memory::of(root, Extent::WithKept).kept.is_some());
+        let memory = Memory::of(root, Extent::WithKept);
+        assert!(memory.kept.is_some() && memory.kept_campaigns().is_some() && memory.campaigns_to_keep().is_none());
     }
 }

@@ -149,6 +149,11 @@ pub(crate) fn save_page(out: &Path, pictures: &[Picture], page: &Page, results: 
         save(out, &format!("{}.svg", picture.name), &picture.svg)?;
     }
     save(out, "index.html", &page.html())?;
+    save_results(out, results, first)
+}
+
+/// Writes what is kept in `docs/` alone.
+pub(crate) fn save_results(out: &Path, results: &str, first: &Picture) -> Result<()> {
     save(out, RESULTS, results)?;
     save_kept_picture(out, KEPT_PICTURE, first)
 }

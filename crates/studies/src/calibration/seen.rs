@@ -1,5 +1,5 @@
 //! What was found of each plant over the box, kept beside it: the page takes some two thousand flights of each, and a check flies
-//! those of a few.
+//! those of one in fifty.
 
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ pub(crate) enum Look {
 impl Look {
     const fn step(self) -> usize {
         match self {
-            Self::AtSome => 10,
+            Self::AtSome => kept::SAMPLE,
             Self::AtAll => 1,
         }
     }

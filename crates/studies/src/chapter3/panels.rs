@@ -101,6 +101,11 @@ pub(super) fn fly(
     designs.collect()
 }
 
+/// The lowest cost of those that are stable; not finite where none is.
+fn lowest<'a>(designs: impl Iterator<Item = &'a Design>) -> f64 {
+    designs.filter(|design| design.is_stable()).filter_map(Design::cost).reduce(f64::min).unwrap_or(f64::NAN)
+}
+
 impl<'a> PanelFlights<'a> {
     pub(crate) fn fly(
         setup: &Setup,
@@ -125,8 +130,15 @@ impl<'a> PanelFlights<'a> {
 
     /// The lowest cost of the stable designs with the center of mass at this place along its axis; not finite where none is stable.
     pub(crate) fn lowest_at(&self, place: usize) -> f64 {
-        let designs = self.rows.iter().filter_map(|row| row.get(place)).filter(|design| design.is_stable());
-        designs.filter_map(Design::cost).reduce(f64::min).unwrap_or(f64::NAN)
+        lowest(self.rows.iter().filter_map(|row| row.get(place)))
+    }
+
+    /// The same of these designs alone, flown here.
+    pub(crate) fn fly_lowest_at(setup: &Setup, configuration: &Configuration, fidelity: Fidelity, place: usize) -> f64 {
+        let at = setup.center_of_mass.places().get(place).copied();
+        let column: Vec<[f64; 2]> =
+            at.map_or_else(Vec::new, |x| setup.trim_pitch.places().iter().map(|y| [x, *y]).collect());
+        lowest(fly(setup, configuration, &column, fidelity, |_| {}).iter())
     }
 
     /// The stable designs that `counts`, with their costs.
@@ -209,6 +221,10 @@ mod tests {
             let lowest =
                 panel.designs().filter(|d| d.is_stable()).filter_map(Design::cost).fold(f64::INFINITY, f64::min);
             assert_eq!(cost.to_bits(), lowest.to_bits(), "the best is the lowest");
+            for place in 0..x.len() {
+                let alone = PanelFlights::fly_lowest_at(&setup, panel.configuration, STAND_IN, place);
+                assert_eq!(alone.to_bits(), panel.lowest_at(place).to_bits(), "a column flown alone");
+            }
             assert!(best.is_stable() && worst > cost, "{best:?}");
         }
     }

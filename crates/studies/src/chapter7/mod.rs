@@ -9,6 +9,7 @@ mod figures;
 mod file;
 mod findings;
 mod flights;
+mod kept;
 mod leak;
 mod optima;
 mod page;

@@ -4,11 +4,13 @@ use anyhow::{Context as _, Result, ensure};
 use infuse::global;
 use infuse::pooled::{Ask, Certificate, Loop, Settings};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::gridded::StandInRig;
 
 /// What it recommends after a batch.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct PooledStep {
     /// What the design truly costs.
     pub(crate) cost: f64,
@@ -17,7 +19,8 @@ pub(crate) struct PooledStep {
 }
 
 /// One campaign.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct PooledCampaign {
     /// Batch by batch.
     pub(crate) steps: Vec<PooledStep>,
@@ -58,15 +61,21 @@ impl Pooled {
 }
 
 impl PooledCampaign {
+    /// Those of all batches but the first.
+    pub(super) fn settings(budget: &global::Settings, seed: u64) -> Settings {
+        let mut settings = Settings::new(budget.n_experiments);
+        (settings.max_batches, settings.seed) = (budget.max_batches, seed);
+        settings.simulations = Some(budget.n_simulations);
+        settings
+    }
+
     /// As many experiments and simulations in each batch, and as many batches, as the other loop has; of the first batch's
     /// simulations those at its experiments are a part.
     fn run(rig: &StandInRig<'_>, budget: &global::Settings, finished: &impl Fn()) -> Result<Self> {
-        let mut settings = Settings::new(budget.n_experiments);
-        (settings.max_batches, settings.seed) = (budget.max_batches, rig.seed);
-        let before = budget.n_simulations.saturating_sub(budget.n_experiments).max(2);
-        settings.simulations = Some(before);
-        let mut campaign = Loop::new(rig.space.region(), settings.clone())?;
-        settings.simulations = Some(budget.n_simulations);
+        let settings = Self::settings(budget, rig.seed);
+        let mut first = settings.clone();
+        first.simulations = Some(budget.n_simulations.saturating_sub(budget.n_experiments).max(2));
+        let mut campaign = Loop::new(rig.space.region(), first)?;
         let mut steps = Vec::new();
         while let Ask::Run { trials, simulations } = campaign.ask(None)? {
             let costs = rig.model.costs(&simulations);

@@ -7,7 +7,7 @@ use super::flights::{BeforeAfter, Flown};
 use super::optima::Optimum;
 use super::pooled::Pooled;
 use super::wrong::Choice;
-use super::{claims, figures, page, tables, wrong};
+use super::{claims, figures, kept, page, tables, wrong};
 use crate::bat::{MODEL, STAND_IN};
 use crate::blind::Blind;
 use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space, StandInRig};
@@ -40,7 +40,7 @@ pub(crate) fn reproduce(root: &Path, extent: Extent) -> Result<()> {
     eprintln!("{}: the stand-in for the water channel is a richer model, not an experiment.", setup.file.title);
 
     let found = setup.cases.iter().map(|case| {
-        let study = CaseStudy { setup: &setup, case, designs: &designs };
+        let study = CaseStudy { setup: &setup, case, designs: &designs, memory: &memory };
         study.run().with_context(|| case.entry.label.clone())
     });
     let found = found.collect::<Result<_>>()?;
@@ -65,6 +65,7 @@ pub(crate) struct CaseStudy<'a> {
     pub(crate) setup: &'a Setup,
     pub(crate) case: &'a Case,
     pub(crate) designs: &'a Designs,
+    pub(crate) memory: &'a Memory,
 }
 
 impl CaseStudy<'_> {
@@ -104,7 +105,7 @@ impl CaseStudy<'_> {
 
     /// The campaigns of every variant: on the grid that is flown, or with flights on demand where it has too many cells.
     pub(crate) fn runs(&self, model: &FlownGrid, truth: &FlownGrid) -> Result<Vec<Runs>> {
-        let Self { setup, case, designs } = self;
+        let Self { setup, case, designs, .. } = self;
         let variants = &setup.file.variant;
         let n_campaigns: usize = variants.iter().map(|variant| 1 + variant.seeds as usize).sum();
         let bar = self.bar("3/6 campaigns: iterations", case.entry.iterations * n_campaigns);
@@ -125,7 +126,8 @@ impl CaseStudy<'_> {
         let seeds = setup.file.noise.numbers(setup.file.pooled.seeds);
         let bar = self.bar("6/6 pooled loop: batches", case.entry.iterations * seeds.len());
         let budget = setup.settings(case, &setup.file.variant[0])?;
-        let pooled = self.on_all_cells([model, truth], |rig| Pooled::of(rig, &budget, &seeds, || bar.inc(1)));
+        let pooled = self
+            .on_all_cells([model, truth], |rig| kept::pooled(self.memory, case, rig, &budget, &seeds, || bar.inc(1)));
         bar.finish();
         pooled
     }

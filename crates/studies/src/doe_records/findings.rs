@@ -19,13 +19,18 @@ pub(super) const LIST_STARTS: u64 = 4;
 /// Starts of a search for a size beyond the record.
 pub(super) const LARGE_STARTS: u64 = 2;
 
-/// A kept design beside the record, and the search for its like in this run.
+/// A kept design beside the record.
 pub(super) struct Row {
     pub(super) size: Size,
     pub(super) kept: Kept,
     /// The largest prediction variance on a dense lattice over that over the cube: at most 1.
     pub(super) lattice_share: f64,
-    pub(super) again: Found,
+}
+
+/// The kept designs, verified.
+pub(super) struct Verified {
+    pub(super) record: Record,
+    pub(super) rows: Vec<Row>,
 }
 
 /// A search over the grid of the case study.
@@ -37,8 +42,9 @@ pub(super) struct GridRow {
 
 /// Everything that the study found.
 pub(super) struct Findings {
-    pub(super) record: Record,
-    pub(super) rows: Vec<Row>,
+    pub(super) verified: Verified,
+    /// For the like of each row.
+    pub(super) again: Vec<Found>,
     pub(super) grid: Vec<GridRow>,
     pub(super) large: Vec<(Size, Found)>,
     /// Searches over lists, by the number of their candidates.

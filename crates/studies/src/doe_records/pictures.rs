@@ -3,7 +3,7 @@
 use anyhow::Result;
 use doe::{EvaluationSettings, Model, PredictionVariance, Space, VarianceSlice, evaluate};
 
-use super::findings::{Findings, GRID};
+use super::findings::{Findings, GRID, Verified};
 use crate::reproduction::Picture;
 use page::{Axis, Landscape, LineFigure, Panel, Points, Series, landscape_panels_figure, line_figure};
 
@@ -13,17 +13,17 @@ const EDGE: f64 = 1.05;
 const SURFACE_LEVELS: usize = 61;
 
 /// Efficiency over the number of runs, ours and the published ones.
-pub(crate) fn record(findings: &Findings) -> Result<Picture> {
+pub(crate) fn record(verified: &Verified) -> Result<Picture> {
     let mut series = Vec::new();
     // In two factors the lines would lie on one another.
     for factors in 3..=5 {
-        let kept: Vec<(f64, f64)> = findings
+        let kept: Vec<(f64, f64)> = verified
             .rows
             .iter()
             .filter(|row| row.size.0 == factors)
             .map(|row| (row.size.1 as f64, row.kept.efficiency.percent))
             .collect();
-        let published = findings.record.published.values().filter(|case| case.factors == factors);
+        let published = verified.record.published.values().filter(|case| case.factors == factors);
         let published: Vec<(f64, f64)> = published.map(|case| (case.runs as f64, case.cube)).collect();
         let line = |label: &str, points: Vec<(f64, f64)>| {
             let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
@@ -47,10 +47,10 @@ pub(crate) fn record(findings: &Findings) -> Result<Picture> {
 }
 
 /// The two-factor designs with their prediction variance.
-pub(crate) fn surfaces(findings: &Findings) -> Result<Picture> {
+pub(crate) fn surfaces(verified: &Verified) -> Result<Picture> {
     let model = Model::quadratic(2)?;
     let mut landscapes = Vec::new();
-    for row in findings.rows.iter().filter(|row| row.size.0 == 2) {
+    for row in verified.rows.iter().filter(|row| row.size.0 == 2) {
         let variance = PredictionVariance::of(&model, &row.kept.design)?;
         let slice = VarianceSlice::of(&variance, [0, 1], &[0.0, 0.0], SURFACE_LEVELS)?;
         let (runs, terms) = (row.size.1 as f64, model.n_terms() as f64);
@@ -107,10 +107,10 @@ fn fractions_figure(title: &str, series: Vec<Series>) -> String {
 }
 
 /// Fraction-of-design-space curves of some kept designs.
-pub(crate) fn fractions(findings: &Findings) -> Result<Picture> {
+pub(crate) fn fractions(verified: &Verified) -> Result<Picture> {
     let mut series = Vec::new();
     for size in [(2, 8), (3, 12), (4, 18), (5, 26)] {
-        if let Some(kept) = findings.record.kept.get(&size) {
+        if let Some(kept) = verified.record.kept.get(&size) {
             let (model, space) = (Model::quadratic(size.0)?, Space::cube(size.0)?);
             series.push(fractions_of(&format!("K = {}, N = {}", size.0, size.1), &model, &space, &kept.design)?);
         }

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::findings::{Findings, GOAL, GRID, GRID_STARTS, LARGE_STARTS, LIST_RUNS, LIST_STARTS, MOST_STARTS, Row};
+use super::findings::{
+    Findings, GOAL, GRID, GRID_STARTS, LARGE_STARTS, LIST_RUNS, LIST_STARTS, MOST_STARTS, Row, Verified,
+};
 use anyhow::Result;
 
 use crate::first_screen::FirstScreen;
@@ -19,7 +21,7 @@ const RECORD_CAPTION: &str = "Kept designs, verified in this run, beside the bes
     made of, which it must not exceed.";
 
 /// Every kept design beside the record.
-pub(crate) fn record_table(findings: &Findings) -> Table {
+pub(crate) fn record_table(verified: &Verified) -> Table {
     let mut table = Table::new(vec![
         Column::new("K", "1"),
         Column::new("N", "1"),
@@ -30,8 +32,8 @@ pub(crate) fn record_table(findings: &Findings) -> Table {
         Column::new("gain", "points"),
         Column::new("lattice", "1"),
     ]);
-    for row in &findings.rows {
-        let published = findings.record.published.get(&row.size);
+    for row in &verified.rows {
+        let published = verified.record.published.get(&row.size);
         let percent = row.kept.efficiency.percent;
         let optional =
             |value: Option<f64>, decimals: usize| value.map_or("–".to_owned(), |v| format!("{v:.decimals$}"));
@@ -77,8 +79,8 @@ pub(crate) fn search_table(findings: &Findings) -> Table {
             format!("{:.2}", 1000.0 * seconds / found.report.starts.max(1) as f64),
         ]);
     };
-    for row in &findings.rows {
-        push(row.size, &row.again, Some(row.kept.efficiency.percent));
+    for (row, again) in findings.verified.rows.iter().zip(&findings.again) {
+        push(row.size, again, Some(row.kept.efficiency.percent));
     }
     for (size, found) in &findings.large {
         push(*size, found, None);
@@ -108,19 +110,19 @@ pub(crate) fn grid_table(findings: &Findings) -> Table {
 }
 
 /// The kept designs beside the record.
-fn compared(findings: &Findings) -> Vec<Finding> {
-    let compared: Vec<(f64, super::Size)> = findings
+fn compared(verified: &Verified) -> Vec<Finding> {
+    let compared: Vec<(f64, super::Size)> = verified
         .rows
         .iter()
         .filter_map(|row| {
-            Some((row.kept.efficiency.percent - findings.record.published.get(&row.size)?.cube, row.size))
+            Some((row.kept.efficiency.percent - verified.record.published.get(&row.size)?.cube, row.size))
         })
         .collect();
-    let missing: Vec<String> = findings
+    let missing: Vec<String> = verified
         .record
         .published
         .keys()
-        .filter(|size| !findings.record.kept.contains_key(size))
+        .filter(|size| !verified.record.kept.contains_key(size))
         .map(|(k, n)| format!("K = {k}, N = {n}"))
         .collect();
     // Published figures have three decimals.
@@ -154,8 +156,8 @@ fn compared(findings: &Findings) -> Vec<Finding> {
 }
 
 /// What the pages begin with.
-pub(crate) fn first_screen<'a>(findings: &Findings, pictures: &'a [Picture]) -> Result<FirstScreen<'a>> {
-    Ok(FirstScreen { findings: compared(findings), picture: picture(pictures, "record")? })
+pub(crate) fn first_screen<'a>(verified: &Verified, pictures: &'a [Picture]) -> Result<FirstScreen<'a>> {
+    Ok(FirstScreen { findings: compared(verified), picture: picture(pictures, "record")? })
 }
 
 /// How the time grows with the length of a list.
@@ -181,8 +183,10 @@ pub(crate) fn list_table(findings: &Findings) -> Table {
 /// Why the time grows as it does, with the figures of this run.
 fn about_the_growth(findings: &Findings) -> Vec<String> {
     let per_start = |found: &doe::Found| found.report.elapsed.as_secs_f64() / found.report.starts.max(1) as f64;
-    let of =
-        |size: super::Size| findings.rows.iter().find(|row| row.size == size).map(|row| 1e3 * per_start(&row.again));
+    let of = |size: super::Size| {
+        let mut both = findings.verified.rows.iter().zip(&findings.again);
+        both.find(|(row, _)| row.size == size).map(|(_, again)| 1e3 * per_start(again))
+    };
     let mut sentences = Vec::new();
     if let (Some(two), Some(three), Some(four), Some(five)) = (of((2, 8)), of((3, 12)), of((4, 18)), of((5, 26))) {
         sentences.push(format!(
@@ -210,17 +214,23 @@ const BEATEN: f64 = 5e-6;
 /// What the searches of this run say of the kept designs and of their own goal.
 fn about_the_searches(findings: &Findings) -> Vec<String> {
     let size = |row: &Row| format!("K = {}, N = {}", row.size.0, row.size.1);
-    let share = |row: &Row| row.again.efficiency.percent / row.kept.efficiency.percent;
-    let named = |rows: Vec<&Row>| {
-        let names: Vec<String> =
-            rows.iter().map(|row| format!("{} ({:.2} %)", size(row), 100.0 * share(row))).collect();
+    let shares: Vec<(&Row, f64)> = findings
+        .verified
+        .rows
+        .iter()
+        .zip(&findings.again)
+        .map(|(row, again)| (row, again.efficiency.percent / row.kept.efficiency.percent))
+        .collect();
+    let named = |is_meant: fn(f64) -> bool| {
+        let rows = shares.iter().filter(|(_, share)| is_meant(*share));
+        let names: Vec<String> = rows.map(|(row, share)| format!("{} ({:.2} %)", size(row), 100.0 * share)).collect();
         if names.is_empty() { "none".to_owned() } else { names.join("; ") }
     };
-    let missed = findings.rows.iter().filter(|row| share(row) < GOAL).collect();
-    let beaten = findings.rows.iter().filter(|row| share(row) > 1.0 + BEATEN).collect();
+    let missed = named(|share| share < GOAL);
+    let beaten = named(|share| share > 1.0 + BEATEN);
     vec![
-        format!("Searches that missed their goal of {:.0} % of the kept design: {}.", 100.0 * GOAL, named(missed)),
-        format!("Kept designs that a search of this run has beaten, and that should be replaced: {}.", named(beaten)),
+        format!("Searches that missed their goal of {:.0} % of the kept design: {missed}.", 100.0 * GOAL),
+        format!("Kept designs that a search of this run has beaten, and that should be replaced: {beaten}."),
         "Starts are made 16 at a time, so a time is that of all 16.".to_owned(),
     ]
 }
@@ -234,7 +244,7 @@ pub(crate) fn page(findings: &Findings, pictures: &[Picture], first: &FirstScree
          exact designs of a full quadratic model nobody knows the optimum beyond the smallest cases; there is a published record.",
     );
     page.paragraph(DEFINITION);
-    page.table(&record_table(findings), RECORD_CAPTION);
+    page.table(&record_table(&findings.verified), RECORD_CAPTION);
     page.heading("Where the designs in two factors predict badly");
     picture(pictures, "surfaces")?.show_in(&mut page);
     page.heading("How fast");
@@ -271,14 +281,14 @@ pub(crate) fn page(findings: &Findings, pictures: &[Picture], first: &FirstScree
 }
 
 /// The results as a page of `docs/`: what was verified, without what a search finds on a machine and in which time.
-pub(crate) fn markdown(findings: &Findings, first: &str) -> String {
+pub(crate) fn markdown(verified: &Verified, first: &str) -> String {
     format!(
         "# Optimal designs: the record\n\n{first}\n\
          Written by `cargo xtask doe-records`; `cargo xtask ci` fails when this page is not what the command finds.\n\
          {DEFINITION}\n\n## Every kept design\n\n{RECORD_CAPTION}\n\n{}\n\
          The command also searches for designs of the same sizes anew, and for designs on the grid of the case study (24 levels in each of \
          four factors), and shows efficiencies and times on its page.\n",
-        record_table(findings).markdown(),
+        record_table(verified).markdown(),
     )
 }
 
@@ -286,11 +296,11 @@ pub(crate) fn markdown(findings: &Findings, first: &str) -> String {
 #[expect(clippy::print_stdout, reason = "the result of the command")]
 pub(crate) fn print(findings: &Findings, out: &Path) {
     println!("\nOptimal designs: the record (G-efficiency over the cube, full quadratic model)\n");
-    println!("{}\n", record_table(findings).text());
+    println!("{}\n", record_table(&findings.verified).text());
     println!("{}\n", search_table(findings).text());
     println!("{}\n", grid_table(findings).text());
     println!("{}\n", list_table(findings).text());
-    let compared = compared(findings);
+    let compared = compared(&findings.verified);
     let compared = compared.iter().map(|finding| finding.sentence().to_owned());
     for sentence in compared.chain(about_the_searches(findings)).chain(about_the_growth(findings)) {
         println!("- {sentence}");

@@ -1,17 +1,17 @@
 //! One campaign: what it did iteration by iteration, and what it identified in the end.
 
 use anyhow::{Context as _, Result};
-use infuse::gradient::{IdentifyingLoop, Mechanism, UncertainModel};
+use infuse::gradient::{IdentifyingLoop, Mechanism};
 use infuse::identification::{Bound, Identification};
 use water_channel::BoundedNoise;
 
 use super::file::Study;
-use super::plant::readings;
+use super::plant::{Doubted, readings};
 use super::store::{Found, Kept, KeptTurn, KeptUnknown};
 use super::which::Which;
 
-/// Runs a campaign from its start to its end on a model of the study.
-pub(super) fn run_campaign(study: &Study, which: Which, model: &mut impl UncertainModel) -> Result<Kept> {
+/// Runs a campaign from its start to its end.
+pub(super) fn run_campaign(study: &Study, which: Which) -> Result<Kept> {
     let entry = &study.loops[which.index];
     let share = study.setup.file.noise.share;
     let noise = which.seed.map(|seed| BoundedNoise::new(share, seed)).transpose()?;
@@ -24,10 +24,11 @@ pub(super) fn run_campaign(study: &Study, which: Which, model: &mut impl Uncerta
         study.fit,
     )?;
     let mut experiments = |trials: &[_]| readings(study, entry.weights, noise.as_ref(), trials);
-    campaign.run(model, &mut experiments).with_context(|| entry.label.clone())?;
+    let mut model = Doubted(study);
+    campaign.run(&mut model, &mut experiments).with_context(|| entry.label.clone())?;
     // The last experiments are fitted, too.
     let identifies = entry.mechanism != Mechanism::ResponseCorrection;
-    let found = if identifies { Some(campaign.identified(model)?) } else { None };
+    let found = if identifies { Some(campaign.identified(&mut model)?) } else { None };
     let turns = campaign.turns().iter().map(|turn| KeptTurn {
         design: turn.report.numerical.point.clone(),
         model_cost: turn.report.numerical.model_cost,

@@ -1,11 +1,11 @@
 //! `cargo xtask identify`: the loop of Chapter 4 with numbers of the plant identified from its experiments, alone and together with the
 //! correction (27).
 
-mod ahead;
 mod campaign;
 mod file;
 mod flights;
 mod held_out;
+mod kept;
 mod page;
 mod plant;
 mod store;
@@ -16,8 +16,8 @@ use std::path::Path;
 use anyhow::{Result, ensure};
 use rayon::prelude::*;
 
+use crate::kept::KeptFile;
 use crate::reproduction::progress;
-use ahead::Ahead;
 use campaign::run_campaign;
 use file::Study;
 use plant::Doubted;
@@ -25,17 +25,16 @@ use store::{Kept, KeptTurn, REMEDY, Store};
 use which::Which;
 
 const KEPT: &str = "fixtures/bat/identification";
-/// In this folder, what the campaign of a check will ask the model for.
-const ASKED: &str = "asked.txt";
 /// Campaigns at once, so that a killed run loses no more than these.
 const AT_ONCE: usize = 4;
 
-/// The study, and what is kept of it, with the model flown to see that it costs what is kept.
-fn read(root: &Path) -> Result<(Study, Store)> {
+/// The study, what is kept of it, and where its flights are kept.
+fn read(root: &Path) -> Result<(Study, Store, KeptFile)> {
     let study = Study::read(root)?;
-    let store = Store::read(&root.join(KEPT), &study, study.key(root)?)?;
-    flights_agree(&study, &store)?;
-    Ok((study, store))
+    let (folder, key) = (root.join(KEPT), study.key(root)?);
+    let flights = kept::file(&folder, &study, &key)?;
+    let store = Store::read(&folder, &study, key)?;
+    Ok((study, store, flights))
 }
 
 /// That no campaign is missing.
@@ -46,9 +45,10 @@ fn complete(study: &Study, store: &Store) -> Result<()> {
     Ok(())
 }
 
-/// Runs the campaigns that are missing, and writes the page.
+/// Runs the campaigns that are missing, and writes the page; keeps the flights that a check needs where they are missing.
 pub(crate) fn run(root: &Path) -> Result<()> {
-    let (study, mut store) = read(root)?;
+    let (study, mut store, flights) = read(root)?;
+    flights_agree(&study, &store)?;
     let mut missing: Vec<_> =
         study.campaigns().into_iter().filter(|campaign| store.find(*campaign).is_none()).collect();
     // A run that is killed leaves as many of one loop as of another.
@@ -56,42 +56,50 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     let bar = progress("campaigns", study.campaigns().len());
     bar.inc((study.campaigns().len() - missing.len()) as u64);
     for some in missing.chunks(AT_ONCE) {
-        let run = |which: &Which| run_campaign(&study, *which, &mut Doubted(&study)).inspect(|_| bar.inc(1));
+        let run = |which: &Which| run_campaign(&study, *which).inspect(|_| bar.inc(1));
         store.add(some.par_iter().map(run).collect::<Result<_>>()?)?;
     }
     bar.finish();
-    let asked = root.join(KEPT).join(ASKED);
-    if missing.contains(&study.quick()) || !asked.exists() {
-        let mut model = Ahead::read(&study, &asked);
-        run_campaign(&study, study.quick(), &mut model)?;
-        model.write(&asked)?;
+    if missing.is_empty() && flights.rows()?.is_some() {
+        return page::write(root, &study, &store);
     }
-    page::write(root, &study, &store)
+    // A study that knows no flights: what it flies now is what a check needs.
+    let (study, store, flights) = read(root)?;
+    prove(&study, &store)?;
+    page::write(root, &study, &store)?;
+    kept::keep(&flights, &study)
 }
 
 /// Writes the page of the campaigns that are kept.
 pub(crate) fn write_page(root: &Path) -> Result<()> {
-    let (study, store) = read(root)?;
+    let (study, store, _) = read(root)?;
+    flights_agree(&study, &store)?;
     complete(&study, &store)?;
     page::write(root, &study, &store)
 }
 
-/// That a campaign run anew is the one that is kept, that every kept number is what its flight says, and that the page follows.
+/// That a campaign run anew is the one that is kept, that every kept number is what its flight says, and that the page follows, with
+/// the flights that are kept: some of them are flown anew.
 pub(crate) fn check(root: &Path) -> Result<()> {
-    let (study, store) = read(root)?;
-    complete(&study, &store)?;
-    let mut model = Ahead::read(&study, &root.join(KEPT).join(ASKED));
-    let again = run_campaign(&study, study.quick(), &mut model)?;
-    let (missed, all) = model.n_missed();
-    if missed > 0 {
-        eprintln!("{KEPT}/{ASKED} foresaw {} of {all} designs: remove it and run `cargo xtask identify`", all - missed);
-    }
+    let (study, store, flights) = read(root)?;
+    kept::take_over(&flights, &study)?;
+    prove(&study, &store)?;
+    page::check(root, &study, &store)?;
+    flights.warn(study.flights.n_flown(), "flights");
+    Ok(())
+}
+
+/// That a campaign run anew is the one that is kept, and that every kept number is what its flight says.
+fn prove(study: &Study, store: &Store) -> Result<()> {
+    flights_agree(study, store)?;
+    complete(study, store)?;
+    let again = run_campaign(study, study.quick())?;
     ensure!(
         store.find(study.quick()).is_some_and(|kept: &Kept| kept.agrees(&again)),
         "{KEPT}: `{}` without noise is no longer what is kept: remove its rows and run `cargo xtask identify`",
         study.loops[study.quick().index].label
     );
-    page::check(root, &study, &store)
+    Ok(())
 }
 
 /// That the model with the unknowns of each kept iteration costs what is kept.

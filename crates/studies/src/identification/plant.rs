@@ -14,8 +14,11 @@ use crate::costs::Cost;
 pub(super) struct Doubted<'a>(pub(super) &'a Study);
 
 impl Doubted<'_> {
-    fn request(&self, unknowns: &[f64], design: &[f64]) -> Result<FlightRequest, String> {
+    fn request(&self, (unknowns, design): Pair<'_>) -> Result<FlightRequest, String> {
         let bat = &self.0.setup.bat;
+        if unknowns.is_empty() {
+            return Ok(bat.request(design, STAND_IN));
+        }
         let mut request = bat.request(design, MODEL);
         let (_, weights) = bat.rig_and_weights();
         let mut candidate = Candidate { rig: request.rig, weights: [*weights; 2] };
@@ -26,33 +29,29 @@ impl Doubted<'_> {
         Ok(request)
     }
 
-    /// The cost, term by term, of every pair of unknowns and a design, flown side by side unless they were flown before.
+    /// The cost, term by term, of every pair of unknowns and a design, flown side by side unless they are known.
     pub(super) fn fly(&self, pairs: &[Pair<'_>]) -> Vec<Flown> {
-        self.0.flights.of(pairs, |pairs| {
-            let requests: Vec<Result<FlightRequest, String>> =
-                pairs.iter().map(|(unknowns, design)| self.request(unknowns, design)).collect();
-            let ready: Vec<FlightRequest> = requests.iter().flatten().cloned().collect();
-            let mut flown = self.0.setup.bat.breakdowns(&ready).into_iter();
-            let mut next = || flown.next().unwrap_or_else(|| Err("no flight".to_owned()));
-            requests.into_iter().map(|request| request.and_then(|_| next())).collect()
-        })
+        self.0.flights.of(pairs, |pairs| self.fly_anew(pairs))
     }
 
-    /// The costs of designs with the same unknowns, flown side by side.
-    pub(super) fn costs(&self, unknowns: &[f64], designs: &[Vec<f64>]) -> Vec<Cost> {
-        if unknowns == self.0.unknowns.start() {
-            return self.0.setup.bat.costs(designs, MODEL, |_| {});
-        }
-        let pairs: Vec<(&[f64], &[f64])> = designs.iter().map(|design| (unknowns, &design[..])).collect();
-        self.fly(&pairs).into_iter().map(|flown| flown.map(|cost| cost.total)).collect()
+    /// The same, all flown and none remembered.
+    pub(super) fn fly_anew(&self, pairs: &[Pair<'_>]) -> Vec<Flown> {
+        let requests: Vec<Result<FlightRequest, String>> = pairs.iter().map(|pair| self.request(*pair)).collect();
+        let ready: Vec<FlightRequest> = requests.iter().flatten().cloned().collect();
+        let mut flown = self.0.setup.bat.breakdowns(&ready).into_iter();
+        let mut next = || flown.next().unwrap_or_else(|| Err("no flight".to_owned()));
+        requests.into_iter().map(|request| request.and_then(|_| next())).collect()
+    }
+
+    /// The stand-in at designs, without noise.
+    pub(super) fn stand_in(&self, designs: &[Vec<f64>]) -> Vec<Flown> {
+        let pairs: Vec<Pair<'_>> = designs.iter().map(|design| (&[][..], &design[..])).collect();
+        self.fly(&pairs)
     }
 }
 
 impl UncertainModel for Doubted<'_> {
     fn cost(&mut self, unknowns: &[f64], design: &[f64]) -> Cost {
-        if unknowns == self.0.unknowns.start() {
-            return self.0.setup.bat.cost(design, MODEL);
-        }
         let flown = self.fly(&[(unknowns, design)]).pop();
         flown.unwrap_or_else(|| Err("no flight".to_owned())).map(|cost| cost.total)
     }
@@ -76,9 +75,8 @@ pub(super) fn readings(
     noise: Option<&BoundedNoise>,
     trials: &[Trial],
 ) -> Vec<Result<Reading, String>> {
-    let bat = &study.setup.bat;
-    let requests: Vec<FlightRequest> = trials.iter().map(|trial| bat.request(&trial.point, STAND_IN)).collect();
-    let flown = bat.breakdowns(&requests);
+    let designs: Vec<Vec<f64>> = trials.iter().map(|trial| trial.point.clone()).collect();
+    let flown = Doubted(study).stand_in(&designs);
     let both = trials.iter().zip(flown);
     both.map(|(trial, flown)| {
         let flown = flown?;
@@ -99,4 +97,21 @@ pub(super) fn readings(
         Ok(Reading { cost, standard_deviations: standard_deviations.collect(), responses })
     })
     .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn with_the_unknowns_of_the_rig_file_the_model_is_that_of_all_chapters() {
+        let study = Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).expect("a study");
+        let design = [48.0, 12.0];
+        let flown = Doubted(&study).fly_anew(&[(study.unknowns.start(), &design), (&[], &design)]);
+        let costs = flown.into_iter().map(|flown| flown.map(|cost| cost.total));
+        let bat = &study.setup.bat;
+        assert_eq!(costs.collect::<Vec<_>>(), [MODEL, STAND_IN].map(|fidelity| bat.cost(&design, fidelity)));
+    }
 }

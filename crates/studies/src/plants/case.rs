@@ -9,6 +9,7 @@ use super::suspension::{self, Car};
 use crate::bat::{Bat, MODEL, STAND_IN};
 use crate::chapter7::Setup;
 use crate::costs::Cost;
+use crate::known::Known;
 
 /// Levels of each parameter.
 const LEVELS: u32 = 24;
@@ -25,6 +26,8 @@ pub(super) struct Case {
     /// The parameters that are built, by their places.
     pub(super) plant: Vec<usize>,
     machine: Machine,
+    /// On the rig, of the cells that are known.
+    pub(super) costs: Known<Cell, Cost>,
     /// The lowest cost that was found, and what 80 % of all designs span.
     pub(super) best: f64,
     pub(super) spread: f64,
@@ -38,7 +41,8 @@ enum Machine {
 }
 
 impl Case {
-    pub(super) fn all(root: &Path) -> Result<[Self; 2]> {
+    /// Both, before anybody has [looked around](Self::look_around).
+    pub(super) fn read(root: &Path) -> Result<[Self; 2]> {
         let setup = Setup::read(&root.join("fixtures/bat/chapter7.toml"))?;
         let turbine = setup.cases.into_iter().last().context("a study of four parameters")?;
         let region = turbine.space.region().clone();
@@ -66,20 +70,29 @@ impl Case {
         machine: Machine,
     ) -> Result<Self> {
         let grid = Grid::of(&region)?;
-        let nan = f64::NAN;
-        let mut case = Self { name, words, region, grid, plant, machine, best: nan, spread: nan, typical: nan };
+        let (costs, nan) = (Known::default(), f64::NAN);
+        Ok(Self { name, words, region, grid, plant, machine, costs, best: nan, spread: nan, typical: nan })
+    }
+
+    /// Cells all over the grid.
+    pub(super) fn cells(&self, n: u64) -> Vec<Cell> {
         let stride = 1_000_003;
-        let cells: Vec<Cell> = (0..SAMPLE).map(|index| Cell::new(index * stride % case.grid.n_cells())).collect();
-        let costs: Vec<Option<f64>> = case.on_the_rig(&cells)?.into_iter().map(Result::ok).collect();
+        (0..n).map(|index| Cell::new(index * stride % self.grid.n_cells())).collect()
+    }
+
+    /// Finds out what designs cost, and which is the best.
+    pub(super) fn look_around(&mut self) -> Result<()> {
+        let cells = self.cells(SAMPLE);
+        let costs: Vec<Option<f64>> = self.on_the_rig(&cells)?.into_iter().map(Result::ok).collect();
         let known: Vec<f64> = costs.iter().flatten().copied().collect();
         let at = |share: f64| page::quantile(&known, share).unwrap_or(f64::NAN);
-        (case.spread, case.typical) = (at(0.9) - at(0.1), at(0.5));
+        (self.spread, self.typical) = (at(0.9) - at(0.1), at(0.5));
         let mut order: Vec<(f64, Cell)> =
             costs.into_iter().zip(cells).filter_map(|(cost, cell)| Some((cost?, cell))).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let lowest = order.into_iter().take(STARTS).map(|start| case.descend(start));
-        case.best = lowest.collect::<Result<Vec<f64>>>()?.into_iter().fold(f64::INFINITY, f64::min);
-        Ok(case)
+        let lowest = order.into_iter().take(STARTS).map(|start| self.descend(start));
+        self.best = lowest.collect::<Result<Vec<f64>>>()?.into_iter().fold(f64::INFINITY, f64::min);
+        Ok(())
     }
 
     /// From a design to its best neighbor, and on from there.
@@ -96,22 +109,35 @@ impl Case {
     }
 
     pub(super) fn simulated(&self, cells: &[Cell]) -> Result<Vec<Cost>> {
-        self.costs(cells, false)
+        Ok(self.made(&self.points(cells)?, false))
     }
 
     /// Without noise.
     pub(super) fn on_the_rig(&self, cells: &[Cell]) -> Result<Vec<Cost>> {
-        self.costs(cells, true)
+        let points = self.points(cells)?;
+        let of = |missing: &[usize]| missing.iter().map(|k| points[*k].clone()).collect::<Vec<_>>();
+        Ok(self.costs.of(cells, |missing| self.made(&of(missing), true)))
     }
 
-    fn costs(&self, cells: &[Cell], is_true: bool) -> Result<Vec<Cost>> {
-        let points = cells.iter().map(|&cell| self.grid.point(cell)).collect::<Result<Vec<_>, _>>()?;
-        Ok(match &self.machine {
-            Machine::Turbine(bat) => bat.costs(&points, if is_true { STAND_IN } else { MODEL }, |_| {}),
+    /// The same, all flown or driven and none remembered.
+    pub(super) fn anew(&self, cells: &[Cell]) -> Result<Vec<Cost>> {
+        Ok(self.made(&self.points(cells)?, true))
+    }
+
+    fn points(&self, cells: &[Cell]) -> Result<Vec<Vec<f64>>> {
+        Ok(cells.iter().map(|&cell| self.grid.point(cell)).collect::<Result<_, _>>()?)
+    }
+
+    fn made(&self, points: &[Vec<f64>], is_true: bool) -> Vec<Cost> {
+        match &self.machine {
+            Machine::Turbine(bat) => {
+                let flown = bat.flown_costs(points, if is_true { STAND_IN } else { MODEL }, |_| {});
+                flown.into_iter().map(|cost| cost.map_err(String::from)).collect()
+            }
             Machine::Suspension => {
                 let car = if is_true { Car::ON_THE_STAND } else { Car::SIMULATED };
                 points.par_iter().map(|point| suspension::cost(car, point)).collect()
             }
-        })
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 mod campaign;
 mod case;
+mod kept;
 mod page;
 mod store;
 mod suspension;
@@ -12,17 +13,29 @@ use anyhow::{Result, ensure};
 use rayon::prelude::*;
 
 use crate::reproduction::progress;
-use campaign::{METHODS, SEEDS, run as run_campaign};
+use campaign::{METHODS, Method, SEEDS, run as run_campaign};
 use case::Case;
 use store::Store;
 
 const KEPT: &str = "fixtures/plants/campaigns.csv";
+/// What designs cost on the rigs, as far as a check needs it.
+const COSTS: &str = "fixtures/plants/costs.tsv";
 /// Campaigns at once, so that a killed run loses no more than these.
 const AT_ONCE: usize = 4;
 
-/// Runs what is missing among the kept campaigns, and writes the page.
+/// The method of the campaigns that a check runs anew, and their seed.
+const QUICK: (Method, u64) = (METHODS[METHODS.len() - 1], 1);
+
+/// The cases, all that is asked of them found anew.
+fn cases(root: &Path) -> Result<[Case; 2]> {
+    let mut cases = Case::read(root)?;
+    cases.iter_mut().try_for_each(Case::look_around)?;
+    Ok(cases)
+}
+
+/// Runs what is missing among the kept campaigns, and writes the page; keeps the costs that a check needs where they are missing.
 pub(crate) fn run(root: &Path) -> Result<()> {
-    let cases = Case::all(root)?;
+    let cases = cases(root)?;
     let mut store = Store::read(&root.join(KEPT))?;
     let all = (1..=SEEDS)
         .flat_map(|seed| METHODS.iter().flat_map(move |&method| (0..2).map(move |case: usize| (case, method, seed))));
@@ -36,19 +49,38 @@ pub(crate) fn run(root: &Path) -> Result<()> {
         store.add(rows.collect::<Result<Vec<_>>>()?.concat())?;
     }
     bar.finish();
+    let costs = kept::file(&root.join(COSTS), &cases)?;
+    if !missing.is_empty() || costs.rows()?.is_none() {
+        // Cases that know no costs: what they find now is what a check needs.
+        let cases = self::cases(root)?;
+        prove(&cases, &store)?;
+        kept::keep(&costs, &cases)?;
+    }
     page::write(root, &cases, &store)
 }
 
 /// Writes the page of the campaigns that are kept.
 pub(crate) fn write_page(root: &Path) -> Result<()> {
-    page::write(root, &Case::all(root)?, &Store::read(&root.join(KEPT))?)
+    page::write(root, &cases(root)?, &Store::read(&root.join(KEPT))?)
 }
 
-/// That a campaign of each case run anew is the one that is kept, that none is missing, and that the page follows.
+/// That a campaign of each case run anew is the one that is kept, that none is missing, and that the page follows, with the costs that
+/// are kept: some of them are found anew.
 pub(crate) fn check(root: &Path) -> Result<()> {
-    let (cases, store) = (Case::all(root)?, Store::read(&root.join(KEPT))?);
-    let quick = METHODS[METHODS.len() - 1];
-    for case in &cases {
+    let (mut cases, store) = (Case::read(root)?, Store::read(&root.join(KEPT))?);
+    let costs = kept::file(&root.join(COSTS), &cases)?;
+    kept::take_over(&costs, &cases)?;
+    cases.iter_mut().try_for_each(Case::look_around)?;
+    prove(&cases, &store)?;
+    page::check(root, &cases, &store)?;
+    costs.warn(cases.iter().map(|case| case.costs.n_made()).sum(), "costs");
+    Ok(())
+}
+
+/// That a campaign of each case run anew is the one that is kept, and that none is missing.
+fn prove(cases: &[Case], store: &Store) -> Result<()> {
+    let (quick, seed) = QUICK;
+    for case in cases {
         for method in METHODS {
             let n = (1..=SEEDS).filter(|&seed| store.has(case.name, method.name, seed)).count();
             ensure!(
@@ -58,9 +90,9 @@ pub(crate) fn check(root: &Path) -> Result<()> {
                 method.words
             );
         }
-        let (again, before) = (run_campaign(case, quick, 1)?, store.of(case.name, quick.name, 1));
+        let (again, before) = (run_campaign(case, quick, seed)?, store.of(case.name, quick.name, seed));
         let same = before.len() == again.len() && before.iter().zip(&again).all(|(a, b)| a.agrees(b));
-        ensure!(same, "{KEPT}: {} on {}, seed 1, is no longer what is kept", quick.words, case.name);
+        ensure!(same, "{KEPT}: {} on {}, seed {seed}, is no longer what is kept", quick.words, case.name);
     }
-    page::check(root, &cases, &store)
+    Ok(())
 }
