@@ -244,18 +244,7 @@ impl Common<'_> {
 
     fn row(&self, world: World, step: Step, readings: Readings) -> Row {
         let Step { method, seed, step, point, share, spread } = step;
-        Row {
-            study: self.study,
-            world,
-            method,
-            seed,
-            step,
-            point,
-            share,
-            spread,
-            keeps_best: f64::NAN,
-            readings,
-        }
+        Row { study: self.study, world, method, seed, step, point, share, spread, keeps_best: f64::NAN, readings }
     }
 
     /// Whether the best design known is still there after each step.
