@@ -461,7 +461,7 @@ mod tests {
             }
         };
         refuse("designs.csv", &in_line(7, "0.125", "xyz"), &["line 7", "column `cost_s`", "`xyz`"]);
-        refuse("designs.csv", &in_line(7, ",dissertation", ""), &["line 7", "23 cells, 24"]);
+        refuse("designs.csv", &in_line(7, ",dissertation", ""), &["line 7", "22 cells, 23"]);
         refuse("designs.csv", &in_line(7, "moving", "mowing"), &["line 7", "column `world`", "`mowing`"]);
         refuse("designs.csv", &in_line(7, ",3,", ",x,"), &["line 7", "column `step`", "`x`"]);
         refuse("designs.csv", &in_line(7, "0.125", "0.126"), &["two, plant 1", "from line 6 on", "changed"]);
