@@ -26,8 +26,8 @@ const ROUNDS: usize = 11;
 const THREADS: usize = 2;
 /// Before each of both: threads of the other that wait for more to do keep a core busy for a while.
 const REST: Duration = Duration::from_millis(200);
-/// Untimed runs before each of both.
-const WARMING: Duration = Duration::from_millis(50);
+/// Untimed runs before each of both. On a virtual machine threads were seen to share a processor for a quarter of a second.
+const WARMING: Duration = Duration::from_millis(300);
 /// Estimates of both agree to this, relative.
 const SAME: f64 = 1e-9;
 
@@ -48,7 +48,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
 }
 
 /// Again and again for a while, of which the last counts: threads that have rested begin on one processor, and the system moves them apart
-/// some milliseconds later.
+/// some time later.
 fn last_of<T>(mut run: impl FnMut() -> Result<T>) -> Result<T> {
     let start = Instant::now();
     while start.elapsed() < WARMING {
