@@ -1,5 +1,5 @@
-//! Where the chapters' flights, panels, campaigns of the pooled loop and designs of batches are remembered: in the target directory what runs of this tree made;
-//! with the sources, kept, what the pages in `docs/` were written from.
+//! Where the chapters' flights, panels, campaigns of the pooled loop and designs of batches are remembered: in the target directory what
+//! runs of this tree made; with the sources, kept, what the pages in `docs/` were written from.
 //!
 //! Files on either side are named after what this program makes of some designs, so that nothing stale is ever found. Only
 //! a `--check` takes over what is kept, and makes some of it anew: it has to come out the same bit for bit. Whoever types a

@@ -14,8 +14,7 @@ pub(crate) enum Extent {
     Default,
     /// With the finest grid, for as long as it takes: `--full`.
     Full,
-    /// What fits into a few minutes, of which flights and designs that are kept with the sources are taken over, and some
-    /// of them made anew: `--check`.
+    /// What fits into a few minutes, of which what is kept with the sources is taken over, and a part of it made anew: `--check`.
     WithKept,
     /// The same from nothing, so that it can be kept: `reproduce-all --keep`.
     Anew,
@@ -51,7 +50,7 @@ pub(crate) struct Reproduction {
 pub(crate) enum Run {
     /// It has one extent.
     Always(fn(&Path) -> Result<()>),
-    /// It remembers flights and designs.
+    /// It takes over, in a check, what is kept.
     Remembering(fn(&Path, Extent) -> Result<()>),
     /// It can also be run in full.
     OrFull(fn(&Path, Extent) -> Result<()>),

@@ -41,12 +41,12 @@ const STEPS: &[Step] = &[
 /// Each on one thread for much of its time, the longest first.
 const STUDIES: &[&[&str]] = &[
     &["reproduce-all", "--check"],
-    &["identify", "--check"],
-    &["plants", "--check"],
+    &["calibrate", "--check"],
     &["doe-records", "--check"],
     &["reproduce-all", "--ensemble", "--check"],
     &["benchmark", "--constrained", "--check"],
-    &["calibrate", "--check"],
+    &["plants", "--check"],
+    &["identify", "--check"],
 ];
 
 /// Runs the steps.

@@ -12,7 +12,7 @@ use crate::workspace::{cargo, root, run_quietly, target_directory};
 /// Without a word it is what every processor of 64 bits has.
 const PROCESSORS: [&str; 3] = ["x86-64-v2", "x86-64-v3", "native"];
 
-/// Flights and designs are taken over from those kept with the sources, but for one in fifty, which has to have the same bits.
+/// What is kept with the sources is taken over, but for a sample that is made anew and has to have the same bits.
 const CHECK: [&str; 2] = ["reproduce-all", "--check"];
 
 /// Builds the studies for each processor and lets them check what is kept.

@@ -11,8 +11,8 @@ use crate::pooled::measurements::Reading;
 use crate::pooled::pool::Pool;
 use crate::pooled::streams::{Purpose, stream};
 
-/// The probability whose shares of the draws are those of [`Trust`]; with another one, as many times as much may go wrong as many times
-/// as much is left beyond the bound.
+/// The probability whose shares of the draws are those of [`Trust`]; with another one the share beyond the bound goes in proportion to
+/// one less the probability.
 const USUAL: f64 = 0.9;
 /// Cells on which the response is drawn.
 const CELLS: usize = 256;

@@ -39,8 +39,8 @@ pub(super) fn line(search: Search, found: &Found) -> String {
     format!("{}\t{starts} starts\t{percent} %\t{}", search.name(), design.name())
 }
 
-/// That a sample of each kind of search finds what is kept, the same bit for bit. Where nothing is kept of these searches all of them are run, and
-/// there is nothing to hold them against.
+/// That a sample of each kind of search finds what is kept, the same bit for bit. Where nothing is kept of these searches all of them are
+/// run, and there is nothing to hold them against.
 pub(super) fn check(file: &KeptFile, kinds: &[Vec<Search>]) -> Result<()> {
     let Some(rows) = file.rows()? else {
         for search in kinds.iter().flatten() {

@@ -80,7 +80,6 @@ fn markdown(rows: &[Row], built: &[Built], n_threads: usize, versions: &str) -> 
 /// How many goals are met, and by how much the others are missed.
 fn goals(rows: &[Row]) -> String {
     let missed: Vec<&Row> = rows.iter().filter(|row| row.ratios()[1] < row.goal).collect();
-
     if missed.is_empty() {
         return "- All goals are met in this run.\n".to_owned();
     }
