@@ -5,9 +5,7 @@ use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::cost::{Failure, Flown, Kind};
-
-/// What stands before the kind and the words of a flight without a cost.
-const FAILED: &str = "failed ";
+use super::line::{FAILED, in_a_line, numbers};
 
 /// A point with its cost.
 pub(crate) type FlownPoint = (Vec<f64>, Flown);
@@ -57,11 +55,11 @@ fn read_lines(bytes: &[u8]) -> Vec<FlownPoint> {
 }
 
 fn line(point: &[f64], cost: &Flown) -> String {
-    let point = point.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+    let point = numbers(point);
     match cost {
         Ok(cost) => format!("{point}\t{cost}\n"),
         Err(Failure { kind, words }) => {
-            format!("{point}\t{FAILED}{}: {}\n", kind.name(), words.replace(['\n', '\t'], " "))
+            format!("{point}\t{FAILED}{}: {}\n", kind.name(), in_a_line(words))
         }
     }
 }

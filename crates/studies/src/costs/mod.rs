@@ -4,6 +4,7 @@ mod cost;
 mod journal;
 #[cfg(feature = "global")]
 pub(crate) mod key;
+pub(crate) mod line;
 mod store;
 
 pub(crate) use cost::{Cost, Failure, Flown};

@@ -13,15 +13,13 @@ use super::plant::Doubted;
 use super::store::REMEDY;
 use crate::blind;
 use crate::costs::key::Key;
+use crate::costs::line::{FAILED, in_a_line, numbers};
 use crate::kept::{KeptFile, SAMPLE};
 
 const FILE: &str = "flights.tsv";
 
 /// Pairs that stand for the program.
 const N_PROBES: usize = 8;
-
-/// What stands before the reason why a flight has no cost.
-const FAILED: &str = "failed ";
 
 /// A flight as it is kept.
 type Row = ([Vec<f64>; 2], Flown);
@@ -53,7 +51,7 @@ pub(super) fn take_over(file: &KeptFile, study: &Study) -> Result<()> {
     let sample: Vec<&Row> = rows.iter().step_by(SAMPLE).collect();
     let pairs: Vec<Pair<'_>> = sample.iter().map(|([unknowns, design], _)| (&unknowns[..], &design[..])).collect();
     for ((pair, flown), anew) in sample.iter().zip(Doubted(study).fly_anew(&pairs)) {
-        file.ensure_same(&format!("the flight of {pair:?}"), flown, &in_a_line(anew))?;
+        file.ensure_same(&format!("the flight of {pair:?}"), flown, &anew.map_err(|words| in_a_line(&words)))?;
     }
     for ([unknowns, design], flown) in rows {
         study.flights.know((&unknowns, &design), flown);
@@ -63,21 +61,10 @@ pub(super) fn take_over(file: &KeptFile, study: &Study) -> Result<()> {
 
 /// Keeps what a study knows in the place of what was kept.
 pub(super) fn keep(file: &KeptFile, study: &Study) -> Result<()> {
-    let rows = study.flights.all().into_iter().map(|(pair, flown)| (pair, in_a_line(flown)));
-    file.write(&lines(&rows.collect::<Vec<Row>>()))
+    file.write(&lines(&study.flights.all()))
 }
 
-/// A failure with the words that fit into a line.
-fn in_a_line(flown: Flown) -> Flown {
-    flown.map_err(|words| words.replace(['\n', '\t'], " "))
-}
-
-/// Numbers parted by blanks, printed so that they come back bit for bit.
-fn numbers(values: &[f64]) -> String {
-    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
-}
-
-/// The same as they were.
+/// Numbers as they were.
 fn read_numbers(text: &str) -> Option<Vec<f64>> {
     if text.is_empty() { Some(Vec::new()) } else { text.split(' ').map(|x| x.parse().ok()).collect() }
 }
@@ -94,7 +81,7 @@ fn lines(rows: &[Row]) -> String {
         }
         let flown = match flown {
             Ok(cost) => format!("{} {}", cost.total, numbers(&cost.terms)),
-            Err(words) => format!("{FAILED}{words}"),
+            Err(words) => format!("{FAILED}{}", in_a_line(words)),
         };
         text += &format!("{}\t{flown}\n", numbers(design));
     }
@@ -194,7 +181,7 @@ mod tests {
         let (none, some) = (Vec::new(), vec![0.1 + 0.7, -0.0]);
         let rows: Vec<Row> = vec![
             ([none.clone(), vec![48.0, 12.0]], Ok(cost)),
-            ([some.clone(), vec![48.0, -0.0]], in_a_line(Err("a line\twent\nslack".to_owned()))),
+            ([some.clone(), vec![48.0, -0.0]], Err(in_a_line("a line\twent\nslack"))),
             ([some, vec![48.0, 0.1 + 0.2]], Ok(cost)),
         ];
         let text = lines(&rows);

@@ -10,15 +10,13 @@ use design_space::Cell;
 use super::case::Case;
 use crate::costs::Cost;
 use crate::costs::key::Key;
+use crate::costs::line::{FAILED, in_a_line};
 use crate::kept::{KeptFile, SAMPLE};
 
 const REMEDY: &str = "take it back from version control, or remove it and run `cargo xtask plants`";
 
 /// Designs of a case that stand for the program.
 const N_PROBES: u64 = 24;
-
-/// What stands before the reason why a design has no cost.
-const FAILED: &str = "failed ";
 
 /// The file, and what it must be made from: the cells, and what this program makes of some of them.
 pub(super) fn file(path: &Path, cases: &[Case]) -> Result<KeptFile> {
@@ -45,7 +43,7 @@ pub(super) fn take_over(file: &KeptFile, cases: &[Case]) -> Result<()> {
         let cells: Vec<Cell> = sample.iter().map(|(cell, _)| *cell).collect();
         for ((cell, cost), anew) in sample.into_iter().zip(case.anew(&cells)?) {
             let what = || format!("the cost of {} at {:?}", case.name, case.grid.point(*cell).unwrap_or_default());
-            file.ensure_same(&what(), cost, &in_a_line(anew))?;
+            file.ensure_same(&what(), cost, &anew.map_err(|words| in_a_line(&words)))?;
         }
         rows.into_iter().for_each(|(cell, cost)| case.costs.know(cell, cost));
     }
@@ -57,16 +55,11 @@ pub(super) fn keep(file: &KeptFile, cases: &[Case]) -> Result<()> {
     file.write(&cases.iter().map(|case| lines(case.name, &case.costs.all())).collect::<String>())
 }
 
-/// A failure with the words that fit into a line.
-fn in_a_line(cost: Cost) -> Cost {
-    cost.map_err(|words| words.replace(['\n', '\t'], " "))
-}
-
 /// A line with the name of a case, below it a line for each design: its cell, a tabulator, and the cost or the reason why there is none.
 fn lines(name: &str, costs: &[(Cell, Cost)]) -> String {
-    let line = |(cell, cost): &(Cell, Cost)| match in_a_line(cost.clone()) {
+    let line = |(cell, cost): &(Cell, Cost)| match cost {
         Ok(cost) => format!("{}\t{cost}\n", cell.index()),
-        Err(words) => format!("{}\t{FAILED}{words}\n", cell.index()),
+        Err(words) => format!("{}\t{FAILED}{}\n", cell.index(), in_a_line(words)),
     };
     std::iter::once(format!("{name}\n")).chain(costs.iter().map(line)).collect()
 }
