@@ -141,6 +141,12 @@ impl<'a> Gradient<'a> {
         if feasible < self.least_feasible { 0.0 } else { feasible * economy.weight(self.pool.cells[row]) }
     }
 
+    /// Whether an experiment may give a response there, and whether the plants of the batch allow it: where nothing is left to learn,
+    /// all rows are worth the same, but one that was refused or only ever failed is not picked.
+    fn allows(&self, row: usize, economy: &Economy<'_>) -> (bool, bool) {
+        (self.pool.chances.responding[row] > 0.0, economy.allows(self.pool.cells[row]))
+    }
+
     /// The row after which least is uncertain where the best may still be: what an experiment takes from the variances of all rows,
     /// each counted as it is likely to be better than the best (targeted integrated error, Picheny et al. 2010).
     fn clearest(&self, economy: &Economy<'_>) -> usize {
@@ -160,7 +166,7 @@ impl<'a> Gradient<'a> {
                 * effect.iter().zip(&shares).map(|(effect, share)| effect * effect * share).sum::<f64>()
         };
         let learnt: Vec<f64> = (0..n).into_par_iter().map(learnt).collect();
-        let allowed = |row: usize| economy.allows(self.pool.cells[row]);
+        let allowed = |row: usize| self.allows(row, economy);
         let order =
             |&a: &usize, &b: &usize| allowed(a).cmp(&allowed(b)).then(learnt[a].total_cmp(&learnt[b])).then(b.cmp(&a));
         (0..n).max_by(order).unwrap_or(0)
@@ -182,7 +188,7 @@ impl<'a> Gradient<'a> {
         };
         let gains: Vec<f64> = (0..n).into_par_iter().map(gain).collect();
         let uncertain = |row: usize| self.weight(row, economy) * self.joint.variance(row);
-        let allowed = |row: usize| economy.allows(self.pool.cells[row]);
+        let allowed = |row: usize| self.allows(row, economy);
         let order = |&a: &usize, &b: &usize| {
             let gain = || gains[a].total_cmp(&gains[b]);
             allowed(a).cmp(&allowed(b)).then_with(gain).then(uncertain(a).total_cmp(&uncertain(b))).then(b.cmp(&a))

@@ -235,7 +235,7 @@ fn design_that_nobody_can_build_is_neither_asked_for_nor_recommended() {
 #[test]
 fn design_that_was_measured_and_cannot_be_built_any_more_is_left_alone() {
     let mut settings = Settings::new(8);
-    settings.max_batches = 2;
+    settings.max_batches = 3;
     let mut campaign = Loop::new(&square(11), settings.clone()).expect("a campaign");
     let simulate = &mut |_: Cell, point: &[f64]| Ok(rough(point));
     campaign.run(simulate, &mut |trial| Ok(truth(&trial.point))).expect("it ends");
@@ -244,7 +244,7 @@ fn design_that_was_measured_and_cannot_be_built_any_more_is_left_alone() {
     for &cell in &measured {
         campaign.refuse(cell).expect("a cell");
     }
-    settings.max_batches = 3;
+    settings.max_batches = 4;
     campaign.set_settings(settings).expect("valid settings");
     let found = campaign.assess(Some(simulate)).expect("a fit").expect("responses");
     assert!(measured.contains(&before.recommended.cell) && !measured.contains(&found.recommended.cell));
