@@ -70,7 +70,7 @@ impl campaign::Campaign for Campaign {
         match self.batches.get(batch - 1).map(|one| (one.purpose, batch)) {
             Some((Some(_), _)) => "It measures what was gained: the designs are compared by these runs alone.",
             Some((None, 1)) if self.n_imported_values() < self.problem.region.n_parameters() + 2 => {
-                "It is the first: half of it is spread over all that can be set, half over what the simulation likes."
+                "It is the first: two thirds of it are spread over all that can be set, a third over what the simulation likes."
             }
             _ => "It is where one more run is expected to lower the best response most; repeats included.",
         }

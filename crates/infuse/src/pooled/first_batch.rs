@@ -1,4 +1,4 @@
-//! The first batch: half of it spread over the box, half over what the simulation recommends.
+//! The first batch: two thirds of it spread over the box, a third over what the simulation recommends.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,10 @@ use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Column, Simulated, Source};
 use crate::pooled::streams::{Purpose, stream};
 
-/// Share of the screened cells among which the second half is spread.
+/// One experiment in so many is for what the simulation recommends, one at least of two. With half of them a simulation that misleads
+/// costs more, and one that does not is believed in the second batch anyway.
+const FOR_THE_SIMULATION: usize = 3;
+/// Share of the screened cells among which these are spread.
 const PROMISING: f64 = 0.08;
 /// Cells whose simulated responses are looked at, at most.
 const SCREENED: usize = 4096;
@@ -47,7 +50,8 @@ pub(crate) fn first_batch(
     order.truncate(((screened.len() as f64 * PROMISING) as usize).max(n_experiments));
     let promising = order.into_iter().map(|row| screened[row]).filter(|cell| !tested.contains(cell));
     let promising: Vec<Cell> = promising.collect();
-    let n_promising = if promising.is_empty() { 0 } else { n_experiments / 2 };
+    let share = (n_experiments / FOR_THE_SIMULATION).max(1).min(n_experiments / 2);
+    let n_promising = if promising.is_empty() { 0 } else { share };
     let spread_out = evenly(n_experiments - n_promising);
     let promising = far_apart(designs, &promising, n_experiments - spread_out.len())?;
     Ok(match &settings.plants {

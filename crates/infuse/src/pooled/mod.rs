@@ -12,7 +12,7 @@
 //!    six is for the one who does not believe the simulation, so that a simulation that misleads is found out sooner; a reading
 //!    that is far from all others is run again first, and set aside if that run says otherwise.
 //!
-//! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, half over the box and half over
+//! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, two thirds over the box and a third over
 //! what the simulation likes. Nothing is dropped for good, and all of
 //! it follows from readings, simulations, settings and seed: in any order, on any number of threads. On one machine with one build
 //! it does so bit for bit. Elsewhere exp, ln and sin of the platform may round differently, and then answers may differ, a draw of

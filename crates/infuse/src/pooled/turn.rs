@@ -72,7 +72,7 @@ impl Loop {
     }
 }
 
-/// Half over the box, half over what the simulation likes.
+/// Two thirds over the box, a third over what the simulation likes.
 fn spread_batch(
     measurements: Measurements,
     pending: Vec<Cell>,
