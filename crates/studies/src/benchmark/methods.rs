@@ -52,18 +52,31 @@ const fn method(name: &'static str, words: &'static str, run: fn(&Task<'_>) -> R
     Method { name, words, run, most_factors: usize::MAX, is_quick: true }
 }
 
+/// The pooled loop that is not told of the simulation, by the name of its rows: what a simulation is worth, and what it costs to
+/// believe one that lies.
+pub(super) const UNTOLD: &str = "pooled-untold";
+
 /// Ours first, then those who know less.
 pub(super) const METHODS: &[Method] = &[
     method("pooled", "pooled loop", pooled_loop),
     Method { most_factors: 4, is_quick: false, ..method("dissertation", "dissertation's loop", dissertation) },
     method("sobol-process", "Sobol points, Gaussian process", sobol_process),
     Method { most_factors: 4, ..method("sobol-quadratic", "Sobol points, one quadratic", sobol_quadratic) },
+    method(UNTOLD, "pooled loop, no simulation", pooled_loop_untold),
     method("simulation", "simulation's own best", simulation_alone),
     method("center", "center of the box", center),
     method("random", "random design", random),
 ];
 
 fn pooled_loop(task: &Task<'_>) -> Result<Vec<Step>> {
+    pooled_campaign(task, true)
+}
+
+fn pooled_loop_untold(task: &Task<'_>) -> Result<Vec<Step>> {
+    pooled_campaign(task, false)
+}
+
+fn pooled_campaign(task: &Task<'_>, is_told: bool) -> Result<Vec<Step>> {
     let mut settings = pooled::Settings::new(task.n_experiments);
     (settings.max_batches, settings.seed) = (BATCHES, task.seed);
     let mut campaign = pooled::Loop::new(&task.region, settings)?;
@@ -72,7 +85,7 @@ fn pooled_loop(task: &Task<'_>) -> Result<Vec<Step>> {
     let mut steps = Vec::new();
     for _ in 0..BATCHES {
         let start = Instant::now();
-        let pooled::Ask::Run { trials, .. } = campaign.ask(Some(&mut simulate))? else {
+        let pooled::Ask::Run { trials, .. } = campaign.ask(if is_told { Some(&mut simulate) } else { None })? else {
             bail!("the campaign ended before its last batch");
         };
         let ask_seconds = start.elapsed().as_secs_f64();
@@ -80,7 +93,7 @@ fn pooled_loop(task: &Task<'_>) -> Result<Vec<Step>> {
             campaign.tell(trial.id, Outcome::Value(reading(trial.cell)?))?;
         }
         let start = Instant::now();
-        let Some(assessment) = campaign.assess(Some(&mut simulate))? else {
+        let Some(assessment) = campaign.assess(if is_told { Some(&mut simulate) } else { None })? else {
             bail!("no response after a batch");
         };
         let tell_seconds = start.elapsed().as_secs_f64();
