@@ -97,7 +97,7 @@ impl Loop {
         if measurements.readings.is_empty() {
             return Ok(None);
         }
-        let batch = self.batch();
+        let batch = self.told_batch();
         let (settings, designs) = (&self.settings, &self.designs);
         let source = Source::of(settings, designs, &self.simulated, simulate)?;
         let (mut knowledge, readings) = learnt(measurements, designs, settings, &mut self.simulated, source)?;

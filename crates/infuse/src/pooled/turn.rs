@@ -35,7 +35,7 @@ impl Loop {
         if self.needs_first_simulations() {
             return Ok(Next::Simulations(self.first_simulations()));
         }
-        let (batch, pending, measurements) = (self.batch(), self.pending_cells(), self.measurements()?);
+        let (batch, pending, measurements) = (self.told_batch(), self.pending_cells(), self.measurements()?);
         let (settings, designs, simulated) = (&self.settings, &self.designs, &mut self.simulated);
         let source = Source::of(settings, designs, simulated, simulate)?;
         // Too few readings to tell even a plane from its noise: a batch that is spread.

@@ -231,6 +231,24 @@ fn design_that_nobody_can_build_is_neither_asked_for_nor_recommended() {
     assert!(!refused.contains(&found.recommended.cell), "{:?}", found.recommended);
 }
 
+/// A batch that is planned and of which nothing was told is no news.
+#[test]
+fn what_is_only_planned_changes_nothing_of_what_is_said() {
+    let mut settings = Settings::new(8);
+    settings.max_batches = 2;
+    let mut campaign = Loop::new(&square(40), settings).expect("a campaign");
+    let simulate = &mut |_: Cell, point: &[f64]| Ok(rough(point));
+    let mut noise = (0..).map(|index: u32| 0.02 * f64::from(index * 7 % 5) - 0.04);
+    let reading = &mut |trial: &infuse::pooled::Trial| Ok(truth(&trial.point) + noise.next().unwrap_or(0.0));
+    campaign.run(simulate, reading).expect("it ends");
+    let before = campaign.assess(Some(simulate)).expect("a fit").expect("responses");
+    let cells = [before.recommended.cell; 3];
+    campaign.hand_out(&cells).expect("a batch to confirm it");
+    let after = campaign.assess(Some(simulate)).expect("a fit").expect("responses");
+    assert_eq!(after.certificate, before.certificate);
+    assert_eq!(after.recommended, before.recommended);
+}
+
 /// What was built and measured once may be gone: its measurements stay, and it is not asked for again.
 #[test]
 fn design_that_was_measured_and_cannot_be_built_any_more_is_left_alone() {

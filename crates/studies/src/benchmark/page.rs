@@ -8,7 +8,9 @@ use page::{Axis, Column, Finding, LineFigure, Panel, Series, Table, line_figure,
 use super::families::{FAMILIES, Family};
 use super::methods::{METHODS, UNTOLD};
 use super::results::{PEERS, Results};
-use super::summary::{FLOOR, Paired, Promised, Stops, paired, promised, regret, share_within, shared, stops, typical};
+use super::summary::{
+    FLOOR, Paired, Promised, Stops, paired, paired_after, promised, regret, share_within, shared, stops, typical,
+};
 use super::task::{BATCHES, FRESH_FAMILIES, FRESH_SEEDS, SEEDS};
 use crate::first_screen::around;
 use crate::words::capitalized;
@@ -23,7 +25,7 @@ const WORTH: f64 = 0.02;
 const TUNED_ON: [&str; 8] =
     ["bowl-2", "stall-2", "wells-2", "hidden-2", "cliff-2", "bowl-noisy", "rough-useless", "hidden-4"];
 /// On these it was seen that a choice does no harm.
-const LOOKED_AT: &str = "`bowl-4`, `stall-4`, `wells-4`, `hartmann-4`, `branin` and `park-1`";
+const LOOKED_AT: [&str; 6] = ["bowl-4", "stall-4", "wells-4", "hartmann-4", "branin", "park-1"];
 const SEEDS_OF_LOOP: &str = "1 to 30 and 101 to 130";
 const SEEDS_OF_CERTIFICATE: &str = "1 to 10 and 101 to 130";
 /// What would have been said without any experiment, or with none that counts.
@@ -262,6 +264,9 @@ fn findings(methods: &[Kept<'_>], ours: &Results, fresh: &Results) -> Vec<Findin
     }
     let untold = methods.iter().find(|method| method.results.method() == UNTOLD);
     findings.extend(untold.map(|untold| what_a_simulation_is_worth(ours, untold.results)));
+    findings.extend(
+        methods.iter().find(|method| method.results.method() == PEERS[0].name).map(|peer| not_above(ours, peer)),
+    );
     findings.extend([Some(in_detail), where_it_is_worst(ours)].into_iter().flatten());
 
     findings.extend(FRESH_FAMILIES.iter().filter_map(|name| on_fresh_seeds(fresh, name)));
@@ -303,6 +308,34 @@ fn what_a_simulation_is_worth(ours: &Results, untold: &Results) -> Finding {
     };
     let head = "What a simulation is worth, and what it costs to believe one that lies, by more than two standard errors against the same loop without it:";
     [2, 3, BATCHES].map(detail).into_iter().fold(Finding::new(head), Finding::detail)
+}
+
+/// Where the pooled loop is above a peer by more than one standard error, after the same batch and after two batches less.
+fn not_above(ours: &Results, peer: &Kept<'_>) -> Finding {
+    let above = |own: usize, theirs: usize| {
+        let found = FAMILIES
+            .iter()
+            .filter_map(|family| Some((family, paired_after([(ours, own), (peer.results, theirs)], family)?)));
+        let all: Vec<(&Family, Paired)> = found.collect();
+        let above: Vec<&Family> =
+            all.iter().filter(|(_, pair)| pair.mean > pair.error).map(|(family, _)| *family).collect();
+        (all.len(), above)
+    };
+    let sentence = |own: usize, theirs: usize| {
+        let (count, above) = above(own, theirs);
+        let where_ = if above.is_empty() { "none".to_owned() } else { names(&above) };
+        let of_peer = if own == theirs { String::new() } else { format!(" than {} after batch {theirs}", peer.words) };
+        Finding::new(format!(
+            "After batch {own} more is missing{of_peer} in {} of {count} families: {where_}.",
+            above.len()
+        ))
+    };
+    let head = format!(
+        "Above {} by more than one standard error, which a method as good as it would be in one family of six:",
+        peer.words
+    );
+    let same = (2..=BATCHES).map(|batch| sentence(batch, batch));
+    same.chain([sentence(BATCHES - 2, BATCHES)]).fold(Finding::new(head), Finding::detail)
 }
 
 /// The same of the dissertation's loop and of the first of the peers, after the last batch.
@@ -359,7 +392,8 @@ fn tuned_on(tuned: &[&Family], n_others: usize) -> Finding {
         "Of `hidden-4` the sceptic's share of the second batch and of the cells that are looked at, seeds 1 to 60."
             .to_owned(),
         format!(
-            "The other {n_others} families were not looked at but for that share, and the next: {LOOKED_AT}, seeds 1 to 40 and 101 to 112."
+            "The other {n_others} families were not looked at but for that share, and the next: `{}`, seeds 1 to 40 and 101 to 112.",
+            LOOKED_AT.join("`, `")
         ),
         "How much of the first batch is for the simulation: of all families but those of six parameters, seeds 201 to 220, and of `hidden-2`, `hidden-4` and `rough-useless` 221 to 260."
             .to_owned(),
@@ -528,7 +562,11 @@ fn families_table() -> Table {
     let heads = ["family", "parameters", "noise, %", "truth and simulation", "tuned on"];
     let mut table = Table::new(heads.map(Column::words).to_vec());
     for family in &FAMILIES {
-        let tuned = if TUNED_ON.contains(&family.name) { "yes" } else { "no" };
+        let tuned = match family.name {
+            name if TUNED_ON.contains(&name) => "yes",
+            name if LOOKED_AT.contains(&name) => "looked at",
+            _ => "no",
+        };
         let (size, noise) = (family.n_factors.to_string(), format!("{:.0}", 100.0 * family.noise()));
         table.push(vec![family.name.to_owned(), size, noise, family.words().to_owned(), tuned.to_owned()]);
     }

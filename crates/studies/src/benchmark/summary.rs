@@ -32,9 +32,14 @@ pub(super) fn regret(results: &Results, family: &Family, batch: usize) -> Option
 
 /// The regrets of two methods after a batch of a family, ours first, in the campaigns that both ran.
 fn both(ours: &Results, other: &Results, family: &Family, batch: usize) -> Vec<[f64; 2]> {
+    both_after([(ours, batch), (other, batch)], family)
+}
+
+/// The same, each after a batch of its own.
+fn both_after([(ours, own), (other, batch)]: [(&Results, usize); 2], family: &Family) -> Vec<[f64; 2]> {
     let theirs = rows_of(other, family, batch);
     let same = |row: &&Row| theirs.iter().find(|candidate| candidate.seed == row.seed);
-    rows_of(ours, family, batch).iter().filter_map(|row| Some([row.regret, same(row)?.regret])).collect()
+    rows_of(ours, family, own).iter().filter_map(|row| Some([row.regret, same(row)?.regret])).collect()
 }
 
 /// Share of the campaigns of some families in which no more than a limit is missing after a batch.
@@ -82,8 +87,13 @@ impl Paired {
 
 /// None for fewer than five campaigns. To each regret the floor is added.
 pub(super) fn paired(ours: &Results, other: &Results, family: &Family, batch: usize) -> Option<Paired> {
+    paired_after([(ours, batch), (other, batch)], family)
+}
+
+/// The same, each after a batch of its own.
+pub(super) fn paired_after(sides: [(&Results, usize); 2], family: &Family) -> Option<Paired> {
     let ratio = |[ours, theirs]: [f64; 2]| ((ours + FLOOR) / (theirs + FLOOR)).log10();
-    let ratios: Vec<f64> = both(ours, other, family, batch).into_iter().map(ratio).collect();
+    let ratios: Vec<f64> = both_after(sides, family).into_iter().map(ratio).collect();
     if ratios.len() < FEWEST {
         return None;
     }
