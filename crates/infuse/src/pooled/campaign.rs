@@ -153,12 +153,7 @@ impl Loop {
     /// Number of the last batch of which something was told: what is drawn at random follows from it, so that a batch that is but
     /// planned changes nothing of what is said.
     pub(super) fn told_batch(&self) -> usize {
-        self.records
-            .iter()
-            .filter(|record| record.outcome.is_some())
-            .map(|record| record.trial.batch)
-            .max()
-            .unwrap_or(0)
+        self.records.iter().rfind(|record| record.outcome.is_some()).map_or(0, |record| record.trial.batch)
     }
 
     /// The constrained responses of a trial, in the order of the constraints, as far as they were measured.

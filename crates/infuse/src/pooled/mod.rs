@@ -12,11 +12,11 @@
 //!    six is for the one who does not believe the simulation, so that a simulation that misleads is found out sooner; a reading
 //!    that is far from all others is run again first, and set aside if that run says otherwise.
 //!
-//! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, two thirds over the box and a third over
-//! what the simulation likes. Nothing is dropped for good, and all of
-//! it follows from readings, simulations, settings and seed: in any order, on any number of threads. On one machine with one build
-//! it does so bit for bit. Elsewhere exp, ln and sin of the platform may round differently, and then answers may differ, a draw of
-//! the sampler or a choice between equals that fell otherwise included.
+//! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, two thirds over the
+//! box and a third over what the simulation likes. Nothing is dropped for good, and all of it follows from readings, simulations,
+//! settings and seed: in any order, on any number of threads. On one machine with one build it does so bit for bit. Elsewhere exp, ln
+//! and sin of the platform may round differently, and then answers may differ, a draw of the sampler or a choice between equals that
+//! fell otherwise included.
 //!
 //! The recipe is not from the dissertation. Its sources: Kennedy and O'Hagan (2000) for the factor of the simulation, Murray,
 //! Adams and MacKay (2010) for the sampler of the hyperparameters, Frazier, Powell and Dayanik (2009) for the knowledge gradient.

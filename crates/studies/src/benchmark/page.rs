@@ -147,6 +147,10 @@ fn names(families: &[&Family]) -> String {
     families.iter().map(|family| format!("`{}`", family.name)).collect::<Vec<_>>().join(", ")
 }
 
+fn names_or_none(families: &[&Family]) -> String {
+    if families.is_empty() { "none".to_owned() } else { names(families) }
+}
+
 fn markdown(kept: &[Results], fresh: &Results) -> Result<String> {
     let methods = present(kept);
     let ours = &kept[0];
@@ -265,7 +269,7 @@ fn findings(methods: &[Kept<'_>], ours: &Results, fresh: &Results) -> Vec<Findin
     let untold = methods.iter().find(|method| method.results.method() == UNTOLD);
     findings.extend(untold.map(|untold| what_a_simulation_is_worth(ours, untold.results)));
     findings.extend(
-        methods.iter().find(|method| method.results.method() == PEERS[0].name).map(|peer| not_above(ours, peer)),
+        methods.iter().find(|method| method.results.method() == PEERS[0].name).map(|peer| above_a_peer(ours, peer)),
     );
     findings.extend([Some(in_detail), where_it_is_worst(ours)].into_iter().flatten());
 
@@ -299,11 +303,11 @@ fn what_a_simulation_is_worth(ours: &Results, untold: &Results) -> Finding {
     };
     let detail = |batch: usize| {
         let (better, worse) = (those(batch, Paired::is_ours_better), those(batch, Paired::is_theirs_better));
-        let worse = if worse.is_empty() { "in none".to_owned() } else { format!("in {}", names(&worse)) };
         Finding::new(format!(
-            "After batch {batch} less is missing with the simulation in {} of {} families, and more {worse}.",
+            "After batch {batch} less is missing with the simulation in {} of {} families, and more in {}.",
             better.len(),
-            FAMILIES.len()
+            FAMILIES.len(),
+            names_or_none(&worse)
         ))
     };
     let head = "What a simulation is worth, and what it costs to believe one that lies, by more than two standard errors against the same loop without it:";
@@ -311,23 +315,19 @@ fn what_a_simulation_is_worth(ours: &Results, untold: &Results) -> Finding {
 }
 
 /// Where the pooled loop is above a peer by more than one standard error, after the same batch and after two batches less.
-fn not_above(ours: &Results, peer: &Kept<'_>) -> Finding {
-    let above = |own: usize, theirs: usize| {
-        let found = FAMILIES
-            .iter()
-            .filter_map(|family| Some((family, paired_after([(ours, own), (peer.results, theirs)], family)?)));
-        let all: Vec<(&Family, Paired)> = found.collect();
-        let above: Vec<&Family> =
-            all.iter().filter(|(_, pair)| pair.mean > pair.error).map(|(family, _)| *family).collect();
-        (all.len(), above)
-    };
+fn above_a_peer(ours: &Results, peer: &Kept<'_>) -> Finding {
     let sentence = |own: usize, theirs: usize| {
-        let (count, above) = above(own, theirs);
-        let where_ = if above.is_empty() { "none".to_owned() } else { names(&above) };
+        let sides = [(ours, own), (peer.results, theirs)];
+        let pair = |family: &'static Family| Some((family, paired_after(sides, family)?));
+        let all: Vec<(&Family, Paired)> = FAMILIES.iter().filter_map(pair).collect();
+        let above = all.iter().filter(|(_, pair)| pair.mean > pair.error).map(|(family, _)| *family);
+        let above: Vec<&Family> = above.collect();
         let of_peer = if own == theirs { String::new() } else { format!(" than {} after batch {theirs}", peer.words) };
         Finding::new(format!(
-            "After batch {own} more is missing{of_peer} in {} of {count} families: {where_}.",
-            above.len()
+            "After batch {own} more is missing{of_peer} in {} of {} families: {}.",
+            above.len(),
+            all.len(),
+            names_or_none(&above)
         ))
     };
     let head = format!(
