@@ -106,6 +106,7 @@ pub(crate) enum Command {
         why: Option<String>,
     },
     /// Say what is expected of any design, with its band: "spring=34,damper=1500"
+    #[command(override_usage = "infuse what-if <NAME=VALUE,...>\n       infuse what-if --grid <FILE>")]
     WhatIf {
         /// The settings of the design
         #[arg(required_unless_present = "grid", value_name = "NAME=VALUE,...")]

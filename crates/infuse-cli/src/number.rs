@@ -3,6 +3,11 @@
 /// A setting that takes more characters is no round number.
 const LONGEST_SETTING: usize = 9;
 
+/// From here on computed values are written with a power of ten: nobody counts more zeros.
+const LONGEST_COUNTED: f64 = 1e9;
+/// Unless more digits than these count.
+const MOST_DIGITS: f64 = 6.0;
+
 /// A setting or a measured value: twelve digits, so 8.3 and not 8.3000000000000007.
 pub(crate) fn plain(value: f64) -> String {
     let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
@@ -27,7 +32,7 @@ pub(crate) fn short(value: f64) -> String {
         return value.to_string();
     }
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
-    plain(rounded)
+    if rounded.abs() >= LONGEST_COUNTED { format!("{rounded:e}") } else { plain(rounded) }
 }
 
 /// A computed value that is known to about `resolution`: four digits, or as many as show that.
@@ -36,6 +41,12 @@ pub(crate) fn resolved(value: f64, resolution: f64) -> String {
     let can_be_shown = (1e-5..1e15).contains(&value.abs()) && (-12.0..15.0).contains(&exponent);
     if !can_be_shown || value.abs() < 10_f64.powf(exponent + 3.0) {
         return short(value);
+    }
+    let digits = value.abs().log10().floor() - exponent;
+    if value.abs() >= LONGEST_COUNTED && digits <= MOST_DIGITS {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 3 to 6")]
+        let rounded: f64 = format!("{value:.*e}", digits as usize).parse().unwrap_or(value);
+        return format!("{rounded:e}");
     }
     if exponent >= 0.0 {
         let unit = 10_f64.powf(exponent);
@@ -159,6 +170,9 @@ mod tests {
         assert_eq!(resolved(5_000.0, 0.01), "5000");
         assert_eq!(resolved(2.206_4, 0.05), "2.206");
         assert_eq!(resolved(1_000_000_000_003.25, 0.01), "1000000000003.25");
+        assert_eq!(resolved(1_234_567_890_123.0, 2e9), "1.235e12");
+        assert_eq!(resolved(1_234_567_890_123.0, 2e7), "1.23457e12");
+        assert_eq!((short(2.5e12), short(-1e9), short(9.994e8)), ("2.5e12".into(), "-1e9".into(), "999400000".into()));
         assert_eq!(resolved(-71.234_56, 0.001), "-71.235");
         assert_eq!(resolved(3.0, 0.0), "3");
         assert_eq!(resolved(21_344.0, f64::NAN), "21340");

@@ -135,9 +135,9 @@ impl Experiments {
         trials
     }
 
-    /// The first trial of the same batch at the same settings, if this is another.
-    pub(crate) fn repeated(&self, trial: &Trial) -> Option<u64> {
-        let same = |other: &&Trial| other.batch == trial.batch && other.cell == trial.cell;
+    /// The first trial at the same settings, of this batch or an earlier one, if this is another.
+    fn repeated(&self, trial: &Trial) -> Option<u64> {
+        let same = |other: &&Trial| other.cell == trial.cell;
         let first = self.trials.values().find(same)?.id;
         (first < trial.id).then(|| first.number())
     }

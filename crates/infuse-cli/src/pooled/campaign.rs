@@ -4,15 +4,18 @@ use std::cell::{OnceCell, RefCell};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::time::Duration;
 
 use anyhow::{Result, anyhow, ensure};
 use design_space::{Cell, Grid};
+use indicatif::ProgressBar;
 use infuse::global::PureError;
 use infuse::pooled::{Assessment, Loop, Responses, Settings, Simulate};
 use infuse::{Error, Outcome, TrialId};
 
 use crate::campaign::{Experiments, Imported, Reading};
 use crate::journal::{Assessed, BY_ITSELF, Constrained, Event, Journal, Measured, Purpose, Submitted, Told};
+use crate::number::count;
 use crate::problem::{PROBLEM, Problem, Simulator, linear_in_words};
 use crate::simulator::{Job, Rows, identity, looked_up};
 
@@ -308,10 +311,14 @@ impl Campaign {
         Ok(pairs.all(|(held, value)| value.is_none_or(|value| held.constraint.allows(value))))
     }
 
-    /// The design that the simulation likes best, of those that were simulated and keep to the bounds, as it says.
+    /// The design that the simulation likes best, of those that were simulated and keep to the bounds, as it says; none where it
+    /// says the same of all.
     pub(super) fn choice_of_the_simulation(&self) -> Result<Option<Cell>> {
-        let mut best: Option<(Cell, f64)> = None;
-        for &(cell, cost) in self.simulated()?.iter() {
+        let (mut best, simulated): (Option<(Cell, f64)>, _) = (None, self.simulated()?);
+        if !tells_designs_apart(&simulated) {
+            return Ok(None);
+        }
+        for &(cell, cost) in simulated.iter() {
             let is_better = best.is_none_or(|(_, least)| cost.total_cmp(&least).is_lt());
             if is_better && self.is_within_by_simulation(cell)? && self.why_not(cell).is_none() {
                 best = Some((cell, cost));
@@ -320,10 +327,10 @@ impl Campaign {
         Ok(best.map(|(cell, _)| cell))
     }
 
-    /// How many designs were simulated, where those are not all.
+    /// How many designs were simulated, where more will be.
     pub(super) fn n_simulated_of_many(&self) -> Result<Option<usize>> {
         let n = self.simulated()?.len();
-        Ok(((n as u64) < self.grid.n_cells()).then_some(n))
+        Ok((self.access()? == Access::Budget && (n as u64) < self.grid.n_cells()).then_some(n))
     }
 
     /// Whether what an experiment measured, in the mean of its runs, keeps to every bound.
@@ -559,6 +566,7 @@ impl Campaign {
             return Ok(assessed.clone());
         }
         let worth = self.settings.worth;
+        let taking = busy(format!("fitting the surface to {}", count(self.costs().len(), "result")));
         let assessed = self.with_loop(|now, simulate| {
             let settings = Settings::clone(now.settings());
             let mut with_worth = settings.clone();
@@ -567,9 +575,23 @@ impl Campaign {
             let found = now.assess(simulate);
             now.set_settings(settings)?;
             found
-        })?;
+        });
+        taking.finish_and_clear();
+        let assessed = assessed?;
         Ok(self.assessed.get_or_init(|| assessed).clone())
     }
+}
+
+/// Shows that something is being computed.
+pub(super) fn busy(what: String) -> ProgressBar {
+    let spinner = ProgressBar::new_spinner().with_message(what);
+    spinner.enable_steady_tick(Duration::from_millis(200));
+    spinner
+}
+
+/// Whether a simulation says more than one thing.
+pub(super) fn tells_designs_apart(simulated: &[(Cell, f64)]) -> bool {
+    simulated.windows(2).any(|pair| pair[0].1.to_bits() != pair[1].1.to_bits())
 }
 
 /// The linear constraints by what they say, where no design keeps to all of them.

@@ -3,10 +3,10 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use indicatif::ProgressBar;
 use infuse::Outcome;
 use infuse::pooled::{Ask, Loop, Settings};
 
+use super::campaign::busy;
 use crate::problem::Problem;
 
 /// From the results of one batch, which fall and rise with every parameter; nothing is simulated for it.
@@ -22,8 +22,7 @@ pub(super) fn dry_pick(problem: &Problem, settings: &Settings) -> Result<Duratio
         made_up.tell(trial.id, Outcome::Value(value))?;
         made_up.tell_constrained(trial.id, &vec![Some(value); problem.constraints.len()])?;
     }
-    let choosing = ProgressBar::new_spinner().with_message("trying how long it takes to choose a batch");
-    choosing.enable_steady_tick(Duration::from_millis(200));
+    let choosing = busy("trying how long it takes to choose a batch".to_owned());
     let start = Instant::now();
     made_up.ask_more(None)?;
     choosing.finish_and_clear();

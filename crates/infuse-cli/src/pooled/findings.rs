@@ -7,10 +7,10 @@ use page::Finding;
 
 use super::bands::{NINE_IN_TEN, resolution};
 use super::bounds::{constrained_there, likely_to_keep, not_sure};
-use super::campaign::{Campaign, Origin};
-use super::warnings::{suspects, warnings};
+use super::campaign::{Campaign, Origin, tells_designs_apart};
+use super::warnings::{all_equal, suspects, warnings};
 use crate::findings::{amount, on_bounds, value_to};
-use crate::number::{count, percent, plain, short, with_unit};
+use crate::number::{count, grouped, percent, plain, short, with_unit};
 use crate::problem::Problem;
 
 /// Below this share of the variance explained, or from this probability that it is better ignored, a simulation is useless.
@@ -34,7 +34,7 @@ pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<F
     // Before anything that sounds good.
     best.splice(0..0, suspects(campaign, found).into_iter().chain(not_sure(campaign, &found.recommended)));
     let mut certified = vec![certificate(campaign, found)];
-    certified.extend(sure_to_keep.then(|| left(found)));
+    certified.extend(sure_to_keep.then(|| left(campaign, found)));
     Ok(vec![
         best,
         confirmed(campaign)?,
@@ -75,7 +75,8 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
         });
         let sentence = match campaign.n_simulated_of_many()? {
             Some(n) => {
-                format!("Of the {n} designs simulated so far, the simulation alone would choose {design}{there}.")
+                let n = count(n, "design");
+                format!("Of the {n} simulated so far, the simulation alone would choose {design}{there}.")
             }
             None => format!("The simulation alone would have chosen {design}{there}."),
         };
@@ -149,7 +150,9 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         }
         Some(worth) => {
             let of_worth = format!("the {} of `worth`", amount(response, worth));
+            let is_equal = all_equal(campaign).is_some();
             let sentence = match (certificate.bound <= worth, found.further_batches) {
+                _ if is_equal => "All results are equal: whether to go on, they cannot tell.".to_owned(),
                 (true, _) if found.contradiction.is_some() => {
                     format!("That is no more than {of_worth}, but a measurement speaks against it: go on.")
                 }
@@ -158,12 +161,13 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
                     let n = count(usize::try_from(batches).unwrap_or(usize::MAX), "more batch");
                     format!("That is more than {of_worth}: go on; {n} may do.")
                 }
-                (false, Some(_)) if campaign.n_left() > 0 => format!(
-                    "That is more than {of_worth}: go on, though {} that [loop] `batches` leaves may not do.",
+                (false, Some(batches)) if campaign.n_left() > 0 => format!(
+                    "That is more than {of_worth}: go on, though {} that [loop] `batches` leaves may not do: {} may be needed.",
                     match campaign.n_left() {
                         1 => "the one batch".to_owned(),
                         n => format!("the {}", count(n, "batch")),
-                    }
+                    },
+                    grouped(batches)
                 ),
                 (false, _) if campaign.n_left() == 0 => {
                     format!("That is more than {of_worth}, and [loop] `batches` leaves none.")
@@ -175,10 +179,13 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
     }
 }
 
-fn left(found: &Assessment) -> Finding {
+/// The designs that may still be the best, the recommended one among them.
+fn left(campaign: &Campaign, found: &Assessment) -> Finding {
+    let n_left = found.left * campaign.grid.n_cells() as f64;
     let sentence = match found.left {
+        share if share > 0.0 && n_left < 1.5 => "No other design may still be the best.".to_owned(),
         tiny if tiny < 1e-4 => "Less than 0.01 % of all designs may still be the best.".to_owned(),
-        share => format!("Of all designs {} may still be the best.", percent(share)),
+        share => format!("Of all designs {}, the recommended one included, may still be the best.", percent(share)),
     };
     Finding::new(sentence).with("left", found.left, "1")
 }
@@ -198,14 +205,11 @@ pub(super) fn none_better(problem: &Problem, certificate: &Certificate) -> Strin
 /// What the simulation is worth.
 fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     let simulated = campaign.simulated()?;
-    let is_first =
-        |(_, other): &(_, f64)| simulated.first().is_some_and(|(_, first)| other.to_bits() == first.to_bits());
-    let is_constant = simulated.iter().all(is_first);
     Ok(match found.simulation {
         _ if simulated.is_empty() => {
             Finding::new("There is no simulation to learn from: every one failed, or none was run.")
         }
-        _ if simulated.len() > 1 && is_constant => {
+        _ if simulated.len() > 1 && !tells_designs_apart(&simulated) => {
             Finding::new("The simulation gives the same value everywhere: it tells nothing.")
         }
         None => Finding::new("What the simulation is worth, too few experiments tell."),
@@ -258,6 +262,10 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
         (None, 0) if campaign.origins().len() < 3 => "Noise of one run: too few runs to know it.".to_owned(),
         (None, 0) => {
             format!("Noise of one run: about {deviation} by the surface; it is not known, nothing was run twice.")
+        }
+        (None, n) if campaign.repeats().is_some_and(|repeats| repeats.variance <= 0.0) => {
+            let differ = if n == 1 { "the repeat does not differ" } else { "repeats do not differ at all" };
+            format!("Noise of one run: about {deviation} by the surface; {differ}.")
         }
         (None, n) if n < ENOUGH_REPEATS => {
             let repeats = count(n, "repeat");

@@ -2,11 +2,10 @@
 
 use anyhow::{Result, bail, ensure};
 use design_space::Cell;
-use indicatif::ProgressBar;
 use infuse::pooled::Ask;
 
 use super::buildable::some_are_refused;
-use super::campaign::{Campaign, Origin};
+use super::campaign::{Campaign, Origin, busy};
 use crate::campaign::{Campaign as _, HandedOut, Stage, Wish, failed_in_words, simulate_missing};
 use crate::journal::{Event, Measured, Purpose, Writer, now};
 use crate::simulator::identity;
@@ -70,8 +69,7 @@ fn choose(campaign: &mut Campaign, writer: &mut Writer) -> Result<(Vec<Cell>, Ve
 const MOST_ROUNDS: usize = 200;
 
 fn choose_of_all(campaign: &Campaign) -> Result<(Vec<Cell>, Vec<Cell>)> {
-    let choosing = ProgressBar::new_spinner().with_message(format!("choosing batch {}", campaign.batches.len() + 1));
-    choosing.enable_steady_tick(std::time::Duration::from_millis(200));
+    let choosing = busy(format!("choosing batch {}", campaign.batches.len() + 1));
     let asked = campaign.with_loop(|now, simulate| now.clone().ask_more(simulate));
     choosing.finish_and_clear();
     let Ask::Run { trials, simulations } = asked? else { bail!("the loop stopped without being asked to") };

@@ -68,6 +68,9 @@ impl campaign::Campaign for Campaign {
 
     fn purpose(&self, batch: usize) -> &'static str {
         match self.batches.get(batch - 1).map(|one| (one.purpose, batch)) {
+            _ if self.costs().is_empty() && self.experiments.n_failed() > 0 => {
+                "No experiment gave a value yet, so it is spread over what was not tried."
+            }
             Some((Some(_), _)) => "It measures what was gained: the designs are compared by these runs alone.",
             Some((None, 1)) if self.n_imported_values() < self.problem.region.n_parameters() + 2 => {
                 "It is the first: two thirds of it are spread over all that can be set, a third over what the simulation likes."

@@ -66,7 +66,7 @@ pub(super) fn nothing_but_failures(campaign: &Campaign) -> Vec<Finding> {
 }
 
 /// That all results are the same number.
-fn all_equal(campaign: &Campaign) -> Option<Finding> {
+pub(super) fn all_equal(campaign: &Campaign) -> Option<Finding> {
     let costs = campaign.costs();
     let (first, n) = (costs.first()?, costs.len());
     let is_equal = n >= FEWEST_EQUAL && costs.iter().all(|cost| cost.to_bits() == first.to_bits());

@@ -27,6 +27,13 @@ pub(crate) fn parameter(entry: &ParameterEntry) -> Result<Parameter> {
         "parameter `{}`: `unit` is {unit:?}, expected one without brackets, quotes, commas, semicolons or spaces at its ends",
         entry.name,
     );
+    if let Some(few @ 0..=1) = entry.levels {
+        bail!(
+            "parameter `{}`: `levels` is {few}, expected at least 2; without `levels` any setting between the bounds is allowed, and \
+             what is never changed is left out",
+            entry.name
+        );
+    }
     let count = match (entry.levels, entry.step) {
         (Some(count), None) => count,
         (None, Some(step)) => count(&parameter, step)?,
@@ -128,6 +135,7 @@ mod tests {
             (entry(0.0, 1.0, None, Some(1e-9)), "at most a million"),
             (entry(0.0, 1.0, Some(3), Some(0.5)), "both"),
             (entry(1.0, 0.0, Some(3), None), "pitch"),
+            (entry(0.0, 1.0, Some(1), None), "`levels` is 1, expected at least 2"),
         ] {
             let error = parameter(&entry).expect_err(words).to_string();
             assert!(error.contains(words), "{error}");

@@ -107,6 +107,46 @@ fn a_dead_sensor_and_nothing_but_failures_are_said() {
     batch(&rig, |_, _, _| Err("no signal".to_owned()));
     let text = rig.infuse(&["status"]).ok();
     assert!(text.contains("Careful: not one of 10 experiments gave a value; the first one: no signal."), "{text}");
+    let text = rig.infuse(&["ask"]).ok();
+    assert!(text.contains("No experiment gave a value yet, so it is spread over what was not tried."), "{text}");
+}
+
+/// Repeats that are all equal do not make the noise known, and no worth is reached or missed by such results.
+#[test]
+fn equal_results_tell_neither_the_noise_nor_whether_to_go_on() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "noise = 1\n[stop]\nworth = 2\n");
+    for _ in 0..2 {
+        batch(&rig, |_, _, _| Ok(3.0));
+    }
+    let text = rig.infuse(&["status"]).ok();
+    assert!(
+        text.contains("All results are equal: whether to go on, they cannot tell.") && !text.contains("go on;"),
+        "{text}"
+    );
+    rig.edit("noise = 1\n", "");
+    rig.write("old.csv", "a [mm],b [mm],y [N]\n4,7,3\n4,7,3\n4,7,3\n4,7,3\n4,7,3\n4,7,3\n");
+    rig.infuse(&["import", "old.csv", "--source", "repeats"]).ok();
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("by the surface; repeats do not differ at all."), "{text}");
+}
+
+/// A run at the settings of an earlier batch is one more repeat, and the sheet says of what.
+#[test]
+fn runs_at_settings_of_an_earlier_batch_are_called_repeats() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "");
+    batch(&rig, measure);
+    let first = best(&rig);
+    let asked: Value = serde_json::from_str(&rig.infuse(&["confirm", "--runs", "1", "--json"]).ok()).unwrap();
+    let runs = asked["experiments"].as_array().unwrap();
+    let there = |run: &Value| run["settings"] == json!({ "a": first.0, "b": first.1 });
+    let log = rig.read("sheet-1.csv");
+    for run in runs.iter().filter(|run| there(run)) {
+        let earlier = run["repeats"].as_u64();
+        let line =
+            log.lines().find(|line| line.contains(&format!(",{},,{},{},", earlier.unwrap_or(0), first.0, first.1)));
+        assert_eq!(earlier.is_some(), line.is_some(), "{run}\n{log}");
+    }
+    assert!(runs.iter().any(|run| run["repeats"].is_u64()), "the best measured was run before: {asked}");
 }
 
 #[test]

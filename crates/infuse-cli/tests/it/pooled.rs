@@ -197,6 +197,9 @@ fn a_useless_simulation_and_a_constant_one_are_said() {
         }
         let text = rig.infuse(&["status"]).ok();
         assert!(text.contains(words), "{text}");
+        // What is the same everywhere has no choice.
+        let is_constant = simulated(0.0, 0.0).to_bits() == simulated(1.0, 0.0).to_bits();
+        assert_eq!(text.contains("The simulation alone would have chosen"), !is_constant, "{text}");
         assert_eq!(best(&rig), (3.0, 9.0));
     }
 }

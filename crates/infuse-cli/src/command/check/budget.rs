@@ -29,7 +29,8 @@ pub(super) fn in_words(
 ) -> Result<(Vec<Finding>, Value)> {
     let problem = campaign.problem();
     let Budget { terms, experiments, batches, simulations, grid } = budget;
-    let (allowed, n_simulations) = (allowed(problem, grid), simulations_in_all(budget, problem));
+    let allowed = allowed(problem, grid);
+    let n_simulations = simulations_in_all(budget, problem, allowed);
     let mut findings = vec![whole(budget, problem, allowed)];
     findings.extend(simulated(budget, problem, took, n_simulations));
     let costs = problem.costs.as_ref().map(|costs| {
@@ -132,11 +133,11 @@ fn whole(budget: &Budget, problem: &Problem, allowed: Option<Allowed>) -> Findin
 }
 
 /// Simulations of the whole campaign, at most; none where they are looked up.
-fn simulations_in_all(budget: &Budget, problem: &Problem) -> u64 {
+fn simulations_in_all(budget: &Budget, problem: &Problem, allowed: Option<Allowed>) -> u64 {
     if matches!(problem.simulator, Simulator::Table(_)) {
         return 0;
     }
-    let n_cells = budget.grid.n_cells();
+    let n_cells = allowed.and_then(Allowed::exactly).unwrap_or(budget.grid.n_cells());
     let of_batches = budget.simulations.map(|n| (n * budget.batches + budget.experiments) as u64);
     of_batches.map_or(n_cells, |n| n.min(n_cells))
 }
@@ -164,7 +165,7 @@ fn simulated(budget: &Budget, problem: &Problem, took: Option<Duration>, in_all:
                 "A batch costs up to {}{}; the first up to {}, as its experiments are simulated, too.",
                 count(n, "simulation"),
                 time(n as u64),
-                first.min(budget.grid.n_cells())
+                first.min(in_all)
             );
             vec![Finding::new(sentence).with("simulations a batch", n as f64, "1").detail(n_all)]
         }
