@@ -327,6 +327,15 @@ impl Campaign {
         Ok(best.map(|(cell, _)| cell))
     }
 
+    /// How many designs the linear constraints leave, where those can be counted.
+    pub(super) fn n_allowed(&self) -> Option<u64> {
+        let n_cells = self.grid.n_cells();
+        if self.problem.linear_constraints.is_empty() {
+            return Some(n_cells);
+        }
+        (n_cells <= MOST_SIMULATED).then(|| self.grid.cells().filter(|&cell| self.empty.allows(cell)).count() as u64)
+    }
+
     /// How many designs were simulated, where more will be.
     pub(super) fn n_simulated_of_many(&self) -> Result<Option<usize>> {
         let n = self.simulated()?.len();

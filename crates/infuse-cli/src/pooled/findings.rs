@@ -181,9 +181,9 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
 
 /// The designs that may still be the best, the recommended one among them.
 fn left(campaign: &Campaign, found: &Assessment) -> Finding {
-    let n_left = found.left * campaign.grid.n_cells() as f64;
+    let is_one = campaign.n_allowed().is_some_and(|n| found.left > 0.0 && found.left * (n as f64) < 1.5);
     let sentence = match found.left {
-        share if share > 0.0 && n_left < 1.5 => "No other design may still be the best.".to_owned(),
+        _ if is_one => "No other design may still be the best.".to_owned(),
         tiny if tiny < 1e-4 => "Less than 0.01 % of all designs may still be the best.".to_owned(),
         share => format!("Of all designs {}, the recommended one included, may still be the best.", percent(share)),
     };

@@ -144,6 +144,45 @@ fn a_campaign_with_failing_designs_ends_near_the_best_and_asks_for_no_failed_one
     assert!(regrets[3] <= 1.0 && regrets[4] < 10.0, "{regrets:?}");
 }
 
+/// A table that no quadratic follows: what the simulation alone would choose is its least row, as anyone can look it up.
+#[test]
+fn the_choice_of_the_simulation_is_the_least_row_of_its_table() {
+    let simulated = |a: f64, b: f64| wells(a, b, [25.0, 60.0]) + 9.0 * (3.0 * a + 5.0 * b).sin();
+    let rig = rig_of(simulated, "");
+    batch(&rig, |a, b, id| Ok(wells(a, b, [60.0, 25.0]) + 0.1 * wobble(id)));
+    let cells = (0..135).map(|i| (f64::from(i / 15), f64::from(i % 15)));
+    let least = cells.min_by(|x, y| simulated(x.0, x.1).total_cmp(&simulated(y.0, y.1))).unwrap();
+    assert_eq!(rig.status()["simulation_alone"], json!({ "a": least.0, "b": least.1 }));
+}
+
+/// One design, two designs: nothing to choose from is no reason to fail.
+#[test]
+fn two_designs_or_one_that_is_left_are_enough() {
+    for (most, expected) in [(1, (1.0, 0.0)), (0, (0.0, 0.0))] {
+        // With a + 2 b at most 1 there are (0, 0) and (1, 0).
+        let rig = rig_of(|a, b| a + b, &format!("[[linear_constraint]]\nsum = {{ a = 1, b = 2 }}\nupper = {most}\n"));
+        rig.edit("experiments = 10", "experiments = 4");
+        for _ in 0..2 {
+            batch(&rig, |a, b, id| Ok(b - a + 0.01 * wobble(id)));
+        }
+        assert_eq!(best(&rig), expected);
+        let text = rig.infuse(&["status"]).ok();
+        assert!(text.contains("No other design may still be the best."), "{text}");
+    }
+}
+
+#[test]
+fn a_prediction_beyond_what_can_be_measured_is_said() {
+    let rig = rig_of(|a, b| 20.0 - 2.0 * a - b, "");
+    rig.edit("goal = \"minimize\"", "goal = \"minimize\"\nlower = 0");
+    batch(&rig, |a, b, _| Ok((20.0 - 2.0 * a - b).max(0.0)));
+    let (status, text) = (rig.status(), rig.infuse(&["status"]).ok());
+    let is_beyond = status["predicted"].as_f64() < Some(0.0);
+    assert_eq!(text.contains("That cannot be measured, only"), is_beyond, "{text}");
+    let said = rig.infuse(&["what-if", "a=8,b=14"]).ok();
+    assert!(is_beyond || said.contains("-"), "somewhere the plane goes on: {said}");
+}
+
 #[test]
 fn a_measurement_that_contradicts_the_recommendation_is_said() {
     let rig = rig_of(|a, b| wells(a, b, [40.0, 40.0]), "");

@@ -443,6 +443,12 @@ mod tests {
             let error = (0.5_f64.sqrt() * noise).hypot(assembly).hypot(deviation);
             assert_eq!(found.standing.cell, low, "two readings of 0.55 in the mean");
             assert!((found.deviations * error - 49.45).abs() < 1e-9, "{} of {error}", found.deviations);
+            // Its own readings come first: four of them, 10 worse than is expected.
+            let own = Standing { measured: Some(60.0), n_readings: 4, ..one };
+            let found = contradiction(&mut knowledge, &readings, &[], &own, 0.9).unwrap().unwrap();
+            let error = (0.5 * noise).hypot(assembly).hypot(deviation);
+            assert_eq!(found.standing.cell, recommended);
+            assert!((found.deviations * error - 10.0).abs() < 1e-9, "{} of {error}", found.deviations);
         }
     }
 

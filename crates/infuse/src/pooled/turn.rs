@@ -19,7 +19,7 @@ use crate::pooled::streams::{Purpose, stream};
 /// What follows from all that was told.
 #[derive(Debug)]
 pub(crate) enum Next {
-    /// No other design is better by more than another batch is worth.
+    /// No other design is better by more than another batch is worth, and no measurement speaks against that.
     NotWorthIt,
     /// Cells to simulate ahead of all experiments.
     Simulations(Vec<Cell>),
@@ -46,7 +46,8 @@ impl Loop {
         let (mut knowledge, readings) = learnt(measurements, designs, settings, simulated, source)?;
         // its lowest mean, and how much better another design may be.
         let look = Look::at(&mut knowledge, &readings, settings, batch)?;
-        if settings.worth.is_some_and(|worth| look.assessment.certificate.bound <= worth) {
+        let is_enough = |worth| look.assessment.certificate.bound <= worth && look.assessment.contradiction.is_none();
+        if settings.worth.is_some_and(is_enough) {
             return Ok(Next::NotWorthIt);
         }
         // The experiments that lower the expected minimum most, and what to simulate for them.

@@ -8,6 +8,7 @@ use infuse::{Error, Outcome, TrialId};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use surface::process::{Residual, SimulationUse, Structure};
 
 fn region(n_factors: usize, levels: Option<u32>) -> Region {
     let parameter = |index: usize| {
@@ -346,6 +347,75 @@ fn outlier_of_a_hundred_deviations_is_named() {
 }
 
 /// Readings at the recommended design, far above what is promised there, and far below it elsewhere, are not passed over.
+/// As long as a measurement speaks against what is recommended, no bound is small enough to stop. The surface of a quadratic
+/// alone cannot follow a reading far below it.
+#[test]
+fn a_contradiction_keeps_the_loop_from_stopping() {
+    let mut settings = batches(10, 9, 1);
+    (settings.noise, settings.worth) = (Some(0.02), Some(1e6));
+    settings.structures = vec![Structure { simulation: SimulationUse::Ignored, residual: Residual::None }];
+    let mut campaign = campaign(2, 21, settings);
+    let cells: Vec<Cell> = (0..40).map(|index| Cell::new(index * 11 + 5)).collect();
+    let mut experiment = noisy(1, 0.02, truth);
+    for trial in campaign.hand_out(&cells).expect("cells of the grid") {
+        campaign.tell(trial.id, experiment(&trial).into()).expect("an outstanding trial");
+    }
+    let stops =
+        |campaign: &mut Loop| matches!(campaign.ask(Some(&mut simulation)).expect("an answer"), Ask::Stopped(_));
+    assert!(stops(&mut campaign.clone()), "any bound is worth it");
+    let beside = campaign.grid().nearest(&[0.0, 0.7]).expect("a cell");
+    let trial = campaign.hand_out(&[beside]).expect("a cell of the grid")[0].clone();
+    campaign.tell(trial.id, Outcome::Value(-0.09)).expect("an outstanding trial");
+    let contradiction = assessed(&mut campaign).contradiction.expect("it is 4.5 deviations below the lowest truth");
+    assert_eq!(contradiction.standing.cell, beside);
+    assert!(contradiction.deviations > 3.0 && !stops(&mut campaign), "{contradiction:?}");
+}
+
+/// Half of a batch told in any order leaves the same bits.
+#[test]
+fn partial_results_in_any_order_come_to_the_same() {
+    let run = |order: [usize; 4]| {
+        let mut campaign = campaign(2, 21, batches(8, 5, 3));
+        let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else {
+            panic!("there is something to run")
+        };
+        for trial in trials {
+            campaign.tell(trial.id, Outcome::Value(truth(&trial.point))).expect("an outstanding trial");
+        }
+        let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else {
+            panic!("there is something to run")
+        };
+        for index in order {
+            let trial = &trials[index];
+            campaign.tell(trial.id, Outcome::Value(truth(&trial.point))).expect("an outstanding trial");
+        }
+        let found = assessed(&mut campaign);
+        let Ask::Run { trials, .. } = campaign.ask_more(Some(&mut simulation)).expect("more") else {
+            panic!("there is something to run")
+        };
+        let cells: Vec<Cell> = trials.iter().map(|trial| trial.cell).collect();
+        (found.recommended.cell, found.recommended.mean.to_bits(), found.certificate.bound.to_bits(), cells)
+    };
+    assert_eq!(run([0, 2, 5, 7]), run([7, 5, 0, 2]));
+}
+
+/// What others would measure again, a later batch does not, while other designs may be the best.
+#[test]
+fn no_batch_is_that_of_an_earlier_one() {
+    for seed in 1..=6 {
+        let mut campaign = campaign(2, 15, batches(10, 4, seed));
+        campaign.run(&mut simulation, &mut noisy(seed, 0.05, truth)).expect("it ends");
+        let cells = |batch: usize| -> BTreeSet<Cell> {
+            let of_it = campaign.records().iter().filter(|record| record.trial.batch == batch);
+            of_it.map(|record| record.trial.cell).collect()
+        };
+        let all: Vec<BTreeSet<Cell>> = (1..=4).map(cells).collect();
+        for later in 1..4 {
+            assert!(!all[later].is_empty() && !all[..later].contains(&all[later]), "seed {seed}, batch {}", later + 1);
+        }
+    }
+}
+
 #[test]
 fn readings_against_the_recommendation_are_named() {
     let mut settings = batches(10, 3, 1);
@@ -470,6 +540,8 @@ fn more_can_be_asked_for_while_some_are_pending() {
     };
     assert_eq!(both[..6], first);
     assert_eq!(both.len(), 12);
+    let cells = |trials: &[Trial]| trials.iter().map(|trial| trial.cell).collect::<BTreeSet<Cell>>();
+    assert_ne!(cells(&both[6..]), cells(&first), "without those that are pending it would be the same batch");
     assert_eq!(
         campaign.ask(Some(&mut simulation)).expect("the same"),
         Ask::Run { trials: both, simulations: Vec::new() }
@@ -556,6 +628,14 @@ fn four_hundred_experiments_are_taken() {
     let found = assessed(&mut campaign);
     assert!(truth(&found.recommended.point) < 0.03, "{:?}", found.recommended);
     assert!((found.noise - 0.1).abs() < 0.02, "noise {}", found.noise);
+    let mut settings = campaign.settings().clone();
+    settings.n_experiments = 5;
+    campaign.set_settings(settings).expect("valid settings");
+    let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else {
+        panic!("there is something to run")
+    };
+    let near = trials.iter().filter(|trial| truth(&trial.point) < 0.2).count();
+    assert!(trials.len() == 5 && near >= 3, "the next batch looks where the best may be: {trials:?}");
 }
 
 /// Among the first few readings a wrong one makes all seem noisy; it is named all the same, and run again in the next batch.

@@ -303,6 +303,43 @@ proptest! {
     }
 }
 
+/// What an update of rank one makes of means and covariances is what the process makes of one more measurement.
+#[test]
+fn a_measurement_counted_in_is_the_process_with_it() {
+    let points = [-0.8, -0.5, 0.1, 0.9, 0.6, -0.7, -0.2, 0.3];
+    let values = [0.4, -0.3, 1.1, 0.2];
+    let asked = [0.5, 0.5, -0.6, 0.7, 0.0, -0.9];
+    let hyper = Hyperparameters {
+        trend: 0.6,
+        simulation: 0.0,
+        residual: 0.8,
+        lengths: vec![0.7, 1.2],
+        noise: 0.04,
+        assembly: 0.0,
+    };
+    let structure = Structure { simulation: SimulationUse::Ignored, residual: Residual::Smooth };
+    let process = |points: &[f64], values: &[f64]| {
+        let data = Data::new(2, points.to_vec(), values.to_vec()).expect("valid data");
+        let sites = Sites::new(&data, None).and_then(|sites| sites.in_units(0.3, 2.0)).expect("valid units");
+        GaussianProcess::new(Arc::new(sites), structure, hyper.clone()).expect("well conditioned")
+    };
+    let places = Places::new(2, &asked).expect("valid places");
+    let before = process(&points, &values);
+    let mut joint = before.joint(&places);
+    let (measured, noise) = (1, before.noise().powi(2));
+    let deviation = (joint.variance(measured) + noise).sqrt();
+    let value = joint.means()[measured] + deviation;
+    let effect = joint.effect(measured, noise);
+    let after = process(&[&points[..], &asked[2..4]].concat(), &[&values[..], &[value]].concat()).joint(&places);
+    joint.measure(&effect);
+    for place in 0..3 {
+        check_close(joint.means()[place] + effect[place], after.means()[place], 1e-12, "mean");
+        for (own, other) in joint.covariances(place).iter().zip(after.covariances(place)) {
+            check_close(*own, *other, 1e-12, "covariance");
+        }
+    }
+}
+
 /// Places are computed in blocks and sites in pairs: 300 places and 41 sites leave some of both over.
 #[test]
 fn a_place_among_many_has_the_marginals_of_a_place_alone() {
