@@ -214,7 +214,7 @@ fn regrets(methods: &[Kept<'_>], ours: &Results) -> String {
     for batch in 2..=BATCHES {
         text += &format!(
             "\n## Paired with the others after batch {batch}\n\nMean over the seeds of log10(regret of the pooled loop / regret of the other) with its standard \
-             error: negative where the pooled loop is better, and -0.30 is half the regret. {} % of the range is added to both, so \
+             error, and how many seeds both ran: negative where the pooled loop is better, and -0.30 is half the regret. {} % of the range is added to both, so \
              that differences far below the noise do not count. Bold: the other is better by more than two standard errors.\n\n",
             percent(FLOOR)
         );
@@ -600,7 +600,7 @@ fn paired_table(methods: &[Kept<'_>], ours: &Results, batch: usize) -> Table {
             Some(found) => {
                 // No minus before a zero.
                 let mean = (100.0 * found.mean).round() / 100.0 + 0.0;
-                let cell = format!("{mean:.2} ± {:.2}", found.error);
+                let cell = format!("{mean:.2} ± {:.2} ({})", found.error, found.n_pairs);
                 if found.is_theirs_better() { format!("**{cell}**") } else { cell }
             }
             None => "–".to_owned(),

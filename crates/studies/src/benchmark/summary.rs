@@ -72,6 +72,8 @@ pub(super) fn shared(ours: &Results, other: &Results, batch: usize, limit: f64) 
 pub(super) struct Paired {
     pub(super) mean: f64,
     pub(super) error: f64,
+    /// Number of pairs.
+    pub(super) n_pairs: usize,
 }
 
 impl Paired {
@@ -100,7 +102,7 @@ pub(super) fn paired_after(sides: [(&Results, usize); 2], family: &Family) -> Op
     let n = ratios.len() as f64;
     let mean = ratios.iter().sum::<f64>() / n;
     let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    Some(Paired { mean, error: (variance / n).sqrt() })
+    Some(Paired { mean, error: (variance / n).sqrt(), n_pairs: ratios.len() })
 }
 
 /// What was promised after a batch of a family.
