@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::campaign::{Campaign, changes};
 use crate::journal::{Event, FORMAT, JOURNAL, Journal, Writer, now};
-use crate::problem::{Method, PROBLEM, Problem};
+use crate::problem::{Method, PROBLEM, Problem, key_of};
 use crate::shell::sheet_path;
 use crate::{dissertation, pooled};
 
@@ -167,10 +167,15 @@ fn of(folder: &Path, problem: Problem, method: Method, mut journal: Journal) -> 
     })
 }
 
-/// Whether a journal's beginning agrees with the problem as it is now.
-/// What a parameter is called for, plant or controller, is shown and changes no result.
-fn without_roles(core: &Value) -> Value {
+/// Under the names of the file. What a parameter is called for, plant or controller, is shown and changes no result.
+fn as_in_the_file(core: &Value) -> Value {
     let mut core = core.clone();
+    if let Some(settings) = core.get_mut("loop").and_then(Value::as_object_mut) {
+        let of_the_file = std::mem::take(settings).into_iter().map(|(name, value)| (key_of(&name).to_owned(), value));
+        settings.extend(of_the_file);
+        // None is not written down.
+        settings.entry("replicates").or_insert_with(|| 0.into());
+    }
     let parameters = core.get_mut("parameter").and_then(Value::as_array_mut).into_iter().flatten();
     for parameter in parameters.filter_map(Value::as_object_mut) {
         parameter.remove("role");
@@ -178,9 +183,10 @@ fn without_roles(core: &Value) -> Value {
     core
 }
 
+/// Whether a journal's beginning agrees with the problem as it is now.
 fn check_begun(format: u32, then: &Value, now: &Value) -> Result<()> {
     ensure!(format == FORMAT, "the journal has format {format}, expected {FORMAT}");
-    let changed = changes(&without_roles(then), &without_roles(now));
+    let changed = changes(&as_in_the_file(then), &as_in_the_file(now));
     ensure!(
         changed.is_empty(),
         "{PROBLEM} was changed after the journal had begun: {}; change it back, or begin a new campaign in another folder and \

@@ -187,6 +187,24 @@ fn part_repeats(trials: &mut [(Trial, Option<u64>)]) {
             trials.swap(index, other);
         }
     }
+    if clashes(trials) > 0 {
+        arrange(trials);
+    }
+}
+
+/// The same where exchanging two is not enough: run by run the first that may follow, and the settings with most runs as soon as
+/// they need every second place that is left.
+fn arrange(trials: &mut [(Trial, Option<u64>)]) {
+    let mut left = trials.to_vec();
+    let mut before = None;
+    for place in trials {
+        let n_left = |cell| left.iter().filter(|(trial, _)| trial.cell == cell).count();
+        let may_follow = |cell| before != Some(cell);
+        let presses = left.iter().position(|(trial, _)| may_follow(trial.cell) && 2 * n_left(trial.cell) > left.len());
+        let first = presses.or_else(|| left.iter().position(|(trial, _)| may_follow(trial.cell)));
+        *place = left.remove(first.unwrap_or(0));
+        before = Some(place.0.cell);
+    }
 }
 
 impl Measured {

@@ -162,7 +162,7 @@ impl Campaign {
                 "batch": report.number, "best": named(&screening.optimum),
                 "predicted": response.of_cost(screening.optimum_value), "spread": screening.spread.s(),
                 "left": screening.n_after, "left_before": screening.n_before, "threshold": screening.threshold,
-                "innovation": report.changes.innovation, "failed_experiments": report.failed_trials().count(),
+                "off_by_up_to": report.changes.innovation, "failed_experiments": report.failed_trials().count(),
                 "failed_simulations": report.failed_simulations().count(),
                 "g_efficiency_percent": report.batch.experiment_efficiency,
                 "simulation_alone": named(&screening.simulation_optimum),
@@ -181,8 +181,8 @@ impl Campaign {
                 "standard_deviation": error.standard_deviation(), "degrees_of_freedom": error.degrees_of_freedom,
             })),
             "gain": outlook.map(|outlook| json!({
-                "total": outlook.total_gain(), "noise": outlook.mean_gain, "misfit": outlook.misfit_gain,
-                "nine_in_ten_below": outlook.upper_gain,
+                "total": outlook.total_gain(), "noise": outlook.noise_gain(), "elsewhere": outlook.moved_gain,
+                "misfit": outlook.misfit_gain, "nine_in_ten_below": outlook.upper_noise_gain(),
             })),
             "guarantee": observed.map(|observed| json!({ "eps": observed.eps, "regret": observed.certificate.regret })),
         }))

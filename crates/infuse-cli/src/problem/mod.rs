@@ -25,6 +25,7 @@ use file::LoopEntry;
 pub(crate) use file::{Goal, Input, Method, SheetFormat};
 pub(crate) use queue::Queue;
 pub(crate) use setting::{parse_setting, said, shown, step, written};
+pub(crate) use settings::key_of;
 
 use crate::number::{plain, with_unit};
 

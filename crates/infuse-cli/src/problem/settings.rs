@@ -121,19 +121,23 @@ fn dissertation(entry: &LoopEntry, region: &Region, seed: u64) -> Result<global:
     Ok(settings)
 }
 
-/// The fault of a setting under the name that this has in the file.
-fn by_its_name_in_the_file(error: Error) -> Error {
-    let key = |name: &'static str| match name {
+/// What a setting of a loop is called in the file.
+pub(crate) fn key_of(name: &str) -> &str {
+    match name {
         "n_experiments" => "experiments",
         "n_simulations" => "simulations",
         "max_batches" => "batches",
         "first_screening" => "drop_from",
         "fallback" => "without_spread",
         name => name,
-    };
+    }
+}
+
+/// The fault of a setting under the name that this has in the file.
+fn by_its_name_in_the_file(error: Error) -> Error {
     match error {
-        Error::Setting { name, value, expected } => Error::Setting { name: key(name), value, expected },
-        Error::SettingCount { name, value, expected } => Error::SettingCount { name: key(name), value, expected },
+        Error::Setting { name, value, expected } => Error::Setting { name: key_of(name), value, expected },
+        Error::SettingCount { name, value, expected } => Error::SettingCount { name: key_of(name), value, expected },
         other => other,
     }
 }

@@ -6,6 +6,7 @@ mod campaigns;
 mod careful;
 mod checking;
 mod constraints;
+mod dissertation;
 mod faults;
 mod interruptions;
 mod journals;

@@ -223,7 +223,7 @@ fn the_history_agrees_with_the_status() {
         close(&best[index][2], &batch["predicted"]);
         close(&best[index][3], &batch["spread"]);
         close(&dropped[index][3], &batch["left"]);
-        close(&learned[index][1], &batch["innovation"]);
+        close(&learned[index][1], &batch["off_by_up_to"]);
         assert!(learned[index][4].starts_with(&format!("{} of ", batch["failed_experiments"])));
     }
     close(&learned[1][6], &status["noise"]["standard_deviation"]);

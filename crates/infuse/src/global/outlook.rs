@@ -35,6 +35,8 @@ const MOST_CELLS: u64 = 20_000;
 pub struct Outlook {
     /// Mean of the gains.
     pub mean_gain: f64,
+    /// The part of it that no noise makes: what the best cell of Ĵnum itself undercuts p̂* by, which is the best of Ĵ.
+    pub moved_gain: f64,
     /// Nine of ten gains are at most this.
     pub upper_gain: f64,
     /// What the wrong shape of the surface may hide besides. With the pure error s², and s² h the variance that it gives Ĵ in
@@ -54,6 +56,8 @@ pub struct Outlook {
 #[derive(Debug)]
 struct Gains {
     values: Vec<f64>,
+    /// That of Ĵnum itself.
+    moved: f64,
     n_cells: usize,
 }
 
@@ -62,6 +66,18 @@ impl Outlook {
     #[must_use]
     pub fn total_gain(&self) -> Option<f64> {
         self.misfit_gain.map(|misfit| self.mean_gain + misfit)
+    }
+
+    /// What of the mean gain the noise makes.
+    #[must_use]
+    pub fn noise_gain(&self) -> f64 {
+        self.mean_gain - self.moved_gain
+    }
+
+    /// What the noise makes nine times in ten is at most this.
+    #[must_use]
+    pub fn upper_noise_gain(&self) -> f64 {
+        (self.upper_gain - self.moved_gain).max(0.0)
     }
 }
 
@@ -93,7 +109,9 @@ impl Loop {
         let mean_gain = gains.values.iter().sum::<f64>() / n_draws as f64;
         let upper_gain = gains.values[(9 * n_draws).div_ceil(10) - 1];
         let misfit_gain = self.misfit_gain(noise, report, surfaces);
-        Ok(Some(Outlook { mean_gain, upper_gain, misfit_gain, n_draws, n_cells: gains.n_cells }))
+        // On average noise can only add to it; so many draws are off by some of it.
+        let (moved_gain, n_cells) = (gains.moved.min(mean_gain), gains.n_cells);
+        Ok(Some(Outlook { mean_gain, moved_gain, upper_gain, misfit_gain, n_draws, n_cells }))
     }
 
     /// By how much the best cell undercuts p̂* in each of so many drawn surfaces.
@@ -124,7 +142,8 @@ impl Loop {
             let drawn = points.iter().zip(&means).map(|(point, mean)| mean + error.predict(point));
             values.push(drawn.map(|drawn| at_optimum - drawn).fold(0.0, f64::max));
         }
-        Ok(Some(Gains { values, n_cells: points.len() }))
+        let moved = means.iter().map(|mean| mean_at_optimum - mean).fold(0.0, f64::max);
+        Ok(Some(Gains { values, moved, n_cells: points.len() }))
     }
 
     /// What the wrong shape of the surface may hide besides the noise.

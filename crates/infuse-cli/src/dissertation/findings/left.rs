@@ -6,7 +6,7 @@ use infuse::global::{Report, RetainedSet};
 use page::Finding;
 
 use crate::dissertation::campaign::Campaign;
-use crate::findings::value;
+use crate::findings::{amount, value};
 use crate::number::{are_written_alike, grouped, percent, plain, short, with_unit};
 
 /// How many designs are left, between which settings, and what each batch dropped.
@@ -46,13 +46,22 @@ pub(in crate::dissertation) fn dropped_because(campaign: &Campaign, report: &Rep
     match screening.spread.s() {
         _ if !screening.tested => "the first batches only correct, see `drop_from` in [loop]".to_owned(),
         Some(s) => {
-            let worse = screening.threshold * s * std::f64::consts::SQRT_2;
-            let limit = value(&campaign.problem.response, screening.optimum_value + worse);
-            let word = campaign.problem.response.worse_side();
-            format!("predicted {word} {limit}, that is worse than the best by {} S √2", short(screening.threshold))
+            let missed = missed_difference(s);
+            let limit = value(&campaign.problem.response, screening.optimum_value + screening.threshold * missed);
+            let (word, times) = (campaign.problem.response.worse_side(), short(screening.threshold));
+            let missed = amount(&campaign.problem.response, missed);
+            format!(
+                "predicted {word} {limit}, that is worse than the best by {times} times {missed}, by which the difference of two \
+                 designs may be missed"
+            )
         }
         None => "nothing could be dropped, as the validation experiments gave no spread S".to_owned(),
     }
+}
+
+/// By how much the difference of two predictions may be missed, if each is missed by S.
+fn missed_difference(s: f64) -> f64 {
+    s * std::f64::consts::SQRT_2
 }
 
 /// Why a design was dropped, or that it was not; the settings that were asked about may lie between those that can be set.
@@ -73,16 +82,17 @@ pub(in crate::dissertation) fn why_dropped(campaign: &Campaign, asked: &[f64]) -
     let (there, at_best) =
         (value(&campaign.problem.response, dropped.value), value(&campaign.problem.response, dropped.optimum_value));
     let (z, z0) = (short(dropped.z), short(dropped.z0));
+    let missed = amount(response, missed_difference(dropped.spread));
     let sentence = format!(
-        "{place} was dropped by batch {n}: {there} was predicted there against {at_best} at the best, which is {z} S √2 more, \
-         and {z0} are enough."
+        "{place} was dropped by batch {n}: {there} was predicted there against {at_best} at the best. That is worse by {z} times \
+         {missed}, by which the difference of two designs may be missed, and {z0} times are enough."
     );
     Ok(Finding::new(sentence)
         .with("batch", n as f64, "1")
         .with("predicted there", response.of_cost(dropped.value), &response.unit)
         .with("predicted at the best", response.of_cost(dropped.optimum_value), &response.unit)
-        .with("difference in S √2", dropped.z, "1")
-        .with("difference that is enough", dropped.z0, "1"))
+        .with("times what may be missed", dropped.z, "1")
+        .with("times that are enough", dropped.z0, "1"))
 }
 
 /// The least and the largest setting of each parameter among the designs that are left.

@@ -18,7 +18,7 @@ pub(in crate::dissertation) fn lesson(campaign: &Campaign) -> Option<Finding> {
     if let Some(innovation) = report.changes.innovation {
         let before = if reports.len() == 1 { "the simulation" } else { "the corrected simulation of the batch before" };
         let sentence = format!("{before} was off by up to {}.", amount(&campaign.problem.response, innovation));
-        details.push(Finding::new(sentence).with("innovation", innovation, &campaign.problem.response.unit));
+        details.push(Finding::new(sentence).with("off by up to", innovation, &campaign.problem.response.unit));
     }
     if let Some(reason) = &report.not_corrected {
         let sentence = format!("its experiments could not be fitted, so the correction is as before: {reason}.");

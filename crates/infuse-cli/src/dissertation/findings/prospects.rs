@@ -41,14 +41,15 @@ fn expected_gain(campaign: &Campaign, outlook: &Outlook) -> Finding {
     let total = outlook.total_gain();
     let headline =
         total.map_or_else(|| "nobody knows how much".to_owned(), |total| gain(&campaign.problem.response, total));
-    let mean = gain(&campaign.problem.response, outlook.mean_gain);
-    let upper = match outlook.upper_gain {
+    let (mean, most) = (outlook.noise_gain(), outlook.upper_noise_gain());
+    let upper = match most {
         upper if upper > 0.0 => format!("at most {}", amount(&campaign.problem.response, upper)),
         _ => "nothing".to_owned(),
     };
-    let by_noise = Finding::new(format!("{mean} by averaging out the noise ({upper} nine times in ten);"))
-        .with("mean gain", outlook.mean_gain, unit)
-        .with("gain nine times in ten at most", outlook.upper_gain, unit);
+    let shown = gain(&campaign.problem.response, mean);
+    let by_noise = Finding::new(format!("{shown} by averaging out the noise ({upper} nine times in ten);"))
+        .with("mean gain", mean, unit)
+        .with("gain nine times in ten at most", most, unit);
     let by_shape = Finding::new(format!("{}.", by_shape(campaign, outlook)));
     let by_shape = match outlook.misfit_gain {
         Some(misfit) => by_shape.with("gain by a better shape", misfit, unit),
@@ -59,7 +60,16 @@ fn expected_gain(campaign: &Campaign, outlook: &Outlook) -> Finding {
         Some(total) => finding.with("total gain", total, unit),
         None => finding,
     };
-    finding.detail(by_noise).detail(by_shape)
+    let finding = finding.detail(by_noise);
+    // The best design is that of a surface which the experiments of the last batch have not corrected yet.
+    let finding = if outlook.moved_gain > 0.0 {
+        let moved = amount(&campaign.problem.response, outlook.moved_gain);
+        let sentence = format!("{moved} because the simulation as it is corrected now has its best at another design;");
+        finding.detail(Finding::new(sentence).with("gain at another design", outlook.moved_gain, unit))
+    } else {
+        finding
+    };
+    finding.detail(by_shape)
 }
 
 fn by_shape(campaign: &Campaign, outlook: &Outlook) -> String {

@@ -12,8 +12,8 @@ use page::{Column, Page, Table};
 const NOTHING: &str = "–";
 const BEST: &str = "Best design after each batch. S: how far experiments that the surface had not seen were missed. The last \
                     column is the best of the designs that were left, by the simulation alone.";
-const LEARNED: &str = "What each batch taught. Innovation: how far its experiments were, at the most, from the corrected \
-                       simulation of the batch before, for the first batch from the simulation. Correction: how far the \
+const LEARNED: &str = "What each batch taught. Off by up to: how far the surface of its experiments lies, at the most, from what was \
+                       predicted, by the corrected simulation of the batch before, for the first batch by the simulation. Correction: how far the \
                        corrected simulation moved. Bound: see Bounds. Noise: standard deviation of repeats, of all batches \
                        so far. Lack of fit: a probability p below 0.05 says that the surface of the experiments misses more \
                        than noise explains.";
@@ -102,7 +102,7 @@ fn learned(campaign: &Campaign, reports: &[global::Report], observed: &[Option<O
     Table {
         columns: vec![
             Column::number("batch", ""),
-            Column::number("innovation", unit),
+            Column::number("off by up to", unit),
             Column::number("correction", unit),
             Column::number("bound", unit),
             Column::number("experiments failed", ""),

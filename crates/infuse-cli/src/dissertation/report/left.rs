@@ -43,8 +43,8 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
         let dropped = reports.iter().map(|report| dropped_by(campaign, report));
         page.finding(&dropped.fold(why, Finding::detail));
         page.paragraph(
-            "S is how far experiments that the surface had not seen were missed, and S √2 that of a difference of two designs. \
-             `infuse status --why` tells the numbers of any one design.",
+            "S is how far experiments that the surface had not seen were missed. The difference of two designs, both of them \
+             predicted, may be missed by 1.414 times as much. `infuse status --why` tells the numbers of any one design.",
         );
     }
     Ok(())

@@ -25,8 +25,8 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign, observed: &[Option<Obs
             .to_owned();
     if figures.len() > 2 {
         caption.push_str(
-            " Right: by how much the corrected simulation was off before the batch, as its experiments have shown \
-             (innovation), and by how much at the most it is off after it (bound, see Bounds).",
+            " Right: by how much the corrected simulation was off before the batch, as its experiments have shown, \
+             and by how much at the most it is off after it (bound, see Bounds).",
         );
     }
     page.charts(&figures, &[], &caption);
@@ -79,26 +79,26 @@ fn left(campaign: &Campaign, reports: &[global::Report]) -> Chart {
 
 /// None if no batch could be compared with its experiments.
 fn errors(campaign: &Campaign, reports: &[global::Report], observed: &[Option<ObservedErrors>]) -> Option<Chart> {
-    let innovation: Line = reports.iter().filter_map(|r| Some((batch(r), r.changes.innovation?))).collect();
+    let shown: Line = reports.iter().filter_map(|r| Some((batch(r), r.changes.innovation?))).collect();
     let bound = reports.iter().zip(observed).filter_map(|(r, observed)| Some((batch(r), observed.as_ref()?.eps)));
     let bound: Line = bound.collect();
-    if innovation.is_empty() {
+    if shown.is_empty() {
         return None;
     }
-    let values = || innovation.iter().chain(&bound).map(|point| point.1);
+    let values = || shown.iter().chain(&bound).map(|point| point.1);
     let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
     let y = Axis::new("off by up to", &campaign.problem.response.unit);
     let y = if most > MANY * least { y.in_decades(values()) } else { y.around(values().chain([0.0])) };
     let mut chart = Chart::new(SIZE_PX, &batches("batch", 1, reports), &y, Grid::Shown);
     for (line, stroke, color, mark) in
-        [(&innovation, Stroke::Solid, BLUE, Mark::Dot), (&bound, Stroke::Dashes, VERMILION, Mark::Ring)]
+        [(&shown, Stroke::Solid, BLUE, Mark::Dot), (&bound, Stroke::Dashes, VERMILION, Mark::Ring)]
     {
         chart.line(line, stroke, color);
         for &point in line {
             chart.mark(point, mark, color);
         }
     }
-    chart.key(Key::new("innovation").line(Stroke::Solid, BLUE).mark(Mark::Dot, BLUE));
+    chart.key(Key::new("shown by experiments").line(Stroke::Solid, BLUE).mark(Mark::Dot, BLUE));
     if !bound.is_empty() {
         chart.key(Key::new("bound").line(Stroke::Dashes, VERMILION).mark(Mark::Ring, VERMILION));
     }
