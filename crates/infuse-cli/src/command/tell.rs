@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 use super::output::Output;
 use super::settings;
 use crate::arguments::Tell;
-use crate::campaign::{Campaign, Reading};
-use crate::findings::{outstanding, taken};
+use crate::campaign::{Campaign, Reading, Stage};
+use crate::findings::{ended, outstanding, taken};
 use crate::folder;
 use crate::journal::{Event, Measured, Told, Writer, now};
 use crate::number::{number_fault, plain};
@@ -73,7 +73,12 @@ pub(crate) fn take(
     if is_closed {
         let infuse = infuse(campaign.folder());
         findings.extend(campaign.lesson()?);
-        findings.push(Finding::new(format!("Next: {infuse} status, then {infuse} ask")));
+        findings.push(match campaign.stage()? {
+            Stage::Ended { reason, .. } => {
+                ended(&reason).detail(Finding::new(format!("Where it ended: {infuse} status")))
+            }
+            _ => Finding::new(format!("Next: {infuse} status, then {infuse} ask")),
+        });
     } else if n_outstanding > 0 {
         let experiments = campaign.experiments();
         findings.extend(

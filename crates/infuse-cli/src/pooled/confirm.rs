@@ -114,7 +114,7 @@ impl Confirmation {
     pub(super) fn in_words(&self, campaign: &Campaign) -> Finding {
         let (problem, response) = (&campaign.problem, &campaign.problem.response);
         let n_runs: usize = self.designs.iter().map(|design| design.n_runs).sum();
-        let mut finding = Finding::new(format!("Confirmed by {} of batch {}:", count(n_runs, "run"), self.batch));
+        let mut finding = Finding::new(format!("Compared by {} of batch {}:", count(n_runs, "run"), self.batch));
         let n_simulated = campaign.n_simulated_of_many().ok().flatten();
         let alone = campaign.choice_of_the_simulation().ok().flatten();
         for (place, design) in self.designs.iter().enumerate() {
@@ -133,6 +133,9 @@ impl Confirmation {
                 let word = if gain < 0.0 { "worse" } else { "better" };
                 let by = amount(response, gain.abs());
                 let sure = match design.give_or_take {
+                    Some(half) if half > gain.abs() => {
+                        format!("give or take {} (90 %): the runs do not tell them apart", amount(response, half))
+                    }
                     Some(half) => format!("give or take {} (90 %)", amount(response, half)),
                     None => "with too few runs to say how surely".to_owned(),
                 };

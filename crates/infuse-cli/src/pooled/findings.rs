@@ -54,9 +54,9 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
                         `infuse ask` or `infuse confirm`.";
         best = best.detail(Finding::new(sentence));
     }
-    for bound in on_bounds(problem, &here.point) {
-        best = best.detail(bound);
-    }
+    // Where all results are equal, one design is as good as another.
+    let bounds = if all_equal(campaign).is_some() { Vec::new() } else { on_bounds(problem, &here.point) };
+    best = bounds.into_iter().fold(best, Finding::detail);
     if let Some(measured) = campaign.best_measured(&set_aside(campaign, found)) {
         let shown = value_to(response, measured.cost, resolution(found));
         let (name, place) = (campaign.name_of(measured.origin), problem.describe(&measured.settings));
@@ -179,9 +179,13 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
     }
 }
 
+/// Grids of so many designs are looked at in whole.
+const COUNTED: u64 = 4000;
+
 /// The designs that may still be the best, the recommended one among them.
 fn left(campaign: &Campaign, found: &Assessment) -> Finding {
-    let is_one = campaign.n_allowed().is_some_and(|n| found.left > 0.0 && found.left * (n as f64) < 1.5);
+    // Of larger grids a sample was looked at.
+    let is_one = campaign.n_allowed().is_some_and(|n| n <= COUNTED && found.left * (n as f64) < 1.5);
     let sentence = match found.left {
         _ if is_one => "No other design may still be the best.".to_owned(),
         tiny if tiny < 1e-4 => "Less than 0.01 % of all designs may still be the best.".to_owned(),

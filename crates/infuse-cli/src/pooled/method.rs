@@ -14,7 +14,7 @@ use super::bounds::as_json;
 use super::campaign::{Access, Campaign, Origin};
 use super::dry::dry_pick;
 use super::findings::{closed, known, lesson, none_better, recommendation, set_aside, standing_in_words};
-use super::warnings::{nothing_but_failures, warnings};
+use super::warnings::{all_equal, nothing_but_failures, warnings};
 use super::{confirm, hand_out, report, what_if};
 use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Stage, Wish};
 use crate::findings::amount;
@@ -47,13 +47,13 @@ impl campaign::Campaign for Campaign {
         if self.experiments.n_outstanding() > 0 {
             return Ok(Stage::Pending);
         }
-        if self.is_full() {
-            let batches = count(self.settings.max_batches, "batch");
-            let reason = format!("all {batches} of [loop] were made (`batches` may be raised)");
-            return Ok(Stage::Ended { reason, may_go_on: false });
-        }
         Ok(match self.not_worth_it()? {
-            Some(reason) => Stage::Ended { reason, may_go_on: true },
+            Some(reason) => Stage::Ended { reason, may_go_on: !self.is_full() },
+            None if self.is_full() => {
+                let batches = count(self.settings.max_batches, "batch");
+                let reason = format!("all {batches} of [loop] were made (`batches` may be raised)");
+                Stage::Ended { reason, may_go_on: false }
+            }
             None => Stage::Ready,
         })
     }
@@ -75,7 +75,10 @@ impl campaign::Campaign for Campaign {
             Some((None, 1)) if self.n_imported_values() < self.problem.region.n_parameters() + 2 => {
                 "It is the first: two thirds of it are spread over all that can be set, a third over what the simulation likes."
             }
-            _ => "It is where one more run is expected to lower the best response most; repeats included.",
+            _ => {
+                "Most of it is where one more run is expected to lower the best response most, repeats included; some of it is where \
+                  one who does not believe the simulation knows least."
+            }
         }
     }
 
@@ -204,7 +207,8 @@ impl Campaign {
         let (Some(worth), Some(found)) = (self.settings.worth, self.assessment()?) else {
             return Ok(None);
         };
-        let is_reached = found.certificate.bound <= worth && found.contradiction.is_none();
+        let speaks_against = found.contradiction.is_some() || all_equal(self).is_some();
+        let is_reached = found.certificate.bound <= worth && !speaks_against;
         Ok(is_reached.then(|| {
             let response = &self.problem.response;
             let enough = amount(response, worth);

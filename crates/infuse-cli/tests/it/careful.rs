@@ -119,6 +119,7 @@ fn equal_results_tell_neither_the_noise_nor_whether_to_go_on() {
         batch(&rig, |_, _, _| Ok(3.0));
     }
     let text = rig.infuse(&["status"]).ok();
+    assert_eq!(rig.status()["stage"], json!("ready"), "no bound on equal results is a reason to stop: {text}");
     assert!(
         text.contains("All results are equal: whether to go on, they cannot tell.") && !text.contains("go on;"),
         "{text}"

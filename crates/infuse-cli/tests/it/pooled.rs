@@ -221,7 +221,7 @@ fn a_recommendation_on_a_bound_or_never_run_is_said_and_can_be_confirmed() {
         let (gain, half) = (design["gain"].as_f64().unwrap(), design["give_or_take"].as_f64().unwrap());
         assert!((gain - truth).abs() <= 2.0 * half, "{gain} ± {half} for {truth}");
     }
-    assert!(rig.infuse(&["status"]).ok().contains("Confirmed by"));
+    assert!(rig.infuse(&["status"]).ok().contains("Compared by"));
 }
 
 #[test]

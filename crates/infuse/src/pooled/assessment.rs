@@ -8,7 +8,7 @@ use surface::process::SimulationUse;
 use crate::Error;
 use crate::pooled::certificate::{Certificate, Draws};
 use crate::pooled::economy::Economy;
-use crate::pooled::held::{Expected, FEASIBLE, UNKNOWN};
+use crate::pooled::held::{Expected, MAY_RESPOND, UNKNOWN};
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::knowledge_gradient::{Picks, pick};
 use crate::pooled::measurements::Reading;
@@ -248,7 +248,7 @@ pub(crate) fn standing(
     let here: Vec<f64> =
         readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response).collect();
     let n_readings = here.len();
-    let may_be_best = cell == recommended || (feasible >= FEASIBLE && probability_better >= 1.0 - confidence);
+    let may_be_best = cell == recommended || (feasible >= MAY_RESPOND && probability_better >= 1.0 - confidence);
     let mut of_constraints = constrained_at(knowledge, &[cell])?.remove(0);
     for (one, readings) in of_constraints.iter_mut().zip(constrained) {
         let here = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response);
@@ -310,7 +310,7 @@ fn share_left(
     let better = better(knowledge, &places);
     let left = |row: &usize| {
         let is_better = better[*row] * chances.within[*row] >= 1.0 - confidence;
-        with_recommended[*row] == recommended || (is_better && chances.responding[*row] >= FEASIBLE)
+        with_recommended[*row] == recommended || (is_better && chances.responding[*row] >= MAY_RESPOND)
     };
     let counted = (1..=n).filter(left).count();
     Ok((counted as f64 / n as f64).max(1.0 / knowledge.designs.n_cells() as f64))

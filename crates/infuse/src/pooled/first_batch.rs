@@ -57,8 +57,29 @@ pub(crate) fn first_batch(
     Ok(match &settings.plants {
         // Plants of either kind.
         Some(plants) => plants.gathered(designs, &in_turn(promising, spread_out)),
-        None => [spread_out, promising].concat(),
+        None => distinct(designs, [spread_out, promising].concat(), tested),
     })
+}
+
+/// Of a grid with few cells for each experiment none is run twice as long as there is another.
+const CROWDED: u64 = 4;
+
+fn distinct(designs: &Designs, cells: Vec<Cell>, tested: &BTreeSet<Cell>) -> Vec<Cell> {
+    if designs.n_cells() > CROWDED * cells.len() as u64 {
+        return cells;
+    }
+    let mut seen: BTreeSet<Cell> = cells.iter().copied().collect();
+    let mut once = BTreeSet::new();
+    let other = |seen: &BTreeSet<Cell>| designs.cells().find(|cell| !seen.contains(cell) && !tested.contains(cell));
+    let one = |cell: Cell| {
+        if once.insert(cell) {
+            return cell;
+        }
+        let other = other(&seen).unwrap_or(cell);
+        seen.insert(other);
+        other
+    };
+    cells.into_iter().map(one).collect()
 }
 
 fn on_few_plants(designs: &Designs, settings: &Settings, cells: Vec<Cell>) -> Vec<Cell> {
@@ -160,6 +181,16 @@ mod tests {
             cells.dedup();
             assert_eq!(cells.len(), 16, "scramble {scramble}");
         }
+    }
+
+    #[test]
+    fn of_few_cells_none_is_run_twice_while_there_is_another() {
+        let cells = |cells: &[u64]| cells.iter().map(|&cell| Cell::new(cell)).collect::<Vec<_>>();
+        let (two, six, none) = (designs(1, 2), designs(1, 6), BTreeSet::new());
+        assert_eq!(distinct(&two, cells(&[0, 0]), &none), cells(&[0, 1]));
+        assert_eq!(distinct(&two, cells(&[1, 1, 1]), &none), cells(&[1, 0, 1]));
+        assert_eq!(distinct(&six, cells(&[2, 5, 2, 5]), &BTreeSet::from([Cell::new(0)])), cells(&[2, 5, 1, 3]));
+        assert_eq!(distinct(&designs(1, 24), cells(&[7, 7]), &none), cells(&[7, 7]), "there is room for a repeat");
     }
 
     #[test]

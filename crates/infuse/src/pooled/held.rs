@@ -134,6 +134,8 @@ pub(crate) struct Chances {
 
 /// A design may be recommended if an experiment there gives a response with this probability.
 pub(crate) const FEASIBLE: f64 = 0.75;
+/// A design of which an experiment gives a response with less than this probability is no longer thought of.
+pub(crate) const MAY_RESPOND: f64 = 0.1;
 /// A design that keeps to its bounds with less than this probability is no longer thought of.
 const POSSIBLE: f64 = 0.05;
 
@@ -143,7 +145,7 @@ impl Chances {
         let mut chances = Self {
             within: vec![1.0; responding.len()],
             suffices: responding.iter().map(|&probability| probability >= FEASIBLE).collect(),
-            possible: responding.iter().map(|&probability| probability >= FEASIBLE).collect(),
+            possible: responding.iter().map(|&probability| probability >= MAY_RESPOND).collect(),
             responding,
         };
         for (constraint, within) in held {

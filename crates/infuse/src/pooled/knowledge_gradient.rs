@@ -13,9 +13,6 @@ use crate::pooled::knowledge::Knowledge;
 use crate::pooled::outcomes::{OUTCOMES, outcomes};
 use crate::pooled::pool::Pool;
 
-/// Below this probability of a response a cell is not worth learning about.
-const HOPELESS: f64 = 0.25;
-
 /// Cells for the next batch, and how sure it will make us.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Picks {
@@ -101,7 +98,10 @@ struct Gradient<'a> {
     pool: &'a Pool,
     joint: Joint,
     noise: f64,
+    /// Means of each outcome; infinite where a design may not be recommended, because it is not likely enough to give a response.
     futures: Vec<Vec<f64>>,
+    /// Means of each outcome where it gives one; none where all may be recommended.
+    hoped: Vec<Vec<f64>>,
     /// Cells that are less likely to give a response are not picked.
     least_feasible: f64,
     /// The responses that have to stay within bounds.
@@ -111,22 +111,31 @@ struct Gradient<'a> {
 impl<'a> Gradient<'a> {
     fn of(of_each: &[Joint], pool: &'a Pool, noise: f64) -> Self {
         let joint = Joint::of_mixture(of_each);
-        // A cell that will hardly ever be recommended is not the lowest.
-        let mut now = joint.means().to_vec();
-        let responding = &pool.chances.responding;
-        if responding.iter().any(|&feasible| feasible >= HOPELESS) {
-            let hopeless = now.iter_mut().zip(responding).filter(|(_, feasible)| **feasible < HOPELESS);
-            hopeless.for_each(|(mean, _)| *mean = f64::INFINITY);
+        // A cell that cannot be recommended before an experiment gave a response there is not the lowest.
+        let means = joint.means().to_vec();
+        let is_sure = |feasible: &f64| *feasible >= FEASIBLE;
+        let sure = pool.chances.responding.iter().filter(|feasible| is_sure(feasible)).count();
+        let (mut now, mut hoped) = (means.clone(), Vec::new());
+        if (1..means.len()).contains(&sure) {
+            let unsure = now.iter_mut().zip(&pool.chances.responding).filter(|(_, feasible)| !is_sure(feasible));
+            unsure.for_each(|(mean, _)| *mean = f64::INFINITY);
+            hoped = vec![means; OUTCOMES as usize];
         }
         let futures = vec![now; OUTCOMES as usize];
-        Self { pool, joint, noise, futures, least_feasible: 0.0, admissions: Vec::new() }
+        Self { pool, joint, noise, futures, hoped, least_feasible: 0.0, admissions: Vec::new() }
     }
 
     /// An experiment at this row, as it may turn out.
     fn measure(&mut self, row: usize, normals: &[f64], number: u32) {
         let effect = self.joint.effect(row, self.noise);
-        for (future, z) in self.futures.iter_mut().zip(normals) {
-            future.iter_mut().zip(&effect).for_each(|(value, effect)| *value += z * effect);
+        for means in [&mut self.futures, &mut self.hoped] {
+            for (future, z) in means.iter_mut().zip(normals) {
+                future.iter_mut().zip(&effect).for_each(|(value, effect)| *value += z * effect);
+            }
+        }
+        // What the batch goes on with is that it gave a response.
+        for (future, hoped) in self.futures.iter_mut().zip(&self.hoped) {
+            future[row] = hoped[row];
         }
         self.joint.measure(&effect);
         for admission in &mut self.admissions {
@@ -179,11 +188,11 @@ impl<'a> Gradient<'a> {
         let (still, stay): (Vec<f64>, Vec<Step>) =
             (vec![0.0; n], self.admissions.iter().map(Admission::stay).collect());
         let bounded = self.bounded(&stay);
-        let now = self.lowest_of_each(&still, normals, &stay, &bounded);
+        let now = self.lowest_of_each(&still, normals, &stay, &bounded, None);
         let gain = |row: usize| {
             let effect = self.joint.effect(row, self.noise);
             let steps: Vec<Step> = self.admissions.iter().map(|admission| admission.step(row, number)).collect();
-            let then = self.lowest_of_each(&effect, normals, &steps, &bounded);
+            let then = self.lowest_of_each(&effect, normals, &steps, &bounded, Some(row));
             self.weight(row, economy) * (now - then).max(0.0)
         };
         let gains: Vec<f64> = (0..n).into_par_iter().map(gain).collect();
@@ -224,13 +233,30 @@ impl Gradient<'_> {
         Bounded { reserve, promising }
     }
 
-    /// What the best design is worth after a run of this effect, summed over the outcomes.
-    fn lowest_of_each(&self, effect: &[f64], normals: &[f64], steps: &[Step], bounded: &Bounded) -> f64 {
+    /// What the best design is worth after a run of this effect, summed over the outcomes; the row that was run may then be
+    /// recommended, as it gave a response.
+    fn lowest_of_each(
+        &self,
+        effect: &[f64],
+        normals: &[f64],
+        steps: &[Step],
+        bounded: &Bounded,
+        run: Option<usize>,
+    ) -> f64 {
+        let hoped = |outcome: usize| run.and_then(|row| Some((row, self.hoped.get(outcome)?[row])));
         if self.admissions.is_empty() {
-            return self.futures.iter().zip(normals).map(|(future, z)| lowest(future, effect, *z)).sum();
+            let of_outcome = |(outcome, (future, z)): (usize, (&Vec<f64>, &f64))| {
+                let all = lowest(future, effect, *z);
+                hoped(outcome).map_or(all, |(row, mean)| all.min(mean + z * effect[row]))
+            };
+            return self.futures.iter().zip(normals).enumerate().map(of_outcome).sum();
         }
         let of_outcome = |(outcome, (future, z)): (usize, (&Vec<f64>, &f64))| {
             let mut best = bounded.reserve;
+            if let Some((row, mean)) = hoped(outcome) {
+                let mean = (mean + z * effect[row]).min(best);
+                best = self.worth(row, mean, steps, outcome, bounded.reserve);
+            }
             for &row in &bounded.promising {
                 let mean = future[row] + z * effect[row];
                 // Even a design that is sure to keep to its bounds is worth no less than its mean.
@@ -378,7 +404,7 @@ mod tests {
             ([0.3, 0.7], 1.0, 0.01),
             ([0.7, 0.3], 1.0, 0.5),
             ([0.25, 0.55], 0.8, 0.01),
-            ([0.55, 0.25], 0.6, 0.01),
+            ([0.55, 0.25], 0.75, 0.01),
         ] {
             let (mut pool, joint) = line(&places, 10.0);
             pool.chances.responding[1] = responding;
@@ -397,6 +423,30 @@ mod tests {
             picked[best] += 1;
         }
         assert!(picked.iter().all(|times| *times > 0), "{picked:?}");
+    }
+
+    /// A design that may not be recommended before it gave a response is worth a run as far as it would then be the best: of two, the
+    /// other one with the lower mean, p E[(m₁ − m₂ − s Z)⁺] with s² the variance of the difference of both effects.
+    #[test]
+    fn a_design_that_may_fail_is_worth_what_it_gains_if_it_does_not() {
+        let (normal, noise, scene) = (Normal::standard(), 0.01, Scene::new(&[7]));
+        for (places, feasible) in [([0.1, 0.4], 0.5), ([0.1, 0.4], 0.2), ([0.9, 0.4], 0.7), ([0.4, 0.1], 0.5)] {
+            let (mut pool, joint) = line(&places, 10.0);
+            pool.chances.responding[1] = feasible;
+            let gradient = Gradient::of(std::slice::from_ref(&joint), &pool, noise);
+            let (m, normals) = (joint.means(), outcomes(0, 7));
+            let bounded = gradient.bounded(&[]);
+            let n = normals.len() as f64;
+            let lowest = |effect: &[f64], run| gradient.lowest_of_each(effect, &normals, &[], &bounded, run) / n;
+            let effect = joint.effect(1, noise);
+            let found = lowest(&[0.0; 2], None) - lowest(&effect, Some(1));
+            let (s, d) = ((effect[0] - effect[1]).abs(), m[0] - m[1]);
+            let density = (-0.5 * (d / s).powi(2)).exp() / std::f64::consts::TAU.sqrt();
+            let expected = d * normal.cdf(d / s) + s * density;
+            assert!((found - expected).abs() < 0.02 * expected.abs().max(0.1), "{found} {expected} for {places:?}");
+            let economy = Economy::of(None, &scene.designs);
+            assert!((gradient.weight(1, &economy) - feasible).abs() < 1e-15);
+        }
     }
 
     /// What a run takes from the variances, each counted by how likely its design is the best.
@@ -444,7 +494,7 @@ mod tests {
             let of_outcome =
                 |outcome| (0..places.len()).map(|other| worth(outcome, other)).fold(f64::INFINITY, f64::min);
             let expected: f64 = (0..normals.len()).map(of_outcome).sum();
-            let found = gradient.lowest_of_each(&effect, &normals, &steps, &bounded);
+            let found = gradient.lowest_of_each(&effect, &normals, &steps, &bounded, Some(row));
             assert!((found - expected).abs() < 1e-12 * expected.abs(), "row {row}: {found} {expected}");
         }
     }
@@ -462,7 +512,7 @@ mod tests {
             let mut gradient = Gradient::of(std::slice::from_ref(&joint), &pool, 0.01);
             gradient.admissions.push(admission());
             let stay: Vec<Step> = gradient.admissions.iter().map(Admission::stay).collect();
-            let lowest = gradient.lowest_of_each(&[0.0; 4], &[0.0; 48], &stay, &gradient.bounded(&stay));
+            let lowest = gradient.lowest_of_each(&[0.0; 4], &[0.0; 48], &stay, &gradient.bounded(&stay), None);
             let picked = gradient.most_telling(&outcomes(0, 7), 0, &Economy::of(None, &scene.designs));
             (picked, lowest / f64::from(OUTCOMES) - shift)
         });
