@@ -21,8 +21,11 @@ pub(crate) fn handed_out(
     let trials = experiments.in_run_order(batch, campaign.problem().seed);
     let n_told = trials.iter().filter(|(trial, _)| experiments.has_result(trial.id)).count();
     let n_repeats = trials.iter().filter(|(_, repeats)| repeats.is_some()).count();
-    let repeats =
-        if n_repeats > 0 { format!(", {n_repeats} of them repeats that measure the noise") } else { String::new() };
+    let repeats = match n_repeats {
+        0 => String::new(),
+        1 => ", 1 of them a repeat that measures the noise".to_owned(),
+        n => format!(", {n} of them repeats that measure the noise"),
+    };
     let mut found = vec![
         Finding::new(format!("Batch {batch}: {}{repeats}.", count(trials.len(), "experiment")))
             .with("batch", batch as f64, "1")

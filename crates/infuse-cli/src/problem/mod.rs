@@ -3,6 +3,7 @@
 mod constraints;
 mod costs;
 pub(crate) mod file;
+mod keys;
 mod levels;
 mod queue;
 mod read;
@@ -23,9 +24,9 @@ pub(crate) use constraints::{Held, linear_in_words};
 pub(crate) use costs::Costs;
 use file::LoopEntry;
 pub(crate) use file::{Goal, Input, Method, SheetFormat};
+pub(crate) use keys::key_of;
 pub(crate) use queue::Queue;
 pub(crate) use setting::{parse_setting, said, shown, step, written};
-pub(crate) use settings::key_of;
 
 use crate::number::{plain, with_unit};
 

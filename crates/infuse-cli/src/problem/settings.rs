@@ -9,6 +9,7 @@ use infuse::{
 };
 
 use super::file::{LoopEntry, ModelEntry, SimulationsEntry};
+use super::keys::key_of;
 use super::{Costs, Problem, Simulator};
 
 impl Problem {
@@ -119,18 +120,6 @@ fn dissertation(entry: &LoopEntry, region: &Region, seed: u64) -> Result<global:
     settings.correction = Rule::new(Law::ProofRecursion, gain);
     settings.validate(region).map_err(by_its_name_in_the_file)?;
     Ok(settings)
-}
-
-/// What a setting of a loop is called in the file.
-pub(crate) fn key_of(name: &str) -> &str {
-    match name {
-        "n_experiments" => "experiments",
-        "n_simulations" => "simulations",
-        "max_batches" => "batches",
-        "first_screening" => "drop_from",
-        "fallback" => "without_spread",
-        name => name,
-    }
 }
 
 /// The fault of a setting under the name that this has in the file.

@@ -332,8 +332,8 @@ fn a_measurement_counted_in_is_the_process_with_it() {
     let effect = joint.effect(measured, noise);
     let after = process(&[&points[..], &asked[2..4]].concat(), &[&values[..], &[value]].concat()).joint(&places);
     joint.measure(&effect);
-    for place in 0..3 {
-        check_close(joint.means()[place] + effect[place], after.means()[place], 1e-12, "mean");
+    for (place, moved) in effect.iter().enumerate() {
+        check_close(joint.means()[place] + moved, after.means()[place], 1e-12, "mean");
         for (own, other) in joint.covariances(place).iter().zip(after.covariances(place)) {
             check_close(*own, *other, 1e-12, "covariance");
         }
