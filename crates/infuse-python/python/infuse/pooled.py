@@ -210,6 +210,8 @@ class Assessment:
     """Batches until the certificate is expected to be as small as `worth`."""
     assembly: Optional[float] = None
     """Standard deviation of the error that all runs of a plant share, where plants are told apart."""
+    n_left: Optional[int] = None
+    """Number of designs that may still be the best, where all were looked at: of many, `left` is told from a sample."""
 
 
 def _of(kind: Type[T], entry: Dict[str, Any], **others: Any) -> T:

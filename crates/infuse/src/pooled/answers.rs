@@ -19,9 +19,8 @@ impl Loop {
     ///
     /// [`Error::Surface`] if the responses cannot be fitted.
     pub fn assess(&mut self, simulate: Option<&mut dyn Simulate>) -> Result<Option<Assessment>, Error> {
-        let pending = self.pending_cells();
         self.with_knowledge(simulate, |knowledge, readings, settings, batch| {
-            Look::at(knowledge, readings, settings, batch)?.with_prospect(knowledge, settings, &pending, batch)
+            Ok(Look::at(knowledge, readings, settings, batch)?.assessment)
         })
     }
 

@@ -10,7 +10,7 @@ use crate::pooled::certificate::{Certificate, Draws};
 use crate::pooled::economy::Economy;
 use crate::pooled::held::{Expected, MAY_RESPOND, UNKNOWN};
 use crate::pooled::knowledge::Knowledge;
-use crate::pooled::knowledge_gradient::{Picks, pick};
+use crate::pooled::knowledge_gradient::pick;
 use crate::pooled::measurements::Reading;
 use crate::pooled::outliers::{Outlier, Readings, outliers};
 use crate::pooled::pool::Pool;
@@ -111,13 +111,17 @@ pub struct Assessment {
     pub n_repeats: usize,
     /// Share of all designs that may still be the best.
     pub left: f64,
+    /// Their number, where all designs were looked at: of many, `left` is told from a sample.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n_left: Option<u64>,
     /// What the simulation is worth; none without one, or before three readings.
     pub simulation: Option<SimulationWorth>,
     /// Readings that contradict the recommendation.
     pub contradiction: Option<Contradiction>,
     /// Readings more than four standard deviations off, and those that are set aside.
     pub outliers: Vec<Outlier>,
-    /// Further batches until the certificate is expected to be as small as the campaign's `worth`: 0 if it is.
+    /// [Further batches](Certificate::further_batches) until the certificate is expected to be as small as the campaign's `worth`,
+    /// open ones among them: 0 if it is.
     pub further_batches: Option<u64>,
 }
 
@@ -154,17 +158,21 @@ impl Look {
         let draws = Draws::of(knowledge, &pool, cell, readings, settings.seed, batch)?;
         let certificate = draws.certificate(settings.confidence);
         let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
+        let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
         let assessment = Assessment {
             noise: knowledge.process.noise(),
             assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
             n_repeats: knowledge.process.sites().n_repeats(),
-            left: share_left(knowledge, &pool, cell, settings.confidence)?,
+            left,
+            n_left,
             simulation: simulation_worth(knowledge, readings)?,
             contradiction: contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?,
             outliers: set_aside.iter().copied().chain(open).collect(),
             recommended,
+            further_batches: settings
+                .worth
+                .map(|worth| certificate.further_batches(worth, readings.len(), settings.n_experiments)),
             certificate,
-            further_batches: None,
         };
         let doubted = knowledge.sceptic.as_ref().map(|sceptic| sceptic.marginals(&pool.places));
         Ok(Self { assessment, pool: pool.reduced(doubted.as_ref(), settings.seed, batch), again })
@@ -177,7 +185,7 @@ impl Look {
         settings: &Settings,
         pending: &[Cell],
         batch: usize,
-    ) -> Result<Picks, Error> {
+    ) -> Result<Vec<Cell>, Error> {
         let scramble = stream(settings.seed, Purpose::KnowledgeGradient, batch).random();
         let count = settings.n_experiments;
         let mut economy = Economy::of(settings.plants.as_ref(), knowledge.designs);
@@ -185,7 +193,7 @@ impl Look {
         self.again.iter().take(count).for_each(|&again| economy.take(again));
         let mut picks = pick(knowledge, &self.pool, pending, count, scramble, economy.clone())?;
         if let Some(plants) = &settings.plants {
-            for &cell in &picks.cells {
+            for &cell in &picks {
                 if economy.allows(cell) {
                     economy.take(cell);
                 }
@@ -198,35 +206,11 @@ impl Look {
             let confined = Economy::of(Some(plants), knowledge.designs).confined_to(&built);
             picks = pick(knowledge, &pool, pending, count, scramble, confined)?;
         }
-        for (pick, again) in picks.cells.iter_mut().zip(&self.again) {
+        for (pick, again) in picks.iter_mut().zip(&self.again) {
             *pick = *again;
         }
         Ok(picks)
     }
-
-    /// The assessment with the batches that it still takes, where it is said what one is worth.
-    pub(crate) fn with_prospect(
-        self,
-        knowledge: &mut Knowledge<'_, '_>,
-        settings: &Settings,
-        pending: &[Cell],
-        batch: usize,
-    ) -> Result<Assessment, Error> {
-        let further_batches = match (settings.worth, self.assessment.certificate.bound) {
-            (None, _) => None,
-            (Some(worth), bound) if bound <= worth => Some(0),
-            (Some(worth), bound) => {
-                Some(further(bound, worth, self.picks(knowledge, settings, pending, batch)?.remaining))
-            }
-        };
-        Ok(Assessment { further_batches, ..self.assessment })
-    }
-}
-
-/// Batches that each leave the same share of the uncertainty, until `bound` is no longer above `worth`.
-fn further(bound: f64, worth: f64, remaining: f64) -> u64 {
-    let batches = (worth / bound).ln() / remaining.clamp(0.05, 0.97).ln();
-    if batches.is_finite() { batches.ceil() as u64 } else { u64::MAX }
 }
 
 /// What is known of a design, beside the recommended one.
@@ -294,15 +278,16 @@ fn better(knowledge: &Knowledge<'_, '_>, places: &surface::process::Places) -> V
 /// Cells of which the share of designs left is counted, at most.
 const COUNTED: u64 = 4000;
 
-/// The share of all designs that may still be the best: counted in small grids, estimated from random designs otherwise.
-fn share_left(
+/// The share of all designs that may still be the best: counted in small grids, with their number, estimated from random designs
+/// otherwise.
+fn left(
     knowledge: &mut Knowledge<'_, '_>,
     pool: &Pool,
     recommended: Cell,
     confidence: f64,
-) -> Result<f64, Error> {
-    let cells: Vec<Cell> =
-        if knowledge.designs.n_cells() <= COUNTED { knowledge.designs.cells().collect() } else { pool.random.clone() };
+) -> Result<(f64, Option<u64>), Error> {
+    let are_all = knowledge.designs.n_cells() <= COUNTED;
+    let cells: Vec<Cell> = if are_all { knowledge.designs.cells().collect() } else { pool.random.clone() };
     let n = cells.len();
     let with_recommended: Vec<Cell> = std::iter::once(recommended).chain(cells).collect();
     let places = knowledge.places(&with_recommended)?;
@@ -313,7 +298,8 @@ fn share_left(
         with_recommended[*row] == recommended || (is_better && chances.responding[*row] >= MAY_RESPOND)
     };
     let counted = (1..=n).filter(left).count();
-    Ok((counted as f64 / n as f64).max(1.0 / knowledge.designs.n_cells() as f64))
+    let share = (counted as f64 / n as f64).max(1.0 / knowledge.designs.n_cells() as f64);
+    Ok((share, are_all.then_some(counted as u64)))
 }
 
 fn simulation_worth(knowledge: &mut Knowledge<'_, '_>, readings: &[Reading]) -> Result<Option<SimulationWorth>, Error> {
@@ -450,17 +436,5 @@ mod tests {
             assert_eq!(found.standing.cell, recommended);
             assert!((found.deviations * error - 10.0).abs() < 1e-9, "{} of {error}", found.deviations);
         }
-    }
-
-    /// After so many batches the bound is no longer above what is worth it, and after one less it is.
-    #[test]
-    fn further_batches_are_as_many_as_it_takes() {
-        for (bound, worth, remaining) in [(8.0, 1.1, 0.5), (3.0, 0.4, 0.8), (0.2, 0.19, 0.9), (1e6, 1.0, 0.06)] {
-            let n = i32::try_from(further(bound, worth, remaining)).unwrap();
-            let after = |n: i32| bound * f64::powi(remaining, n);
-            assert!(n >= 1 && after(n) <= worth && after(n - 1) > worth, "{n} batches from {bound} to {worth}");
-        }
-        assert_eq!(further(8.0, 1.0, 0.0), 1, "a batch never leaves nothing at all");
-        assert!(further(8.0, 1.0, 1.0) > 50, "nor everything");
     }
 }

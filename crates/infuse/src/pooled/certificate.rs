@@ -61,6 +61,22 @@ pub struct Certificate {
     pub quantile: f64,
 }
 
+impl Certificate {
+    /// Batches until the bound is expected to be no more than `worth`, after as many readings: 0 if it is no more already.
+    ///
+    /// The bound is taken to fall as the square of the readings: so it does in the median of the campaigns of the benchmark, from
+    /// batch to batch, whose page says how often that came true.
+    #[must_use]
+    pub fn further_batches(&self, worth: f64, n_readings: usize, n_experiments: usize) -> u64 {
+        if self.bound <= worth {
+            return 0;
+        }
+        let n_batches = n_readings as f64 / n_experiments.max(1) as f64 * ((self.bound / worth).sqrt() - 1.0);
+        // Beyond all integers that is the largest.
+        n_batches.ceil().max(1.0) as u64
+    }
+}
+
 /// What may be gained over the recommended design, drawn from all that is possible.
 #[derive(Debug, Clone)]
 pub(crate) struct Draws {
@@ -284,6 +300,20 @@ mod tests {
             assert!((found - expected).abs() < 1e-15, "draw {number}: {found}");
         }
         assert!((gain(&[3.0, 1.0, 2.5], free.draw(0)) - 2.0).abs() < 1e-15, "nothing is constrained");
+    }
+
+    /// As many more readings as make the square of their number as much larger as the bound is too large; one batch less would not do.
+    #[test]
+    fn further_batches_are_as_many_as_it_takes() {
+        for (bound, worth, n, of) in [(8.0, 1.1, 10, 10), (3.0, 0.4, 36, 12), (0.2, 0.19, 7, 8), (1e6, 1.0, 9, 4)] {
+            let further = Certificate { probability: 0.9, bound, quantile: 0.0 }.further_batches(worth, n, of);
+            let after = |batches: u64| bound * (n as f64 / (n as f64 + (batches as usize * of) as f64)).powi(2);
+            assert!(further >= 1 && after(further) <= worth && after(further - 1) > worth, "{further} from {bound}");
+        }
+        let of = |bound: f64, worth: f64| {
+            Certificate { probability: 0.9, bound, quantile: 0.0 }.further_batches(worth, 10, 5)
+        };
+        assert_eq!((of(1.0, 1.0), of(0.0, 0.0), of(1.0, 0.0)), (0, 0, u64::MAX));
     }
 
     #[test]

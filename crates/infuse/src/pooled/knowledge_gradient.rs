@@ -13,14 +13,6 @@ use crate::pooled::knowledge::Knowledge;
 use crate::pooled::outcomes::{OUTCOMES, outcomes};
 use crate::pooled::pool::Pool;
 
-/// Cells for the next batch, and how sure it will make us.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Picks {
-    pub(crate) cells: Vec<Cell>,
-    /// Root of the mean variance that the pool has afterwards, as a share of that before.
-    pub(crate) remaining: f64,
-}
-
 /// One pick in so many, and at least one of a batch of so many, is for the one who does not believe the simulation. With one in eight
 /// wells that the simulation lacks are found later, with one in four more of the best is missed elsewhere.
 const DOUBTED: usize = 6;
@@ -47,7 +39,7 @@ pub(crate) fn pick(
     count: usize,
     scramble: u32,
     mut economy: Economy<'_>,
-) -> Result<Picks, Error> {
+) -> Result<Vec<Cell>, Error> {
     let noise = knowledge.reading_variance();
     let mut believed = Gradient::of(&knowledge.joint_of_each(&pool.places), pool, noise);
     believed.admissions = admissions(knowledge, pool, scramble)?;
@@ -57,7 +49,6 @@ pub(crate) fn pick(
     });
     let pending: Vec<usize> =
         pending.iter().filter_map(|cell| pool.cells.iter().position(|candidate| candidate == cell)).collect();
-    let before = spread(&believed.joint);
     let sites = knowledge.process.sites();
     let is_early = sites.places().n_places() + sites.n_repeats() < 2 * count;
     let share = if is_early { DOUBTED_AT_FIRST } else { DOUBTED };
@@ -79,8 +70,7 @@ pub(crate) fn pick(
             doubted.measure(row, &normals, step as u32);
         }
     }
-    let remaining = if before > 0.0 { spread(&believed.joint) / before } else { 0.0 };
-    Ok(Picks { cells, remaining })
+    Ok(cells)
 }
 
 /// What is known of each constrained response that was measured.
@@ -277,12 +267,6 @@ struct Bounded {
     promising: Vec<usize>,
 }
 
-/// Root of the mean variance.
-fn spread(joint: &Joint) -> f64 {
-    let n = joint.n_places();
-    ((0..n).map(|row| joint.variance(row).max(0.0)).sum::<f64>() / n as f64).sqrt()
-}
-
 /// min_j (m_j + z b_j)
 fn lowest(means: &[f64], effect: &[f64], z: f64) -> f64 {
     let mut lanes = [f64::INFINITY; 16];
@@ -320,7 +304,7 @@ mod tests {
     }
 
     /// What is picked: with the sceptic, and without.
-    fn picks(scene: &mut Scene, unit: f64, count: usize) -> [Picks; 2] {
+    fn picks(scene: &mut Scene, unit: f64, count: usize) -> [Vec<Cell>; 2] {
         let (mut simulate, designs) = (simulation(unit), scene.designs.clone());
         let mut knowledge = scene.knowledge(Some(&mut simulate));
         let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
@@ -335,17 +319,9 @@ mod tests {
     fn the_last_picks_are_for_the_one_who_does_not_believe_the_simulation() {
         for (n_readings, count, doubted) in [(5, 6, 3), (5, 5, 2), (11, 6, 3), (12, 6, 1), (13, 5, 1), (6, 3, 0)] {
             let [with, without] = picks(&mut misled(n_readings, 1.0), 1.0, count);
-            let same = with.cells.iter().zip(&without.cells).take_while(|(a, b)| a == b).count();
+            let same = with.iter().zip(&without).take_while(|(a, b)| a == b).count();
             assert_eq!(count - same, doubted, "{count} picks after {n_readings} readings");
         }
-    }
-
-    /// In a thousand times as large numbers the same is known.
-    #[test]
-    fn what_remains_uncertain_is_a_share() {
-        let [of_one, of_thousand] = [1.0, 1000.0].map(|unit| picks(&mut misled(8, unit), unit, 4)[0].remaining);
-        assert!(of_one > 0.01 && of_one < 0.99, "{of_one}");
-        assert!((of_thousand / of_one - 1.0).abs() < 1e-3, "{of_one} and {of_thousand}");
     }
 
     /// A cell that is a little less likely to give a response than one that may be recommended.
@@ -357,7 +333,7 @@ mod tests {
         let mut pool = Pool::gather(knowledge, 1, 0).unwrap();
         let last = |pool: &Pool| {
             let picks = pick(knowledge, pool, &[], 4, 7, Economy::of(None, &designs)).unwrap();
-            picks.cells[3]
+            picks[3]
         };
         let before = last(&pool);
         let row = pool.cells.iter().position(|cell| *cell == before).unwrap();

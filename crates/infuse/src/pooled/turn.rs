@@ -51,7 +51,7 @@ impl Loop {
             return Ok(Next::NotWorthIt);
         }
         // The experiments that lower the expected minimum most, and what to simulate for them.
-        let experiments = look.picks(&mut knowledge, settings, &pending, batch)?.cells;
+        let experiments = look.picks(&mut knowledge, settings, &pending, batch)?;
         let simulations = match settings.simulations {
             Some(budget) => simulations_of_a_batch(&knowledge, &look.pool, &experiments, budget)?,
             None => Vec::new(),
