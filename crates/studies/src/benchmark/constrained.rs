@@ -1,6 +1,7 @@
-//! Campaigns with a response that has to stay within a bound: is what is recommended allowed as often as promised, and how good is it?
+//! Campaigns with a response that has to stay within a bound, or in which runs fail: is what is recommended allowed as often as
+//! promised, and how good is it?
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 use design_space::{Cell, Grid, Parameter, Region};
 use infuse::Outcome;
 use infuse::pooled::{Ask, Constraint, Loop, Responses, Settings};
@@ -18,6 +19,8 @@ pub(super) const BATCHES: usize = 4;
 pub(super) const SEEDS: u64 = 10;
 /// So many of all designs keep to the bound.
 pub(super) const ALLOWED: f64 = 0.4;
+/// So many of all designs give a value, where runs fail.
+pub(super) const RESPONDING: f64 = 0.6;
 /// The constrained response is that of the same family with this much added to the seed.
 const OTHER: u64 = 1000;
 /// A kind of problem.
@@ -25,25 +28,41 @@ const OTHER: u64 = 1000;
 pub(super) struct Case {
     pub(super) name: &'static str,
     family: &'static str,
-    /// Whether the last parameter is a choice among [`PLACES`] instead of a number.
-    pub(super) has_choice: bool,
+    pub(super) kind: Kind,
 }
 
-const fn case(name: &'static str, family: &'static str, has_choice: bool) -> Case {
-    Case { name, family, has_choice }
+/// What is special about a problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// All parameters are numbers.
+    Numbers,
+    /// The last parameter is a choice among [`PLACES`] instead.
+    Choice,
+    /// A run beyond the bound gives nothing, and there is nothing else to measure.
+    Failing,
+}
+
+const fn case(name: &'static str, family: &'static str, kind: Kind) -> Case {
+    Case { name, family, kind }
 }
 
 /// What is run: two to four factors, smooth and not, with numbers only and with a choice.
-pub(super) const CASES: [Case; 9] = [
-    case("bowl-2", "bowl-2", false),
-    case("wells-2", "wells-2", false),
-    case("branin", "branin", false),
-    case("stall-4", "stall-4", false),
-    case("bowl-4", "bowl-4", false),
-    case("borehole-4", "borehole-4", false),
-    case("branin, a choice", "branin", true),
-    case("stall-4, a choice", "stall-4", true),
-    case("bowl-4, a choice", "bowl-4", true),
+pub(super) const CASES: [Case; 15] = [
+    case("bowl-2", "bowl-2", Kind::Numbers),
+    case("wells-2", "wells-2", Kind::Numbers),
+    case("branin", "branin", Kind::Numbers),
+    case("stall-4", "stall-4", Kind::Numbers),
+    case("bowl-4", "bowl-4", Kind::Numbers),
+    case("borehole-4", "borehole-4", Kind::Numbers),
+    case("branin, a choice", "branin", Kind::Choice),
+    case("stall-4, a choice", "stall-4", Kind::Choice),
+    case("bowl-4, a choice", "bowl-4", Kind::Choice),
+    case("bowl-2, runs fail", "bowl-2", Kind::Failing),
+    case("wells-2, runs fail", "wells-2", Kind::Failing),
+    case("branin, runs fail", "branin", Kind::Failing),
+    case("stall-4, runs fail", "stall-4", Kind::Failing),
+    case("bowl-4, runs fail", "bowl-4", Kind::Failing),
+    case("borehole-4, runs fail", "borehole-4", Kind::Failing),
 ];
 
 /// Where on the axis of a number the ways to choose are, in an order that says nothing of it.
@@ -57,7 +76,7 @@ impl Case {
     /// The point of the functions that a point of the campaign is.
     fn place(&self, point: &[f64]) -> Vec<f64> {
         let mut place = point.to_vec();
-        if let (true, Some(last)) = (self.has_choice, place.last_mut()) {
+        if let (Kind::Choice, Some(last)) = (self.kind, place.last_mut()) {
             *last = PLACES[*last as usize];
         }
         place
@@ -66,7 +85,7 @@ impl Case {
     /// The same without the functions.
     fn task<'a>(&self, family: &Family, pair: &'a Pair, seed: u64) -> Result<Task<'a>> {
         let task = Task::new(family, pair, seed)?;
-        if !self.has_choice {
+        if self.kind != Kind::Choice {
             return Ok(task);
         }
         let mut parameters = task.region.parameters().to_vec();
@@ -100,11 +119,11 @@ pub(super) struct Row {
     pub(super) seed: u64,
     /// From 1.
     pub(super) batch: usize,
-    /// The probability to keep to the bound that was printed.
+    /// The probability to keep to the bound, or to give a value, that was printed.
     pub(super) promised: f64,
     /// Whether the loop said that it suffices.
     pub(super) suffices: bool,
-    /// Whether the recommended design does keep to it.
+    /// Whether the recommended design does keep to it, or give a value.
     pub(super) keeps: bool,
     /// Truth there less the lowest of all designs that keep to it; the truth goes from 0 to 1.
     pub(super) regret: f64,
@@ -139,7 +158,8 @@ impl Problem {
         let grid = case.task(family, &objective, seed)?.grid;
         let points = grid.cells().map(|cell| Ok(case.place(&grid.point(cell)?))).collect::<Result<Vec<_>>>()?;
         let values: Vec<f64> = points.iter().map(|point| (constrained.truth)(point)).collect();
-        let limit = page::quantile(&values, ALLOWED).context("designs")?;
+        let share = if case.kind == Kind::Failing { RESPONDING } else { ALLOWED };
+        let limit = page::quantile(&values, share).context("designs")?;
         let allowed = points.iter().zip(&values).filter(|(_, value)| **value <= limit);
         let best = allowed.map(|(point, _)| (objective.truth)(point)).fold(f64::INFINITY, f64::min);
         Ok(Self { case, objective, constrained, limit, best })
@@ -147,7 +167,9 @@ impl Problem {
 
     fn simulated(&self, point: &[f64]) -> Responses {
         let place = self.case.place(point);
-        let constrained = vec![Some((self.constrained.simulation)(&place))];
+        // Of failures it knows nothing.
+        let is_known = self.case.kind != Kind::Failing;
+        let constrained = is_known.then(|| Some((self.constrained.simulation)(&place))).into_iter().collect();
         Responses { objective: (self.objective.simulation)(&place), constrained }
     }
 }
@@ -158,7 +180,10 @@ pub(super) fn run(case: Case, way: Way, seed: u64) -> Result<Vec<Row>> {
     let task = case.task(case.family()?, &problem.objective, seed)?;
     let mut settings = Settings::new(task.n_experiments);
     (settings.max_batches, settings.seed) = (BATCHES, seed);
-    settings.constraints = vec![Constraint::at_most("limited", problem.limit)];
+    let fails = case.kind == Kind::Failing;
+    if !fails {
+        settings.constraints = vec![Constraint::at_most("limited", problem.limit)];
+    }
     if way.is_blind {
         settings.structures = vec![Structure { simulation: SimulationUse::Ignored, residual: Residual::Smooth }];
     }
@@ -178,25 +203,30 @@ pub(super) fn run(case: Case, way: Way, seed: u64) -> Result<Vec<Row>> {
         };
         for trial in trials {
             let point = case.place(&task.grid.point(trial.cell)?);
+            if fails && (problem.constrained.truth)(&point) > problem.limit {
+                campaign.tell(trial.id, Outcome::Failed { reason: "beyond the bound".to_owned() })?;
+                continue;
+            }
             let mut noisy = |value: f64, noise: f64| {
                 let normal: f64 = StandardNormal.sample(&mut rng);
                 value + noise * normal
             };
             let objective = noisy((problem.objective.truth)(&point), problem.objective.noise);
-            let limited = noisy((problem.constrained.truth)(&point), problem.constrained.noise);
             campaign.tell(trial.id, Outcome::Value(objective))?;
-            campaign.tell_constrained(trial.id, &[Some(limited)])?;
+            if !fails {
+                let limited = noisy((problem.constrained.truth)(&point), problem.constrained.noise);
+                campaign.tell_constrained(trial.id, &[Some(limited)])?;
+            }
         }
         let found = if way.has_simulation { campaign.assess(Some(&mut simulate))? } else { campaign.assess(None)? };
         let found = found.context("no response")?;
-        ensure!(found.recommended.constrained.len() == 1, "one constraint");
         let point = &case.place(&found.recommended.point);
         rows.push(Row {
             family: case.name.to_owned(),
             way: way.name.to_owned(),
             seed,
             batch,
-            promised: found.recommended.constrained[0].within,
+            promised: found.recommended.constrained.first().map_or(found.recommended.feasible, |one| one.within),
             suffices: found.recommended.suffices,
             keeps: (problem.constrained.truth)(point) <= problem.limit,
             regret: (problem.objective.truth)(point) - problem.best,

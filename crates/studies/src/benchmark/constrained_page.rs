@@ -1,8 +1,9 @@
-//! `docs/results-constraints.md`: how often what was promised of a constraint held, and how good the recommended designs are.
+//! `docs/results-constraints.md`: how often what was promised of a constraint held, or of a run to give a value, and how good the
+//! recommended designs are.
 
 use page::{Axis, Column, Finding, LineFigure, Panel, Series, Table, line_figure, quantile};
 
-use super::constrained::{ALLOWED, BATCHES, CASES, Case, Row, SEEDS, WAYS, Way};
+use super::constrained::{ALLOWED, BATCHES, CASES, Case, Kind, RESPONDING, Row, SEEDS, WAYS, Way};
 use crate::first_screen::around;
 use crate::words::number;
 
@@ -51,6 +52,29 @@ fn of<'a>(rows: &'a [Row], way: &Way, is_meant: impl Fn(&Row) -> bool) -> Vec<&'
     rows.iter().filter(|row| row.way == way.name && is_meant(row)).collect()
 }
 
+/// A part of the campaigns that is told of for itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    /// A response has to stay within a bound.
+    Bound,
+    /// Beyond the bound runs fail.
+    Failing,
+}
+
+impl Part {
+    fn has(self, case: &Case) -> bool {
+        (self == Self::Failing) == (case.kind == Kind::Failing)
+    }
+
+    fn cases(self) -> impl Iterator<Item = &'static Case> {
+        CASES.iter().filter(move |case| self.has(case))
+    }
+
+    fn rows(self, rows: &[Row]) -> Vec<Row> {
+        rows.iter().filter(|row| self.cases().any(|case| case.name == row.family)).cloned().collect()
+    }
+}
+
 pub(super) fn texts(rows: &[Row]) -> [(&'static str, String); 2] {
     [(PAGE, markdown(rows)), (PICTURE, picture(rows))]
 }
@@ -65,9 +89,9 @@ fn exactly(share: f64) -> String {
 }
 
 fn markdown(rows: &[Row]) -> String {
-    let mut text = "# Responses within bounds\n\n".to_owned();
-    let last = |way: &Way| Came::of(&of(rows, way, |row| row.batch == BATCHES));
-    let all = Came::of(&of(rows, &WAYS[0], |_| true));
+    let mut text = "# Responses within bounds, and runs that fail\n\n".to_owned();
+    let [bound, failing] = [Part::Bound, Part::Failing].map(|part| part.rows(rows));
+    let all = Came::of(&of(&bound, &WAYS[0], |_| true));
     let kept = format!(
         "Of {} recommended designs of the pooled loop that were said to keep to the bound with 90 % probability or more ({} % on \
          average), {} % truly do; of the certificates {} % held.",
@@ -76,57 +100,79 @@ fn markdown(rows: &[Row]) -> String {
         exactly(all.kept),
         exactly(all.held)
     );
-    let said: Vec<String> = WAYS
-        .iter()
-        .map(|way| {
+    let all = Came::of(&of(&failing, &WAYS[0], |_| true));
+    let responds = format!(
+        "Where {} % of all designs fail, of {} recommended ones, said to give a value with {} % probability on average, {} % do; of \
+         the certificates {} % held.",
+        percent(1.0 - RESPONDING),
+        number((all.n as f64 * all.suffice).round(), 0),
+        exactly(all.promised),
+        exactly(all.kept),
+        exactly(all.held)
+    );
+    let worse = |rows: &[Row]| {
+        let last = |way: &Way| Came::of(&of(rows, way, |row| row.batch == BATCHES));
+        let said = WAYS.iter().map(|way| {
             let came = last(way);
             format!("{} {} % (90th percentile {} %)", way.words, number(came.median, 2), number(came.p90, 2))
-        })
-        .collect();
-    let worse = format!(
-        "After {BATCHES} batches the recommended design is, in the median, worse than the best that is allowed by: {}.",
-        said.join("; ")
-    );
+        });
+        said.collect::<Vec<_>>().join("; ")
+    };
+    let findings = [
+        kept,
+        format!(
+            "After {BATCHES} batches the recommended design is, in the median, worse than the best that is allowed by: {}.",
+            worse(&bound)
+        ),
+        responds,
+        format!("Where runs fail it is worse than the best that gives a value by: {}.", worse(&failing)),
+    ];
     text += &around(
-        &[kept, worse].map(Finding::new),
+        &findings.map(Finding::new),
         "![Regret among the allowed](results-constraints.svg)",
         &format!(
-            "Median over all families and {SEEDS} seeds, of the recommended designs that keep to the bound. Lower is better."
+            "Median over all families and {SEEDS} seeds, of the recommended designs that keep to the bound, or give a value. Lower is \
+             better."
         ),
     );
     text += &format!(
         "\nThe response is that of a family of the [benchmark](results-benchmark.md), the constrained one that of the same family with \
          another seed: at most the {} % quantile of all designs. Both are measured with noise, and simulated wrongly. Regret is in percent \
          of the range of the response. In the cases with a choice the last \
-         parameter is one of four, at places of its axis in no order. Nothing was tuned on these campaigns. The way that knows nothing of what is promising runs Sobol \
+         parameter is one of four, at places of its axis in no order. Where runs fail, nothing is measured beyond the {} % quantile, not \
+         even by how much, and the simulation knows nothing of it. Nothing was tuned on these campaigns. The way that knows nothing of what is promising runs Sobol \
          points and recommends by the same rule.\n\nWritten by `cargo xtask benchmark --constrained` from \
          `fixtures/benchmark/constrained.csv`; `--page` runs none, and `--check`, a part of `cargo xtask ci`, runs some anew.\n\n\
-         ## Batch by batch\n\n{}\n## Family by family, after the last batch\n\n{}",
+         ## Batch by batch\n\n{}\n## Family by family, after the last batch\n\n{}\n## Where runs fail, batch by batch\n\n{}\n\
+         ## Where runs fail, family by family, after the last batch\n\n{}",
         percent(ALLOWED),
-        table(rows, true).markdown(),
-        table(rows, false).markdown()
+        percent(RESPONDING),
+        table(rows, Part::Bound, true).markdown(),
+        table(rows, Part::Bound, false).markdown(),
+        table(rows, Part::Failing, true).markdown(),
+        table(rows, Part::Failing, false).markdown()
     );
     text
 }
 
-fn table(rows: &[Row], by_batch: bool) -> Table {
+fn table(rows: &[Row], part: Part, by_batch: bool) -> Table {
+    let rows = &part.rows(rows);
     let mut cells = Vec::new();
     for way in &WAYS {
         let parts: Vec<(String, Vec<&Row>)> = if by_batch {
             (1..=BATCHES).map(|batch| (batch.to_string(), of(rows, way, |row| row.batch == batch))).collect()
         } else {
-            CASES
-                .iter()
+            part.cases()
                 .map(|case| {
                     (case.name.to_owned(), of(rows, way, |row| row.family == case.name && row.batch == BATCHES))
                 })
                 .collect()
         };
-        for (part, rows) in parts {
+        for (name, rows) in parts {
             let Came { n, suffice, promised, kept, median, p90, held, width } = Came::of(&rows);
             cells.push(vec![
                 way.words.to_owned(),
-                part,
+                name,
                 n.to_string(),
                 percent(suffice),
                 percent(promised),
@@ -143,8 +189,8 @@ fn table(rows: &[Row], by_batch: bool) -> Table {
         Column::words(if by_batch { "batch" } else { "family" }),
         Column::number("campaigns", ""),
         Column::number("said to suffice", "%"),
-        Column::number("promised to keep", "%"),
-        Column::number("keep", "%"),
+        Column::number(if part == Part::Bound { "promised to keep" } else { "promised to give a value" }, "%"),
+        Column::number(if part == Part::Bound { "keep" } else { "give one" }, "%"),
         Column::number("regret, median", "%"),
         Column::number("90th percentile", "%"),
         Column::number("certificates that held", "%"),
@@ -155,9 +201,9 @@ fn table(rows: &[Row], by_batch: bool) -> Table {
 
 fn picture(rows: &[Row]) -> String {
     let batches: Vec<f64> = (1..=BATCHES).map(|batch| batch as f64).collect();
-    let curve = |way: &Way, n_factors: usize| -> Vec<f64> {
+    let curve = |way: &Way, part: Part, n_factors: usize| -> Vec<f64> {
         let has = |case: &Case| case.family().is_ok_and(|family| family.n_factors == n_factors);
-        let is_one = |name: &str| CASES.iter().any(|case| case.name == name && has(case));
+        let is_one = |name: &str| part.cases().any(|case| case.name == name && has(case));
         (1..=BATCHES)
             .map(|batch| {
                 let rows = of(rows, way, |row| row.batch == batch && is_one(&row.family));
@@ -166,23 +212,24 @@ fn picture(rows: &[Row]) -> String {
             })
             .collect()
     };
-    let panel = |n_factors: usize| {
-        let curves: Vec<(&Way, Vec<f64>)> = WAYS.iter().map(|way| (way, curve(way, n_factors))).collect();
+    let panel = |(part, n_factors): (Part, usize)| {
+        let curves: Vec<(&Way, Vec<f64>)> = WAYS.iter().map(|way| (way, curve(way, part, n_factors))).collect();
         let heights: Vec<f64> = curves.iter().flat_map(|(_, y)| y).flat_map(|y| [0.85 * y, 1.18 * y]).collect();
         let series = curves.iter().map(|(way, y)| {
             let line = Series::line(way.words, &batches, y);
             if way.name == WAYS[0].name { line } else { line.dashed() }
         });
+        let what = if part == Part::Bound { "regret" } else { "runs fail: regret" };
         Panel {
             x_axis: Some(Axis::new("batches of experiments", "1").counting_to(BATCHES)),
-            y_axis: Axis::new(&format!("regret, {n_factors} parameters"), "% of range").in_ratios(heights),
+            y_axis: Axis::new(&format!("{what}, {n_factors} parameters"), "% of range").in_ratios(heights),
             series: series.collect(),
         }
     };
     line_figure(&LineFigure {
         title: "How much worse the recommended design is than the best that keeps to the bound".to_owned(),
         x_axis: Axis::new("batches of experiments", "1").counting_to(BATCHES),
-        panels: [2, 4].map(panel).into_iter().collect(),
+        panels: [Part::Bound, Part::Failing].into_iter().flat_map(|part| [(part, 2), (part, 4)]).map(panel).collect(),
         shaded: None,
     })
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result, ensure};
 use rayon::prelude::*;
 
-use super::constrained::{CASES, Row, SEEDS, WAYS, run as run_campaign};
+use super::constrained::{CASES, Kind, Row, SEEDS, WAYS, run as run_campaign};
 use super::constrained_page::texts;
 use crate::kept;
 use crate::reproduction::progress;
@@ -42,7 +42,7 @@ pub(crate) fn write_page(root: &Path) -> Result<()> {
     kept::write(root, &texts(&kept::rows(&root.join(KEPT))?))
 }
 
-/// That one campaign of each way, and one with a choice, is the one that is kept, that none is missing, and that the page follows.
+/// That one campaign of each way, one with a choice, and one in which runs fail, is the one that is kept, that none is missing, and that the page follows.
 pub(crate) fn check(root: &Path) -> Result<()> {
     let rows: Vec<Row> = kept::rows(&root.join(KEPT))?;
     let expected = SEEDS as usize * CASES.len() * WAYS.len() * super::constrained::BATCHES;
@@ -51,8 +51,9 @@ pub(crate) fn check(root: &Path) -> Result<()> {
         "{KEPT}: {} rows, expected {expected}: run `cargo xtask benchmark --constrained`",
         rows.len()
     );
-    let with_a_choice = CASES.iter().find(|case| case.has_choice).map(|case| (*case, WAYS[0]));
-    for (case, way) in WAYS.map(|way| (CASES[0], way)).into_iter().chain(with_a_choice) {
+    let others = [Kind::Choice, Kind::Failing].map(|kind| CASES.iter().find(|case| case.kind == kind));
+    let others = others.into_iter().flatten().map(|case| (*case, WAYS[0]));
+    for (case, way) in WAYS.map(|way| (CASES[0], way)).into_iter().chain(others) {
         let again = run_campaign(case, way, 1)?;
         let is_meant = |row: &&Row| row.family == case.name && row.way == way.name && row.seed == 1;
         let same = again.iter().zip(rows.iter().filter(is_meant)).all(|(a, b)| a.agrees(b));

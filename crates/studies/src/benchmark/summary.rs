@@ -1,5 +1,6 @@
 //! What the rows of a method come to.
 
+use infuse::pooled::Certificate;
 use page::quantile;
 
 use super::families::{FAMILIES, Family};
@@ -179,6 +180,54 @@ pub(super) fn stops(results: &Results, family: &Family, worth: f64) -> Stops {
     stops
 }
 
+/// How many further batches were expected until the promise was at most what another one is worth, and how many it took.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Forecasts {
+    /// Those of which it is known: the campaign came to it, or was not there yet when it was to be.
+    pub(super) known: usize,
+    pub(super) right: usize,
+    /// Of the others, by one batch.
+    pub(super) off_by_one: usize,
+    /// By two or more, and those of which it is only known that they were too low.
+    pub(super) too_few: usize,
+    /// By two or more.
+    pub(super) too_many: usize,
+}
+
+/// Those of all campaigns of some families, made after a batch.
+pub(super) fn forecasts<'a>(
+    results: &Results,
+    families: impl Iterator<Item = &'a Family>,
+    after: usize,
+    worth: f64,
+) -> Forecasts {
+    let mut found = Forecasts::default();
+    for family in families {
+        for row in rows_of(results, family, after) {
+            let certificate = Certificate { probability: 0.9, bound: row.bound.unwrap_or(0.0), quantile: 0.0 };
+            // In batches there is one reading to an experiment.
+            let expected = certificate.further_batches(worth, after, 1) as usize;
+            if expected == 0 {
+                continue;
+            }
+            let rows = results.of(family.name, row.seed);
+            let enough = |row: &&Row| row.batch > after && row.bound.is_some_and(|bound| bound <= worth);
+            let took = rows.iter().filter(enough).map(|row| row.batch - after).min();
+            let last = rows.iter().map(|row| row.batch - after.min(row.batch)).max().unwrap_or(0);
+            match took {
+                None if expected > last => continue,
+                None => found.too_few += 1,
+                Some(took) if took == expected => found.right += 1,
+                Some(took) if took.abs_diff(expected) == 1 => found.off_by_one += 1,
+                Some(took) if took > expected => found.too_few += 1,
+                Some(_) => found.too_many += 1,
+            }
+            found.known += 1;
+        }
+    }
+    found
+}
+
 /// Geometric mean over families of the mean regret over the seeds, the floor added to each; none where a campaign is missing.
 pub(super) fn typical(results: &Results, families: &[&Family], seeds: u64, batch: usize) -> Option<f64> {
     let mut logs = 0.0;
@@ -232,6 +281,22 @@ mod tests {
         let found = stops(&results, &FAMILIES[0], 0.02);
         let expected = Stops { campaigns: 4, stopped: 3, too_early: 1, late: 1, unaware: 1, batches: 7 };
         assert_eq!(found, expected);
+        Ok(())
+    }
+
+    /// From 8 % to 2 % after one batch takes one more by the square, after two two more.
+    #[test]
+    fn forecasts_are_right_too_low_or_too_high() -> anyhow::Result<()> {
+        let results = method(&[
+            &[(0.0, 0.08), (0.0, 0.02), (0.0, 0.01)],
+            &[(0.0, 0.08), (0.0, 0.03), (0.0, 0.02)],
+            &[(0.0, 0.08), (0.0, 0.04), (0.0, 0.03)],
+            &[(0.0, 0.5), (0.0, 0.02), (0.0, 0.01)],
+            &[(0.0, 0.5), (0.0, 0.4), (0.0, 0.3)],
+            &[(0.0, 0.01), (0.0, 0.01), (0.0, 0.01)],
+        ])?;
+        let found = forecasts(&results, FAMILIES.iter(), 1, 0.02);
+        assert_eq!(found, Forecasts { known: 4, right: 1, off_by_one: 1, too_few: 1, too_many: 1 });
         Ok(())
     }
 
