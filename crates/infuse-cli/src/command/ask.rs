@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use page::Finding;
 use serde_json::json;
 
@@ -12,6 +12,7 @@ use crate::campaign::{Campaign, Stage, Wish};
 use crate::findings::{ended, handed_out};
 use crate::folder;
 use crate::journal::{Event, now};
+use crate::problem::PROBLEM;
 use crate::sheet;
 use crate::sheet::check_ending;
 use crate::shell::{infuse, sheet_path};
@@ -21,6 +22,7 @@ pub(crate) fn ask(folder: &Path, wait: Duration, sheet: Option<&Path>, wish: Wis
     let (mut campaign, mut writer) = folder::open(folder, wait)?;
     let mut notices = campaign.take_notices();
     if resimulate {
+        ensure!(campaign.problem().simulator.is_there(), "--resimulate: {PROBLEM} has no [simulator]");
         if campaign.stage()? == Stage::Pending {
             let stand = "the simulations of the batch that is open stand; the next batch simulates everything again";
             notices.push(stand.to_owned());

@@ -115,6 +115,8 @@ pub(super) struct BestMeasured {
 /// How the loop comes to know what the simulation says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Access {
+    /// There is no simulation.
+    Nothing,
     /// Every design can be looked up.
     LookedUp,
     /// Every design is simulated before the first batch.
@@ -225,6 +227,7 @@ impl Campaign {
     pub(super) fn access(&self) -> Result<Access> {
         let n_cells = self.grid.n_cells();
         Ok(match (&self.problem.simulator, self.settings.simulations) {
+            (Simulator::Nothing, _) => Access::Nothing,
             (Simulator::Table(_), _) => {
                 let share = self.rows()?.len() as f64 / n_cells as f64;
                 if share >= DENSE { Access::LookedUp } else { Access::Budget }
@@ -256,7 +259,7 @@ impl Campaign {
         let by = identity(&self.problem.simulator);
         let is_missing = |cell: &Cell| self.memory.get(cell).is_none_or(|known| known.by != by);
         let cells: Vec<Cell> = match (self.access()?, &self.problem.simulator) {
-            (_, Simulator::Table(_)) | (Access::LookedUp, _) => Vec::new(),
+            (_, Simulator::Table(_)) | (Access::Nothing | Access::LookedUp, _) => Vec::new(),
             (Access::All, _) => self.grid.cells().filter(|&cell| self.empty.allows(cell)).filter(is_missing).collect(),
             (Access::Budget, _) => self.planned.iter().copied().filter(is_missing).collect(),
         };
@@ -285,6 +288,7 @@ impl Campaign {
     /// What was simulated of the responses that have to stay within bounds, in the order of the constraints.
     fn simulated_constraints(&self, cell: Cell) -> Result<Vec<Option<f64>>> {
         Ok(match &self.problem.simulator {
+            Simulator::Nothing => Vec::new(),
             Simulator::Table(_) => self.rows()?.get(cell).map(|row| row.constrained()).unwrap_or_default(),
             Simulator::Program { .. } => {
                 self.memory.get(&cell).map(|known| self.problem.in_order(&known.constrained)).unwrap_or_default()
@@ -325,15 +329,6 @@ impl Campaign {
             }
         }
         Ok(best.map(|(cell, _)| cell))
-    }
-
-    /// How many designs the linear constraints leave, where those can be counted.
-    pub(super) fn n_allowed(&self) -> Option<u64> {
-        let n_cells = self.grid.n_cells();
-        if self.problem.linear_constraints.is_empty() {
-            return Some(n_cells);
-        }
-        (n_cells <= MOST_SIMULATED).then(|| self.grid.cells().filter(|&cell| self.empty.allows(cell)).count() as u64)
     }
 
     /// How many designs were simulated, where more will be.
@@ -450,7 +445,7 @@ impl Campaign {
             Some(now) => now,
             None => now.insert(self.build(access)?),
         };
-        if access == Access::Budget {
+        if matches!(access, Access::Nothing | Access::Budget) {
             return Ok(read(now, None)?);
         }
         let response = &self.problem.response;
@@ -481,7 +476,7 @@ impl Campaign {
         settings.max_batches = 100_000;
         settings.simulations = match access {
             Access::Budget => Some(self.settings.simulations.unwrap_or(2)),
-            Access::LookedUp | Access::All => None,
+            Access::Nothing | Access::LookedUp | Access::All => None,
         };
         let mut now = Loop::new(&self.problem.region, settings)?;
         for batch in &self.batches {

@@ -8,6 +8,7 @@ use page::Finding;
 use super::bands::{NINE_IN_TEN, resolution};
 use super::bounds::{constrained_there, likely_to_keep, not_sure};
 use super::campaign::{Campaign, Origin, tells_designs_apart};
+use super::failures::where_runs_fail;
 use super::warnings::{all_equal, suspects, warnings};
 use crate::findings::{amount, on_bounds, value_to};
 use crate::number::{count, grouped, percent, plain, short, with_unit};
@@ -34,12 +35,16 @@ pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<F
     // Before anything that sounds good.
     best.splice(0..0, suspects(campaign, found).into_iter().chain(not_sure(campaign, &found.recommended)));
     let mut certified = vec![certificate(campaign, found)];
-    certified.extend(sure_to_keep.then(|| left(campaign, found)));
+    certified.extend(sure_to_keep.then(|| left(found)));
     Ok(vec![
         best,
         confirmed(campaign)?,
         certified,
-        [simulation(campaign, found)?, noise(campaign, found)].into_iter().chain(plants(campaign, found)).collect(),
+        [simulation(campaign, found)?, noise(campaign, found)]
+            .into_iter()
+            .chain(where_runs_fail(campaign))
+            .chain(plants(campaign, found))
+            .collect(),
     ])
 }
 
@@ -138,12 +143,18 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         );
     }
     let sentence = format!("With {}.", none_better(&campaign.problem, certificate));
-    let rests = "It rests on the measurements, on the simulation as far as these agree with it, and on a response as smooth as \
-                 the surface assumes.";
+    let rests = match campaign.problem.simulator.is_there() {
+        true => {
+            "It rests on the measurements, on the simulation as far as these agree with it, and on a response as smooth as the \
+             surface assumes."
+        }
+        false => "It rests on the measurements, and on a response as smooth as the surface assumes.",
+    };
     let finding = Finding::new(sentence)
         .with("probability", certificate.probability, "1")
         .with("bound", certificate.bound, &response.unit)
         .detail(Finding::new(rests));
+    let finding = held_for_the_unseen(campaign, certificate).into_iter().fold(finding, Finding::detail);
     match campaign.settings.worth {
         None => {
             finding.detail(Finding::new("`worth` in [stop] says from what gain on another batch is worth its cost."))
@@ -179,15 +190,27 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
     }
 }
 
-/// Grids of so many designs are looked at in whole.
-const COUNTED: u64 = 4000;
+/// From this share of the bound on it is said that it is not the surface's.
+const MUCH_IS_HELD: f64 = 0.2;
+
+/// How much of the bound is not what the surface says, but is kept for what so few experiments cannot have shown.
+fn held_for_the_unseen(campaign: &Campaign, certificate: &Certificate) -> Option<Finding> {
+    let (response, Certificate { bound, quantile, .. }) = (&campaign.problem.response, *certificate);
+    if bound - quantile <= MUCH_IS_HELD * bound {
+        return None;
+    }
+    let alone = if quantile > 0.0 { amount(response, quantile) } else { "that none is".to_owned() };
+    let n = count(campaign.costs().len(), "result");
+    let sentence = format!(
+        "The surface alone would say {alone}; the rest is held for what {n} may not have shown, as a well between them."
+    );
+    Some(Finding::new(sentence).with("the surface alone", quantile, &response.unit))
+}
 
 /// The designs that may still be the best, the recommended one among them.
-fn left(campaign: &Campaign, found: &Assessment) -> Finding {
-    // Of larger grids a sample was looked at.
-    let is_one = campaign.n_allowed().is_some_and(|n| n <= COUNTED && found.left * (n as f64) < 1.5);
+fn left(found: &Assessment) -> Finding {
     let sentence = match found.left {
-        _ if is_one => "No other design may still be the best.".to_owned(),
+        _ if found.n_left == Some(1) => "No other design may still be the best.".to_owned(),
         tiny if tiny < 1e-4 => "Less than 0.01 % of all designs may still be the best.".to_owned(),
         share => format!("Of all designs {}, the recommended one included, may still be the best.", percent(share)),
     };
@@ -210,6 +233,9 @@ pub(super) fn none_better(problem: &Problem, certificate: &Certificate) -> Strin
 fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     let simulated = campaign.simulated()?;
     Ok(match found.simulation {
+        _ if !campaign.problem.simulator.is_there() => Finding::new(
+            "There is no simulation: experiments alone tell, and more of them are needed than with a good one.",
+        ),
         _ if simulated.is_empty() => {
             Finding::new("There is no simulation to learn from: every one failed, or none was run.")
         }

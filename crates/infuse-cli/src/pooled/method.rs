@@ -67,13 +67,19 @@ impl campaign::Campaign for Campaign {
     }
 
     fn purpose(&self, batch: usize) -> &'static str {
+        let has_simulation = self.problem.simulator.is_there();
+        let is_begun_by_it = self.n_imported_values() < self.problem.region.n_parameters() + 2;
         match self.batches.get(batch - 1).map(|one| (one.purpose, batch)) {
             _ if self.costs().is_empty() && self.experiments.n_failed() > 0 => {
                 "No experiment gave a value yet, so it is spread over what was not tried."
             }
             Some((Some(_), _)) => "It measures what was gained: the designs are compared by these runs alone.",
-            Some((None, 1)) if self.n_imported_values() < self.problem.region.n_parameters() + 2 => {
+            Some((None, 1)) if is_begun_by_it && !has_simulation => "It is the first: spread over all that can be set.",
+            Some((None, 1)) if is_begun_by_it => {
                 "It is the first: two thirds of it are spread over all that can be set, a third over what the simulation likes."
+            }
+            _ if !has_simulation => {
+                "It is where one more run is expected to lower the best response most, repeats included."
             }
             _ => {
                 "Most of it is where one more run is expected to lower the best response most, repeats included; some of it is where \
@@ -89,7 +95,7 @@ impl campaign::Campaign for Campaign {
 
     fn budget(&self) -> Result<Budget> {
         let simulations = match self.access()? {
-            Access::LookedUp => Some(0),
+            Access::Nothing | Access::LookedUp => Some(0),
             Access::All => None,
             Access::Budget => self.settings.simulations.or(Some(0)),
         };
@@ -160,6 +166,7 @@ impl campaign::Campaign for Campaign {
             "deviation": found.recommended.deviation,
             "runs_there": found.recommended.n_readings,
             "bound": found.certificate.bound,
+            "bound_by_the_surface_alone": found.certificate.quantile,
             "probability": found.certificate.probability,
             "further_batches": found.further_batches,
             "left_share": found.left,

@@ -7,6 +7,7 @@ mod buildable;
 mod campaign;
 mod confirm;
 mod dry;
+mod failures;
 mod findings;
 mod hand_out;
 mod method;

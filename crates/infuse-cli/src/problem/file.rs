@@ -21,7 +21,7 @@ pub(crate) struct ProblemFile {
     #[serde(rename = "parameter")]
     pub(crate) parameters: Vec<ParameterEntry>,
     pub(crate) response: ResponseEntry,
-    pub(crate) simulator: SimulatorEntry,
+    pub(crate) simulator: Option<SimulatorEntry>,
     pub(crate) experiment: Option<ExperimentEntry>,
     #[serde(default, rename = "constraint")]
     pub(crate) constraints: Vec<ConstraintEntry>,

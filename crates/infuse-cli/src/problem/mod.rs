@@ -120,6 +120,8 @@ pub(crate) fn heading(name: &str, unit: &str) -> String {
 /// Where simulated values come from.
 #[derive(Debug, Clone)]
 pub(crate) enum Simulator {
+    /// There is none: experiments alone tell.
+    Nothing,
     Table(PathBuf),
     Program {
         program: Program,
@@ -131,6 +133,11 @@ pub(crate) enum Simulator {
 }
 
 impl Simulator {
+    /// Whether there is one.
+    pub(crate) fn is_there(&self) -> bool {
+        !matches!(self, Self::Nothing)
+    }
+
     /// The program and its queue, if it runs elsewhere.
     pub(crate) fn queue(&self) -> Option<(&Program, &Queue)> {
         match self {

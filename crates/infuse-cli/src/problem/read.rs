@@ -51,10 +51,17 @@ impl Problem {
             "response: `{}` is also the name of a parameter, expected another",
             response.name
         );
-        let simulator = simulator(file.simulator, &region).context("[simulator]")?;
+        let simulator = match file.simulator {
+            Some(entry) => simulator(entry, &region).context("[simulator]")?,
+            None => Simulator::Nothing,
+        };
         if let Some(SimulationsEntry::Named(name)) = &file.rule.simulations {
             ensure!(name == "all", "[loop]: `simulations` is {name:?}, expected a number per batch, or \"all\"");
         }
+        ensure!(
+            simulator.is_there() || file.rule.simulations.is_none(),
+            "[loop]: `simulations` is set, but there is no [simulator]; expected one, or none of both"
+        );
         let experiment = file.experiment.map(|entry| experiment(entry, &region).context("[experiment]"));
         let constraints = held(file.constraints, &region, &response.name)?;
         let linear_constraints = linear(file.linear_constraints, &region)?;
@@ -99,10 +106,41 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
     let in_one_bracket = several.iter().find(|name| line.trim() == format!("[{name}]"));
     let hint = match in_one_bracket {
         Some(name) => format!("\nwrite [[{name}]] with two brackets: there may be several"),
+        None if let Some((key, section)) = section_of_unknown(error.message()) => {
+            format!("\n`{key}` stands under {section}")
+        }
         None if is_comma && !is_list => "\na decimal comma? write 20.5 and not 20,5".to_owned(),
         None => String::new(),
     };
     anyhow!("{}{hint}", in_plain_words(&error.to_string()))
+}
+
+/// Keys of which people look for the section.
+const SECTIONS: [(&str, &[&str]); 5] = [
+    (
+        "[loop]",
+        &[
+            "method",
+            "experiments",
+            "simulations",
+            "batches",
+            "confidence",
+            "noise",
+            "plants",
+            "experiment_cost",
+            "cost_unit",
+        ],
+    ),
+    ("[stop]", &["worth"]),
+    ("[response]", &["goal"]),
+    ("[simulator]", &["table", "command", "jobs", "input", "timeout_seconds"]),
+    ("[[parameter]]", &["levels", "step", "choices", "change_cost", "role"]),
+];
+
+/// Where a key belongs that stands where it is not known.
+fn section_of_unknown(message: &str) -> Option<(&str, &'static str)> {
+    let key = message.strip_prefix("unknown field `")?.split('`').next()?;
+    SECTIONS.iter().find(|(_, keys)| keys.contains(&key)).map(|(section, _)| (key, *section))
 }
 
 fn response(entry: ResponseEntry) -> Result<Response> {

@@ -23,6 +23,10 @@ impl Problem {
             ("experiment_cost", self.rule.experiment_cost.is_some()),
             ("cost_unit", self.rule.cost_unit.is_some()),
         ];
+        ensure!(
+            self.simulator.is_there(),
+            "no [simulator], which `method` = \"dissertation\" corrects by experiments; expected one, or `method` = \"pooled\""
+        );
         if let Some((key, _)) = of_the_pooled_loop.iter().find(|(_, is_set)| *is_set) {
             bail!("`{key}` belongs to `method` = \"pooled\", expected none with `method` = \"dissertation\"");
         }
@@ -52,7 +56,7 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
     let mut settings = pooled::Settings::new(entry.experiments.unwrap_or(4 + 2 * k));
     settings.simulations = match (&problem.simulator, &entry.simulations) {
         // To look up costs nothing.
-        (Simulator::Table(_), _) => None,
+        (Simulator::Nothing | Simulator::Table(_), _) => None,
         (Simulator::Program { .. }, Some(SimulationsEntry::Count(count))) => Some(*count),
         (Simulator::Program { .. }, None) => Some(SIMULATIONS_PER_PARAMETER * k),
         (Simulator::Program { .. }, Some(SimulationsEntry::Named(_))) => None,

@@ -67,6 +67,7 @@ fn from_problem(problem: &Problem) -> Vec<Row> {
     let limits = bound("at least", response.lower) + &bound("at most", response.upper);
     let mut rows = vec![("response", format!("{}, {goal}{limits}", response.heading()))];
     rows.push(match &problem.simulator {
+        Simulator::Nothing => ("simulator", "none: experiments alone".to_owned()),
         Simulator::Table(path) => ("simulator", format!("the table {}", path.display())),
         Simulator::Program { program, .. } => ("simulator", format!("the command {}", program.command.join(" "))),
     });

@@ -33,4 +33,5 @@ mod sheets;
 mod slurm;
 mod tables;
 mod undoing;
+mod without_simulation;
 mod workbooks;

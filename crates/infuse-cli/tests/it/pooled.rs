@@ -543,3 +543,38 @@ fn what_is_maximized_is_said_from_low_to_high() {
     let truth = 60.0 - 1.0 - 0.3 * 4.0;
     assert!(low < truth && truth < high, "{said}");
 }
+
+#[test]
+fn status_says_where_runs_gave_no_value() {
+    let of = |fails: fn(f64, f64) -> bool| {
+        let rig = rig_of(|a, b| wells(a, b, [60.0, 20.0]), "");
+        let measure = |a: f64, b: f64, id: u64| {
+            if fails(a, b) { Err("it broke".to_owned()) } else { Ok(wells(a, b, [25.0, 60.0]) + wobble(id)) }
+        };
+        batch(&rig, measure);
+        batch(&rig, measure);
+        let (mut failed, mut lowest, mut n_worked_beyond) = (0, f64::INFINITY, 0);
+        let made: Vec<(f64, bool)> = rig
+            .journal()
+            .iter()
+            .filter(|line| line["event"] == json!("planned"))
+            .flat_map(|line| line["experiments"].as_array().unwrap().clone())
+            .map(|cell| (cell.as_u64().unwrap() / 15, cell.as_u64().unwrap() % 15))
+            .map(|(a, b)| (b as f64, fails(a as f64, b as f64)))
+            .collect();
+        for &(b, _) in made.iter().filter(|one| one.1) {
+            (failed, lowest) = (failed + 1, lowest.min(b));
+        }
+        n_worked_beyond += made.iter().filter(|(b, is_failed)| !is_failed && *b >= lowest).count();
+        (rig.infuse(&["status"]).ok(), failed, lowest, n_worked_beyond)
+    };
+    let (said, failed, lowest, n_beyond) = of(|_, b| b > 10.0);
+    assert!(failed > 1 && n_beyond == 0, "{failed}");
+    let expected = format!("No value from {failed} of 20 runs: all with b {lowest} mm or more, where no run gave one.");
+    assert!(said.contains(&expected), "{expected}\n{said}");
+    let (said, failed, ..) = of(|a, b| (a - 4.0).abs() < 2.5 && (b - 7.0).abs() < 3.5);
+    assert!(failed > 1, "{said}");
+    let expected = format!("No value from {failed} of 20 runs: no parameter alone tells where");
+    assert!(said.contains(&expected), "{said}");
+    assert!(!of(|_, _| false).0.contains("No value from"));
+}

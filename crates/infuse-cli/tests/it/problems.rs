@@ -99,3 +99,24 @@ fn no_message_about_the_file_names_a_type_of_the_program() {
     rig.edit("seed = 1", &format!("seed = \"{}\"", "x".repeat(3_000_000)));
     assert!(rig.infuse(&["status"]).error().len() < 1000);
 }
+
+#[test]
+fn a_key_in_the_wrong_section_is_told_where_it_stands() {
+    for (from, to, expected) in [
+        (
+            "table = \"simulation.csv\"",
+            "table = \"simulation.csv\"\nsimulations = 30",
+            "`simulations` stands under [loop]",
+        ),
+        ("batches = 6", "batches = 6\nworth = 0.3", "`worth` stands under [stop]"),
+        ("batches = 6", "batches = 6\njobs = 3", "`jobs` stands under [simulator]"),
+    ] {
+        let rig = Rig::pooled();
+        rig.edit(from, to);
+        let error = rig.infuse(&["check"]).error();
+        assert!(error.contains("unknown field") && error.contains(expected), "{error}");
+    }
+    let rig = Rig::pooled();
+    rig.edit("batches = 6", "batchez = 6");
+    assert!(!rig.infuse(&["check"]).error().contains("stands under"));
+}

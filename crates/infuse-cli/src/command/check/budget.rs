@@ -134,7 +134,7 @@ fn whole(budget: &Budget, problem: &Problem, allowed: Option<Allowed>) -> Findin
 
 /// Simulations of the whole campaign, at most; none where they are looked up.
 fn simulations_in_all(budget: &Budget, problem: &Problem, allowed: Option<Allowed>) -> u64 {
-    if matches!(problem.simulator, Simulator::Table(_)) {
+    if matches!(problem.simulator, Simulator::Nothing | Simulator::Table(_)) {
         return 0;
     }
     let n_cells = allowed.and_then(Allowed::exactly).unwrap_or(budget.grid.n_cells());
@@ -145,6 +145,7 @@ fn simulations_in_all(budget: &Budget, problem: &Problem, allowed: Option<Allowe
 /// What is simulated, and how long it takes.
 fn simulated(budget: &Budget, problem: &Problem, took: Option<Duration>, in_all: u64) -> Vec<Finding> {
     let jobs = match &problem.simulator {
+        Simulator::Nothing => return Vec::new(),
         Simulator::Table(_) => return vec![Finding::new("A batch costs no simulation: they are looked up.")],
         Simulator::Program { queue: Some(_), .. } => 1,
         Simulator::Program { jobs, .. } => (*jobs).max(1),

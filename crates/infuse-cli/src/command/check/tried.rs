@@ -75,6 +75,10 @@ fn try_simulator(folder: &Path, problem: &Problem, grid: &Grid, designs: &[Vec<f
     let nothing =
         |finding: Finding, json: Value| Tried { findings: vec![finding], json, took: None, can_be_built: None };
     match &problem.simulator {
+        Simulator::Nothing => Ok(nothing(
+            Finding::new("There is no [simulator]: experiments alone tell which designs are good."),
+            Value::Null,
+        )),
         Simulator::Table(path) => {
             let rows = looked_up(folder, path, problem, grid)?.len();
             let (n_rows, n_cells) = (grouped(rows as u64), grouped(grid.n_cells()));

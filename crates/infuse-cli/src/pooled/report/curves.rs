@@ -170,7 +170,7 @@ fn legend(view: &View, drawn: &[Drawn]) -> Vec<Key> {
     if drawn.iter().any(|drawn| !drawn.simulation.is_empty()) {
         keys.push(match view.access {
             Access::Budget => Key::new("simulation on the line").mark(Mark::Dot, ORANGE),
-            Access::LookedUp | Access::All => Key::new("simulation").line(Stroke::Dashes, ORANGE),
+            Access::Nothing | Access::LookedUp | Access::All => Key::new("simulation").line(Stroke::Dashes, ORANGE),
         });
     }
     let marks = || drawn.iter().flat_map(|drawn| &drawn.runs).map(|(_, mark)| *mark);

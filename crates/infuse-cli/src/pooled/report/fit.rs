@@ -30,7 +30,7 @@ pub(super) fn write(page: &mut Page, view: &View) {
     if !simulated.is_empty() {
         charts.push(against(view, "simulated", &simulated));
     }
-    page.charts(&charts, &legend(view), &caption(view, !simulated.is_empty(), charts.len()));
+    page.charts(&charts, &legend(view, !simulated.is_empty()), &caption(view, !simulated.is_empty(), charts.len()));
 }
 
 /// Values of runs against something else about them.
@@ -132,8 +132,9 @@ fn residuals_over_runs(view: &View) -> Option<Chart> {
     Some(chart)
 }
 
-fn legend(view: &View) -> Vec<Key> {
-    let mut keys = vec![Key::new("as expected, or as simulated").line(Stroke::Solid, BLUE)];
+fn legend(view: &View, has_simulation: bool) -> Vec<Key> {
+    let equal = if has_simulation { "as expected, or as simulated" } else { "as expected" };
+    let mut keys = vec![Key::new(equal).line(Stroke::Solid, BLUE)];
     for (kind, text) in [(Mark::Ring, "experiment"), (Mark::Square, "imported experiment")] {
         if view.runs.iter().any(|run| mark(run) == kind) {
             keys.push(Key::new(text).mark(kind, INK));

@@ -10,6 +10,7 @@ use crate::report::provenance::Row;
 pub(super) fn rows(campaign: &Campaign) -> Result<Vec<Row>> {
     let (settings, unit) = (&campaign.settings, &campaign.problem.response.unit);
     let simulations = match (campaign.access()?, settings.simulations) {
+        (Access::Nothing, _) => "none".to_owned(),
         (Access::LookedUp, _) => "looked up where they are needed".to_owned(),
         (Access::All, _) => "all designs".to_owned(),
         (Access::Budget, Some(budget)) => format!("{budget} per batch"),

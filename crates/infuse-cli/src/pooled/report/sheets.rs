@@ -48,7 +48,7 @@ fn expected(view: &View, batch: usize) -> Result<Filled> {
 
 /// Of a simulator that is a command.
 fn write_failed_simulations(page: &mut Page, campaign: &Campaign) -> Result<()> {
-    if let Simulator::Table(_) = campaign.problem.simulator {
+    if let Simulator::Nothing | Simulator::Table(_) = campaign.problem.simulator {
         return Ok(());
     }
     let by = identity(&campaign.problem.simulator);

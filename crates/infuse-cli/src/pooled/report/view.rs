@@ -10,6 +10,7 @@ use page::Axis;
 use crate::journal::Measured;
 use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::{Access, Campaign, Origin};
+use crate::pooled::failures::settings_that_failed;
 use crate::problem::{Held, Response};
 use crate::report::maps::{Maps, Plane, Thinned, axis_of, thinned};
 
@@ -68,7 +69,7 @@ impl<'a> View<'a> {
             campaign,
             access: campaign.access()?,
             runs: runs(campaign)?,
-            failed: failed(campaign),
+            failed: settings_that_failed(campaign),
             simulated: simulated.collect(),
             lines: Vec::new(),
             planes: Vec::new(),
@@ -223,13 +224,6 @@ fn runs(campaign: &Campaign) -> Result<Vec<Run>> {
         Ok(Run { origin, cell, settings, value })
     };
     imported.chain(again).chain(first).map(run).collect()
-}
-
-fn failed(campaign: &Campaign) -> Vec<Vec<f64>> {
-    let readings = campaign.experiments.readings.iter();
-    let failed = readings.filter(|(_, reading)| reading.first.is_some() && reading.values().next().is_none());
-    let imported = campaign.imported.iter().filter(|one| one.result.value().is_none()).map(|one| one.point.clone());
-    imported.chain(failed.map(|(&id, _)| campaign.experiments.settings_of(id))).collect()
 }
 
 /// The designs along a parameter, from lower to upper: its levels, thinned, that of the recommended design and both ends.

@@ -1,0 +1,85 @@
+//! Where runs gave no value, in a sentence.
+
+use design_space::Parameter;
+use page::Finding;
+
+use super::campaign::Campaign;
+use crate::number::{count, with_unit};
+use crate::problem::shown;
+
+/// Where runs fail is called a region of one parameter if no larger share of the runs in it gave a value.
+const FEW: f64 = 0.25;
+
+/// Where runs gave no value: one by its settings, several by the parameter that tells them from the others, if one does.
+pub(super) fn where_runs_fail(campaign: &Campaign) -> Option<Finding> {
+    let (failed, worked) = (settings_that_failed(campaign), settings_that_worked(campaign));
+    let (n, n_all) = (failed.len(), failed.len() + worked.len());
+    if failed.is_empty() || worked.is_empty() {
+        return None;
+    }
+    let place = match failed.as_slice() {
+        [only] => campaign.problem.describe(only),
+        _ => {
+            let parameters = campaign.grid.region().parameters().iter().enumerate();
+            let regions = parameters.flat_map(|(at, parameter)| regions(parameter, at, &failed, &worked));
+            let clearest = regions.min_by(|a, b| a.share(n).total_cmp(&b.share(n)));
+            match clearest.filter(|region| region.share(n) <= FEW) {
+                Some(Region { words, n_worked: 0 }) => format!("all with {words}, where no run gave one"),
+                Some(Region { words, n_worked }) => {
+                    format!("all with {words}, where {n_worked} of {} gave one", count(n + n_worked, "run"))
+                }
+                None => "no parameter alone tells where; the maps of `infuse report` show it".to_owned(),
+            }
+        }
+    };
+    let sentence = format!("No value from {n} of {}: {place}.", count(n_all, "run"));
+    Some(Finding::new(sentence).with("runs without a value", n as f64, "1"))
+}
+
+/// Settings of one parameter, which all runs have that failed, and how many of those that did not.
+struct Region {
+    words: String,
+    n_worked: usize,
+}
+
+impl Region {
+    fn share(&self, n_failed: usize) -> f64 {
+        self.n_worked as f64 / (self.n_worked + n_failed) as f64
+    }
+}
+
+/// From the lowest setting that failed on, and up to the highest; of a choice the one that all have.
+fn regions(parameter: &Parameter, at: usize, failed: &[Vec<f64>], worked: &[Vec<f64>]) -> Vec<Region> {
+    let setting = |settings: &Vec<f64>| settings[at];
+    let lowest = failed.iter().map(setting).fold(f64::INFINITY, f64::min);
+    let highest = failed.iter().map(setting).fold(f64::NEG_INFINITY, f64::max);
+    let region = |words: String, is_in: &dyn Fn(f64) -> bool| {
+        let n_worked = worked.iter().map(setting).filter(|&setting| is_in(setting)).count();
+        Region { words, n_worked }
+    };
+    let said = |value: f64| with_unit(&shown(parameter, value), parameter.unit());
+    if parameter.choices().is_some() {
+        let is_one = lowest.to_bits() == highest.to_bits();
+        let words = format!("{} {}", parameter.name(), said(lowest));
+        return is_one.then(|| region(words, &|value| value.to_bits() == lowest.to_bits())).into_iter().collect();
+    }
+    vec![
+        region(format!("{} {} or more", parameter.name(), said(lowest)), &|value| value >= lowest),
+        region(format!("{} {} or less", parameter.name(), said(highest)), &|value| value <= highest),
+    ]
+}
+
+/// As they were made.
+pub(super) fn settings_that_failed(campaign: &Campaign) -> Vec<Vec<f64>> {
+    let readings = campaign.experiments.readings.iter();
+    let failed = readings.filter(|(_, reading)| reading.first.is_some() && reading.values().next().is_none());
+    let imported = campaign.imported.iter().filter(|one| one.result.value().is_none()).map(|one| one.point.clone());
+    imported.chain(failed.map(|(&id, _)| campaign.experiments.settings_of(id))).collect()
+}
+
+fn settings_that_worked(campaign: &Campaign) -> Vec<Vec<f64>> {
+    let readings = campaign.experiments.readings.iter();
+    let worked = readings.filter(|(_, reading)| reading.values().next().is_some());
+    let imported = campaign.imported.iter().filter(|one| one.result.value().is_some()).map(|one| one.point.clone());
+    imported.chain(worked.map(|(&id, _)| campaign.experiments.settings_of(id))).collect()
+}

@@ -1,0 +1,93 @@
+//! Campaigns of people who have no simulation: experiments alone tell.
+
+use crate::pooled::{ask, batch, best, rig_of, tell, wells, wobble};
+use crate::rig::Rig;
+
+const DEPTHS: [f64; 2] = [25.0, 60.0];
+const SIMULATOR: &str = "[simulator]\ntable = \"simulation.csv\"\n";
+
+/// The two wells, of which the left one is deeper for the simulation, where that is put back.
+fn rig(more: &str) -> Rig {
+    let rig = rig_of(|a, b| wells(a, b, [60.0, 20.0]), more);
+    rig.edit(SIMULATOR, "");
+    rig
+}
+
+fn lowest() -> f64 {
+    (0..135).map(|i| wells(f64::from(i / 15), f64::from(i % 15), DEPTHS)).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn experiments_alone_lead_to_the_best_design_and_the_certificate_holds() {
+    for seed in 1..=4 {
+        let rig = rig("[stop]\nworth = 3\n");
+        rig.edit("seed = 1", &format!("seed = {seed}"));
+        while batch(&rig, |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id))) {
+            let ((a, b), bound) = (best(&rig), rig.status()["bound"].as_f64().unwrap());
+            let regret = wells(a, b, DEPTHS) - lowest();
+            assert!(regret <= bound.max(1e-9), "seed {seed}: {regret} from the best, {bound} promised");
+        }
+        let (a, b) = best(&rig);
+        assert!(wells(a, b, DEPTHS) - lowest() <= 3.0, "seed {seed}: {a}, {b}");
+    }
+}
+
+#[test]
+fn nothing_is_said_of_a_simulation_but_that_there_is_none() {
+    let rig = rig("[stop]\nworth = 3\n");
+    let checked = rig.infuse(&["check"]).ok();
+    assert!(checked.contains("There is no [simulator]: experiments alone tell which designs are good."), "{checked}");
+    let mentions = |text: &str| text.to_lowercase().matches("simulat").count();
+    assert_eq!(mentions(&checked), 1, "{checked}");
+    let first = rig.infuse(&["ask"]).ok();
+    assert!(first.contains("spread over all that can be set") && mentions(&first) == 0, "{first}");
+    assert!(batch(&rig, |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id))));
+    let second = rig.infuse(&["ask"]).ok();
+    assert!(second.contains("one more run is expected to lower") && mentions(&second) == 0, "{second}");
+    assert!(batch(&rig, |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id))));
+    let status = rig.infuse(&["status"]).ok();
+    assert!(status.contains("There is no simulation: experiments alone tell"), "{status}");
+    assert_eq!(mentions(&status), 1, "{status}");
+    let json = rig.status();
+    assert!(json["simulation"].is_null() && json["simulation_alone"].is_null(), "{json}");
+    rig.infuse(&["report"]).ok();
+    let report = rig.read("report.html");
+    let report = report.split("</style>").last().unwrap();
+    let text: String = report.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| text).collect();
+    // In `status`, in the table of settings twice: the key and what stands for it.
+    assert!(mentions(&text) <= 3, "{} times", mentions(&text));
+    let confirm = rig.infuse(&["confirm"]).ok();
+    assert_eq!(mentions(&confirm), 0, "{confirm}");
+    assert!(rig.infuse(&["ask", "--resimulate"]).error().contains("--resimulate: campaign.toml has no [simulator]"));
+}
+
+#[test]
+fn a_simulation_may_come_later_and_go_again() {
+    let rig = rig("");
+    assert!(batch(&rig, |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id))));
+    let without = rig.status();
+    rig.edit("[loop]", &format!("{SIMULATOR}[loop]"));
+    let with = rig.status();
+    assert!(with["simulation"]["explained"].is_number() && with["simulation_alone"].is_object(), "{with}");
+    let asked = ask(&rig);
+    tell(&rig, asked["experiments"].as_array().unwrap(), |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id)));
+    rig.infuse(&["undo"]).ok();
+    rig.edit(SIMULATOR, "");
+    assert!(rig.status()["simulation"].is_null());
+    assert_eq!(without["batches"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn what_needs_a_simulation_says_so() {
+    let rig = rig("simulations = 30\n");
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("[loop]: `simulations` is set, but there is no [simulator]"), "{error}");
+    rig.edit("simulations = 30\n", "method = \"dissertation\"\n");
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("no [simulator], which `method` = \"dissertation\" corrects by experiments"), "{error}");
+    // A table that is there, but empty, is a slip.
+    rig.edit("method = \"dissertation\"\n", "");
+    rig.edit("[loop]", "[simulator]\n[loop]");
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("[simulator]: needs `command`"), "{error}");
+}
