@@ -9,9 +9,10 @@ use serde_json::json;
 
 use super::made::make;
 use super::output::Output;
-use crate::campaign::{Stage, Wish};
+use crate::campaign::{Campaign, Stage, Wish};
 use crate::findings::ended;
 use crate::folder;
+use crate::journal::Measured;
 use crate::number::count;
 use crate::problem::PROBLEM;
 use crate::shell::infuse;
@@ -30,6 +31,14 @@ pub(crate) fn run(folder: &Path, wait: Duration, most: Option<usize>, anyway: bo
         let n_closed = campaign.n_closed();
         if most.is_some_and(|most| n_closed - n_before >= most) {
             break campaign.stage()?;
+        }
+        if !anyway && let Some(reason) = nothing_works(&*campaign) {
+            bail!(
+                "not one of {} gave a value; the first one: {reason}\nRepair the command of [experiment], or go on all the same: \
+                 {} run --anyway. All of it is written down; `infuse undo` takes results back",
+                count(campaign.experiments().n_made(), "experiment"),
+                infuse(folder)
+            );
         }
         notices.extend(campaign.hand_out(&mut writer, Wish { anyway, more: false })?.notices);
         match campaign.stage()? {
@@ -50,6 +59,20 @@ pub(crate) fn run(folder: &Path, wait: Duration, most: Option<usize>, anyway: bo
         "stopped": stopped,
     });
     Ok(Output::new(&findings, json, notices))
+}
+
+/// Why the first experiment failed, where a whole batch was made and all did, the imported ones too.
+fn nothing_works(campaign: &dyn Campaign) -> Option<String> {
+    let experiments = campaign.experiments();
+    let has_value = campaign.imported().iter().any(|one| one.result.value().is_some())
+        || experiments.readings.values().any(|reading| reading.values().next().is_some());
+    if campaign.n_closed() == 0 || has_value {
+        return None;
+    }
+    experiments.readings.values().find_map(|reading| match &reading.first {
+        Some(Measured::Failed(reason)) => Some(reason.clone()),
+        _ => None,
+    })
 }
 
 /// What was done of a campaign that has not ended.

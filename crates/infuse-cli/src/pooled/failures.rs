@@ -4,11 +4,13 @@ use design_space::Parameter;
 use page::Finding;
 
 use super::campaign::Campaign;
-use crate::number::{count, with_unit};
+use crate::number::{count, plain, with_unit};
 use crate::problem::shown;
 
 /// Where runs fail is called a region of one parameter if no larger share of the runs in it gave a value.
 const FEW: f64 = 0.25;
+/// So many are named where no parameter tells.
+const MOST_NAMED: usize = 3;
 
 /// Where runs gave no value: one by its settings, several by the parameter that tells them from the others, if one does.
 pub(super) fn where_runs_fail(campaign: &Campaign) -> Option<Finding> {
@@ -27,6 +29,10 @@ pub(super) fn where_runs_fail(campaign: &Campaign) -> Option<Finding> {
                 Some(Region { words, n_worked: 0 }) => format!("all with {words}, where no run gave one"),
                 Some(Region { words, n_worked }) => {
                     format!("all with {words}, where {n_worked} of {} gave one", count(n + n_worked, "run"))
+                }
+                None if n <= MOST_NAMED => {
+                    let each = failed.iter().map(|settings| campaign.problem.describe(settings));
+                    each.collect::<Vec<_>>().join("; ")
                 }
                 None => "no parameter alone tells where; the maps of `infuse report` show it".to_owned(),
             }
@@ -48,7 +54,8 @@ impl Region {
     }
 }
 
-/// From the lowest setting that failed on, and up to the highest; of a choice the one that all have.
+/// From the lowest setting that failed on, up to the highest, between both, and outside of what worked; of a choice the one that all
+/// have.
 fn regions(parameter: &Parameter, at: usize, failed: &[Vec<f64>], worked: &[Vec<f64>]) -> Vec<Region> {
     let setting = |settings: &Vec<f64>| settings[at];
     let lowest = failed.iter().map(setting).fold(f64::INFINITY, f64::min);
@@ -63,9 +70,19 @@ fn regions(parameter: &Parameter, at: usize, failed: &[Vec<f64>], worked: &[Vec<
         let words = format!("{} {}", parameter.name(), said(lowest));
         return is_one.then(|| region(words, &|value| value.to_bits() == lowest.to_bits())).into_iter().collect();
     }
+    // The widest gap without failures between the lowest and the highest.
+    let mut ordered: Vec<f64> = failed.iter().map(setting).collect();
+    ordered.sort_by(f64::total_cmp);
+    let gap = ordered.windows(2).map(|pair| (pair[0], pair[1])).max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
+    let (low, high) = gap.unwrap_or((lowest, highest));
+    let name = parameter.name();
     vec![
-        region(format!("{} {} or more", parameter.name(), said(lowest)), &|value| value >= lowest),
-        region(format!("{} {} or less", parameter.name(), said(highest)), &|value| value <= highest),
+        region(format!("{name} {} or more", said(lowest)), &|value| value >= lowest),
+        region(format!("{name} {} or less", said(highest)), &|value| value <= highest),
+        region(format!("{name} {} to {}", plain(lowest), said(highest)), &|value| (lowest..=highest).contains(&value)),
+        region(format!("{name} up to {} or from {} on", plain(low), said(high)), &|value| {
+            value <= low || value >= high
+        }),
     ]
 }
 

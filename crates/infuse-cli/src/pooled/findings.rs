@@ -201,18 +201,21 @@ fn held_for_the_unseen(campaign: &Campaign, certificate: &Certificate) -> Option
     }
     let alone = if quantile > 0.0 { amount(response, quantile) } else { "that none is".to_owned() };
     let n = count(campaign.costs().len(), "result");
-    let sentence = format!(
-        "The surface alone would say {alone}; the rest is held for what {n} may not have shown, as a well between them."
-    );
+    let sentence = format!("The surface alone would say {alone}; the rest is held for what {n} may not have shown.");
     Some(Finding::new(sentence).with("the surface alone", quantile, &response.unit))
 }
 
 /// The designs that may still be the best, the recommended one among them.
 fn left(found: &Assessment) -> Finding {
     let sentence = match found.left {
-        _ if found.n_left == Some(1) => "No other design may still be the best.".to_owned(),
-        tiny if tiny < 1e-4 => "Less than 0.01 % of all designs may still be the best.".to_owned(),
-        share => format!("Of all designs {}, the recommended one included, may still be the best.", percent(share)),
+        _ if found.n_left == Some(1) => "By the surface, no other design may still be the best.".to_owned(),
+        tiny if tiny < 1e-4 => "By the surface, less than 0.01 % of all designs may still be the best.".to_owned(),
+        share => {
+            format!(
+                "By the surface, {} of all designs, the recommended one included, may still be the best.",
+                percent(share)
+            )
+        }
     };
     Finding::new(sentence).with("left", found.left, "1")
 }
@@ -237,7 +240,7 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
             "There is no simulation: experiments alone tell, and more of them are needed than with a good one.",
         ),
         _ if simulated.is_empty() => {
-            Finding::new("There is no simulation to learn from: every one failed, or none was run.")
+            Finding::new("There is no simulation to learn from: every one failed, or none was run yet.")
         }
         _ if simulated.len() > 1 && !tells_designs_apart(&simulated) => {
             Finding::new("The simulation gives the same value everywhere: it tells nothing.")

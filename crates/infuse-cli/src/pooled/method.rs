@@ -79,7 +79,8 @@ impl campaign::Campaign for Campaign {
                 "It is the first: two thirds of it are spread over all that can be set, a third over what the simulation likes."
             }
             _ if !has_simulation => {
-                "It is where one more run is expected to lower the best response most, repeats included."
+                "Most of it is where one more run is expected to lower the best response most, repeats included; some of it is where \
+                 one who trusts no smooth surface knows least."
             }
             _ => {
                 "Most of it is where one more run is expected to lower the best response most, repeats included; some of it is where \

@@ -129,7 +129,8 @@ fn hand_over(
 pub(crate) fn looked_up(folder: &Path, path: &Path, problem: &Problem, grid: &Grid) -> Result<Rows> {
     let path = folder.join(path);
     let name = path.display().to_string();
-    let bytes = std::fs::read(&path).with_context(|| name.clone())?;
+    let bytes = std::fs::read(&path)
+        .with_context(|| format!("[simulator]: `table` is {name:?}, expected a CSV file that can be read"))?;
     if bytes.len() < index::LEAST_BYTES {
         return rows::read(&bytes, &name, problem, grid);
     }

@@ -135,3 +135,21 @@ fn an_experiment_that_is_a_command_closes_the_loop() {
         "{said:?}"
     );
 }
+
+#[test]
+fn a_script_that_never_gives_a_value_ends_the_run_after_one_batch() {
+    let rig = Rig::pooled();
+    rig.edit("# [experiment]", "[experiment]");
+    rig.edit(
+        "# command = [\"./rig\", \"{spring}\", \"{damper gain}\"]",
+        "command = [\"sh\", \"-c\", \"exit 2\", \"{spring}\", \"{damper gain}\"]",
+    );
+    for _ in 0..2 {
+        let error = rig.infuse(&["run"]).error();
+        assert!(error.contains("not one of 10 experiments gave a value; the first one: "), "{error}");
+        assert!(error.contains("infuse run --anyway"), "{error}");
+    }
+    assert_eq!(rig.journal().iter().filter(|line| line["event"] == "told").count(), 10, "one batch, and no other");
+    rig.infuse(&["run", "--anyway", "--batches", "1"]).ok();
+    assert_eq!(rig.journal().iter().filter(|line| line["event"] == "told").count(), 20);
+}

@@ -36,7 +36,8 @@ pub enum StopReason {
 impl Loop {
     /// What to run now: what is outstanding, or else a new batch.
     ///
-    /// `simulate` is for a cheap simulation and is called wherever the loop likes, each cell once. Where simulations are dear
+    /// `simulate` is for a cheap simulation and is called wherever the loop likes, each cell once; none where there is no simulation
+    /// at all: experiments alone tell then. Where simulations are dear
     /// ([`Settings::simulations`](crate::pooled::Settings::simulations)) it is not called: their cells are handed out with the
     /// trials, the first ones ahead of them.
     ///

@@ -133,7 +133,7 @@ pub(crate) struct Chances {
 }
 
 /// A design may be recommended if an experiment there gives a response with this probability.
-pub(crate) const FEASIBLE: f64 = 0.75;
+pub const FEASIBLE: f64 = 0.75;
 /// A design of which an experiment gives a response with less than this probability is no longer thought of.
 pub(crate) const MAY_RESPOND: f64 = 0.1;
 /// A design that keeps to its bounds with less than this probability is no longer thought of.

@@ -47,7 +47,8 @@ fn sceptical(sampler: &SamplerSettings) -> SamplerSettings {
 pub(crate) struct Knowledge<'a, 's> {
     pub(crate) designs: &'a Designs,
     pub(crate) process: AveragedProcess,
-    /// The same measurements by one who does not believe the simulation; none where nobody does, or there is none.
+    /// The same measurements by one who believes neither the simulation nor that a polynomial is all there is; none where there is
+    /// nothing to doubt, because one structure without a simulation is all that was asked for.
     pub(crate) sceptic: Option<AveragedProcess>,
     pub(crate) simulated: &'a mut Simulated,
     pub(crate) feasibility: Option<Feasibility>,
@@ -74,10 +75,8 @@ impl<'a, 's> Knowledge<'a, 's> {
         let all: Vec<&Reading> = readings.iter().collect();
         let sites = Reading::sites(&all, designs.n_factors(), places.simulated())?;
         let sampler = settings.sampler();
-        let sceptic = match sites.places().simulated() {
-            Some(_) => Some(AveragedProcess::new(sites.clone(), &sceptical(&sampler))?),
-            None => None,
-        };
+        let is_to_doubt = sites.places().simulated().is_some() || settings.structures.len() > 1;
+        let sceptic = if is_to_doubt { Some(AveragedProcess::new(sites.clone(), &sceptical(&sampler))?) } else { None };
         let process = AveragedProcess::new(sites, &sampler)?;
         let measured: BTreeSet<Cell> = cells.into_iter().filter(|cell| !refused.contains(cell)).collect();
         let failed: Vec<Cell> = failed.difference(&measured).copied().collect();

@@ -20,6 +20,12 @@ const DOUBTED: usize = 6;
 const DOUBTED_AT_FIRST: usize = 2;
 const FEWEST: usize = 4;
 
+/// Of a batch no more than one run in so many is made where it is more likely to fail than not: what nothing is known of seems
+/// endless, and could otherwise swallow all of it.
+const RISKED: usize = 4;
+/// Below this a run is more likely to fail.
+const RISKY: f64 = 0.5;
+
 /// Picks `count` cells of the pool, repeats allowed: each makes the expected minimum of the mean after the batch as low as a
 /// single pick can, those before it and the pending experiments counted in. A cell where experiments may fail counts as much
 /// less as they are likely to (Frazier et al. 2009; Wu and Frazier 2016 for batches). The last pick in six, and
@@ -54,6 +60,7 @@ pub(crate) fn pick(
     let share = if is_early { DOUBTED_AT_FIRST } else { DOUBTED };
     let n_doubted = if count < FEWEST { 0 } else { (count / share).max(1) };
     let mut cells = Vec::with_capacity(count);
+    let mut n_risked = 0;
     for step in 0..pending.len() + count {
         let normals = outcomes(step as u32, scramble);
         let row = match (pending.get(step), &doubted) {
@@ -64,6 +71,10 @@ pub(crate) fn pick(
         if step >= pending.len() {
             cells.push(pool.cells[row]);
             economy.take(pool.cells[row]);
+            n_risked += usize::from(pool.chances.responding[row] < RISKY);
+            if n_risked >= (count / RISKED).max(1) {
+                believed.least_feasible = RISKY;
+            }
         }
         believed.measure(row, &normals, step as u32);
         if let Some(doubted) = &mut doubted {

@@ -80,5 +80,6 @@ pub use simulated::{Responses, Simulate};
 /// What an [`Assessment`] consists of.
 pub mod reported {
     pub use super::assessment::{Constrained, Contradiction, SimulationWorth};
+    pub use super::held::FEASIBLE;
     pub use super::outliers::Outlier;
 }

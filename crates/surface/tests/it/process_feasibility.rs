@@ -1,52 +1,60 @@
-//! Where experiments fail: Laplace's approximation, once more by hand.
+//! Where experiments fail.
 
-use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use surface::process::{Feasibility, Places};
 
-use crate::check_close;
+/// Two numbers and a choice of three, as places have it: each way as far from each other.
+const WAYS: [[f64; 2]; 3] = [[1.0, 0.0], [-0.5, 0.866], [-0.5, -0.866]];
 
-/// Of the latent process: quadratic trend of variance 1/4, Matérn-5/2 of variance 4 and length 0.6.
-fn kernel(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let third = |x: f64| x * x - 1.0 / 3.0;
-    let trend =
-        a[0] * b[0] + a[1] * b[1] + third(a[0]) * third(b[0]) + a[0] * a[1] * b[0] * b[1] + third(a[1]) * third(b[1]);
-    let r = 5.0_f64.sqrt() * (a[0] - b[0]).hypot(a[1] - b[1]) / 0.6;
-    0.25 * trend + 4.0 * (1.0 + r + r * r / 3.0) * (-r).exp()
+fn probabilities(
+    tested: &[([f64; 2], usize)],
+    fails: impl Fn([f64; 2], usize) -> bool,
+    at: &[([f64; 2], usize)],
+) -> Vec<f64> {
+    let flat = |places: &[([f64; 2], usize)]| {
+        let of_each = places.iter().flat_map(|&([x, y], way)| [x, y, WAYS[way][0], WAYS[way][1]]);
+        Places::new(4, &of_each.collect::<Vec<f64>>()).expect("valid places")
+    };
+    let succeeded: Vec<bool> = tested.iter().map(|&(point, way)| !fails(point, way)).collect();
+    let feasibility = Feasibility::of(flat(tested), &succeeded).expect("one outcome per place").expect("one failed");
+    feasibility.probabilities(&flat(at))
 }
 
-/// Two experiments, of which the first failed: the mode by small steps along the gradient, the rest by a 2 by 2 inverse.
-#[test]
-fn probabilities_after_a_failure_and_a_success_are_those_of_laplace() {
-    let tested = [[0.3, -0.4], [-0.2, 0.5]];
-    let labels = [-1.0, 1.0];
-    let normal = Normal::standard();
-    let k: Vec<[f64; 2]> = tested.iter().map(|&a| [kernel(a, tested[0]), kernel(a, tested[1])]).collect();
-    let slope = |f: f64, label: f64| label * normal.pdf(f + 1.0) / normal.cdf(label * (f + 1.0));
-    let mut mode = [0.0; 2];
-    for _ in 0..2000 {
-        let slopes = [slope(mode[0], labels[0]), slope(mode[1], labels[1])];
-        for i in 0..2 {
-            mode[i] += 0.05 * (k[i][0] * slopes[0] + k[i][1] * slopes[1] - mode[i]);
-        }
-    }
-    let slopes = [slope(mode[0], labels[0]), slope(mode[1], labels[1])];
-    // The curvature of the logarithm by a difference of its slope.
-    let h = 1e-5;
-    let curvature = |i: usize| (slope(mode[i] - h, labels[i]) - slope(mode[i] + h, labels[i])) / (2.0 * h);
-    let (a, b, off) = (k[0][0] + 1.0 / curvature(0), k[1][1] + 1.0 / curvature(1), k[0][1]);
-    let determinant = a * b - off * off;
+fn spread(n: usize) -> Vec<([f64; 2], usize)> {
+    let unit = |k: usize, by: f64| 2.0 * (k as f64 * by).fract() - 1.0;
+    (0..n).map(|k| ([unit(k, 0.618_033_988_75), unit(k, 0.754_877_666_25)], k % 3)).collect()
+}
 
-    let places = [[0.3, -0.4], [-0.2, 0.5], [0.0, 0.0], [0.9, 0.9]];
-    let feasibility = Feasibility::of(Places::new(2, &tested.concat()).expect("valid places"), &[false, true])
-        .expect("one outcome per place")
-        .expect("one failed");
-    let found = feasibility.probabilities(&Places::new(2, &places.concat()).expect("valid places"));
-    for (place, found) in places.into_iter().zip(found) {
-        let [u, v] = [kernel(place, tested[0]), kernel(place, tested[1])];
-        let mean = u * slopes[0] + v * slopes[1] + 1.0;
-        let variance = kernel(place, place) - (b * u * u - 2.0 * off * u * v + a * v * v) / determinant;
-        check_close(found, normal.cdf(mean / (1.0 + variance).sqrt()), 1e-7, &format!("{place:?}"));
+/// Of a choice that never works the corners that nobody tried are not thought of; the others stay as good as they are.
+#[test]
+fn a_choice_with_which_nothing_works_is_told_from_places_where_runs_fail() {
+    let corners: Vec<([f64; 2], usize)> = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]]
+        .into_iter()
+        .flat_map(|at| [(at, 0), (at, 1), (at, 2)])
+        .collect();
+    for found in corners.iter().zip(probabilities(&spread(45), |_, way| way == 1, &corners)) {
+        let ((_, way), probability) = found;
+        assert!(if *way == 1 { probability < 0.1 } else { probability > 0.9 }, "{probability} with way {way}");
     }
+}
+
+/// Beyond an edge in one number runs fail: what lies far beyond it is not thought of, whatever the others are.
+#[test]
+fn an_edge_is_learnt_over_all_that_does_not_matter() {
+    let edge = |[x, _]: [f64; 2], _: usize| x > 0.3;
+    let at: Vec<([f64; 2], usize)> = (0..3).flat_map(|way| [([0.95, 0.9], way), ([-0.9, -0.9], way)]).collect();
+    for (index, probability) in probabilities(&spread(45), edge, &at).into_iter().enumerate() {
+        assert!(if index % 2 == 0 { probability < 0.15 } else { probability > 0.85 }, "{probability} at {index}");
+    }
+}
+
+/// One failure among few runs says little of places far from it.
+#[test]
+fn one_failure_condemns_nothing_that_is_far_away() {
+    let tested = spread(9);
+    let failed = tested[4];
+    let far = ([-failed.0[0].signum(), -failed.0[1].signum()], (failed.1 + 1) % 3);
+    let found = probabilities(&tested, |point, _| point == failed.0, &[failed, far]);
+    assert!(found[0] < 0.6 && found[1] > 0.6, "{found:?}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use design_space::Cell;
+use infuse::pooled::reported::FEASIBLE;
 use page::palette::{INK, VERMILION, gray};
 use page::{Key, Mark, Page};
 
@@ -10,8 +11,6 @@ use crate::number::percent;
 use crate::pooled::campaign::{Access, Origin};
 use crate::report::maps::{self, Apart, Map, Maps, Plane, most_varied};
 
-/// Below this probability that a run gives a value, a design is set off: it is not recommended.
-const FEASIBLE: f64 = 0.75;
 /// Of designs that are not sure enough to keep to their bounds, and of those that are not to be had at all.
 const UNSURE: &str = "#cfcfcf";
 const NOT_ALLOWED: &str = "#ffffff";
@@ -83,7 +82,7 @@ fn legend(maps: &Maps, shown: &[Map]) -> Vec<Key> {
         }
     }
     for (class, fill, text) in [
-        ("unlikely", &*gray(1, 1), "a run probably gives no value"),
+        ("unlikely", &*gray(1, 1), &*format!("a run gives a value with less than {} probability", percent(FEASIBLE))),
         ("unsure", UNSURE, "not sure enough to keep to the bounds"),
         ("forbidden", NOT_ALLOWED, "not to be had"),
     ] {
