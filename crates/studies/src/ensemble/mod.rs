@@ -193,7 +193,7 @@ pub(crate) fn write_page(root: &Path) -> Result<()> {
     page::write(root, &open_both_whole(root)?)
 }
 
-/// That the page follows from what is kept, and that a plant flies as it did when that was kept.
+/// That the page follows from what is kept, and that a plant flies, and the pooled loop chooses on it, as when that was kept.
 pub(crate) fn check(root: &Path) -> Result<()> {
     check_with(root, &open_both_whole(root)?)
 }
@@ -201,6 +201,11 @@ pub(crate) fn check(root: &Path) -> Result<()> {
 fn check_with(root: &Path, both: &Ensembles) -> Result<()> {
     for Kept { setup, store } in [&both.near, &both.beyond] {
         cameras::fly_again(setup, &store.done)?;
+        let first = store.done.iter().find(|done| done.unit.0 == Study::Chapter4.name());
+        let plant = first.and_then(|done| setup.plants.iter().find(|plant| plant.number == done.unit.1));
+        if let (Some(done), Some(plant)) = (first, plant) {
+            unit::choose_again(setup, plant, &done.found.rows)?;
+        }
     }
     let Kept { setup, store } = &both.near;
     setup.plants.first().map_or(Ok(()), |plant| curves::fly_again(setup, &store.done, plant))?;

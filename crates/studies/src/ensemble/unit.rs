@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use design_space::Model;
 use infuse::global;
 use rayon::prelude::*;
@@ -14,8 +14,8 @@ use super::row::{Fact, Method, Readings, Row, Study, World};
 use super::site::{Noise, Site};
 use super::store::Found;
 use crate::bat::{Bat, MODEL, STAND_IN};
-use crate::calibration::Plant;
-use crate::chapter4::Lattice;
+use crate::calibration::{CAMPAIGN_TABLES, Plant};
+use crate::chapter4::{self, Lattice};
 use crate::chapter7::Case;
 use crate::gridded::{CellCosts, Designs, FlownGrid, OnDemand, Space};
 
@@ -77,20 +77,57 @@ pub(super) fn run(setup: &Setup, study: Study, plant: &Plant, designs: &Designs)
     Ok((found, n_flights))
 }
 
-fn of_chapter4(setup: &Setup, plant: &Plant) -> Result<Vec<InWorld>> {
-    let on = |coarser: f64| {
-        let bat = setup.chapter4.bat.on(plant.rig.clone(), plant.weights[0], setup.still.clone());
-        setup.chapter4.on(bat, coarser)
-    };
-    let study = on(setup.campaigns.coarser);
-    let lattice = Lattice::fly(&study, MODEL, |_| {});
-    let rough = on(2.0 * setup.campaigns.coarser);
-    let best = Lattice::fly(&rough, STAND_IN, |_| {}).lowest().0.to_vec();
-    let simulate = lattice.interpolant()?;
+/// Chapter 4 on a plant, on a lattice so much coarser.
+fn chapter4_on(setup: &Setup, plant: &Plant, coarser: f64) -> chapter4::Setup {
+    let bat = setup.chapter4.bat.on(plant.rig.clone(), plant.weights[0], setup.still.clone());
+    setup.chapter4.on(bat, coarser)
+}
+
+/// The grid on which methods choose in Chapter 4, what its model says there, and what may be spent.
+fn gridded(
+    study: &chapter4::Setup,
+    simulate: &dyn Fn(&[f64]) -> Result<f64, String>,
+) -> Result<(Space, FlownGrid, [usize; 3])> {
     let space = Space::over(study.problem.region(), study.bat.variables().to_vec(), LEVELS)?;
     let grid = FlownGrid::of_costs(space.points()?.iter().map(|point| simulate(point)).collect());
-    let mut shared = facts::codesign(&study, &simulate)?;
     let iterations = study.loop_settings(&study.file.variant[0]).max_iterations;
+    let budget = [2 * space.variables.len() + 1, 4 * space.variables.len(), iterations];
+    Ok((space, grid, budget))
+}
+
+/// That the pooled loop still chooses what was kept of its first campaign on a plant in still water.
+pub(super) fn choose_again(setup: &Setup, plant: &Plant, kept: &[Row]) -> Result<()> {
+    let study = chapter4_on(setup, plant, setup.campaigns.coarser);
+    let lattice = Lattice::fly(&study, MODEL, |_| {});
+    let (space, grid, budget) = gridded(&study, &lattice.interpolant()?)?;
+    let site = Site::new(setup, &setup.chapter4.bat, plant, plant.weights[0], World::Still)?;
+    let read = |seed: u64, experiments: &[(u64, Vec<f64>)]| {
+        site.read(seed, experiments, Noise::OfCost(study.file.noise.share))
+    };
+    let steps = loops::pooled_loop(&Task { space: &space, model: &grid, read: &read, budget }, 1)?;
+    let is_meant = |row: &&Row| (row.world, row.method, row.seed) == (World::Still, Method::Pooled, 1);
+    let kept: Vec<&Row> = kept.iter().filter(is_meant).collect();
+    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-5 * a.abs().max(1.0);
+    let same = |(step, row): (&Step, &&Row)| step.step == row.step && step.point.iter().zip(&row.point).all(close);
+    ensure!(
+        steps.len() == kept.len() && steps.iter().zip(&kept).all(same),
+        "{}: on plant {} the pooled loop chooses otherwise than when it was kept: remove all of {} there and run \
+         `cargo xtask reproduce-all --ensemble`",
+        setup.origin.folder(),
+        plant.number,
+        CAMPAIGN_TABLES.join(", ")
+    );
+    Ok(())
+}
+
+fn of_chapter4(setup: &Setup, plant: &Plant) -> Result<Vec<InWorld>> {
+    let study = chapter4_on(setup, plant, setup.campaigns.coarser);
+    let lattice = Lattice::fly(&study, MODEL, |_| {});
+    let rough = chapter4_on(setup, plant, 2.0 * setup.campaigns.coarser);
+    let best = Lattice::fly(&rough, STAND_IN, |_| {}).lowest().0.to_vec();
+    let simulate = lattice.interpolant()?;
+    let (space, grid, budget) = gridded(&study, &simulate)?;
+    let mut shared = facts::codesign(&study, &simulate)?;
     let common = Common {
         setup,
         plant,
@@ -98,7 +135,7 @@ fn of_chapter4(setup: &Setup, plant: &Plant) -> Result<Vec<InWorld>> {
         model: &grid,
         numerical: facts::numerical(&study, &simulate)?,
         best: Some(best),
-        budget: [2 * space.variables.len() + 1, 4 * space.variables.len(), iterations],
+        budget,
         seeds: setup.campaigns.seeds,
         space,
     };
