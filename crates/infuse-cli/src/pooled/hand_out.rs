@@ -57,6 +57,8 @@ fn choose(campaign: &mut Campaign, writer: &mut Writer) -> Result<(Vec<Cell>, Ve
             campaign.write_down(writer, checks)?;
         }
         if !is_refused {
+            // What was refused meanwhile may have led to another.
+            campaign.check_the_recommended(writer)?;
             return Ok((cells, simulations));
         }
     }

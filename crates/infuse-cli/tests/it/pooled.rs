@@ -553,7 +553,7 @@ fn status_says_where_runs_gave_no_value() {
         };
         batch(&rig, measure);
         batch(&rig, measure);
-        let (mut failed, mut lowest, mut n_worked_beyond) = (0, f64::INFINITY, 0);
+        let (mut failed, mut lowest, mut highest) = (0, f64::INFINITY, f64::NEG_INFINITY);
         let made: Vec<(f64, bool)> = rig
             .journal()
             .iter()
@@ -563,18 +563,21 @@ fn status_says_where_runs_gave_no_value() {
             .map(|(a, b)| (b as f64, fails(a as f64, b as f64)))
             .collect();
         for &(b, _) in made.iter().filter(|one| one.1) {
-            (failed, lowest) = (failed + 1, lowest.min(b));
+            (failed, lowest, highest) = (failed + 1, lowest.min(b), highest.max(b));
         }
-        n_worked_beyond += made.iter().filter(|(b, is_failed)| !is_failed && *b >= lowest).count();
-        (rig.infuse(&["status"]).ok(), failed, lowest, n_worked_beyond)
+        let worked = |upper: f64| made.iter().filter(|(b, fails)| !fails && (lowest..=upper).contains(b)).count();
+        (rig.infuse(&["status"]).ok(), failed, [lowest, highest], [worked(f64::INFINITY), worked(highest)])
     };
-    let (said, failed, lowest, n_beyond) = of(|_, b| b > 10.0);
+    let (said, failed, [lowest, _], [n_beyond, _]) = of(|_, b| b > 10.0);
     assert!(failed > 1 && n_beyond == 0, "{failed}");
     let expected = format!("No value from {failed} of 20 runs: all with b {lowest} mm or more, where no run gave one.");
     assert!(said.contains(&expected), "{expected}\n{said}");
-    let (said, failed, ..) = of(|a, b| (a - 4.0).abs() < 2.5 && (b - 7.0).abs() < 3.5);
+    let (said, failed, [lowest, highest], [_, n]) = of(|a, b| (a - 4.0).abs() < 2.5 && (b - 7.0).abs() < 3.5);
     assert!(failed > 1, "{said}");
-    let expected = format!("No value from {failed} of 20 runs: no parameter alone tells where");
-    assert!(said.contains(&expected), "{said}");
+    let expected = format!(
+        "No value from {failed} of 20 runs: all with b {lowest} to {highest} mm, where {n} of {} runs gave one.",
+        failed + n
+    );
+    assert!(said.contains(&expected), "{expected}\n{said}");
     assert!(!of(|_, _| false).0.contains("No value from"));
 }
