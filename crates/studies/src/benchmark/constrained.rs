@@ -40,6 +40,21 @@ pub(super) enum Kind {
     Choice,
     /// A run beyond the bound gives nothing, and there is nothing else to measure.
     Failing,
+    /// The same where the first parameter is beyond [`EDGE`].
+    FailingEdge,
+    /// The same with one [way to choose](NEVER), whatever the other parameters are.
+    FailingChoice,
+}
+
+impl Kind {
+    /// Whether runs fail.
+    pub(super) fn fails(self) -> bool {
+        matches!(self, Self::Failing | Self::FailingEdge | Self::FailingChoice)
+    }
+
+    fn has_choice(self) -> bool {
+        matches!(self, Self::Choice | Self::FailingChoice)
+    }
 }
 
 const fn case(name: &'static str, family: &'static str, kind: Kind) -> Case {
@@ -47,7 +62,7 @@ const fn case(name: &'static str, family: &'static str, kind: Kind) -> Case {
 }
 
 /// What is run: two to four factors, smooth and not, with numbers only and with a choice.
-pub(super) const CASES: [Case; 15] = [
+pub(super) const CASES: [Case; 19] = [
     case("bowl-2", "bowl-2", Kind::Numbers),
     case("wells-2", "wells-2", Kind::Numbers),
     case("branin", "branin", Kind::Numbers),
@@ -63,10 +78,18 @@ pub(super) const CASES: [Case; 15] = [
     case("stall-4, runs fail", "stall-4", Kind::Failing),
     case("bowl-4, runs fail", "bowl-4", Kind::Failing),
     case("borehole-4, runs fail", "borehole-4", Kind::Failing),
+    case("branin, an edge fails", "branin", Kind::FailingEdge),
+    case("stall-4, an edge fails", "stall-4", Kind::FailingEdge),
+    case("wells-2, a choice fails", "wells-2", Kind::FailingChoice),
+    case("bowl-4, a choice fails", "bowl-4", Kind::FailingChoice),
 ];
 
 /// Where on the axis of a number the ways to choose are, in an order that says nothing of it.
 const PLACES: [f64; 4] = [0.62, 0.08, 0.91, 0.35];
+/// The way that never gives a value.
+const NEVER: usize = 2;
+/// Of the first parameter, which goes from 0 to 1.
+pub(super) const EDGE: f64 = 0.6;
 
 impl Case {
     pub(super) fn family(&self) -> Result<&'static Family> {
@@ -76,7 +99,7 @@ impl Case {
     /// The point of the functions that a point of the campaign is.
     fn place(&self, point: &[f64]) -> Vec<f64> {
         let mut place = point.to_vec();
-        if let (Kind::Choice, Some(last)) = (self.kind, place.last_mut()) {
+        if let (true, Some(last)) = (self.kind.has_choice(), place.last_mut()) {
             *last = PLACES[*last as usize];
         }
         place
@@ -85,7 +108,7 @@ impl Case {
     /// The same without the functions.
     fn task<'a>(&self, family: &Family, pair: &'a Pair, seed: u64) -> Result<Task<'a>> {
         let task = Task::new(family, pair, seed)?;
-        if self.kind != Kind::Choice {
+        if !self.kind.has_choice() {
             return Ok(task);
         }
         let mut parameters = task.region.parameters().to_vec();
@@ -129,6 +152,8 @@ pub(super) struct Row {
     pub(super) regret: f64,
     /// No design that keeps to it is better by more, said the certificate.
     pub(super) bound: f64,
+    /// Share of the runs so far that gave no value.
+    pub(super) failed: f64,
 }
 
 impl Row {
@@ -139,6 +164,7 @@ impl Row {
             && close(self.promised, other.promised)
             && close(self.regret, other.regret)
             && close(self.bound, other.bound)
+            && close(self.failed, other.failed)
     }
 }
 
@@ -156,19 +182,34 @@ impl Problem {
         let family = case.family()?;
         let (objective, constrained) = (family.pair(seed), family.pair(seed + OTHER));
         let grid = case.task(family, &objective, seed)?.grid;
-        let points = grid.cells().map(|cell| Ok(case.place(&grid.point(cell)?))).collect::<Result<Vec<_>>>()?;
-        let values: Vec<f64> = points.iter().map(|point| (constrained.truth)(point)).collect();
-        let share = if case.kind == Kind::Failing { RESPONDING } else { ALLOWED };
-        let limit = page::quantile(&values, share).context("designs")?;
-        let allowed = points.iter().zip(&values).filter(|(_, value)| **value <= limit);
-        let best = allowed.map(|(point, _)| (objective.truth)(point)).fold(f64::INFINITY, f64::min);
-        Ok(Self { case, objective, constrained, limit, best })
+        let points = grid.cells().map(|cell| Ok(grid.point(cell)?)).collect::<Result<Vec<_>>>()?;
+        let mut problem = Self { case, objective, constrained, limit: f64::INFINITY, best: f64::INFINITY };
+        let values: Vec<f64> = points.iter().map(|point| problem.limited(point)).collect();
+        problem.limit = match case.kind {
+            Kind::Numbers | Kind::Choice => page::quantile(&values, ALLOWED).context("designs")?,
+            Kind::Failing => page::quantile(&values, RESPONDING).context("designs")?,
+            Kind::FailingEdge => EDGE,
+            Kind::FailingChoice => 0.5,
+        };
+        let allowed = points.iter().zip(&values).filter(|(_, value)| **value <= problem.limit);
+        problem.best =
+            allowed.map(|(point, _)| (problem.objective.truth)(&case.place(point))).fold(f64::INFINITY, f64::min);
+        Ok(problem)
+    }
+
+    /// What has to keep to the limit at a point of the campaign: a response, or of what fails at an edge or with a choice that.
+    fn limited(&self, point: &[f64]) -> f64 {
+        match self.case.kind {
+            Kind::FailingEdge => point[0],
+            Kind::FailingChoice => f64::from(u8::from(point.last().is_some_and(|last| *last as usize == NEVER))),
+            Kind::Numbers | Kind::Choice | Kind::Failing => (self.constrained.truth)(&self.case.place(point)),
+        }
     }
 
     fn simulated(&self, point: &[f64]) -> Responses {
         let place = self.case.place(point);
         // Of failures it knows nothing.
-        let is_known = self.case.kind != Kind::Failing;
+        let is_known = !self.case.kind.fails();
         let constrained = is_known.then(|| Some((self.constrained.simulation)(&place))).into_iter().collect();
         Responses { objective: (self.objective.simulation)(&place), constrained }
     }
@@ -180,7 +221,7 @@ pub(super) fn run(case: Case, way: Way, seed: u64) -> Result<Vec<Row>> {
     let task = case.task(case.family()?, &problem.objective, seed)?;
     let mut settings = Settings::new(task.n_experiments);
     (settings.max_batches, settings.seed) = (BATCHES, seed);
-    let fails = case.kind == Kind::Failing;
+    let fails = case.kind.fails();
     if !fails {
         settings.constraints = vec![Constraint::at_most("limited", problem.limit)];
     }
@@ -192,7 +233,7 @@ pub(super) fn run(case: Case, way: Way, seed: u64) -> Result<Vec<Row>> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(2);
     let mut spread = task.spread(BATCHES * task.n_experiments).into_iter();
-    let mut rows = Vec::new();
+    let (mut rows, mut n_failed) = (Vec::new(), 0);
     for batch in 1..=BATCHES {
         let trials = if way.is_blind {
             campaign.hand_out(&spread.by_ref().take(task.n_experiments).collect::<Vec<_>>())?
@@ -202,8 +243,9 @@ pub(super) fn run(case: Case, way: Way, seed: u64) -> Result<Vec<Row>> {
             trials
         };
         for trial in trials {
-            let point = case.place(&task.grid.point(trial.cell)?);
-            if fails && (problem.constrained.truth)(&point) > problem.limit {
+            let point = task.grid.point(trial.cell)?;
+            if fails && problem.limited(&point) > problem.limit {
+                n_failed += 1;
                 campaign.tell(trial.id, Outcome::Failed { reason: "beyond the bound".to_owned() })?;
                 continue;
             }
@@ -211,16 +253,16 @@ pub(super) fn run(case: Case, way: Way, seed: u64) -> Result<Vec<Row>> {
                 let normal: f64 = StandardNormal.sample(&mut rng);
                 value + noise * normal
             };
-            let objective = noisy((problem.objective.truth)(&point), problem.objective.noise);
+            let objective = noisy((problem.objective.truth)(&case.place(&point)), problem.objective.noise);
             campaign.tell(trial.id, Outcome::Value(objective))?;
             if !fails {
-                let limited = noisy((problem.constrained.truth)(&point), problem.constrained.noise);
+                let limited = noisy(problem.limited(&point), problem.constrained.noise);
                 campaign.tell_constrained(trial.id, &[Some(limited)])?;
             }
         }
         let found = if way.has_simulation { campaign.assess(Some(&mut simulate))? } else { campaign.assess(None)? };
         let found = found.context("no response")?;
-        let point = &case.place(&found.recommended.point);
+        let point = &found.recommended.point;
         rows.push(Row {
             family: case.name.to_owned(),
             way: way.name.to_owned(),
@@ -228,9 +270,10 @@ pub(super) fn run(case: Case, way: Way, seed: u64) -> Result<Vec<Row>> {
             batch,
             promised: found.recommended.constrained.first().map_or(found.recommended.feasible, |one| one.within),
             suffices: found.recommended.suffices,
-            keeps: (problem.constrained.truth)(point) <= problem.limit,
-            regret: (problem.objective.truth)(point) - problem.best,
+            keeps: problem.limited(point) <= problem.limit,
+            regret: (problem.objective.truth)(&case.place(point)) - problem.best,
             bound: found.certificate.bound,
+            failed: n_failed as f64 / (batch * task.n_experiments) as f64,
         });
     }
     Ok(rows)

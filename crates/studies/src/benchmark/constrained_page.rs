@@ -3,7 +3,7 @@
 
 use page::{Axis, Column, Finding, LineFigure, Panel, Series, Table, line_figure, quantile};
 
-use super::constrained::{ALLOWED, BATCHES, CASES, Case, Kind, RESPONDING, Row, SEEDS, WAYS, Way};
+use super::constrained::{ALLOWED, BATCHES, CASES, Case, EDGE, RESPONDING, Row, SEEDS, WAYS, Way};
 use crate::first_screen::around;
 use crate::words::number;
 
@@ -25,6 +25,8 @@ struct Came {
     held: f64,
     /// The median of what they say, in percent.
     width: f64,
+    /// Mean share of runs that gave no value.
+    failed: f64,
 }
 
 impl Came {
@@ -44,6 +46,7 @@ impl Came {
             p90: at(0.9),
             held: share(held, rows.len()),
             width: 100.0 * quantile(&rows.iter().map(|row| row.bound).collect::<Vec<_>>(), 0.5).unwrap_or(f64::NAN),
+            failed: rows.iter().map(|row| row.failed / rows.len() as f64).sum(),
         }
     }
 }
@@ -63,7 +66,7 @@ enum Part {
 
 impl Part {
     fn has(self, case: &Case) -> bool {
-        (self == Self::Failing) == (case.kind == Kind::Failing)
+        (self == Self::Failing) == case.kind.fails()
     }
 
     fn cases(self) -> impl Iterator<Item = &'static Case> {
@@ -102,7 +105,7 @@ fn markdown(rows: &[Row]) -> String {
     );
     let all = Came::of(&of(&failing, &WAYS[0], |_| true));
     let responds = format!(
-        "Where {} % of all designs fail, of {} recommended ones, said to give a value with {} % probability on average, {} % do; of \
+        "Where a quarter to {} % of all designs fail, of {} recommended ones, said to give a value with {} % probability on average, {} % do; of \
          the certificates {} % held.",
         percent(1.0 - RESPONDING),
         number((all.n as f64 * all.suffice).round(), 0),
@@ -125,7 +128,11 @@ fn markdown(rows: &[Row]) -> String {
             worse(&bound)
         ),
         responds,
-        format!("Where runs fail it is worse than the best that gives a value by: {}.", worse(&failing)),
+        format!(
+            "Where runs fail it is worse than the best that gives a value by: {}; {} % of the runs of the first gave none.",
+            worse(&failing),
+            percent(Came::of(&of(&failing, &WAYS[0], |row| row.batch == BATCHES)).failed)
+        ),
     ];
     text += &around(
         &findings.map(Finding::new),
@@ -139,14 +146,15 @@ fn markdown(rows: &[Row]) -> String {
         "\nThe response is that of a family of the [benchmark](results-benchmark.md), the constrained one that of the same family with \
          another seed: at most the {} % quantile of all designs. Both are measured with noise, and simulated wrongly. Regret is in percent \
          of the range of the response. In the cases with a choice the last \
-         parameter is one of four, at places of its axis in no order. Where runs fail, nothing is measured beyond the {} % quantile, not \
-         even by how much, and the simulation knows nothing of it. Nothing was tuned on these campaigns. The way that knows nothing of what is promising runs Sobol \
+         parameter is one of four, at places of its axis in no order. Where runs fail, nothing is measured beyond the {} % quantile, at an edge (beyond {} % of the first parameter) or with one of four \
+         choices, not even by how much, and the simulation knows nothing of it. Nothing was tuned on these campaigns. The way that knows nothing of what is promising runs Sobol \
          points and recommends by the same rule.\n\nWritten by `cargo xtask benchmark --constrained` from \
          `fixtures/benchmark/constrained.csv`; `--page` runs none, and `--check`, a part of `cargo xtask ci`, runs some anew.\n\n\
          ## Batch by batch\n\n{}\n## Family by family, after the last batch\n\n{}\n## Where runs fail, batch by batch\n\n{}\n\
          ## Where runs fail, family by family, after the last batch\n\n{}",
         percent(ALLOWED),
         percent(RESPONDING),
+        percent(EDGE),
         table(rows, Part::Bound, true).markdown(),
         table(rows, Part::Bound, false).markdown(),
         table(rows, Part::Failing, true).markdown(),
@@ -169,8 +177,8 @@ fn table(rows: &[Row], part: Part, by_batch: bool) -> Table {
                 .collect()
         };
         for (name, rows) in parts {
-            let Came { n, suffice, promised, kept, median, p90, held, width } = Came::of(&rows);
-            cells.push(vec![
+            let Came { n, suffice, promised, kept, median, p90, held, width, failed } = Came::of(&rows);
+            let mut row = vec![
                 way.words.to_owned(),
                 name,
                 n.to_string(),
@@ -181,10 +189,14 @@ fn table(rows: &[Row], part: Part, by_batch: bool) -> Table {
                 number(p90, 2),
                 percent(held),
                 number(width, 1),
-            ]);
+            ];
+            if part == Part::Failing {
+                row.push(percent(failed));
+            }
+            cells.push(row);
         }
     }
-    let columns = vec![
+    let mut columns = vec![
         Column::words("way"),
         Column::words(if by_batch { "batch" } else { "family" }),
         Column::number("campaigns", ""),
@@ -196,6 +208,9 @@ fn table(rows: &[Row], part: Part, by_batch: bool) -> Table {
         Column::number("certificates that held", "%"),
         Column::number("their width, median", "%"),
     ];
+    if part == Part::Failing {
+        columns.push(Column::number("runs that failed", "%"));
+    }
     Table { columns, rows: cells }
 }
 

@@ -42,7 +42,7 @@ pub(crate) fn write_page(root: &Path) -> Result<()> {
     kept::write(root, &texts(&kept::rows(&root.join(KEPT))?))
 }
 
-/// That one campaign of each way, one with a choice, and one in which runs fail, is the one that is kept, that none is missing, and that the page follows.
+/// That one campaign of each way, one with a choice, and one of each way to fail, is the one that is kept, that none is missing, and that the page follows.
 pub(crate) fn check(root: &Path) -> Result<()> {
     let rows: Vec<Row> = kept::rows(&root.join(KEPT))?;
     let expected = SEEDS as usize * CASES.len() * WAYS.len() * super::constrained::BATCHES;
@@ -51,7 +51,8 @@ pub(crate) fn check(root: &Path) -> Result<()> {
         "{KEPT}: {} rows, expected {expected}: run `cargo xtask benchmark --constrained`",
         rows.len()
     );
-    let others = [Kind::Choice, Kind::Failing].map(|kind| CASES.iter().find(|case| case.kind == kind));
+    let others = [Kind::Choice, Kind::Failing, Kind::FailingEdge, Kind::FailingChoice]
+        .map(|kind| CASES.iter().find(|case| case.kind == kind));
     let others = others.into_iter().flatten().map(|case| (*case, WAYS[0]));
     for (case, way) in WAYS.map(|way| (CASES[0], way)).into_iter().chain(others) {
         let again = run_campaign(case, way, 1)?;

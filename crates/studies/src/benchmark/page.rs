@@ -455,24 +455,31 @@ fn tuned_on(tuned: &[&Family], n_others: usize) -> Finding {
 
 fn where_others_are_better(methods: &[Kept<'_>], ours: &Results) -> String {
     let mut compared = 0;
-    let mut better = Vec::new();
+    let (mut better, mut blind) = (Vec::new(), Vec::new());
     for method in methods.iter().skip(1) {
         for family in &FAMILIES {
             if let Some(found) = paired(ours, method.results, family, BATCHES) {
-                compared += 1;
+                compared += usize::from(!method.is_blind);
                 if found.is_theirs_better() {
-                    better.push(format!("{} in `{}`", method.words, family.name));
+                    let list = if method.is_blind { &mut blind } else { &mut better };
+                    list.push(format!("{} in `{}`", method.words, family.name));
                 }
             }
         }
     }
+    let of_blind = match blind.as_slice() {
+        [] => String::new(),
+        blind => format!(" Of those that learn nothing: {}.", blind.join(", ")),
+    };
     if better.is_empty() {
         return format!(
-            "No other method is better by more than two standard errors after {BATCHES} batches, in {compared} comparisons."
+            "No method that learns is better by more than two standard errors after {BATCHES} batches, in {compared} \
+             comparisons.{of_blind}"
         );
     }
     format!(
-        "Better than the pooled loop by more than two standard errors after {BATCHES} batches, in {} of {compared} comparisons: {}.",
+        "Better than the pooled loop by more than two standard errors after {BATCHES} batches, in {} of {compared} comparisons \
+         with methods that learn: {}.{of_blind}",
         better.len(),
         better.join(", ")
     )
