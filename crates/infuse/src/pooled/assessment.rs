@@ -7,6 +7,7 @@ use surface::process::SimulationUse;
 
 use crate::Error;
 use crate::pooled::certificate::{Certificate, Draws};
+use crate::pooled::coverage::{Coverage, unseen};
 use crate::pooled::economy::Economy;
 use crate::pooled::held::{Expected, MAY_RESPOND, UNKNOWN};
 use crate::pooled::knowledge::Knowledge;
@@ -111,6 +112,11 @@ pub struct Assessment {
     pub n_repeats: usize,
     /// Share of all designs that may still be the best.
     pub left: f64,
+    /// Share of all designs that may be better than the recommended one, with the certificate's probability, whatever the response
+    /// looks like: as many evenly spread runs as leave no more of the box unseen would have met one of more. None with a simulation,
+    /// which says what lies between the runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unseen: Option<f64>,
     /// Their number, where all designs were looked at: of many, `left` is told from a sample.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub n_left: Option<u64>,
@@ -130,6 +136,7 @@ pub(crate) struct Look {
     pub(crate) assessment: Assessment,
     /// The cells from which the next batch is picked.
     pub(crate) pool: Pool,
+    coverage: Coverage,
     /// Cells of outliers that another run may explain.
     again: Vec<Cell>,
 }
@@ -155,7 +162,10 @@ impl Look {
         let again = suspects.map(|reading| reading.cell).filter(|&cell| n_runs(cell) <= MOST_RUNS).collect();
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
         let cell = lowest_mean(knowledge, &pool, settings.seed, batch)?;
-        let draws = Draws::of(knowledge, &pool, cell, readings, settings.seed, batch)?;
+        let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
+        let coverage = Coverage::of(knowledge.designs, &pool, &runs)?;
+        let n_telling = telling(knowledge, &coverage, readings.len(), settings.seed)?;
+        let draws = Draws::of(knowledge, &pool, cell, readings, n_telling, settings.seed, batch)?;
         let certificate = draws.certificate(settings.confidence);
         let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
@@ -164,6 +174,7 @@ impl Look {
             assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
             n_repeats: knowledge.process.sites().n_repeats(),
             left,
+            unseen: (!knowledge.is_simulated()).then(|| unseen(n_telling, settings.confidence)),
             n_left,
             simulation: simulation_worth(knowledge, readings)?,
             contradiction: contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?,
@@ -175,7 +186,7 @@ impl Look {
             certificate,
         };
         let doubted = knowledge.sceptic.as_ref().map(|sceptic| sceptic.marginals(&pool.places));
-        Ok(Self { assessment, pool: pool.reduced(doubted.as_ref(), settings.seed, batch), again })
+        Ok(Self { assessment, pool: pool.reduced(doubted.as_ref(), settings.seed, batch), coverage, again })
     }
 
     /// The cells of the next batch.
@@ -191,7 +202,7 @@ impl Look {
         let mut economy = Economy::of(settings.plants.as_ref(), knowledge.designs);
         // What is far from all others is run again first, on its own plant.
         self.again.iter().take(count).for_each(|&again| economy.take(again));
-        let mut picks = pick(knowledge, &self.pool, pending, count, scramble, economy.clone())?;
+        let mut picks = pick(knowledge, &self.pool, &self.coverage, pending, count, scramble, economy.clone())?;
         if let Some(plants) = &settings.plants {
             for &cell in &picks {
                 if economy.allows(cell) {
@@ -204,13 +215,19 @@ impl Look {
             let on_them = plants.cells_of(knowledge.designs, &built, &near, &mut rng);
             let pool = self.pool.clone().with(knowledge, &on_them)?;
             let confined = Economy::of(Some(plants), knowledge.designs).confined_to(&built);
-            picks = pick(knowledge, &pool, pending, count, scramble, confined)?;
+            picks = pick(knowledge, &pool, &self.coverage, pending, count, scramble, confined)?;
         }
         for (pick, again) in picks.iter_mut().zip(&self.again) {
             *pick = *again;
         }
         Ok(picks)
     }
+}
+
+/// How many readings tell of designs everywhere: all of them where a simulation says what lies between, and without one as many
+/// evenly spread ones as would leave no more of the box unseen.
+fn telling(knowledge: &Knowledge<'_, '_>, coverage: &Coverage, n_readings: usize, seed: u64) -> Result<usize, Error> {
+    if knowledge.is_simulated() { Ok(n_readings) } else { coverage.even_runs(knowledge.designs, n_readings, seed) }
 }
 
 /// What is known of a design, beside the recommended one.

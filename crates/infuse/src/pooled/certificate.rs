@@ -30,17 +30,21 @@ struct Trust {
     allowance: f64,
     /// Share of the draws beyond the quantile, of a certificate that may fail in one case of ten.
     beyond: f64,
+    /// Nothing is widened beyond so many times what the readings differ by.
+    cap: f64,
 }
 
 impl Trust {
     /// Doubt and allowance fall as the readings outnumber the terms of a quadratic. A hundredth is beyond up to four readings a term,
-    /// and more as there are more, up to three hundredths: what the surface says of itself has then been put to the test.
+    /// and more as there are more, up to three hundredths: what the surface says of itself has then been put to the test. The readings
+    /// are those that tell of designs everywhere, not those that crowd at one place.
     fn after(n_readings: usize, n_terms: usize) -> Self {
         let scarcity = (n_terms as f64 / n_readings.max(1) as f64).min(1.0);
         Self {
             doubt: scarcity,
             allowance: 1.0 + 8.0 * scarcity * scarcity,
             beyond: 0.01 * (0.25 / scarcity).clamp(1.0, 3.0),
+            cap: 1.0 + scarcity,
         }
     }
 }
@@ -50,7 +54,8 @@ impl Trust {
 /// It rests on the measurements, on the simulation as far as these agree with it, and on the response being a polynomial, a
 /// corrected simulation or as smooth as the priors of the surface say. What no measurement and no simulation shows, as a well
 /// between all of them, it allows for by doubting the simulation and by widening what the surface says of itself, the less the
-/// more readings there are.
+/// more readings there are. Without a simulation readings that crowd count for few: as many evenly spread ones as would leave the
+/// box as far from any.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// The probability.
@@ -85,16 +90,18 @@ pub(crate) struct Draws {
     /// With the draws that do not believe the simulation.
     all: Gains,
     trust: Trust,
-    /// What the readings differ by: further than that nothing is widened.
+    /// What the readings differ by.
     spread: f64,
 }
 
 impl Draws {
+    /// As many of the readings tell of designs everywhere as `n_telling` says.
     pub(crate) fn of(
         knowledge: &mut Knowledge<'_, '_>,
         pool: &Pool,
         recommended: Cell,
         readings: &[Reading],
+        n_telling: usize,
         seed: u64,
         batch: usize,
     ) -> Result<Self, Error> {
@@ -115,7 +122,7 @@ impl Draws {
         let kept = Kept::of(knowledge, &cells, seed, batch)?;
         let of_each = knowledge.joint_of_each(&places);
         let doubts = knowledge.sceptic.as_ref().map(|sceptic| sceptic.joint_of_each(&places)).unwrap_or_default();
-        let trust = Trust::after(readings.len(), knowledge.designs.n_terms());
+        let trust = Trust::after(n_telling, knowledge.designs.n_terms());
         let first = of_each.len() as u128;
         let believed = gains(&of_each, DRAWS, seed, batch, 0, &kept);
         let doubted = gains(&doubts, DOUBTED, seed, batch, first, &kept);
@@ -130,7 +137,7 @@ impl Draws {
     pub(crate) fn certificate(&self, probability: f64) -> Certificate {
         let sure = 1.0 - self.trust.beyond * (1.0 - probability) / (1.0 - USUAL);
         let (quantile, drawn) = (self.believed.quantile(probability), self.all.quantile(sure));
-        let bound = (self.trust.allowance * drawn).min(self.spread).max(drawn).max(quantile);
+        let bound = (self.trust.allowance * drawn).min(self.trust.cap * self.spread).max(drawn).max(quantile);
         Certificate { probability, bound, quantile }
     }
 }
@@ -273,6 +280,7 @@ mod tests {
             prop_assert!((0.0..=1.0).contains(&now.doubt) && (1.0..=9.0).contains(&now.allowance));
             prop_assert!(now.beyond <= then.beyond && (0.01..1.0 - USUAL).contains(&now.beyond));
             prop_assert!((now.beyond <= 0.01) == (n_readings <= 4 * n_terms), "{}", now.beyond);
+            prop_assert!(then.cap <= now.cap && (1.0..=2.0).contains(&now.cap));
         }
     }
 

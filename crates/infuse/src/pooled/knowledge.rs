@@ -121,6 +121,11 @@ impl<'a, 's> Knowledge<'a, 's> {
         Ok(View { mean: marginals.means[0], deviation: variance.sqrt(), noise })
     }
 
+    /// Whether there is a simulation.
+    pub(crate) fn is_simulated(&self) -> bool {
+        !matches!(self.source, Source::Nothing)
+    }
+
     /// Variance of one reading of an assembly that nothing else is known of.
     pub(crate) fn reading_variance(&self) -> f64 {
         self.process.noise().powi(2) + self.process.assembly_deviation().powi(2)

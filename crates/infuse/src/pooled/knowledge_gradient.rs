@@ -7,6 +7,7 @@ use surface::process::Joint;
 
 use crate::Error;
 use crate::pooled::admission::{Admission, Step};
+use crate::pooled::coverage::Coverage;
 use crate::pooled::economy::Economy;
 use crate::pooled::held::FEASIBLE;
 use crate::pooled::knowledge::Knowledge;
@@ -19,6 +20,9 @@ const DOUBTED: usize = 6;
 /// One in so many while there are fewer readings than for two batches: nothing has been seen yet of where the simulation misleads.
 const DOUBTED_AT_FIRST: usize = 2;
 const FEWEST: usize = 4;
+/// Without a simulation one pick in so many, and nearly half of the batch after the first, goes to where no run is near: so campaigns
+/// on two wells, the deeper one narrow, stop after fewer batches and hardly ever at the wrong one.
+const COVERING: usize = 4;
 
 /// Of a batch no more than one run in so many is made where it is more likely to fail than not: what nothing is known of seems
 /// endless, and could otherwise swallow all of it.
@@ -30,7 +34,8 @@ const RISKY: f64 = 0.5;
 /// single pick can, those before it and the pending experiments counted in. A cell where experiments may fail counts as much
 /// less as they are likely to (Frazier et al. 2009; Wu and Frazier 2016 for batches). The last pick in six, and
 /// the last half of the batch after the first, goes to where the sceptic sees least of what may still be best, so that a simulation
-/// that misleads is found out sooner.
+/// that misleads is found out sooner. Without a simulation one in four, and one more, are the sceptic's, and all of these but the
+/// first go to where most of the box is far from any run: nothing else would find a well that is narrower than the surface expects.
 ///
 /// Where responses have to stay within bounds, a design is worth its mean as far as it is likely to keep to them, and the highest
 /// mean of all otherwise; so a run is worth what it teaches of either (Ungredda and Branke 2024).
@@ -41,6 +46,7 @@ const RISKY: f64 = 0.5;
 pub(crate) fn pick(
     knowledge: &Knowledge<'_, '_>,
     pool: &Pool,
+    coverage: &Coverage,
     pending: &[Cell],
     count: usize,
     scramble: u32,
@@ -59,12 +65,24 @@ pub(crate) fn pick(
     let is_early = sites.places().n_places() + sites.n_repeats() < 2 * count;
     let share = if is_early { DOUBTED_AT_FIRST } else { DOUBTED };
     let n_doubted = if count < FEWEST { 0 } else { (count / share).max(1) };
+    // Where there is a simulation, it says what lies between the runs.
+    let (n_doubted, n_covering) = match n_doubted {
+        0 => (0, 0),
+        _ if knowledge.is_simulated() => (n_doubted, 0),
+        _ => {
+            let n_doubted = n_doubted.max(count / COVERING + 1);
+            (n_doubted, n_doubted - 1)
+        }
+    };
+    let coded = pool.cells.iter().map(|&cell| knowledge.designs.coded_of(cell)).collect::<Result<Vec<_>, _>>()?;
+    let mut coverage = coverage.clone();
     let mut cells = Vec::with_capacity(count);
     let mut n_risked = 0;
     for step in 0..pending.len() + count {
         let normals = outcomes(step as u32, scramble);
         let row = match (pending.get(step), &doubted) {
             (Some(&row), _) => row,
+            (None, Some(doubted)) if cells.len() >= count - n_covering => doubted.widest(&coverage, &coded, &economy),
             (None, Some(doubted)) if cells.len() >= count - n_doubted => doubted.clearest(&economy),
             (None, _) => believed.most_telling(&normals, step as u32, &economy),
         };
@@ -76,6 +94,7 @@ pub(crate) fn pick(
                 believed.least_feasible = RISKY;
             }
         }
+        coverage.add(&coded[row]);
         believed.measure(row, &normals, step as u32);
         if let Some(doubted) = &mut doubted {
             doubted.measure(row, &normals, step as u32);
@@ -179,6 +198,17 @@ impl<'a> Gradient<'a> {
         let allowed = |row: usize| self.allows(row, economy);
         let order =
             |&a: &usize, &b: &usize| allowed(a).cmp(&allowed(b)).then(learnt[a].total_cmp(&learnt[b])).then(b.cmp(&a));
+        (0..n).max_by(order).unwrap_or(0)
+    }
+
+    /// The row that brings most of the box nearer to a run.
+    fn widest(&self, coverage: &Coverage, coded: &[Vec<f64>], economy: &Economy<'_>) -> usize {
+        let n = self.pool.cells.len();
+        let gained = |row: usize| self.weight(row, economy) * coverage.gain(&coded[row]);
+        let gained: Vec<f64> = (0..n).into_par_iter().map(gained).collect();
+        let allowed = |row: usize| self.allows(row, economy);
+        let order =
+            |&a: &usize, &b: &usize| allowed(a).cmp(&allowed(b)).then(gained[a].total_cmp(&gained[b])).then(b.cmp(&a));
         (0..n).max_by(order).unwrap_or(0)
     }
 
@@ -320,9 +350,29 @@ mod tests {
         let mut knowledge = scene.knowledge(Some(&mut simulate));
         let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
         let economy = || Economy::of(None, &designs);
-        let with = pick(&knowledge, &pool, &[], count, 7, economy()).unwrap();
+        let coverage = Coverage::of(&designs, &pool, &[]).unwrap();
+        let with = pick(&knowledge, &pool, &coverage, &[], count, 7, economy()).unwrap();
         knowledge.sceptic = None;
-        [with, pick(&knowledge, &pool, &[], count, 7, economy()).unwrap()]
+        [with, pick(&knowledge, &pool, &coverage, &[], count, 7, economy()).unwrap()]
+    }
+
+    /// Without a simulation the last of what is the sceptic's goes to where most of the box is far from any run: it is as far from
+    /// those as a cell that brings the others nearer than any.
+    #[test]
+    fn without_a_simulation_the_last_pick_is_where_no_run_is_near() {
+        let mut scene = misled(13, 1.0);
+        let designs = scene.designs.clone();
+        let knowledge = scene.knowledge(None);
+        let runs: Vec<Vec<f64>> = knowledge.measured.iter().map(|&cell| designs.coded_of(cell).unwrap()).collect();
+        let mut knowledge = knowledge;
+        let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
+        let mut coverage = Coverage::of(&designs, &pool, &runs.iter().map(Vec::as_slice).collect::<Vec<_>>()).unwrap();
+        let picks = pick(&knowledge, &pool, &coverage, &[], 6, 7, Economy::of(None, &designs)).unwrap();
+        let coded = |cell: Cell| designs.coded_of(cell).unwrap();
+        picks[..5].iter().for_each(|&cell| coverage.add(&coded(cell)));
+        let gained = |cell: Cell| coverage.gain(&coded(cell));
+        let most = pool.cells.iter().map(|&cell| gained(cell)).fold(0.0, f64::max);
+        assert!((gained(picks[5]) - most).abs() < 1e-12 && most > 0.0, "{} of {most}", gained(picks[5]));
     }
 
     /// The last half while there are fewer readings than for two batches, one in six afterwards, none of a few.
@@ -343,7 +393,8 @@ mod tests {
         let knowledge = &mut scene.knowledge(Some(&mut simulate));
         let mut pool = Pool::gather(knowledge, 1, 0).unwrap();
         let last = |pool: &Pool| {
-            let picks = pick(knowledge, pool, &[], 4, 7, Economy::of(None, &designs)).unwrap();
+            let coverage = Coverage::of(&designs, pool, &[]).unwrap();
+            let picks = pick(knowledge, pool, &coverage, &[], 4, 7, Economy::of(None, &designs)).unwrap();
             picks[3]
         };
         let before = last(&pool);

@@ -9,8 +9,9 @@
 //! 3. Draws from that average, and some from one that does not believe the simulation, tell how much better another design may
 //!    be: the [`Certificate`].
 //! 4. The next batch is what lowers the expected minimum most: a knowledge gradient, pick by pick, repeats allowed. One pick in
-//!    six is for the one who does not believe the simulation, so that a simulation that misleads is found out sooner; a reading
-//!    that is far from all others is run again first, and set aside if that run says otherwise.
+//!    six is for the one who does not believe the simulation, so that a simulation that misleads is found out sooner; without a
+//!    simulation one in four goes to where most of the box is far from any run, so that a well is found that no surface expects.
+//!    A reading that is far from all others is run again first, and set aside if that run says otherwise.
 //!
 //! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, two thirds over the
 //! box and a third over what the simulation likes. Nothing is dropped for good, and all of it follows from readings, simulations,
@@ -48,6 +49,7 @@ mod assessment;
 mod campaign;
 mod certificate;
 mod constraint;
+mod coverage;
 mod designs;
 mod economy;
 mod first_batch;

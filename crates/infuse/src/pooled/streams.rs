@@ -15,6 +15,7 @@ pub(crate) enum Purpose {
     Constraints = 8,
     Designs = 9,
     Plants = 10,
+    Coverage = 11,
 }
 
 /// An independent stream of the generator for a purpose in a batch.
@@ -42,11 +43,12 @@ mod tests {
             Purpose::Constraints,
             Purpose::Designs,
             Purpose::Plants,
+            Purpose::Coverage,
         ];
         let all = purposes.into_iter().flat_map(|purpose| (0..4).map(move |batch| (purpose, batch)));
         let first =
             all.flat_map(|(purpose, batch)| (1..3).map(move |seed| stream(seed, purpose, batch).random::<u64>()));
         let distinct: std::collections::BTreeSet<u64> = first.collect();
-        assert_eq!(distinct.len(), 9 * 4 * 2);
+        assert_eq!(distinct.len(), 10 * 4 * 2);
     }
 }

@@ -405,6 +405,42 @@ fn certificate_holds_beside_designs_that_fail() {
     assert!(stopped >= 5, "{stopped} of 8 campaigns stopped by themselves");
 }
 
+/// Two wells, of which the deeper one takes up a tenth of a line, and no simulation that would show it. By the mean of the runs
+/// alone the wide one is the best: who looks nowhere else stops there.
+#[test]
+fn experiments_alone_find_a_narrow_well_before_they_stop() {
+    let truth = |x: &[f64]| {
+        let x = 5.0 * (x[0] + 1.0);
+        10.0 - 6.0 * (-((x - 2.5) / 1.5).powi(2)).exp() - 8.0 * (-((x - 8.0) / 0.7).powi(2)).exp() + 0.1 * x
+    };
+    let (mut stopped, mut broken, mut told) = (0, 0, 0);
+    for seed in 1..=8 {
+        let mut settings = batches(6, 6, seed);
+        settings.worth = Some(0.2);
+        let mut campaign = campaign(1, 41, settings);
+        let cells =
+            campaign.grid().cells().map(|cell| truth(&campaign.grid().point(cell).expect("a cell of the grid")));
+        let best = cells.fold(f64::INFINITY, f64::min);
+        let mut experiment = noisy(seed, 0.2, truth);
+        let mut regret = f64::NAN;
+        while let Ask::Run { trials, .. } = campaign.ask(None).expect("a batch") {
+            for trial in trials {
+                let value = experiment(&trial).expect("a value");
+                campaign.tell(trial.id, Outcome::Value(value)).expect("an outstanding trial");
+            }
+            let found = campaign.assess(None).expect("a fit").expect("responses");
+            regret = truth(&found.recommended.point) - best;
+            (told, broken) = (told + 1, broken + usize::from(regret > found.certificate.bound));
+        }
+        if let Ask::Stopped(StopReason::NotWorthIt) = campaign.ask(None).expect("a reason") {
+            stopped += 1;
+            assert!(regret <= 0.2, "seed {seed}: stopped {regret} from the best");
+        }
+    }
+    assert!(stopped >= 6, "{stopped} of 8 campaigns stopped by themselves");
+    assert!(10 * broken <= told, "broken after {broken} of {told} batches");
+}
+
 /// Half of a batch told in any order leaves the same bits.
 #[test]
 fn partial_results_in_any_order_come_to_the_same() {
