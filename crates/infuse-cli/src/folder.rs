@@ -116,6 +116,11 @@ fn core(problem: &Problem, method: Method, journal: &Journal) -> Result<Value> {
         }
         Method::Dissertation => {
             let careful = is_careful(journal);
+            ensure!(
+                problem.simulator.is_there() || !has_results(journal),
+                "{PROBLEM} was changed after the journal had begun: [simulator] was taken out, which `method` = \"dissertation\" \
+                 corrects by experiments; put it back, or begin a new campaign in another folder and `infuse import` the experiments"
+            );
             let mut settings = serde_json::to_value(problem.dissertation_settings(careful).context(PROBLEM)?)?;
             if let Some(settings) = settings.as_object_mut() {
                 settings.remove("max_batches");

@@ -4,7 +4,7 @@
 const LONGEST_SETTING: usize = 9;
 
 /// From here on computed values are written with a power of ten: nobody counts more zeros.
-const LONGEST_COUNTED: f64 = 1e9;
+const LONGEST_COUNTED: f64 = 1e7;
 /// Unless more digits than these count.
 const MOST_DIGITS: f64 = 6.0;
 
@@ -172,7 +172,7 @@ mod tests {
         assert_eq!(resolved(1_000_000_000_003.25, 0.01), "1000000000003.25");
         assert_eq!(resolved(1_234_567_890_123.0, 2e9), "1.235e12");
         assert_eq!(resolved(1_234_567_890_123.0, 2e7), "1.23457e12");
-        assert_eq!((short(2.5e12), short(-1e9), short(9.994e8)), ("2.5e12".into(), "-1e9".into(), "999400000".into()));
+        assert_eq!((short(2.5e12), short(-1e7), short(9.994e6)), ("2.5e12".into(), "-1e7".into(), "9994000".into()));
         assert_eq!(resolved(-71.234_56, 0.001), "-71.235");
         assert_eq!(resolved(3.0, 0.0), "3");
         assert_eq!(resolved(21_344.0, f64::NAN), "21340");

@@ -26,8 +26,12 @@ fn collect(path: &str, then: &Value, now: &Value, found: &mut Vec<String>) {
             }
         }
         (a, b) if a == b => {}
-        (a, b) => found.push(format!("`{path}` was {a} and is {b}")),
+        (a, b) => found.push(format!("`{path}` was {} and is {}", set(a), set(b))),
     }
+}
+
+fn set(value: &Value) -> String {
+    if value.is_null() { "not set".to_owned() } else { value.to_string() }
 }
 
 #[cfg(test)]
@@ -41,7 +45,7 @@ mod tests {
         let then = json!({"parameter": [{"name": "a", "upper": 1.0}], "loop": {"seed": 1}});
         let now = json!({"parameter": [{"name": "a", "upper": 2.0}], "loop": {"seed": 1, "gain": 0.5}});
         let found = changes(&then, &now);
-        assert_eq!(found, ["`loop.gain` was null and is 0.5", "`parameter[1].upper` was 1.0 and is 2.0"]);
+        assert_eq!(found, ["`loop.gain` was not set and is 0.5", "`parameter[1].upper` was 1.0 and is 2.0"]);
         assert!(changes(&then, &then).is_empty());
     }
 }

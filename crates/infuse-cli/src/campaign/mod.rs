@@ -108,6 +108,19 @@ pub(crate) trait Campaign {
     fn waits_for_simulations(&self) -> Result<BTreeSet<Cell>>;
     /// The experiments from before the campaign that are in use.
     fn imported(&self) -> Vec<Imported>;
+    /// Of the runs so far, imported ones too, their number and why the first gave no value, if none gave one.
+    fn nothing_but_failures(&self) -> Option<(usize, String)> {
+        let (imported, experiments) = (self.imported(), self.experiments());
+        let of_imported = imported.iter().map(|one| &one.result);
+        let own = experiments.readings.values().flat_map(|reading| reading.first.iter().chain(reading.again.values()));
+        let results: Vec<&Measured> = of_imported.chain(own).collect();
+        match results.first()? {
+            Measured::Failed(reason) if results.iter().all(|result| result.value().is_none()) => {
+                Some((results.len(), reason.clone()))
+            }
+            _ => None,
+        }
+    }
     /// From when on, and for what, those count that are imported now.
     fn use_of_imports(&self) -> String;
     /// What the last closed batch taught, in short.

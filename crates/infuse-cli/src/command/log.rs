@@ -12,7 +12,8 @@ use crate::campaign::{Campaign, Stage, changes};
 use crate::echo::echo;
 use crate::folder;
 use crate::journal::{Assessed, Deed, Event, Journal, Last, Learned, Measured, Submitted, Told};
-use crate::number::{count, short, with_unit};
+use crate::number::{count, resolved, short, with_unit};
+use crate::problem::key_of;
 
 /// One line of the log.
 #[derive(Debug)]
@@ -56,6 +57,7 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     let events = &journal.all;
     let (mut at, mut settings, mut core): (&str, Option<&Value>, Option<&Value>) = ("", None, None);
+    let mut simulator: Option<&str> = None;
     let mut index = 0;
     while let Some((line, event)) = events.get(index) {
         // What was written at once is one thing, and so are simulations one after the other.
@@ -87,7 +89,12 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
             }
             Event::Assessed(Assessed { settings: now, .. }) => {
                 if let Some(then) = settings.replace(now).filter(|then| *then != now) {
-                    add("changed", format!("[loop]: {}.", changed(then, now)));
+                    add("changed", format!("campaign.toml: {}.", changed(then, now)));
+                }
+            }
+            Event::Simulated { by, .. } => {
+                if let Some(then) = simulator.replace(by).filter(|then| then != by) {
+                    add("changed", format!("the simulator was {} and is {}.", echo(then), echo(by)));
                 }
             }
             // A batch that is submitted again is so without what it has given.
@@ -128,8 +135,13 @@ fn begun(campaign: &dyn Campaign) -> String {
 }
 
 fn changed(then: &Value, now: &Value) -> String {
-    let changes = changes(then, now);
-    changes.join("; ")
+    changes(&by_key(then), &by_key(now)).join("; ")
+}
+
+/// Settings of a loop under the names of the file.
+fn by_key(settings: &Value) -> Value {
+    let Value::Object(settings) = settings else { return settings.clone() };
+    settings.iter().map(|(name, value)| (key_of(name).to_owned(), value.clone())).collect()
 }
 
 /// What a line says, or the lines that were written at once.
@@ -175,7 +187,7 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
             format!("{}: {} of the journal, marked above, count no longer.", deed.in_words(), count(*lines, "line")),
         ),
         Event::Assessed(found) => {
-            let expected = with_unit(&short(found.expected), unit);
+            let expected = with_unit(&resolved(found.expected, found.bound), unit);
             let bound = with_unit(&short(found.bound), unit);
             let at = problem.describe(&found.recommended);
             (

@@ -9,10 +9,9 @@ use serde_json::json;
 
 use super::made::make;
 use super::output::Output;
-use crate::campaign::{Campaign, Stage, Wish};
+use crate::campaign::{Stage, Wish};
 use crate::findings::ended;
 use crate::folder;
-use crate::journal::Measured;
 use crate::number::count;
 use crate::problem::PROBLEM;
 use crate::shell::infuse;
@@ -32,11 +31,15 @@ pub(crate) fn run(folder: &Path, wait: Duration, most: Option<usize>, anyway: bo
         if most.is_some_and(|most| n_closed - n_before >= most) {
             break campaign.stage()?;
         }
-        if !anyway && let Some(reason) = nothing_works(&*campaign) {
+        // A whole batch has shown it.
+        if !anyway
+            && campaign.n_closed() > 0
+            && let Some((n, reason)) = campaign.nothing_but_failures()
+        {
             bail!(
                 "not one of {} gave a value; the first one: {reason}\nRepair the command of [experiment], or go on all the same: \
                  {} run --anyway. All of it is written down; `infuse undo` takes results back",
-                count(campaign.experiments().n_made(), "experiment"),
+                count(n, "run"),
                 infuse(folder)
             );
         }
@@ -59,20 +62,6 @@ pub(crate) fn run(folder: &Path, wait: Duration, most: Option<usize>, anyway: bo
         "stopped": stopped,
     });
     Ok(Output::new(&findings, json, notices))
-}
-
-/// Why the first experiment failed, where a whole batch was made and all did, the imported ones too.
-fn nothing_works(campaign: &dyn Campaign) -> Option<String> {
-    let experiments = campaign.experiments();
-    let has_value = campaign.imported().iter().any(|one| one.result.value().is_some())
-        || experiments.readings.values().any(|reading| reading.values().next().is_some());
-    if campaign.n_closed() == 0 || has_value {
-        return None;
-    }
-    experiments.readings.values().find_map(|reading| match &reading.first {
-        Some(Measured::Failed(reason)) => Some(reason.clone()),
-        _ => None,
-    })
 }
 
 /// What was done of a campaign that has not ended.

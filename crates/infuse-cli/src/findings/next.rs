@@ -3,6 +3,7 @@
 use page::Finding;
 
 use crate::campaign::{Campaign, Stage};
+use crate::sheet::check_same;
 use crate::shell::{infuse, sheet_path, tell_with};
 
 /// The next command to type, or why the campaign has ended.
@@ -12,13 +13,16 @@ pub(crate) fn next(campaign: &dyn Campaign, stage: &Stage) -> Finding {
         Stage::Ended { reason, .. } => return ended(reason),
         Stage::Ready => format!("Next: {} ask", infuse(folder)),
         Stage::Pending => {
-            let sheet = sheet_path(
-                folder,
-                campaign.problem().sheets,
-                campaign.experiments().open_batches().first().copied().unwrap_or(1),
-                None,
-            );
-            if sheet.exists() {
+            let (problem, experiments) = (campaign.problem(), campaign.experiments());
+            let batch = experiments.open_batches().first().copied().unwrap_or(1);
+            let sheet = sheet_path(folder, problem.sheets, batch, None);
+            // A file of that name may be of a batch that was taken back.
+            let is_its_own = || check_same(&sheet, problem, &experiments.in_run_order(batch, problem.seed));
+            if sheet.exists()
+                && let Err(fault) = is_its_own()
+            {
+                format!("Next: {} ask writes the sheet of batch {batch}, but {fault:#}", infuse(folder))
+            } else if sheet.exists() {
                 format!("Next: run what is left in {}, then: {}", sheet.display(), tell_with(folder, &sheet))
             } else {
                 format!("Next: run what is left of the sheet, then: {} tell SHEET", infuse(folder))

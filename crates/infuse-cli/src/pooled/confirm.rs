@@ -114,7 +114,9 @@ impl Confirmation {
     pub(super) fn in_words(&self, campaign: &Campaign) -> Finding {
         let (problem, response) = (&campaign.problem, &campaign.problem.response);
         let n_runs: usize = self.designs.iter().map(|design| design.n_runs).sum();
-        let mut finding = Finding::new(format!("Compared by {} of batch {}:", count(n_runs, "run"), self.batch));
+        let what =
+            if self.designs.len() == 1 { "Measured, with no other design to compare it with," } else { "Compared" };
+        let mut finding = Finding::new(format!("{what} by {} of batch {}:", count(n_runs, "run"), self.batch));
         let n_simulated = campaign.n_simulated_of_many().ok().flatten();
         let alone = campaign.choice_of_the_simulation().ok().flatten();
         for (place, design) in self.designs.iter().enumerate() {

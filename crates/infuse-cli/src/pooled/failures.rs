@@ -14,7 +14,7 @@ const MOST_NAMED: usize = 3;
 
 /// Where runs gave no value: one by its settings, several by the parameter that tells them from the others, if one does.
 pub(super) fn where_runs_fail(campaign: &Campaign) -> Option<Finding> {
-    let (failed, worked) = (settings_that_failed(campaign), settings_that_worked(campaign));
+    let (failed, worked) = settings_by_outcome(campaign);
     let (n, n_all) = (failed.len(), failed.len() + worked.len());
     if failed.is_empty() || worked.is_empty() {
         return None;
@@ -86,17 +86,18 @@ fn regions(parameter: &Parameter, at: usize, failed: &[Vec<f64>], worked: &[Vec<
     ]
 }
 
-/// As they were made.
-pub(super) fn settings_that_failed(campaign: &Campaign) -> Vec<Vec<f64>> {
-    let readings = campaign.experiments.readings.iter();
-    let failed = readings.filter(|(_, reading)| reading.first.is_some() && reading.values().next().is_none());
-    let imported = campaign.imported.iter().filter(|one| one.result.value().is_none()).map(|one| one.point.clone());
-    imported.chain(failed.map(|(&id, _)| campaign.experiments.settings_of(id))).collect()
+/// Settings of the runs, as they were made: those that gave no value, and the others.
+fn settings_by_outcome(campaign: &Campaign) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+    let imported = campaign.imported.iter().map(|one| (one.point.clone(), one.result.value().is_some()));
+    let told = campaign.experiments.readings.iter();
+    let told = told.filter(|(_, reading)| reading.first.is_some() || reading.values().next().is_some());
+    let own = told.map(|(&id, reading)| (campaign.experiments.settings_of(id), reading.values().next().is_some()));
+    let (worked, failed): (Vec<_>, Vec<_>) = imported.chain(own).partition(|(_, has_value)| *has_value);
+    let settings = |runs: Vec<(Vec<f64>, bool)>| runs.into_iter().map(|(settings, _)| settings).collect();
+    (settings(failed), settings(worked))
 }
 
-fn settings_that_worked(campaign: &Campaign) -> Vec<Vec<f64>> {
-    let readings = campaign.experiments.readings.iter();
-    let worked = readings.filter(|(_, reading)| reading.values().next().is_some());
-    let imported = campaign.imported.iter().filter(|one| one.result.value().is_some()).map(|one| one.point.clone());
-    imported.chain(worked.map(|(&id, _)| campaign.experiments.settings_of(id))).collect()
+/// Settings of the runs that gave no value, as they were made.
+pub(super) fn settings_that_failed(campaign: &Campaign) -> Vec<Vec<f64>> {
+    settings_by_outcome(campaign).0
 }

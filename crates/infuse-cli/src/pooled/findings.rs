@@ -131,6 +131,18 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
     Finding::new(sentence).with("runs there", here.n_readings as f64, "1")
 }
 
+/// What runs alone say, whatever the response looks like between them.
+fn unseen(found: &Assessment) -> Option<Finding> {
+    let share = found.unseen?;
+    let sentence = format!(
+        "Whatever the response looks like between the runs, no more than {} of all designs are better, with {} % probability: so \
+         much of all that can be set they have seen. A well that takes less may be unseen.",
+        percent(share),
+        plain(100.0 * found.certificate.probability)
+    );
+    Some(Finding::new(sentence).with("share of all designs that may be better unseen", share, "1"))
+}
+
 /// How much better another design may be, and what follows for the stop.
 fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
     let (response, certificate) = (&campaign.problem.response, &found.certificate);
@@ -155,6 +167,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         .with("bound", certificate.bound, &response.unit)
         .detail(Finding::new(rests));
     let finding = held_for_the_unseen(campaign, certificate).into_iter().fold(finding, Finding::detail);
+    let finding = unseen(found).into_iter().fold(finding, Finding::detail);
     match campaign.settings.worth {
         None => {
             finding.detail(Finding::new("`worth` in [stop] says from what gain on another batch is worth its cost."))

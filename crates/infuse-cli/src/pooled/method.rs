@@ -70,7 +70,7 @@ impl campaign::Campaign for Campaign {
         let has_simulation = self.problem.simulator.is_there();
         let is_begun_by_it = self.n_imported_values() < self.problem.region.n_parameters() + 2;
         match self.batches.get(batch - 1).map(|one| (one.purpose, batch)) {
-            _ if self.costs().is_empty() && self.experiments.n_failed() > 0 => {
+            _ if self.nothing_but_failures().is_some() => {
                 "No experiment gave a value yet, so it is spread over what was not tried."
             }
             Some((Some(_), _)) => "It measures what was gained: the designs are compared by these runs alone.",
@@ -80,7 +80,7 @@ impl campaign::Campaign for Campaign {
             }
             _ if !has_simulation => {
                 "Most of it is where one more run is expected to lower the best response most, repeats included; some of it is where \
-                 one who trusts no smooth surface knows least."
+                 most of all that can be set is far from any run."
             }
             _ => {
                 "Most of it is where one more run is expected to lower the best response most, repeats included; some of it is where \
@@ -171,6 +171,7 @@ impl campaign::Campaign for Campaign {
             "probability": found.certificate.probability,
             "further_batches": found.further_batches,
             "left_share": found.left,
+            "unseen_share": found.unseen,
             "noise": json!({ "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats }),
             "constraints": as_json(self, &found.recommended.constrained),
             "spent": self.spent_until(self.batches.len()).map(|(cost, plants)| json!({ "cost": cost, "plants": plants })),

@@ -7,9 +7,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use super::bands::resolution;
 use super::campaign::{Campaign, Origin};
-
+use crate::campaign::Campaign as _;
 use crate::findings::{amount, value_to};
-use crate::journal::Measured;
 use crate::number::{count, short};
 
 /// Outliers that are named.
@@ -49,18 +48,13 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
 
 /// That no experiment gave a value, though some were made.
 pub(super) fn nothing_but_failures(campaign: &Campaign) -> Vec<Finding> {
-    let n = campaign.experiments.n_failed();
-    let first = campaign.experiments.readings.values().find_map(|reading| match &reading.first {
-        Some(Measured::Failed(reason)) => Some(reason),
-        _ => None,
-    });
-    let said = first.filter(|_| n > 0).map(|reason| {
+    let said = campaign.nothing_but_failures().map(|(n, reason)| {
         let sentence = format!(
             "Careful: not one of {} gave a value; the first one: {reason}. Until one does, batches are spread over what was \
              not tried yet.",
-            count(n, "experiment")
+            count(n, "run")
         );
-        Finding::new(sentence).with("experiments without a result", n as f64, "1")
+        Finding::new(sentence).with("runs without a value", n as f64, "1")
     });
     said.into_iter().collect()
 }

@@ -109,6 +109,7 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
         None if let Some((key, section)) = section_of_unknown(error.message()) => {
             format!("\n`{key}` stands under {section}")
         }
+        None if value.trim_ascii_start().starts_with(b".") => "\nwrite 0.5 and not .5".to_owned(),
         None if is_comma && !is_list => "\na decimal comma? write 20.5 and not 20,5".to_owned(),
         None => String::new(),
     };
@@ -116,7 +117,7 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
 }
 
 /// Keys of which people look for the section.
-const SECTIONS: [(&str, &[&str]); 5] = [
+const SECTIONS: [(&str, &[&str]); 6] = [
     (
         "[loop]",
         &[
@@ -134,6 +135,7 @@ const SECTIONS: [(&str, &[&str]); 5] = [
     ("[stop]", &["worth"]),
     ("[response]", &["goal"]),
     ("[simulator]", &["table", "command", "jobs", "input", "timeout_seconds"]),
+    ("[[constraint]]", &["probability"]),
     ("[[parameter]]", &["levels", "step", "choices", "change_cost", "role"]),
 ];
 

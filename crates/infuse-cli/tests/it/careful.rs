@@ -106,9 +106,21 @@ fn a_dead_sensor_and_nothing_but_failures_are_said() {
     let rig = rig_of(|a, b| wells(a, b, DEPTHS), "");
     batch(&rig, |_, _, _| Err("no signal".to_owned()));
     let text = rig.infuse(&["status"]).ok();
-    assert!(text.contains("Careful: not one of 10 experiments gave a value; the first one: no signal."), "{text}");
+    assert!(text.contains("Careful: not one of 10 runs gave a value; the first one: no signal."), "{text}");
     let text = rig.infuse(&["ask"]).ok();
     assert!(text.contains("No experiment gave a value yet, so it is spread over what was not tried."), "{text}");
+}
+
+#[test]
+fn nothing_but_failures_before_the_campaign_is_said_too() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "");
+    rig.write("old.csv", "a [mm],b [mm],y [N],failed\n6,11,,it leaked\n2,3,,it leaked\n");
+    rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("Careful: not one of 2 runs gave a value; the first one: it leaked."), "{text}");
+    batch(&rig, |_, _, id| if id == 1 { Ok(3.0) } else { Err("no signal".to_owned()) });
+    let text = rig.infuse(&["status"]).ok();
+    assert!(!text.contains("Careful: not one of"), "{text}");
 }
 
 /// Repeats that are all equal do not make the noise known, and no worth is reached or missed by such results.

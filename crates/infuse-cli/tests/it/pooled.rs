@@ -221,7 +221,11 @@ fn a_recommendation_on_a_bound_or_never_run_is_said_and_can_be_confirmed() {
         let (gain, half) = (design["gain"].as_f64().unwrap(), design["give_or_take"].as_f64().unwrap());
         assert!((gain - truth).abs() <= 2.0 * half, "{gain} ± {half} for {truth}");
     }
-    assert!(rig.infuse(&["status"]).ok().contains("Compared by"));
+    let words = match designs.len() {
+        1 => "Measured, with no other design to compare it with, by 4 runs",
+        _ => "Compared by",
+    };
+    assert!(rig.infuse(&["status"]).ok().contains(words));
 }
 
 #[test]

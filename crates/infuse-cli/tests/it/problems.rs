@@ -28,6 +28,7 @@ fn what_a_parameter_is_called_for_may_be_changed_at_any_time() {
 fn slips_in_the_problem_are_told() {
     assert_refused("seed = 1", "sead = 1", &["campaign.toml", "sead", "line 6"]);
     assert_refused("lower = 10", "lower = 10,5", &["a decimal comma? write 20.5 and not 20,5"]);
+    assert_refused("lower = 10", "lower = .5", &["write 0.5 and not .5"]);
     assert_refused("lower = 10", "lower = nan", &["`spring`", "NaN"]);
     assert_refused("lower = 10", "lower = 40", &["spring", "40"]);
     assert_refused("step = 2\n", "", &["`spring` needs `levels`", "dissertation"]);
@@ -110,6 +111,7 @@ fn a_key_in_the_wrong_section_is_told_where_it_stands() {
         ),
         ("batches = 6", "batches = 6\nworth = 0.3", "`worth` stands under [stop]"),
         ("batches = 6", "batches = 6\njobs = 3", "`jobs` stands under [simulator]"),
+        ("batches = 6", "batches = 6\nprobability = 0.9", "`probability` stands under [[constraint]]"),
     ] {
         let rig = Rig::pooled();
         rig.edit(from, to);

@@ -146,7 +146,7 @@ fn a_script_that_never_gives_a_value_ends_the_run_after_one_batch() {
     );
     for _ in 0..2 {
         let error = rig.infuse(&["run"]).error();
-        assert!(error.contains("not one of 10 experiments gave a value; the first one: "), "{error}");
+        assert!(error.contains("not one of 10 runs gave a value; the first one: "), "{error}");
         assert!(error.contains("infuse run --anyway"), "{error}");
     }
     assert_eq!(rig.journal().iter().filter(|line| line["event"] == "told").count(), 10, "one batch, and no other");

@@ -136,6 +136,23 @@ fn a_line_that_takes_back_what_was_not_last_is_refused() {
     }
 }
 
+/// It would be the wrong experiments, whose results no `infuse tell` takes.
+#[test]
+fn a_sheet_of_a_batch_that_was_taken_back_is_not_said_to_be_run() {
+    let rig = Rig::pooled();
+    ask(&rig);
+    undo(&rig);
+    rig.edit("seed = 1", "seed = 2");
+    let error = rig.infuse(&["ask"]).error();
+    assert!(error.contains("sheet-1.csv is there already"), "{error}");
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("ask writes the sheet of batch 1, but ") && text.contains("move it"), "{text}");
+    assert!(!text.contains("run what is left"), "{text}");
+    std::fs::remove_file(rig.path("sheet-1.csv")).unwrap();
+    ask(&rig);
+    assert!(rig.infuse(&["status"]).ok().contains("run what is left in"), "it is its own");
+}
+
 #[test]
 fn the_log_says_what_happened_in_order() {
     let rig = Rig::pooled();
@@ -185,6 +202,7 @@ fn the_log_says_what_happened_in_order() {
     ask(&rig);
     tell(&rig, 2);
     let text = rig.infuse(&["log"]).ok();
-    assert!(text.contains("changed    [loop]: ") && text.contains("`confidence` was 0.9 and is 0.95"), "{text}");
+    assert!(text.contains("changed    campaign.toml: ") && text.contains("`confidence` was 0.9 and is 0.95"), "{text}");
+    assert!(text.contains("`batches` was 6 and is 2"), "by the keys of the file: {text}");
     assert!(text.trim_end().lines().last().unwrap().contains("stopped    all 2 batches"), "{text}");
 }

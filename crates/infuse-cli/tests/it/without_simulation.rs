@@ -48,6 +48,14 @@ fn nothing_is_said_of_a_simulation_but_that_there_is_none() {
     let status = rig.infuse(&["status"]).ok();
     assert!(status.contains("There is no simulation: experiments alone tell"), "{status}");
     assert_eq!(mentions(&status), 1, "{status}");
+    assert!(
+        status.contains("of all designs are better, with 90 % probability: so much of all that can be set"),
+        "{status}"
+    );
+    // As evenly spread runs as there are have seen that much: 1 − 0.1^(1/n), n no more than those told.
+    let (share, told) = (rig.status()["unseen_share"].as_f64().unwrap(), rig.status()["told"].as_u64().unwrap());
+    let of = |n: u64| 1.0 - 0.1_f64.powf(1.0 / n as f64);
+    assert!(share >= of(told) - 1e-12 && share <= of(told / 2), "{share} after {told} runs");
     let json = rig.status();
     assert!(json["simulation"].is_null() && json["simulation_alone"].is_null(), "{json}");
     rig.infuse(&["report"]).ok();
@@ -90,4 +98,15 @@ fn what_needs_a_simulation_says_so() {
     rig.edit("[loop]", "[simulator]\n[loop]");
     let error = rig.infuse(&["check"]).error();
     assert!(error.contains("[simulator]: needs `command`"), "{error}");
+}
+
+/// Neither what the file may have instead nor another method would do: the journal has begun with a simulation.
+#[test]
+fn a_simulation_that_the_dissertation_corrects_cannot_be_taken_out() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "method = \"dissertation\"\n");
+    batch(&rig, |a, b, _| Ok(wells(a, b, DEPTHS)));
+    rig.edit(SIMULATOR, "");
+    let error = rig.infuse(&["status"]).error();
+    assert!(error.contains("[simulator] was taken out") && error.contains("put it back"), "{error}");
+    assert!(!error.contains("`method` = \"pooled\""), "{error}");
 }
