@@ -135,8 +135,8 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
 fn unseen(found: &Assessment) -> Option<Finding> {
     let share = found.unseen?;
     let sentence = format!(
-        "Whatever the response looks like between the runs, no more than {} of all designs are better, with {} % probability: so \
-         much of all that can be set they have seen. A well that takes less may be unseen.",
+        "Whatever the response looks like between the runs, no more than {} of all designs are better, with {} % probability; a well \
+         that takes less than that may be unseen.",
         percent(share),
         plain(100.0 * found.certificate.probability)
     );
