@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::campaign::{Campaign, changes};
 use crate::journal::{Event, FORMAT, JOURNAL, Journal, Writer, now};
-use crate::problem::{Method, PROBLEM, Problem, key_of};
+use crate::problem::{Method, PROBLEM, Problem, by_key};
 use crate::shell::sheet_path;
 use crate::{dissertation, pooled};
 
@@ -175,9 +175,10 @@ fn of(folder: &Path, problem: Problem, method: Method, mut journal: Journal) -> 
 /// Under the names of the file. What a parameter is called for, plant or controller, is shown and changes no result.
 fn as_in_the_file(core: &Value) -> Value {
     let mut core = core.clone();
+    if let Some(settings) = core.get_mut("loop") {
+        *settings = by_key(settings);
+    }
     if let Some(settings) = core.get_mut("loop").and_then(Value::as_object_mut) {
-        let of_the_file = std::mem::take(settings).into_iter().map(|(name, value)| (key_of(&name).to_owned(), value));
-        settings.extend(of_the_file);
         // None is not written down.
         settings.entry("replicates").or_insert_with(|| 0.into());
     }

@@ -13,7 +13,7 @@ use crate::echo::echo;
 use crate::folder;
 use crate::journal::{Assessed, Deed, Event, Journal, Last, Learned, Measured, Submitted, Told};
 use crate::number::{count, resolved, short, with_unit};
-use crate::problem::key_of;
+use crate::problem::by_key;
 
 /// One line of the log.
 #[derive(Debug)]
@@ -136,12 +136,6 @@ fn begun(campaign: &dyn Campaign) -> String {
 
 fn changed(then: &Value, now: &Value) -> String {
     changes(&by_key(then), &by_key(now)).join("; ")
-}
-
-/// Settings of a loop under the names of the file.
-fn by_key(settings: &Value) -> Value {
-    let Value::Object(settings) = settings else { return settings.clone() };
-    settings.iter().map(|(name, value)| (key_of(name).to_owned(), value.clone())).collect()
 }
 
 /// What a line says, or the lines that were written at once.

@@ -17,15 +17,12 @@ pub(crate) fn next(campaign: &dyn Campaign, stage: &Stage) -> Finding {
             let batch = experiments.open_batches().first().copied().unwrap_or(1);
             let sheet = sheet_path(folder, problem.sheets, batch, None);
             // A file of that name may be of a batch that was taken back.
-            let is_its_own = || check_same(&sheet, problem, &experiments.in_run_order(batch, problem.seed));
-            if sheet.exists()
-                && let Err(fault) = is_its_own()
-            {
-                format!("Next: {} ask writes the sheet of batch {batch}, but {fault:#}", infuse(folder))
-            } else if sheet.exists() {
-                format!("Next: run what is left in {}, then: {}", sheet.display(), tell_with(folder, &sheet))
-            } else {
+            if !sheet.exists() {
                 format!("Next: run what is left of the sheet, then: {} tell SHEET", infuse(folder))
+            } else if let Err(fault) = check_same(&sheet, problem, &experiments.in_run_order(batch, problem.seed)) {
+                format!("Next: {} ask writes the sheet of batch {batch}, but {fault:#}", infuse(folder))
+            } else {
+                format!("Next: run what is left in {}, then: {}", sheet.display(), tell_with(folder, &sheet))
             }
         }
     })

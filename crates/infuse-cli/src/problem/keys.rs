@@ -1,5 +1,7 @@
 //! Names of settings.
 
+use serde_json::Value;
+
 /// What a setting of a loop is called in the file.
 pub(crate) fn key_of(name: &str) -> &str {
     match name {
@@ -10,4 +12,10 @@ pub(crate) fn key_of(name: &str) -> &str {
         "fallback" => "without_spread",
         name => name,
     }
+}
+
+/// Settings of a loop under the names of the file.
+pub(crate) fn by_key(settings: &Value) -> Value {
+    let Value::Object(settings) = settings else { return settings.clone() };
+    settings.iter().map(|(name, value)| (key_of(name).to_owned(), value.clone())).collect()
 }

@@ -24,7 +24,7 @@ pub(crate) use constraints::{Held, linear_in_words};
 pub(crate) use costs::Costs;
 use file::LoopEntry;
 pub(crate) use file::{Goal, Input, Method, SheetFormat};
-pub(crate) use keys::key_of;
+pub(crate) use keys::by_key;
 pub(crate) use queue::Queue;
 pub(crate) use setting::{parse_setting, said, shown, step, written};
 

@@ -112,14 +112,14 @@ pub struct Assessment {
     pub n_repeats: usize,
     /// Share of all designs that may still be the best.
     pub left: f64,
+    /// Their number, where all designs were looked at: of many, `left` is told from a sample.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n_left: Option<u64>,
     /// Share of all designs that may be better than the recommended one, with the certificate's probability, whatever the response
     /// looks like: as many evenly spread runs as leave no more of the box unseen would have met one of more. None with a simulation,
     /// which says what lies between the runs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unseen: Option<f64>,
-    /// Their number, where all designs were looked at: of many, `left` is told from a sample.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub n_left: Option<u64>,
     /// What the simulation is worth; none without one, or before three readings.
     pub simulation: Option<SimulationWorth>,
     /// Readings that contradict the recommendation.
@@ -136,7 +136,8 @@ pub(crate) struct Look {
     pub(crate) assessment: Assessment,
     /// The cells from which the next batch is picked.
     pub(crate) pool: Pool,
-    coverage: Coverage,
+    /// None where a simulation says what lies between the runs.
+    coverage: Option<Coverage>,
     /// Cells of outliers that another run may explain.
     again: Vec<Cell>,
 }
@@ -162,9 +163,16 @@ impl Look {
         let again = suspects.map(|reading| reading.cell).filter(|&cell| n_runs(cell) <= MOST_RUNS).collect();
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
         let cell = lowest_mean(knowledge, &pool, settings.seed, batch)?;
-        let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
-        let coverage = Coverage::of(knowledge.designs, &pool, &runs)?;
-        let n_telling = telling(knowledge, &coverage, readings.len(), settings.seed)?;
+        let coverage = match knowledge.is_simulated() {
+            true => None,
+            false => {
+                let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
+                Some(Coverage::of(knowledge.designs, &pool, &runs)?)
+            }
+        };
+        let even_runs = |coverage: &Coverage| coverage.even_runs(knowledge.designs, readings.len(), settings.seed);
+        let n_even = coverage.as_ref().map(even_runs).transpose()?;
+        let n_telling = n_even.unwrap_or(readings.len());
         let draws = Draws::of(knowledge, &pool, cell, readings, n_telling, settings.seed, batch)?;
         let certificate = draws.certificate(settings.confidence);
         let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
@@ -174,8 +182,8 @@ impl Look {
             assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
             n_repeats: knowledge.process.sites().n_repeats(),
             left,
-            unseen: (!knowledge.is_simulated()).then(|| unseen(n_telling, settings.confidence)),
             n_left,
+            unseen: n_even.map(|n_runs| unseen(n_runs, settings.confidence)),
             simulation: simulation_worth(knowledge, readings)?,
             contradiction: contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?,
             outliers: set_aside.iter().copied().chain(open).collect(),
@@ -202,7 +210,7 @@ impl Look {
         let mut economy = Economy::of(settings.plants.as_ref(), knowledge.designs);
         // What is far from all others is run again first, on its own plant.
         self.again.iter().take(count).for_each(|&again| economy.take(again));
-        let mut picks = pick(knowledge, &self.pool, &self.coverage, pending, count, scramble, economy.clone())?;
+        let mut picks = pick(knowledge, &self.pool, self.coverage.as_ref(), pending, count, scramble, economy.clone())?;
         if let Some(plants) = &settings.plants {
             for &cell in &picks {
                 if economy.allows(cell) {
@@ -215,19 +223,13 @@ impl Look {
             let on_them = plants.cells_of(knowledge.designs, &built, &near, &mut rng);
             let pool = self.pool.clone().with(knowledge, &on_them)?;
             let confined = Economy::of(Some(plants), knowledge.designs).confined_to(&built);
-            picks = pick(knowledge, &pool, &self.coverage, pending, count, scramble, confined)?;
+            picks = pick(knowledge, &pool, self.coverage.as_ref(), pending, count, scramble, confined)?;
         }
         for (pick, again) in picks.iter_mut().zip(&self.again) {
             *pick = *again;
         }
         Ok(picks)
     }
-}
-
-/// How many readings tell of designs everywhere: all of them where a simulation says what lies between, and without one as many
-/// evenly spread ones as would leave no more of the box unseen.
-fn telling(knowledge: &Knowledge<'_, '_>, coverage: &Coverage, n_readings: usize, seed: u64) -> Result<usize, Error> {
-    if knowledge.is_simulated() { Ok(n_readings) } else { coverage.even_runs(knowledge.designs, n_readings, seed) }
 }
 
 /// What is known of a design, beside the recommended one.

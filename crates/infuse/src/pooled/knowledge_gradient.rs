@@ -46,7 +46,7 @@ const RISKY: f64 = 0.5;
 pub(crate) fn pick(
     knowledge: &Knowledge<'_, '_>,
     pool: &Pool,
-    coverage: &Coverage,
+    coverage: Option<&Coverage>,
     pending: &[Cell],
     count: usize,
     scramble: u32,
@@ -65,26 +65,29 @@ pub(crate) fn pick(
     let is_early = sites.places().n_places() + sites.n_repeats() < 2 * count;
     let share = if is_early { DOUBTED_AT_FIRST } else { DOUBTED };
     let n_doubted = if count < FEWEST { 0 } else { (count / share).max(1) };
-    // Where there is a simulation, it says what lies between the runs.
-    let (n_doubted, n_covering) = match n_doubted {
-        0 => (0, 0),
-        _ if knowledge.is_simulated() => (n_doubted, 0),
-        _ => {
+    let (n_doubted, n_covering) = match coverage {
+        Some(_) if n_doubted > 0 => {
             let n_doubted = n_doubted.max(count / COVERING + 1);
             (n_doubted, n_doubted - 1)
         }
+        _ => (n_doubted, 0),
     };
-    let coded = pool.cells.iter().map(|&cell| knowledge.designs.coded_of(cell)).collect::<Result<Vec<_>, _>>()?;
-    let mut coverage = coverage.clone();
+    let coded = match coverage {
+        Some(_) => pool.cells.iter().map(|&cell| knowledge.designs.coded_of(cell)).collect::<Result<Vec<_>, _>>()?,
+        None => Vec::new(),
+    };
+    let mut coverage = coverage.cloned();
     let mut cells = Vec::with_capacity(count);
     let mut n_risked = 0;
     for step in 0..pending.len() + count {
         let normals = outcomes(step as u32, scramble);
-        let row = match (pending.get(step), &doubted) {
-            (Some(&row), _) => row,
-            (None, Some(doubted)) if cells.len() >= count - n_covering => doubted.widest(&coverage, &coded, &economy),
-            (None, Some(doubted)) if cells.len() >= count - n_doubted => doubted.clearest(&economy),
-            (None, _) => believed.most_telling(&normals, step as u32, &economy),
+        let row = match (pending.get(step), &doubted, &coverage) {
+            (Some(&row), ..) => row,
+            (None, Some(doubted), Some(coverage)) if cells.len() >= count - n_covering => {
+                doubted.widest(coverage, &coded, &economy)
+            }
+            (None, Some(doubted), _) if cells.len() >= count - n_doubted => doubted.clearest(&economy),
+            (None, ..) => believed.most_telling(&normals, step as u32, &economy),
         };
         if step >= pending.len() {
             cells.push(pool.cells[row]);
@@ -94,7 +97,9 @@ pub(crate) fn pick(
                 believed.least_feasible = RISKY;
             }
         }
-        coverage.add(&coded[row]);
+        if let Some(coverage) = &mut coverage {
+            coverage.add(&coded[row]);
+        }
         believed.measure(row, &normals, step as u32);
         if let Some(doubted) = &mut doubted {
             doubted.measure(row, &normals, step as u32);
@@ -350,10 +355,9 @@ mod tests {
         let mut knowledge = scene.knowledge(Some(&mut simulate));
         let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
         let economy = || Economy::of(None, &designs);
-        let coverage = Coverage::of(&designs, &pool, &[]).unwrap();
-        let with = pick(&knowledge, &pool, &coverage, &[], count, 7, economy()).unwrap();
+        let with = pick(&knowledge, &pool, None, &[], count, 7, economy()).unwrap();
         knowledge.sceptic = None;
-        [with, pick(&knowledge, &pool, &coverage, &[], count, 7, economy()).unwrap()]
+        [with, pick(&knowledge, &pool, None, &[], count, 7, economy()).unwrap()]
     }
 
     /// Without a simulation the last of what is the sceptic's goes to where most of the box is far from any run: it is as far from
@@ -367,7 +371,7 @@ mod tests {
         let mut knowledge = knowledge;
         let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
         let mut coverage = Coverage::of(&designs, &pool, &runs.iter().map(Vec::as_slice).collect::<Vec<_>>()).unwrap();
-        let picks = pick(&knowledge, &pool, &coverage, &[], 6, 7, Economy::of(None, &designs)).unwrap();
+        let picks = pick(&knowledge, &pool, Some(&coverage), &[], 6, 7, Economy::of(None, &designs)).unwrap();
         let coded = |cell: Cell| designs.coded_of(cell).unwrap();
         picks[..5].iter().for_each(|&cell| coverage.add(&coded(cell)));
         let gained = |cell: Cell| coverage.gain(&coded(cell));
@@ -393,8 +397,7 @@ mod tests {
         let knowledge = &mut scene.knowledge(Some(&mut simulate));
         let mut pool = Pool::gather(knowledge, 1, 0).unwrap();
         let last = |pool: &Pool| {
-            let coverage = Coverage::of(&designs, pool, &[]).unwrap();
-            let picks = pick(knowledge, pool, &coverage, &[], 4, 7, Economy::of(None, &designs)).unwrap();
+            let picks = pick(knowledge, pool, None, &[], 4, 7, Economy::of(None, &designs)).unwrap();
             picks[3]
         };
         let before = last(&pool);
