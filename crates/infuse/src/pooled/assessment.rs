@@ -137,7 +137,7 @@ pub(crate) struct Look {
     /// The cells from which the next batch is picked.
     pub(crate) pool: Pool,
     /// None where a simulation says what lies between the runs.
-    coverage: Option<Coverage>,
+    coverage: Coverage,
     /// Cells of outliers that another run may explain.
     again: Vec<Cell>,
 }
@@ -163,15 +163,12 @@ impl Look {
         let again = suspects.map(|reading| reading.cell).filter(|&cell| n_runs(cell) <= MOST_RUNS).collect();
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
         let cell = lowest_mean(knowledge, &pool, settings.seed, batch)?;
-        let coverage = match knowledge.is_simulated() {
+        let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
+        let coverage = Coverage::of(knowledge.designs, &pool, &runs)?;
+        let n_even = match knowledge.is_simulated() {
             true => None,
-            false => {
-                let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
-                Some(Coverage::of(knowledge.designs, &pool, &runs)?)
-            }
+            false => Some(coverage.even_runs(knowledge.designs, readings.len(), settings.seed)?),
         };
-        let even_runs = |coverage: &Coverage| coverage.even_runs(knowledge.designs, readings.len(), settings.seed);
-        let n_even = coverage.as_ref().map(even_runs).transpose()?;
         let n_telling = n_even.unwrap_or(readings.len());
         let draws = Draws::of(knowledge, &pool, cell, readings, n_telling, settings.seed, batch)?;
         let certificate = draws.certificate(settings.confidence);
@@ -210,7 +207,7 @@ impl Look {
         let mut economy = Economy::of(settings.plants.as_ref(), knowledge.designs);
         // What is far from all others is run again first, on its own plant.
         self.again.iter().take(count).for_each(|&again| economy.take(again));
-        let mut picks = pick(knowledge, &self.pool, self.coverage.as_ref(), pending, count, scramble, economy.clone())?;
+        let mut picks = pick(knowledge, &self.pool, &self.coverage, pending, count, scramble, economy.clone())?;
         if let Some(plants) = &settings.plants {
             for &cell in &picks {
                 if economy.allows(cell) {
@@ -223,7 +220,7 @@ impl Look {
             let on_them = plants.cells_of(knowledge.designs, &built, &near, &mut rng);
             let pool = self.pool.clone().with(knowledge, &on_them)?;
             let confined = Economy::of(Some(plants), knowledge.designs).confined_to(&built);
-            picks = pick(knowledge, &pool, self.coverage.as_ref(), pending, count, scramble, confined)?;
+            picks = pick(knowledge, &pool, &self.coverage, pending, count, scramble, confined)?;
         }
         for (pick, again) in picks.iter_mut().zip(&self.again) {
             *pick = *again;

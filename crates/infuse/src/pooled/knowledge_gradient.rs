@@ -20,9 +20,11 @@ const DOUBTED: usize = 6;
 /// One in so many while there are fewer readings than for two batches: nothing has been seen yet of where the simulation misleads.
 const DOUBTED_AT_FIRST: usize = 2;
 const FEWEST: usize = 4;
-/// Without a simulation one pick in so many, and nearly half of the batch after the first, goes to where no run is near: so campaigns
-/// on two wells, the deeper one narrow, stop after fewer batches and hardly ever at the wrong one.
-const COVERING: usize = 4;
+/// One pick in so many, and at least one, goes to where no run is near: it finds wells that nothing points to. So the simulation that
+/// hides the best well costs fewer batches, and where it has its lowest response far from the best hardly any campaign stops there.
+const COVERING: usize = 8;
+/// One in so many where there is no simulation to point to one, and nearly half of the batch after the first.
+const COVERING_UNTOLD: usize = 4;
 
 /// Of a batch no more than one run in so many is made where it is more likely to fail than not: what nothing is known of seems
 /// endless, and could otherwise swallow all of it.
@@ -32,10 +34,9 @@ const RISKY: f64 = 0.5;
 
 /// Picks `count` cells of the pool, repeats allowed: each makes the expected minimum of the mean after the batch as low as a
 /// single pick can, those before it and the pending experiments counted in. A cell where experiments may fail counts as much
-/// less as they are likely to (Frazier et al. 2009; Wu and Frazier 2016 for batches). The last pick in six, and
-/// the last half of the batch after the first, goes to where the sceptic sees least of what may still be best, so that a simulation
-/// that misleads is found out sooner. Without a simulation one in four, and one more, are the sceptic's, and all of these but the
-/// first go to where most of the box is far from any run: nothing else would find a well that is narrower than the surface expects.
+/// less as they are likely to (Frazier et al. 2009; Wu and Frazier 2016 for batches). The last picks, as many as [`Shares`] says,
+/// go to where the sceptic sees least of what may still be best, so that a simulation that misleads is found out sooner, and to where
+/// most of the box is far from any run, as nothing else would find a well that is narrower than the surface expects.
 ///
 /// Where responses have to stay within bounds, a design is worth its mean as far as it is likely to keep to them, and the highest
 /// mean of all otherwise; so a run is worth what it teaches of either (Ungredda and Branke 2024).
@@ -46,7 +47,7 @@ const RISKY: f64 = 0.5;
 pub(crate) fn pick(
     knowledge: &Knowledge<'_, '_>,
     pool: &Pool,
-    coverage: Option<&Coverage>,
+    coverage: &Coverage,
     pending: &[Cell],
     count: usize,
     scramble: u32,
@@ -63,31 +64,20 @@ pub(crate) fn pick(
         pending.iter().filter_map(|cell| pool.cells.iter().position(|candidate| candidate == cell)).collect();
     let sites = knowledge.process.sites();
     let is_early = sites.places().n_places() + sites.n_repeats() < 2 * count;
-    let share = if is_early { DOUBTED_AT_FIRST } else { DOUBTED };
-    let n_doubted = if count < FEWEST { 0 } else { (count / share).max(1) };
-    let (n_doubted, n_covering) = match coverage {
-        Some(_) if n_doubted > 0 => {
-            let n_doubted = n_doubted.max(count / COVERING + 1);
-            (n_doubted, n_doubted - 1)
-        }
-        _ => (n_doubted, 0),
-    };
-    let coded = match coverage {
-        Some(_) => pool.cells.iter().map(|&cell| knowledge.designs.coded_of(cell)).collect::<Result<Vec<_>, _>>()?,
-        None => Vec::new(),
-    };
-    let mut coverage = coverage.cloned();
+    let shares = Shares::of(count, is_early, knowledge.is_simulated());
+    let coded = pool.cells.iter().map(|&cell| knowledge.designs.coded_of(cell)).collect::<Result<Vec<_>, _>>()?;
+    let mut coverage = coverage.clone();
     let mut cells = Vec::with_capacity(count);
     let mut n_risked = 0;
     for step in 0..pending.len() + count {
         let normals = outcomes(step as u32, scramble);
-        let row = match (pending.get(step), &doubted, &coverage) {
-            (Some(&row), ..) => row,
-            (None, Some(doubted), Some(coverage)) if cells.len() >= count - n_covering => {
-                doubted.widest(coverage, &coded, &economy)
+        let row = match (pending.get(step), &doubted) {
+            (Some(&row), _) => row,
+            (None, Some(doubted)) if cells.len() >= count - shares.covering => {
+                doubted.widest(&coverage, &coded, &economy)
             }
-            (None, Some(doubted), _) if cells.len() >= count - n_doubted => doubted.clearest(&economy),
-            (None, ..) => believed.most_telling(&normals, step as u32, &economy),
+            (None, Some(doubted)) if cells.len() >= count - shares.doubted => doubted.clearest(&economy),
+            (None, _) => believed.most_telling(&normals, step as u32, &economy),
         };
         if step >= pending.len() {
             cells.push(pool.cells[row]);
@@ -97,15 +87,38 @@ pub(crate) fn pick(
                 believed.least_feasible = RISKY;
             }
         }
-        if let Some(coverage) = &mut coverage {
-            coverage.add(&coded[row]);
-        }
+        coverage.add(&coded[row]);
         believed.measure(row, &normals, step as u32);
         if let Some(doubted) = &mut doubted {
             doubted.measure(row, &normals, step as u32);
         }
     }
     Ok(cells)
+}
+
+/// How many of a batch are for the one who does not believe the simulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Shares {
+    /// All of these.
+    doubted: usize,
+    /// Those of them that go to where no run is near.
+    covering: usize,
+}
+
+impl Shares {
+    fn of(count: usize, is_early: bool, is_simulated: bool) -> Self {
+        if count < FEWEST {
+            return Self { doubted: 0, covering: 0 };
+        }
+        let doubted = (count / if is_early { DOUBTED_AT_FIRST } else { DOUBTED }).max(1);
+        if is_simulated {
+            let covering = (count / COVERING).max(1);
+            Self { doubted: doubted.max(covering + 1), covering }
+        } else {
+            let doubted = doubted.max(count / COVERING_UNTOLD + 1);
+            Self { doubted, covering: doubted - 1 }
+        }
+    }
 }
 
 /// What is known of each constrained response that was measured.
@@ -354,35 +367,70 @@ mod tests {
         let (mut simulate, designs) = (simulation(unit), scene.designs.clone());
         let mut knowledge = scene.knowledge(Some(&mut simulate));
         let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
-        let economy = || Economy::of(None, &designs);
-        let with = pick(&knowledge, &pool, None, &[], count, 7, economy()).unwrap();
+        let (economy, coverage) = (|| Economy::of(None, &designs), coverage(&knowledge, &pool));
+        let with = pick(&knowledge, &pool, &coverage, &[], count, 7, economy()).unwrap();
         knowledge.sceptic = None;
-        [with, pick(&knowledge, &pool, None, &[], count, 7, economy()).unwrap()]
+        [with, pick(&knowledge, &pool, &coverage, &[], count, 7, economy()).unwrap()]
     }
 
-    /// Without a simulation the last of what is the sceptic's goes to where most of the box is far from any run: it is as far from
-    /// those as a cell that brings the others nearer than any.
+    fn coverage(knowledge: &Knowledge<'_, '_>, pool: &Pool) -> Coverage {
+        let coded = |&cell: &Cell| knowledge.designs.coded_of(cell).unwrap();
+        let runs: Vec<Vec<f64>> = knowledge.measured.iter().map(coded).collect();
+        Coverage::of(knowledge.designs, pool, &runs.iter().map(Vec::as_slice).collect::<Vec<_>>()).unwrap()
+    }
+
+    /// With a simulation and without: it is as far from the runs and the other picks as a cell that brings the others nearer than any.
     #[test]
-    fn without_a_simulation_the_last_pick_is_where_no_run_is_near() {
-        let mut scene = misled(13, 1.0);
-        let designs = scene.designs.clone();
-        let knowledge = scene.knowledge(None);
-        let runs: Vec<Vec<f64>> = knowledge.measured.iter().map(|&cell| designs.coded_of(cell).unwrap()).collect();
-        let mut knowledge = knowledge;
-        let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
-        let mut coverage = Coverage::of(&designs, &pool, &runs.iter().map(Vec::as_slice).collect::<Vec<_>>()).unwrap();
-        let picks = pick(&knowledge, &pool, Some(&coverage), &[], 6, 7, Economy::of(None, &designs)).unwrap();
-        let coded = |cell: Cell| designs.coded_of(cell).unwrap();
-        picks[..5].iter().for_each(|&cell| coverage.add(&coded(cell)));
-        let gained = |cell: Cell| coverage.gain(&coded(cell));
-        let most = pool.cells.iter().map(|&cell| gained(cell)).fold(0.0, f64::max);
-        assert!((gained(picks[5]) - most).abs() < 1e-12 && most > 0.0, "{} of {most}", gained(picks[5]));
+    fn the_last_pick_is_where_no_run_is_near() {
+        for is_simulated in [true, false] {
+            let (mut scene, mut simulate) = (misled(13, 1.0), simulation(1.0));
+            let designs = scene.designs.clone();
+            let mut knowledge = scene.knowledge(if is_simulated { Some(&mut simulate) } else { None });
+            let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
+            let mut coverage = coverage(&knowledge, &pool);
+            let picks = pick(&knowledge, &pool, &coverage, &[], 6, 7, Economy::of(None, &designs)).unwrap();
+            let coded = |cell: Cell| designs.coded_of(cell).unwrap();
+            picks[..5].iter().for_each(|&cell| coverage.add(&coded(cell)));
+            let gained = |cell: Cell| coverage.gain(&coded(cell));
+            let most = pool.cells.iter().map(|&cell| gained(cell)).fold(0.0, f64::max);
+            assert!((gained(picks[5]) - most).abs() < 1e-12 && most > 0.0, "{} of {most}", gained(picks[5]));
+        }
     }
 
-    /// The last half while there are fewer readings than for two batches, one in six afterwards, none of a few.
+    /// Never all, none of a few; without a simulation more of them where no run is near, and one in any case where the sceptic knows least.
+    #[test]
+    fn shares_of_a_batch() {
+        for (count, is_early, is_simulated, doubted, covering) in [
+            (3, true, true, 0, 0),
+            (4, false, true, 2, 1),
+            (12, true, true, 6, 1),
+            (12, false, true, 2, 1),
+            (18, false, true, 3, 2),
+            (24, true, true, 12, 3),
+            (3, false, false, 0, 0),
+            (12, true, false, 6, 5),
+            (12, false, false, 4, 3),
+            (18, false, false, 5, 4),
+        ] {
+            let shares = Shares::of(count, is_early, is_simulated);
+            assert_eq!(shares, Shares { doubted, covering }, "{count} {is_early} {is_simulated}");
+        }
+        for count in FEWEST..200 {
+            for (is_early, is_simulated) in [(true, true), (true, false), (false, true), (false, false)] {
+                let shares = Shares::of(count, is_early, is_simulated);
+                assert!(
+                    shares.covering >= 1 && shares.covering < shares.doubted && shares.doubted < count,
+                    "{shares:?}"
+                );
+            }
+        }
+    }
+
+    /// The last half while there are fewer readings than for two batches, one in six afterwards and one where no run is near, none of a
+    /// few.
     #[test]
     fn the_last_picks_are_for_the_one_who_does_not_believe_the_simulation() {
-        for (n_readings, count, doubted) in [(5, 6, 3), (5, 5, 2), (11, 6, 3), (12, 6, 1), (13, 5, 1), (6, 3, 0)] {
+        for (n_readings, count, doubted) in [(5, 6, 3), (5, 5, 2), (11, 6, 3), (12, 6, 2), (13, 5, 2), (6, 3, 0)] {
             let [with, without] = picks(&mut misled(n_readings, 1.0), 1.0, count);
             let same = with.iter().zip(&without).take_while(|(a, b)| a == b).count();
             assert_eq!(count - same, doubted, "{count} picks after {n_readings} readings");
@@ -396,14 +444,15 @@ mod tests {
         let designs = scene.designs.clone();
         let knowledge = &mut scene.knowledge(Some(&mut simulate));
         let mut pool = Pool::gather(knowledge, 1, 0).unwrap();
+        let coverage = coverage(knowledge, &pool);
         let last = |pool: &Pool| {
-            let picks = pick(knowledge, pool, None, &[], 4, 7, Economy::of(None, &designs)).unwrap();
-            picks[3]
+            let picks = pick(knowledge, pool, &coverage, &[], 4, 7, Economy::of(None, &designs)).unwrap();
+            picks[2]
         };
         let before = last(&pool);
         let row = pool.cells.iter().position(|cell| *cell == before).unwrap();
-        pool.chances.responding[row] = FEASIBLE;
-        assert_eq!(last(&pool), before, "it is likely enough");
+        pool.chances.responding.fill(FEASIBLE);
+        assert_eq!(last(&pool), before, "all are likely enough");
         pool.chances.responding[row] = FEASIBLE - 1e-9;
         assert_ne!(last(&pool), before);
     }
