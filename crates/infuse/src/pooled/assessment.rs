@@ -165,11 +165,9 @@ impl Look {
         let cell = lowest_mean(knowledge, &pool, settings.seed, batch)?;
         let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
         let coverage = Coverage::of(knowledge.designs, &pool, &runs)?;
-        let n_even = match knowledge.is_simulated() {
-            true => None,
-            false => Some(coverage.even_runs(knowledge.designs, readings.len(), settings.seed)?),
-        };
-        let n_telling = n_even.unwrap_or(readings.len());
+        let n_even = coverage.even_runs(knowledge.designs, readings.len(), settings.seed)?;
+        let n_crowded = (readings.len() - n_even) as f64;
+        let n_telling = readings.len() - (knowledge.ignored() * n_crowded).round() as usize;
         let draws = Draws::of(knowledge, &pool, cell, readings, n_telling, settings.seed, batch)?;
         let certificate = draws.certificate(settings.confidence);
         let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
@@ -180,7 +178,7 @@ impl Look {
             n_repeats: knowledge.process.sites().n_repeats(),
             left,
             n_left,
-            unseen: n_even.map(|n_runs| unseen(n_runs, settings.confidence)),
+            unseen: (!knowledge.is_simulated()).then(|| unseen(n_even, settings.confidence)),
             simulation: simulation_worth(knowledge, readings)?,
             contradiction: contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?,
             outliers: set_aside.iter().copied().chain(open).collect(),
@@ -334,7 +332,7 @@ fn simulation_worth(knowledge: &mut Knowledge<'_, '_>, readings: &[Reading]) -> 
     let variance = factors.iter().map(|[mean, variance]| variance + (mean - factor).powi(2)).sum::<f64>() / n;
     Ok(Some(SimulationWorth {
         explained: squared_correlation(simulated, &responses),
-        ignored: 1.0 - factors.len() as f64 / particles.len() as f64,
+        ignored: knowledge.ignored(),
         factor,
         factor_deviation: variance.sqrt(),
     }))

@@ -54,8 +54,8 @@ impl Trust {
 /// It rests on the measurements, on the simulation as far as these agree with it, and on the response being a polynomial, a
 /// corrected simulation or as smooth as the priors of the surface say. What no measurement and no simulation shows, as a well
 /// between all of them, it allows for by doubting the simulation and by widening what the surface says of itself, the less the
-/// more readings there are. Without a simulation readings that crowd count for few: as many evenly spread ones as would leave the
-/// box as far from any.
+/// more readings there are. Without a simulation readings that crowd count for few, as many evenly spread ones as would leave the box
+/// as far from any; with one they count in between, by the probability that it is of no use.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// The probability.

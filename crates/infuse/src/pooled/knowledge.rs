@@ -126,6 +126,13 @@ impl<'a, 's> Knowledge<'a, 's> {
         !matches!(self.source, Source::Nothing)
     }
 
+    /// The probability that the response is better learnt without the simulation; one where there is none.
+    pub(crate) fn ignored(&self) -> f64 {
+        let uses = self.process.particles().iter().map(|particle| particle.structure().simulation);
+        let n_ignoring = uses.filter(|simulation| *simulation == SimulationUse::Ignored).count();
+        n_ignoring as f64 / self.process.particles().len() as f64
+    }
+
     /// Variance of one reading of an assembly that nothing else is known of.
     pub(crate) fn reading_variance(&self) -> f64 {
         self.process.noise().powi(2) + self.process.assembly_deviation().powi(2)

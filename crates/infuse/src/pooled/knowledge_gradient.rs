@@ -20,11 +20,10 @@ const DOUBTED: usize = 6;
 /// One in so many while there are fewer readings than for two batches: nothing has been seen yet of where the simulation misleads.
 const DOUBTED_AT_FIRST: usize = 2;
 const FEWEST: usize = 4;
-/// One pick in so many, and at least one, goes to where no run is near: it finds wells that nothing points to. So the simulation that
-/// hides the best well costs fewer batches, and where it has its lowest response far from the best hardly any campaign stops there.
-const COVERING: usize = 8;
-/// One in so many where there is no simulation to point to one, and nearly half of the batch after the first.
-const COVERING_UNTOLD: usize = 4;
+/// Without a simulation one pick in so many, and nearly half of the batch after the first, goes to where no run is near: so campaigns
+/// on two wells, the deeper one narrow, stop after fewer batches and hardly ever at the wrong one. Beside a simulation as many of one
+/// in so many as it is likely to be of no use: the more, if at all, the less it points to.
+const COVERING: usize = 4;
 
 /// Of a batch no more than one run in so many is made where it is more likely to fail than not: what nothing is known of seems
 /// endless, and could otherwise swallow all of it.
@@ -64,7 +63,7 @@ pub(crate) fn pick(
         pending.iter().filter_map(|cell| pool.cells.iter().position(|candidate| candidate == cell)).collect();
     let sites = knowledge.process.sites();
     let is_early = sites.places().n_places() + sites.n_repeats() < 2 * count;
-    let shares = Shares::of(count, is_early, knowledge.is_simulated());
+    let shares = Shares::of(count, is_early, knowledge.is_simulated().then(|| knowledge.ignored()));
     let coded = pool.cells.iter().map(|&cell| knowledge.designs.coded_of(cell)).collect::<Result<Vec<_>, _>>()?;
     let mut coverage = coverage.clone();
     let mut cells = Vec::with_capacity(count);
@@ -106,17 +105,21 @@ struct Shares {
 }
 
 impl Shares {
-    fn of(count: usize, is_early: bool, is_simulated: bool) -> Self {
+    /// Of a batch of so many, with the probability that the simulation is of no use, if there is one.
+    fn of(count: usize, is_early: bool, ignored: Option<f64>) -> Self {
         if count < FEWEST {
             return Self { doubted: 0, covering: 0 };
         }
         let doubted = (count / if is_early { DOUBTED_AT_FIRST } else { DOUBTED }).max(1);
-        if is_simulated {
-            let covering = (count / COVERING).max(1);
-            Self { doubted: doubted.max(covering + 1), covering }
-        } else {
-            let doubted = doubted.max(count / COVERING_UNTOLD + 1);
-            Self { doubted, covering: doubted - 1 }
+        match ignored {
+            Some(ignored) => {
+                let covering = ((count / COVERING) as f64 * ignored).round() as usize;
+                Self { doubted: doubted.max(covering + covering.min(1)), covering }
+            }
+            None => {
+                let doubted = doubted.max(count / COVERING + 1);
+                Self { doubted, covering: doubted - 1 }
+            }
         }
     }
 }
@@ -379,13 +382,17 @@ mod tests {
         Coverage::of(knowledge.designs, pool, &runs.iter().map(Vec::as_slice).collect::<Vec<_>>()).unwrap()
     }
 
-    /// With a simulation and without: it is as far from the runs and the other picks as a cell that brings the others nearer than any.
+    /// It is as far from the runs and the other picks as a cell that brings the others nearer than any: without a simulation, and with one
+    /// that is of no use.
     #[test]
     fn the_last_pick_is_where_no_run_is_near() {
+        let mut useless = |cell: Cell, _: &[f64]| Ok(f64::from(u32::try_from(cell.index() * 37 % 11).unwrap()));
         for is_simulated in [true, false] {
-            let (mut scene, mut simulate) = (misled(13, 1.0), simulation(1.0));
+            let mut scene = misled(13, 1.0);
             let designs = scene.designs.clone();
-            let mut knowledge = scene.knowledge(if is_simulated { Some(&mut simulate) } else { None });
+            let mut knowledge = scene.knowledge(if is_simulated { Some(&mut useless) } else { None });
+            let ignored = knowledge.ignored();
+            assert!(if is_simulated { ignored > 0.7 } else { ignored >= 1.0 }, "{ignored}");
             let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
             let mut coverage = coverage(&knowledge, &pool);
             let picks = pick(&knowledge, &pool, &coverage, &[], 6, 7, Economy::of(None, &designs)).unwrap();
@@ -397,43 +404,46 @@ mod tests {
         }
     }
 
-    /// Never all, none of a few; without a simulation more of them where no run is near, and one in any case where the sceptic knows least.
+    /// Never all, none of a few; where no run is near the more, the less the simulation is likely to be of use, and one of the sceptic's
+    /// is always where he knows least.
     #[test]
     fn shares_of_a_batch() {
-        for (count, is_early, is_simulated, doubted, covering) in [
-            (3, true, true, 0, 0),
-            (4, false, true, 2, 1),
-            (12, true, true, 6, 1),
-            (12, false, true, 2, 1),
-            (18, false, true, 3, 2),
-            (24, true, true, 12, 3),
-            (3, false, false, 0, 0),
-            (12, true, false, 6, 5),
-            (12, false, false, 4, 3),
-            (18, false, false, 5, 4),
+        for (count, is_early, ignored, doubted, covering) in [
+            (3, true, Some(1.0), 0, 0),
+            (4, false, Some(0.0), 1, 0),
+            (4, false, Some(0.6), 2, 1),
+            (12, true, Some(0.1), 6, 0),
+            (12, true, Some(0.5), 6, 2),
+            (12, false, Some(0.0), 2, 0),
+            (12, false, Some(0.4), 2, 1),
+            (12, false, Some(1.0), 4, 3),
+            (3, false, None, 0, 0),
+            (12, true, None, 6, 5),
+            (12, false, None, 4, 3),
+            (18, false, None, 5, 4),
         ] {
-            let shares = Shares::of(count, is_early, is_simulated);
-            assert_eq!(shares, Shares { doubted, covering }, "{count} {is_early} {is_simulated}");
+            let shares = Shares::of(count, is_early, ignored);
+            assert_eq!(shares, Shares { doubted, covering }, "{count} {is_early} {ignored:?}");
         }
         for count in FEWEST..200 {
-            for (is_early, is_simulated) in [(true, true), (true, false), (false, true), (false, false)] {
-                let shares = Shares::of(count, is_early, is_simulated);
-                assert!(
-                    shares.covering >= 1 && shares.covering < shares.doubted && shares.doubted < count,
-                    "{shares:?}"
-                );
+            for (is_early, ignored) in
+                [(true, Some(1.0)), (true, None), (false, Some(1.0)), (false, None), (false, Some(0.3))]
+            {
+                let shares = Shares::of(count, is_early, ignored);
+                assert!(shares.covering < shares.doubted && shares.doubted < count, "{shares:?}");
             }
         }
     }
 
-    /// The last half while there are fewer readings than for two batches, one in six afterwards and one where no run is near, none of a
-    /// few.
+    /// As many as are theirs, whether or not there are readings for two batches.
     #[test]
     fn the_last_picks_are_for_the_one_who_does_not_believe_the_simulation() {
-        for (n_readings, count, doubted) in [(5, 6, 3), (5, 5, 2), (11, 6, 3), (12, 6, 2), (13, 5, 2), (6, 3, 0)] {
+        for (n_readings, count) in [(5, 6), (5, 5), (11, 6), (12, 6), (13, 5), (6, 3)] {
+            let ignored = misled(n_readings, 1.0).knowledge(Some(&mut simulation(1.0))).ignored();
+            let shares = Shares::of(count, n_readings < 2 * count, Some(ignored));
             let [with, without] = picks(&mut misled(n_readings, 1.0), 1.0, count);
             let same = with.iter().zip(&without).take_while(|(a, b)| a == b).count();
-            assert_eq!(count - same, doubted, "{count} picks after {n_readings} readings");
+            assert_eq!(count - same, shares.doubted, "{count} picks after {n_readings} readings");
         }
     }
 
@@ -447,7 +457,7 @@ mod tests {
         let coverage = coverage(knowledge, &pool);
         let last = |pool: &Pool| {
             let picks = pick(knowledge, pool, &coverage, &[], 4, 7, Economy::of(None, &designs)).unwrap();
-            picks[2]
+            picks[3]
         };
         let before = last(&pool);
         let row = pool.cells.iter().position(|cell| *cell == before).unwrap();
