@@ -252,9 +252,10 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
         _ if !campaign.problem.simulator.is_there() => Finding::new(
             "There is no simulation: experiments alone tell, and more of them are needed than with a good one.",
         ),
-        _ if simulated.is_empty() => {
-            Finding::new("There is no simulation to learn from: every one failed, or none was run yet.")
-        }
+        _ if simulated.is_empty() => Finding::new(
+            "There is no simulation to learn from yet: every one failed, or none was run of what `[simulator]` says now; \
+                 `infuse ask` runs some.",
+        ),
         _ if simulated.len() > 1 && !tells_designs_apart(&simulated) => {
             Finding::new("The simulation gives the same value everywhere: it tells nothing.")
         }

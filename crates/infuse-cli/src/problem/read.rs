@@ -109,6 +109,9 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
         None if let Some((key, section)) = section_of_unknown(error.message()) => {
             format!("\n`{key}` stands under {section}")
         }
+        None if error.message() == "missing field `title`" => {
+            "\nwrite title = \"what is optimized\" as the first line, above all sections".to_owned()
+        }
         None if value.trim_ascii_start().starts_with(b".") => "\nwrite 0.5 and not .5".to_owned(),
         None if is_comma && !is_list => "\na decimal comma? write 20.5 and not 20,5".to_owned(),
         None => String::new(),

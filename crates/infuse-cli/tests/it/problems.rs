@@ -29,6 +29,7 @@ fn slips_in_the_problem_are_told() {
     assert_refused("seed = 1", "sead = 1", &["campaign.toml", "sead", "line 6"]);
     assert_refused("lower = 10", "lower = 10,5", &["a decimal comma? write 20.5 and not 20,5"]);
     assert_refused("lower = 10", "lower = .5", &["write 0.5 and not .5"]);
+    assert_refused("title = \"", "# title = \"", &["missing field `title`", "as the first line, above all sections"]);
     assert_refused("lower = 10", "lower = nan", &["`spring`", "NaN"]);
     assert_refused("lower = 10", "lower = 40", &["spring", "40"]);
     assert_refused("step = 2\n", "", &["`spring` needs `levels`", "dissertation"]);

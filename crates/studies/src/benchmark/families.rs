@@ -42,6 +42,7 @@ enum Kind {
     RoughUseless,
     RoughPerfect,
     Borehole,
+    Decoy,
 }
 
 const fn family(name: &'static str, n_factors: usize, kind: Kind, noise: f64) -> Family {
@@ -66,6 +67,7 @@ impl Kind {
             Self::Cliff => "oblique valley, cut by a cliff that the simulation does not know",
             Self::RoughUseless => "random field; the simulation is another one",
             Self::RoughPerfect => "random field; the simulation is right but for a factor and a constant",
+            Self::Decoy => "bowl with a narrow well; the simulation has that well elsewhere",
             Self::Borehole => "flow through a borehole with a bowl; its low fidelity (Xiong et al. 2013)",
         }
     }
@@ -94,6 +96,13 @@ pub(crate) const FAMILIES: [Family; 21] = [
     family("borehole-4", 4, Kind::Borehole, 0.03),
     family("hartmann-6", 6, Kind::Hartmann, 0.03),
     family("bowl-6", 6, Kind::Bowl, 0.03),
+];
+
+/// Families whose simulation leads away from the best: run on fresh seeds only, by no peer, and counted in no share of all families.
+pub(crate) const DECOYS: [Family; 3] = [
+    family("decoy-2", 2, Kind::Decoy, 0.01),
+    family("decoy-3", 3, Kind::Decoy, 0.01),
+    family("decoy-4", 4, Kind::Decoy, 0.01),
 ];
 
 impl Family {
@@ -169,6 +178,7 @@ impl Kind {
                 (Box::new(move |u| field(u)), Box::new(move |u| 0.7 * same(u) + 0.2))
             }
             Self::Borehole => borehole(rng),
+            Self::Decoy => decoy(k, rng),
         }
     }
 }
@@ -252,6 +262,30 @@ fn wells(k: usize, rng: &mut ChaCha8Rng, simulated: fn([f64; 2]) -> [f64; 2]) ->
     };
     let simulation = shape.clone();
     (Box::new(move |u| shape(u, [deep, shallow])), Box::new(move |u| simulation(u, simulated([deep, shallow]))))
+}
+
+/// A bowl with a narrow well, which the simulation has elsewhere.
+fn decoy(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
+    let far = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() > 0.12;
+    let center: Vec<f64> = (0..k).map(|_| between(rng, 0.25, 0.75)).collect();
+    let (well, simulated) = loop {
+        let well: Vec<f64> = (0..k).map(|_| between(rng, 0.1, 0.9)).collect();
+        let simulated: Vec<f64> = (0..k).map(|_| between(rng, 0.1, 0.9)).collect();
+        if far(&well, &simulated) && far(&well, &center) && far(&simulated, &center) {
+            break (well, simulated);
+        }
+    };
+    let width: f64 = match k {
+        2 => 0.1,
+        3 => 0.16,
+        _ => 0.2,
+    };
+    let shape = move |u: &[f64], well: &[f64]| {
+        let square = |at: &[f64]| u.iter().zip(at).map(|(u, at)| (u - at) * (u - at)).sum::<f64>();
+        square(&center) - (-0.5 * square(well) / (width * width)).exp()
+    };
+    let simulation = shape.clone();
+    (Box::new(move |u| shape(u, &well)), Box::new(move |u| simulation(u, &simulated)))
 }
 
 fn branin(rng: &mut ChaCha8Rng) -> (Function, Function) {

@@ -21,7 +21,7 @@ use crate::reproduction::progress;
 use families::{FAMILIES, Family};
 use methods::{METHODS, Method};
 use results::{Results, Row};
-use task::{FRESH_FAMILIES, FRESH_SEEDS, LEVELS, SEEDS, Task, descend};
+use task::{FRESH_SEEDS, LEVELS, SEEDS, Task, descend, fresh_families};
 
 /// Where the rows of our methods, and those of the peers, are kept.
 const OURS: &str = "fixtures/benchmark";
@@ -41,8 +41,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
         let all = (1..=SEEDS).flat_map(|seed| FAMILIES.iter().map(move |family| (family, seed)));
         run_missing(method, &mut results, all)?;
         if method.name == OWN {
-            let fresh = || FAMILIES.iter().filter(|family| FRESH_FAMILIES.contains(&family.name));
-            let all = FRESH_SEEDS.flat_map(|seed| fresh().map(move |family| (family, seed)));
+            let all = FRESH_SEEDS.flat_map(|seed| fresh_families().map(move |family| (family, seed)));
             run_missing(method, &mut Results::read(&root.join(OURS), FRESH)?, all)?;
         }
     }

@@ -5,7 +5,6 @@ use page::quantile;
 
 use super::families::{FAMILIES, Family};
 use super::results::{Results, Row};
-use super::task::SEEDS;
 
 /// Regrets below this share of the range count as equal: a tenth of the smallest noise.
 pub(super) const FLOOR: f64 = 0.003;
@@ -162,8 +161,8 @@ impl Stops {
 
 pub(super) fn stops(results: &Results, family: &Family, worth: f64) -> Stops {
     let mut stops = Stops::default();
-    for seed in 1..=SEEDS {
-        let rows = results.of(family.name, seed);
+    for first in rows_of(results, family, 1) {
+        let rows = results.of(family.name, first.seed);
         let Some(last) = rows.last() else { continue };
         stops.campaigns += 1;
         match rows.iter().find(|row| row.bound.is_some_and(|bound| bound <= worth)) {
