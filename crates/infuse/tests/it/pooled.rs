@@ -383,7 +383,7 @@ fn certificate_holds_beside_designs_that_fail() {
         |_: Cell, x: &[f64]| Ok((11.5 * (x[0] + 1.0) - 16.0).powi(2) + 0.5 * (11.5 * (x[1] + 1.0) - 10.0).powi(2));
     let mut stopped = 0;
     for seed in 1..=8 {
-        let mut settings = batches(8, 8, seed);
+        let mut settings = batches(8, 10, seed);
         settings.worth = Some(1.0);
         let mut campaign = campaign(2, 24, settings);
         let mut experiment = noisy(seed, 2.0, truth);
