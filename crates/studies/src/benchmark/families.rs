@@ -201,6 +201,10 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+}
+
 /// An oblique quadratic about `center`, steeper on one side along `along`.
 fn skewed(
     center: Vec<f64>,
@@ -246,18 +250,14 @@ fn wells(k: usize, rng: &mut ChaCha8Rng, simulated: fn([f64; 2]) -> [f64; 2]) ->
     let (first, second) = loop {
         let first: Vec<f64> = (0..k).map(|_| between(rng, 0.15, 0.85)).collect();
         let second: Vec<f64> = (0..k).map(|_| between(rng, 0.15, 0.85)).collect();
-        let square: f64 = first.iter().zip(&second).map(|(a, b)| (a - b) * (a - b)).sum();
-        if square > 0.25 {
+        if squared_distance(&first, &second) > 0.25 {
             break (first, second);
         }
     };
     let width = if k == 2 { 0.17 } else { 0.28 };
     let (deep, shallow) = (1.0, between(rng, 0.55, 0.75));
     let shape = move |u: &[f64], depths: [f64; 2]| {
-        let well = |center: &[f64], depth: f64| {
-            let square: f64 = u.iter().zip(center).map(|(u, c)| (u - c) * (u - c)).sum();
-            depth * (-0.5 * square / (width * width)).exp()
-        };
+        let well = |center: &[f64], depth: f64| depth * (-0.5 * squared_distance(u, center) / (width * width)).exp();
         1.0 + 0.2 * dot(u, u) / u.len() as f64 - well(&first, depths[0]) - well(&second, depths[1])
     };
     let simulation = shape.clone();
@@ -266,7 +266,7 @@ fn wells(k: usize, rng: &mut ChaCha8Rng, simulated: fn([f64; 2]) -> [f64; 2]) ->
 
 /// A bowl with a narrow well, which the simulation has elsewhere.
 fn decoy(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
-    let far = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() > 0.12;
+    let far = |a: &[f64], b: &[f64]| squared_distance(a, b) > 0.12;
     let center: Vec<f64> = (0..k).map(|_| between(rng, 0.25, 0.75)).collect();
     let (well, simulated) = loop {
         let well: Vec<f64> = (0..k).map(|_| between(rng, 0.1, 0.9)).collect();
@@ -281,8 +281,7 @@ fn decoy(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
         _ => 0.2,
     };
     let shape = move |u: &[f64], well: &[f64]| {
-        let square = |at: &[f64]| u.iter().zip(at).map(|(u, at)| (u - at) * (u - at)).sum::<f64>();
-        square(&center) - (-0.5 * square(well) / (width * width)).exp()
+        squared_distance(u, &center) - (-0.5 * squared_distance(u, well) / (width * width)).exp()
     };
     let simulation = shape.clone();
     (Box::new(move |u| shape(u, &well)), Box::new(move |u| simulation(u, &simulated)))
