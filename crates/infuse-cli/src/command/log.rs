@@ -87,14 +87,17 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
                 }
                 continue;
             }
-            Event::Assessed(Assessed { settings: now, .. }) => {
+            Event::Assessed(Assessed { settings: now, by, .. }) => {
                 if let Some(then) = settings.replace(now).filter(|then| *then != now) {
                     add("changed", format!("campaign.toml: {}.", changed(then, now)));
                 }
+                if let Some((then, by)) = by.as_ref().and_then(|by| another(&mut simulator, by)) {
+                    add("changed", format!("the simulator was {then} and is {by}."));
+                }
             }
             Event::Simulated { by, .. } => {
-                if let Some(then) = simulator.replace(by).filter(|then| then != by) {
-                    add("changed", format!("the simulator was {} and is {}.", echo(then), echo(by)));
+                if let Some((then, by)) = another(&mut simulator, by) {
+                    add("changed", format!("the simulator was {then} and is {by}."));
                 }
             }
             // A batch that is submitted again is so without what it has given.
@@ -115,6 +118,13 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
         }
     }
     entries
+}
+
+/// The simulator until now and this one, if it is another.
+fn another<'a>(simulator: &mut Option<&'a str>, by: &'a str) -> Option<(String, String)> {
+    let in_words = |by: &str| if by.is_empty() { "not there".to_owned() } else { echo(by) };
+    let then = simulator.replace(by).filter(|then| *then != by)?;
+    Some((in_words(then), in_words(by)))
 }
 
 /// Whether this is the first submission of the same batch.

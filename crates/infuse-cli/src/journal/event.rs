@@ -172,6 +172,9 @@ pub(crate) struct Assessed {
     pub(crate) noise: f64,
     /// The settings of the loop at that time.
     pub(crate) settings: Value,
+    /// The simulator at that time, empty if there was none; journals that do not have it go on without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) by: Option<String>,
     /// Of this line and all before it; see [`Checksum`](super::checksum::Checksum).
     #[serde(default)]
     pub(crate) check: String,

@@ -12,6 +12,7 @@ use super::campaign::{Batch, Campaign, Checked, Remembered};
 use crate::campaign::Imported;
 use crate::journal::{Assessed, Event, JOURNAL, Purpose, Submitted, Writer};
 use crate::problem::PROBLEM;
+use crate::simulator::identity;
 
 impl Campaign {
     /// An event of the journal; an error names its line.
@@ -78,6 +79,7 @@ impl Campaign {
                 left: found.left,
                 noise: found.noise,
                 settings: serde_json::to_value(&self.settings).unwrap_or_default(),
+                by: Some(identity(&self.problem.simulator)),
                 check: String::new(),
             };
             (found.recommended.cell, assessed)
