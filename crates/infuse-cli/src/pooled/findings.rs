@@ -155,18 +155,18 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         );
     }
     let sentence = format!("With {}.", none_better(&campaign.problem, certificate));
-    let rests = match campaign.problem.simulator.is_there() {
-        true => {
-            "It rests on the measurements, on the simulation as far as these agree with it, and on a response as smooth as the \
-             surface assumes."
-        }
-        false => "It rests on the measurements, and on a response as smooth as the surface assumes.",
+    let simulation = match campaign.problem.simulator.is_there() {
+        true => " on the simulation as far as these agree with it,",
+        false => "",
     };
+    let wells = if campaign.problem.smooth { ", without narrow wells as `smooth` says" } else { "" };
+    let rests =
+        format!("It rests on the measurements,{simulation} and on a response as smooth as the surface assumes{wells}.");
     let finding = Finding::new(sentence)
         .with("probability", certificate.probability, "1")
         .with("bound", certificate.bound, &response.unit)
         .detail(Finding::new(rests));
-    let finding = held_for_the_unseen(campaign, certificate).into_iter().fold(finding, Finding::detail);
+    let finding = held_for_the_unseen(campaign, found).into_iter().fold(finding, Finding::detail);
     let finding = unseen(found).into_iter().fold(finding, Finding::detail);
     match campaign.settings.worth {
         None => {
@@ -207,14 +207,20 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
 const MUCH_IS_HELD: f64 = 0.2;
 
 /// How much of the bound is not what the surface says, but is kept for what so few experiments cannot have shown.
-fn held_for_the_unseen(campaign: &Campaign, certificate: &Certificate) -> Option<Finding> {
-    let (response, Certificate { bound, quantile, .. }) = (&campaign.problem.response, *certificate);
+fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
+    let (response, Certificate { bound, quantile, .. }) = (&campaign.problem.response, found.certificate);
     if bound - quantile <= MUCH_IS_HELD * bound {
         return None;
     }
     let alone = if quantile > 0.0 { amount(response, quantile) } else { "that none is".to_owned() };
     let n = count(campaign.costs().len(), "result");
-    let sentence = format!("The surface alone would say {alone}; the rest is held for what {n} may not have shown.");
+    let held = match found.forecast.reserves_until() {
+        Some(enough) => format!(
+            "a narrow well that {n} may have missed, and falls away at {enough}, or by `smooth` in [stop] if there surely is none"
+        ),
+        None => format!("what {n} may not have shown"),
+    };
+    let sentence = format!("The surface alone would say {alone}; the rest is held for {held}.");
     Some(Finding::new(sentence).with("the surface alone", quantile, &response.unit))
 }
 

@@ -56,6 +56,8 @@ pub(crate) struct Problem {
     pub(crate) rule: LoopEntry,
     /// The smallest improvement that another batch is worth, in the unit of the response.
     pub(crate) worth: Option<f64>,
+    /// Whether it is known to have no narrow well.
+    pub(crate) smooth: bool,
 }
 
 /// What is measured.

@@ -90,6 +90,7 @@ impl Problem {
             sheets: file.sheets,
             rule: file.rule,
             worth,
+            smooth: file.stop.smooth,
         })
     }
 }
@@ -135,7 +136,7 @@ const SECTIONS: [(&str, &[&str]); 6] = [
             "cost_unit",
         ],
     ),
-    ("[stop]", &["worth"]),
+    ("[stop]", &["worth", "smooth"]),
     ("[response]", &["goal"]),
     ("[simulator]", &["table", "command", "jobs", "input", "timeout_seconds"]),
     ("[[constraint]]", &["probability"]),

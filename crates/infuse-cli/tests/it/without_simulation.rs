@@ -49,6 +49,8 @@ fn nothing_is_said_of_a_simulation_but_that_there_is_none() {
     assert!(status.contains("There is no simulation: experiments alone tell"), "{status}");
     assert_eq!(mentions(&status), 1, "{status}");
     assert!(status.contains("of all designs are better, with 90 % probability; a well that takes less"), "{status}");
+    // Twenty a parameter.
+    assert!(status.contains("a narrow well that 20 results may have missed, and falls away at 40, or by"), "{status}");
     // As evenly spread runs as there are have seen that much: 1 − 0.1^(1/n), n no more than those told.
     let (share, told) = (rig.status()["unseen_share"].as_f64().unwrap(), rig.status()["told"].as_u64().unwrap());
     let of = |n: u64| 1.0 - 0.1_f64.powf(1.0 / n as f64);
@@ -76,10 +78,37 @@ fn a_simulation_may_come_later_and_go_again() {
     assert!(with["simulation"]["explained"].is_number() && with["simulation_alone"].is_object(), "{with}");
     let asked = ask(&rig);
     tell(&rig, asked["experiments"].as_array().unwrap(), |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id)));
+    let log = rig.infuse(&["log"]).ok();
+    assert!(log.contains("the simulator was not there and is table simulation.csv."), "{log}");
     rig.infuse(&["undo"]).ok();
     rig.edit(SIMULATOR, "");
     assert!(rig.status()["simulation"].is_null());
     assert_eq!(without["batches"].as_array().unwrap().len(), 1);
+}
+
+/// Who knows that there is no narrow well is promised more, and can take it back.
+#[test]
+fn nothing_is_held_in_reserve_where_the_response_is_known_to_be_smooth() {
+    let rig = rig("[stop]\nworth = 3\n");
+    for _ in 0..2 {
+        assert!(batch(&rig, |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id))));
+    }
+    let bound = || rig.status()["bound"].as_f64().unwrap();
+    let careful = bound();
+    rig.edit("worth = 3", "worth = 3\nsmooth = true");
+    let smooth = bound();
+    let status = rig.infuse(&["status"]).ok();
+    assert!(smooth < 0.9 * careful && !status.contains("a narrow well"), "{careful}, {smooth}: {status}");
+    assert!(status.contains("surface assumes, without narrow wells as `smooth` says."), "{status}");
+    assert!(batch(&rig, |a, b, id| Ok(wells(a, b, DEPTHS) + wobble(id))));
+    let log = rig.infuse(&["log"]).ok();
+    assert!(log.contains("campaign.toml: `smooth` was not set and is true."), "{log}");
+    rig.edit("smooth = true", "smooth = 1");
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("smooth") && error.contains("expected a boolean"), "{error}");
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "method = \"dissertation\"\n[stop]\nsmooth = true\n");
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("`smooth` belongs to `method` = \"pooled\""), "{error}");
 }
 
 #[test]

@@ -257,6 +257,7 @@ _SETTINGS = (
     "max_batches",
     "noise",
     "worth",
+    "smooth",
     "confidence",
     "particles",
     "seed",
@@ -318,7 +319,8 @@ class PooledLoop:
     A response is to be made small. `n_experiments` is the size of a batch. The simulation is run wherever it is needed;
     where it is dear, `simulations` limits how many there are per batch, and `due` says which. `noise` is the standard
     deviation of a reading, where it is known. With `worth` the campaign stops once no design is better than the
-    recommended one by more than this, with the probability `confidence`.
+    recommended one by more than this, with the probability `confidence`. `smooth` says that the response surely has no
+    narrow well, for which the certificate otherwise holds something in reserve.
 
     With `constraints` further responses have to stay within bounds; a simulation then gives n rows, the response first and
     one column for each constraint behind it. `linear_constraints` keep settings together, and `plants` says what is built.
@@ -349,6 +351,7 @@ class PooledLoop:
         max_batches: int = 10,
         noise: Optional[float] = None,
         worth: Optional[float] = None,
+        smooth: bool = False,
         confidence: float = 0.9,
         particles: int = 18,
         seed: int = 1,
@@ -363,6 +366,7 @@ class PooledLoop:
             "max_batches": max_batches,
             "noise": noise,
             "worth": worth,
+            "smooth": smooth,
             "confidence": confidence,
             "particles": particles,
             "seed": seed,

@@ -1,12 +1,14 @@
 //! What the experiments so far come to: the recommended design, how far it may be from the best, and what speaks against it.
 
+use std::collections::BTreeSet;
+
 use design_space::Cell;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 use surface::process::SimulationUse;
 
 use crate::Error;
-use crate::pooled::certificate::{Certificate, Draws};
+use crate::pooled::certificate::{Certificate, Draws, Evidence, Forecast};
 use crate::pooled::coverage::{Coverage, unseen};
 use crate::pooled::economy::Economy;
 use crate::pooled::held::{Expected, MAY_RESPOND, UNKNOWN};
@@ -103,6 +105,8 @@ pub struct Assessment {
     pub recommended: Standing,
     /// How much better another may be.
     pub certificate: Certificate,
+    /// How that is expected to fall.
+    pub forecast: Forecast,
     /// Standard deviation of one reading, as given or as learnt.
     pub noise: f64,
     /// Standard deviation of the error that all runs of an assembly share, where plants are told apart.
@@ -126,7 +130,7 @@ pub struct Assessment {
     pub contradiction: Option<Contradiction>,
     /// Readings more than four standard deviations off, and those that are set aside.
     pub outliers: Vec<Outlier>,
-    /// [Further batches](Certificate::further_batches) until the certificate is expected to be as small as the campaign's `worth`,
+    /// [Further batches](Forecast::further_batches) until the certificate is expected to be as small as the campaign's `worth`,
     /// open ones among them: 0 if it is.
     pub further_batches: Option<u64>,
 }
@@ -166,10 +170,19 @@ impl Look {
         let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
         let coverage = Coverage::of(knowledge.designs, &pool, &runs)?;
         let n_even = coverage.even_runs(knowledge.designs, readings.len(), settings.seed)?;
-        let n_crowded = (readings.len() - n_even) as f64;
-        let n_telling = readings.len() - (knowledge.ignored() * n_crowded).round() as usize;
-        let draws = Draws::of(knowledge, &pool, cell, readings, n_telling, settings.seed, batch)?;
+        let designs = knowledge.designs;
+        let n_tried = readings.iter().map(|reading| reading.cell).collect::<BTreeSet<_>>().len();
+        let evidence = Evidence {
+            n_readings: readings.len(),
+            n_even,
+            ignored: knowledge.ignored(),
+            unseen: if settings.smooth { 0.0 } else { 1.0 - n_tried as f64 / designs.n_cells() as f64 },
+            n_factors: designs.n_factors(),
+            n_terms: designs.n_terms(),
+        };
+        let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?;
         let certificate = draws.certificate(settings.confidence);
+        let forecast = draws.forecast(settings.confidence, settings.n_experiments);
         let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
         let assessment = Assessment {
@@ -183,10 +196,9 @@ impl Look {
             contradiction: contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?,
             outliers: set_aside.iter().copied().chain(open).collect(),
             recommended,
-            further_batches: settings
-                .worth
-                .map(|worth| certificate.further_batches(worth, readings.len(), settings.n_experiments)),
+            further_batches: settings.worth.map(|worth| forecast.further_batches(worth)),
             certificate,
+            forecast,
         };
         let doubted = knowledge.sceptic.as_ref().map(|sceptic| sceptic.marginals(&pool.places));
         Ok(Self { assessment, pool: pool.reduced(doubted.as_ref(), settings.seed, batch), coverage, again })

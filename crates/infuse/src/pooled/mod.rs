@@ -74,7 +74,7 @@ mod turn;
 pub use ask_tell::{Ask, StopReason};
 pub use assessment::{Assessment, Expectation, Standing};
 pub use campaign::{Earlier, Loop, Record, Trial};
-pub use certificate::Certificate;
+pub use certificate::{Certificate, Forecast};
 pub use constraint::{Constraint, LinearConstraint};
 pub use plants::Plants;
 pub use settings::Settings;

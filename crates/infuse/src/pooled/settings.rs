@@ -29,6 +29,9 @@ pub struct Settings {
     /// goes; in the unit of the response. Default: it does not stop by itself.
     #[serde(default)]
     pub worth: Option<f64>,
+    /// The response is known to have no narrow well: the certificate holds nothing in reserve for one. Default: that is not known.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub smooth: bool,
     /// Probability of the certificate, 0.5 to 0.99. Default 0.9.
     #[serde(default = "default_confidence")]
     pub confidence: f64,
@@ -82,6 +85,7 @@ impl Settings {
             max_batches: default_max_batches(),
             noise: None,
             worth: None,
+            smooth: false,
             confidence: default_confidence(),
             constraints: Vec::new(),
             linear_constraints: Vec::new(),
