@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use anyhow::{Result, bail};
 use design_space::{Cell, Model};
+use infuse::pooled::Forecast;
 use infuse::{Outcome, global, pooled};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -20,13 +21,15 @@ pub(super) struct Step {
     pub(super) bound: Option<f64>,
     /// The same without allowance.
     pub(super) quantile: Option<f64>,
+    /// How the bound is expected to fall.
+    pub(super) forecast: Option<Forecast>,
     pub(super) ask_seconds: f64,
     pub(super) tell_seconds: f64,
 }
 
 impl Step {
     fn of(recommended: Cell) -> Self {
-        Self { recommended, bound: None, quantile: None, ask_seconds: 0.0, tell_seconds: 0.0 }
+        Self { recommended, bound: None, quantile: None, forecast: None, ask_seconds: 0.0, tell_seconds: 0.0 }
     }
 }
 
@@ -98,7 +101,8 @@ fn pooled_campaign(task: &Task<'_>, is_told: bool) -> Result<Vec<Step>> {
         };
         let tell_seconds = start.elapsed().as_secs_f64();
         let (bound, quantile) = (Some(assessment.certificate.bound), Some(assessment.certificate.quantile));
-        steps.push(Step { recommended: assessment.recommended.cell, bound, quantile, ask_seconds, tell_seconds });
+        let (recommended, forecast) = (assessment.recommended.cell, Some(assessment.forecast));
+        steps.push(Step { recommended, bound, quantile, forecast, ask_seconds, tell_seconds });
     }
     Ok(steps)
 }

@@ -18,10 +18,10 @@ use design_space::{Cell, Grid};
 use rayon::prelude::*;
 
 use crate::reproduction::progress;
-use families::{FAMILIES, Family};
-use methods::{METHODS, Method};
-use results::{Results, Row};
-use task::{FRESH_SEEDS, LEVELS, SEEDS, Task, descend, fresh_families};
+use families::{DECOYS, FAMILIES, Family};
+use methods::{METHODS, Method, UNTOLD};
+use results::{Fresh, Results, Row};
+use task::{FRESH_SEEDS, LEVELS, SEEDS, Task, descend, fresh_compared, fresh_families};
 
 /// Where the rows of our methods, and those of the peers, are kept.
 const OURS: &str = "fixtures/benchmark";
@@ -31,6 +31,9 @@ const PEERS: &str = "fixtures/peers/results";
 const OWN: &str = METHODS[0].name;
 /// Its campaigns on fresh seeds: apart, so that peers are compared on the others.
 const FRESH: &str = "pooled-fresh";
+/// Beside these, on the first of the seeds, those that are not told of the simulation.
+const FRESH_UNTOLD: &str = "pooled-untold-fresh";
+const FRESH_PEER: &str = "botorch-fresh";
 
 /// Runs what is missing among the kept campaigns, and writes the page.
 pub(crate) fn run(root: &Path) -> Result<()> {
@@ -43,6 +46,10 @@ pub(crate) fn run(root: &Path) -> Result<()> {
         if method.name == OWN {
             let all = FRESH_SEEDS.flat_map(|seed| fresh_families().map(move |family| (family, seed)));
             run_missing(method, &mut Results::read(&root.join(OURS), FRESH)?, all)?;
+        }
+        if method.name == UNTOLD {
+            let all = fresh_compared().flat_map(|seed| fresh_families().map(move |family| (family, seed)));
+            run_missing(method, &mut Results::read(&root.join(OURS), FRESH_UNTOLD)?, all)?;
         }
     }
     write_page(root)
@@ -81,19 +88,32 @@ pub(crate) fn write_page(root: &Path) -> Result<()> {
 pub(crate) fn check(root: &Path) -> Result<()> {
     let kept_results = kept(root)?;
     for method in METHODS.iter().filter(|method| method.is_quick) {
+        let results = Results::read(&root.join(OURS), method.name)?;
         for family in FAMILIES.iter().filter(|family| method.can(family)).step_by(4) {
-            let seed = 1;
-            let again = campaign(method, family, seed)?;
-            let before = Results::read(&root.join(OURS), method.name)?.of(family.name, seed);
-            let same = before.len() == again.len() && before.iter().zip(&again).all(|(a, b)| a.agrees(b));
-            ensure!(same, "{} on {}, seed {seed}: other rows than kept in {OURS}", method.words, family.name);
+            check_rows(method, &results, family, 1)?;
         }
     }
-    page::check(root, &kept_results, &fresh(root)?)
+    let fresh = fresh(root)?;
+    for family in fresh_families().step_by(2) {
+        check_rows(&METHODS[0], &fresh.ours, family, *FRESH_SEEDS.start())?;
+    }
+    page::check(root, &kept_results, &fresh)
 }
 
-fn fresh(root: &Path) -> Result<Results> {
-    Results::read(&root.join(OURS), FRESH)
+/// That one campaign, run again, has the rows that are kept.
+fn check_rows(method: &Method, results: &Results, family: &Family, seed: u64) -> Result<()> {
+    let (before, again) = (results.of(family.name, seed), campaign(method, family, seed)?);
+    let same = before.len() == again.len() && before.iter().zip(&again).all(|(a, b)| a.agrees(b));
+    ensure!(same, "{} on {}, seed {seed}: other rows than kept in {OURS}", method.words, family.name);
+    Ok(())
+}
+
+fn fresh(root: &Path) -> Result<Fresh> {
+    let words = METHODS.iter().find(|method| method.name == UNTOLD).map_or("", |method| method.words);
+    let untold = Results::read(&root.join(OURS), FRESH_UNTOLD)?;
+    let peer = Results::read(&root.join(PEERS), FRESH_PEER)?;
+    let ours = Results::read(&root.join(OURS), FRESH)?;
+    Ok(Fresh { ours, untold: vec![(words, untold), (results::PEERS[0].words, peer)] })
 }
 
 fn kept(root: &Path) -> Result<Vec<Results>> {
@@ -114,9 +134,10 @@ fn campaign(method: &Method, family: &Family, seed: u64) -> Result<Vec<Row>> {
     let row = |(batch, step): (usize, methods::Step)| {
         let point = task.grid.point(step.recommended)?;
         let regret = (pair.truth)(&point) - best;
-        let methods::Step { bound, quantile, ask_seconds, tell_seconds, .. } = step;
+        let methods::Step { bound, quantile, forecast, ask_seconds, tell_seconds, .. } = step;
+        let (drawn, reserve) = (forecast.map(|forecast| forecast.drawn), forecast.map(|forecast| forecast.reserve));
         let family = family.name.to_owned();
-        Ok(Row { family, seed, batch: batch + 1, regret, bound, quantile, ask_seconds, tell_seconds })
+        Ok(Row { family, seed, batch: batch + 1, regret, bound, quantile, drawn, reserve, ask_seconds, tell_seconds })
     };
     steps.into_iter().enumerate().map(row).collect()
 }
@@ -145,9 +166,10 @@ fn lowest(grid: &Grid, truth: &dyn Fn(&[f64]) -> f64) -> Result<f64> {
 /// Answers points of a pair, for programs in other languages: the first line says the number of factors, the levels, the noise,
 /// the experiments of a batch and the lowest truth; then each line of coordinates from 0 to 1 is answered by truth and simulation.
 pub(crate) fn serve(family: &str, seed: &str) -> Result<()> {
-    let names = || FAMILIES.map(|family| family.name).join(", ");
-    let Some(family) = FAMILIES.iter().find(|known| known.name == family) else {
-        bail!("family is {family:?}, expected one of {}", names());
+    let all = || FAMILIES.iter().chain(&DECOYS);
+    let Some(family) = all().find(|known| known.name == family) else {
+        let names: Vec<&str> = all().map(|family| family.name).collect();
+        bail!("family is {family:?}, expected one of {}", names.join(", "));
     };
     let seed: u64 = seed.parse().with_context(|| format!("seed is {seed:?}, expected a whole number"))?;
     let pair = family.pair(seed);

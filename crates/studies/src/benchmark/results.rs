@@ -1,5 +1,6 @@
 //! Rows of campaigns, kept in files so that a run goes on where the last one ended.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
@@ -37,6 +38,11 @@ pub(super) struct Row {
     /// The same as the surface of the method has it, without any allowance.
     #[serde(default)]
     pub(super) quantile: Option<f64>,
+    /// The bound without the reserve for what no reading may have shown, and what the readings differ by as far as that is held.
+    #[serde(default)]
+    pub(super) drawn: Option<f64>,
+    #[serde(default)]
+    pub(super) reserve: Option<f64>,
     /// To choose the batch.
     pub(super) ask_seconds: f64,
     /// To take its results.
@@ -56,6 +62,8 @@ impl Row {
             && self.batch == other.batch
             && both((self.bound, other.bound))
             && both((self.quantile, other.quantile))
+            && both((self.drawn, other.drawn))
+            && both((self.reserve, other.reserve))
             && close(self.regret, other.regret)
     }
 }
@@ -66,6 +74,13 @@ pub(super) struct Results {
     method: String,
     path: PathBuf,
     pub(super) rows: Vec<Row>,
+}
+
+/// Campaigns on fresh seeds, where the simulation misleads.
+pub(super) struct Fresh {
+    pub(super) ours: Results,
+    /// Those that are not told of it, in words.
+    pub(super) untold: Vec<(&'static str, Results)>,
 }
 
 impl Results {
@@ -86,6 +101,12 @@ impl Results {
 
     pub(super) fn of(&self, family: &str, seed: u64) -> Vec<Row> {
         self.rows.iter().filter(|row| row.family == family && row.seed == seed).cloned().collect()
+    }
+
+    /// Those of some seeds only.
+    pub(super) fn of_seeds(&self, seeds: &RangeInclusive<u64>) -> Self {
+        let rows = self.rows.iter().filter(|row| seeds.contains(&row.seed)).cloned().collect();
+        Self { rows, method: self.method.clone(), path: self.path.clone() }
     }
 
     /// Adds rows, in memory and in the file, which is written anew beside itself: what was kept stays whole if that fails.

@@ -1,10 +1,11 @@
 //! What the rows of a method come to.
 
-use infuse::pooled::Certificate;
+use infuse::pooled::Forecast;
 use page::quantile;
 
 use super::families::{FAMILIES, Family};
 use super::results::{Results, Row};
+use super::task::n_experiments;
 
 /// Regrets below this share of the range count as equal: a tenth of the smallest noise.
 pub(super) const FLOOR: f64 = 0.003;
@@ -203,9 +204,13 @@ pub(super) fn forecasts<'a>(
     let mut found = Forecasts::default();
     for family in families {
         for row in rows_of(results, family, after) {
-            let certificate = Certificate { probability: 0.9, bound: row.bound.unwrap_or(0.0), quantile: 0.0 };
-            // In batches there is one reading to an experiment.
-            let expected = certificate.further_batches(worth, after, 1) as usize;
+            let (Some(drawn), Some(reserve)) = (row.drawn, row.reserve) else {
+                continue;
+            };
+            let (n_experiments, n_factors) = (n_experiments(family), family.n_factors);
+            let n_readings = after * n_experiments;
+            let forecast = Forecast { drawn, reserve, n_readings, n_experiments, n_factors };
+            let expected = forecast.further_batches(worth) as usize;
             if expected == 0 {
                 continue;
             }
@@ -253,14 +258,16 @@ mod tests {
         for (seed, steps) in (1..).zip(campaigns) {
             for (batch, &(regret, bound)) in (1..).zip(*steps) {
                 let family = FAMILIES[0].name.to_owned();
-                let (bound, quantile) = (Some(bound), None);
+                let (bound, drawn, reserve) = (Some(bound), Some(bound), Some(0.0));
                 results.rows.push(Row {
                     family,
                     seed,
                     batch,
                     regret,
                     bound,
-                    quantile,
+                    quantile: None,
+                    drawn,
+                    reserve,
                     ask_seconds: 0.0,
                     tell_seconds: 0.0,
                 });
@@ -283,7 +290,7 @@ mod tests {
         Ok(())
     }
 
-    /// From 8 % to 2 % after one batch takes one more by the square, after two two more.
+    /// By the power of 2.5, from 8 % to 2 % after one batch takes one more, from 50 % three.
     #[test]
     fn forecasts_are_right_too_low_or_too_high() -> anyhow::Result<()> {
         let results = method(&[

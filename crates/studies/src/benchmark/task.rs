@@ -13,7 +13,12 @@ use super::families::{DECOYS, FAMILIES, Family, Pair};
 /// Campaigns of each family, seeds from 1.
 pub(super) const SEEDS: u64 = 20;
 /// Campaigns on which nothing was chosen.
-pub(super) const FRESH_SEEDS: RangeInclusive<u64> = 301..=360;
+pub(super) const FRESH_SEEDS: RangeInclusive<u64> = 361..=420;
+/// The first of them, on which the loop is compared with those that are not told of the simulation.
+pub(super) fn fresh_compared() -> RangeInclusive<u64> {
+    *FRESH_SEEDS.start()..=FRESH_SEEDS.start() + SEEDS - 1
+}
+
 /// Where simulations hide the best, on which most was tuned; beside these the decoys.
 const HIDING: [&str; 2] = ["hidden-2", "hidden-4"];
 
@@ -25,6 +30,16 @@ pub(super) fn fresh_families() -> impl Iterator<Item = &'static Family> {
 pub(super) const BATCHES: usize = 5;
 /// Levels of each factor.
 pub(super) const LEVELS: u32 = 24;
+
+/// To a batch.
+pub(super) const fn n_experiments(family: &Family) -> usize {
+    match family.n_factors {
+        2 => 12,
+        3 => 14,
+        4 => 18,
+        _ => 24,
+    }
+}
 
 /// A pair to run a campaign on.
 pub(super) struct Task<'a> {
@@ -40,13 +55,7 @@ impl<'a> Task<'a> {
         let parameter =
             |index: usize| Parameter::continuous(format!("u{}", index + 1), "1", 0.0, 1.0)?.with_levels(LEVELS);
         let region = Region::new((0..pair.n_factors).map(parameter).collect::<Result<_, _>>()?)?;
-        let n_experiments = match family.n_factors {
-            2 => 12,
-            3 => 14,
-            4 => 18,
-            _ => 24,
-        };
-        Ok(Self { pair, grid: Grid::of(&region)?, region, n_experiments, seed })
+        Ok(Self { pair, grid: Grid::of(&region)?, region, n_experiments: n_experiments(family), seed })
     }
 
     /// The readings of the experiments, in the order in which they are made. Each method meets the same noise.
