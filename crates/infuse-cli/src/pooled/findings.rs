@@ -131,16 +131,24 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
     Finding::new(sentence).with("runs there", here.n_readings as f64, "1")
 }
 
-/// What runs alone say, whatever the response looks like between them.
-fn unseen(found: &Assessment) -> Option<Finding> {
+/// How large a well may be that no run has met.
+fn unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
     let share = found.unseen?;
-    let sentence = format!(
-        "Whatever the response looks like between the runs, no more than {} of all designs are better, with {} % probability; a well \
-         that takes less than that may be unseen.",
-        percent(share),
-        plain(100.0 * found.certificate.probability)
-    );
-    Some(Finding::new(sentence).with("share of all designs that may be better unseen", share, "1"))
+    let sentence = match campaign.problem.simulator.is_there() {
+        true => {
+            format!(
+                "A well that the simulation lacks may be unseen if it takes less than {} of all designs.",
+                percent(share)
+            )
+        }
+        false => format!(
+            "A well that takes less than {} of all designs may be unseen: as many runs, evenly spread, would have met a larger one \
+             with {} % probability.",
+            percent(share),
+            plain(100.0 * found.certificate.probability)
+        ),
+    };
+    Some(Finding::new(sentence).with("share of all designs that a well may take unseen", share, "1"))
 }
 
 /// How much better another design may be, and what follows for the stop.
@@ -167,7 +175,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         .with("bound", certificate.bound, &response.unit)
         .detail(Finding::new(rests));
     let finding = held_for_the_unseen(campaign, found).into_iter().fold(finding, Finding::detail);
-    let finding = unseen(found).into_iter().fold(finding, Finding::detail);
+    let finding = unseen(campaign, found).into_iter().fold(finding, Finding::detail);
     match campaign.settings.worth {
         None => {
             finding.detail(Finding::new("`worth` in [stop] says from what gain on another batch is worth its cost."))
@@ -213,10 +221,10 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
         return None;
     }
     let alone = if quantile > 0.0 { amount(response, quantile) } else { "that none is".to_owned() };
-    let n = count(campaign.costs().len(), "result");
+    let n = count(found.forecast.n_readings, "result");
     let held = match found.forecast.reserves_until() {
         Some(enough) => format!(
-            "a narrow well that {n} may have missed, and falls away at {enough}, or by `smooth` in [stop] if there surely is none"
+            "a narrow well that {n} may have missed, and falls away at {enough} results, or by `smooth` in [stop] if there surely is none"
         ),
         None => format!("what {n} may not have shown"),
     };

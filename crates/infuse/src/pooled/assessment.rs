@@ -119,9 +119,8 @@ pub struct Assessment {
     /// Their number, where all designs were looked at: of many, `left` is told from a sample.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub n_left: Option<u64>,
-    /// Share of all designs that may be better than the recommended one, with the certificate's probability, whatever the response
-    /// looks like: as many evenly spread runs as leave no more of the box unseen would have met one of more. None with a simulation,
-    /// which says what lies between the runs.
+    /// Share of all designs that a well may take and have been met by no run: as many evenly spread runs as leave no more of the box
+    /// unseen would have met a larger one with the certificate's probability. None where every design was run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unseen: Option<f64>,
     /// What the simulation is worth; none without one, or before three readings.
@@ -171,7 +170,7 @@ impl Look {
         let coverage = Coverage::of(knowledge.designs, &pool, &runs)?;
         let n_even = coverage.even_runs(knowledge.designs, readings.len(), settings.seed)?;
         let designs = knowledge.designs;
-        let n_tried = readings.iter().map(|reading| reading.cell).collect::<BTreeSet<_>>().len();
+        let n_tried = readings.iter().map(|reading| reading.cell).collect::<BTreeSet<_>>().len() as u64;
         let evidence = Evidence {
             n_readings: readings.len(),
             n_even,
@@ -191,7 +190,7 @@ impl Look {
             n_repeats: knowledge.process.sites().n_repeats(),
             left,
             n_left,
-            unseen: (!knowledge.is_simulated()).then(|| unseen(n_even, settings.confidence)),
+            unseen: (n_tried < designs.n_cells()).then(|| unseen(n_even, settings.confidence)),
             simulation: simulation_worth(knowledge, readings)?,
             contradiction: contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?,
             outliers: set_aside.iter().copied().chain(open).collect(),

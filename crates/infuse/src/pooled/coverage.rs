@@ -77,8 +77,8 @@ impl Coverage {
     }
 }
 
-/// The share of all designs that may be better than the best of so many runs at random places, with this probability: of more than
-/// these, one of the runs would have met one with that probability. 1 − (1 − p)^(1/n), whatever the response looks like.
+/// The share of all designs of which so many runs at random places would have met one with this probability, and no smaller one:
+/// 1 − (1 − p)^(1/n), whatever the response looks like.
 pub(crate) fn unseen(n_runs: usize, probability: f64) -> f64 {
     1.0 - (1.0 - probability).powf(1.0 / n_runs.max(1) as f64)
 }
