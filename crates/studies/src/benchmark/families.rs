@@ -43,6 +43,7 @@ enum Kind {
     RoughPerfect,
     Borehole,
     Decoy,
+    Lacking,
 }
 
 const fn family(name: &'static str, n_factors: usize, kind: Kind, noise: f64) -> Family {
@@ -68,6 +69,7 @@ impl Kind {
             Self::RoughUseless => "random field; the simulation is another one",
             Self::RoughPerfect => "random field; the simulation is right but for a factor and a constant",
             Self::Decoy => "bowl with a narrow well; the simulation has that well elsewhere",
+            Self::Lacking => "bowl with a narrow well; the simulation is that bowl without it",
             Self::Borehole => "flow through a borehole with a bowl; its low fidelity (Xiong et al. 2013)",
         }
     }
@@ -99,10 +101,12 @@ pub(crate) const FAMILIES: [Family; 21] = [
 ];
 
 /// Families whose simulation leads away from the best: run on fresh seeds only, by no peer, and counted in no share of all families.
-pub(crate) const DECOYS: [Family; 3] = [
+pub(crate) const DECOYS: [Family; 5] = [
     family("decoy-2", 2, Kind::Decoy, 0.01),
     family("decoy-3", 3, Kind::Decoy, 0.01),
     family("decoy-4", 4, Kind::Decoy, 0.01),
+    family("lacking-2", 2, Kind::Lacking, 0.01),
+    family("lacking-3", 3, Kind::Lacking, 0.01),
 ];
 
 impl Family {
@@ -178,7 +182,8 @@ impl Kind {
                 (Box::new(move |u| field(u)), Box::new(move |u| 0.7 * same(u) + 0.2))
             }
             Self::Borehole => borehole(rng),
-            Self::Decoy => decoy(k, rng),
+            Self::Decoy => decoy(k, rng, 1.0),
+            Self::Lacking => decoy(k, rng, 0.0),
         }
     }
 }
@@ -264,8 +269,8 @@ fn wells(k: usize, rng: &mut ChaCha8Rng, simulated: fn([f64; 2]) -> [f64; 2]) ->
     (Box::new(move |u| shape(u, [deep, shallow])), Box::new(move |u| simulation(u, simulated([deep, shallow]))))
 }
 
-/// A bowl with a narrow well, which the simulation has elsewhere.
-fn decoy(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
+/// A bowl with a narrow well, which the simulation has elsewhere, this deep.
+fn decoy(k: usize, rng: &mut ChaCha8Rng, depth: f64) -> (Function, Function) {
     let far = |a: &[f64], b: &[f64]| squared_distance(a, b) > 0.12;
     let center: Vec<f64> = (0..k).map(|_| between(rng, 0.25, 0.75)).collect();
     let (well, simulated) = loop {
@@ -280,11 +285,11 @@ fn decoy(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
         3 => 0.16,
         _ => 0.2,
     };
-    let shape = move |u: &[f64], well: &[f64]| {
-        squared_distance(u, &center) - (-0.5 * squared_distance(u, well) / (width * width)).exp()
+    let shape = move |u: &[f64], well: &[f64], depth: f64| {
+        squared_distance(u, &center) - depth * (-0.5 * squared_distance(u, well) / (width * width)).exp()
     };
     let simulation = shape.clone();
-    (Box::new(move |u| shape(u, &well)), Box::new(move |u| simulation(u, &simulated)))
+    (Box::new(move |u| shape(u, &well, 1.0)), Box::new(move |u| simulation(u, &simulated, depth)))
 }
 
 fn branin(rng: &mut ChaCha8Rng) -> (Function, Function) {

@@ -589,9 +589,11 @@ fn on_fresh_seeds(fresh: &Results, family: &Family) -> Option<Finding> {
     let stopping = stops(fresh, family, WORTH);
     let details = [
         format!(
-            "The certificate was broken after {breached} of {batches} batches ({} %; by batch {}).",
+            "The certificate was broken after {breached} of {batches} batches ({} %; by batch {} of {}); its c by batch {} %.",
             percent(breached as f64 / batches.max(1) as f64),
-            each.iter().map(|one| one.breached.to_string()).collect::<Vec<_>>().join(", ")
+            each.iter().map(|one| one.breached.to_string()).collect::<Vec<_>>().join(", "),
+            each[0].campaigns,
+            each.iter().map(|one| percent(one.width)).collect::<Vec<_>>().join(", ")
         ),
         format!(
             "After {BATCHES} batches the median of what is missing is {} % of the range, and in one campaign of ten it is {} % or more.",
@@ -645,7 +647,7 @@ fn what_was_promised(ours: &Results) -> [Finding; 2] {
     ));
     let details = [
         format!(
-            "In the families on which the loop was not tuned it was broken after {} of {} batches.",
+            "In the families on which no choice of the loop was tuned it was broken after {} of {} batches.",
             elsewhere[0], elsewhere[1]
         ),
         format!(
