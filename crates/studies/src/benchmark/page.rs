@@ -261,6 +261,14 @@ fn misled(fresh: &Fresh) -> String {
         }
     }
     text += &table.markdown();
+    text += &format!(
+        "\nThe certificate there, seeds {} to {}: in how many campaigns it was broken after each batch, the median of c, and those that \
+         stop if another batch has to be worth {} % of the range.\n\n",
+        FRESH_SEEDS.start(),
+        FRESH_SEEDS.end(),
+        100.0 * WORTH
+    );
+    text += &misled_certificates(&fresh.ours).markdown();
     text
 }
 
@@ -353,7 +361,7 @@ fn findings(methods: &[Kept<'_>], ours: &Results, fresh: &Fresh) -> Vec<Finding>
     );
     findings.extend([Some(in_detail), where_it_is_worst(ours)].into_iter().flatten());
 
-    findings.extend(fresh_families().filter_map(|family| on_fresh_seeds(&fresh.ours, family)));
+    findings.push(on_fresh_seeds(&fresh.ours));
     findings.push(what_it_costs_to_be_misled(fresh));
     findings.push(when_it_stops(ours));
     findings.push(tuned_on(&tuned, others.len()));
@@ -580,41 +588,64 @@ fn where_it_is_worst(ours: &Results) -> Option<Finding> {
     })
 }
 
-/// How it does in one of the families whose simulation misleads, in campaigns on which nothing was chosen.
-fn on_fresh_seeds(fresh: &Results, family: &Family) -> Option<Finding> {
-    let each = (1..=BATCHES).map(|batch| promised(fresh, family, batch)).collect::<Option<Vec<_>>>()?;
-    let [batches, breached] =
-        [|one: &Promised| one.campaigns, |one: &Promised| one.breached].map(|of| each.iter().map(of).sum::<usize>());
-    let [median, most] = regret(fresh, family, BATCHES)?;
-    let stopping = stops(fresh, family, WORTH);
-    let details = [
-        format!(
-            "The certificate was broken after {breached} of {batches} batches ({} %; by batch {} of {}); its c by batch {} %.",
-            percent(breached as f64 / batches.max(1) as f64),
-            each.iter().map(|one| one.breached.to_string()).collect::<Vec<_>>().join(", "),
-            each[0].campaigns,
-            each.iter().map(|one| percent(one.width)).collect::<Vec<_>>().join(", ")
-        ),
-        format!(
-            "After {BATCHES} batches the median of what is missing is {} % of the range, and in one campaign of ten it is {} % or more.",
-            percent(median),
-            percent(most)
-        ),
-        format!(
-            "If another batch has to be worth {} % of the range, {} of {} campaigns stop within {BATCHES} batches, {} of them too early.",
-            100.0 * WORTH,
-            stopping.stopped,
-            stopping.campaigns,
-            stopping.too_early
-        ),
-    ];
+/// How it does in the families whose simulation misleads, in campaigns on which nothing was chosen.
+fn on_fresh_seeds(fresh: &Results) -> Finding {
     let [first, last] = [FRESH_SEEDS.start(), FRESH_SEEDS.end()];
-    let head = Finding::new(format!(
-        "In `{}` ({}), seeds {first} to {last}, on which nothing was chosen:",
-        family.name,
-        family.words()
-    ));
-    Some(head.with_sentences(details))
+    let head = format!(
+        "Where the simulation misleads, seeds {first} to {last}, on which nothing was chosen ([more](#where-the-simulation-misleads)):"
+    );
+    let detail = |family: &'static Family| {
+        let each = by_batch(fresh, family)?;
+        let stopping = stops(fresh, family, WORTH);
+        Some(Finding::new(format!(
+            "In `{}` its certificate was broken after {} % of the batches; {} of {} campaigns that stop do so too early.",
+            family.name,
+            percent(share_broken(&each)),
+            stopping.too_early,
+            stopping.stopped
+        )))
+    };
+    fresh_families().filter_map(detail).fold(Finding::new(head), Finding::detail)
+}
+
+/// What was promised after each batch.
+fn by_batch(results: &Results, family: &Family) -> Option<Vec<Promised>> {
+    (1..=BATCHES).map(|batch| promised(results, family, batch)).collect()
+}
+
+fn share_broken(each: &[Promised]) -> f64 {
+    let [batches, broken] =
+        [|one: &Promised| one.campaigns, |one: &Promised| one.breached].map(|of| each.iter().map(of).sum::<usize>());
+    broken as f64 / batches.max(1) as f64
+}
+
+/// The certificate in the families whose simulation misleads.
+fn misled_certificates(fresh: &Results) -> Table {
+    let heads = [
+        "family",
+        "truth and simulation",
+        "campaigns",
+        "broken, by batch",
+        "c, % of the range",
+        "stopped",
+        "too early",
+    ];
+    let mut table = Table::new(heads.map(Column::words).to_vec());
+    for family in fresh_families() {
+        let Some(each) = by_batch(fresh, family) else { continue };
+        let list = |of: &dyn Fn(&Promised) -> String| each.iter().map(of).collect::<Vec<_>>().join(", ");
+        let stopping = stops(fresh, family, WORTH);
+        table.push(vec![
+            family.name.to_owned(),
+            family.words().to_owned(),
+            stopping.campaigns.to_string(),
+            format!("{} ({} %)", list(&|one| one.breached.to_string()), percent(share_broken(&each))),
+            list(&|one| percent(one.width)),
+            stopping.stopped.to_string(),
+            stopping.too_early.to_string(),
+        ]);
+    }
+    table
 }
 
 fn what_was_promised(ours: &Results) -> [Finding; 2] {
