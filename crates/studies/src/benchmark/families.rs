@@ -100,7 +100,7 @@ pub(crate) const FAMILIES: [Family; 21] = [
     family("bowl-6", 6, Kind::Bowl, 0.03),
 ];
 
-/// Families whose simulation leads away from the best: run on fresh seeds only, by no peer, and counted in no share of all families.
+/// Families whose simulation leads away from the best: run on fresh seeds only, beside one peer, and counted in no share of all families.
 pub(crate) const DECOYS: [Family; 5] = [
     family("decoy-2", 2, Kind::Decoy, 0.01),
     family("decoy-3", 3, Kind::Decoy, 0.01),
