@@ -91,13 +91,13 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
                 if let Some(then) = settings.replace(now).filter(|then| *then != now) {
                     add("changed", format!("campaign.toml: {}.", changed(then, now)));
                 }
-                if let Some((then, by)) = by.as_ref().and_then(|by| another(&mut simulator, by)) {
-                    add("changed", format!("the simulator was {then} and is {by}."));
+                if let Some(sentence) = by.as_ref().and_then(|by| another(&mut simulator, by)) {
+                    add("changed", sentence);
                 }
             }
             Event::Simulated { by, .. } => {
-                if let Some((then, by)) = another(&mut simulator, by) {
-                    add("changed", format!("the simulator was {then} and is {by}."));
+                if let Some(sentence) = another(&mut simulator, by) {
+                    add("changed", sentence);
                 }
             }
             // A batch that is submitted again is so without what it has given.
@@ -120,11 +120,11 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
     entries
 }
 
-/// The simulator until now and this one, if it is another.
-fn another<'a>(simulator: &mut Option<&'a str>, by: &'a str) -> Option<(String, String)> {
+/// What is said where this simulator is another than the last.
+fn another<'a>(simulator: &mut Option<&'a str>, by: &'a str) -> Option<String> {
     let in_words = |by: &str| if by.is_empty() { "not there".to_owned() } else { echo(by) };
     let then = simulator.replace(by).filter(|then| *then != by)?;
-    Some((in_words(then), in_words(by)))
+    Some(format!("the simulator was {} and is {}.", in_words(then), in_words(by)))
 }
 
 /// Whether this is the first submission of the same batch.

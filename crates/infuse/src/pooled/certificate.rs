@@ -54,8 +54,7 @@ impl Evidence {
 
     /// How many times what the readings differ by may be missing anyway: a narrow well is as likely to lie where nobody looked.
     fn reserve(&self, probability: f64) -> f64 {
-        let per_reading = self.n_factors as f64 / self.n_readings.max(1) as f64;
-        self.scale_of_reserve(probability) * reserve_after(per_reading)
+        self.scale_of_reserve(probability) * reserve_after(self.n_readings, self.n_factors)
     }
 
     /// Nothing is where a simulation tells what lies between the readings, unless it is likelier to be of no use than the certificate
@@ -65,8 +64,9 @@ impl Evidence {
     }
 }
 
-/// So many times what the readings differ by, as there are factors to a reading; at most 2.
-fn reserve_after(factors_per_reading: f64) -> f64 {
+/// So many times what the readings differ by; at most 2.
+fn reserve_after(n_readings: usize, n_factors: usize) -> f64 {
+    let factors_per_reading = n_factors as f64 / n_readings.max(1) as f64;
     (RESERVE * (ENOUGH_PER_FACTOR * factors_per_reading - 1.0)).clamp(0.0, 2.0)
 }
 
@@ -161,7 +161,7 @@ impl Forecast {
     }
 
     fn reserve_now(&self) -> f64 {
-        self.reserve * reserve_after(self.n_factors as f64 / self.n_readings.max(1) as f64)
+        self.reserve * reserve_after(self.n_readings, self.n_factors)
     }
 }
 
@@ -387,6 +387,7 @@ mod tests {
             prop_assert!(then.doubt <= now.doubt && then.allowance <= now.allowance);
             prop_assert!((0.0..=1.0).contains(&now.doubt) && (1.0..=9.0).contains(&now.allowance));
             prop_assert!(now.beyond <= then.beyond && (0.01..1.0 - USUAL).contains(&now.beyond));
+            prop_assert!((now.beyond <= 0.01) == (now.doubt >= 0.3), "{now:?}");
             prop_assert!(then.cap <= now.cap && (1.0..=2.0).contains(&now.cap));
         }
 
