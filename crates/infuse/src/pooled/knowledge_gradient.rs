@@ -24,6 +24,10 @@ const FEWEST: usize = 4;
 /// on two wells, the deeper one narrow, stop after fewer batches and hardly ever at the wrong one. Beside a simulation as many of one
 /// in so many as it is likely to be of no use: the more, if at all, the less it points to.
 const COVERING: usize = 4;
+/// Beside a simulation, once there are readings for two batches, a run that is expected to lower the response by no more than so much
+/// of what the designs differ by is made where no run is near instead, as many of a batch as one in [`COVERING`]. A surface that is
+/// sure of the best would measure it again and again, and leave a well that the simulation lacks to be found by nobody.
+const NEGLIGIBLE: f64 = 5e-4;
 
 /// Of a batch no more than one run in so many is made where it is more likely to fail than not: what nothing is known of seems
 /// endless, and could otherwise swallow all of it.
@@ -35,7 +39,8 @@ const RISKY: f64 = 0.5;
 /// single pick can, those before it and the pending experiments counted in. A cell where experiments may fail counts as much
 /// less as they are likely to (Frazier et al. 2009; Wu and Frazier 2016 for batches). The last picks, as many as [`Shares`] says,
 /// go to where the sceptic sees least of what may still be best, so that a simulation that misleads is found out sooner, and to where
-/// most of the box is far from any run, as nothing else would find a well that is narrower than the surface expects.
+/// most of the box is far from any run, as nothing else would find a well that is narrower than the surface expects. So do those that
+/// would gain next to nothing.
 ///
 /// Where responses have to stay within bounds, a design is worth its mean as far as it is likely to keep to them, and the highest
 /// mean of all otherwise; so a run is worth what it teaches of either (Ungredda and Branke 2024).
@@ -67,7 +72,7 @@ pub(crate) fn pick(
     let coded = pool.cells.iter().map(|&cell| knowledge.designs.coded_of(cell)).collect::<Result<Vec<_>, _>>()?;
     let mut coverage = coverage.clone();
     let mut cells = Vec::with_capacity(count);
-    let mut n_risked = 0;
+    let (mut n_risked, mut n_spared) = (0, 0);
     for step in 0..pending.len() + count {
         let normals = outcomes(step as u32, scramble);
         let row = match (pending.get(step), &doubted) {
@@ -76,7 +81,16 @@ pub(crate) fn pick(
                 doubted.widest(&coverage, &coded, &economy)
             }
             (None, Some(doubted)) if cells.len() >= count - shares.doubted => doubted.clearest(&economy),
-            (None, _) => believed.most_telling(&normals, step as u32, &economy),
+            (None, doubted) => {
+                let (row, gain) = believed.most_telling(&normals, step as u32, &economy);
+                match doubted {
+                    Some(doubted) if n_spared < shares.spared && gain <= NEGLIGIBLE * believed.range() => {
+                        n_spared += 1;
+                        doubted.widest(&coverage, &coded, &economy)
+                    }
+                    _ => row,
+                }
+            }
         };
         if step >= pending.len() {
             cells.push(pool.cells[row]);
@@ -102,23 +116,26 @@ struct Shares {
     doubted: usize,
     /// Those of them that go to where no run is near.
     covering: usize,
+    /// As many of the others do so where they would gain next to nothing, at most.
+    spared: usize,
 }
 
 impl Shares {
     /// Of a batch of so many, with the probability that the simulation is of no use, if there is one.
     fn of(count: usize, is_early: bool, ignored: Option<f64>) -> Self {
         if count < FEWEST {
-            return Self { doubted: 0, covering: 0 };
+            return Self { doubted: 0, covering: 0, spared: 0 };
         }
         let doubted = (count / if is_early { DOUBTED_AT_FIRST } else { DOUBTED }).max(1);
         match ignored {
             Some(ignored) => {
                 let covering = ((count / COVERING) as f64 * ignored).round() as usize;
-                Self { doubted: doubted.max(covering + covering.min(1)), covering }
+                let spared = if is_early { 0 } else { count / COVERING };
+                Self { doubted: doubted.max(covering + covering.min(1)), covering, spared }
             }
             None => {
                 let doubted = doubted.max(count / COVERING + 1);
-                Self { doubted, covering: doubted - 1 }
+                Self { doubted, covering: doubted - 1, spared: 0 }
             }
         }
     }
@@ -233,9 +250,14 @@ impl<'a> Gradient<'a> {
         (0..n).max_by(order).unwrap_or(0)
     }
 
-    /// The row that lowers the expected minimum most; of equals the one that is least certain, so that nothing to gain still
-    /// teaches.
-    fn most_telling(&self, normals: &[f64], number: u32, economy: &Economy<'_>) -> usize {
+    /// The highest mean less the lowest.
+    fn range(&self) -> f64 {
+        self.reserve() - self.joint.means().iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The row that lowers the expected minimum most for what it costs, and by how much it does; of equals the one that is least
+    /// certain, so that nothing to gain still teaches.
+    fn most_telling(&self, normals: &[f64], number: u32, economy: &Economy<'_>) -> (usize, f64) {
         let n = self.pool.cells.len();
         let (still, stay): (Vec<f64>, Vec<Step>) =
             (vec![0.0; n], self.admissions.iter().map(Admission::stay).collect());
@@ -245,16 +267,17 @@ impl<'a> Gradient<'a> {
             let effect = self.joint.effect(row, self.noise);
             let steps: Vec<Step> = self.admissions.iter().map(|admission| admission.step(row, number)).collect();
             let then = self.lowest_of_each(&effect, normals, &steps, &bounded, Some(row));
-            self.weight(row, economy) * (now - then).max(0.0)
+            (now - then).max(0.0)
         };
         let gains: Vec<f64> = (0..n).into_par_iter().map(gain).collect();
         let uncertain = |row: usize| self.weight(row, economy) * self.joint.variance(row);
         let allowed = |row: usize| self.allows(row, economy);
         let order = |&a: &usize, &b: &usize| {
-            let gain = || gains[a].total_cmp(&gains[b]);
+            let gain = || (self.weight(a, economy) * gains[a]).total_cmp(&(self.weight(b, economy) * gains[b]));
             allowed(a).cmp(&allowed(b)).then_with(gain).then(uncertain(a).total_cmp(&uncertain(b))).then(b.cmp(&a))
         };
-        (0..n).max_by(order).unwrap_or(0)
+        let row = (0..n).max_by(order).unwrap_or(0);
+        (row, self.pool.chances.responding[row] * gains[row] / f64::from(OUTCOMES))
     }
 }
 
@@ -352,11 +375,17 @@ mod tests {
 
     /// Seven levels of two numbers; the simulation has its lowest response elsewhere.
     fn misled(n: usize, unit: f64) -> Scene {
+        with_errors(n, unit, 0.0)
+    }
+
+    /// The same, with errors up to so much.
+    fn with_errors(n: usize, unit: f64, error: f64) -> Scene {
         let mut scene = Scene::new(&[7, 7]);
         for reading in 0..n as u64 {
             let (x, y) = (reading * 3 % 7, reading * 5 % 7 + reading / 7);
             let (a, b) = (x as f64 / 6.0, y as f64 / 6.0);
-            scene.read(&[x, y], unit * ((a - 0.8).powi(2) + (b - 0.3).powi(2)));
+            let error = error * (7.0 * reading as f64).sin();
+            scene.read(&[x, y], unit * ((a - 0.8).powi(2) + (b - 0.3).powi(2) + error));
         }
         scene
     }
@@ -404,6 +433,39 @@ mod tests {
         }
     }
 
+    /// Of a batch a quarter, beside a simulation that is right and readings that say so, once there are readings for two batches; with one
+    /// more to the batch there are not.
+    #[test]
+    fn what_would_gain_next_to_nothing_is_run_where_no_run_is_near() {
+        let mut right = |_: Cell, point: &[f64]| Ok((point[0] - 0.8).powi(2) + (point[1] - 0.3).powi(2));
+        let mut scene = Scene::new(&[25, 25]);
+        for reading in 0..24 {
+            let (x, y) = (reading * 7 % 25, reading * 11 % 25);
+            let (a, b) = (x as f64 / 24.0, y as f64 / 24.0);
+            scene.read(&[x, y], (a - 0.8).powi(2) + (b - 0.3).powi(2) + 0.01 * (7.0 * reading as f64).sin());
+        }
+        let designs = scene.designs.clone();
+        let mut knowledge = scene.knowledge(Some(&mut right));
+        let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
+        let before = coverage(&knowledge, &pool);
+        // A run wherever most of the box is far from any, as far as this goes on from the first pick.
+        let n_widest = |count: usize| {
+            let picks = pick(&knowledge, &pool, &before, &[], count, 7, Economy::of(None, &designs)).unwrap();
+            let mut coverage = before.clone();
+            let is_widest = |cell: &&Cell| {
+                let coded = designs.coded_of(**cell).unwrap();
+                let gained = |cell: &Cell| coverage.gain(&designs.coded_of(*cell).unwrap());
+                let most = pool.cells.iter().map(gained).fold(0.0, f64::max);
+                let is_widest = (coverage.gain(&coded) - most).abs() < 1e-12;
+                coverage.add(&coded);
+                is_widest
+            };
+            picks.iter().take_while(is_widest).count()
+        };
+        let of_each = [4, 8, 12, 13].map(n_widest);
+        assert_eq!(of_each, [1, 2, 3, 0]);
+    }
+
     /// Never all, none of a few; where no run is near the more, the less the simulation is likely to be of use, and one of the sceptic's
     /// is always where he knows least.
     #[test]
@@ -423,14 +485,15 @@ mod tests {
             (18, false, None, 5, 4),
         ] {
             let shares = Shares::of(count, is_early, ignored);
-            assert_eq!(shares, Shares { doubted, covering }, "{count} {is_early} {ignored:?}");
+            let spared = if is_early || ignored.is_none() || count < FEWEST { 0 } else { count / COVERING };
+            assert_eq!(shares, Shares { doubted, covering, spared }, "{count} {is_early} {ignored:?}");
         }
         for count in FEWEST..200 {
             for (is_early, ignored) in
                 [(true, Some(1.0)), (true, None), (false, Some(1.0)), (false, None), (false, Some(0.3))]
             {
                 let shares = Shares::of(count, is_early, ignored);
-                assert!(shares.covering < shares.doubted && shares.doubted < count, "{shares:?}");
+                assert!(shares.covering < shares.doubted && shares.doubted + shares.spared < count, "{shares:?}");
             }
         }
     }
@@ -439,9 +502,10 @@ mod tests {
     #[test]
     fn the_last_picks_are_for_the_one_who_does_not_believe_the_simulation() {
         for (n_readings, count) in [(5, 6), (5, 5), (11, 6), (12, 6), (13, 5), (6, 3)] {
-            let ignored = misled(n_readings, 1.0).knowledge(Some(&mut simulation(1.0))).ignored();
+            let misled = || with_errors(n_readings, 1.0, 0.05);
+            let ignored = misled().knowledge(Some(&mut simulation(1.0))).ignored();
             let shares = Shares::of(count, n_readings < 2 * count, Some(ignored));
-            let [with, without] = picks(&mut misled(n_readings, 1.0), 1.0, count);
+            let [with, without] = picks(&mut misled(), 1.0, count);
             let same = with.iter().zip(&without).take_while(|(a, b)| a == b).count();
             assert_eq!(count - same, shares.doubted, "{count} picks after {n_readings} readings");
         }
@@ -519,7 +583,10 @@ mod tests {
             let (gains, normals) = ([gain(0), gain(1)], outcomes(0, 7));
             let best = usize::from(gains[1] > gains[0]);
             assert!(gains[best] > 1.1 * gains[1 - best], "a clear case: {gains:?} for {places:?}");
-            assert_eq!(gradient.most_telling(&normals, 0, &Economy::of(None, &scene.designs)), best, "{places:?}");
+            let (row, found) = gradient.most_telling(&normals, 0, &Economy::of(None, &scene.designs));
+            assert_eq!(row, best, "{places:?}");
+            let near = (found - gains[best]).abs() < 0.1 * gains[best].max(0.001);
+            assert!(near, "{found} of {gains:?}");
             picked[best] += 1;
         }
         assert!(picked.iter().all(|times| *times > 0), "{picked:?}");
@@ -613,7 +680,7 @@ mod tests {
             gradient.admissions.push(admission());
             let stay: Vec<Step> = gradient.admissions.iter().map(Admission::stay).collect();
             let lowest = gradient.lowest_of_each(&[0.0; 4], &[0.0; 48], &stay, &gradient.bounded(&stay), None);
-            let picked = gradient.most_telling(&outcomes(0, 7), 0, &Economy::of(None, &scene.designs));
+            let (picked, _) = gradient.most_telling(&outcomes(0, 7), 0, &Economy::of(None, &scene.designs));
             (picked, lowest / f64::from(OUTCOMES) - shift)
         });
         for (picked, lowest) in picks {
