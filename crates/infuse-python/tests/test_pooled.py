@@ -152,7 +152,7 @@ def test_an_assessment_needs_a_response() -> None:
 def test_the_certificate_shrinks_and_the_best_is_found() -> None:
     bounds = []
     loop = after_batches(0)
-    # A quadratic explains this rig without the simulation: until 40 readings something is held in reserve.
+    # A quadratic explains this rig without the simulation: until 40 designs, a repeat counting half, something is held in reserve.
     for _ in range(8):
         for trial in loop.ask(simulation):
             loop.tell(trial.id, rig(trial.settings))

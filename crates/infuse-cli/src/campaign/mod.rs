@@ -66,6 +66,8 @@ pub(crate) struct Budget {
     pub(crate) batches: usize,
     /// Per batch; nothing where every design is simulated before the first.
     pub(crate) simulations: Option<usize>,
+    /// Designs run from which on the certificate holds nothing for a narrow well, if the method's does.
+    pub(crate) without_reserve: Option<usize>,
     pub(crate) grid: Grid,
 }
 

@@ -81,6 +81,7 @@ impl campaign::Campaign for Campaign {
             experiments: settings.n_experiments,
             batches: settings.max_batches,
             simulations: Some(settings.n_simulations),
+            without_reserve: None,
             grid: self.now.grid().clone(),
         })
     }

@@ -54,7 +54,7 @@ pub(crate) struct Campaign {
     /// Their costs, where the loop may ask for them.
     costs_of_rows: Rc<OnceCell<Costs>>,
     /// The loop before anything was told.
-    empty: Loop,
+    pub(super) empty: Loop,
     /// The loop with all that was told, once it was asked for.
     now: RefCell<Option<Loop>>,
     assessed: OnceCell<Option<Assessment>>,

@@ -220,31 +220,42 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
     if bound - quantile <= MUCH_IS_HELD * bound {
         return None;
     }
-    let alone = if quantile > 0.0 { amount(response, quantile) } else { "that none is".to_owned() };
-    let n = count(found.forecast.n_readings, "result");
-    let held = match found.forecast.reserves_until() {
-        Some(enough) => format!(
-            "a narrow well that {n} may have missed, and falls away at {enough} results, or by `smooth` in [stop] if there surely is none"
-        ),
-        None => format!("what {n} may not have shown"),
+    let forecast = &found.forecast;
+    let alone = if quantile > 0.0 { amount(response, quantile) } else { "that none is better".to_owned() };
+    let few = format!("what {} may not have shown", count(forecast.n_readings, "result"));
+    let until = forecast.reserves_until();
+    let sentence = match until {
+        Some(enough) => {
+            let is_widened = forecast.drawn - quantile > MUCH_IS_HELD * forecast.drawn;
+            let widened = match is_widened {
+                true => format!(", and {} with {few}", amount(response, forecast.drawn)),
+                false => String::new(),
+            };
+            let n = plain(forecast.n_counted());
+            format!(
+                "The surface alone would say {alone}{widened}; the rest is held for a narrow well that no run may have met. It falls away \
+                 at {enough} designs run ({n} so far, a repeat counting half), or by `smooth` in [stop] if there surely is none."
+            )
+        }
+        None => format!("The surface alone would say {alone}; the rest is held for {few}."),
     };
-    let sentence = format!("The surface alone would say {alone}; the rest is held for {held}.");
-    Some(Finding::new(sentence).with("the surface alone", quantile, &response.unit))
+    let finding = Finding::new(sentence).with("the surface alone", quantile, &response.unit);
+    Some(match until {
+        Some(enough) => finding.with("designs run from which on nothing is held for a narrow well", enough as f64, "1"),
+        None => finding,
+    })
 }
 
 /// The designs that may still be the best, the recommended one among them.
 fn left(found: &Assessment) -> Finding {
-    let sentence = match found.left {
-        _ if found.n_left == Some(1) => "By the surface, no other design may still be the best.".to_owned(),
-        tiny if tiny < 1e-4 => "By the surface, less than 0.01 % of all designs may still be the best.".to_owned(),
-        share => {
-            format!(
-                "By the surface, {} of all designs, the recommended one included, may still be the best.",
-                percent(share)
-            )
-        }
+    // What is held for wells that nobody has met is not the surface's, which may be sure long before.
+    let by = if found.forecast.reserves_until().is_some() { "By the surface alone" } else { "By the surface" };
+    let which = match found.left {
+        _ if found.n_left == Some(1) => "no other design".to_owned(),
+        tiny if tiny < 1e-4 => "less than 0.01 % of all designs".to_owned(),
+        share => format!("{} of all designs, the recommended one included,", percent(share)),
     };
-    Finding::new(sentence).with("left", found.left, "1")
+    Finding::new(format!("{by}, {which} may still be the best.")).with("left", found.left, "1")
 }
 
 /// "90 % probability no design is better than it by more than 0.2 mm".

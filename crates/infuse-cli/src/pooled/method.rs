@@ -84,7 +84,7 @@ impl campaign::Campaign for Campaign {
             }
             _ => {
                 "Most of it is where one more run is expected to lower the best response most, repeats included; some of it is where \
-                  one who does not believe the simulation knows least."
+                  one who does not believe the simulation knows least, or where no run is near."
             }
         }
     }
@@ -101,7 +101,9 @@ impl campaign::Campaign for Campaign {
             Access::Budget => self.settings.simulations.or(Some(0)),
         };
         let Settings { n_experiments: experiments, max_batches: batches, .. } = self.settings;
-        Ok(Budget { terms: None, experiments, batches, simulations, grid: self.grid.clone() })
+        let has_simulation = self.problem.simulator.is_there();
+        let without_reserve = self.empty.designs_without_reserve(has_simulation);
+        Ok(Budget { terms: None, experiments, batches, simulations, without_reserve, grid: self.grid.clone() })
     }
 
     fn dry_pick(&self) -> Result<Option<Duration>> {

@@ -79,7 +79,7 @@ pub(crate) fn best(rig: &Rig) -> (f64, f64) {
 }
 
 #[test]
-fn the_template_ends_at_the_optimum_of_the_rig_in_three_or_four_batches() {
+fn the_template_ends_at_the_optimum_of_the_rig_in_four_or_five_batches() {
     let campaigns = (1..=6).map(|seed| {
         let rig = Rig::pooled();
         rig.edit("seed = 1", &format!("seed = {seed}"));
@@ -89,7 +89,7 @@ fn the_template_ends_at_the_optimum_of_the_rig_in_three_or_four_batches() {
     });
     let mut campaigns: Vec<(Rig, usize)> = campaigns.collect();
     let n_batches: usize = campaigns.iter().map(|(_, n_batches)| n_batches).sum();
-    assert!(n_batches <= 21, "{n_batches} in six campaigns");
+    assert!(n_batches <= 28, "{n_batches} in six campaigns");
     let (rig, n_batches) = campaigns.swap_remove(0);
     let status = rig.status();
     // The smallest of the table, as anyone can look it up.

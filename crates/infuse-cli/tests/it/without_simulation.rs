@@ -37,6 +37,12 @@ fn nothing_is_said_of_a_simulation_but_that_there_is_none() {
     let rig = rig("[stop]\nworth = 3\n");
     let checked = rig.infuse(&["check"]).ok();
     assert!(checked.contains("There is no [simulator]: experiments alone tell which designs are good."), "{checked}");
+    assert!(
+        checked.contains(
+            "Until 40 designs were run, a repeat counting half, in 4 batches or more, what the certificate promises"
+        ),
+        "{checked}"
+    );
     let mentions = |text: &str| text.to_lowercase().matches("simulat").count();
     assert_eq!(mentions(&checked), 1, "{checked}");
     let first = rig.infuse(&["ask"]).ok();
@@ -50,10 +56,8 @@ fn nothing_is_said_of_a_simulation_but_that_there_is_none() {
     assert_eq!(mentions(&status), 1, "{status}");
     assert!(status.contains("would have met a larger one with 90 % probability."), "{status}");
     // Twenty a parameter.
-    assert!(
-        status.contains("a narrow well that 20 results may have missed, and falls away at 40 results, or by"),
-        "{status}"
-    );
+    let until = "It falls away at 40 designs run (20 so far, a repeat counting half), or by `smooth` in [stop]";
+    assert!(status.contains(until), "{status}");
     // As evenly spread runs as there are have seen that much: 1 − 0.1^(1/n), n no more than those told.
     let (share, told) = (rig.status()["unseen_share"].as_f64().unwrap(), rig.status()["told"].as_u64().unwrap());
     let of = |n: u64| 1.0 - 0.1_f64.powf(1.0 / n as f64);

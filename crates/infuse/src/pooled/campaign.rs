@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use design_space::{Cell, Grid, Region};
 use serde::{Deserialize, Serialize};
 
+use crate::pooled::certificate::designs_without_reserve;
 use crate::pooled::designs::Designs;
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::Simulated;
@@ -118,6 +119,14 @@ impl Loop {
     #[must_use]
     pub fn grid(&self) -> &Grid {
         self.designs.grid()
+    }
+
+    /// From so many designs run on, a repeat counting half, the certificate holds nothing in reserve for a narrow well: alone, or beside a
+    /// simulation that is of use; none if it never does, because the response is [known](Settings::smooth) to have none.
+    #[must_use]
+    pub fn designs_without_reserve(&self, is_beside: bool) -> Option<usize> {
+        let enough = || designs_without_reserve(self.region().n_parameters(), is_beside, self.designs.n_allowed());
+        (!self.settings.smooth).then(enough)
     }
 
     /// Every trial so far, with its outcome if there is one.

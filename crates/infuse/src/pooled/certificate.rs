@@ -23,23 +23,33 @@ const DOUBTED: usize = 360;
 /// Of readings that crowd, the share that is not counted where they are to tell of the height of wells that the simulation does not
 /// have: all of it where the simulation is of no use.
 const CROWDING: f64 = 0.3;
-/// From so many readings a factor on, nothing is held beyond what is drawn: twice what is asked of a first sample of a computer
-/// experiment (Loeppky, Sacks and Welch, Technometrics 51 (2009) 366).
-const ENOUGH_PER_FACTOR: f64 = 20.0;
+/// From so many designs a parameter on, nothing is held beyond what is drawn where no simulation is of use: twice what is asked of a first
+/// sample of a computer experiment (Loeppky, Sacks and Welch, Technometrics 51 (2009) 366). A repeat counts half.
+const ENOUGH_ALONE: f64 = 20.0;
 /// With half as many, how many times what the readings differ by is held in reserve.
-const RESERVE: f64 = 1.5;
+const RESERVE_ALONE: f64 = 1.5;
+/// The same beside a simulation that is of use: it tells what lies between the readings, but may lack what nobody thought of.
+const ENOUGH_BESIDE: f64 = 15.0;
+/// A third of how many times that is held with half as many: it falls as the square of their number, not as the number itself.
+const RESERVE_BESIDE: f64 = 0.4;
+/// Never more.
+const MOST_RESERVED: f64 = 2.0;
 
 /// What is known of the readings, whatever they say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Evidence {
     pub(crate) n_readings: usize,
+    /// Designs that were run.
+    pub(crate) n_tried: usize,
     /// As many evenly spread readings would leave as much of the box unseen.
     pub(crate) n_even: usize,
     /// The probability that the simulation is of no use.
     pub(crate) ignored: f64,
-    /// The share of all designs that were never run and may be unlike those that were.
-    pub(crate) unseen: f64,
-    pub(crate) n_factors: usize,
+    /// All that may be run.
+    pub(crate) n_designs: u64,
+    /// None has a narrow well, so that those that were never run are like those that were.
+    pub(crate) is_smooth: bool,
+    pub(crate) n_parameters: usize,
     /// Terms of a full quadratic.
     pub(crate) n_terms: usize,
 }
@@ -52,22 +62,41 @@ impl Evidence {
         (self.n_terms as f64 / n_telling.max(1.0)).min(1.0)
     }
 
-    /// How many times what the readings differ by may be missing anyway: a narrow well is as likely to lie where nobody looked.
-    fn reserve(&self, probability: f64) -> f64 {
-        self.scale_of_reserve(probability) * reserve_after(self.n_readings, self.n_factors)
+    /// The share of all designs that were never run and may be unlike those that were.
+    fn untried(&self) -> f64 {
+        if self.is_smooth { 0.0 } else { (1.0 - self.n_tried as f64 / self.n_designs as f64).max(0.0) }
     }
 
-    /// Nothing is where a simulation tells what lies between the readings, unless it is likelier to be of no use than the certificate
-    /// to fail; nor where every design was run.
-    fn scale_of_reserve(&self, probability: f64) -> f64 {
-        self.unseen * ((self.ignored - (1.0 - probability)) / probability).max(0.0)
+    /// How much likelier the simulation is to be of no use than the certificate to fail, from 0 to 1.
+    fn useless(&self, probability: f64) -> f64 {
+        ((self.ignored - (1.0 - probability)) / probability).max(0.0)
     }
 }
 
-/// So many times what the readings differ by; at most 2.
-fn reserve_after(n_readings: usize, n_factors: usize) -> f64 {
-    let factors_per_reading = n_factors as f64 / n_readings.max(1) as f64;
-    (RESERVE * (ENOUGH_PER_FACTOR * factors_per_reading - 1.0)).clamp(0.0, 2.0)
+/// As many designs run, where a repeat counts half: it shows no other well, but that what was seen is not the noise.
+fn designs_counted(n_tried: usize, n_readings: usize) -> f64 {
+    0.5 * (n_tried + n_readings).max(1) as f64
+}
+
+/// So many times what the readings differ by may be missing anyway: a narrow well is as likely to lie where nobody looked.
+fn reserve_after(n_designs: f64, n_parameters: usize, useless: f64) -> f64 {
+    let [alone, beside] = reserves_after(n_designs, n_parameters, useless);
+    alone.max(beside)
+}
+
+/// As far as no simulation is of use, and as far as one is.
+fn reserves_after(n_designs: f64, n_parameters: usize, useless: f64) -> [f64; 2] {
+    let per_design = n_parameters as f64 / n_designs;
+    let alone = (RESERVE_ALONE * (ENOUGH_ALONE * per_design - 1.0)).clamp(0.0, MOST_RESERVED);
+    let beside = (RESERVE_BESIDE * ((ENOUGH_BESIDE * per_design).powi(2) - 1.0)).clamp(0.0, MOST_RESERVED);
+    [useless * alone, beside]
+}
+
+/// The number of designs run, a repeat counting half, from which on no more than so many times what the readings differ by is held.
+fn enough_for(reserve: f64, n_parameters: usize, useless: f64) -> f64 {
+    let alone = ENOUGH_ALONE / (1.0 + reserve / (RESERVE_ALONE * useless));
+    let beside = ENOUGH_BESIDE / (1.0 + reserve / RESERVE_BESIDE).sqrt();
+    n_parameters as f64 * beside.max(alone)
 }
 
 /// How far what is drawn can be trusted: few readings show neither a well that the simulation does not have nor a process that is
@@ -105,9 +134,9 @@ impl Trust {
 /// corrected simulation or as smooth as the priors of the surface say. What no measurement and no simulation shows, as a well
 /// between all of them, it allows for by doubting the simulation and by widening what the surface says of itself, the less the
 /// more readings there are. Readings that crowd count for fewer, without a simulation for as many evenly spread ones as would leave
-/// the box as far from any. Without a simulation, or with one that is likelier of no use than the certificate is to fail, up to twice
-/// what the readings differ by is held in reserve, whatever the surface says, until there are twenty readings a factor; unless the
-/// response is [known](crate::pooled::Settings::smooth) to have no narrow well.
+/// the box as far from any. Until twenty designs a parameter were run, beside a simulation that is of use fifteen, up to twice what the readings
+/// differ by is held in reserve, whatever the surface says; unless the response is
+/// [known](crate::pooled::Settings::smooth) to have no narrow well.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// The probability.
@@ -123,30 +152,41 @@ pub struct Certificate {
 pub struct Forecast {
     /// The bound of what is drawn alone.
     pub drawn: f64,
-    /// What the readings differ by, as far as some of it is held in reserve for what none of them may have shown.
-    pub reserve: f64,
+    /// What the readings differ by, times the share of designs that were never run; 0 where nothing of it is held in reserve.
+    pub spread: f64,
+    /// How much likelier the simulation is to be of no use than the certificate to fail, from 0 to 1: 1 without a simulation.
+    pub useless: f64,
     /// Readings until now.
     pub n_readings: usize,
+    /// Designs that they are of.
+    pub n_tried: usize,
+    /// Designs that there are.
+    pub n_designs: u64,
     /// Readings to a batch.
     pub n_experiments: usize,
-    /// Coordinates of a design.
-    pub n_factors: usize,
+    /// Parameters, a choice counting as one.
+    pub n_parameters: usize,
 }
 
 impl Forecast {
     /// Batches until the bound is expected to be no more than `worth`: 0 if it is no more already.
     ///
     /// What is drawn is taken to fall as the readings to the power of 2.5, near what it did from batch to batch in the median of the
-    /// campaigns of the benchmark, whose page says how often that came true. The reserve falls as it is defined.
+    /// campaigns of the benchmark, whose page says how often that came true. The reserve falls as it is defined, with as many repeats as
+    /// there were until now.
     #[must_use]
     pub fn further_batches(&self, worth: f64) -> u64 {
-        let n = self.n_readings as f64;
-        if self.drawn.max(self.reserve_now()) <= worth {
+        let (reserve, n) = (self.reserve(), self.n_readings as f64);
+        if self.drawn.max(reserve) <= worth {
             return 0;
         }
         let for_drawn = n * (self.drawn / worth).powf(1.0 / POWER);
-        let for_reserve = match self.reserve > 0.0 {
-            true => ENOUGH_PER_FACTOR * self.n_factors as f64 / (1.0 + worth / (RESERVE * self.reserve)),
+        let for_reserve = match reserve > worth {
+            true => {
+                let enough =
+                    enough_for(worth / self.spread, self.n_parameters, self.useless).min(self.n_designs as f64);
+                enough * n / self.n_counted()
+            }
             false => 0.0,
         };
         let n_batches = (for_drawn.max(for_reserve) - n) / self.n_experiments.max(1) as f64;
@@ -154,15 +194,31 @@ impl Forecast {
         (n_batches - 1e-9).ceil().max(1.0) as u64
     }
 
-    /// The number of readings from which on nothing is held in reserve, if that is what the bound is now.
+    /// The number of designs run, a repeat counting half, from which on nothing is held in reserve, if that is what the bound is now.
     #[must_use]
     pub fn reserves_until(&self) -> Option<usize> {
-        (self.reserve_now() > self.drawn).then_some(ENOUGH_PER_FACTOR as usize * self.n_factors)
+        let [alone, beside] = reserves_after(self.n_counted(), self.n_parameters, self.useless);
+        let enough = designs_without_reserve(self.n_parameters, beside >= alone, self.n_designs);
+        (self.reserve() > self.drawn).then_some(enough)
     }
 
-    fn reserve_now(&self) -> f64 {
-        self.reserve * reserve_after(self.n_readings, self.n_factors)
+    /// In the unit of the response.
+    fn reserve(&self) -> f64 {
+        self.spread * reserve_after(self.n_counted(), self.n_parameters, self.useless)
     }
+
+    /// Designs run until now, a repeat counting half.
+    #[must_use]
+    pub fn n_counted(&self) -> f64 {
+        designs_counted(self.n_tried, self.n_readings)
+    }
+}
+
+/// From so many designs on, of so many parameters, a repeat counting half, nothing is held in reserve for a narrow well: fewer beside
+/// a simulation that is of use, and never more than there are.
+pub(crate) fn designs_without_reserve(n_parameters: usize, is_beside: bool, n_designs: u64) -> usize {
+    let per_parameter = if is_beside { ENOUGH_BESIDE } else { ENOUGH_ALONE };
+    (per_parameter as usize * n_parameters).min(usize::try_from(n_designs).unwrap_or(usize::MAX))
 }
 
 /// By this power of the readings what is drawn falls.
@@ -221,7 +277,8 @@ impl Draws {
     }
 
     pub(crate) fn certificate(&self, probability: f64) -> Certificate {
-        let bound = self.drawn(probability).max(self.evidence.reserve(probability) * self.spread);
+        let forecast = self.forecast(probability, 0);
+        let bound = forecast.drawn.max(forecast.reserve());
         Certificate { probability, bound, quantile: self.believed.quantile(probability) }
     }
 
@@ -234,9 +291,10 @@ impl Draws {
 
     /// With so many experiments to a batch.
     pub(crate) fn forecast(&self, probability: f64, n_experiments: usize) -> Forecast {
-        let Evidence { n_readings, n_factors, .. } = self.evidence;
-        let reserve = self.evidence.scale_of_reserve(probability) * self.spread;
-        Forecast { drawn: self.drawn(probability), reserve, n_readings, n_experiments, n_factors }
+        let Evidence { n_readings, n_tried, n_parameters, n_designs, .. } = self.evidence;
+        let (drawn, useless) = (self.drawn(probability), self.evidence.useless(probability));
+        let spread = self.evidence.untried() * self.spread;
+        Forecast { drawn, spread, useless, n_readings, n_tried, n_designs, n_experiments, n_parameters }
     }
 }
 
@@ -349,12 +407,18 @@ mod tests {
 
     use super::*;
 
+    fn reserve(evidence: &Evidence) -> f64 {
+        let n_designs = designs_counted(evidence.n_tried, evidence.n_readings);
+        evidence.untried() * reserve_after(n_designs, evidence.n_parameters, evidence.useless(0.9))
+    }
+
     fn evidence() -> impl Strategy<Value = Evidence> {
-        let n_even = (1_usize..10_000).prop_flat_map(|n_readings| (Just(n_readings), 1..=n_readings));
-        (n_even, 0.0..=1.0_f64, 0.0..=1.0_f64, 1_usize..9).prop_map(
-            |((n_readings, n_even), ignored, unseen, n_factors)| {
-                let n_terms = (n_factors + 1) * (n_factors + 2) / 2;
-                Evidence { n_readings, n_even, ignored, unseen, n_factors, n_terms }
+        let counts = (1_usize..10_000).prop_flat_map(|n_readings| (Just(n_readings), 1..=n_readings, 1..=n_readings));
+        (counts, 0.0..=1.0_f64, 0_u64..20_000, any::<bool>(), 1_usize..9).prop_map(
+            |((n_readings, n_even, n_tried), ignored, more, is_smooth, n_parameters)| {
+                let n_terms = (n_parameters + 1) * (n_parameters + 2) / 2;
+                let n_designs = n_tried as u64 + 1 + more;
+                Evidence { n_readings, n_tried, n_even, ignored, n_designs, is_smooth, n_parameters, n_terms }
             },
         )
     }
@@ -380,10 +444,17 @@ mod tests {
         /// As the readings become more the doubt and the allowance fall, toward none, and more may be beyond; never more than fails.
         #[test]
         fn trust_grows_with_the_readings(evidence in evidence()) {
-            let one_more = Evidence { n_readings: evidence.n_readings + 1, n_even: evidence.n_even + 1, ..evidence };
+            let one_more = Evidence {
+                n_readings: evidence.n_readings + 1,
+                n_tried: evidence.n_tried + 1,
+                n_even: evidence.n_even + 1,
+                ..evidence
+            };
+            let held = reserve(&evidence);
+            let again = Evidence { n_readings: evidence.n_readings + 1, ..evidence };
+            prop_assert!(reserve(&again) <= held && reserve(&again) >= reserve(&one_more), "a repeat counts less");
             let (now, then) = (Trust::after(&evidence), Trust::after(&one_more));
-            let reserve = evidence.reserve(0.9);
-            prop_assert!(one_more.reserve(0.9) <= reserve && (0.0..=2.0).contains(&reserve), "{reserve}");
+            prop_assert!(reserve(&one_more) <= held && (0.0..=2.0).contains(&held), "{held}");
             prop_assert!(then.doubt <= now.doubt && then.allowance <= now.allowance);
             prop_assert!((0.0..=1.0).contains(&now.doubt) && (1.0..=9.0).contains(&now.allowance));
             prop_assert!(now.beyond <= then.beyond && (0.01..1.0 - USUAL).contains(&now.beyond));
@@ -398,7 +469,7 @@ mod tests {
             let useless = Evidence { ignored: evidence.ignored + share * (1.0 - evidence.ignored), ..evidence };
             let here = Trust::after(&evidence);
             for less in [crowded, useless] {
-                prop_assert!(less.reserve(0.9) >= evidence.reserve(0.9));
+                prop_assert!(reserve(&less) >= reserve(&evidence));
                 let less = Trust::after(&less);
                 prop_assert!(less.doubt >= here.doubt && less.allowance >= here.allowance);
                 prop_assert!(less.beyond <= here.beyond && less.cap >= here.cap, "{less:?} {here:?}");
@@ -414,17 +485,39 @@ mod tests {
         }
     }
 
-    /// By hand: with two factors nothing is held from 40 readings on, once the spread after 24, and one and a half times after 20;
-    /// less by the share of designs that were run, and none while the simulation may be of no use in one case of ten.
+    /// By hand, with two parameters: nothing is held from 40 designs on, once the spread after 24, and one and a half times after 20; less by
+    /// the share of designs that were run. Beside a simulation that is of use nothing from 30 on, and three times 0.4 of it after 15.
     #[test]
-    fn narrow_wells_are_allowed_for_until_there_are_twenty_readings_a_factor() {
-        let reserve = |n_readings, ignored, unseen| {
-            Evidence { n_readings, n_even: n_readings, ignored, unseen, n_factors: 2, n_terms: 6 }.reserve(0.9)
+    fn narrow_wells_are_allowed_for_until_twenty_designs_a_parameter_were_run() {
+        let evidence = |n_readings, n_tried, ignored, n_designs| {
+            let (n_parameters, n_terms) = (2, 6);
+            Evidence { n_readings, n_tried, n_even: 1, ignored, n_designs, is_smooth: false, n_parameters, n_terms }
         };
-        for (n_readings, expected) in [(4, 2.0), (20, 1.5), (24, 1.0), (30, 0.5), (40, 0.0), (400, 0.0)] {
-            assert!((reserve(n_readings, 1.0, 1.0) - expected).abs() < 1e-12, "{n_readings}");
-            assert!((reserve(n_readings, 0.55, 0.4) - 0.2 * expected).abs() < 1e-12, "{n_readings}");
-            assert!(reserve(n_readings, 0.1, 1.0).abs() < 1e-12, "{n_readings}");
+        let reserve = |n_tried: usize, ignored: f64, untried: f64| {
+            // As many more as leave this share untried.
+            let n_designs = (n_tried as f64 / (1.0 - untried)).round() as u64;
+            reserve(&evidence(n_tried, n_tried, ignored, n_designs))
+                / evidence(1, n_tried, ignored, n_designs).untried()
+                * untried
+        };
+        // Of three designs that are run twice four are counted and a half.
+        let of = |evidence: &Evidence| designs_counted(evidence.n_tried, evidence.n_readings);
+        assert!((of(&evidence(6, 3, 1.0, 100)) - 4.5).abs() < 1e-12);
+        assert!((evidence(6, 25, 1.0, 100).untried() - 0.75).abs() < 1e-12);
+        assert!(Evidence { is_smooth: true, ..evidence(6, 3, 1.0, 100) }.untried().abs() < 1e-12);
+        for (n_tried, without, beside) in [
+            (4, 2.0, 2.0),
+            (12, 2.0, 2.0),
+            (15, 2.0, 1.2),
+            (20, 1.5, 0.5),
+            (24, 1.0, 0.225),
+            (32, 0.375, 0.0),
+            (40, 0.0, 0.0),
+            (400, 0.0, 0.0),
+        ] {
+            assert!((reserve(n_tried, 1.0, 0.9) - 0.9 * without).abs() < 1e-12, "{n_tried}");
+            assert!((reserve(n_tried, 0.55, 0.4) - 0.4 * f64::max(0.5 * without, beside)).abs() < 1e-12, "{n_tried}");
+            assert!((reserve(n_tried, 0.1, 0.9) - 0.9 * beside).abs() < 1e-12, "{n_tried}");
         }
     }
 
@@ -457,25 +550,37 @@ mod tests {
     /// As many more readings as the law takes, for what is drawn and for the reserve; one batch less would not do.
     #[test]
     fn further_batches_are_as_many_as_it_takes() {
-        for (drawn, reserve, worth, n, of) in [
-            (8.0, 0.0, 1.1, 10, 10),
-            (3.0, 0.0, 0.4, 36, 12),
-            (0.2, 0.0, 0.19, 7, 8),
-            (1e6, 0.0, 1.0, 9, 4),
-            (0.1, 3.0, 0.4, 12, 12),
-            (0.1, 0.7, 0.01, 24, 5),
-            (0.5, 0.01, 0.012, 24, 5),
+        for (drawn, spread, useless, worth, n, n_tried, of) in [
+            (8.0, 0.0, 1.0, 1.1, 10, 10, 10),
+            (3.0, 0.0, 1.0, 0.4, 36, 36, 12),
+            (0.2, 0.0, 0.0, 0.19, 7, 7, 8),
+            (1e6, 0.0, 1.0, 1.0, 9, 9, 4),
+            (0.1, 3.0, 1.0, 0.4, 12, 12, 12),
+            (0.1, 3.0, 1.0, 0.4, 24, 12, 12),
+            (0.1, 0.7, 0.6, 0.01, 24, 20, 5),
+            (0.1, 0.7, 0.0, 0.01, 24, 24, 5),
+            (0.5, 0.01, 1.0, 0.012, 24, 24, 5),
+            (0.5, 0.1, 1.0, 0.49, 10, 10, 1),
         ] {
-            let forecast = Forecast { drawn, reserve, n_readings: n, n_experiments: of, n_factors: 2 };
+            let (n_readings, n_experiments) = (n, of);
+            let (n_designs, n_parameters) = (10_000, 2);
+            let forecast =
+                Forecast { drawn, spread, useless, n_readings, n_tried, n_designs, n_experiments, n_parameters };
             let further = forecast.further_batches(worth);
             let after = |batches: u64| {
                 let later = n as f64 + (batches as usize * of) as f64;
-                (drawn * (n as f64 / later).powf(2.5)).max(reserve * (1.5 * (40.0 / later - 1.0)).clamp(0.0, 2.0))
+                let tried = later * 0.5 * (n_tried + n) as f64 / n as f64;
+                let without = useless * (1.5 * (40.0 / tried - 1.0)).clamp(0.0, 2.0);
+                let beside = (0.4 * (900.0 / (tried * tried) - 1.0)).clamp(0.0, 2.0);
+                (drawn * (n as f64 / later).powf(2.5)).max(spread * f64::max(without, beside))
             };
+            let worth = worth * (1.0 + 1e-12);
             assert!(further >= 1 && after(further) <= worth && after(further - 1) > worth, "{forecast:?}: {further}");
         }
         let of = |drawn: f64, worth: f64| {
-            Forecast { drawn, reserve: 0.0, n_readings: 10, n_experiments: 5, n_factors: 2 }.further_batches(worth)
+            let (n_readings, n_tried, n_designs, n_experiments, n_parameters) = (10, 10, 100, 5, 2);
+            Forecast { drawn, spread: 0.0, useless: 1.0, n_readings, n_tried, n_designs, n_experiments, n_parameters }
+                .further_batches(worth)
         };
         assert_eq!((of(1.0, 1.0), of(0.0, 0.0), of(1.0, 0.0)), (0, 0, u64::MAX));
     }

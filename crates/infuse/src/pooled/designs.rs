@@ -23,6 +23,8 @@ pub(crate) struct Designs {
 const DRAWN: usize = 50;
 /// So many are built at most: the nearest point that keeps to them, and a level below or above.
 const BUILT: usize = 2000;
+/// Up to so many designs are looked at one by one.
+const COUNTED: u64 = 100_000;
 /// Steps from constraint to constraint.
 const PROJECTIONS: usize = 200;
 
@@ -59,7 +61,7 @@ impl Designs {
             }
         }
         let next = Self { constraints: constraints.to_vec(), ..self.clone() };
-        let small = self.n_cells() <= 100_000;
+        let small = self.n_cells() <= COUNTED;
         let found = if small { next.cells().next() } else { next.draw(rng).or_else(|| next.build(rng)) };
         let Some(allowed) = found else {
             return Err(Error::NoDesignAllowed { n_constraints: constraints.len() });
@@ -93,6 +95,12 @@ impl Designs {
 
     pub(crate) fn n_cells(&self) -> u64 {
         self.grid.n_cells()
+    }
+
+    /// Those of them that keep to the constraints, counted where they are few; as if all did otherwise.
+    pub(crate) fn n_allowed(&self) -> u64 {
+        let are_counted = !self.constraints.is_empty() && self.n_cells() <= COUNTED;
+        if are_counted { self.cells().count() as u64 } else { self.n_cells() }
     }
 
     pub(crate) fn combinations(&self) -> &Combinations {

@@ -28,7 +28,7 @@ pub(super) fn in_words(
     took: Option<Duration>,
 ) -> Result<(Vec<Finding>, Value)> {
     let problem = campaign.problem();
-    let Budget { terms, experiments, batches, simulations, grid } = budget;
+    let Budget { terms, experiments, batches, simulations, grid, without_reserve } = budget;
     let allowed = allowed(problem, grid);
     let n_simulations = simulations_in_all(budget, problem, allowed);
     let mut findings = vec![whole(budget, problem, allowed)];
@@ -47,6 +47,7 @@ pub(super) fn in_words(
         findings.push(finding.with("cost in all", in_all, costs.unit()));
         json!({ "batch": of_batch, "all": in_all, "unit": costs.unit(), "plants_per_batch": n_plants })
     });
+    findings.extend(without_reserve.map(|n| reserved(n, budget, problem.simulator.is_there())));
     let choosing = campaign.dry_pick()?;
     findings.push(Finding::new(match choosing {
         Some(took) => format!(
@@ -61,7 +62,7 @@ pub(super) fn in_words(
         "share_allowed": allowed.map(|allowed| allowed.share(grid)), "terms": terms,
         "experiments_per_batch": experiments, "batches": batches, "runs_at_most": experiments * batches,
         "simulations_per_batch": simulations, "simulations_at_most": n_simulations, "costs": costs,
-        "seconds_to_choose": choosing.map(|took| took.as_secs_f64()),
+        "designs_without_reserve": without_reserve, "seconds_to_choose": choosing.map(|took| took.as_secs_f64()),
     });
     Ok((findings, json))
 }
@@ -130,6 +131,21 @@ fn whole(budget: &Budget, problem: &Problem, allowed: Option<Allowed>) -> Findin
         count(experiments * batches, "run")
     );
     Finding::new(sentence).with("runs at most", (experiments * batches) as f64, "1")
+}
+
+/// From when on the certificate is as narrow as what was measured says.
+fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, has_simulation: bool) -> Finding {
+    let needed = n.div_ceil(*experiments);
+    let enough = match needed {
+        needed if needed <= *batches => format!("in {} or more", count(needed, "batch")),
+        _ => "more than the campaign has".to_owned(),
+    };
+    let useless = if has_simulation { " (more if the simulation is of no use)" } else { "" };
+    let sentence = format!(
+        "Until {n} designs were run{useless}, a repeat counting half, {enough}, what the certificate promises leaves room for a narrow well; `smooth` in [stop] says that \
+         there surely is none."
+    );
+    Finding::new(sentence).with("designs run from which on nothing is held for a narrow well", n as f64, "1")
 }
 
 /// Simulations of the whole campaign, at most; none where they are looked up.
