@@ -12,7 +12,7 @@ use crate::campaign::{Campaign, Stage, changes};
 use crate::echo::echo;
 use crate::folder;
 use crate::journal::{Assessed, Deed, Event, Journal, Last, Learned, Measured, Submitted, Told};
-use crate::number::{count, resolved, short, with_unit};
+use crate::number::{count, percent, resolved, short, with_unit};
 use crate::problem::by_key;
 
 /// One line of the log.
@@ -197,8 +197,9 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
             (
                 "learned",
                 format!(
-                    "after batch {}: {at} is best, with {expected}; none better by more than {bound}.",
-                    found.batch
+                    "after batch {}: {at} is best, with {expected}; with {} probability none is better by more than {bound}.",
+                    found.batch,
+                    percent(found.probability)
                 ),
             )
         }

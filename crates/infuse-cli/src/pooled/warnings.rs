@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use infuse::pooled::Assessment;
+use infuse::pooled::reported::Outlier;
 use page::Finding;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
@@ -73,19 +74,33 @@ pub(super) fn all_equal(campaign: &Campaign) -> Option<Finding> {
 }
 
 /// What counts, and is far from what all others say: nothing else is worth much before it is known to be true.
-pub(super) fn suspects(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
-    let (n, named) = outliers(campaign, found, false)?;
-    let remedy = remedy(campaign, found);
-    let sentence = format!(
-        "Careful: far from what all others say: {named}. Look at the notes of those runs; {remedy}. Run it again before you \
-         believe what is recommended."
-    );
-    Some(Finding::new(sentence).with("outliers", n as f64, "1"))
+pub(super) fn suspects(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
+    // Runs of equal settings share their distance.
+    let is_seen_again = |one: &Outlier| {
+        let same = |other: &&Outlier| other.deviations.to_bits() == one.deviations.to_bits();
+        found.outliers.iter().filter(same).count() > 1
+    };
+    let once = outliers(campaign, found, |one| !one.set_aside && !is_seen_again(one)).map(|(n, named)| {
+        let (remedy, them) = (remedy(campaign, found), if n == 1 { "it" } else { "them" });
+        let sentence = format!(
+            "Careful: far from what all others say: {named}. Look at the notes of those runs; {remedy}. Run {them} again before you \
+             believe what is recommended."
+        );
+        Finding::new(sentence).with("outliers", n as f64, "1")
+    });
+    let again = outliers(campaign, found, |one| !one.set_aside && is_seen_again(one)).map(|(n, named)| {
+        let sentence = format!(
+            "Seen more than once, though far from what runs of other settings say: {named}. The response is steeper or \
+             narrower there than the surface takes it to be."
+        );
+        Finding::new(sentence).with("outliers seen again", n as f64, "1")
+    });
+    once.into_iter().chain(again).collect()
 }
 
 /// What does not count, and why.
 fn set_aside(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
-    let (n, named) = outliers(campaign, found, true)?;
+    let (n, named) = outliers(campaign, found, |one| one.set_aside)?;
     let remedy = remedy(campaign, found);
     let sentence = format!(
         "Set aside, because other runs of the same settings gave something else, which all others expect: {named}. Look at \
@@ -94,11 +109,11 @@ fn set_aside(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
     Some(Finding::new(sentence).with("outliers", n as f64, "1"))
 }
 
-/// How many were measured that the others do not expect, set aside or not, and which.
-fn outliers(campaign: &Campaign, found: &Assessment, set_aside: bool) -> Option<(usize, String)> {
+/// How many were measured that the others do not expect, and which of those that are meant.
+fn outliers(campaign: &Campaign, found: &Assessment, is_meant: impl Fn(&Outlier) -> bool) -> Option<(usize, String)> {
     let response = &campaign.problem.response;
     let origins = campaign.origins();
-    let meant = found.outliers.iter().filter(|outlier| outlier.set_aside == set_aside);
+    let meant = found.outliers.iter().filter(|outlier| is_meant(outlier));
     let named = meant.clone().take(MOST_NAMED).filter_map(|outlier| {
         let side = if outlier.deviations > 0.0 { response.worse_side() } else { better_side(response.worse_side()) };
         let origin = *origins.get(outlier.reading)?;
