@@ -21,7 +21,7 @@ use crate::reproduction::progress;
 use families::{DECOYS, FAMILIES, Family};
 use methods::{METHODS, Method, UNTOLD};
 use results::{Fresh, Results, Row};
-use task::{FRESH_SEEDS, LEVELS, SEEDS, Task, descend, fresh_compared, fresh_families};
+use task::{COMPARED_SEEDS, FRESH_SEEDS, LEVELS, SEEDS, Task, descend, fresh_families};
 
 /// Where the rows of our methods, and those of the peers, are kept.
 const OURS: &str = "fixtures/benchmark";
@@ -44,11 +44,12 @@ pub(crate) fn run(root: &Path) -> Result<()> {
         let all = (1..=SEEDS).flat_map(|seed| FAMILIES.iter().map(move |family| (family, seed)));
         run_missing(method, &mut results, all)?;
         if method.name == OWN {
-            let all = FRESH_SEEDS.flat_map(|seed| fresh_families().map(move |family| (family, seed)));
+            let all =
+                COMPARED_SEEDS.chain(FRESH_SEEDS).flat_map(|seed| fresh_families().map(move |family| (family, seed)));
             run_missing(method, &mut Results::read(&root.join(OURS), FRESH)?, all)?;
         }
         if method.name == UNTOLD {
-            let all = fresh_compared().flat_map(|seed| fresh_families().map(move |family| (family, seed)));
+            let all = COMPARED_SEEDS.flat_map(|seed| fresh_families().map(move |family| (family, seed)));
             run_missing(method, &mut Results::read(&root.join(OURS), FRESH_UNTOLD)?, all)?;
         }
     }
@@ -135,9 +136,20 @@ fn campaign(method: &Method, family: &Family, seed: u64) -> Result<Vec<Row>> {
         let point = task.grid.point(step.recommended)?;
         let regret = (pair.truth)(&point) - best;
         let methods::Step { bound, quantile, forecast, ask_seconds, tell_seconds, .. } = step;
-        let (drawn, reserve) = (forecast.map(|forecast| forecast.drawn), forecast.map(|forecast| forecast.reserve));
-        let family = family.name.to_owned();
-        Ok(Row { family, seed, batch: batch + 1, regret, bound, quantile, drawn, reserve, ask_seconds, tell_seconds })
+        Ok(Row {
+            family: family.name.to_owned(),
+            seed,
+            batch: batch + 1,
+            regret,
+            bound,
+            quantile,
+            drawn: forecast.map(|forecast| forecast.drawn),
+            spread: forecast.map(|forecast| forecast.spread),
+            useless: forecast.map(|forecast| forecast.useless),
+            tried: forecast.map(|forecast| forecast.n_tried),
+            ask_seconds,
+            tell_seconds,
+        })
     };
     steps.into_iter().enumerate().map(row).collect()
 }

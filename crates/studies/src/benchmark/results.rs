@@ -4,8 +4,11 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use infuse::pooled::Forecast;
 use serde::{Deserialize, Serialize};
 
+use super::families::Family;
+use super::task::{LEVELS, n_experiments};
 use crate::kept;
 
 /// An optimizer of others, whose rows a person with Python can write anew: `fixtures/peers/README.md`.
@@ -38,11 +41,15 @@ pub(super) struct Row {
     /// The same as the surface of the method has it, without any allowance.
     #[serde(default)]
     pub(super) quantile: Option<f64>,
-    /// The bound without the reserve for what no reading may have shown, and what the readings differ by as far as that is held.
+    /// What the bound is expected to fall by, as [`Forecast`] has it: of this method's own alone.
     #[serde(default)]
     pub(super) drawn: Option<f64>,
     #[serde(default)]
-    pub(super) reserve: Option<f64>,
+    pub(super) spread: Option<f64>,
+    #[serde(default)]
+    pub(super) useless: Option<f64>,
+    #[serde(default)]
+    pub(super) tried: Option<usize>,
     /// To choose the batch.
     pub(super) ask_seconds: f64,
     /// To take its results.
@@ -50,6 +57,15 @@ pub(super) struct Row {
 }
 
 impl Row {
+    /// How the bound was expected to fall, if the method says so.
+    pub(super) fn forecast(&self, family: &Family) -> Option<Forecast> {
+        let (n_experiments, n_parameters) = (n_experiments(family), family.n_factors);
+        let n_readings = self.batch * n_experiments;
+        let (drawn, spread, useless, n_tried) = (self.drawn?, self.spread?, self.useless?, self.tried?);
+        let n_designs = u64::from(LEVELS).pow(n_parameters as u32);
+        Some(Forecast { drawn, spread, useless, n_readings, n_tried, n_designs, n_experiments, n_parameters })
+    }
+
     /// Whether both say the same, times apart; the last digits differ between machines.
     pub(super) fn agrees(&self, other: &Self) -> bool {
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + a.abs());
@@ -63,7 +79,9 @@ impl Row {
             && both((self.bound, other.bound))
             && both((self.quantile, other.quantile))
             && both((self.drawn, other.drawn))
-            && both((self.reserve, other.reserve))
+            && both((self.spread, other.spread))
+            && both((self.useless, other.useless))
+            && self.tried == other.tried
             && close(self.regret, other.regret)
     }
 }

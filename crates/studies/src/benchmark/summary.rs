@@ -1,11 +1,9 @@
 //! What the rows of a method come to.
 
-use infuse::pooled::Forecast;
 use page::quantile;
 
 use super::families::{FAMILIES, Family};
 use super::results::{Results, Row};
-use super::task::n_experiments;
 
 /// Regrets below this share of the range count as equal: a tenth of the smallest noise.
 pub(super) const FLOOR: f64 = 0.003;
@@ -204,12 +202,7 @@ pub(super) fn forecasts<'a>(
     let mut found = Forecasts::default();
     for family in families {
         for row in rows_of(results, family, after) {
-            let (Some(drawn), Some(reserve)) = (row.drawn, row.reserve) else {
-                continue;
-            };
-            let (n_experiments, n_factors) = (n_experiments(family), family.n_factors);
-            let n_readings = after * n_experiments;
-            let forecast = Forecast { drawn, reserve, n_readings, n_experiments, n_factors };
+            let Some(forecast) = row.forecast(family) else { continue };
             let expected = forecast.further_batches(worth) as usize;
             if expected == 0 {
                 continue;
@@ -258,7 +251,7 @@ mod tests {
         for (seed, steps) in (1..).zip(campaigns) {
             for (batch, &(regret, bound)) in (1..).zip(*steps) {
                 let family = FAMILIES[0].name.to_owned();
-                let (bound, drawn, reserve) = (Some(bound), Some(bound), Some(0.0));
+                let bound = Some(bound);
                 results.rows.push(Row {
                     family,
                     seed,
@@ -266,8 +259,10 @@ mod tests {
                     regret,
                     bound,
                     quantile: None,
-                    drawn,
-                    reserve,
+                    drawn: bound,
+                    spread: Some(0.0),
+                    useless: Some(0.0),
+                    tried: Some(batch),
                     ask_seconds: 0.0,
                     tell_seconds: 0.0,
                 });
