@@ -704,8 +704,9 @@ fn four_hundred_experiments_are_taken() {
     let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else {
         panic!("there is something to run")
     };
+    // After so many next to nothing is to be gained: one goes to where no run is near.
     let near = trials.iter().filter(|trial| truth(&trial.point) < 0.2).count();
-    assert!(trials.len() == 5 && near >= 3, "the next batch looks where the best may be: {trials:?}");
+    assert!(trials.len() == 5 && near >= 2, "the next batch looks where the best may be: {trials:?}");
 }
 
 /// Among the first few readings a wrong one makes all seem noisy; it is named all the same, and run again in the next batch.
