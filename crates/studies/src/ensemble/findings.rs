@@ -98,7 +98,7 @@ fn extent(setup: &Setup, store: &Store, cases: &[Case<'_>]) -> Finding {
         other => format!(" ({other} with four parameters)"),
     };
     Finding::new(format!(
-        "{}, {}{of_four}, two worlds: {flights:.0} flights in {:.0} minutes.",
+        "{}, {}{of_four}, two worlds: {flights:.0} flights in {:.0} minutes, those of campaigns that took the place of others counted with them.",
         counted(setup.plants.len(), PLANTS),
         counted(setup.campaigns.seeds as usize, ["seed", "seeds"]),
         seconds / 60.0
