@@ -170,18 +170,17 @@ impl Look {
         let coverage = Coverage::of(knowledge.designs, &pool, &runs)?;
         let n_even = coverage.even_runs(knowledge.designs, readings.len(), settings.seed)?;
         let designs = knowledge.designs;
-        let n_allowed = designs.n_allowed();
-        let n_tried = readings.iter().map(|reading| reading.cell).collect::<BTreeSet<_>>().len() as u64;
         let evidence = Evidence {
             n_readings: readings.len(),
-            n_tried: n_tried as usize,
+            n_tried: readings.iter().map(|reading| reading.cell).collect::<BTreeSet<_>>().len(),
             n_even,
             ignored: knowledge.ignored(),
-            n_designs: n_allowed,
+            n_designs: designs.n_allowed(),
             is_smooth: settings.smooth,
             n_parameters: designs.region().n_parameters(),
             n_terms: designs.n_terms(),
         };
+        let never_run = evidence.never_run();
         let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?;
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
@@ -193,10 +192,8 @@ impl Look {
             n_repeats: knowledge.process.sites().n_repeats(),
             left,
             n_left,
-            unseen: (n_tried < n_allowed).then(|| {
-                // No well is larger than all that was never run.
-                unseen(n_even, settings.confidence).min(1.0 - n_tried as f64 / n_allowed as f64)
-            }),
+            // No well is larger than all that was never run.
+            unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
             contradiction: contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?,
             outliers: set_aside.iter().copied().chain(open).collect(),

@@ -62,9 +62,14 @@ impl Evidence {
         (self.n_terms as f64 / n_telling.max(1.0)).min(1.0)
     }
 
-    /// The share of all designs that were never run and may be unlike those that were.
+    /// The share of all designs that were never run.
+    pub(crate) fn never_run(&self) -> f64 {
+        (1.0 - self.n_tried as f64 / self.n_designs as f64).max(0.0)
+    }
+
+    /// The same, as far as these may be unlike those that were.
     fn untried(&self) -> f64 {
-        if self.is_smooth { 0.0 } else { (1.0 - self.n_tried as f64 / self.n_designs as f64).max(0.0) }
+        if self.is_smooth { 0.0 } else { self.never_run() }
     }
 
     /// How much likelier the simulation is to be of no use than the certificate to fail, from 0 to 1.

@@ -17,14 +17,14 @@ pub(crate) struct Designs {
     constraints: Vec<LinearConstraint>,
     /// A design that keeps to them.
     allowed: Cell,
+    /// As many do, counted where they are few; as if all did otherwise.
+    n_allowed: u64,
 }
 
 /// A design that keeps to the constraints is drawn so many times before one is built.
 const DRAWN: usize = 50;
 /// So many are built at most: the nearest point that keeps to them, and a level below or above.
 const BUILT: usize = 2000;
-/// Up to so many designs are looked at one by one.
-const COUNTED: u64 = 100_000;
 /// Steps from constraint to constraint.
 const PROJECTIONS: usize = 200;
 
@@ -45,7 +45,9 @@ impl Designs {
         let [finest, coarser @ ..] = Self::FINE;
         // The first refusal names what a person may change.
         let grid = with(finest).or_else(|error| coarser.into_iter().find_map(|fine| with(fine).ok()).ok_or(error))?;
-        let mut designs = Self { region: region.clone(), grid, constraints: Vec::new(), allowed: Cell::new(0) };
+        let n_allowed = grid.n_cells();
+        let mut designs =
+            Self { region: region.clone(), grid, constraints: Vec::new(), allowed: Cell::new(0), n_allowed };
         designs.keep_to(constraints, rng)?;
         Ok(designs)
     }
@@ -61,12 +63,14 @@ impl Designs {
             }
         }
         let next = Self { constraints: constraints.to_vec(), ..self.clone() };
-        let small = self.n_cells() <= COUNTED;
+        let small = self.n_cells() <= 100_000;
         let found = if small { next.cells().next() } else { next.draw(rng).or_else(|| next.build(rng)) };
         let Some(allowed) = found else {
             return Err(Error::NoDesignAllowed { n_constraints: constraints.len() });
         };
-        *self = Self { allowed, ..next };
+        let are_counted = small && !constraints.is_empty();
+        let n_allowed = if are_counted { next.cells().count() as u64 } else { self.n_cells() };
+        *self = Self { allowed, n_allowed, ..next };
         Ok(())
     }
 
@@ -99,8 +103,7 @@ impl Designs {
 
     /// Those of them that keep to the constraints, counted where they are few; as if all did otherwise.
     pub(crate) fn n_allowed(&self) -> u64 {
-        let are_counted = !self.constraints.is_empty() && self.n_cells() <= COUNTED;
-        if are_counted { self.cells().count() as u64 } else { self.n_cells() }
+        self.n_allowed
     }
 
     pub(crate) fn combinations(&self) -> &Combinations {
