@@ -113,8 +113,9 @@ fn fresh(root: &Path) -> Result<Fresh> {
     let words = METHODS.iter().find(|method| method.name == UNTOLD).map_or("", |method| method.words);
     let untold = Results::read(&root.join(OURS), FRESH_UNTOLD)?;
     let peer = Results::read(&root.join(PEERS), FRESH_PEER)?;
-    let ours = Results::read(&root.join(OURS), FRESH)?;
-    Ok(Fresh { ours, untold: vec![(words, untold), (results::PEERS[0].words, peer)] })
+    let kept = Results::read(&root.join(OURS), FRESH)?;
+    let (ours, compared) = (kept.of_seeds(&FRESH_SEEDS), kept.of_seeds(&COMPARED_SEEDS));
+    Ok(Fresh { ours, compared, untold: vec![(words, untold), (results::PEERS[0].words, peer)] })
 }
 
 fn kept(root: &Path) -> Result<Vec<Results>> {

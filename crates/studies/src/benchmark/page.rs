@@ -233,8 +233,7 @@ const MISLED_AFTER: [usize; 3] = [2, 3, BATCHES];
 
 /// The pooled loop beside those that are not told of a simulation that misleads.
 fn misled(fresh: &Fresh) -> String {
-    let seeds = COMPARED_SEEDS;
-    let ours = fresh.ours.of_seeds(&seeds);
+    let (seeds, ours) = (COMPARED_SEEDS, &fresh.compared);
     let mut text = format!(
         "\n## Where the simulation misleads\n\nThe families whose simulation hides the best or has it elsewhere, seeds {} to {}, on which \
          nothing was chosen: median and 90th percentile of the regret, in % of the range, and in brackets the mean of log10(regret of the \
@@ -251,11 +250,11 @@ fn misled(fresh: &Fresh) -> String {
     };
     for family in fresh_families() {
         for batch in MISLED_AFTER {
-            let mut row = vec![family.name.to_owned(), batch.to_string(), both(&ours, family, batch)];
+            let mut row = vec![family.name.to_owned(), batch.to_string(), both(ours, family, batch)];
             row.extend(fresh.untold.iter().map(|(_, other)| {
                 let regret = both(other, family, batch);
                 let with_pairs = |pair: Paired| format!("{regret} ({}, {})", ratio(pair), pair.n_pairs);
-                paired(&ours, other, family, batch).map_or(regret.clone(), with_pairs)
+                paired(ours, other, family, batch).map_or(regret.clone(), with_pairs)
             }));
             table.push(row);
         }
@@ -268,18 +267,18 @@ fn misled(fresh: &Fresh) -> String {
         FRESH_SEEDS.end(),
         100.0 * WORTH
     );
-    text += &misled_certificates(&fresh.ours.of_seeds(&FRESH_SEEDS)).markdown();
+    text += &misled_certificates(&fresh.ours).markdown();
     text
 }
 
 /// Against those that no simulation misleads, by more than two standard errors.
 fn what_it_costs_to_be_misled(fresh: &Fresh) -> Finding {
-    let ours = fresh.ours.of_seeds(&COMPARED_SEEDS);
+    let ours = &fresh.compared;
     let head = "Where the simulation hides the best or has it elsewhere, by more than two standard errors:";
     let detail = |(words, other): &(&str, Results)| {
         let after = MISLED_AFTER.map(|batch| {
             let those = |is_so: fn(Paired) -> bool| {
-                let families = fresh_families().filter(|family| paired(&ours, other, family, batch).is_some_and(is_so));
+                let families = fresh_families().filter(|family| paired(ours, other, family, batch).is_some_and(is_so));
                 names_or_none(&families.collect::<Vec<_>>())
             };
             let (less, more) = (those(Paired::is_ours_better), those(Paired::is_theirs_better));
@@ -326,7 +325,7 @@ fn promises(ours: &Results, fresh: &Fresh, untold: Option<&Results>) -> String {
         FRESH_SEEDS.start(),
         FRESH_SEEDS.end()
     );
-    text += &forecasts_table(ours, &fresh.ours.of_seeds(&FRESH_SEEDS)).markdown();
+    text += &forecasts_table(ours, &fresh.ours).markdown();
     text
 }
 
@@ -338,7 +337,7 @@ fn findings(methods: &[Kept<'_>], ours: &Results, fresh: &Fresh) -> Vec<Finding>
     findings.push(Finding::new(where_others_are_better(methods, ours)));
     let [promised, in_detail] = what_was_promised(ours);
     findings.push(promised);
-    findings.push(on_fresh_seeds(&fresh.ours.of_seeds(&FRESH_SEEDS)));
+    findings.push(on_fresh_seeds(&fresh.ours));
 
     findings.push(as_close(
         &format!(

@@ -96,7 +96,10 @@ pub(super) struct Results {
 
 /// Campaigns on fresh seeds, where the simulation misleads.
 pub(super) struct Fresh {
+    /// By which the certificate is judged.
     pub(super) ours: Results,
+    /// Those that others ran, too.
+    pub(super) compared: Results,
     /// Those that are not told of it, in words.
     pub(super) untold: Vec<(&'static str, Results)>,
 }
