@@ -14,3 +14,6 @@ pub(crate) use bounds::on_bounds;
 pub(crate) use next::{ended, next};
 pub(crate) use standing::standing;
 pub(crate) use taken::{imported, outstanding, taken, withdrawn};
+
+/// The name of that number, before the campaign and in it.
+pub(crate) const WITHOUT_RESERVE: &str = "designs run from which on nothing is held for a narrow well";

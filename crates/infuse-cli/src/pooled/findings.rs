@@ -10,7 +10,7 @@ use super::bounds::{constrained_there, likely_to_keep, not_sure};
 use super::campaign::{Campaign, Origin, tells_designs_apart};
 use super::failures::where_runs_fail;
 use super::warnings::{all_equal, suspects, warnings};
-use crate::findings::{amount, on_bounds, value_to};
+use crate::findings::{WITHOUT_RESERVE, amount, on_bounds, value_to};
 use crate::number::{count, grouped, percent, plain, short, with_unit};
 use crate::problem::Problem;
 
@@ -241,7 +241,7 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
     };
     let finding = Finding::new(sentence).with("the surface alone", quantile, &response.unit);
     Some(match until {
-        Some(enough) => finding.with("designs run from which on nothing is held for a narrow well", enough as f64, "1"),
+        Some(enough) => finding.with(WITHOUT_RESERVE, enough as f64, "1"),
         None => finding,
     })
 }

@@ -8,6 +8,7 @@ use page::Finding;
 use serde_json::{Value, json};
 
 use crate::campaign::{Budget, Campaign};
+use crate::findings::WITHOUT_RESERVE;
 use crate::number::{count, grouped, percent, seconds};
 use crate::problem::{Problem, Simulator};
 use crate::spread::spread;
@@ -142,10 +143,10 @@ fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, has_simulati
     };
     let useless = if has_simulation { " (more if the simulation is of no use)" } else { "" };
     let sentence = format!(
-        "Until {n} designs were run{useless}, a repeat counting half, {enough}, what the certificate promises leaves room for a narrow well; `smooth` in [stop] says that \
-         there surely is none."
+        "Until {n} designs were run{useless}, a repeat counting half, {enough}, what the certificate promises leaves room for a \
+         narrow well; `smooth` in [stop] says that there surely is none."
     );
-    Finding::new(sentence).with("designs run from which on nothing is held for a narrow well", n as f64, "1")
+    Finding::new(sentence).with(WITHOUT_RESERVE, n as f64, "1")
 }
 
 /// Simulations of the whole campaign, at most; none where they are looked up.
