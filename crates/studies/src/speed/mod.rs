@@ -1,6 +1,7 @@
 //! `cargo xtask speed`: how fast this is, each figure a ratio to a reference in the same run.
 
 mod builds;
+mod fractions;
 mod generated;
 mod guard;
 mod page;
@@ -59,7 +60,13 @@ fn last_of<T>(mut run: impl FnMut() -> Result<T>) -> Result<T> {
 
 /// Ours and the reference in turn, so that whatever else the machine does slows both.
 fn measured(mut task: Task, theirs: &mut Theirs) -> Result<Row> {
-    let mut row = Row { task: task.words, reference: task.reference.words(), goal: task.goal, seconds: Vec::new() };
+    let mut row = Row {
+        task: task.words,
+        reference: task.reference.words(),
+        goal: task.goal,
+        seconds: Vec::new(),
+        part: task.part.as_ref().map(|part| (part.words, Vec::new())),
+    };
     for round in 0..=ROUNDS {
         std::thread::sleep(REST);
         let (ours, sum) = last_of(&mut task.ours)?;
@@ -70,8 +77,13 @@ fn measured(mut task: Task, theirs: &mut Theirs) -> Result<Row> {
             ensure!(is_same, "{}: our estimates sum to {sum}, the reference's to {expected}", task.words);
         }
         // The first is for the caches.
-        if round > 0 {
-            row.seconds.push([ours, reference]);
+        if round == 0 {
+            continue;
+        }
+        row.seconds.push([ours, reference]);
+        if let (Some(part), Some((_, seconds))) = (&mut task.part, &mut row.part) {
+            std::thread::sleep(REST);
+            seconds.push(last_of(&mut part.run)?.0);
         }
     }
     Ok(row)

@@ -18,6 +18,8 @@ pub(super) struct Row {
     pub(super) goal: f64,
     /// Ours and the reference's, round by round.
     pub(super) seconds: Vec<[f64; 2]>,
+    /// A part of it that it can't do without, and how long that takes.
+    pub(super) part: Option<(&'static str, Vec<f64>)>,
 }
 
 /// What was built from nothing.
@@ -32,6 +34,14 @@ impl Row {
     fn ratios(&self) -> [f64; 3] {
         let ratios: Vec<f64> = self.seconds.iter().map(|[ours, theirs]| theirs / ours).collect();
         [0.0, 0.5, 1.0].map(|share| quantile(&ratios, share).unwrap_or(f64::NAN))
+    }
+
+    /// The part in words, how many milliseconds it takes, and how many times as fast as the reference the whole would be if it took no
+    /// longer; medians over the rounds.
+    fn of_part(&self) -> Option<(&'static str, f64, f64)> {
+        let (words, seconds) = self.part.as_ref()?;
+        let ratios: Vec<f64> = self.seconds.iter().zip(seconds).map(|([_, theirs], part)| theirs / part).collect();
+        Some((*words, 1e3 * quantile(seconds, 0.5)?, quantile(&ratios, 0.5)?))
     }
 
     fn median_ms(&self, which: usize) -> f64 {
@@ -60,6 +70,7 @@ fn markdown(rows: &[Row], built: &[Built], n_threads: usize, versions: &str) -> 
     }
     text.push('\n');
     text += &table(rows).markdown();
+    text += &within_reach(rows);
     text += &format!(
         "\nMedians of {} rounds of one run, ours and the reference in turn, after one for the caches; in brackets the lowest and the \
          highest ratio of a round. Surfaces and the process are asked at all 331,776 points of 24 levels in four factors, surfaces once \
@@ -90,6 +101,34 @@ fn goals(rows: &[Row]) -> String {
     let missed: Vec<String> = missed.iter().map(by).collect();
     let n_met = rows.len() - missed.len();
     format!("- Of {} goals {n_met} are met in this run. Missed are: {}.\n", rows.len(), missed.join("; "))
+}
+
+/// What of a missed goal a part of the task already takes.
+fn within_reach(rows: &[Row]) -> String {
+    let missed = rows.iter().filter(|row| row.ratios()[1] < row.goal);
+    let sentence = |row: &Row| {
+        let (words, ms, times) = row.of_part()?;
+        let (ms, times, goal) = (number(ms, 2), number(times, 1), number(row.goal, 0));
+        let verdict = if times_below(row) {
+            "so the goal is out of reach for this formula on this machine"
+        } else {
+            "so there is room left"
+        };
+        Some(format!(
+            "- {}: {words}, take {ms} ms, {times} times as fast as {} for a goal of {goal}: {verdict}.\n",
+            row.task, row.reference
+        ))
+    };
+    let sentences: Vec<String> = missed.filter_map(sentence).collect();
+    if sentences.is_empty() {
+        return String::new();
+    }
+    format!("\nOf what is missed, what can't be done without:\n\n{}", sentences.concat())
+}
+
+/// Whether even the part alone would miss the goal.
+fn times_below(row: &Row) -> bool {
+    row.of_part().is_some_and(|(_, _, times)| times < row.goal)
 }
 
 /// What is gained least and most.
@@ -146,7 +185,13 @@ mod tests {
 
     #[test]
     fn first_it_is_said_which_goals_are_missed_and_by_how_much() {
-        let row = |task, ratio: f64| Row { task, reference: "another", goal: 12.0, seconds: vec![[1.0, ratio]; 3] };
+        let row = |task, ratio: f64| Row {
+            task,
+            reference: "another",
+            goal: 12.0,
+            seconds: vec![[1.0, ratio]; 3],
+            part: None,
+        };
         let rows = [row("a quick task", 36.0), row("a slow task", 11.5), row("a task", 12.0)];
         let missed = "- Of 3 goals 2 are met in this run. Missed are: a slow task, 11.5 times as fast as another for a goal of 12.\n";
         assert_eq!(goals(&rows), missed);
@@ -155,9 +200,28 @@ mod tests {
     }
 
     #[test]
+    fn a_part_that_misses_the_goal_says_that_it_is_out_of_reach() {
+        let row = |part: f64| Row {
+            task: "a task",
+            reference: "another",
+            goal: 12.0,
+            seconds: vec![[0.002, 0.020], [0.002, 0.022]],
+            part: Some(("its sums alone", vec![part; 2])),
+        };
+        let out = "- a task: its sums alone, take 1.80 ms, 11.7 times as fast as another for a goal of 12: so the goal is out of reach";
+        assert!(within_reach(&[row(0.0018)]).contains(out), "{}", within_reach(&[row(0.0018)]));
+        assert!(
+            within_reach(&[row(0.0015)])
+                .contains("14.0 times as fast as another for a goal of 12: so there is room left")
+        );
+        let met = Row { seconds: vec![[0.001, 0.022]], ..row(0.0005) };
+        assert_eq!(within_reach(&[met]), "");
+    }
+
+    #[test]
     fn ratios_are_those_of_rounds() {
         let seconds = vec![[0.001, 0.010], [0.002, 0.030], [0.001, 0.040]];
-        let row = Row { task: "a task", reference: "a reference", goal: 12.0, seconds };
+        let row = Row { task: "a task", reference: "a reference", goal: 12.0, seconds, part: None };
         let off =
             row.ratios().into_iter().zip([10.0_f64, 15.0, 40.0]).map(|(found, expected)| (found - expected).abs());
         assert!(off.fold(0.0, f64::max) < 1e-9, "{:?}", row.ratios());

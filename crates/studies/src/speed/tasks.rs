@@ -11,9 +11,11 @@ use surface::process::{GaussianProcess, Hyperparameters, Places, Residual, Simul
 use surface::{Data, GridPoints, InverseDistance, PointSource as _, Regression, SquaredExponential, Surface};
 use water_channel::{FlightRequest, FlightSettings, ProfileFile, Rig, RigFile, TestProfile, Turbulence, fly, fly_all};
 
+use super::fractions::fractions;
 use super::theirs::Theirs;
 
 const K: usize = 4;
+const N_DATA: usize = 54;
 /// Of the weight exp(-(1.5 d)²).
 const SCALE: f64 = 1.5;
 /// Places that a process is asked about at a time.
@@ -22,7 +24,7 @@ const AT_ONCE: u64 = 8192;
 pub(super) const FLIGHTS: usize = 16;
 
 /// Does the task once: its time in seconds, and the sum of what it found, which no longer counts.
-type Ours = Box<dyn FnMut() -> Result<(f64, f64)> + Send>;
+pub(super) type Ours = Box<dyn FnMut() -> Result<(f64, f64)> + Send>;
 
 /// Something that takes time.
 pub(super) struct Task {
@@ -31,6 +33,14 @@ pub(super) struct Task {
     pub(super) reference: Reference,
     /// How many times as fast as the reference it is meant to be.
     pub(super) goal: f64,
+    /// A part of it that it can't do without.
+    pub(super) part: Option<Part>,
+}
+
+/// Part of a task, to see how much of a goal is within reach.
+pub(super) struct Part {
+    pub(super) words: &'static str,
+    pub(super) run: Ours,
 }
 
 /// What it is compared with.
@@ -63,7 +73,7 @@ impl Reference {
 }
 
 /// What comes out, and how many seconds it took.
-fn timed<T>(task: impl FnOnce() -> T) -> (f64, T) {
+pub(super) fn timed<T>(task: impl FnOnce() -> T) -> (f64, T) {
     let start = Instant::now();
     let found = task();
     (start.elapsed().as_secs_f64(), found)
@@ -71,12 +81,18 @@ fn timed<T>(task: impl FnOnce() -> T) -> (f64, T) {
 
 /// Points that fill the box evenly, with a smooth response.
 fn data(n: usize) -> Result<Data> {
+    data_of(K, n)
+}
+
+/// Their first coordinates, with that response.
+fn data_of(n_factors: usize, n: usize) -> Result<Data> {
     let step = [0.856_674_883_854_502_9, 0.733_891_856_627_126, 0.628_706_721_041_338_8, 0.538_597_250_065_5];
     let coordinate = |point: usize, factor: usize| 2.0 * ((point as f64 + 0.5) * step[factor]).fract() - 1.0;
     let points: Vec<f64> = (0..n).flat_map(|i| (0..K).map(move |j| coordinate(i, j))).collect();
     let value = |x: &[f64]| 1.0 + x[0] * x[1] + x[2].sin() + x[3] * x[3];
     let values = points.chunks_exact(K).map(value).collect();
-    Ok(Data::new(K, points, values)?)
+    let first = points.chunks_exact(K).flat_map(|point| &point[..n_factors]).copied().collect();
+    Ok(Data::new(n_factors, first, values)?)
 }
 
 fn grid() -> Result<GridPoints> {
@@ -87,19 +103,21 @@ fn grid() -> Result<GridPoints> {
 pub(super) fn tasks(root: &Path) -> Result<Vec<Task>> {
     let theirs = |task, is_same| Reference::Theirs { task, is_same };
     let mut all = Vec::new();
-    for Fitted { words, surface, reference } in surfaces()? {
-        let [on_grid, scattered] = words;
+    for Fitted { words, surface, reference, parts } in surfaces()? {
+        let ([on_grid, scattered], [part_on_grid, part_scattered]) = (words, parts);
         all.push(Task {
             words: on_grid,
             ours: over_the_grid(Arc::clone(&surface))?,
             reference: theirs(reference, true),
             goal: 30.0,
+            part: part_on_grid,
         });
         all.push(Task {
             words: scattered,
             ours: over_points(surface)?,
             reference: theirs(reference, true),
             goal: 10.0,
+            part: part_scattered,
         });
     }
     all.extend([
@@ -108,6 +126,7 @@ pub(super) fn tasks(root: &Path) -> Result<Vec<Task>> {
             ours: process()?,
             reference: theirs("process", false),
             goal: 10.0,
+            part: None,
         },
         flights(root)?,
     ]);
@@ -119,34 +138,49 @@ struct Fitted {
     words: [&'static str; 2],
     surface: Arc<dyn Surface>,
     reference: &'static str,
+    parts: [Option<Part>; 2],
 }
 
 fn surfaces() -> Result<[Fitted; 3]> {
     let model = Model::quadratic(K)?;
+    let fractions =
+        Part { words: "its sums, products and divisions alone, of numbers that need not be fetched", run: fractions() };
+    let along_one_axis = Part {
+        words: "the same with distances along one axis alone",
+        run: over_points_of(1, Arc::new(SquaredExponential::fit(data_of(1, N_DATA)?, SCALE)?))?,
+    };
     Ok([
         Fitted {
             words: ["regression, 15 terms, on the grid", "regression, 15 terms, at points in memory"],
-            surface: Arc::new(Regression::fit(&model, &data(54)?)?),
+            surface: Arc::new(Regression::fit(&model, &data(N_DATA)?)?),
             reference: "regression",
+            parts: [None, None],
         },
         Fitted {
             words: ["inverse distance, 54 data, on the grid", "inverse distance, 54 data, at points in memory"],
-            surface: Arc::new(InverseDistance::fit(data(54)?, 2.0)?),
+            surface: Arc::new(InverseDistance::fit(data(N_DATA)?, 2.0)?),
             reference: "inverse distance",
+            parts: [Some(fractions), None],
         },
         Fitted {
             words: ["squared exponential, 54 data, on the grid", "squared exponential, 54 data, at points in memory"],
-            surface: Arc::new(SquaredExponential::fit(data(54)?, SCALE)?),
+            surface: Arc::new(SquaredExponential::fit(data(N_DATA)?, SCALE)?),
             reference: "squared exponential",
+            parts: [None, Some(along_one_axis)],
         },
     ])
 }
 
 fn over_points(surface: Arc<dyn Surface>) -> Result<Ours> {
+    over_points_of(K, surface)
+}
+
+/// At the points of the grid by their first coordinates.
+fn over_points_of(n_factors: usize, surface: Arc<dyn Surface>) -> Result<Ours> {
     let grid = grid()?;
-    let point = |index: u64| grid.point(index).context("a point of the grid");
+    let point = |index: u64| Ok(grid.point(index).context("a point of the grid")?[..n_factors].to_vec());
     let points = (0..grid.n_points()).map(point).collect::<Result<Vec<_>>>()?.concat();
-    let mut estimates = vec![0.0; points.len() / K];
+    let mut estimates = vec![0.0; points.len() / n_factors];
     Ok(Box::new(move || {
         let (seconds, found) = timed(|| surface.predict_into(&points, &mut estimates));
         found?;
@@ -228,6 +262,7 @@ fn flights(root: &Path) -> Result<Task> {
             times: FLIGHTS as f64,
         },
         goal: 7.0,
+        part: None,
     })
 }
 
