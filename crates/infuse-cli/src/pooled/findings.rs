@@ -167,7 +167,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         true => " on the simulation as far as these agree with it,",
         false => "",
     };
-    let wells = if campaign.problem.smooth { ", without narrow wells as `smooth` says" } else { "" };
+    let wells = if campaign.problem.smooth == Some(true) { ", without narrow wells as `smooth` says" } else { "" };
     let rests =
         format!("It rests on the measurements,{simulation} and on a response as smooth as the surface assumes{wells}.");
     let finding = Finding::new(sentence)
@@ -302,6 +302,9 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
                     let (factor, half) = (short(factor), short(half));
                     format!("; differences that it predicts count {factor} times, give or take {half} (90 %)")
                 });
+                if factor + half < 0.0 {
+                    sentence.push_str(": it points the wrong way, as what it calls better is worse");
+                }
             }
             Finding::new(format!("{sentence}."))
                 .with("explained", explained, "1")

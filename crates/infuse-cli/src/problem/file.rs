@@ -223,6 +223,5 @@ pub(crate) enum ModelEntry {
 #[serde(deny_unknown_fields)]
 pub(crate) struct StopEntry {
     pub(crate) worth: Option<f64>,
-    #[serde(default)]
-    pub(crate) smooth: bool,
+    pub(crate) smooth: Option<bool>,
 }

@@ -57,7 +57,7 @@ pub(crate) struct Problem {
     /// The smallest improvement that another batch is worth, in the unit of the response.
     pub(crate) worth: Option<f64>,
     /// Whether it is known to have no narrow well.
-    pub(crate) smooth: bool,
+    pub(crate) smooth: Option<bool>,
 }
 
 /// What is measured.

@@ -22,7 +22,7 @@ impl Problem {
             ("change_cost", self.costs.is_some()),
             ("experiment_cost", self.rule.experiment_cost.is_some()),
             ("cost_unit", self.rule.cost_unit.is_some()),
-            ("smooth", self.smooth),
+            ("smooth", self.smooth.is_some()),
         ];
         ensure!(
             self.simulator.is_there(),
@@ -66,7 +66,7 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
     settings.confidence = entry.confidence.unwrap_or(settings.confidence);
     settings.noise = entry.noise;
     settings.worth = problem.worth;
-    settings.smooth = problem.smooth;
+    settings.smooth = problem.smooth.unwrap_or(false);
     settings.constraints = problem.constraints.iter().map(|held| held.constraint.clone()).collect();
     settings.plants = problem.costs.as_ref().map(Costs::plants);
     settings.linear_constraints.clone_from(&problem.linear_constraints);

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Result, ensure};
 use page::{Axis, Column, Finding, LineFigure, Panel, Series, Table, line_figure, quantile};
 
-use super::families::{FAMILIES, Family};
+use super::families::{DECOYS, FAMILIES, Family};
 use super::methods::{METHODS, UNTOLD};
 use super::results::{Fresh, PEERS, Results};
 use super::summary::{
@@ -524,6 +524,9 @@ fn tuned_on(tuned: &[&Family], n_others: usize) -> Finding {
          to 240; the reserve also of `hidden-2`, `hidden-4` and the decoys to 240. Seeds 361 to 420 of `lacking-2` and `lacking-3` had \
          shown that both were needed, so that what is told of the certificate there is of others."
             .to_owned(),
+        "How many of a batch those runs may be, and from which batch on: of 16 families, seeds 201 to 220, `lacking-2`, `lacking-3`, \
+         `hidden-2`, `hidden-4` and `decoy-4` among them."
+            .to_owned(),
         "No peer was tuned, but that SMT is used in the best of three ways on ten campaigns.".to_owned(),
     ];
     let head = Finding::new(format!("Tuned on {}:", names(tuned)));
@@ -735,10 +738,10 @@ fn others_table(methods: &[Kept<'_>], ours: &Results) -> Table {
 fn families_table() -> Table {
     let heads = ["family", "parameters", "noise, %", "truth and simulation", "tuned on"];
     let mut table = Table::new(heads.map(Column::words).to_vec());
-    for family in &FAMILIES {
+    for family in FAMILIES.iter().chain(&DECOYS) {
         let tuned = match family.name {
             name if TUNED_ON.contains(&name) => "yes",
-            name if LOOKED_AT.contains(&name) => "looked at",
+            name if LOOKED_AT.contains(&name) || DECOYS.iter().any(|decoy| decoy.name == name) => "looked at",
             _ => "no",
         };
         let (size, noise) = (family.n_factors.to_string(), format!("{:.0}", 100.0 * family.noise()));

@@ -20,7 +20,7 @@ pub(in crate::dissertation) fn reason_to_stop(campaign: &Campaign, stage: &Stage
         Stage::Ended(StopReason::FewerThanTwoCells) => Some("fewer than two designs are left".to_owned()),
         Stage::Ended(reason) => Some(reason.to_string()),
         Stage::NotWorth { gain: expected, worth } => Some(format!(
-            "another batch may gain {} on average, and is worth it from {}",
+            "another batch may gain {} on average, less than the {} that would be worth it",
             gain(&campaign.problem.response, *expected),
             amount(&campaign.problem.response, *worth)
         )),
