@@ -95,7 +95,7 @@ pub(crate) trait Campaign {
     /// Brings the campaign to the point where experiments are waited for, or to its end.
     fn hand_out(&mut self, writer: &mut Writer, wish: Wish) -> Result<HandedOut>;
     /// Why the experiments of a new batch were chosen.
-    fn purpose(&self, batch: usize) -> &'static str;
+    fn purpose(&self, batch: usize) -> Finding;
     /// What is allowed instead, if the result of this experiment may not be told or replaced any more.
     fn refusal(&self, trial: &Trial) -> Option<String>;
     /// What it costs at most.

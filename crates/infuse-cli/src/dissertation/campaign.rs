@@ -198,6 +198,7 @@ impl Campaign {
             experiments: plan.experiments,
             simulations: plan.simulations,
             purpose: None,
+            reasons: Vec::new(),
         };
         Ok(plan.map(event))
     }

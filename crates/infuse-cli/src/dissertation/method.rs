@@ -60,12 +60,12 @@ impl campaign::Campaign for Campaign {
         hand_out::hand_out(self, writer, wish.anyway)
     }
 
-    fn purpose(&self, batch: usize) -> &'static str {
-        if batch == 1 {
+    fn purpose(&self, batch: usize) -> Finding {
+        Finding::new(if batch == 1 {
             "It is the first: spread over all that can be set, it shows where the simulation is wrong."
         } else {
             "It is spread over the designs that are left, so that the surface is known best where the optimum may be."
-        }
+        })
     }
 
     fn refusal(&self, trial: &Trial) -> Option<String> {

@@ -37,7 +37,7 @@ pub(crate) fn handed_out(
         let sentence = format!("{} {were} made for it.", count(n_simulated, "simulation"));
         found.push(Finding::new(sentence).with("simulations made", n_simulated as f64, "1"));
     }
-    found.push(Finding::new(campaign.purpose(batch)));
+    found.push(campaign.purpose(batch));
     if n_told > 0 {
         let n_left = trials.len() - n_told;
         let sentence = format!("Results so far: {n_told}; {n_left} to go.");

@@ -10,7 +10,7 @@ use infuse::pooled::Trial;
 use super::buildable::some_are_refused;
 use super::campaign::{Batch, Campaign, Checked, Remembered};
 use crate::campaign::Imported;
-use crate::journal::{Assessed, Event, JOURNAL, Purpose, Submitted, Writer};
+use crate::journal::{Assessed, Event, JOURNAL, Submitted, Writer};
 use crate::problem::PROBLEM;
 use crate::simulator::identity;
 
@@ -92,8 +92,8 @@ impl Campaign {
             self.forget_the_loop();
         }
         match event {
-            Event::Planned { batch, experiments, simulations, purpose, .. } => {
-                self.plan(batch, experiments, &simulations, purpose)?;
+            Event::Planned { batch, experiments, simulations, purpose, reasons, .. } => {
+                self.plan(batch, &simulations, Batch { cells: experiments, purpose, reasons })?;
             }
             Event::Simulated { cell, result, constrained, by, .. } => {
                 self.memory.insert(cell, Remembered { by, result, constrained });
@@ -153,14 +153,16 @@ impl Campaign {
         Ok(())
     }
 
-    fn plan(&mut self, batch: usize, cells: Vec<Cell>, simulations: &[Cell], purpose: Option<Purpose>) -> Result<()> {
+    fn plan(&mut self, batch: usize, simulations: &[Cell], planned: Batch) -> Result<()> {
         let expected = self.batches.len() + 1;
         ensure!(batch == expected, "batch {batch} is planned, expected batch {expected}");
+        let (n, n_reasons) = (planned.cells.len(), planned.reasons.len());
+        ensure!(n_reasons == 0 || n_reasons == n, "batch {batch} has {n} experiments and {n_reasons} reasons");
         for &cell in simulations {
             self.grid.point(cell)?;
         }
         self.planned.extend(simulations);
-        if cells.is_empty() {
+        if planned.cells.is_empty() {
             return Ok(());
         }
         let first = self.n_handed_out() + 1;
@@ -168,9 +170,9 @@ impl Campaign {
             let id = TrialId::new(first + index as u64);
             Ok(Trial { id, batch, cell, point: self.grid.point(cell)? })
         };
-        let trials = cells.iter().enumerate().map(trial).collect::<Result<Vec<_>>>()?;
+        let trials = planned.cells.iter().enumerate().map(trial).collect::<Result<Vec<_>>>()?;
         self.experiments.hand_out(trials);
-        self.batches.push(Batch { cells, purpose });
+        self.batches.push(planned);
         Ok(())
     }
 }

@@ -10,7 +10,7 @@ use anyhow::{Result, anyhow, ensure};
 use design_space::{Cell, Grid};
 use indicatif::ProgressBar;
 use infuse::global::PureError;
-use infuse::pooled::{Assessment, Loop, Responses, Settings, Simulate};
+use infuse::pooled::{Assessment, Loop, Reason, Responses, Settings, Simulate};
 use infuse::{Error, Outcome, TrialId};
 
 use crate::campaign::{Experiments, Imported, Reading};
@@ -76,6 +76,8 @@ fn measured_by_people(events: &[(usize, Event)]) -> BTreeSet<String> {
 pub(super) struct Batch {
     pub(super) cells: Vec<Cell>,
     pub(super) purpose: Option<Purpose>,
+    /// Why the loop asked for each experiment; none if that was not written down.
+    pub(super) reasons: Vec<Reason>,
 }
 
 /// A simulation, and by which simulator.

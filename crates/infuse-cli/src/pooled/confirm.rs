@@ -6,7 +6,7 @@ use page::Finding;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
-use super::campaign::{Campaign, Origin};
+use super::campaign::{Batch, Campaign, Origin};
 use super::findings::set_aside;
 use super::hand_out::plan;
 use crate::findings::{amount, value};
@@ -66,7 +66,7 @@ pub(super) fn confirm(campaign: &mut Campaign, writer: &mut Writer, runs: usize)
     }
     cells.retain(|&cell| campaign.why_not(cell).is_none());
     let repeated = cells.iter().flat_map(|&cell| std::iter::repeat_n(cell, runs)).collect();
-    plan(campaign, writer, repeated, Vec::new(), Some(Purpose::Confirm))
+    plan(campaign, writer, Batch { cells: repeated, purpose: Some(Purpose::Confirm), reasons: Vec::new() }, Vec::new())
 }
 
 impl Campaign {

@@ -2,12 +2,12 @@
 
 use anyhow::{Result, bail, ensure};
 use design_space::Cell;
-use infuse::pooled::Ask;
+use infuse::pooled::{Ask, Reason};
 
 use super::buildable::some_are_refused;
-use super::campaign::{Campaign, Origin, busy};
+use super::campaign::{Batch, Campaign, Origin, busy};
 use crate::campaign::{Campaign as _, HandedOut, Stage, Wish, failed_in_words, simulate_missing};
-use crate::journal::{Event, Measured, Purpose, Writer, now};
+use crate::journal::{Event, Measured, Writer, now};
 use crate::simulator::identity;
 
 /// Brings the campaign to the point where experiments are waited for, or to its end.
@@ -27,31 +27,26 @@ pub(super) fn hand_out(campaign: &mut Campaign, writer: &mut Writer, wish: Wish)
             Stage::Ended { may_go_on: true, .. } if wish.anyway => {}
             _ => return Ok(done),
         }
-        let (cells, simulations) = choose(campaign, writer)?;
-        is_new = !cells.is_empty();
+        let (batch, simulations) = choose(campaign, writer)?;
+        is_new = !batch.cells.is_empty();
         ensure!(is_new || !simulations.is_empty(), "the loop asked for nothing");
-        plan(campaign, writer, cells, simulations, None)?;
+        plan(campaign, writer, batch, simulations)?;
     }
 }
 
 /// Hands these cells out as a batch of their own.
-pub(super) fn plan(
-    campaign: &mut Campaign,
-    writer: &mut Writer,
-    experiments: Vec<Cell>,
-    simulations: Vec<Cell>,
-    purpose: Option<Purpose>,
-) -> Result<()> {
+pub(super) fn plan(campaign: &mut Campaign, writer: &mut Writer, planned: Batch, simulations: Vec<Cell>) -> Result<()> {
     let batch = campaign.batches.len() + 1;
-    campaign.write_down(writer, vec![Event::Planned { batch, at: now(), experiments, simulations, purpose }])
+    let Batch { cells: experiments, purpose, reasons } = planned;
+    campaign.write_down(writer, vec![Event::Planned { batch, at: now(), experiments, simulations, purpose, reasons }])
 }
 
-/// The cells of the next batch, and those to simulate.
-fn choose(campaign: &mut Campaign, writer: &mut Writer) -> Result<(Vec<Cell>, Vec<Cell>)> {
+/// The next batch, and what to simulate.
+fn choose(campaign: &mut Campaign, writer: &mut Writer) -> Result<(Batch, Vec<Cell>)> {
     campaign.check_the_recommended(writer)?;
     for _ in 0..MOST_ROUNDS {
-        let (cells, simulations) = choose_of_all(campaign)?;
-        let checks = campaign.check(&cells)?;
+        let (batch, simulations) = choose_of_all(campaign)?;
+        let checks = campaign.check(&batch.cells)?;
         let is_refused = some_are_refused(&checks);
         if !checks.is_empty() {
             campaign.write_down(writer, checks)?;
@@ -59,7 +54,7 @@ fn choose(campaign: &mut Campaign, writer: &mut Writer) -> Result<(Vec<Cell>, Ve
         if !is_refused {
             // What was refused meanwhile may have led to another.
             campaign.check_the_recommended(writer)?;
-            return Ok((cells, simulations));
+            return Ok((batch, simulations));
         }
     }
     bail!(
@@ -70,14 +65,19 @@ fn choose(campaign: &mut Campaign, writer: &mut Writer) -> Result<(Vec<Cell>, Ve
 /// So often a batch is chosen anew because some of it cannot be built.
 const MOST_ROUNDS: usize = 200;
 
-fn choose_of_all(campaign: &Campaign) -> Result<(Vec<Cell>, Vec<Cell>)> {
+fn choose_of_all(campaign: &Campaign) -> Result<(Batch, Vec<Cell>)> {
     let choosing = busy(format!("choosing batch {}", campaign.batches.len() + 1));
-    let asked = campaign.with_loop(|now, simulate| now.clone().ask_more(simulate));
+    let asked = campaign.with_loop(|now, simulate| {
+        let mut next = now.clone();
+        Ok((next.ask_more(simulate)?, next))
+    });
     choosing.finish_and_clear();
-    let Ask::Run { trials, simulations } = asked? else { bail!("the loop stopped without being asked to") };
+    let (Ask::Run { trials, simulations }, next) = asked? else { bail!("the loop stopped without being asked to") };
     let known = campaign.n_handed_out();
-    let new = trials.into_iter().filter(|trial| trial.id.number() > known).map(|trial| trial.cell);
-    Ok((new.collect(), simulations))
+    let new = trials.into_iter().filter(|trial| trial.id.number() > known);
+    let (cells, reasons): (Vec<Cell>, Vec<Option<Reason>>) =
+        new.map(|trial| (trial.cell, next.reason(trial.id))).unzip();
+    Ok((Batch { cells, purpose: None, reasons: reasons.into_iter().flatten().collect() }, simulations))
 }
 
 /// Runs what is still to be simulated.

@@ -14,6 +14,7 @@ use super::bounds::as_json;
 use super::campaign::{Access, Campaign, Origin};
 use super::dry::dry_pick;
 use super::findings::{closed, known, lesson, none_better, recommendation, set_aside, standing_in_words};
+use super::reasons::reasons;
 use super::warnings::{all_equal, nothing_but_failures, warnings};
 use super::{confirm, hand_out, report, what_if};
 use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Stage, Wish};
@@ -66,10 +67,11 @@ impl campaign::Campaign for Campaign {
         hand_out::hand_out(self, writer, wish)
     }
 
-    fn purpose(&self, batch: usize) -> &'static str {
+    fn purpose(&self, batch: usize) -> Finding {
         let has_simulation = self.problem.simulator.is_there();
         let is_begun_by_it = self.n_imported_values() < self.problem.region.n_parameters() + 2;
-        match self.batches.get(batch - 1).map(|one| (one.purpose, batch)) {
+        let planned = self.batches.get(batch - 1);
+        Finding::new(match planned.map(|one| (one.purpose, batch)) {
             _ if self.nothing_but_failures().is_some() => {
                 "No experiment gave a value yet, so it is spread over what was not tried."
             }
@@ -78,15 +80,8 @@ impl campaign::Campaign for Campaign {
             Some((None, 1)) if is_begun_by_it => {
                 "It is the first: two thirds of it are spread over all that can be set, a third over what the simulation likes."
             }
-            _ if !has_simulation => {
-                "Most of it is where one more run is expected to lower the best response most, repeats included; some of it is where \
-                 most of all that can be set is far from any run."
-            }
-            _ => {
-                "Most of it is where one more run is expected to lower the best response most, repeats included; some of it is where \
-                  one who does not believe the simulation knows least, or where no run is near."
-            }
-        }
+            _ => return reasons(planned.map_or(&[], |planned| &planned.reasons)),
+        })
     }
 
     fn refusal(&self, _: &Trial) -> Option<String> {
@@ -224,7 +219,7 @@ impl Campaign {
             let response = &self.problem.response;
             let enough = amount(response, worth);
             format!(
-                "with {}, and another batch is worth it from {enough}",
+                "with {}, less than the {enough} that would be worth another batch",
                 none_better(&self.problem, &found.certificate)
             )
         }))

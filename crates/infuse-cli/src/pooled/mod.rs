@@ -11,6 +11,7 @@ mod failures;
 mod findings;
 mod hand_out;
 mod method;
+mod reasons;
 mod report;
 mod warnings;
 mod what_if;

@@ -4,6 +4,7 @@ use design_space::Cell;
 use serde::{Deserialize, Serialize};
 
 use crate::pooled::campaign::{Earlier, Loop, Record, Trial};
+use crate::pooled::reason::Pick;
 use crate::pooled::simulated::{Responses, Simulate, Simulated};
 use crate::pooled::turn::Next;
 use crate::trial::{NEAR_THE_REGION, far_setting};
@@ -68,7 +69,9 @@ impl Loop {
             Next::Batch { experiments, simulations } => {
                 self.due.extend(simulations);
                 self.due = sorted(std::mem::take(&mut self.due));
-                self.hand_out(&experiments)?;
+                let trials = self.hand_out(&Pick::cells(&experiments))?;
+                let reasons = experiments.iter().map(|pick| pick.reason);
+                self.reasons.extend(trials.iter().map(|trial| trial.id).zip(reasons));
             }
         }
         Ok(Ask::Run { trials: self.outstanding(), simulations: self.due.clone() })

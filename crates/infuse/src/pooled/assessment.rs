@@ -17,6 +17,7 @@ use crate::pooled::knowledge_gradient::pick;
 use crate::pooled::measurements::Reading;
 use crate::pooled::outliers::{Outlier, Readings, outliers};
 use crate::pooled::pool::Pool;
+use crate::pooled::reason::{Pick, Reason};
 use crate::pooled::recommendation::lowest_mean;
 use crate::pooled::settings::Settings;
 use crate::pooled::streams::{Purpose, stream};
@@ -213,7 +214,7 @@ impl Look {
         settings: &Settings,
         pending: &[Cell],
         batch: usize,
-    ) -> Result<Vec<Cell>, Error> {
+    ) -> Result<Vec<Pick>, Error> {
         let scramble = stream(settings.seed, Purpose::KnowledgeGradient, batch).random();
         let count = settings.n_experiments;
         let mut economy = Economy::of(settings.plants.as_ref(), knowledge.designs);
@@ -221,7 +222,7 @@ impl Look {
         self.again.iter().take(count).for_each(|&again| economy.take(again));
         let mut picks = pick(knowledge, &self.pool, &self.coverage, pending, count, scramble, economy.clone())?;
         if let Some(plants) = &settings.plants {
-            for &cell in &picks {
+            for cell in Pick::cells(&picks) {
                 if economy.allows(cell) {
                     economy.take(cell);
                 }
@@ -235,7 +236,7 @@ impl Look {
             picks = pick(knowledge, &pool, &self.coverage, pending, count, scramble, confined)?;
         }
         for (pick, again) in picks.iter_mut().zip(&self.again) {
-            *pick = *again;
+            *pick = Pick { cell: *again, reason: Reason::Again };
         }
         Ok(picks)
     }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::pooled::certificate::designs_without_reserve;
 use crate::pooled::designs::Designs;
+use crate::pooled::reason::Reason;
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::Simulated;
 use crate::pooled::streams::{Purpose, stream};
@@ -55,6 +56,8 @@ pub struct Loop {
     pub(super) records: Vec<Record>,
     pub(super) earlier: Vec<Earlier>,
     pub(super) simulated: Simulated,
+    /// Why each trial was asked for that the loop chose.
+    pub(super) reasons: BTreeMap<TrialId, Reason>,
     /// Cells to simulate before the next batch.
     pub(super) due: Vec<Cell>,
     /// The constrained responses of trials, as far as they were measured.
@@ -80,6 +83,7 @@ impl Loop {
             records: Vec::new(),
             earlier: Vec::new(),
             simulated: Simulated::default(),
+            reasons: BTreeMap::new(),
             due: Vec::new(),
             constrained: BTreeMap::new(),
             refused: BTreeSet::new(),
@@ -163,6 +167,12 @@ impl Loop {
     /// planned changes nothing of what is said.
     pub(super) fn told_batch(&self) -> usize {
         self.records.iter().rfind(|record| record.outcome.is_some()).map_or(0, |record| record.trial.batch)
+    }
+
+    /// Why the loop asked for a trial; none for one that the experimenter wanted, or that was handed out by its cell.
+    #[must_use]
+    pub fn reason(&self, id: TrialId) -> Option<Reason> {
+        self.reasons.get(&id).copied()
     }
 
     /// The constrained responses of a trial, in the order of the constraints, as far as they were measured.

@@ -13,6 +13,7 @@ use crate::pooled::held::FEASIBLE;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::outcomes::{OUTCOMES, outcomes};
 use crate::pooled::pool::Pool;
+use crate::pooled::reason::{Pick, Reason};
 
 /// One pick in so many, and at least one of a batch of so many, is for the one who does not believe the simulation. With one in eight
 /// wells that the simulation lacks are found later, with one in four more of the best is missed elsewhere.
@@ -24,10 +25,13 @@ const FEWEST: usize = 4;
 /// on two wells, the deeper one narrow, stop after fewer batches and hardly ever at the wrong one. Beside a simulation as many of one
 /// in so many as it is likely to be of no use: the more, if at all, the less it points to.
 const COVERING: usize = 4;
-/// Beside a simulation, once there are readings for two batches, a run that is expected to lower the response by no more than so much
-/// of what the designs differ by is made where no run is near instead, as many of a batch as one in [`COVERING`]. A surface that is
-/// sure of the best would measure it again and again, and leave a well that the simulation lacks to be found by nobody.
+/// Beside a simulation a run that is expected to lower the response by no more than so much of what the designs differ by is made where
+/// no run is near instead, as many of a batch as one in [`COVERING`]. A surface that is sure of the best would measure it again and
+/// again, and leave a well that the simulation lacks to be found by nobody.
 const NEGLIGIBLE: f64 = 5e-4;
+/// The same for any number of a batch. With [`NEGLIGIBLE`] for all of them such wells are found no sooner, and where there is none more
+/// of the best is missed for want of repeats.
+const NOTHING: f64 = 2e-4;
 
 /// Of a batch no more than one run in so many is made where it is more likely to fail than not: what nothing is known of seems
 /// endless, and could otherwise swallow all of it.
@@ -56,7 +60,7 @@ pub(crate) fn pick(
     count: usize,
     scramble: u32,
     mut economy: Economy<'_>,
-) -> Result<Vec<Cell>, Error> {
+) -> Result<Vec<Pick>, Error> {
     let noise = knowledge.reading_variance();
     let mut believed = Gradient::of(&knowledge.joint_of_each(&pool.places), pool, noise);
     believed.admissions = admissions(knowledge, pool, scramble)?;
@@ -71,28 +75,33 @@ pub(crate) fn pick(
     let shares = Shares::of(count, is_early, knowledge.is_simulated().then(|| knowledge.ignored()));
     let coded = pool.cells.iter().map(|&cell| knowledge.designs.coded_of(cell)).collect::<Result<Vec<_>, _>>()?;
     let mut coverage = coverage.clone();
-    let mut cells = Vec::with_capacity(count);
+    let (mut picks, mut cells) = (Vec::with_capacity(count), Vec::with_capacity(count));
     let (mut n_risked, mut n_spared) = (0, 0);
     for step in 0..pending.len() + count {
         let normals = outcomes(step as u32, scramble);
-        let row = match (pending.get(step), &doubted) {
-            (Some(&row), _) => row,
+        let (row, reason) = match (pending.get(step), &doubted) {
+            (Some(&row), _) => (row, Reason::Gain),
             (None, Some(doubted)) if cells.len() >= count - shares.covering => {
-                doubted.widest(&coverage, &coded, &economy)
+                (doubted.widest(&coverage, &coded, &economy), Reason::Coverage)
             }
-            (None, Some(doubted)) if cells.len() >= count - shares.doubted => doubted.clearest(&economy),
+            (None, Some(doubted)) if cells.len() >= count - shares.doubted => {
+                // Beside a simulation each of his picks is another design.
+                let picked = if knowledge.is_simulated() { &cells[..] } else { &[] };
+                (doubted.clearest(&economy, picked), Reason::Doubt)
+            }
             (None, doubted) => {
                 let (row, gain) = believed.most_telling(&normals, step as u32, &economy);
                 match doubted {
-                    Some(doubted) if n_spared < shares.spared && gain <= NEGLIGIBLE * believed.range() => {
+                    Some(doubted) if gain <= shares.least_gain(n_spared) * believed.range() => {
                         n_spared += 1;
-                        doubted.widest(&coverage, &coded, &economy)
+                        (doubted.widest(&coverage, &coded, &economy), Reason::Coverage)
                     }
-                    _ => row,
+                    _ => (row, Reason::Gain),
                 }
             }
         };
         if step >= pending.len() {
+            picks.push(Pick { cell: pool.cells[row], reason });
             cells.push(pool.cells[row]);
             economy.take(pool.cells[row]);
             n_risked += usize::from(pool.chances.responding[row] < RISKY);
@@ -106,7 +115,7 @@ pub(crate) fn pick(
             doubted.measure(row, &normals, step as u32);
         }
     }
-    Ok(cells)
+    Ok(picks)
 }
 
 /// How many of a batch are for the one who does not believe the simulation.
@@ -116,11 +125,21 @@ struct Shares {
     doubted: usize,
     /// Those of them that go to where no run is near.
     covering: usize,
-    /// As many of the others do so where they would gain next to nothing, at most.
+    /// As many of the others do so where they would gain next to nothing, and any number where they would gain even less; 0 where none
+    /// do so.
     spared: usize,
 }
 
 impl Shares {
+    /// As a share of what the designs differ by: what gains no more is made where no run is near, after so many that were.
+    fn least_gain(&self, n_spared: usize) -> f64 {
+        match self.spared {
+            0 => f64::NEG_INFINITY,
+            spared if n_spared < spared => NEGLIGIBLE,
+            _ => NOTHING,
+        }
+    }
+
     /// Of a batch of so many, with the probability that the simulation is of no use, if there is one.
     fn of(count: usize, is_early: bool, ignored: Option<f64>) -> Self {
         if count < FEWEST {
@@ -130,8 +149,7 @@ impl Shares {
         match ignored {
             Some(ignored) => {
                 let covering = ((count / COVERING) as f64 * ignored).round() as usize;
-                let spared = if is_early { 0 } else { count / COVERING };
-                Self { doubted: doubted.max(covering + covering.min(1)), covering, spared }
+                Self { doubted: doubted.max(covering + covering.min(1)), covering, spared: count / COVERING }
             }
             None => {
                 let doubted = doubted.max(count / COVERING + 1);
@@ -215,8 +233,9 @@ impl<'a> Gradient<'a> {
     }
 
     /// The row after which least is uncertain where the best may still be: what an experiment takes from the variances of all rows,
-    /// each counted as it is likely to be better than the best (targeted integrated error, Picheny et al. 2010).
-    fn clearest(&self, economy: &Economy<'_>) -> usize {
+    /// each counted as it is likely to be better than the best (targeted integrated error, Picheny et al. 2010); one that was not
+    /// picked, if there is any.
+    fn clearest(&self, economy: &Economy<'_>, picked: &[Cell]) -> usize {
         let n = self.pool.cells.len();
         let means = self.joint.means();
         let best = means.iter().copied().fold(f64::INFINITY, f64::min);
@@ -233,7 +252,7 @@ impl<'a> Gradient<'a> {
                 * effect.iter().zip(&shares).map(|(effect, share)| effect * effect * share).sum::<f64>()
         };
         let learnt: Vec<f64> = (0..n).into_par_iter().map(learnt).collect();
-        let allowed = |row: usize| self.allows(row, economy);
+        let allowed = |row: usize| (self.allows(row, economy), !picked.contains(&self.pool.cells[row]));
         let order =
             |&a: &usize, &b: &usize| allowed(a).cmp(&allowed(b)).then(learnt[a].total_cmp(&learnt[b])).then(b.cmp(&a));
         (0..n).max_by(order).unwrap_or(0)
@@ -405,6 +424,18 @@ mod tests {
         [with, pick(&knowledge, &pool, &coverage, &[], count, 7, economy()).unwrap()]
     }
 
+    fn pick(
+        knowledge: &Knowledge<'_, '_>,
+        pool: &Pool,
+        coverage: &Coverage,
+        pending: &[Cell],
+        count: usize,
+        scramble: u32,
+        economy: Economy<'_>,
+    ) -> Result<Vec<Cell>, Error> {
+        super::pick(knowledge, pool, coverage, pending, count, scramble, economy).map(|picks| Pick::cells(&picks))
+    }
+
     fn coverage(knowledge: &Knowledge<'_, '_>, pool: &Pool) -> Coverage {
         let coded = |&cell: &Cell| knowledge.designs.coded_of(cell).unwrap();
         let runs: Vec<Vec<f64>> = knowledge.measured.iter().map(coded).collect();
@@ -433,10 +464,10 @@ mod tests {
         }
     }
 
-    /// Of a batch a quarter, beside a simulation that is right and readings that say so, once there are readings for two batches; with one
-    /// more to the batch there are not.
+    /// Beside a simulation that is right and readings that say so: all but the sceptic's, who has half of a batch while there are no
+    /// readings for two.
     #[test]
-    fn what_would_gain_next_to_nothing_is_run_where_no_run_is_near() {
+    fn what_would_gain_nothing_is_run_where_no_run_is_near() {
         let mut right = |_: Cell, point: &[f64]| Ok((point[0] - 0.8).powi(2) + (point[1] - 0.3).powi(2));
         let mut scene = Scene::new(&[25, 25]);
         for reading in 0..24 {
@@ -462,8 +493,18 @@ mod tests {
             };
             picks.iter().take_while(is_widest).count()
         };
-        let of_each = [4, 8, 12, 13].map(n_widest);
-        assert_eq!(of_each, [1, 2, 3, 0]);
+        assert_eq!([4, 8, 12, 13].map(n_widest), [3, 7, 10, 7]);
+    }
+
+    /// A quarter of a batch may gain more than the others, and without a simulation none is spared for what it gains.
+    #[test]
+    fn what_a_run_has_to_gain_falls_after_a_quarter_of_the_batch() {
+        let shares = Shares::of(12, true, Some(0.1));
+        let at = |n_spared: usize| shares.least_gain(n_spared);
+        assert!(at(0) >= NEGLIGIBLE && at(2) >= NEGLIGIBLE && at(3) < at(2) && at(3) > 0.0 && at(9) >= at(3));
+        for shares in [Shares::of(12, false, None), Shares::of(3, false, Some(0.1))] {
+            assert!(shares.least_gain(0) < 0.0 && shares.least_gain(5) < 0.0);
+        }
     }
 
     /// Never all, none of a few; where no run is near the more, the less the simulation is likely to be of use, and one of the sceptic's
@@ -485,7 +526,7 @@ mod tests {
             (18, false, None, 5, 4),
         ] {
             let shares = Shares::of(count, is_early, ignored);
-            let spared = if is_early || ignored.is_none() || count < FEWEST { 0 } else { count / COVERING };
+            let spared = if ignored.is_none() || count < FEWEST { 0 } else { count / COVERING };
             assert_eq!(shares, Shares { doubted, covering, spared }, "{count} {is_early} {ignored:?}");
         }
         for count in FEWEST..200 {
@@ -508,6 +549,20 @@ mod tests {
             let [with, without] = picks(&mut misled(), 1.0, count);
             let same = with.iter().zip(&without).take_while(|(a, b)| a == b).count();
             assert_eq!(count - same, shares.doubted, "{count} picks after {n_readings} readings");
+        }
+    }
+
+    /// However little he knows there, a second run of the same batch would not show him another design.
+    #[test]
+    fn beside_a_simulation_the_sceptic_picks_no_design_of_the_batch_again() {
+        for (n_readings, count) in [(5, 6), (5, 24), (11, 12), (12, 12), (12, 24)] {
+            let misled = || with_errors(n_readings, 1.0, 0.3);
+            let ignored = misled().knowledge(Some(&mut simulation(1.0))).ignored();
+            let shares = Shares::of(count, n_readings < 2 * count, Some(ignored));
+            let [picks, _] = picks(&mut misled(), 1.0, count);
+            for index in count - shares.doubted..count - shares.covering {
+                assert!(!picks[..index].contains(&picks[index]), "{count} picks after {n_readings} readings");
+            }
         }
     }
 
@@ -636,7 +691,7 @@ mod tests {
             let learnt: Vec<f64> = (0..4).map(learnt).collect();
             let row = (0..4).max_by(|&a, &b| learnt[a].total_cmp(&learnt[b])).unwrap();
             let gradient = Gradient::of(std::slice::from_ref(&joint), &pool, noise);
-            assert_eq!(gradient.clearest(&Economy::of(None, &scene.designs)), row, "{within:?}: {learnt:?}");
+            assert_eq!(gradient.clearest(&Economy::of(None, &scene.designs), &[]), row, "{within:?}: {learnt:?}");
         }
     }
 

@@ -11,7 +11,7 @@
 //! 4. The next batch is what lowers the expected minimum most: a knowledge gradient, pick by pick, repeats allowed. One pick in
 //!    six is for the one who does not believe the simulation, so that a simulation that misleads is found out sooner; without a
 //!    simulation one in four goes to where most of the box is far from any run, so that a well is found that no surface expects, and
-//!    beside a simulation as many of these as it is likely to be of no use, and up to one in four from what would gain next to nothing.
+//!    beside a simulation as many of these as it is likely to be of no use, and what would gain next to nothing.
 //!    A reading that is far from all others is run again first, and set aside if that run says otherwise.
 //!
 //! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, two thirds over the
@@ -63,6 +63,7 @@ mod outliers;
 mod plants;
 mod pool;
 mod readings;
+mod reason;
 mod recommendation;
 #[cfg(test)]
 mod scene;
@@ -77,6 +78,7 @@ pub use campaign::{Earlier, Loop, Record, Trial};
 pub use certificate::{Certificate, Forecast};
 pub use constraint::{Constraint, LinearConstraint};
 pub use plants::Plants;
+pub use reason::Reason;
 pub use settings::Settings;
 pub use simulated::{Responses, Simulate};
 

@@ -12,6 +12,7 @@ use crate::pooled::knowledge::Knowledge;
 use crate::pooled::measurements::Measurements;
 use crate::pooled::outliers::learnt;
 use crate::pooled::pool::Pool;
+use crate::pooled::reason::{Pick, Reason};
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Simulate, Simulated, Source};
 use crate::pooled::streams::{Purpose, stream};
@@ -24,7 +25,7 @@ pub(crate) enum Next {
     /// Cells to simulate ahead of all experiments.
     Simulations(Vec<Cell>),
     /// Cells to experiment at, and those to simulate for them.
-    Batch { experiments: Vec<Cell>, simulations: Vec<Cell> },
+    Batch { experiments: Vec<Pick>, simulations: Vec<Cell> },
 }
 
 /// The turn.
@@ -53,7 +54,7 @@ impl Loop {
         // The experiments that lower the expected minimum most, and what to simulate for them.
         let experiments = look.picks(&mut knowledge, settings, &pending, batch)?;
         let simulations = match settings.simulations {
-            Some(budget) => simulations_of_a_batch(&knowledge, &look.pool, &experiments, budget)?,
+            Some(budget) => simulations_of_a_batch(&knowledge, &look.pool, &Pick::cells(&experiments), budget)?,
             None => Vec::new(),
         };
         Ok(Next::Batch { experiments, simulations })
@@ -84,11 +85,12 @@ fn spread_batch(
 ) -> Result<Next, Error> {
     let Measurements { readings, failed: mut tested, .. } = measurements;
     tested.extend(readings.iter().map(|reading| reading.cell).chain(pending));
-    let experiments = first_batch(designs, settings, &tested, simulated, &mut source)?;
+    let cells = first_batch(designs, settings, &tested, simulated, &mut source)?;
     let mut simulations = Vec::new();
     if settings.simulations.is_some() {
-        simulations.extend(experiments.iter().filter(|&&cell| !simulated.contains(cell)));
+        simulations.extend(cells.iter().filter(|&&cell| !simulated.contains(cell)));
     }
+    let experiments = cells.into_iter().map(|cell| Pick { cell, reason: Reason::Start }).collect();
     Ok(Next::Batch { experiments, simulations })
 }
 

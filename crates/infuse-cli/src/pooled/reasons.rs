@@ -1,0 +1,47 @@
+//! Why the loop asks for the experiments of a batch.
+
+use infuse::pooled::Reason;
+use page::Finding;
+
+/// What they are for, the most frequent first.
+pub(super) fn reasons(of_each: &[Reason]) -> Finding {
+    const ALL: [(Reason, &str, &str); 5] = [
+        (Reason::Again, "for again", "again where what was measured is far from what all others say"),
+        (Reason::Gain, "for gain", "where one more run is expected to lower the best response most, repeats included"),
+        (Reason::Doubt, "for doubt", "where one who does not believe the simulation knows least"),
+        (Reason::Coverage, "for coverage", "where no run is near"),
+        (Reason::Start, "for start", "spread over all that can be set"),
+    ];
+    let counted = ALL.map(|(reason, name, words)| {
+        let n = of_each.iter().filter(|&&other| other == reason).count();
+        (n, name, words)
+    });
+    let mut there: Vec<_> = counted.into_iter().filter(|(n, ..)| *n > 0).collect();
+    there.sort_by_key(|(n, ..)| std::cmp::Reverse(*n));
+    let words: Vec<String> = match &there[..] {
+        [] => return Finding::new("Why the loop asked for these experiments was not written down."),
+        [(_, _, words)] => vec![format!("All of it is {words}")],
+        several => several.iter().map(|(n, _, words)| format!("{n} {words}")).collect(),
+    };
+    let finding = Finding::new(format!("{}.", words.join("; ")));
+    there.iter().fold(finding, |finding, (n, name, _)| finding.with(name, *n as f64, "1"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_are_counted_and_the_most_frequent_is_first() {
+        use Reason::{Coverage, Doubt, Gain};
+        let said = |of_each: &[Reason]| reasons(of_each).sentence().to_owned();
+        let mixed = said(&[Gain, Coverage, Coverage, Doubt, Coverage, Gain]);
+        assert_eq!(
+            mixed,
+            "3 where no run is near; 2 where one more run is expected to lower the best response most, repeats included; 1 where one \
+             who does not believe the simulation knows least."
+        );
+        assert_eq!(said(&[Coverage; 4]), "All of it is where no run is near.");
+        assert!(said(&[]).contains("not written down"));
+    }
+}
