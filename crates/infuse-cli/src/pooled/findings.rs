@@ -174,6 +174,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         .with("probability", certificate.probability, "1")
         .with("bound", certificate.bound, &response.unit)
         .detail(Finding::new(rests));
+    let finding = risen(campaign, certificate).into_iter().fold(finding, Finding::detail);
     let finding = held_for_the_unseen(campaign, found).into_iter().fold(finding, Finding::detail);
     let finding = unseen(campaign, found).into_iter().fold(finding, Finding::detail);
     match campaign.settings.worth {
@@ -209,6 +210,23 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
             finding.detail(Finding::new(sentence).with("worth", worth, &response.unit))
         }
     }
+}
+
+/// From so many times what it was on it is said that a bound has risen.
+const RISEN: f64 = 1.1;
+
+/// That the bound was narrower a batch ago.
+fn risen(campaign: &Campaign, now: &Certificate) -> Option<Finding> {
+    let (batch, before) = campaign.history.range(..campaign.batches.len()).next_back()?;
+    let is_same_promise = (before.probability - now.probability).abs() <= 0.0;
+    (is_same_promise && now.bound > RISEN * before.bound).then(|| {
+        let (response, bound) = (&campaign.problem.response, before.bound);
+        let sentence = format!(
+            "After batch {batch} that was {}: what came since is not what was expected, so less is taken for sure.",
+            amount(response, bound)
+        );
+        Finding::new(sentence).with("bound before", bound, &response.unit)
+    })
 }
 
 /// From this share of the bound on it is said that it is not the surface's.

@@ -167,6 +167,8 @@ impl campaign::Campaign for Campaign {
             "bound_by_the_surface_alone": found.certificate.quantile,
             "probability": found.certificate.probability,
             "further_batches": found.further_batches,
+            "designs_without_reserve": found.forecast.reserves_until(),
+            "designs_counted": found.forecast.n_counted(),
             "left_share": found.left,
             "unseen_share": found.unseen,
             "noise": json!({ "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats }),

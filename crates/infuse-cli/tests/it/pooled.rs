@@ -78,6 +78,24 @@ pub(crate) fn best(rig: &Rig) -> (f64, f64) {
     (best["a"].as_f64().unwrap(), best["b"].as_f64().unwrap())
 }
 
+/// The rig is as simulated until the third batch; from then on half of the box is another.
+#[test]
+fn a_bound_that_rises_says_what_it_was() {
+    let bowl = |a: f64, b: f64| 100.0 + 2.0 * (a - 4.0).powi(2) + 0.5 * (b - 7.0).powi(2);
+    let rig = rig_of(bowl, "");
+    let later = |id: u64, b: f64| if id > 20 && b > 8.0 { -25.0 } else { 0.0 };
+    let mut bounds = Vec::new();
+    for n_batches in 1..=3 {
+        assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + 0.2 * wobble(id) + later(id, b))));
+        bounds.push(rig.status()["bound"].as_f64().unwrap());
+        let said = rig.infuse(&["status"]).ok();
+        let was = format!("After batch {} that was", n_batches - 1);
+        let has_risen = n_batches > 1 && bounds[n_batches - 1] > 1.1 * bounds[n_batches - 2];
+        assert_eq!(said.contains(&was), has_risen, "{bounds:?}\n{said}");
+    }
+    assert!(bounds[2] > 2.0 * bounds[1], "{bounds:?}");
+}
+
 #[test]
 fn the_template_ends_at_the_optimum_of_the_rig_in_four_or_five_batches() {
     let campaigns = (1..=6).map(|seed| {

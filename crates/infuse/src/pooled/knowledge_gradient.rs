@@ -29,9 +29,10 @@ const COVERING: usize = 4;
 /// no run is near instead, as many of a batch as one in [`COVERING`]. A surface that is sure of the best would measure it again and
 /// again, and leave a well that the simulation lacks to be found by nobody.
 const NEGLIGIBLE: f64 = 5e-4;
-/// The same for any number of a batch. With [`NEGLIGIBLE`] for all of them such wells are found no sooner, and where there is none more
-/// of the best is missed for want of repeats.
+/// The same for any number of a batch, where the noise of a run is no more than [`QUIET`] of that: repeats would then teach nothing.
+/// Where it is larger they are what tells the best from the next best, each by next to nothing.
 const NOTHING: f64 = 2e-4;
+const QUIET: f64 = 0.02;
 
 /// Of a batch no more than one run in so many is made where it is more likely to fail than not: what nothing is known of seems
 /// endless, and could otherwise swallow all of it.
@@ -77,6 +78,7 @@ pub(crate) fn pick(
     let mut coverage = coverage.clone();
     let (mut picks, mut cells) = (Vec::with_capacity(count), Vec::with_capacity(count));
     let (mut n_risked, mut n_spared) = (0, 0);
+    let is_quiet = noise.sqrt() <= QUIET * believed.range();
     for step in 0..pending.len() + count {
         let normals = outcomes(step as u32, scramble);
         let (row, reason) = match (pending.get(step), &doubted) {
@@ -92,7 +94,7 @@ pub(crate) fn pick(
             (None, doubted) => {
                 let (row, gain) = believed.most_telling(&normals, step as u32, &economy);
                 match doubted {
-                    Some(doubted) if gain <= shares.least_gain(n_spared) * believed.range() => {
+                    Some(doubted) if gain <= shares.least_gain(n_spared, is_quiet) * believed.range() => {
                         n_spared += 1;
                         (doubted.widest(&coverage, &coded, &economy), Reason::Coverage)
                     }
@@ -125,18 +127,18 @@ struct Shares {
     doubted: usize,
     /// Those of them that go to where no run is near.
     covering: usize,
-    /// As many of the others do so where they would gain next to nothing, and any number where they would gain even less; 0 where none
-    /// do so.
+    /// As many of the others do so where they would gain next to nothing, and where there is little noise any number that would gain
+    /// even less; 0 where none do so.
     spared: usize,
 }
 
 impl Shares {
     /// As a share of what the designs differ by: what gains no more is made where no run is near, after so many that were.
-    fn least_gain(&self, n_spared: usize) -> f64 {
+    fn least_gain(&self, n_spared: usize, is_quiet: bool) -> f64 {
         match self.spared {
-            0 => f64::NEG_INFINITY,
             spared if n_spared < spared => NEGLIGIBLE,
-            _ => NOTHING,
+            1.. if is_quiet => NOTHING,
+            _ => f64::NEG_INFINITY,
         }
     }
 
@@ -496,14 +498,16 @@ mod tests {
         assert_eq!([4, 8, 12, 13].map(n_widest), [3, 7, 10, 7]);
     }
 
-    /// A quarter of a batch may gain more than the others, and without a simulation none is spared for what it gains.
+    /// A quarter of a batch may gain more than the others, the others go only where there is little noise, and without a simulation none
+    /// is spared for what it gains.
     #[test]
     fn what_a_run_has_to_gain_falls_after_a_quarter_of_the_batch() {
         let shares = Shares::of(12, true, Some(0.1));
-        let at = |n_spared: usize| shares.least_gain(n_spared);
+        let at = |n_spared: usize| shares.least_gain(n_spared, true);
         assert!(at(0) >= NEGLIGIBLE && at(2) >= NEGLIGIBLE && at(3) < at(2) && at(3) > 0.0 && at(9) >= at(3));
+        assert!(shares.least_gain(2, false) >= NEGLIGIBLE && shares.least_gain(3, false) < 0.0);
         for shares in [Shares::of(12, false, None), Shares::of(3, false, Some(0.1))] {
-            assert!(shares.least_gain(0) < 0.0 && shares.least_gain(5) < 0.0);
+            assert!(shares.least_gain(0, true) < 0.0 && shares.least_gain(5, true) < 0.0);
         }
     }
 
