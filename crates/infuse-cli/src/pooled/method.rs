@@ -80,7 +80,7 @@ impl campaign::Campaign for Campaign {
             Some((None, 1)) if is_begun_by_it => {
                 "It is the first: two thirds of it are spread over all that can be set, a third over what the simulation likes."
             }
-            _ => return reasons(planned.map_or(&[], |planned| &planned.reasons)),
+            _ => return reasons(planned.map_or(&[], |planned| &planned.reasons), has_simulation),
         })
     }
 

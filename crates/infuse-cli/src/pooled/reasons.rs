@@ -4,15 +4,19 @@ use infuse::pooled::Reason;
 use page::Finding;
 
 /// What they are for, the most frequent first.
-pub(super) fn reasons(of_each: &[Reason]) -> Finding {
-    const ALL: [(Reason, &str, &str); 5] = [
+pub(super) fn reasons(of_each: &[Reason], has_simulation: bool) -> Finding {
+    let doubt = match has_simulation {
+        true => "where one who does not believe the simulation knows least",
+        false => "where one who expects no trend knows least",
+    };
+    let all: [(Reason, &str, &str); 5] = [
         (Reason::Again, "for again", "again where what was measured is far from what all others say"),
         (Reason::Gain, "for gain", "where one more run is expected to lower the best response most, repeats included"),
-        (Reason::Doubt, "for doubt", "where one who does not believe the simulation knows least"),
+        (Reason::Doubt, "for doubt", doubt),
         (Reason::Coverage, "for coverage", "where no run is near"),
         (Reason::Start, "for start", "spread over all that can be set"),
     ];
-    let counted = ALL.map(|(reason, name, words)| {
+    let counted = all.map(|(reason, name, words)| {
         let n = of_each.iter().filter(|&&other| other == reason).count();
         (n, name, words)
     });
@@ -34,7 +38,7 @@ mod tests {
     #[test]
     fn reasons_are_counted_and_the_most_frequent_is_first() {
         use Reason::{Coverage, Doubt, Gain};
-        let said = |of_each: &[Reason]| reasons(of_each).sentence().to_owned();
+        let said = |of_each: &[Reason]| reasons(of_each, true).sentence().to_owned();
         let mixed = said(&[Gain, Coverage, Coverage, Doubt, Coverage, Gain]);
         assert_eq!(
             mixed,
@@ -43,5 +47,6 @@ mod tests {
         );
         assert_eq!(said(&[Coverage; 4]), "All of it is where no run is near.");
         assert!(said(&[]).contains("not written down"));
+        assert!(!reasons(&[Doubt], false).sentence().contains("simulation"));
     }
 }

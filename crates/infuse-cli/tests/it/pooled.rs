@@ -82,7 +82,7 @@ pub(crate) fn best(rig: &Rig) -> (f64, f64) {
 #[test]
 fn a_bound_that_rises_says_what_it_was() {
     let bowl = |a: f64, b: f64| 100.0 + 2.0 * (a - 4.0).powi(2) + 0.5 * (b - 7.0).powi(2);
-    let rig = rig_of(bowl, "");
+    let rig = rig_of(bowl, "[stop]\nsmooth = true\n");
     let later = |id: u64, b: f64| if id > 20 && b > 8.0 { -25.0 } else { 0.0 };
     let mut bounds = Vec::new();
     for n_batches in 1..=3 {

@@ -11,7 +11,7 @@ pub enum Reason {
     Start,
     /// It is expected to lower the best response most.
     Gain,
-    /// One who does not believe the simulation knows least there of what may be best.
+    /// One who believes neither the simulation nor a trend knows least there of what may be best.
     Doubt,
     /// No run is near.
     Coverage,
