@@ -133,21 +133,21 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
 
 /// How large a well may be that no run has met.
 fn unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
+    // Where `smooth` says that there is none.
+    if campaign.problem.smooth == Some(true) {
+        return None;
+    }
     let share = found.unseen?;
-    let sentence = match campaign.problem.simulator.is_there() {
-        true => {
-            format!(
-                "A well that the simulation lacks may be unseen if it takes less than {} of all designs.",
-                percent(share)
-            )
-        }
-        false => format!(
-            "A well that takes less than {} of all designs may be unseen: as many runs, evenly spread, would have met a larger one \
-             with {} % probability.",
-            percent(share),
-            plain(100.0 * found.certificate.probability)
-        ),
+    let well = match campaign.problem.simulator.is_there() {
+        true => "A well that the simulation lacks, of",
+        false => "A well, of",
     };
+    let sentence = format!(
+        "{well} less than {} of all designs, may be unseen: as many runs, evenly spread, would have met a larger one with {} % \
+         probability.",
+        percent(share),
+        plain(100.0 * found.certificate.probability)
+    );
     Some(Finding::new(sentence).with("share of all designs that a well may take unseen", share, "1"))
 }
 

@@ -6,14 +6,18 @@ use page::Finding;
 /// What they are for, the most frequent first.
 pub(super) fn reasons(of_each: &[Reason], has_simulation: bool) -> Finding {
     let doubt = match has_simulation {
-        true => "where one who does not believe the simulation knows least",
-        false => "where one who expects no trend knows least",
+        true => "where one who does not believe the simulation knows least of what may be best",
+        false => "where one who expects no trend knows least of what may be best",
     };
     let all: [(Reason, &str, &str); 5] = [
         (Reason::Again, "for again", "again where what was measured is far from what all others say"),
-        (Reason::Gain, "for gain", "where one more run is expected to lower the best response most, repeats included"),
+        (
+            Reason::Gain,
+            "for gain",
+            "where one more run is expected to improve the best response most, repeats included",
+        ),
         (Reason::Doubt, "for doubt", doubt),
-        (Reason::Coverage, "for coverage", "where no run is near"),
+        (Reason::Coverage, "for coverage", "where most of what can be set is far from any run"),
         (Reason::Start, "for start", "spread over all that can be set"),
     ];
     let counted = all.map(|(reason, name, words)| {
@@ -42,10 +46,10 @@ mod tests {
         let mixed = said(&[Gain, Coverage, Coverage, Doubt, Coverage, Gain]);
         assert_eq!(
             mixed,
-            "3 where no run is near; 2 where one more run is expected to lower the best response most, repeats included; 1 where one \
-             who does not believe the simulation knows least."
+            "3 where most of what can be set is far from any run; 2 where one more run is expected to improve the best response most, repeats included; 1 where one \
+             who does not believe the simulation knows least of what may be best."
         );
-        assert_eq!(said(&[Coverage; 4]), "All of it is where no run is near.");
+        assert_eq!(said(&[Coverage; 4]), "All of it is where most of what can be set is far from any run.");
         assert!(said(&[]).contains("not written down"));
         assert!(!reasons(&[Doubt], false).sentence().contains("simulation"));
     }

@@ -118,7 +118,7 @@ fn the_template_ends_at_the_optimum_of_the_rig_in_four_or_five_batches() {
     let more = rig.infuse(&["ask", "--anyway"]).ok();
     assert!(more.contains(&format!("Batch {}: 10 experiments", n_batches + 1)), "{more}");
     // The best is known: what a repeat would gain is nothing.
-    assert!(more.contains("where no run is near") && !more.contains("repeats that measure the noise"), "{more}");
+    assert!(more.contains("is far from any run") && !more.contains("repeats that measure the noise"), "{more}");
     // Every setting of the loop may change from batch to batch.
     rig.edit("experiments = 10", "experiments = 4\nconfidence = 0.95\nnoise = 0.15");
     rig.fill(&format!("sheet-{}.csv", n_batches + 1), |_| true);

@@ -203,7 +203,7 @@ impl Forecast {
     #[must_use]
     pub fn reserves_until(&self) -> Option<usize> {
         let [alone, beside] = reserves_after(self.n_counted(), self.n_parameters, self.useless);
-        let enough = designs_without_reserve(self.n_parameters, beside >= alone, self.n_designs);
+        let enough = designs_without_reserve(self.n_parameters, beside > alone, self.n_designs);
         (self.reserve() > self.drawn).then_some(enough)
     }
 

@@ -126,8 +126,13 @@ impl<'a, 's> Knowledge<'a, 's> {
         !matches!(self.source, Source::Nothing)
     }
 
-    /// The probability that the response is better learnt without the simulation; one where there is none.
+    /// The probability that the response is better learnt without the simulation; one where there is none, or one that says the same of
+    /// all that was measured.
     pub(crate) fn ignored(&self) -> f64 {
+        let simulated = self.process.sites().places().simulated();
+        if simulated.is_some_and(|simulated| simulated.windows(2).all(|two| two[0].to_bits() == two[1].to_bits())) {
+            return 1.0;
+        }
         let uses = self.process.particles().iter().map(|particle| particle.structure().simulation);
         let n_ignoring = uses.filter(|simulation| *simulation == SimulationUse::Ignored).count();
         n_ignoring as f64 / self.process.particles().len() as f64

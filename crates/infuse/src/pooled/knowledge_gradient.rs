@@ -570,6 +570,15 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_simulation_that_says_the_same_everywhere_is_as_good_as_none() {
+        assert!(misled(12, 1.0).knowledge(None).ignored() >= 1.0);
+        let mut constant = |_: Cell, _: &[f64]| Ok(5.0);
+        assert!(misled(12, 1.0).knowledge(Some(&mut constant)).ignored() >= 1.0);
+        let mut right = |_: Cell, point: &[f64]| Ok((point[0] - 0.8).powi(2) + (point[1] - 0.3).powi(2));
+        assert!(misled(12, 1.0).knowledge(Some(&mut right)).ignored() < 1.0);
+    }
+
     /// A cell that is a little less likely to give a response than one that may be recommended.
     #[test]
     fn the_sceptic_asks_only_where_a_design_may_be_recommended() {
