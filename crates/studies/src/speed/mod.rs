@@ -1,7 +1,6 @@
 //! `cargo xtask speed`: how fast this is, each figure a ratio to a reference in the same run.
 
 mod builds;
-mod fractions;
 mod generated;
 mod guard;
 mod page;

@@ -11,7 +11,6 @@ use surface::process::{GaussianProcess, Hyperparameters, Places, Residual, Simul
 use surface::{Data, GridPoints, InverseDistance, PointSource as _, Regression, SquaredExponential, Surface};
 use water_channel::{FlightRequest, FlightSettings, ProfileFile, Rig, RigFile, TestProfile, Turbulence, fly, fly_all};
 
-use super::fractions::fractions;
 use super::theirs::Theirs;
 
 const K: usize = 4;
@@ -143,10 +142,6 @@ struct Fitted {
 
 fn surfaces() -> Result<[Fitted; 3]> {
     let model = Model::quadratic(K)?;
-    let fractions = Part {
-        words: "its sums, products and divisions alone, of numbers that need not be fetched",
-        run: Box::new(|| Ok(timed(fractions))),
-    };
     let along_one_axis = Part {
         words: "the same with distances along one axis alone",
         run: over_points_of(1, Arc::new(SquaredExponential::fit(data_of(1, N_DATA)?, SCALE)?))?,
@@ -162,7 +157,7 @@ fn surfaces() -> Result<[Fitted; 3]> {
             words: ["inverse distance, 54 data, on the grid", "inverse distance, 54 data, at points in memory"],
             surface: Arc::new(InverseDistance::fit(data(N_DATA)?, 2.0)?),
             reference: "inverse distance",
-            parts: [Some(fractions), None],
+            parts: [None, None],
         },
         Fitted {
             words: ["squared exponential, 54 data, on the grid", "squared exponential, 54 data, at points in memory"],
