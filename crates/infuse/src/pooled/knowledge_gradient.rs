@@ -421,21 +421,9 @@ mod tests {
         let mut knowledge = scene.knowledge(Some(&mut simulate));
         let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
         let (economy, coverage) = (|| Economy::of(None, &designs), coverage(&knowledge, &pool));
-        let with = pick(&knowledge, &pool, &coverage, &[], count, 7, economy()).unwrap();
+        let with = Pick::cells(&pick(&knowledge, &pool, &coverage, &[], count, 7, economy()).unwrap());
         knowledge.sceptic = None;
-        [with, pick(&knowledge, &pool, &coverage, &[], count, 7, economy()).unwrap()]
-    }
-
-    fn pick(
-        knowledge: &Knowledge<'_, '_>,
-        pool: &Pool,
-        coverage: &Coverage,
-        pending: &[Cell],
-        count: usize,
-        scramble: u32,
-        economy: Economy<'_>,
-    ) -> Result<Vec<Cell>, Error> {
-        super::pick(knowledge, pool, coverage, pending, count, scramble, economy).map(|picks| Pick::cells(&picks))
+        [with, Pick::cells(&pick(&knowledge, &pool, &coverage, &[], count, 7, economy()).unwrap())]
     }
 
     fn coverage(knowledge: &Knowledge<'_, '_>, pool: &Pool) -> Coverage {
@@ -457,7 +445,8 @@ mod tests {
             assert!(if is_simulated { ignored > 0.7 } else { ignored >= 1.0 }, "{ignored}");
             let pool = Pool::gather(&mut knowledge, 1, 0).unwrap();
             let mut coverage = coverage(&knowledge, &pool);
-            let picks = pick(&knowledge, &pool, &coverage, &[], 6, 7, Economy::of(None, &designs)).unwrap();
+            let picks =
+                Pick::cells(&pick(&knowledge, &pool, &coverage, &[], 6, 7, Economy::of(None, &designs)).unwrap());
             let coded = |cell: Cell| designs.coded_of(cell).unwrap();
             picks[..5].iter().for_each(|&cell| coverage.add(&coded(cell)));
             let gained = |cell: Cell| coverage.gain(&coded(cell));
@@ -483,7 +472,8 @@ mod tests {
         let before = coverage(&knowledge, &pool);
         // A run wherever most of the box is far from any, as far as this goes on from the first pick.
         let n_widest = |count: usize| {
-            let picks = pick(&knowledge, &pool, &before, &[], count, 7, Economy::of(None, &designs)).unwrap();
+            let picks =
+                Pick::cells(&pick(&knowledge, &pool, &before, &[], count, 7, Economy::of(None, &designs)).unwrap());
             let mut coverage = before.clone();
             let is_widest = |cell: &&Cell| {
                 let coded = designs.coded_of(**cell).unwrap();
@@ -596,7 +586,7 @@ mod tests {
         let mut pool = Pool::gather(knowledge, 1, 0).unwrap();
         let coverage = coverage(knowledge, &pool);
         let last = |pool: &Pool| {
-            let picks = pick(knowledge, pool, &coverage, &[], 4, 7, Economy::of(None, &designs)).unwrap();
+            let picks = Pick::cells(&pick(knowledge, pool, &coverage, &[], 4, 7, Economy::of(None, &designs)).unwrap());
             picks[3]
         };
         let before = last(&pool);

@@ -108,12 +108,12 @@ fn within_reach(rows: &[Row]) -> String {
     let missed = rows.iter().filter(|row| row.ratios()[1] < row.goal);
     let sentence = |row: &Row| {
         let (words, ms, times) = row.of_part()?;
-        let (ms, times, goal) = (number(ms, 2), number(times, 1), number(row.goal, 0));
-        let verdict = if times_below(row) {
+        let verdict = if times < row.goal {
             "so the goal is out of reach for this formula on this machine"
         } else {
             "so there is room left"
         };
+        let (ms, times, goal) = (number(ms, 2), number(times, 1), number(row.goal, 0));
         Some(format!(
             "- {}: {words}, take {ms} ms, {times} times as fast as {} for a goal of {goal}: {verdict}.\n",
             row.task, row.reference
@@ -124,11 +124,6 @@ fn within_reach(rows: &[Row]) -> String {
         return String::new();
     }
     format!("\nOf what is missed, what can't be done without:\n\n{}", sentences.concat())
-}
-
-/// Whether even the part alone would miss the goal.
-fn times_below(row: &Row) -> bool {
-    row.of_part().is_some_and(|(_, _, times)| times < row.goal)
 }
 
 /// What is gained least and most.
