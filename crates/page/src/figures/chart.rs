@@ -123,9 +123,9 @@ impl Chart {
         frame.draw_x_ticks_as(&mut canvas, |tick| x_text.text(&frame.x, tick));
         frame.draw_y_ticks_as(&mut canvas, |tick| y_text.text(&frame.y, tick));
         frame.outline(&mut canvas);
-        let [x_label, y_label] = [(x, &x_text), (y, &y_text)].map(|(axis, text)| match text.names.is_empty() {
-            true => axis.numbered_label(),
-            false => axis.label().to_string(),
+        let [x_label, y_label] = [(x, &x_text, frame.x), (y, &y_text, frame.y)].map(|(axis, text, scale)| {
+            let label = if text.names.is_empty() { axis.numbered_label() } else { axis.label().to_string() };
+            format!("{label}{}", scale.above())
         });
         Self { canvas, frame, x_label, y_label, legend: Vec::new() }
     }
@@ -288,6 +288,14 @@ mod tests {
             let apart = ticks.windows(2).map(|pair| chart.frame.x_px(pair[1]) - chart.frame.x_px(pair[0]));
             assert!(apart.fold(f64::INFINITY, f64::min) > widest, "{width}: {ticks:?}");
         }
+    }
+
+    #[test]
+    fn an_axis_far_from_zero_says_what_its_numbers_are_counted_from() {
+        let force = Axis::new("force", "N").around([1_000_000.1, 1_000_000.6]);
+        let html = Chart::new((200.0, 90.0), &axis(0.0, 1.0), &force, Grid::Hidden).markup().into_string();
+        assert!(html.contains("force (N) above 1000000<") && html.contains(">0.2<"), "{html}");
+        assert!(!html.contains("e6"), "{html}");
     }
 
     #[test]

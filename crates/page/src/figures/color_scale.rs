@@ -3,7 +3,7 @@
 use super::axis::{Axis, ColorScale};
 use super::canvas::{Anchor, Canvas, INK, LABEL_SIZE, TEXT_SIZE, TITLE_PX, WIDTH_PX, text_width_px};
 use super::panels::RIGHT_PX;
-use super::scale::number_text;
+use super::scale::{number_text, step_text};
 
 /// About as many bands.
 const BANDS: usize = 10;
@@ -51,8 +51,11 @@ impl Bands {
         }
         let scale = axis.scale(shown.into_iter(), BANDS);
         let borders = scale.ticks();
-        let texts = borders.iter().map(|border| scale.text(sign * border)).collect();
-        Self { exceeded: exceeds(ranked, &borders), borders, texts, label: axis.label().to_string(), sign }
+        // As they are shown, highest values first or last.
+        let shown = if sign < 0.0 { scale.between(-scale.max, -scale.min) } else { scale };
+        let texts = borders.iter().map(|border| shown.text(sign * border)).collect();
+        let label = format!("{}{}", axis.label(), shown.above());
+        Self { exceeded: exceeds(ranked, &borders), borders, texts, label, sign }
     }
 
     fn near_first(axis: &Axis, ranked: &[f64], sign: f64) -> Self {
@@ -62,7 +65,7 @@ impl Bands {
         let decimals = (-steps[0].log10() - 1e-9).ceil().clamp(0.0, 12.0) as usize;
         let (side, end, plus) = if sign > 0.0 { ("above", "lowest", "+") } else { ("below", "highest", "\u{2212}") };
         let shown_decimals = |step: &f64| (-step.log10() - 1e-9).ceil().max(0.0) as usize;
-        let texts = steps.iter().map(|step| format!("{plus}{}", number_text(*step, shown_decimals(step))));
+        let texts = steps.iter().map(|step| format!("{plus}{}", step_text(*step, shown_decimals(step))));
         let label = format!("{} {side} the {end}, {}", axis.label(), number_text(sign * first, decimals));
         let borders: Vec<f64> = std::iter::once(first).chain(steps.iter().map(|step| first + step)).collect();
         let texts = std::iter::once(end.to_owned()).chain(texts).collect();

@@ -96,19 +96,20 @@ impl Frame {
         }
     }
 
-    /// The labels of the axes; a long one along y breaks before its unit.
+    /// The labels of the axes, with what their ticks are counted from; a long one along y breaks before its unit.
     pub(super) fn draw_axis_labels(&self, canvas: &mut Canvas, text: &FrameText) {
         if let Some(label) = text.x_label {
             let at = (0.5 * (self.left + self.right), self.bottom + 40.0);
-            canvas.text_as(&label.to_string(), at, LABEL_SIZE, Anchor::Middle);
+            canvas.text_as(&format!("{label}{}", self.x.above()), at, LABEL_SIZE, Anchor::Middle);
         }
         let Some(label) = text.y_label else { return };
         let middle = 0.5 * (self.top + self.bottom);
-        let whole = label.to_string();
+        let above = self.y.above();
+        let whole = format!("{label}{above}");
         match &label.unit {
             Some(unit) if text_width_px(&whole, LABEL_SIZE) > self.bottom - self.top => {
                 canvas.vertical_text(&label.quantity, (16.0, middle));
-                canvas.vertical_text(&format!("({unit})"), (32.0, middle));
+                canvas.vertical_text(&format!("({unit}){above}"), (32.0, middle));
             }
             _ => canvas.vertical_text(&whole, (24.0, middle)),
         }

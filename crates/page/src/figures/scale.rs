@@ -91,8 +91,35 @@ impl Scale {
         (-self.step.log10() - 1e-9).ceil().max(0.0) as usize
     }
 
-    /// What stands at a tick: as many decimals as all ticks need, and a power of ten where that would be long.
+    /// What stands at a tick: as many decimals as all ticks need, and a power of ten where that would be long; the distance to
+    /// [`Self::above`] where even that would be.
     pub(super) fn text(&self, tick: f64) -> String {
+        match self.offset() {
+            Some(offset) => Self::even(self.min - offset, self.max - offset, self.step).whole_text(tick - offset),
+            None => self.whole_text(tick),
+        }
+    }
+
+    /// What follows the label of the axis where its ticks are counted from another number than zero: " above 1000000".
+    pub(super) fn above(&self) -> String {
+        let Some(offset) = self.offset() else { return String::new() };
+        let (plain, power) = (offset.to_string(), format!("{offset:e}"));
+        let shown = if plain.len() > LONGEST_OFFSET && power.len() < plain.len() { power } else { plain };
+        format!(" above {}", shown.replace('-', MINUS))
+    }
+
+    /// A round number below all ticks, where these are so close together that their texts would be long without it.
+    fn offset(&self) -> Option<f64> {
+        let is_long = |tick: &f64| self.whole_text(*tick).chars().count() > LONGEST_TEXT;
+        if self.spacing != Spacing::Even || !self.ticks().iter().any(is_long) {
+            return None;
+        }
+        let unit = 10_f64.powf(((self.max - self.min).log10() - 1e-9).ceil());
+        let offset = rounded_to((self.min / unit).floor() * unit, unit);
+        (offset != 0.0 && offset.is_finite()).then_some(offset)
+    }
+
+    fn whole_text(&self, tick: f64) -> String {
         if self.spacing != Spacing::Even {
             let tick = format!("{tick:.3e}").parse().unwrap_or(tick);
             return if (1e-4..1e6).contains(&tick) {
@@ -134,6 +161,17 @@ const MINUS: &str = "\u{2212}";
 /// A number with its decimals and a proper minus sign.
 pub(super) fn number_text(value: f64, decimals: usize) -> String {
     format!("{:.decimals$}", value + 0.0).replace('-', MINUS)
+}
+
+/// A text of more characters at a tick is hard to read, and has no room beside the label of its axis.
+const LONGEST_TEXT: usize = 8;
+/// Of the number that ticks are counted from.
+const LONGEST_OFFSET: usize = 13;
+
+/// A step of a scale, with a power of ten where it would be long.
+pub(super) fn step_text(step: f64, decimals: usize) -> String {
+    let text = number_text(step, decimals);
+    if text.chars().count() < LONGEST_TEXT { text } else { format!("{step:e}").replace('-', MINUS) }
 }
 
 /// A multiple of a step without the last bits of the multiplication, which its shortest text would show.
@@ -188,5 +226,45 @@ mod tests {
         assert_eq!(texts(Scale::even(0.0, 3e-7, 1e-7)), ["0", "1e\u{2212}7", "2e\u{2212}7", "3e\u{2212}7"]);
         assert_eq!(texts(Scale::even(1e6, 2e6, 5e5)), ["1e6", "1.5e6", "2e6"]);
         assert_eq!(texts(Scale::even(-0.5, 0.5, 0.5)), ["\u{2212}0.5", "0.0", "0.5"]);
+    }
+
+    #[test]
+    fn ticks_far_from_zero_are_short_and_counted_from_a_round_number() {
+        let texts = |scale: Scale| scale.ticks().into_iter().map(|tick| scale.text(tick)).collect::<Vec<_>>();
+        let scale = Scale::around([1_000_000.1, 1_000_000.5].into_iter(), 4);
+        assert_eq!(texts(scale), ["0.1", "0.2", "0.3", "0.4", "0.5"]);
+        assert_eq!(scale.above(), " above 1000000");
+        let below_zero = Scale::even(-2_000_000.4, -2_000_000.0, 0.2);
+        assert_eq!(
+            (texts(below_zero), below_zero.above()),
+            (vec!["0.6".into(), "0.8".into(), "1.0".into()], " above \u{2212}2000001".into())
+        );
+        let small = Scale::even(0.123_456_1, 0.123_456_3, 1e-7);
+        assert_eq!(
+            (texts(small), small.above()),
+            (vec!["1e\u{2212}7".into(), "2e\u{2212}7".into(), "3e\u{2212}7".into()], " above 0.123456".into())
+        );
+        assert_eq!(Scale::even(4e15, 4.000_000_02e15, 1e7).above(), " above 4e15");
+        assert_eq!(Scale::even(1e6, 2e6, 5e5).above(), "", "1.5e6 is short");
+    }
+
+    #[test]
+    fn texts_at_ticks_are_short_and_no_two_are_equal() {
+        for magnitude in [0.0, 1.0, 1e3, 999_999.0, 1e6, 1.234_567e6, 1e7, 1e9, 1e12] {
+            for span in [1e-3, 0.4, 1.0, 30.0, 2e3, 1e6, 7e8] {
+                for start in [magnitude, -magnitude, -magnitude - 0.5 * span] {
+                    if span < 1e-8 * magnitude {
+                        continue;
+                    }
+                    let scale = Scale::around([start, start + span].into_iter(), 5);
+                    let mut texts: Vec<String> = scale.ticks().into_iter().map(|tick| scale.text(tick)).collect();
+                    assert!(texts.iter().all(|text| text.chars().count() <= LONGEST_TEXT), "{texts:?}");
+                    let n = texts.len();
+                    texts.sort();
+                    texts.dedup();
+                    assert_eq!(texts.len(), n, "from {start}, {span} wide: {texts:?}");
+                }
+            }
+        }
     }
 }
