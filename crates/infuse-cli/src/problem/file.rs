@@ -205,7 +205,7 @@ pub(crate) struct LoopEntry {
 
 /// Simulations per batch, or as many as are of use.
 #[derive(Debug, Clone, Deserialize)]
-#[serde(untagged, expecting = "expected a number of simulations per batch, or \"all\"")]
+#[serde(untagged, expecting = "expected a whole number from 2 on, simulations per batch, or \"all\"")]
 pub(crate) enum SimulationsEntry {
     Count(usize),
     Named(String),

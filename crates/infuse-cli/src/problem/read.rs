@@ -13,7 +13,7 @@ use super::levels::parameter;
 use super::reserved::is_reserved;
 use super::{Experiment, PROBLEM, Problem, Program, Queue, Response, Simulator};
 use crate::job_numbers::submits_a_job;
-use crate::wording::in_plain_words;
+use crate::wording::{Entry, in_plain_words};
 
 const SIMULATOR_QUEUE: &str = "[simulator.queue]";
 const EXPERIMENT_QUEUE: &str = "[experiment.queue]";
@@ -56,7 +56,10 @@ impl Problem {
             None => Simulator::Nothing,
         };
         if let Some(SimulationsEntry::Named(name)) = &file.rule.simulations {
-            ensure!(name == "all", "[loop]: `simulations` is {name:?}, expected a number per batch, or \"all\"");
+            ensure!(
+                name == "all",
+                "[loop]: `simulations` is {name:?}, expected a whole number from 2 on, simulations per batch, or \"all\""
+            );
         }
         ensure!(
             simulator.is_there() || file.rule.simulations.is_none(),
@@ -105,8 +108,12 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
     let is_list = value.trim_ascii_start().starts_with(b"[");
     let several = ["parameter", "constraint", "linear_constraint"];
     let in_one_bracket = several.iter().find(|name| line.trim() == format!("[{name}]"));
+    let in_two_brackets = line.trim().strip_prefix("[[").and_then(|rest| rest.strip_suffix("]]"));
     let hint = match in_one_bracket {
         Some(name) => format!("\nwrite [[{name}]] with two brackets: there may be several"),
+        None if let Some(name) = in_two_brackets.filter(|name| !several.contains(name)) => {
+            format!("\nwrite [{name}] with one bracket on either side: there is but one")
+        }
         None if let Some((key, section)) = section_of_unknown(error.message()) => {
             format!("\n`{key}` stands under {section}")
         }
@@ -117,7 +124,23 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
         None if is_comma && !is_list => "\na decimal comma? write 20.5 and not 20,5".to_owned(),
         None => String::new(),
     };
-    anyhow!("{}{hint}", in_plain_words(&error.to_string()))
+    let entry = error.span().and_then(|span| Entry::at(text, span));
+    let message = match names(text, error) {
+        Some(names) => error.to_string().replacen(NO_NAME, &format!("expected {names}"), 1),
+        None => error.to_string(),
+    };
+    anyhow!("{}{hint}", in_plain_words(&message, entry))
+}
+
+/// What the parser says of a number where a name is expected.
+const NO_NAME: &str = "wanted string or table";
+
+/// The names that are allowed where something else stands: what the parser says of a name that it does not know.
+fn names(text: &str, error: &toml::de::Error) -> Option<String> {
+    let span = error.span().filter(|_| error.message() == NO_NAME)?;
+    let with_a_name = format!("{}\"?\"{}", text.get(..span.start)?, text.get(span.end..)?);
+    let said = toml::from_str::<ProblemFile>(&with_a_name).err()?;
+    Some(said.message().strip_prefix("unknown variant `?`, expected ")?.to_owned())
 }
 
 /// Keys of which people look for the section.

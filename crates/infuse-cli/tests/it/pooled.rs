@@ -426,8 +426,8 @@ fn keys_of_the_other_method_are_said_to_be_of_no_use() {
     for (wrong, words) in [
         ("confidence = 1.5", "`confidence` is 1.5"),
         ("noise = -1", "`noise` is -1"),
-        ("method = \"best\"", "unknown variant `best`"),
-        ("simulations = \"some\"", "expected a number per batch, or \"all\""),
+        ("method = \"best\"", "`method` is \"best\", expected `pooled` or `dissertation`"),
+        ("simulations = \"some\"", "expected a whole number from 2 on, simulations per batch, or \"all\""),
     ] {
         rig.edit("[loop]\n", &format!("[loop]\n{wrong}\n"));
         let error = rig.infuse(&["ask"]).error();

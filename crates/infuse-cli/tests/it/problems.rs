@@ -80,20 +80,29 @@ fn a_table_that_does_not_fit_is_told_by_its_cells() {
 #[test]
 fn no_message_about_the_file_names_a_type_of_the_program() {
     for (from, to, words) in [
-        ("seed = 1", "seed = -1", "it is `-1`, expected a whole number from 0"),
-        ("step = 2", "levels = 2.5", "it is `2.5`, expected a whole number from 0"),
-        ("lower = 10", "lower = \"a\"", "it is \"a\", expected a number"),
-        ("experiments = 10", "experiments = \"ten\"", "expected a whole number from 0"),
-        ("table = \"simulation.csv\"", "table = 5", "expected the name of a file"),
+        ("seed = 1", "seed = -1", "`seed` is -1, expected a whole number from 0 on"),
+        ("step = 2", "levels = 2.5", "`levels` is 2.5, expected a whole number from 2 on"),
+        ("lower = 10", "lower = \"a\"", "`lower` is \"a\", expected a number"),
+        ("experiments = 10", "experiments = \"ten\"", "`experiments` is \"ten\", expected a whole number from 1 on"),
+        ("experiments = 10", "experiments = -3", "`experiments` is -3, expected a whole number from 1 on"),
+        ("batches = 6", "batches = -1", "`batches` is -1, expected a whole number from 1 on"),
+        ("batches = 6", "replicates = -2", "`replicates` is -2, expected a whole number from 0 on"),
+        ("batches = 6", "simulations = -5", "`simulations` is -5, expected a whole number from 2 on"),
+        ("batches = 6", "plants = -1", "`plants` is -1, expected a whole number from 1 on"),
+        ("[stop]", "[stop]\nsmooth = \"yes\"", "`smooth` is \"yes\", expected true or false"),
+        ("table = \"simulation.csv\"", "table = 5", "`table` is 5, expected the name of a file"),
         ("table = \"simulation.csv\"", "command = \"a b\"", "expected a list, like [\"program\""),
-        ("role = \"plant\"", "role = 3", "expected a name in quotes"),
-        ("[loop]", "[loop]\nsurfaces = \"x\"", "it is \"x\", expected a table, like { combined = "),
+        ("table = \"simulation.csv\"", "command = [\"a\", 3]", "`command` has 3, expected a text in quotes"),
+        ("role = \"plant\"", "role = 3", "`role` is 3, expected `plant` or `controller`"),
+        ("goal = \"minimize\"", "goal = \"min\"", "`goal` is \"min\", expected `minimize` or `maximize`"),
+        ("[loop]", "[loop]\nsurfaces = \"x\"", "`surfaces` is \"x\", expected a table, like { combined = "),
+        ("[response]", "[[response]]", "write [response] with one bracket"),
     ] {
         let rig = Rig::pooled();
         rig.edit(from, to);
         let error = rig.infuse(&["status"]).error();
         assert!(error.contains(words), "{words} is not in {error}");
-        for name in ["u64", "u32", "usize", "f64", "struct", "sequence"] {
+        for name in ["u64", "u32", "usize", "f64", "boolean", "struct", "sequence", "variant", "invalid type"] {
             assert!(!error.contains(name), "{name} is in {error}");
         }
     }
@@ -122,4 +131,20 @@ fn a_key_in_the_wrong_section_is_told_where_it_stands() {
     let rig = Rig::pooled();
     rig.edit("batches = 6", "batchez = 6");
     assert!(!rig.infuse(&["check"]).error().contains("stands under"));
+}
+
+#[test]
+fn a_key_that_is_not_known_is_answered_with_all_that_are() {
+    let rig = Rig::pooled();
+    rig.edit("batches = 6", "batchez = 6");
+    let error = rig.infuse(&["check"]).error();
+    for key in ["method", "experiments", "simulations", "batches", "confidence", "noise", "surfaces", "without_spread"]
+    {
+        assert!(error.contains(&format!("`{key}`")), "`{key}` is not in {error}");
+    }
+    assert!(!error.contains("..."), "{error}");
+    // What was written there may be cut, what is allowed is not.
+    rig.edit("batchez", &"x".repeat(10_000));
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("`without_spread`") && error.len() < 1500, "{error}");
 }

@@ -115,7 +115,7 @@ fn nothing_is_held_in_reserve_where_the_response_is_known_to_be_smooth() {
     assert!(log.contains("campaign.toml: `smooth` was not set and is true."), "{log}");
     rig.edit("smooth = true", "smooth = 1");
     let error = rig.infuse(&["check"]).error();
-    assert!(error.contains("smooth") && error.contains("expected a boolean"), "{error}");
+    assert!(error.contains("`smooth` is 1, expected true or false"), "{error}");
     let rig = rig_of(|a, b| wells(a, b, DEPTHS), "method = \"dissertation\"\n[stop]\nsmooth = true\n");
     let error = rig.infuse(&["check"]).error();
     assert!(error.contains("`smooth` belongs to `method` = \"pooled\""), "{error}");
