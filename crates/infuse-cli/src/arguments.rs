@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory as _, Parser, Subcommand};
 
 /// Which experiments to run next, what they taught, and when to stop.
 ///
@@ -16,6 +17,19 @@ pub(crate) struct Arguments {
     pub(crate) command: Command,
     #[command(flatten)]
     pub(crate) common: Common,
+}
+
+impl Arguments {
+    /// As they were typed, or what is wrong with them.
+    pub(crate) fn read() -> Result<Self, clap::Error> {
+        let arguments = Self::try_parse()?;
+        let Command::Tell(tell) = &arguments.command else { return Ok(arguments) };
+        let Some(fault) = tell.fault() else { return Ok(arguments) };
+        let mut all = Self::command();
+        all.build();
+        let command = all.find_subcommand("tell").cloned().unwrap_or(all);
+        Err(command.clone().error(ErrorKind::ArgumentConflict, fault))
+    }
 }
 
 const FIRST_STEPS: &str = "\
@@ -40,7 +54,7 @@ pub(crate) struct Common {
     #[arg(long, global = true)]
     pub(crate) json: bool,
     /// Wait this long for another infuse in the same folder
-    #[arg(long, global = true, default_value_t = 5.0, value_name = "SECONDS")]
+    #[arg(long, global = true, default_value_t = 5.0, value_name = "SECONDS", allow_negative_numbers = true)]
     pub(crate) wait: f64,
 }
 
@@ -121,7 +135,7 @@ pub(crate) enum Command {
     /// flatters them.
     Confirm {
         /// Runs of each design
-        #[arg(long, default_value_t = 3, value_name = "N")]
+        #[arg(long, default_value_t = 3, value_name = "N", value_parser = count::<usize>, allow_negative_numbers = true)]
         runs: usize,
         /// Where the sheet goes [default: sheet-N.csv in the folder of the campaign]
         #[arg(long, value_name = "FILE")]
@@ -136,7 +150,7 @@ pub(crate) enum Command {
     /// Ask and tell by itself until the end, when the experiment, too, is a command
     Run {
         /// At most this many batches now
-        #[arg(long, value_name = "N")]
+        #[arg(long, value_name = "N", value_parser = count::<usize>, allow_negative_numbers = true)]
         batches: Option<usize>,
         /// Go on even if another batch seems not worth it
         #[arg(long)]
@@ -148,7 +162,7 @@ pub(crate) enum Command {
     /// machine is answered. The shell may be used beside it.
     Serve {
         /// The port on 127.0.0.1; 0 takes any that is free
-        #[arg(long, default_value_t = 0, value_name = "N")]
+        #[arg(long, default_value_t = 0, value_name = "N", allow_negative_numbers = true)]
         port: u16,
         /// Take the secret word from this file instead of a new one: at least 16 letters, digits, `-` or `_`
         #[arg(long, value_name = "FILE")]
@@ -169,36 +183,81 @@ pub(crate) enum Command {
     },
 }
 
+/// The ways to tell results, each with an example.
+const TELL_USAGE: &str = "\
+infuse tell <SHEET> [OPTIONS]                      infuse tell sheet-1.csv
+       infuse tell --id <ID> --value <VALUE> [OPTIONS]    infuse tell --id 3 --value 12.5
+       infuse tell --id <ID> --failed <REASON> [OPTIONS]  infuse tell --id 3 --failed \"it leaked\"";
+
 #[derive(Debug, Args)]
-#[command(override_usage = "infuse tell <SHEET> [--correct]\n       \
-    infuse tell --id <ID> <--value <VALUE>|--failed <REASON>> [--constrained <NAME=VALUE,...>]\n         \
-    [--actual <NAME=VALUE,...>] [--again] [--correct]")]
+#[command(override_usage = TELL_USAGE)]
 pub(crate) struct Tell {
     /// A filled sheet; rows without a value and without a reason are left for later
-    #[arg(conflicts_with = "id", required_unless_present = "id")]
     pub(crate) sheet: Option<PathBuf>,
     /// One experiment by its id, without a sheet
-    #[arg(long)]
+    #[arg(long, value_parser = count::<u64>, allow_negative_numbers = true)]
     pub(crate) id: Option<u64>,
     /// Its value
-    #[arg(long, requires = "id", conflicts_with = "failed", allow_negative_numbers = true)]
+    #[arg(long, value_parser = number, allow_negative_numbers = true)]
     pub(crate) value: Option<f64>,
     /// Or that it gave none, and why
-    #[arg(long, requires = "id", value_name = "REASON")]
+    #[arg(long, value_name = "REASON")]
     pub(crate) failed: Option<String>,
     /// The responses that have to stay within bounds: "travel=11.2"
-    #[arg(long, requires = "id", value_name = "NAME=VALUE,...")]
+    #[arg(long, value_name = "NAME=VALUE,...")]
     pub(crate) constrained: Option<String>,
     /// Settings that were made otherwise: "spring=21010,damper=1500"
-    #[arg(long, requires = "id", value_name = "NAME=VALUE,...")]
+    #[arg(long, value_name = "NAME=VALUE,...")]
     pub(crate) actual: Option<String>,
     /// It is one more run of an experiment that has a result already
-    #[arg(long, requires = "id", conflicts_with = "correct")]
+    #[arg(long)]
     pub(crate) again: bool,
     /// A remark for the journal
-    #[arg(long, requires = "id", default_value = "")]
-    pub(crate) note: String,
+    #[arg(long)]
+    pub(crate) note: Option<String>,
     /// Replace the results known of the same experiments, as long as no later batch rests on them
     #[arg(long)]
     pub(crate) correct: bool,
+}
+
+impl Tell {
+    /// What is wrong with the options beside each other, if anything is.
+    fn fault(&self) -> Option<&'static str> {
+        let of_one = [
+            ("--value needs --id beside it, the number of the experiment in its sheet", self.value.is_some()),
+            ("--failed needs --id beside it, the number of the experiment in its sheet", self.failed.is_some()),
+            ("--constrained needs --id and --value beside it", self.constrained.is_some()),
+            ("--actual needs --id beside it, and --value or --failed", self.actual.is_some()),
+            ("--again needs --id beside it, and --value or --failed", self.again),
+            (
+                "--note needs --id beside it, and --value or --failed; a sheet has a column for notes",
+                self.note.is_some(),
+            ),
+        ];
+        match (&self.sheet, self.id) {
+            (_, None) if let Some((fault, _)) = of_one.iter().find(|(_, is_set)| *is_set) => Some(fault),
+            (None, None) => Some("nothing to take, expected a sheet, or --id with --value or --failed"),
+            (Some(_), Some(_)) => Some("a sheet and --id at once, expected one of them"),
+            (Some(_), None) => None,
+            (None, Some(_)) => match (self.value.is_some(), self.failed.is_some()) {
+                (false, false) => Some("--id alone says no result, expected --value or --failed beside it"),
+                (true, true) => Some("--value and --failed at once, expected one of them"),
+                _ if self.again && self.correct => {
+                    Some("--again and --correct at once, expected one of them: one more run, or the same put right")
+                }
+                _ => None,
+            },
+        }
+    }
+}
+
+/// A number from 1 on.
+fn count<N: std::str::FromStr + PartialEq + From<u8>>(text: &str) -> Result<N, &'static str> {
+    let count = text.parse().ok().filter(|count| *count != N::from(0));
+    count.ok_or("expected a whole number from 1 on")
+}
+
+/// A number as in a cell of a sheet.
+fn number(text: &str) -> Result<f64, String> {
+    crate::number::parse(text.trim()).map_err(|expected| format!("expected {expected}"))
 }

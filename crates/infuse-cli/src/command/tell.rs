@@ -12,10 +12,11 @@ use super::output::Output;
 use super::settings;
 use crate::arguments::Tell;
 use crate::campaign::{Campaign, Reading, Stage};
+use crate::echo::echo;
 use crate::findings::{ended, outstanding, taken};
 use crate::folder;
 use crate::journal::{Event, Measured, Told, Writer, now};
-use crate::number::{number_fault, plain};
+use crate::number::plain;
 use crate::problem::Problem;
 use crate::sheet::{Answer, Fault, answers, none_of};
 use crate::shell::infuse;
@@ -98,9 +99,6 @@ fn single(tell: &Tell, campaign: &dyn Campaign) -> Result<Answer> {
     let id = tell.id.context("expected a sheet or --id")?;
     let result = match (tell.value, &tell.failed) {
         (Some(value), None) => {
-            if let Some(expected) = number_fault(value) {
-                bail!("--value is {value:?}, expected {expected}");
-            }
             if let Some(expected) = problem.response.fault(value) {
                 bail!("--value is {value}, expected {expected}");
             }
@@ -137,7 +135,7 @@ fn single(tell: &Tell, campaign: &dyn Campaign) -> Result<Answer> {
         Some(text) => constrained(text, problem).context("--constrained")?,
         None => BTreeMap::new(),
     };
-    Ok(Answer { id, result, constrained, actual, repeat, note: tell.note.clone(), row: 0 })
+    Ok(Answer { id, result, constrained, actual, repeat, note: tell.note.clone().unwrap_or_default(), row: 0 })
 }
 
 /// "travel=11.2,force=300", by the names of constraints.
@@ -192,6 +190,17 @@ fn fresh(
                 Some(reading) => said(campaign, reading),
                 None => result_in_words(campaign, told),
             };
+            if answer.row == 0 {
+                let (now, infuse) = (result_in_words(campaign, &answer.result), infuse(campaign.folder()));
+                let result = match &answer.result {
+                    Measured::Value(value) => format!("--value {}", plain(*value)),
+                    Measured::Failed(reason) => format!("--failed \"{}\"", echo(reason)),
+                };
+                bail!(
+                    "experiment {id} has a result already, {said}, and {now} was not taken; add --correct to replace it, or --again if \
+                     it is one more run: {infuse} tell --id {id} {result} --correct"
+                );
+            }
             let more = if answer.repeat > 0 {
                 format!("; for one more run: infuse tell --id {id} --value ... --again")
             } else {

@@ -173,7 +173,9 @@ fn further_runs_are_put_right_and_never_lost() {
     let mean = rig.status()["best_measured"]["value"].as_f64().unwrap();
     assert!((mean - 46.1 / 5.0).abs() < 1e-12, "{mean}");
     assert!(
-        rig.infuse(&["tell", "--id", "3", "--value", "9", "--again", "--correct"]).error().contains("cannot be used")
+        rig.infuse(&["tell", "--id", "3", "--value", "9", "--again", "--correct"])
+            .error()
+            .contains("expected one of them")
     );
 }
 
@@ -244,7 +246,8 @@ fn one_experiment_is_told_without_a_sheet_and_put_right() {
     rig.infuse(&["tell", "--id", "3", "--value", "12.5", "--note", "by hand"]).ok();
     let error = rig.infuse(&["tell", "--id", "3", "--value", "12.6"]).error();
     assert!(
-        error.contains("the result known before, 12.5 mm/s; to replace it, tell it again with --correct"),
+        error.contains("experiment 3 has a result already, 12.5 mm/s, and 12.6 mm/s was not taken")
+            && error.contains("infuse tell --id 3 --value 12.6 --correct"),
         "{error}"
     );
     rig.infuse(&["tell", "--id", "3", "--value", "12.6", "--correct"]).ok();
@@ -259,6 +262,52 @@ fn one_experiment_is_told_without_a_sheet_and_put_right() {
     assert!(error.contains("one of batch 2: later batches rest on the results of the others"), "{error}");
     let error = rig.infuse(&["tell", "--id", "99", "--value", "1"]).error();
     assert!(error.contains("experiment 99 was never asked for, expected an id from 1 to 20"), "{error}");
+}
+
+#[test]
+fn options_of_tell_that_do_not_go_together_are_answered_with_those_that_do() {
+    let rig = Rig::new();
+    rig.infuse(&["ask"]).ok();
+    for (options, words) in [
+        (&[][..], "nothing to take, expected a sheet, or --id with --value or --failed"),
+        (&["--id", "1"], "expected --value or --failed beside it"),
+        (&["--value", "3"], "--value needs --id beside it"),
+        (&["sheet-1.csv", "--value", "3"], "--value needs --id beside it"),
+        (&["sheet-1.csv", "--id", "1", "--value", "3"], "a sheet and --id at once, expected one of them"),
+        (&["--id", "1", "--value", "3", "--failed", "x"], "--value and --failed at once, expected one of them"),
+        (&["--id", "1", "--result", "3"], "unexpected argument '--result'"),
+        (&["1", "3"], "unexpected argument '3'"),
+    ] {
+        let error = rig.infuse(&[&["tell"], options].concat()).error();
+        let is_shown =
+            error.contains("infuse tell --id 3 --value 12.5\n") && error.contains("infuse tell sheet-1.csv\n");
+        assert!(error.contains(words) && is_shown, "{options:?}: {error}");
+    }
+    for (option, value, words) in [
+        ("--value", "3,5", "expected a number with a decimal point, not a comma"),
+        ("--value", "x", "expected a number like 12.5, without its unit"),
+        ("--id", "-1", "expected a whole number from 1 on"),
+        ("--id", "one", "expected a whole number from 1 on"),
+    ] {
+        let error = rig.infuse(&["tell", option, value]).error();
+        assert!(error.contains(words), "{option} {value}: {error}");
+    }
+    assert!(told(&rig.journal()).is_empty(), "nothing was taken");
+}
+
+#[test]
+fn a_count_below_one_is_told_what_is_allowed() {
+    let rig = Rig::pooled();
+    for (command, option) in [("confirm", "--runs"), ("run", "--batches")] {
+        for count in ["-4", "0", "2.5", "many"] {
+            let error = rig.infuse(&[command, option, count]).error();
+            let words = format!("invalid value '{count}' for '{option} <N>': expected a whole number from 1 on");
+            assert!(error.contains(&words), "{error}");
+        }
+    }
+    assert!(
+        rig.infuse(&["status", "--wait", "-1"]).error().contains("--wait is -1.0, expected a number of seconds from 0")
+    );
 }
 
 #[test]
