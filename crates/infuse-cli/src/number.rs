@@ -72,11 +72,16 @@ pub(crate) fn with_unit(number: &str, unit: &str) -> String {
     if unit.is_empty() || unit == "1" { number.to_owned() } else { format!("{number} {unit}") }
 }
 
-/// One decimal, and of a small share one digit that counts.
+/// A share or a probability: one decimal where it counts, and of a small one the first digit that does. What is not quite all is
+/// not said to be.
 pub(crate) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
+    if (99.95..100.0).contains(&percent) {
+        return "more than 99.9 %".to_owned();
+    }
     if percent == 0.0 || percent >= 0.1 {
-        return format!("{percent:.1} %");
+        let rounded: f64 = format!("{percent:.1}").parse().unwrap_or(percent);
+        return format!("{} %", plain(rounded));
     }
     if percent > 0.0 && percent < 1e-3 {
         return "less than 0.001 %".to_owned();
@@ -202,7 +207,14 @@ mod tests {
     fn small_shares_are_not_nothing() {
         assert_eq!(percent(0.153_27), "15.3 %");
         assert_eq!(percent(36.0 / 331_776.0), "0.01 %");
-        assert_eq!(percent(0.0), "0.0 %");
+        assert_eq!(percent(0.0), "0 %");
+    }
+
+    #[test]
+    fn a_probability_has_no_decimal_that_says_nothing() {
+        assert_eq!((percent(0.9), percent(0.95), percent(0.975)), ("90 %".into(), "95 %".into(), "97.5 %".into()));
+        assert_eq!((percent(1.0), percent(0.999)), ("100 %".into(), "99.9 %".into()));
+        assert_eq!(percent(0.999_9), "more than 99.9 %", "not quite all");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::campaign::{Campaign, Origin, tells_designs_apart};
 use super::failures::where_runs_fail;
 use super::warnings::{all_equal, suspects, warnings};
 use crate::findings::{WITHOUT_RESERVE, amount, on_bounds, value_to};
-use crate::number::{count, grouped, percent, plain, short, with_unit};
+use crate::number::{count, grouped, percent, plain, short};
 use crate::problem::Problem;
 
 /// Below this share of the variance explained, or from this probability that it is better ignored, a simulation is useless.
@@ -143,10 +143,10 @@ fn unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
         false => "A well, of",
     };
     let sentence = format!(
-        "{well} less than {} of all designs, may be unseen: as many runs, evenly spread, would have met a larger one with {} % \
+        "{well} less than {} of all designs, may be unseen: as many runs, evenly spread, would have met a larger one with {} \
          probability.",
         percent(share),
-        plain(100.0 * found.certificate.probability)
+        percent(found.certificate.probability)
     );
     Some(Finding::new(sentence).with("share of all designs that a well may take unseen", share, "1"))
 }
@@ -280,7 +280,7 @@ fn left(found: &Assessment) -> Finding {
 pub(super) fn none_better(problem: &Problem, certificate: &Certificate) -> String {
     let response = &problem.response;
     let is_confined = if problem.constraints.is_empty() { "" } else { "that keeps to the bounds " };
-    let probability = with_unit(&plain(100.0 * certificate.probability), "%");
+    let probability = percent(certificate.probability);
     let by = match certificate.bound {
         bound if bound > 0.0 => format!(" by more than {}", amount(response, bound)),
         _ => String::new(),
@@ -412,9 +412,9 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
     let promise = match not_sure(campaign, here) {
         Some(_) => format!("no design is known to keep to the bounds, this one{}", likely_to_keep(campaign, here)),
         None => format!(
-            "none better by more than {} ({} %)",
+            "none better by more than {} ({})",
             amount(response, found.certificate.bound),
-            plain(100.0 * found.certificate.probability)
+            percent(found.certificate.probability)
         ),
     };
     let sentence = format!(

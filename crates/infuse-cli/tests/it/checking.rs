@@ -121,7 +121,7 @@ fn the_budget_knows_of_plants_constraints_and_the_time_of_a_choice() {
         "gives 5 mm/s, travel 3 mm, in",
         "It says nothing of force: experiments alone will.",
         "spring + 10 damper gain at most 39.",
-        "travel at most 4 mm with 90.0 % probability.",
+        "travel at most 4 mm with 90 % probability.",
         &format!("That is up to {kept} simulations in all"),
         "the first up to 30, as its experiments are simulated, too",
         "To choose a batch takes some",

@@ -269,6 +269,19 @@ fn a_useless_simulation_and_a_constant_one_are_said() {
 }
 
 #[test]
+fn a_probability_is_written_alike_wherever_it_stands() {
+    let rig = rig_of(|a, b| a + b, "");
+    batch(&rig, |a, b, id| Ok(a + b + 0.1 * wobble(id)));
+    for command in ["status", "log"] {
+        let text = rig.infuse(&[command]).ok();
+        assert!(text.contains("ith 90 % probability no"), "{text}");
+        assert!(!text.contains(".0 %"), "{text}");
+    }
+    rig.infuse(&["report"]).ok();
+    assert!(!rig.read("report.html").replace('\u{a0}', " ").contains(".0 %"));
+}
+
+#[test]
 fn noise_from_two_chance_repeats_is_not_called_known() {
     let rig = rig_of(|a, b| a + b, "");
     batch(&rig, |a, b, id| Ok(a + b + 0.1 * wobble(id)));
