@@ -303,34 +303,40 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
             Finding::new("The simulation gives the same value everywhere: it tells nothing.")
         }
         None => Finding::new("What the simulation is worth, too few experiments tell."),
-        Some(SimulationWorth { explained, ignored, factor, factor_deviation }) => {
-            let mut sentence =
-                format!("The simulation explains {} of the variance of what was measured", percent(explained));
-            if is_useless(explained, ignored) {
-                sentence.push_str(if explained < EXPLAINS_LITTLE {
-                    ": it is of little use, and is mostly left out"
-                } else {
-                    ", and as much is said without it: it is mostly left out"
-                });
-            } else {
-                let half = NINE_IN_TEN * factor_deviation;
-                sentence.push_str(&if half < TAKEN_AS_GIVEN {
-                    format!("; differences that it predicts are taken {}", as_they_are(factor))
-                } else {
-                    let (factor, half) = (short(factor), short(half));
-                    format!("; differences that it predicts count {factor} times, give or take {half} (90 %)")
-                });
-                if factor + half < 0.0 {
-                    sentence.push_str(": it points the wrong way, as what it calls better is worse");
-                }
-            }
-            Finding::new(format!("{sentence}."))
-                .with("explained", explained, "1")
-                .with("probability that it is better ignored", ignored, "1")
-                .with("factor", factor, "1")
-                .with("give or take", NINE_IN_TEN * factor_deviation, "1")
-        }
+        Some(worth) => Finding::new(worth_in_words(worth))
+            .with("explained", worth.explained, "1")
+            .with("probability that it is better ignored", worth.ignored, "1")
+            .with("factor", worth.factor, "1")
+            .with("give or take", NINE_IN_TEN * worth.factor_deviation, "1"),
     })
+}
+
+/// How much of what was measured a simulation explains, and what the surface makes of it.
+fn worth_in_words(SimulationWorth { explained, ignored, factor, factor_deviation }: SimulationWorth) -> String {
+    let mut sentence = format!("The simulation explains {} of the variance of what was measured", percent(explained));
+    let (is_little, is_left_out) = (explained < EXPLAINS_LITTLE, ignored >= IGNORED);
+    if is_little {
+        sentence.push_str(": it is of little use");
+    }
+    match (is_little, is_left_out) {
+        (true, true) => sentence.push_str(", and is mostly left out"),
+        (false, true) => sentence.push_str(
+            ", but a surface through the experiments alone does at least as well: the simulation is mostly left out",
+        ),
+        (_, false) => {
+            let half = NINE_IN_TEN * factor_deviation;
+            sentence.push_str(&if half < TAKEN_AS_GIVEN {
+                format!("; differences that it predicts are taken {}", as_they_are(factor))
+            } else {
+                let (factor, half) = (short(factor), short(half));
+                format!("; differences that it predicts count {factor} times, give or take {half} (90 %)")
+            });
+            if factor + half < 0.0 {
+                sentence.push_str(": it points the wrong way, as what it calls better is worse");
+            }
+        }
+    }
+    format!("{sentence}.")
 }
 
 /// Below this nothing is in doubt: what is measured is the simulation and a discrepancy, whose factor is 1.
@@ -338,10 +344,6 @@ const TAKEN_AS_GIVEN: f64 = 1e-4;
 
 fn as_they_are(factor: f64) -> String {
     if (factor - 1.0).abs() < TAKEN_AS_GIVEN { "as they are".to_owned() } else { format!("{} times", short(factor)) }
-}
-
-fn is_useless(explained: f64, ignored: f64) -> bool {
-    explained < EXPLAINS_LITTLE || ignored >= IGNORED
 }
 
 fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
@@ -480,6 +482,21 @@ fn confirmed(campaign: &Campaign) -> Result<Vec<Finding>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_simulation_is_said_to_be_left_out_only_where_it_is() {
+        let said = |explained: f64, ignored: f64| {
+            worth_in_words(SimulationWorth { explained, ignored, factor: 1.0, factor_deviation: 0.0 })
+        };
+        assert_eq!(
+            said(0.81, 0.95),
+            "The simulation explains 81 % of the variance of what was measured, but a surface through the experiments alone does at \
+             least as well: the simulation is mostly left out."
+        );
+        assert!(said(0.05, 0.95).ends_with("measured: it is of little use, and is mostly left out."));
+        assert!(said(0.05, 0.2).ends_with("of little use; differences that it predicts are taken as they are."));
+        assert!(said(0.81, 0.2).ends_with("measured; differences that it predicts are taken as they are."));
+    }
 
     #[test]
     fn a_factor_that_is_not_in_doubt_has_no_band() {
