@@ -359,13 +359,12 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
             format!("Noise of one run: about {deviation} by the surface; it is not known, nothing was run twice.")
         }
         (None, n) if campaign.repeats().is_some_and(|repeats| repeats.variance <= 0.0) => {
-            let differ = if n == 1 { "the repeat does not differ" } else { "repeats do not differ at all" };
-            format!("Noise of one run: about {deviation} by the surface; {differ}.")
+            let differ = if n == 1 { "the one repeat does not" } else { &*format!("the {n} repeats do not") };
+            format!("Noise of one run: about {deviation} by the surface; it is not known, {differ} differ at all.")
         }
         (None, n) if n < ENOUGH_REPEATS => {
-            let repeats = count(n, "repeat");
-            format!("Noise of one run: about {deviation} by the surface; {repeats} are too few to know it.")
-                .replace("1 repeat are", "1 repeat is")
+            let few = if n == 1 { "one repeat is" } else { &*format!("{n} repeats are") };
+            format!("Noise of one run: about {deviation} by the surface; it is not known, {few} too few.")
         }
         (None, n) => {
             format!("Noise of one run: {deviation} (standard deviation), from {} among others.", count(n, "repeat"))

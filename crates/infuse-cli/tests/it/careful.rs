@@ -140,7 +140,25 @@ fn equal_results_tell_neither_the_noise_nor_whether_to_go_on() {
     rig.write("old.csv", "a [mm],b [mm],y [N]\n4,7,3\n4,7,3\n4,7,3\n4,7,3\n4,7,3\n4,7,3\n");
     rig.infuse(&["import", "old.csv", "--source", "repeats"]).ok();
     let text = rig.infuse(&["status"]).ok();
-    assert!(text.contains("by the surface; repeats do not differ at all."), "{text}");
+    assert!(text.contains("by the surface; it is not known, the 7 repeats do not differ at all."), "{text}");
+}
+
+/// Whether repeats are few or equal: what they don't tell is said in the same words.
+#[test]
+fn noise_that_repeats_do_not_tell_is_said_not_to_be_known() {
+    for (repeats, words) in [
+        ("4,7,3\n4,7,3\n", "it is not known, the one repeat does not differ at all."),
+        ("4,7,3\n4,7,3\n4,7,3\n", "it is not known, the 2 repeats do not differ at all."),
+        ("4,7,3\n4,7,3.1\n", "it is not known, one repeat is too few."),
+        ("4,7,3\n4,7,3.1\n4,7,2.9\n", "it is not known, 2 repeats are too few."),
+        ("4,7,3\n3,3,7\n1,2,11\n", "it is not known, nothing was run twice."),
+    ] {
+        let rig = rig_of(|a, b| wells(a, b, DEPTHS), "");
+        rig.write("old.csv", &format!("a [mm],b [mm],y [N]\n6,11,9\n2,3,8\n8,14,30\n{repeats}"));
+        rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+        let text = rig.infuse(&["status"]).ok();
+        assert!(text.contains("Noise of one run: about ") && text.contains(words), "{words}: {text}");
+    }
 }
 
 /// A run at the settings of an earlier batch is one more repeat, and the sheet says of what.

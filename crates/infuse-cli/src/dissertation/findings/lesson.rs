@@ -45,6 +45,9 @@ fn noise(campaign: &Campaign) -> Finding {
         return Finding::new("noise: not known, nothing was run twice (`replicates` in [loop] asks for repeats).");
     };
     let deviation = error.standard_deviation();
+    if deviation <= 0.0 {
+        return Finding::new("noise: not known, repeats do not differ at all.");
+    }
     let degrees = match error.degrees_of_freedom {
         1 => "1 degree of freedom".to_owned(),
         n => format!("{n} degrees of freedom"),
