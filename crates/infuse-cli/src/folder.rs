@@ -44,7 +44,7 @@ fn check_sheets(folder: &Path, problem: &Problem, journal: &Journal) -> Result<(
 pub(crate) fn replay(folder: &Path, mut journal: Journal) -> Result<Box<dyn Campaign>> {
     let problem = Problem::read(folder)?;
     let method = method_of(&problem, &journal)?;
-    if !begins(&journal, &core(&problem, method, &journal)?) {
+    if !begins(&journal, &core(folder, &problem, method, &journal)?) {
         journal.events.clear();
     }
     of(folder, problem, method, journal)
@@ -56,10 +56,10 @@ pub(crate) fn open(folder: &Path, wait: Duration) -> Result<(Box<dyn Campaign>, 
     // What is wrong with the settings is said before anything is written.
     let there = Journal::read(folder)?;
     check_sheets(folder, &problem, &there)?;
-    core(&problem, method_of(&problem, &there)?, &there)?;
+    core(folder, &problem, method_of(&problem, &there)?, &there)?;
     let (mut writer, mut journal) = Writer::open(folder, wait)?;
     let method = method_of(&problem, &journal)?;
-    let core = core(&problem, method, &journal)?;
+    let core = core(folder, &problem, method, &journal)?;
     if !begins(&journal, &core) {
         let begin = Event::Campaign { format: FORMAT, at: now(), problem: core };
         writer.add(std::slice::from_ref(&begin))?;
@@ -106,12 +106,12 @@ fn method_of(problem: &Problem, journal: &Journal) -> Result<Method> {
 }
 
 /// What the journal rests on: once it has results, none of this may change.
-fn core(problem: &Problem, method: Method, journal: &Journal) -> Result<Value> {
-    let mut core = problem.core();
+fn core(folder: &Path, problem: &Problem, method: Method, journal: &Journal) -> Result<Value> {
+    let (mut core, file) = (problem.core(), || folder.join(PROBLEM).display().to_string());
     match method {
         // All data count anew at every step, so its settings may change from batch to batch.
         Method::Pooled => {
-            problem.pooled_settings().context(PROBLEM)?;
+            problem.pooled_settings().with_context(file)?;
             core["method"] = method.name().into();
         }
         Method::Dissertation => {
@@ -121,7 +121,7 @@ fn core(problem: &Problem, method: Method, journal: &Journal) -> Result<Value> {
                 "{PROBLEM} was changed after the journal had begun: [simulator] was taken out, which `method` = \"dissertation\" \
                  corrects by experiments; put it back, or begin a new campaign in another folder and `infuse import` the experiments"
             );
-            let mut settings = serde_json::to_value(problem.dissertation_settings(careful).context(PROBLEM)?)?;
+            let mut settings = serde_json::to_value(problem.dissertation_settings(careful).with_context(file)?)?;
             if let Some(settings) = settings.as_object_mut() {
                 settings.remove("max_batches");
                 if !careful {
@@ -146,7 +146,7 @@ fn of(folder: &Path, problem: Problem, method: Method, mut journal: Journal) -> 
     let careful = is_careful(&journal);
     match beginning(&journal) {
         Some((place, format, then)) => {
-            check_begun(format, then, &core(&problem, method, &journal)?)
+            check_begun(format, then, &core(folder, &problem, method, &journal)?)
                 .with_context(|| format!("{JOURNAL}, line {}", journal.events[place].0))?;
             let before = journal
                 .events

@@ -5,7 +5,9 @@ use std::io::{Read as _, Seek as _, Write as _};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
+
+use crate::disk::unusable;
 
 const LOCK: &str = ".infuse.lock";
 const PAUSE: Duration = Duration::from_millis(20);
@@ -20,20 +22,20 @@ impl Lock {
     /// Waits this long for another process to finish.
     pub(crate) fn take(folder: &Path, wait: Duration) -> Result<Self> {
         let path = folder.join(LOCK);
-        let name = || path.display().to_string();
+        let fault = |error| unusable(&path, &error);
         let options = || OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
-        let mut file = options().with_context(name)?;
+        let mut file = options().map_err(fault)?;
         let start = Instant::now();
         loop {
             match file.try_lock() {
                 Ok(()) => break,
                 Err(TryLockError::WouldBlock) if start.elapsed() < wait => std::thread::sleep(PAUSE),
                 Err(TryLockError::WouldBlock) => bail!(
-                    "{}another `infuse` is at work in {}; wait until it has finished, or stop it, and try again: nothing is lost",
+                    "another `infuse`{} is at work in {}; wait until it has finished, or stop it, and try again: nothing is lost",
                     holder(&mut file),
                     folder.display()
                 ),
-                Err(TryLockError::Error(error)) => return Err(error).with_context(name),
+                Err(TryLockError::Error(error)) => return Err(fault(error)),
             }
         }
         // Who holds it is a courtesy to others, so a full disk is no reason to stop here.
@@ -46,7 +48,7 @@ impl Lock {
 fn holder(file: &mut File) -> String {
     let mut text = String::new();
     match file.rewind().and_then(|()| file.read_to_string(&mut text)) {
-        Ok(_) if !text.is_empty() => format!("process {text}: "),
+        Ok(_) if !text.is_empty() => format!(" (process {text})"),
         _ => String::new(),
     }
 }

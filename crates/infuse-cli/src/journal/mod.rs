@@ -59,7 +59,7 @@ impl Journal {
         let path = folder.join(JOURNAL);
         let bytes = match std::fs::read(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
-            other => other.with_context(|| path.display().to_string())?,
+            other => other.map_err(|error| disk::unusable(&path, &error))?,
         };
         let text = text::read(&bytes).with_context(|| format!("{} cannot be read", path.display()))?;
         let rest = bytes.len() - text.n_bytes;
@@ -89,10 +89,10 @@ impl Writer {
     pub(crate) fn open(folder: &Path, wait: Duration) -> Result<(Self, Journal)> {
         let lock = Lock::take(folder, wait)?;
         let path = folder.join(JOURNAL);
-        let name = || path.display().to_string();
-        let file = OpenOptions::new().read(true).append(true).create(true).open(&path).with_context(name)?;
+        let fault = |error| disk::unusable(&path, &error);
+        let file = OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(fault)?;
         let mut bytes = Vec::new();
-        (&file).read_to_end(&mut bytes).with_context(name)?;
+        (&file).read_to_end(&mut bytes).map_err(fault)?;
         if bytes.is_empty() {
             disk::keep_name(&path);
         }
@@ -116,11 +116,14 @@ impl Writer {
 
     fn set_aside(&mut self, folder: &Path, rest: &[u8]) -> Result<()> {
         let path = folder.join(TORN);
-        let name = || path.display().to_string();
-        let mut torn = OpenOptions::new().append(true).create(true).open(&path).with_context(name)?;
-        torn.write_all(rest).and_then(|()| torn.write_all(b"\n")).and_then(|()| torn.sync_all()).with_context(name)?;
+        let fault = |error| disk::unusable(&path, &error);
+        let mut torn = OpenOptions::new().append(true).create(true).open(&path).map_err(fault)?;
+        torn.write_all(rest).and_then(|()| torn.write_all(b"\n")).and_then(|()| torn.sync_all()).map_err(fault)?;
         let kept = self.n_bytes - rest.len() as u64;
-        self.file.set_len(kept).and_then(|()| self.file.sync_all()).with_context(|| self.path.display().to_string())?;
+        self.file
+            .set_len(kept)
+            .and_then(|()| self.file.sync_all())
+            .map_err(|error| disk::unusable(&self.path, &error))?;
         self.n_bytes = kept;
         Ok(())
     }
@@ -144,7 +147,7 @@ impl Writer {
         if let Err(error) = written {
             // What was written in part is taken back; if even that fails, the next call finds it and sets it aside.
             let _ = self.file.set_len(self.n_bytes);
-            return Err(anyhow!("{}: {error}; nothing was written down", self.path.display()));
+            return Err(anyhow!("{}; nothing was written down", disk::unusable(&self.path, &error)));
         }
         self.n_bytes += bytes.len() as u64;
         let there = std::fs::metadata(&self.path).map(|metadata| metadata.len());

@@ -12,6 +12,7 @@ use super::file::{ExperimentEntry, Input, ProblemFile, ResponseEntry, Simulation
 use super::levels::parameter;
 use super::reserved::is_reserved;
 use super::{Experiment, PROBLEM, Problem, Program, Queue, Response, Simulator};
+use crate::disk::unusable;
 use crate::job_numbers::submits_a_job;
 use crate::wording::{Entry, in_plain_words};
 
@@ -29,7 +30,7 @@ impl Problem {
                 "{}: no such file; a campaign is a folder with a {PROBLEM} in it, and `infuse new FOLDER` makes one",
                 path.display()
             ),
-            _ => anyhow!("{}: {error}", path.display()),
+            _ => unusable(&path, &error),
         })?;
         Self::parse(&text).with_context(|| path.display().to_string())
     }

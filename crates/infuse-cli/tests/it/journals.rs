@@ -273,7 +273,7 @@ fn one_that_does_not_wait_says_who_is_at_work() {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
     let error = rig.infuse(&["ask", "--wait", "0"]).error();
-    assert!(error.contains(&format!("process {}: another `infuse` is at work in", asking.id())), "{error}");
+    assert!(error.contains(&format!("another `infuse` (process {}) is at work in", asking.id())), "{error}");
     rig.infuse(&["status"]).ok();
     assert!(asking.wait().unwrap().success());
     assert!(rig.infuse(&["ask", "--wait", "x"]).error().contains("--wait"));

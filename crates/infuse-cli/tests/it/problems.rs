@@ -65,6 +65,30 @@ fn a_folder_without_a_campaign_says_how_to_make_one() {
 }
 
 #[test]
+fn a_folder_that_cannot_be_used_is_named_with_what_to_do() {
+    for (name, command) in [(".infuse.lock", "ask"), ("journal.jsonl", "status"), ("campaign.toml", "status")] {
+        let rig = Rig::pooled();
+        let _ = std::fs::remove_file(rig.path(name));
+        std::fs::create_dir(rig.path(name)).unwrap();
+        let error = rig.infuse(&[command]).error();
+        assert!(
+            error.contains(name) && error.contains("a folder stands where a file is expected: move it away"),
+            "{error}"
+        );
+    }
+    let rig = Rig::pooled();
+    let error = rig.infuse(&["-C", "campaign.toml", "status"]).error();
+    assert!(error.contains("campaign.toml is no folder, expected the folder of a campaign"), "{error}");
+    // Whatever is wrong with the file, the folder is named.
+    rig.edit("[loop]\n", "[loop]\nnoise = -1\n");
+    let error = rig.infuse(&["-C", &rig.folder().display().to_string(), "check"]).error();
+    assert!(
+        error.contains(&format!("{}: [loop]: setting `noise` is -1", rig.path("campaign.toml").display())),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_table_that_does_not_fit_is_told_by_its_cells() {
     let rig = Rig::new();
     let table = rig.read("simulation.csv").replace("\n12,0.5,", "\n12.5,0.5,").replace("\n14,0.5,", "\n14,x,");
