@@ -529,17 +529,29 @@ impl Campaign {
 
     /// Which experiment each reading of the loop is, in its order.
     pub(super) fn origins(&self) -> Vec<Origin> {
-        let has_value = |index: &usize| self.imported[*index].result.value().is_some();
-        let imported = (0..self.imported.len()).filter(has_value).map(Origin::Imported);
+        self.readings().into_iter().map(|(origin, _)| origin).collect()
+    }
+
+    /// The readings of the loop in its order, each with its experiment and its cost.
+    pub(super) fn readings(&self) -> Vec<(Origin, f64)> {
+        let response = &self.problem.response;
+        let read = |origin: Origin, result: &Measured| Some((origin, response.cost(result.value()?)));
+        let imported = self.imported.iter().enumerate();
+        let imported = imported.filter_map(|(index, one)| read(Origin::Imported(index), &one.result));
         let readings = &self.experiments.readings;
-        let again = readings.iter().flat_map(|(&id, reading)| {
-            reading.again.values().filter_map(Measured::value).map(move |_| Origin::Own(id))
-        });
-        let first = readings
+        let again = readings
             .iter()
-            .filter(|(_, reading)| reading.first.as_ref().and_then(Measured::value).is_some())
-            .map(|(&id, _)| Origin::Own(id));
+            .flat_map(|(&id, reading)| reading.again.values().filter_map(move |result| read(Origin::Own(id), result)));
+        let first = readings.iter().filter_map(|(&id, reading)| read(Origin::Own(id), reading.first.as_ref()?));
         imported.chain(again).chain(first).collect()
+    }
+
+    /// The settings of an experiment, as they were made.
+    pub(super) fn settings_of(&self, origin: Origin) -> Vec<f64> {
+        match origin {
+            Origin::Imported(index) => self.imported[index].point.clone(),
+            Origin::Own(id) => self.experiments.settings_of(id),
+        }
     }
 
     /// What was simulated; of a table that has few designs, some rows.

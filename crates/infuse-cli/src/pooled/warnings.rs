@@ -88,14 +88,36 @@ pub(super) fn suspects(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
         );
         Finding::new(sentence).with("outliers", n as f64, "1")
     });
-    let again = outliers(campaign, found, |one| !one.set_aside && is_seen_again(one)).map(|(n, named)| {
+    let again = found.outliers.iter().filter(|one| !one.set_aside && is_seen_again(one));
+    once.into_iter().chain(seen_again(campaign, found, &again.copied().collect::<Vec<_>>())).collect()
+}
+
+/// Settings whose runs, more than one, are far from what runs of other settings say: named once, with their number and their mean.
+fn seen_again(campaign: &Campaign, found: &Assessment, outliers: &[Outlier]) -> Option<Finding> {
+    let (readings, response) = (campaign.readings(), &campaign.problem.response);
+    let mut of_settings: Vec<(&Outlier, Vec<f64>)> = Vec::new();
+    for outlier in outliers {
+        let cost = readings.get(outlier.reading)?.1;
+        match of_settings.iter_mut().find(|(first, _)| first.deviations.to_bits() == outlier.deviations.to_bits()) {
+            Some((_, costs)) => costs.push(cost),
+            None => of_settings.push((outlier, vec![cost])),
+        }
+    }
+    let (n_settings, n_runs) = (of_settings.len(), outliers.len());
+    let named = of_settings.iter().take(MOST_NAMED).filter_map(|(outlier, costs)| {
+        let place = campaign.problem.describe(&campaign.settings_of(readings.get(outlier.reading)?.0));
+        let mean = value_to(response, costs.iter().sum::<f64>() / costs.len() as f64, resolution(found));
+        Some(format!("{place} ({}, mean {mean}, {})", count(costs.len(), "run"), far(campaign, outlier)))
+    });
+    let named = named.collect::<Vec<_>>().join("; ");
+    let more = if n_settings > MOST_NAMED { format!("; and {} more", n_settings - MOST_NAMED) } else { String::new() };
+    (n_runs > 0).then(|| {
         let sentence = format!(
-            "Seen more than once, though far from what runs of other settings say: {named}. The response is steeper or \
+            "Seen more than once, though far from what runs of other settings say: {named}{more}. The response is steeper or \
              narrower there than the surface takes it to be."
         );
-        Finding::new(sentence).with("outliers seen again", n as f64, "1")
-    });
-    once.into_iter().chain(again).collect()
+        Finding::new(sentence).with("outliers seen again", n_runs as f64, "1")
+    })
 }
 
 /// What does not count, and why.
@@ -111,18 +133,22 @@ fn set_aside(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
 
 /// How many were measured that the others do not expect, and which of those that are meant.
 fn outliers(campaign: &Campaign, found: &Assessment, is_meant: impl Fn(&Outlier) -> bool) -> Option<(usize, String)> {
-    let response = &campaign.problem.response;
     let origins = campaign.origins();
     let meant = found.outliers.iter().filter(|outlier| is_meant(outlier));
     let named = meant.clone().take(MOST_NAMED).filter_map(|outlier| {
-        let side = if outlier.deviations > 0.0 { response.worse_side() } else { better_side(response.worse_side()) };
         let origin = *origins.get(outlier.reading)?;
-        let far = short(outlier.deviations.abs());
-        Some(format!("{} ({far} standard deviations {side})", campaign.full_name_of(origin)))
+        Some(format!("{} ({})", campaign.full_name_of(origin), far(campaign, outlier)))
     });
     let (n, named) = (meant.count(), named.collect::<Vec<_>>().join(", "));
     let more = if n > MOST_NAMED { format!(" and {} more", n - MOST_NAMED) } else { String::new() };
     (n > 0).then(|| (n, format!("{named}{more}")))
+}
+
+/// "4.1 standard deviations above".
+fn far(campaign: &Campaign, outlier: &Outlier) -> String {
+    let worse = campaign.problem.response.worse_side();
+    let side = if outlier.deviations > 0.0 { worse } else { better_side(worse) };
+    format!("{} standard deviations {side}", short(outlier.deviations.abs()))
 }
 
 /// What to do about outliers.

@@ -161,6 +161,22 @@ fn noise_that_repeats_do_not_tell_is_said_not_to_be_known() {
     }
 }
 
+/// Runs of the same settings that agree are named once, by these, with how many they are and what they measured.
+#[test]
+fn settings_that_are_far_off_whenever_they_are_run_are_named_once() {
+    let bowl = |a: f64, b: f64| 100.0 + 2.0 * (a - 4.0).powi(2) + 0.5 * (b - 7.0).powi(2);
+    let rig = rig_of(bowl, "");
+    for _ in 0..3 {
+        batch(&rig, |a, b, id| Ok(bowl(a, b) + 0.2 * wobble(id)));
+    }
+    rig.write("old.csv", "a [mm],b [mm],y [N]\n7,13,60.1\n7,13,60.3\n7,13,60.2\n");
+    rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    let text = rig.infuse(&["status"]).ok();
+    let line = text.lines().find(|line| line.starts_with("Seen more than once")).expect(&text);
+    assert_eq!(line.matches("a 7 mm, b 13 mm (3 runs, mean 60.2 N, ").count(), 1, "{line}");
+    assert!(line.contains(" standard deviations below)") && !line.contains("notebook"), "{line}");
+}
+
 /// A run at the settings of an earlier batch is one more repeat, and the sheet says of what.
 #[test]
 fn runs_at_settings_of_an_earlier_batch_are_called_repeats() {
