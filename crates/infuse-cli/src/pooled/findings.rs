@@ -255,6 +255,10 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
                  at {enough} designs run ({n} so far, a repeat counting half), or by `smooth` in [stop] if there surely is none."
             )
         }
+        None if forecast.is_for_a_find() => format!(
+            "The surface alone would say {alone}; the rest is held for a narrow well of which only a part may have been found: a design \
+             was measured to be far better than all others say. The next batch looks around it."
+        ),
         None => format!("The surface alone would say {alone}; the rest is held for {few}."),
     };
     let finding = Finding::new(sentence).with("the surface alone", quantile, &response.unit);
@@ -266,8 +270,9 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
 
 /// The designs that may still be the best, the recommended one among them.
 fn left(found: &Assessment) -> Finding {
-    // What is held for wells that nobody has met is not the surface's, which may be sure long before.
-    let by = if found.forecast.reserves_until().is_some() { "By the surface alone" } else { "By the surface" };
+    // What is held for wells that nobody has met, or only in part, is not the surface's, which may be sure long before.
+    let is_held = found.forecast.reserves_until().is_some() || found.forecast.is_for_a_find();
+    let by = if is_held { "By the surface alone" } else { "By the surface" };
     let which = match found.left {
         _ if found.n_left == Some(1) => "no other design".to_owned(),
         tiny if tiny < 1e-4 => "less than 0.01 % of all designs".to_owned(),

@@ -9,8 +9,9 @@ pub(super) fn reasons(of_each: &[Reason], has_simulation: bool) -> Finding {
         true => "where one who does not believe the simulation knows least of what may be best",
         false => "where one who expects no trend knows least of what may be best",
     };
-    let all: [(Reason, &str, &str); 5] = [
+    let all: [(Reason, &str, &str); 6] = [
         (Reason::Again, "for again", "again where what was measured is far from what all others say"),
+        (Reason::Around, "for around", "around a design that was measured to be far better than all others say"),
         (
             Reason::Gain,
             "for gain",

@@ -11,6 +11,7 @@ use crate::Error;
 use crate::pooled::certificate::{Certificate, Draws, Evidence, Forecast};
 use crate::pooled::coverage::{Coverage, unseen};
 use crate::pooled::economy::Economy;
+use crate::pooled::finds::Finds;
 use crate::pooled::held::{Expected, MAY_RESPOND, UNKNOWN};
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::knowledge_gradient::pick;
@@ -144,14 +145,17 @@ pub(crate) struct Look {
     coverage: Coverage,
     /// Cells of outliers that another run may explain.
     again: Vec<Cell>,
+    finds: Finds,
 }
 
 /// So many promising cells are looked at on each plant of a batch.
 const PROMISING: usize = 100;
 /// Beyond so many standard errors readings contradict the surface.
 const CONTRADICTING: f64 = 3.0;
-/// Where a setting was run more often, another run would not explain an outlier.
+/// Where a setting was run more often, another run would not explain an outlier; where it was run as often and the runs differ by no more
+/// than so many standard deviations of the noise, neither.
 const MOST_RUNS: usize = 2;
+const AGREEING: f64 = 3.0;
 
 impl Look {
     pub(crate) fn at(
@@ -162,9 +166,9 @@ impl Look {
     ) -> Result<Self, Error> {
         let (constrained, set_aside, readings) = (&readings.constrained, &readings.set_aside, &readings.kept[..]);
         let open = outliers(knowledge, readings, settings)?;
-        let n_runs = |cell: Cell| readings.iter().filter(|reading| reading.cell == cell).count();
-        let suspects = readings.iter().filter(|reading| open.iter().any(|outlier| outlier.reading == reading.number));
-        let again = suspects.map(|reading| reading.cell).filter(|&cell| n_runs(cell) <= MOST_RUNS).collect();
+        let again = to_run_again(readings, &open, knowledge.process.noise());
+        let may_be_recommended = |cell| knowledge.designs.allows(cell) && keeps(knowledge, constrained, cell);
+        let finds = Finds::of(readings, &open, settings, may_be_recommended);
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
         let cell = lowest_mean(knowledge, &pool, settings.seed, batch)?;
         let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
@@ -182,10 +186,12 @@ impl Look {
             n_terms: designs.n_terms(),
         };
         let never_run = evidence.never_run();
-        let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?;
+        let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
+        let mut rng = stream(settings.seed, Purpose::Finds, batch);
+        let found = finds.may_reach(knowledge, settings, recommended.mean, &mut rng)?;
+        let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?.beside(found);
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
-        let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
         let assessment = Assessment {
             noise: knowledge.process.noise(),
@@ -204,7 +210,7 @@ impl Look {
             forecast,
         };
         let doubted = knowledge.sceptic.as_ref().map(|sceptic| sceptic.marginals(&pool.places));
-        Ok(Self { assessment, pool: pool.reduced(doubted.as_ref(), settings.seed, batch), coverage, again })
+        Ok(Self { assessment, pool: pool.reduced(doubted.as_ref(), settings.seed, batch), coverage, again, finds })
     }
 
     /// The cells of the next batch.
@@ -238,8 +244,28 @@ impl Look {
         for (pick, again) in picks.iter_mut().zip(&self.again) {
             *pick = Pick { cell: *again, reason: Reason::Again };
         }
+        // No other plant is built for what lies around a find.
+        let allowed = Economy::of(settings.plants.as_ref(), knowledge.designs).confined_to(economy.built());
+        let mut rng = stream(settings.seed, Purpose::Finds, batch);
+        self.finds.look_around(knowledge.designs, &mut picks, pending, |cell| allowed.allows(cell), &mut rng)?;
         Ok(picks)
     }
+}
+
+/// Cells of outliers that another run may explain, each once.
+fn to_run_again(readings: &[Reading], outliers: &[Outlier], noise: f64) -> Vec<Cell> {
+    let mut again: Vec<Cell> = Vec::new();
+    for outlier in outliers {
+        let cell = readings.iter().find(|reading| reading.number == outlier.reading).map(|reading| reading.cell);
+        let Some(cell) = cell.filter(|cell| !again.contains(cell)) else { continue };
+        let here = || readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response);
+        let differ_by = here().fold(f64::NEG_INFINITY, f64::max) - here().fold(f64::INFINITY, f64::min);
+        let n_runs = here().count();
+        if n_runs < MOST_RUNS || (n_runs == MOST_RUNS && differ_by > AGREEING * noise) {
+            again.push(cell);
+        }
+    }
+    again
 }
 
 /// What is known of a design, beside the recommended one.
@@ -435,6 +461,21 @@ mod tests {
             let found = squared_correlation(&a, &b);
             assert!((found - expected).abs() < 1e-14, "{a:?} and {b:?}: {found}");
         }
+    }
+
+    #[test]
+    fn an_outlier_is_run_again_once_and_once_more_if_that_run_says_otherwise() {
+        let mut scene = crate::pooled::scene::Scene::new(&[21]);
+        for (x, response) in
+            [(0, 9.0), (5, 1.0), (5, 1.2), (9, 1.0), (9, 1.4), (12, 1.0), (12, 3.0), (12, 5.0), (20, 0.0)]
+        {
+            scene.read(&[x], response);
+        }
+        let outlier = |reading: usize| Outlier { reading, deviations: 9.0, set_aside: false };
+        let all: Vec<Outlier> = (0..8).map(outlier).collect();
+        assert_eq!(to_run_again(&scene.readings, &all, 0.1), [scene.cell(&[0]), scene.cell(&[9])]);
+        assert_eq!(to_run_again(&scene.readings, &all, 0.05), [scene.cell(&[0]), scene.cell(&[5]), scene.cell(&[9])]);
+        assert_eq!(to_run_again(&scene.readings, &[], 0.1), []);
     }
 
     /// Errors of the readings, of their assembly and of the recommended mean add up in squares.

@@ -140,8 +140,8 @@ impl Trust {
 /// between all of them, it allows for by doubting the simulation and by widening what the surface says of itself, the less the
 /// more readings there are. Readings that crowd count for fewer, without a simulation for as many evenly spread ones as would leave
 /// the box as far from any. Until twenty designs a parameter were run, beside a simulation that is of use fifteen, up to twice what the readings
-/// differ by is held in reserve, whatever the surface says; unless the response is
-/// [known](crate::pooled::Settings::smooth) to have no narrow well.
+/// differ by is held in reserve, whatever the surface says; and where a run was far better than all others say, until it was looked
+/// around, a well twice as deep as was seen; unless the response is [known](crate::pooled::Settings::smooth) to have no narrow well.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// The probability.
@@ -161,6 +161,10 @@ pub struct Forecast {
     pub spread: f64,
     /// How much likelier the simulation is to be of no use than the certificate to fail, from 0 to 1: 1 without a simulation.
     pub useless: f64,
+    /// How much better than the recommended design a well may be of which a run found a part, twice as deep as it was seen to be; 0
+    /// where there is none, or it was looked around.
+    #[serde(default)]
+    pub found: f64,
     /// Readings until now.
     pub n_readings: usize,
     /// Designs that they are of.
@@ -182,7 +186,7 @@ impl Forecast {
     #[must_use]
     pub fn further_batches(&self, worth: f64) -> u64 {
         let (reserve, n) = (self.reserve(), self.n_readings as f64);
-        if self.drawn.max(reserve) <= worth {
+        if self.drawn.max(reserve).max(self.found) <= worth {
             return 0;
         }
         let for_drawn = n * (self.drawn / worth).powf(1.0 / POWER);
@@ -204,7 +208,13 @@ impl Forecast {
     pub fn reserves_until(&self) -> Option<usize> {
         let [alone, beside] = reserves_after(self.n_counted(), self.n_parameters, self.useless);
         let enough = designs_without_reserve(self.n_parameters, beside > alone, self.n_designs);
-        (self.reserve() > self.drawn).then_some(enough)
+        (self.reserve() > self.drawn.max(self.found)).then_some(enough)
+    }
+
+    /// Whether the bound is what a well may hide of which a run found a part.
+    #[must_use]
+    pub fn is_for_a_find(&self) -> bool {
+        self.found > self.drawn.max(self.reserve())
     }
 
     /// In the unit of the response.
@@ -240,6 +250,8 @@ pub(crate) struct Draws {
     trust: Trust,
     /// What the readings differ by.
     spread: f64,
+    /// How much better a well may be of which a part was found.
+    found: f64,
 }
 
 impl Draws {
@@ -278,12 +290,24 @@ impl Draws {
         } else {
             Gains::of(vec![(believed.clone(), 1.0 - trust.doubt), (doubted, trust.doubt)])
         };
-        Ok(Self { believed: Gains::of(vec![(believed, 1.0)]), all, evidence, trust, spread: spread(readings) })
+        Ok(Self {
+            believed: Gains::of(vec![(believed, 1.0)]),
+            all,
+            evidence,
+            trust,
+            spread: spread(readings),
+            found: 0.0,
+        })
+    }
+
+    /// The same where a part was found of a well that may be so much better.
+    pub(crate) fn beside(self, found: f64) -> Self {
+        Self { found, ..self }
     }
 
     pub(crate) fn certificate(&self, probability: f64) -> Certificate {
         let forecast = self.forecast(probability, 0);
-        let bound = forecast.drawn.max(forecast.reserve());
+        let bound = forecast.drawn.max(forecast.reserve()).max(forecast.found);
         Certificate { probability, bound, quantile: self.believed.quantile(probability) }
     }
 
@@ -299,7 +323,8 @@ impl Draws {
         let Evidence { n_readings, n_tried, n_parameters, n_designs, .. } = self.evidence;
         let (drawn, useless) = (self.drawn(probability), self.evidence.useless(probability));
         let spread = self.evidence.untried() * self.spread;
-        Forecast { drawn, spread, useless, n_readings, n_tried, n_designs, n_experiments, n_parameters }
+        let found = self.found;
+        Forecast { drawn, spread, useless, found, n_readings, n_tried, n_designs, n_experiments, n_parameters }
     }
 }
 
@@ -430,11 +455,14 @@ mod tests {
 
     fn draws() -> impl Strategy<Value = Draws> {
         let sample = || prop::collection::vec(0.0..1.0_f64, 1..200);
-        (sample(), sample(), evidence(), 0.0..3.0_f64).prop_map(|(believed, doubted, evidence, spread)| {
-            let trust = Trust::after(&evidence);
-            let all = Gains::of(vec![(believed.clone(), 1.0 - trust.doubt), (doubted, trust.doubt)]);
-            Draws { believed: Gains::of(vec![(believed, 1.0)]), all, evidence, trust, spread }
-        })
+        let found = prop_oneof![Just(0.0), 0.0..3.0_f64];
+        (sample(), sample(), evidence(), 0.0..3.0_f64, found).prop_map(
+            |(believed, doubted, evidence, spread, found)| {
+                let trust = Trust::after(&evidence);
+                let all = Gains::of(vec![(believed.clone(), 1.0 - trust.doubt), (doubted, trust.doubt)]);
+                Draws { believed: Gains::of(vec![(believed, 1.0)]), all, evidence, trust, spread, found }
+            },
+        )
     }
 
     proptest! {
@@ -486,7 +514,9 @@ mod tests {
         fn forecast_starts_from_the_certificate(draws in draws(), worth in 0.001..3.0_f64) {
             let (certificate, forecast) = (draws.certificate(0.9), draws.forecast(0.9, 12));
             prop_assert_eq!(certificate.bound <= worth, forecast.further_batches(worth) == 0, "{:?} {:?}", certificate, forecast);
-            prop_assert_eq!(certificate.bound > forecast.drawn, forecast.reserves_until().is_some(), "{:?} {:?}", certificate, forecast);
+            let is_reserved = certificate.bound > forecast.drawn.max(forecast.found);
+            prop_assert_eq!(is_reserved, forecast.reserves_until().is_some(), "{:?} {:?}", certificate, forecast);
+            prop_assert!(certificate.bound >= forecast.found && (!forecast.is_for_a_find() || certificate.bound <= forecast.found));
         }
     }
 
@@ -569,8 +599,9 @@ mod tests {
         ] {
             let (n_readings, n_experiments) = (n, of);
             let (n_designs, n_parameters) = (10_000, 2);
+            let found = 0.0;
             let forecast =
-                Forecast { drawn, spread, useless, n_readings, n_tried, n_designs, n_experiments, n_parameters };
+                Forecast { drawn, spread, useless, found, n_readings, n_tried, n_designs, n_experiments, n_parameters };
             let further = forecast.further_batches(worth);
             let after = |batches: u64| {
                 let later = n as f64 + (batches as usize * of) as f64;
@@ -581,10 +612,19 @@ mod tests {
             };
             let worth = worth * (1.0 + 1e-12);
             assert!(further >= 1 && after(further) <= worth && after(further - 1) > worth, "{forecast:?}: {further}");
+            // What was found and not looked around is looked around with the next batch.
+            let found = Forecast { found: 2.0 * worth, ..forecast };
+            assert_eq!(
+                [found.further_batches(worth), found.further_batches(2.0 * worth)],
+                [further, forecast.further_batches(2.0 * worth)]
+            );
+            let found = Forecast { drawn: 0.0, spread: 0.0, ..found };
+            assert_eq!([found.further_batches(worth), found.further_batches(2.1 * worth)], [1, 0]);
         }
         let of = |drawn: f64, worth: f64| {
             let (n_readings, n_tried, n_designs, n_experiments, n_parameters) = (10, 10, 100, 5, 2);
-            Forecast { drawn, spread: 0.0, useless: 1.0, n_readings, n_tried, n_designs, n_experiments, n_parameters }
+            let (spread, useless, found) = (0.0, 1.0, 0.0);
+            Forecast { drawn, spread, useless, found, n_readings, n_tried, n_designs, n_experiments, n_parameters }
                 .further_batches(worth)
         };
         assert_eq!((of(1.0, 1.0), of(0.0, 0.0), of(1.0, 0.0)), (0, 0, u64::MAX));

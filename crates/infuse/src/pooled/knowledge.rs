@@ -19,7 +19,7 @@ use crate::pooled::simulated::{Column, Simulated, Source};
 /// What others say of a reading.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct View {
-    mean: f64,
+    pub(crate) mean: f64,
     /// Standard deviation of a reading there.
     deviation: f64,
     /// Standard deviation of the noise alone.

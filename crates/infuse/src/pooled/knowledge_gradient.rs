@@ -29,8 +29,8 @@ const COVERING: usize = 4;
 /// no run is near instead, as many of a batch as one in [`COVERING`]. A surface that is sure of the best would measure it again and
 /// again, and leave a well that the simulation lacks to be found by nobody.
 const NEGLIGIBLE: f64 = 5e-4;
-/// The same for any number of a batch, where the noise of a run is no more than [`QUIET`] of that: repeats would then teach nothing.
-/// Where it is larger they are what tells the best from the next best, each by next to nothing.
+/// The same for any number of a batch, with a simulation or without, where the noise of a run is no more than [`QUIET`] of that: repeats
+/// would then teach nothing. Where it is larger they are what tells the best from the next best, each by next to nothing.
 const NOTHING: f64 = 2e-4;
 const QUIET: f64 = 0.02;
 
@@ -128,16 +128,16 @@ struct Shares {
     /// Those of them that go to where no run is near.
     covering: usize,
     /// As many of the others do so where they would gain next to nothing, and where there is little noise any number that would gain
-    /// even less; 0 where none do so.
-    spared: usize,
+    /// even less; none where none do so.
+    spared: Option<usize>,
 }
 
 impl Shares {
     /// As a share of what the designs differ by: what gains no more is made where no run is near, after so many that were.
     fn least_gain(&self, n_spared: usize, is_quiet: bool) -> f64 {
         match self.spared {
-            spared if n_spared < spared => NEGLIGIBLE,
-            1.. if is_quiet => NOTHING,
+            Some(spared) if n_spared < spared => NEGLIGIBLE,
+            Some(_) if is_quiet => NOTHING,
             _ => f64::NEG_INFINITY,
         }
     }
@@ -145,17 +145,17 @@ impl Shares {
     /// Of a batch of so many, with the probability that the simulation is of no use, if there is one.
     fn of(count: usize, is_early: bool, ignored: Option<f64>) -> Self {
         if count < FEWEST {
-            return Self { doubted: 0, covering: 0, spared: 0 };
+            return Self { doubted: 0, covering: 0, spared: None };
         }
         let doubted = (count / if is_early { DOUBTED_AT_FIRST } else { DOUBTED }).max(1);
         match ignored {
             Some(ignored) => {
                 let covering = ((count / COVERING) as f64 * ignored).round() as usize;
-                Self { doubted: doubted.max(covering + covering.min(1)), covering, spared: count / COVERING }
+                Self { doubted: doubted.max(covering + covering.min(1)), covering, spared: Some(count / COVERING) }
             }
             None => {
                 let doubted = doubted.max(count / COVERING + 1);
-                Self { doubted, covering: doubted - 1, spared: 0 }
+                Self { doubted, covering: doubted - 1, spared: Some(0) }
             }
         }
     }
@@ -488,17 +488,17 @@ mod tests {
         assert_eq!([4, 8, 12, 13].map(n_widest), [3, 7, 10, 7]);
     }
 
-    /// A quarter of a batch may gain more than the others, the others go only where there is little noise, and without a simulation none
-    /// is spared for what it gains.
+    /// A quarter of a batch may gain more than the others, the others go only where there is little noise, and so does what there is
+    /// without a simulation.
     #[test]
     fn what_a_run_has_to_gain_falls_after_a_quarter_of_the_batch() {
         let shares = Shares::of(12, true, Some(0.1));
         let at = |n_spared: usize| shares.least_gain(n_spared, true);
         assert!(at(0) >= NEGLIGIBLE && at(2) >= NEGLIGIBLE && at(3) < at(2) && at(3) > 0.0 && at(9) >= at(3));
         assert!(shares.least_gain(2, false) >= NEGLIGIBLE && shares.least_gain(3, false) < 0.0);
-        for shares in [Shares::of(12, false, None), Shares::of(3, false, Some(0.1))] {
-            assert!(shares.least_gain(0, true) < 0.0 && shares.least_gain(5, true) < 0.0);
-        }
+        let (alone, few) = (Shares::of(12, false, None), Shares::of(3, false, Some(0.1)));
+        assert!(alone.least_gain(0, false) < 0.0 && few.least_gain(0, false) < 0.0 && few.least_gain(5, true) < 0.0);
+        assert!((alone.least_gain(0, true) - shares.least_gain(9, true)).abs() < 1e-12);
     }
 
     /// Never all, none of a few; where no run is near the more, the less the simulation is likely to be of use, and one of the sceptic's
@@ -520,7 +520,7 @@ mod tests {
             (18, false, None, 5, 4),
         ] {
             let shares = Shares::of(count, is_early, ignored);
-            let spared = if ignored.is_none() || count < FEWEST { 0 } else { count / COVERING };
+            let spared = (count >= FEWEST).then_some(if ignored.is_none() { 0 } else { count / COVERING });
             assert_eq!(shares, Shares { doubted, covering, spared }, "{count} {is_early} {ignored:?}");
         }
         for count in FEWEST..200 {
@@ -528,7 +528,10 @@ mod tests {
                 [(true, Some(1.0)), (true, None), (false, Some(1.0)), (false, None), (false, Some(0.3))]
             {
                 let shares = Shares::of(count, is_early, ignored);
-                assert!(shares.covering < shares.doubted && shares.doubted + shares.spared < count, "{shares:?}");
+                assert!(
+                    shares.covering < shares.doubted && shares.doubted + shares.spared.unwrap() < count,
+                    "{shares:?}"
+                );
             }
         }
     }

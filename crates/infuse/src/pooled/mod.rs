@@ -11,8 +11,9 @@
 //! 4. The next batch is what lowers the expected minimum most: a knowledge gradient, pick by pick, repeats allowed. One pick in
 //!    six is for the one who does not believe the simulation, so that a simulation that misleads is found out sooner; without a
 //!    simulation one in four goes to where most of the box is far from any run, so that a well is found that no surface expects, and
-//!    beside a simulation as many of these as it is likely to be of no use, and what would gain next to nothing.
-//!    A reading that is far from all others is run again first, and set aside if that run says otherwise.
+//!    beside a simulation as many of these as it is likely to be of no use. What would gain next to nothing goes there, too.
+//!    A reading that is far from all others is run again first, and set aside if that run says otherwise; if it is far better, two
+//!    runs of the batch are made around it, and the certificate holds something for what they may find.
 //!
 //! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, two thirds over the
 //! box and a third over what the simulation likes. Nothing is dropped for good, and all of it follows from readings, simulations,
@@ -53,6 +54,7 @@ mod constraint;
 mod coverage;
 mod designs;
 mod economy;
+mod finds;
 mod first_batch;
 mod held;
 mod knowledge;

@@ -17,6 +17,8 @@ pub enum Reason {
     Coverage,
     /// What was measured there is far from what all others say.
     Again,
+    /// What was measured near it is far better than all others say.
+    Around,
 }
 
 /// An experiment that is asked for.

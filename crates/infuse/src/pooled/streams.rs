@@ -16,6 +16,7 @@ pub(crate) enum Purpose {
     Designs = 9,
     Plants = 10,
     Coverage = 11,
+    Finds = 12,
 }
 
 /// An independent stream of the generator for a purpose in a batch.

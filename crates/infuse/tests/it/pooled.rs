@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use design_space::{Cell, Grid, Parameter, Region};
-use infuse::pooled::{Ask, Assessment, Loop, Settings, StopReason, Trial};
+use infuse::pooled::{Ask, Assessment, Loop, Reason, Settings, StopReason, Trial};
 use infuse::{Error, Outcome, TrialId};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -403,6 +403,48 @@ fn certificate_holds_beside_designs_that_fail() {
         }
     }
     assert!(stopped >= 5, "{stopped} of 8 campaigns stopped by themselves");
+}
+
+/// A pit, 0.6 wide and 0.2 below the rest, that the simulation does not have; a part of it was met before.
+#[test]
+fn around_a_find_is_looked_before_the_loop_stops() {
+    let pit = |point: &[f64]| {
+        let from_center = (point[0] + 0.5).hypot(point[1] - 0.5) / 0.3;
+        let floor = truth(&[-0.5, 0.5]) + 0.2;
+        truth(point) - floor * (1.0 - from_center * from_center).max(0.0)
+    };
+    let grid = Grid::of(&region(2, Some(21))).expect("a grid");
+    let lowest = grid.cells().map(|cell| pit(&grid.point(cell).expect("a cell"))).fold(f64::INFINITY, f64::min);
+    let (mut n_around, mut n_held, mut n_true) = (0, 0, 0);
+    for seed in 1..=6 {
+        let mut settings = batches(10, 6, seed);
+        settings.worth = Some(0.05);
+        let mut campaign = campaign(2, 21, settings);
+        let rim = [-0.5, 0.4];
+        campaign.add_earlier(&rim, pit(&rim), "before").expect("in the region");
+        let mut simulate = |_: Cell, point: &[f64]| Ok(truth(point) * 1.1 + 0.05);
+        loop {
+            let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulate)).expect("a batch") else { break };
+            for trial in trials {
+                if campaign.reason(trial.id) == Some(Reason::Around) {
+                    n_around += 1;
+                    let away = (trial.point[0] - rim[0]).hypot(trial.point[1] - rim[1]);
+                    assert!(away < 0.6, "seed {seed}: {trial:?}");
+                }
+                campaign.tell(trial.id, Outcome::Value(pit(&trial.point))).expect("outstanding");
+            }
+            let found = campaign.assess(Some(&mut simulate)).expect("a fit").expect("responses");
+            let missing = pit(&found.recommended.point) - lowest;
+            if found.forecast.found > 0.0 {
+                (n_held, n_true) = (n_held + 1, n_true + usize::from(missing <= found.forecast.found));
+                assert!(found.certificate.bound >= found.forecast.found, "{found:?}");
+            }
+        }
+        let found = campaign.assess(Some(&mut simulate)).expect("a fit").expect("responses");
+        let missing = pit(&found.recommended.point) - lowest;
+        assert!(missing < 0.05, "seed {seed}: {missing} at {:?}", found.recommended.point);
+    }
+    assert!(n_around > 6 && n_held > 3 && n_true == n_held, "{n_around} {n_held} {n_true}");
 }
 
 /// Two wells, of which the deeper one takes up a tenth of a line, and no simulation that would show it. By the mean of the runs
