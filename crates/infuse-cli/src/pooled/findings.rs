@@ -4,6 +4,7 @@ use anyhow::Result;
 use infuse::pooled::reported::SimulationWorth;
 use infuse::pooled::{Assessment, Certificate, Standing};
 use page::Finding;
+use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use super::bands::{NINE_IN_TEN, resolution};
 use super::bounds::{constrained_there, likely_to_keep, not_sure};
@@ -371,11 +372,31 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
             let few = if n == 1 { "one repeat is" } else { &*format!("{n} repeats are") };
             format!("Noise of one run: about {deviation} by the surface; it is not known, {few} too few.")
         }
-        (None, n) => {
-            format!("Noise of one run: {deviation} (standard deviation), from {} among others.", count(n, "repeat"))
-        }
+        (None, n) => match campaign
+            .repeats()
+            .filter(|repeats| scatter_far_less(repeats.variance, repeats.degrees_of_freedom, found.noise))
+        {
+            Some(repeats) => format!(
+                "Noise of one run: {deviation} (standard deviation) by the surface, though the {n} repeats say {}: the rest is what the \
+                 surface misses, as a well or an edge that is narrower than it expects.",
+                amount(&campaign.problem.response, repeats.standard_deviation())
+            ),
+            None => {
+                format!("Noise of one run: {deviation} (standard deviation), from {} among others.", count(n, "repeat"))
+            }
+        },
     };
     Finding::new(sentence).with("noise", found.noise, unit).with("repeats", found.n_repeats as f64, "1")
+}
+
+/// Repeats that scatter as little are less likely than this, if what the surface takes for noise were noise.
+const UNLIKELY: f64 = 0.01;
+
+/// Whether repeats say that the noise is less than this, beyond chance: their sum of squares is χ² of their number of times its square.
+fn scatter_far_less(variance: f64, degrees_of_freedom: usize, noise: f64) -> bool {
+    let n = degrees_of_freedom as f64;
+    let sum_of_squares = n * variance / (noise * noise);
+    ChiSquared::new(n).is_ok_and(|chi_squared| chi_squared.cdf(sum_of_squares) < UNLIKELY)
 }
 
 /// What was spent, and what the runs of a plant share.
@@ -486,6 +507,21 @@ fn confirmed(campaign: &Campaign) -> Result<Vec<Finding>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// scipy: chi2.cdf(2.5, 10) = 0.0091, chi2.cdf(2.704, 10) = 0.0124, chi2.cdf(0.735, 6) = 0.0063, chi2.cdf(0.96, 6) = 0.0129.
+    #[test]
+    fn repeats_scatter_far_less_where_one_time_in_a_hundred_they_would_by_chance() {
+        for (degrees_of_freedom, ratio, is_far) in
+            [(10, 0.5, true), (10, 0.52, false), (6, 0.35, true), (6, 0.4, false)]
+        {
+            assert_eq!(
+                scatter_far_less(ratio * ratio * 9.0, degrees_of_freedom, 3.0),
+                is_far,
+                "{degrees_of_freedom} repeats, {ratio}"
+            );
+        }
+        assert!(!scatter_far_less(1.0, 9, 0.0));
+    }
 
     #[test]
     fn a_simulation_is_said_to_be_left_out_only_where_it_is() {

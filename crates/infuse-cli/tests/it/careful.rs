@@ -161,6 +161,28 @@ fn noise_that_repeats_do_not_tell_is_said_not_to_be_known() {
     }
 }
 
+/// Two of 24 settings are far off, and were run once; eight runs of another differ by 0.1.
+#[test]
+fn repeats_that_scatter_less_than_what_the_surface_calls_noise_are_said() {
+    let told = |step: f64| {
+        let rig = rig_of(|a, b| wells(a, b, DEPTHS), "");
+        let rows = (0..31).map(|run| {
+            let (site, second) = (if run < 24 { run } else { 12 }, f64::from(run % 2));
+            let (a, b) = (site % 6 + 2, site / 6 * 4 + 1);
+            let off = if site == 8 || site == 15 { step } else { 0.0 };
+            format!("{a},{b},{}\n", 50.0 + 2.0 * f64::from(a) + f64::from(b) + off + 0.1 * second)
+        });
+        rig.write("old.csv", &format!("a [mm],b [mm],y [N]\n{}", rows.collect::<String>()));
+        rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+        let text = rig.infuse(&["status"]).ok();
+        text.lines().find(|line| line.starts_with("Noise of one run: ")).expect(&text).to_owned()
+    };
+    let rough = told(8.0);
+    assert!(rough.contains("by the surface, though the 7 repeats say 0.05"), "{rough}");
+    let smooth = told(0.0);
+    assert!(smooth.ends_with("from 7 repeats among others."), "{smooth}");
+}
+
 /// Runs of the same settings that agree are named once, by these, with how many they are and what they measured.
 #[test]
 fn settings_that_are_far_off_whenever_they_are_run_are_named_once() {
