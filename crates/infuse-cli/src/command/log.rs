@@ -191,16 +191,22 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
             format!("{}: {} of the journal, marked above, count no longer.", deed.in_words(), count(*lines, "line")),
         ),
         Event::Assessed(found) => {
-            let expected = with_unit(&resolved(found.expected, found.bound), unit);
-            let bound = with_unit(&short(found.bound), unit);
+            let expected = with_unit(&resolved(found.expected, found.bound.unwrap_or(found.deviation)), unit);
             let at = problem.describe(&found.recommended);
             (
                 "learned",
-                format!(
-                    "after batch {}: {at} is best, with {expected}; with {} probability none is better by more than {bound}.",
-                    found.batch,
-                    percent(found.probability)
-                ),
+                match found.bound {
+                    Some(bound) => format!(
+                        "after batch {}: {at} is best, with {expected}; with {} probability none is better by more than {}.",
+                        found.batch,
+                        percent(found.probability),
+                        with_unit(&short(bound), unit)
+                    ),
+                    None => format!(
+                        "after batch {}: {at} is best, with {expected}; too few results to say by how much others may be better.",
+                        found.batch
+                    ),
+                },
             )
         }
         Event::Learned(Learned { batch, optimum, predicted, .. }) => {

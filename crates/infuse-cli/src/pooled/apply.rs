@@ -75,7 +75,7 @@ impl Campaign {
                 expected: self.problem.response.of_cost(found.recommended.mean),
                 deviation: found.recommended.deviation,
                 probability: found.certificate.probability,
-                bound: found.certificate.bound,
+                bound: found.needed.is_none().then_some(found.certificate.bound),
                 left: found.left,
                 noise: found.noise,
                 settings: serde_json::to_value(&self.settings).unwrap_or_default(),

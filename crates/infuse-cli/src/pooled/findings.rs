@@ -163,6 +163,13 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
             &response.unit,
         );
     }
+    if let Some(needed) = found.needed {
+        let sentence = format!(
+            "By how much another design may be better cannot be said before there are {needed} results: {} so far. Go on.",
+            found.forecast.n_readings
+        );
+        return Finding::new(sentence).with("results needed", needed as f64, "1");
+    }
     let sentence = format!("With {}.", none_better(&campaign.problem, certificate));
     let simulation = match campaign.problem.simulator.is_there() {
         true => " on the simulation as far as these agree with it,",
@@ -220,8 +227,9 @@ const RISEN: f64 = 1.1;
 fn risen(campaign: &Campaign, now: &Certificate) -> Option<Finding> {
     let (batch, before) = campaign.history.range(..campaign.batches.len()).next_back()?;
     let is_same_promise = (before.probability - now.probability).abs() <= 0.0;
-    (is_same_promise && now.bound > RISEN * before.bound).then(|| {
-        let (response, bound) = (&campaign.problem.response, before.bound);
+    let bound = before.bound?;
+    (is_same_promise && now.bound > RISEN * bound).then(|| {
+        let response = &campaign.problem.response;
         let sentence = format!(
             "After batch {batch} that was {}: what came since is not what was expected, so less is taken for sure.",
             amount(response, bound)
@@ -318,7 +326,8 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
 }
 
 /// How much of what was measured a simulation explains, and what the surface makes of it.
-fn worth_in_words(SimulationWorth { explained, ignored, factor, factor_deviation }: SimulationWorth) -> String {
+fn worth_in_words(worth: SimulationWorth) -> String {
+    let SimulationWorth { explained, is_inverted, ignored, factor, factor_deviation } = worth;
     let mut sentence = format!("The simulation explains {} of the variance of what was measured", percent(explained));
     let (is_little, is_left_out) = (explained < EXPLAINS_LITTLE, ignored >= IGNORED);
     if is_little {
@@ -337,10 +346,10 @@ fn worth_in_words(SimulationWorth { explained, ignored, factor, factor_deviation
                 let (factor, half) = (short(factor), short(half));
                 format!("; differences that it predicts count {factor} times, give or take {half} (90 %)")
             });
-            if factor + half < 0.0 {
-                sentence.push_str(": it points the wrong way, as what it calls better is worse");
-            }
         }
+    }
+    if is_inverted && !is_little {
+        sentence.push_str("; it points the wrong way, as what it calls better is worse");
     }
     format!("{sentence}.")
 }
@@ -438,6 +447,7 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
     let (response, here) = (&campaign.problem.response, &found.recommended);
     let promise = match not_sure(campaign, here) {
         Some(_) => format!("no design is known to keep to the bounds, this one{}", likely_to_keep(campaign, here)),
+        None if found.needed.is_some() => "too few results to say by how much others may be better".to_owned(),
         None => format!(
             "none better by more than {} ({})",
             amount(response, found.certificate.bound),
@@ -526,7 +536,13 @@ mod tests {
     #[test]
     fn a_simulation_is_said_to_be_left_out_only_where_it_is() {
         let said = |explained: f64, ignored: f64| {
-            worth_in_words(SimulationWorth { explained, ignored, factor: 1.0, factor_deviation: 0.0 })
+            worth_in_words(SimulationWorth {
+                explained,
+                is_inverted: false,
+                ignored,
+                factor: 1.0,
+                factor_deviation: 0.0,
+            })
         };
         assert_eq!(
             said(0.81, 0.95),

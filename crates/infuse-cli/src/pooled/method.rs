@@ -163,12 +163,14 @@ impl campaign::Campaign for Campaign {
             "predicted": response.of_cost(found.recommended.mean),
             "deviation": found.recommended.deviation,
             "runs_there": found.recommended.n_readings,
-            "bound": found.certificate.bound,
+            "bound": found.needed.is_none().then_some(found.certificate.bound),
+            "results_needed": found.needed,
             "bound_by_the_surface_alone": found.certificate.quantile,
             "probability": found.certificate.probability,
             "further_batches": found.further_batches,
             "designs_without_reserve": found.forecast.reserves_until(),
             "designs_counted": found.forecast.n_counted(),
+            "held_for_a_find": found.forecast.is_for_a_find(),
             "left_share": found.left,
             "unseen_share": found.unseen,
             "noise": json!({ "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats }),
@@ -216,14 +218,15 @@ impl Campaign {
             return Ok(None);
         };
         let speaks_against = found.contradiction.is_some() || all_equal(self).is_some();
-        let is_reached = found.certificate.bound <= worth && !speaks_against;
+        let is_reached = found.needed.is_none() && found.certificate.bound <= worth && !speaks_against;
         Ok(is_reached.then(|| {
             let response = &self.problem.response;
             let enough = amount(response, worth);
-            format!(
-                "with {}, less than the {enough} that would be worth another batch",
-                none_better(&self.problem, &found.certificate)
-            )
+            let than_enough = match found.certificate.bound > 0.0 {
+                true => format!("less than the {enough} that would be worth another batch"),
+                false => format!("and {enough} would be worth another batch"),
+            };
+            format!("with {}, {than_enough}", none_better(&self.problem, &found.certificate))
         }))
     }
 }

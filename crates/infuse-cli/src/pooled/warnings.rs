@@ -111,10 +111,11 @@ fn seen_again(campaign: &Campaign, found: &Assessment, outliers: &[Outlier]) -> 
     });
     let named = named.collect::<Vec<_>>().join("; ");
     let more = if n_settings > MOST_NAMED { format!("; and {} more", n_settings - MOST_NAMED) } else { String::new() };
+    let smooth = if campaign.settings.smooth { ": `smooth` in [stop] may be wrong" } else { "" };
     (n_runs > 0).then(|| {
         let sentence = format!(
             "Seen more than once, though far from what runs of other settings say: {named}{more}. The response is steeper or \
-             narrower there than the surface takes it to be."
+             narrower there than the surface takes it to be{smooth}."
         );
         Finding::new(sentence).with("outliers seen again", n_runs as f64, "1")
     })

@@ -161,6 +161,25 @@ fn noise_that_repeats_do_not_tell_is_said_not_to_be_known() {
     }
 }
 
+/// One result a batch, and a `worth` that any bound would meet: nothing is promised before there are four results.
+#[test]
+fn too_few_results_promise_nothing_and_end_nothing() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "[stop]\nworth = 1e6\n");
+    let file = rig.read("campaign.toml").replace("experiments = 10", "experiments = 1");
+    rig.write("campaign.toml", &file);
+    for n in 1..=4_usize {
+        assert_eq!(ask(&rig)["experiments"].as_array().unwrap().len(), 1, "{n}");
+        rig.infuse(&["tell", "--id", &n.to_string(), "--value", &(7 + n % 2).to_string()]).ok();
+        let (text, log) = (rig.infuse(&["status"]).ok(), rig.infuse(&["log"]).ok());
+        let is_said = text.contains(&format!("cannot be said before there are 4 results: {n} so far. Go on."));
+        assert_eq!(is_said, n < 4, "{text}");
+        assert_eq!(log.matches("too few results to say by how much others may be better").count(), n.min(3), "{log}");
+        let status = rig.status();
+        assert_eq!([status["bound"].is_null(), status["results_needed"] == 4], [n < 4; 2], "{status}");
+        rig.infuse(&["report"]).ok();
+    }
+}
+
 /// Two of 24 settings are far off, and were run once; eight runs of another differ by 0.1.
 #[test]
 fn repeats_that_scatter_less_than_what_the_surface_calls_noise_are_said() {

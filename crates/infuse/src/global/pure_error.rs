@@ -38,8 +38,10 @@ impl PureError {
         }
         let (mut squares, mut degrees_of_freedom) = (0.0, 0);
         for costs in groups.values() {
-            let mean = costs.iter().sum::<f64>() / costs.len() as f64;
-            squares += costs.iter().map(|cost| (cost - mean).powi(2)).sum::<f64>();
+            // From the first of them: equal ones differ by nothing, and not by what a mean is rounded.
+            let from_first = || costs.iter().map(|cost| cost - costs[0]);
+            let sum: f64 = from_first().sum();
+            squares += (from_first().map(|d| d * d).sum::<f64>() - sum * sum / costs.len() as f64).max(0.0);
             degrees_of_freedom += costs.len() - 1;
         }
         (degrees_of_freedom > 0).then(|| Self { variance: squares / degrees_of_freedom as f64, degrees_of_freedom })

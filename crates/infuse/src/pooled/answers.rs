@@ -97,7 +97,7 @@ impl Loop {
             return Ok(None);
         }
         let batch = self.told_batch();
-        let (settings, designs) = (&self.settings, &self.designs);
+        let (settings, designs) = (&measurements.settings(&self.settings), &self.designs);
         let source = Source::of(settings, designs, &self.simulated, simulate)?;
         let (mut knowledge, readings) = learnt(measurements, designs, settings, &mut self.simulated, source)?;
         read(&mut knowledge, &readings, settings, batch).map(Some)

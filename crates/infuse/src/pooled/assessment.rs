@@ -92,6 +92,9 @@ pub struct Contradiction {
 pub struct SimulationWorth {
     /// Squared correlation of simulation and readings: the share of their variance that the simulation explains.
     pub explained: f64,
+    /// Whether that correlation is negative: what the simulation calls better is worse.
+    #[serde(default)]
+    pub is_inverted: bool,
     /// Probability that the response is better learnt without it.
     pub ignored: f64,
     /// Mean of its factor ρ, where it is used.
@@ -107,6 +110,10 @@ pub struct Assessment {
     pub recommended: Standing,
     /// How much better another may be.
     pub certificate: Certificate,
+    /// How many readings it takes before the certificate says anything, if there are fewer: one more than a plane has terms. Of so few
+    /// none knows by how much designs differ.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub needed: Option<usize>,
     /// How that is expected to fall.
     pub forecast: Forecast,
     /// Standard deviation of one reading, as given or as learnt.
@@ -193,19 +200,21 @@ impl Look {
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
+        let is_early = readings.len() < designs.n_to_tell();
         let assessment = Assessment {
             noise: knowledge.process.noise(),
             assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
             n_repeats: knowledge.process.sites().n_repeats(),
             left,
             n_left,
+            needed: is_early.then(|| designs.n_to_tell()),
             // No well is larger than all that was never run.
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
             contradiction: contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?,
             outliers: set_aside.iter().copied().chain(open).collect(),
             recommended,
-            further_batches: settings.worth.map(|worth| forecast.further_batches(worth)),
+            further_batches: settings.worth.map(|worth| forecast.further_batches(worth).max(u64::from(is_early))),
             certificate,
             forecast,
         };
@@ -368,11 +377,13 @@ fn simulation_worth(knowledge: &mut Knowledge<'_, '_>, readings: &[Reading]) -> 
     let used = particles.iter().filter(|particle| particle.structure().simulation != SimulationUse::Ignored);
     // A difference has the factor 1, and no doubt about it.
     let factors: Vec<[f64; 2]> = used.map(|particle| particle.simulation_factor().unwrap_or([1.0, 0.0])).collect();
+    let correlation = correlation(simulated, &responses);
     let n = factors.len().max(1) as f64;
     let factor = factors.iter().map(|[mean, _]| mean).sum::<f64>() / n;
     let variance = factors.iter().map(|[mean, variance]| variance + (mean - factor).powi(2)).sum::<f64>() / n;
     Ok(Some(SimulationWorth {
-        explained: squared_correlation(simulated, &responses),
+        explained: correlation.powi(2),
+        is_inverted: correlation < 0.0,
         ignored: knowledge.ignored(),
         factor,
         factor_deviation: variance.sqrt(),
@@ -380,7 +391,7 @@ fn simulation_worth(knowledge: &mut Knowledge<'_, '_>, readings: &[Reading]) -> 
 }
 
 /// 0 where either is constant.
-fn squared_correlation(a: &[f64], b: &[f64]) -> f64 {
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let mean = |values: &[f64]| values.iter().map(|value| value / values.len() as f64).sum::<f64>();
     let (mean_a, mean_b) = (mean(a), mean(b));
     let [mut aa, mut ab, mut bb] = [0.0; 3];
@@ -391,7 +402,7 @@ fn squared_correlation(a: &[f64], b: &[f64]) -> f64 {
         bb += y * y;
     }
     let product = aa * bb;
-    if product > 0.0 { (ab * ab / product).min(1.0) } else { 0.0 }
+    if product > 0.0 { (ab / product.sqrt()).clamp(-1.0, 1.0) } else { 0.0 }
 }
 
 /// The design whose readings lie farthest below what is recommended, or the recommended one if its own lie above.
@@ -450,15 +461,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn squared_correlation_is_that_of_the_textbook_and_zero_of_a_constant() {
+    fn correlation_is_that_of_the_textbook_and_zero_of_a_constant() {
         // Of 1, 2, 3 with 1, 3, 2: sums of squares 2 and 2, of products 1.
         for (a, b, expected) in [
-            ([1.0, 2.0, 3.0], [1.0, 3.0, 2.0], 0.25),
-            ([1.0, 2.0, 3.0], [5.0, 3.0, 1.0], 1.0),
+            ([1.0, 2.0, 3.0], [1.0, 3.0, 2.0], 0.5),
+            ([1.0, 2.0, 3.0], [5.0, 3.0, 1.0], -1.0),
             ([2.0, 2.0, 2.0], [1.0, 3.0, 2.0], 0.0),
             ([1.0, 3.0, 2.0], [7.0, 7.0, 7.0], 0.0),
         ] {
-            let found = squared_correlation(&a, &b);
+            let found = correlation(&a, &b);
             assert!((found - expected).abs() < 1e-14, "{a:?} and {b:?}: {found}");
         }
     }

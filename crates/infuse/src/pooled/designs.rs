@@ -87,6 +87,11 @@ impl Designs {
         self.region.parameters().iter().map(n_axes).sum()
     }
 
+    /// Readings that it takes to tell a plane from its noise.
+    pub(crate) fn n_to_tell(&self) -> usize {
+        self.n_factors() + 2
+    }
+
     /// Terms of a full quadratic: the mean, one effect per number and one less than ways per choice, products of two of
     /// different parameters, squares of numbers.
     pub(crate) fn n_terms(&self) -> usize {

@@ -7,6 +7,7 @@ use surface::Data;
 use surface::process::Sites;
 
 use crate::Error;
+use crate::pooled::settings::Settings;
 
 /// One experiment that gave a response.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +35,9 @@ impl Reading {
     }
 }
 
+/// So many repeats that do not differ at all say that there is no noise.
+const ENOUGH_EQUAL: usize = 3;
+
 /// All that was measured.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Measurements {
@@ -44,4 +48,55 @@ pub(crate) struct Measurements {
     pub(crate) failed: BTreeSet<Cell>,
     /// Of these what nobody can build any more, whatever was measured there.
     pub(crate) refused: BTreeSet<Cell>,
+}
+
+impl Measurements {
+    /// Whether readings are the same whenever settings are: nothing is learnt from one more of the same settings.
+    fn are_exact(&self) -> bool {
+        let first_of = |at: usize| {
+            let reading = &self.readings[at];
+            self.readings[..at].iter().find(|earlier| earlier.coded == reading.coded)
+        };
+        let repeats = (0..self.readings.len()).filter_map(|at| Some((&self.readings[at], first_of(at)?)));
+        let n_repeats = repeats.clone().count();
+        n_repeats >= ENOUGH_EQUAL
+            && repeats.into_iter().all(|(one, first)| (one.response - first.response).abs() <= 0.0)
+    }
+
+    /// The settings, without noise where nothing was said of it and repeats show none.
+    pub(crate) fn settings(&self, settings: &Settings) -> Settings {
+        let noise = settings.noise.or_else(|| self.are_exact().then_some(0.0));
+        Settings { noise, ..settings.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_repeats_that_are_equal_say_that_there_is_no_noise() {
+        let measured = |pairs: &[(f64, f64)]| {
+            let reading = |(number, &(x, response)): (usize, &(f64, f64))| Reading {
+                coded: vec![x],
+                cell: Cell::new(0),
+                response,
+                number,
+                assembly: None,
+            };
+            let readings = pairs.iter().enumerate().map(reading).collect();
+            Measurements { readings, ..Measurements::default() }
+        };
+        let equal = [(0.1, 1.0), (0.2, 2.0), (0.1, 1.0), (0.1, 1.0), (0.2, 2.0)];
+        let noise = |pairs: &[(f64, f64)], noise: Option<f64>| {
+            let mut settings = Settings::new(4);
+            settings.noise = noise;
+            measured(pairs).settings(&settings).noise
+        };
+        assert_eq!(noise(&equal, None), Some(0.0));
+        assert_eq!(noise(&equal, Some(0.3)), Some(0.3), "what was said counts");
+        assert_eq!(noise(&equal[..4], None), None, "two are chance");
+        let other = [&equal[..], &[(0.2, 2.0 + 1e-9)]].concat();
+        assert_eq!(noise(&other, None), None);
+    }
 }

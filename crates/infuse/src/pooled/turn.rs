@@ -37,10 +37,11 @@ impl Loop {
             return Ok(Next::Simulations(self.first_simulations()));
         }
         let (batch, pending, measurements) = (self.told_batch(), self.pending_cells(), self.measurements()?);
-        let (settings, designs, simulated) = (&self.settings, &self.designs, &mut self.simulated);
+        let settings = &measurements.settings(&self.settings);
+        let (designs, simulated) = (&self.designs, &mut self.simulated);
         let source = Source::of(settings, designs, simulated, simulate)?;
         // Too few readings to tell even a plane from its noise: a batch that is spread.
-        if measurements.readings.len() < designs.n_factors() + 2 {
+        if measurements.readings.len() < designs.n_to_tell() {
             return spread_batch(measurements, pending, designs, settings, simulated, source);
         }
         // One surface through all readings, but for those that repeats give the lie to,

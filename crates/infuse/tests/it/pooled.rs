@@ -423,8 +423,7 @@ fn around_a_find_is_looked_before_the_loop_stops() {
         let rim = [-0.5, 0.4];
         campaign.add_earlier(&rim, pit(&rim), "before").expect("in the region");
         let mut simulate = |_: Cell, point: &[f64]| Ok(truth(point) * 1.1 + 0.05);
-        loop {
-            let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulate)).expect("a batch") else { break };
+        while let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulate)).expect("a batch") {
             for trial in trials {
                 if campaign.reason(trial.id) == Some(Reason::Around) {
                     n_around += 1;
@@ -591,6 +590,29 @@ fn surprises_are_told_reading_by_reading() {
     let found = campaign.surprises(Some(&mut simulation)).expect("a fit").expect("responses");
     assert_eq!(found.len(), 11, "{found:?}");
     assert!(found[0] > 1.0 && found[1..].iter().all(|other| other.abs() < found[0]), "{found:?}");
+}
+
+/// Of one to three readings of two parameters none tells a plane from its noise: whatever they say, the campaign goes on.
+#[test]
+fn a_certificate_needs_as_many_readings_as_tell_a_plane_from_its_noise() {
+    for alike in [false, true] {
+        let mut settings = batches(1, 9, 1);
+        settings.worth = Some(1e9);
+        let mut campaign = campaign(2, 21, settings);
+        for n in 1..=4 {
+            let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else {
+                panic!("ended after {} of 4", n - 1);
+            };
+            for trial in trials {
+                let response = if alike { 3.0 } else { truth(&trial.point) };
+                campaign.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
+            }
+            let found = assessed(&mut campaign);
+            assert_eq!(found.needed, (n < 4).then_some(4), "{n}");
+            assert_eq!(found.further_batches == Some(0), n == 4, "{n}");
+        }
+        assert_eq!(campaign.ask(Some(&mut simulation)).expect("an answer"), Ask::Stopped(StopReason::NotWorthIt));
+    }
 }
 
 /// Who asks for more confidence is promised less.

@@ -44,6 +44,7 @@ enum Kind {
     Borehole,
     Decoy,
     Lacking,
+    Pit,
 }
 
 const fn family(name: &'static str, n_factors: usize, kind: Kind, noise: f64) -> Family {
@@ -70,6 +71,7 @@ impl Kind {
             Self::RoughPerfect => "random field; the simulation is right but for a factor and a constant",
             Self::Decoy => "bowl with a narrow well; the simulation has that well elsewhere",
             Self::Lacking => "bowl with a narrow well; the simulation is that bowl without it",
+            Self::Pit => "bowl with a pit of 4 to 7 % of the box, no noise; the simulation is that bowl without it",
             Self::Borehole => "flow through a borehole with a bowl; its low fidelity (Xiong et al. 2013)",
         }
     }
@@ -101,12 +103,14 @@ pub(crate) const FAMILIES: [Family; 21] = [
 ];
 
 /// Families whose simulation leads away from the best: run on fresh seeds only, beside one peer, and counted in no share of all families.
-pub(crate) const DECOYS: [Family; 5] = [
+pub(crate) const DECOYS: [Family; 7] = [
     family("decoy-2", 2, Kind::Decoy, 0.01),
     family("decoy-3", 3, Kind::Decoy, 0.01),
     family("decoy-4", 4, Kind::Decoy, 0.01),
     family("lacking-2", 2, Kind::Lacking, 0.01),
     family("lacking-3", 3, Kind::Lacking, 0.01),
+    family("pit-2", 2, Kind::Pit, 0.0),
+    family("pit-3", 3, Kind::Pit, 0.0),
 ];
 
 impl Family {
@@ -184,6 +188,7 @@ impl Kind {
             Self::Borehole => borehole(rng),
             Self::Decoy => decoy(k, rng, 1.0),
             Self::Lacking => decoy(k, rng, 0.0),
+            Self::Pit => pit(k, rng),
         }
     }
 }
@@ -290,6 +295,24 @@ fn decoy(k: usize, rng: &mut ChaCha8Rng, depth: f64) -> (Function, Function) {
     };
     let simulation = shape.clone();
     (Box::new(move |u| shape(u, &well, 1.0)), Box::new(move |u| simulation(u, &simulated, depth)))
+}
+
+/// A bowl, and a pit that ends at its own rim and goes 0.15 below the bowl.
+fn pit(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
+    let (center, well) = loop {
+        let center: Vec<f64> = (0..k).map(|_| between(rng, 0.25, 0.75)).collect();
+        let well: Vec<f64> = (0..k).map(|_| between(rng, 0.2, 0.8)).collect();
+        if squared_distance(&well, &center) > 0.12 {
+            break (center, well);
+        }
+    };
+    let radius: f64 = if k == 2 { 0.15 } else { 0.22 };
+    let (bowl, depth) = (center.clone(), squared_distance(&well, &center) + 0.15);
+    let truth = move |u: &[f64]| {
+        let inside = (1.0 - squared_distance(u, &well) / (radius * radius)).max(0.0);
+        squared_distance(u, &center) - depth * inside
+    };
+    (Box::new(truth), Box::new(move |u| squared_distance(u, &bowl)))
 }
 
 fn branin(rng: &mut ChaCha8Rng) -> (Function, Function) {

@@ -528,6 +528,9 @@ fn tuned_on(tuned: &[&Family], n_others: usize) -> Finding {
          `hidden-2`, `hidden-4` and `decoy-4` among them; that they are more than a quarter only where there is little noise, after \
          seeds 1 to 20 of all and 361 to 379 of those where the simulation misleads had shown what it costs elsewhere."
             .to_owned(),
+        "That what is far better than all others say is looked around, and what the certificate holds for it: `hidden-4`, `decoy-2`, \
+         `lacking-2` and `lacking-3`, and wells and cones like those of `pit-2` and `pit-3` that are no family here, seeds 201 to 225."
+            .to_owned(),
         "No peer was tuned, but that SMT is used in the best of three ways on ten campaigns.".to_owned(),
     ];
     let head = Finding::new(format!("Tuned on {}:", names(tuned)));

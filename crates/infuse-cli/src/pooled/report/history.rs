@@ -95,7 +95,7 @@ fn expected(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Chart {
 }
 
 fn bound(campaign: &Campaign) -> Chart {
-    let bounds: Line = campaign.history.values().map(|known| (batch(known), known.bound)).collect();
+    let bounds: Line = campaign.history.values().filter_map(|known| Some((batch(known), known.bound?))).collect();
     let worth = campaign.settings.worth;
     let values = || bounds.iter().map(|point| point.1).chain(worth);
     let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
@@ -151,7 +151,7 @@ fn best_so_far(campaign: &Campaign) -> Chart {
 /// The bound against what was spent for it.
 fn spent(campaign: &Campaign) -> Option<Chart> {
     let costs = campaign.problem.costs.as_ref()?;
-    let spent = |known: &Assessed| Some((campaign.spent_until(known.batch)?.0, known.bound));
+    let spent = |known: &Assessed| Some((campaign.spent_until(known.batch)?.0, known.bound?));
     let points: Line = campaign.history.values().filter_map(spent).collect();
     let response = &campaign.problem.response;
     let y = Axis::new("bound", &response.unit).around(points.iter().map(|point| point.1).chain([0.0]));
@@ -202,7 +202,7 @@ fn table(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Table {
             campaign.problem.describe(&known.recommended),
             short(known.expected),
             short(NINE_IN_TEN * known.deviation),
-            short(known.bound),
+            known.bound.map_or_else(|| NOTHING.to_owned(), short),
             percent(known.probability),
             percent(known.left),
             short(known.noise),
