@@ -147,7 +147,7 @@ fn listed_studies(cases: &[Case<'_>], world: World) -> String {
 
 /// Which campaigns are not of today's program: the hour that they take was not had.
 const OLDER: &str = "Campaigns of the pooled loop over four parameters are those kept with revision `455246f`; since then runs that gain \
-                     next to nothing are made elsewhere from the second batch on.";
+                     next to nothing are made elsewhere from the second batch on, and two go around what is far better than all others.";
 
 /// How well campaigns end in moving water.
 fn ends(cases: &[Case<'_>]) -> Finding {
