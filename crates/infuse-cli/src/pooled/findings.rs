@@ -330,6 +330,7 @@ fn worth_in_words(worth: SimulationWorth) -> String {
     let SimulationWorth { explained, is_inverted, ignored, factor, factor_deviation } = worth;
     let mut sentence = format!("The simulation explains {} of the variance of what was measured", percent(explained));
     let (is_little, is_left_out) = (explained < EXPLAINS_LITTLE, ignored >= IGNORED);
+    let half = NINE_IN_TEN * factor_deviation;
     if is_little {
         sentence.push_str(": it is of little use");
     }
@@ -339,7 +340,6 @@ fn worth_in_words(worth: SimulationWorth) -> String {
             ", but a surface through the experiments alone does at least as well: the simulation is mostly left out",
         ),
         (_, false) => {
-            let half = NINE_IN_TEN * factor_deviation;
             sentence.push_str(&if half < TAKEN_AS_GIVEN {
                 format!("; differences that it predicts are taken {}", as_they_are(factor))
             } else {
@@ -348,8 +348,13 @@ fn worth_in_words(worth: SimulationWorth) -> String {
             });
         }
     }
-    if is_inverted && !is_little {
-        sentence.push_str("; it points the wrong way, as what it calls better is worse");
+    // Where a factor is learnt, its sign tells, whatever the places were that were run.
+    let is_wrong_way = match is_left_out || half < TAKEN_AS_GIVEN {
+        true => is_inverted && !is_little,
+        false => factor + half < 0.0,
+    };
+    if is_wrong_way {
+        sentence.push_str("; it points the wrong way: what it calls better was worse");
     }
     format!("{sentence}.")
 }
@@ -549,6 +554,19 @@ mod tests {
             "The simulation explains 81 % of the variance of what was measured, but a surface through the experiments alone does at \
              least as well: the simulation is mostly left out."
         );
+        let inverted = |ignored: f64, factor: f64, factor_deviation: f64| {
+            worth_in_words(SimulationWorth { explained: 0.8, is_inverted: true, ignored, factor, factor_deviation })
+        };
+        let wrong_way = "; it points the wrong way: what it calls better was worse.";
+        for (ignored, factor, deviation, is_said) in [
+            (0.95, 1.0, 0.0, true),
+            (0.2, 1.0, 0.0, true),
+            (0.2, 0.18, 0.05, false),
+            (0.2, -0.8, 0.1, true),
+            (0.2, -0.8, 0.6, false),
+        ] {
+            assert_eq!(inverted(ignored, factor, deviation).ends_with(wrong_way), is_said, "{factor}, {deviation}");
+        }
         assert!(said(0.05, 0.95).ends_with("measured: it is of little use, and is mostly left out."));
         assert!(said(0.05, 0.2).ends_with("of little use; differences that it predicts are taken as they are."));
         assert!(said(0.81, 0.2).ends_with("measured; differences that it predicts are taken as they are."));

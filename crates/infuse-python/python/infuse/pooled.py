@@ -161,6 +161,8 @@ class SimulationWorth:
 
     explained: float
     """Share of the variance of the readings that it explains."""
+    is_inverted: bool
+    """Whether what it calls better was worse."""
     ignored: float
     """Probability that the response is better learnt without it."""
     factor: float
@@ -212,6 +214,8 @@ class Assessment:
     """Standard deviation of the error that all runs of a plant share, where plants are told apart."""
     n_left: Optional[int] = None
     """Number of designs that may still be the best, where all were looked at: of many, `left` is told from a sample."""
+    needed: Optional[int] = None
+    """Readings that it takes before the certificate says anything, while there are fewer."""
 
 
 def _of(kind: Type[T], entry: Dict[str, Any], **others: Any) -> T:
