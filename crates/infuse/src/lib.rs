@@ -15,6 +15,8 @@ mod ledger;
 pub mod pooled;
 mod problem;
 #[cfg(feature = "global")]
+mod pure_error;
+#[cfg(feature = "global")]
 mod traced;
 mod trial;
 

@@ -71,11 +71,11 @@ impl Campaign {
         Ok(assessment.map(|found| {
             let assessed = Assessed {
                 batch,
+                bound: found.bound(),
                 recommended: found.recommended.point,
                 expected: self.problem.response.of_cost(found.recommended.mean),
                 deviation: found.recommended.deviation,
                 probability: found.certificate.probability,
-                bound: found.needed.is_none().then_some(found.certificate.bound),
                 left: found.left,
                 noise: found.noise,
                 settings: serde_json::to_value(&self.settings).unwrap_or_default(),

@@ -163,7 +163,7 @@ impl campaign::Campaign for Campaign {
             "predicted": response.of_cost(found.recommended.mean),
             "deviation": found.recommended.deviation,
             "runs_there": found.recommended.n_readings,
-            "bound": found.needed.is_none().then_some(found.certificate.bound),
+            "bound": found.bound(),
             "results_needed": found.needed,
             "bound_by_the_surface_alone": found.certificate.quantile,
             "probability": found.certificate.probability,
@@ -218,7 +218,7 @@ impl Campaign {
             return Ok(None);
         };
         let speaks_against = found.contradiction.is_some() || all_equal(self).is_some();
-        let is_reached = found.needed.is_none() && found.certificate.bound <= worth && !speaks_against;
+        let is_reached = found.bound().is_some_and(|bound| bound <= worth) && !speaks_against;
         Ok(is_reached.then(|| {
             let response = &self.problem.response;
             let enough = amount(response, worth);

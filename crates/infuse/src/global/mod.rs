@@ -107,6 +107,7 @@ mod surfaces;
 pub(crate) mod trial;
 mod turn;
 
+pub use crate::pure_error::PureError;
 pub use agreement::agrees;
 pub use ask_tell::Ask;
 pub use campaign::Loop;
@@ -114,7 +115,6 @@ pub use earlier::EarlierExperiment;
 pub use outlook::Outlook;
 pub use plan::Plan;
 pub use promises::ObservedErrors;
-pub use pure_error::PureError;
 pub use report::{Report, StopReason};
 pub use retained::RetainedSet;
 pub use settings::{Settings, SpreadFallback, SurfaceKind, SurfaceKinds};

@@ -8,10 +8,10 @@ use surface::{Polynomial, Regression, Surface};
 use crate::Error;
 use crate::global::campaign::Loop;
 use crate::global::candidates::Candidates;
-use crate::global::pure_error::PureError;
 use crate::global::report::Report;
 use crate::global::spread::Spread;
 use crate::global::surfaces::BatchSurfaces;
+use crate::pure_error::PureError;
 
 /// Cells among which the best is looked for in every draw; of more that are left, a part.
 const MOST_CELLS: u64 = 20_000;

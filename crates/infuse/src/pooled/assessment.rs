@@ -143,6 +143,14 @@ pub struct Assessment {
     pub further_batches: Option<u64>,
 }
 
+impl Assessment {
+    /// By how much another design may be better, as the certificate has it; none while there are too few readings to say so.
+    #[must_use]
+    pub fn bound(&self) -> Option<f64> {
+        self.needed.is_none().then_some(self.certificate.bound)
+    }
+}
+
 /// A look at what is known.
 pub(crate) struct Look {
     pub(crate) assessment: Assessment,

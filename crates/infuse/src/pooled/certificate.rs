@@ -186,7 +186,7 @@ impl Forecast {
     #[must_use]
     pub fn further_batches(&self, worth: f64) -> u64 {
         let (reserve, n) = (self.reserve(), self.n_readings as f64);
-        if self.drawn.max(reserve).max(self.found) <= worth {
+        if self.bound() <= worth {
             return 0;
         }
         let for_drawn = n * (self.drawn / worth).powf(1.0 / POWER);
@@ -209,6 +209,11 @@ impl Forecast {
         let [alone, beside] = reserves_after(self.n_counted(), self.n_parameters, self.useless);
         let enough = designs_without_reserve(self.n_parameters, beside > alone, self.n_designs);
         (self.reserve() > self.drawn.max(self.found)).then_some(enough)
+    }
+
+    /// The largest of what is drawn, what is held in reserve and what a find may hide.
+    fn bound(&self) -> f64 {
+        self.drawn.max(self.reserve()).max(self.found)
     }
 
     /// Whether the bound is what a well may hide of which a run found a part.
@@ -307,8 +312,7 @@ impl Draws {
 
     pub(crate) fn certificate(&self, probability: f64) -> Certificate {
         let forecast = self.forecast(probability, 0);
-        let bound = forecast.drawn.max(forecast.reserve()).max(forecast.found);
-        Certificate { probability, bound, quantile: self.believed.quantile(probability) }
+        Certificate { probability, bound: forecast.bound(), quantile: self.believed.quantile(probability) }
     }
 
     /// The bound of what is drawn alone.

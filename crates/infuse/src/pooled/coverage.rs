@@ -83,7 +83,8 @@ pub(crate) fn unseen(n_runs: usize, probability: f64) -> f64 {
     1.0 - (1.0 - probability).powf(1.0 / n_runs.max(1) as f64)
 }
 
-fn apart(a: &[f64], b: &[f64]) -> f64 {
+/// The distance of two places, coded.
+pub(crate) fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 

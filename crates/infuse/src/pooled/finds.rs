@@ -6,6 +6,7 @@ use design_space::Cell;
 use rand_chacha::ChaCha8Rng;
 
 use crate::Error;
+use crate::pooled::coverage::apart;
 use crate::pooled::designs::Designs;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::measurements::Reading;
@@ -147,10 +148,6 @@ impl Finds {
 fn mean_at(readings: &[Reading], cell: Cell) -> f64 {
     let here = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response);
     here.clone().sum::<f64>() / here.count() as f64
-}
-
-fn apart(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

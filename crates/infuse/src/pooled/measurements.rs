@@ -8,6 +8,7 @@ use surface::process::Sites;
 
 use crate::Error;
 use crate::pooled::settings::Settings;
+use crate::pure_error::PureError;
 
 /// One experiment that gave a response.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,14 +54,9 @@ pub(crate) struct Measurements {
 impl Measurements {
     /// Whether readings are the same whenever settings are: nothing is learnt from one more of the same settings.
     fn are_exact(&self) -> bool {
-        let first_of = |at: usize| {
-            let reading = &self.readings[at];
-            self.readings[..at].iter().find(|earlier| earlier.coded == reading.coded)
-        };
-        let repeats = (0..self.readings.len()).filter_map(|at| Some((&self.readings[at], first_of(at)?)));
-        let n_repeats = repeats.clone().count();
-        n_repeats >= ENOUGH_EQUAL
-            && repeats.into_iter().all(|(one, first)| (one.response - first.response).abs() <= 0.0)
+        let readings = self.readings.iter().map(|reading| (reading.coded.clone(), reading.response));
+        PureError::of_readings(readings)
+            .is_some_and(|repeats| repeats.degrees_of_freedom >= ENOUGH_EQUAL && repeats.variance <= 0.0)
     }
 
     /// The settings, without noise where nothing was said of it and repeats show none.

@@ -63,19 +63,9 @@ impl Row {
         let n_readings = self.batch * n_experiments;
         let (drawn, spread, useless, n_tried) = (self.drawn?, self.spread?, self.useless?, self.tried?);
         let n_designs = u64::from(LEVELS).pow(n_parameters as u32);
-        let counted = Forecast {
-            drawn,
-            spread,
-            useless,
-            found: 0.0,
-            n_readings,
-            n_tried,
-            n_designs,
-            n_experiments,
-            n_parameters,
-        };
-        // What else the bound may be is what is held for a well of which a part was found.
-        Some(Forecast { found: self.bound.unwrap_or(0.0), ..counted })
+        // Where the bound is more than the others come to, it is what is held for a well of which a part was found.
+        let found = self.bound.unwrap_or(0.0);
+        Some(Forecast { drawn, spread, useless, found, n_readings, n_tried, n_designs, n_experiments, n_parameters })
     }
 
     /// Whether both say the same, times apart; the last digits differ between machines.
