@@ -114,11 +114,11 @@ pub enum Error {
     #[error("a region has no parameters, expected at least one")]
     NoParameters,
     /// Two parameters of one region share a name.
-    #[error("the name `{name}` stands for parameters {first} and {second}, expected unique names")]
+    #[error("the name `{name}` stands for parameters number {} and {} of the list, expected unique names", first + 1, second + 1)]
     DuplicateName {
         /// The shared name.
         name: String,
-        /// Index of its first bearer.
+        /// Index of its first bearer, from 0; the message counts from 1.
         first: usize,
         /// Index of its second bearer.
         second: usize,

@@ -61,7 +61,7 @@ fn rejects_names_that_do_not_name() {
     let mass = Parameter::continuous("mass", "kg", 0.0, 1.0).unwrap();
     check(
         Region::new(vec![pitch(), mass, pitch()]),
-        "the name `pitch` stands for parameters 0 and 2, expected unique names",
+        "the name `pitch` stands for parameters number 1 and 3 of the list, expected unique names",
     );
     check(Region::new(vec![]), "a region has no parameters, expected at least one");
 }
