@@ -380,7 +380,10 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
         }
         (None, n) if campaign.repeats().is_some_and(|repeats| repeats.variance <= 0.0) => {
             let differ = if n == 1 { "the one repeat does not" } else { &*format!("the {n} repeats do not") };
-            format!("Noise of one run: about {deviation} by the surface; it is not known, {differ} differ at all.")
+            let taken = if found.is_exact { " Until one does, it is taken for none." } else { "" };
+            format!(
+                "Noise of one run: about {deviation} by the surface; it is not known, {differ} differ at all.{taken}"
+            )
         }
         (None, n) if n < ENOUGH_REPEATS => {
             let few = if n == 1 { "one repeat is" } else { &*format!("{n} repeats are") };
@@ -465,11 +468,8 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
         campaign.problem.describe(&here.point),
         value_to(response, here.mean, resolution(found).max(here.deviation)),
     );
-    Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit).with(
-        "bound",
-        found.certificate.bound,
-        &response.unit,
-    )
+    let finding = Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit);
+    found.bound().into_iter().fold(finding, |finding, bound| finding.with("bound", bound, &response.unit))
 }
 
 /// What is known of one design, and whether it may still be the best; it may lie between those that can be set.

@@ -173,7 +173,7 @@ impl campaign::Campaign for Campaign {
             "held_for_a_find": found.forecast.is_for_a_find(),
             "left_share": found.left,
             "unseen_share": found.unseen,
-            "noise": json!({ "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats }),
+            "noise": json!({ "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats, "is_exact": found.is_exact }),
             "constraints": as_json(self, &found.recommended.constrained),
             "spent": self.spent_until(self.batches.len()).map(|(cost, plants)| json!({ "cost": cost, "plants": plants })),
             "shared_error_of_a_plant": found.assembly,

@@ -6,8 +6,8 @@ use page::Finding;
 /// What they are for, the most frequent first.
 pub(super) fn reasons(of_each: &[Reason], has_simulation: bool) -> Finding {
     let doubt = match has_simulation {
-        true => "where one who does not believe the simulation knows least of what may be best",
-        false => "where one who expects no trend knows least of what may be best",
+        true => "where least is known of what may be best, should the simulation be wrong",
+        false => "where least is known of what may be best, should there be no trend",
     };
     let all: [(Reason, &str, &str); 6] = [
         (Reason::Again, "for again", "again where what was measured is far from what all others say"),
@@ -47,8 +47,8 @@ mod tests {
         let mixed = said(&[Gain, Coverage, Coverage, Doubt, Coverage, Gain]);
         assert_eq!(
             mixed,
-            "3 where most of what can be set is far from any run; 2 where one more run is expected to improve the best response most, repeats included; 1 where one \
-             who does not believe the simulation knows least of what may be best."
+            "3 where most of what can be set is far from any run; 2 where one more run is expected to improve the best response most, repeats included; 1 where least \
+             is known of what may be best, should the simulation be wrong."
         );
         assert_eq!(said(&[Coverage; 4]), "All of it is where most of what can be set is far from any run.");
         assert!(said(&[]).contains("not written down"));

@@ -149,6 +149,14 @@ fn noise_that_repeats_do_not_tell_is_said_not_to_be_known() {
     for (repeats, words) in [
         ("4,7,3\n4,7,3\n", "it is not known, the one repeat does not differ at all."),
         ("4,7,3\n4,7,3\n4,7,3\n", "it is not known, the 2 repeats do not differ at all."),
+        (
+            "4,7,3\n4,7,3\n4,7,3\n4,7,3\n",
+            "it is not known, the 3 repeats do not differ at all. Until one does, it is taken for none.",
+        ),
+        (
+            "4,7,3.0000001\n4,7,3.0000001\n",
+            "it is not known, the one repeat does not differ at all. Until one does, it is taken for none.",
+        ),
         ("4,7,3\n4,7,3.1\n", "it is not known, one repeat is too few."),
         ("4,7,3\n4,7,3.1\n4,7,2.9\n", "it is not known, 2 repeats are too few."),
         ("4,7,3\n3,3,7\n1,2,11\n", "it is not known, nothing was run twice."),

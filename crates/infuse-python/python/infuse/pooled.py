@@ -212,6 +212,8 @@ class Assessment:
     """Batches until the certificate is expected to be as small as `worth`."""
     assembly: Optional[float] = None
     """Standard deviation of the error that all runs of a plant share, where plants are told apart."""
+    is_exact: bool = False
+    """Whether readings are taken to have no noise, because that was said or because repeats do not differ at all."""
     n_left: Optional[int] = None
     """Number of designs that may still be the best, where all were looked at: of many, `left` is told from a sample."""
     needed: Optional[int] = None

@@ -123,6 +123,9 @@ pub struct Assessment {
     pub assembly: Option<f64>,
     /// Degrees of freedom of the repeats, which alone measure the noise: readings beyond one per setting.
     pub n_repeats: usize,
+    /// Whether readings are taken to have no noise, because that was said or because repeats do not differ at all.
+    #[serde(default)]
+    pub is_exact: bool,
     /// Share of all designs that may still be the best.
     pub left: f64,
     /// Their number, where all designs were looked at: of many, `left` is told from a sample.
@@ -203,7 +206,9 @@ impl Look {
         let never_run = evidence.never_run();
         let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
         let mut rng = stream(settings.seed, Purpose::Finds, batch);
-        let found = finds.may_reach(knowledge, settings, recommended.mean, &mut rng)?;
+        let contradiction = contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?;
+        let measured = contradiction.as_ref().and_then(|one| one.standing.measured).unwrap_or(recommended.mean);
+        let found = finds.may_reach(knowledge, settings, recommended.mean, &mut rng)?.max(recommended.mean - measured);
         let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?.beside(found);
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
@@ -213,13 +218,14 @@ impl Look {
             noise: knowledge.process.noise(),
             assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
             n_repeats: knowledge.process.sites().n_repeats(),
+            is_exact: settings.noise.is_some_and(|noise| noise <= 0.0),
             left,
             n_left,
             needed: is_early.then(|| designs.n_to_tell()),
             // No well is larger than all that was never run.
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
-            contradiction: contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?,
+            contradiction,
             outliers: set_aside.iter().copied().chain(open).collect(),
             recommended,
             further_batches: settings.worth.map(|worth| forecast.further_batches(worth).max(u64::from(is_early))),

@@ -20,6 +20,8 @@ const DRAWS: usize = 1080;
 /// Draws that do not believe the simulation.
 const DOUBTED: usize = 360;
 
+/// With no more readings than a quadratic has terms, what is drawn is widened by so many times itself.
+const WIDENED: f64 = 6.0;
 /// Of readings that crowd, the share that is not counted where they are to tell of the height of wells that the simulation does not
 /// have: all of it where the simulation is of no use.
 const CROWDING: f64 = 0.3;
@@ -29,9 +31,9 @@ const ENOUGH_ALONE: f64 = 20.0;
 /// With half as many, how many times what the readings differ by is held in reserve.
 const RESERVE_ALONE: f64 = 1.5;
 /// The same beside a simulation that is of use: it tells what lies between the readings, but may lack what nobody thought of.
-const ENOUGH_BESIDE: f64 = 15.0;
+const ENOUGH_BESIDE: f64 = 17.0;
 /// A third of how many times that is held with half as many: it falls as the square of their number, not as the number itself.
-const RESERVE_BESIDE: f64 = 0.4;
+const RESERVE_BESIDE: f64 = 0.5;
 /// Never more.
 const MOST_RESERVED: f64 = 2.0;
 
@@ -126,7 +128,7 @@ impl Trust {
         let of_wells = evidence.scarcity(CROWDING + (1.0 - CROWDING) * evidence.ignored);
         Self {
             doubt: scarcity,
-            allowance: 1.0 + 8.0 * of_wells * of_wells,
+            allowance: 1.0 + WIDENED * of_wells * of_wells,
             beyond: 0.01 * (0.3 / scarcity).clamp(1.0, 3.0),
             cap: 1.0 + scarcity,
         }
@@ -139,9 +141,11 @@ impl Trust {
 /// corrected simulation or as smooth as the priors of the surface say. What no measurement and no simulation shows, as a well
 /// between all of them, it allows for by doubting the simulation and by widening what the surface says of itself, the less the
 /// more readings there are. Readings that crowd count for fewer, without a simulation for as many evenly spread ones as would leave
-/// the box as far from any. Until twenty designs a parameter were run, beside a simulation that is of use fifteen, up to twice what the readings
-/// differ by is held in reserve, whatever the surface says; and where a run was far better than all others say, until it was looked
-/// around, a well twice as deep as was seen; unless the response is [known](crate::pooled::Settings::smooth) to have no narrow well.
+/// the box as far from any. Until twenty designs a parameter were run, beside a simulation that is of use seventeen, up to twice what the
+/// readings differ by is held in reserve, whatever the surface says; and where a run was far better than all others say, until it was
+/// looked around on all sides, a well twice as deep as was seen, or as deep as half of what they differ by; unless the response is
+/// [known](crate::pooled::Settings::smooth) to have no narrow well. It is never less than what a measured design is better by that
+/// [contradicts](crate::pooled::Assessment::contradiction) the recommendation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// The probability.
@@ -161,8 +165,8 @@ pub struct Forecast {
     pub spread: f64,
     /// How much likelier the simulation is to be of no use than the certificate to fail, from 0 to 1: 1 without a simulation.
     pub useless: f64,
-    /// How much better than the recommended design a well may be of which a run found a part, twice as deep as it was seen to be; 0
-    /// where there is none, or it was looked around.
+    /// How much better than the recommended design a well may be of which a run found a part, or a design is that was measured and
+    /// contradicts the recommendation; 0 where there is neither, or it was looked around.
     #[serde(default)]
     pub found: f64,
     /// Readings until now.
@@ -300,7 +304,7 @@ impl Draws {
             all,
             evidence,
             trust,
-            spread: spread(readings),
+            spread: Reading::range(readings),
             found: 0.0,
         })
     }
@@ -330,12 +334,6 @@ impl Draws {
         let found = self.found;
         Forecast { drawn, spread, useless, found, n_readings, n_tried, n_designs, n_experiments, n_parameters }
     }
-}
-
-/// The highest reading less the lowest.
-fn spread(readings: &[Reading]) -> f64 {
-    let responses = || readings.iter().map(|reading| reading.response);
-    responses().fold(f64::NEG_INFINITY, f64::max) - responses().fold(f64::INFINITY, f64::min)
 }
 
 /// Gains with their shares, ascending.
@@ -493,7 +491,7 @@ mod tests {
             let (now, then) = (Trust::after(&evidence), Trust::after(&one_more));
             prop_assert!(reserve(&one_more) <= held && (0.0..=2.0).contains(&held), "{held}");
             prop_assert!(then.doubt <= now.doubt && then.allowance <= now.allowance);
-            prop_assert!((0.0..=1.0).contains(&now.doubt) && (1.0..=9.0).contains(&now.allowance));
+            prop_assert!((0.0..=1.0).contains(&now.doubt) && (1.0..=1.0 + WIDENED).contains(&now.allowance));
             prop_assert!(now.beyond <= then.beyond && (0.01..1.0 - USUAL).contains(&now.beyond));
             prop_assert!((now.beyond <= 0.01) == (now.doubt >= 0.3), "{now:?}");
             prop_assert!(then.cap <= now.cap && (1.0..=2.0).contains(&now.cap));
@@ -525,7 +523,7 @@ mod tests {
     }
 
     /// By hand, with two parameters: nothing is held from 40 designs on, once the spread after 24, and one and a half times after 20; less by
-    /// the share of designs that were run. Beside a simulation that is of use nothing from 30 on, and three times 0.4 of it after 15.
+    /// the share of designs that were run. Beside a simulation that is of use nothing from 34 on, and three times a half of it after 17.
     #[test]
     fn narrow_wells_are_allowed_for_until_twenty_designs_a_parameter_were_run() {
         let evidence = |n_readings, n_tried, ignored, n_designs| {
@@ -547,10 +545,10 @@ mod tests {
         for (n_tried, without, beside) in [
             (4, 2.0, 2.0),
             (12, 2.0, 2.0),
-            (15, 2.0, 1.2),
-            (20, 1.5, 0.5),
-            (24, 1.0, 0.225),
-            (32, 0.375, 0.0),
+            (17, 2.0, 1.5),
+            (20, 1.5, 0.945),
+            (30, 0.5, 0.142_222_222_222_222),
+            (34, 0.264_705_882_352_941, 0.0),
             (40, 0.0, 0.0),
             (400, 0.0, 0.0),
         ] {
@@ -611,7 +609,7 @@ mod tests {
                 let later = n as f64 + (batches as usize * of) as f64;
                 let tried = later * 0.5 * (n_tried + n) as f64 / n as f64;
                 let without = useless * (1.5 * (40.0 / tried - 1.0)).clamp(0.0, 2.0);
-                let beside = (0.4 * (900.0 / (tried * tried) - 1.0)).clamp(0.0, 2.0);
+                let beside = (0.5 * (1156.0 / (tried * tried) - 1.0)).clamp(0.0, 2.0);
                 (drawn * (n as f64 / later).powf(2.5)).max(spread * f64::max(without, beside))
             };
             let worth = worth * (1.0 + 1e-12);

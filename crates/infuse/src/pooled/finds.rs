@@ -14,13 +14,14 @@ use crate::pooled::outliers::Outlier;
 use crate::pooled::reason::{Pick, Reason};
 use crate::pooled::settings::Settings;
 
-/// So many runs of a batch are made around a find, and of a small batch one in so many.
-const AROUND: usize = 2;
+/// One run of a batch in so many is made around a find, at least one.
 const ONE_IN: usize = 4;
-/// They keep within so much of the distance to the nearest run that nobody wonders at: a well that it missed is no wider.
-const REACH: f64 = 0.6;
-/// Coded, of a width of two. A find to which an ordinary run is nearer has been looked around.
-const EXPLORED: f64 = 0.1;
+/// Coded, of a width of two. Runs around a find are made within so much, and no nearer than half of it.
+const AROUND: f64 = 0.25;
+/// An ordinary run within so much shows what lies on its side of a find.
+const SHOWN: f64 = 0.3;
+/// Of what the readings differ by, how deep a well may be of which no more than the rim was met.
+const RIM: f64 = 0.5;
 /// Cells that are thought of.
 const DRAWN: usize = 300;
 
@@ -54,56 +55,93 @@ impl Finds {
         Self { cells, runs }
     }
 
-    /// Where to look around the best of them: designs that are far from all runs, and near to it.
+    /// The best of them that has sides of which nothing is known, and where to look there.
     fn around(
         &self,
         designs: &Designs,
         taken: &[Cell],
         count: usize,
         rng: &mut ChaCha8Rng,
-    ) -> Result<Vec<Cell>, Error> {
-        let Some(&find) = self.cells.first() else { return Ok(Vec::new()) };
-        let here = designs.coded_of(find)?;
-        let ordinary = self.runs.iter().filter(|run| !self.cells.contains(&run.cell));
-        let free = ordinary.map(|run| apart(&here, &run.coded)).fold(f64::INFINITY, f64::min);
-        if !(EXPLORED..f64::INFINITY).contains(&free) {
-            return Ok(Vec::new());
-        }
-        let mut cells: BTreeSet<Cell> = (0..DRAWN).map(|_| designs.near(find, 0.5 * REACH * free, rng)).collect();
-        cells.extend(designs.star(find, 0.0));
-        let mut runs: Vec<Vec<f64>> = self.runs.iter().map(|run| run.coded.clone()).collect();
-        for &cell in taken {
-            runs.push(designs.coded_of(cell)?);
-        }
-        let is_new = |cell: &Cell| !taken.contains(cell) && self.runs.iter().all(|run| run.cell != *cell);
-        let mut near = Vec::new();
-        for cell in cells.into_iter().filter(|cell| is_new(cell) && designs.allows(*cell)) {
-            let coded = designs.coded_of(cell)?;
-            let distance = apart(&here, &coded);
-            if distance <= free {
-                near.push((cell, coded, distance));
+    ) -> Result<Option<(Cell, Vec<Cell>)>, Error> {
+        for &find in &self.cells {
+            let cells = self.around_one(find, designs, taken, count, rng)?;
+            if !cells.is_empty() {
+                return Ok(Some((find, cells)));
             }
         }
+        Ok(None)
+    }
+
+    /// Where to look around one of them: designs near to it, each on a side where no ordinary run is, nor another of them.
+    fn around_one(
+        &self,
+        find: Cell,
+        designs: &Designs,
+        taken: &[Cell],
+        count: usize,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<Vec<Cell>, Error> {
+        let here = designs.coded_of(find)?;
+        let ordinary = self.runs.iter().filter(|run| !self.cells.contains(&run.cell));
+        let mut runs: Vec<Vec<f64>> = ordinary.map(|run| run.coded.clone()).collect();
+        let free = runs.iter().map(|run| apart(&here, run)).fold(f64::INFINITY, f64::min);
+        if free == f64::INFINITY {
+            return Ok(Vec::new());
+        }
+        for &cell in taken.iter().filter(|&&cell| cell != find) {
+            runs.push(designs.coded_of(cell)?);
+        }
+        let mut shown: Vec<Vec<f64>> =
+            runs.iter().filter(|run| apart(&here, run) <= SHOWN).map(|run| side(&here, run)).collect();
+        let mut near = self.near(find, designs, taken, free, rng)?;
+        // As many evenly spread sides as there are numbers, and one more, leave none farther from all of them.
+        let n_numbers = designs.region().parameters().iter().filter(|one| one.choices().is_none()).count();
+        let most = 1.0 / (n_numbers as f64 + 1.0);
         let mut picks = Vec::with_capacity(count);
-        while picks.len() < count && !near.is_empty() {
-            // Of those within reach the loneliest, and where the levels are too coarse for that the nearest.
-            let worth = |(_, coded, distance): &(Cell, Vec<f64>, f64)| match *distance <= REACH * free {
-                true => (true, runs.iter().map(|run| apart(run, coded)).fold(f64::INFINITY, f64::min)),
-                false => (false, -distance),
+        while picks.len() < count {
+            // The side that is farthest from all that were shown, and there the loneliest.
+            let worth = |coded: &Vec<f64>| {
+                let there = side(&here, coded);
+                let nearest = shown.iter().map(|shown| cosine(shown, &there)).fold(-1.0, f64::max);
+                (nearest, runs.iter().map(|run| apart(run, coded)).fold(f64::INFINITY, f64::min))
             };
-            let worths: Vec<(bool, f64)> = near.iter().map(worth).collect();
+            let worths: Vec<(f64, f64)> = near.iter().map(|(_, coded)| worth(coded)).collect();
             let order = |&a: &usize, &b: &usize| {
-                worths[a].0.cmp(&worths[b].0).then(worths[a].1.total_cmp(&worths[b].1)).then(b.cmp(&a))
+                worths[b].0.total_cmp(&worths[a].0).then(worths[a].1.total_cmp(&worths[b].1)).then(b.cmp(&a))
             };
-            let best = (0..near.len()).max_by(order).unwrap_or(0);
-            let (cell, coded, _) = near.remove(best);
+            let Some(best) = (0..near.len()).filter(|&at| worths[at].0 <= most).max_by(order) else { break };
+            let (cell, coded) = near.remove(best);
             picks.push(cell);
+            shown.push(side(&here, &coded));
             runs.push(coded);
         }
         Ok(picks)
     }
 
-    /// Some of the picks of a batch are made around the best find instead: the last ones of the commonest reason.
+    /// Designs near to a find that were not run; where the levels are too coarse for that, those that are as near as the nearest run.
+    fn near(
+        &self,
+        find: Cell,
+        designs: &Designs,
+        taken: &[Cell],
+        free: f64,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<Vec<(Cell, Vec<f64>)>, Error> {
+        let here = designs.coded_of(find)?;
+        let mut cells: BTreeSet<Cell> = (0..DRAWN).map(|_| designs.near(find, 0.5 * AROUND, rng)).collect();
+        cells.extend(designs.star(find, 0.0));
+        let is_new = |cell: &Cell| !taken.contains(cell) && self.runs.iter().all(|run| run.cell != *cell);
+        let new = cells.into_iter().filter(|cell| is_new(cell) && designs.allows(*cell));
+        let new = new.map(|cell| Ok((cell, designs.coded_of(cell)?))).collect::<Result<Vec<_>, Error>>()?;
+        let within = |low: f64, high: f64| {
+            let is_within = |coded: &[f64]| (low..=high).contains(&apart(&here, coded));
+            new.iter().filter(|(_, coded)| is_within(coded)).cloned().collect::<Vec<_>>()
+        };
+        let is_fine = new.iter().any(|(_, coded)| apart(&here, coded) <= AROUND);
+        Ok(if is_fine { within(0.5 * AROUND, AROUND) } else { within(0.0, free) })
+    }
+
+    /// Some of the picks of a batch are made around a find instead: the last ones of the commonest reason.
     pub(crate) fn look_around(
         &self,
         designs: &Designs,
@@ -113,8 +151,8 @@ impl Finds {
         rng: &mut ChaCha8Rng,
     ) -> Result<(), Error> {
         let taken: Vec<Cell> = pending.iter().copied().chain(Pick::cells(picks)).collect();
-        let count = AROUND.min((picks.len() / ONE_IN).max(1));
-        let cells = self.around(designs, &taken, count, rng)?;
+        let count = (picks.len() / ONE_IN).max(1);
+        let cells = self.around(designs, &taken, count, rng)?.map_or_else(Vec::new, |(_, cells)| cells);
         let n_of = |reason: Reason| picks.iter().filter(|pick| pick.reason == reason).count();
         let commonest = if n_of(Reason::Gain) >= n_of(Reason::Coverage) { Reason::Gain } else { Reason::Coverage };
         let common = picks.iter_mut().rev().filter(|pick| pick.reason == commonest);
@@ -124,8 +162,8 @@ impl Finds {
         Ok(())
     }
 
-    /// How far below this mean the well may reach of which the best of them is a part: twice as deep as it was seen to be. Zero where
-    /// there is none that was not looked around.
+    /// How far below this mean the well may reach of which one of them is a part: twice as deep as it was seen to be, or as deep as half
+    /// of what the readings differ by, as it may have been met at its rim. Zero where there is none that was not looked around.
     pub(crate) fn may_reach(
         &self,
         knowledge: &mut Knowledge<'_, '_>,
@@ -133,15 +171,26 @@ impl Finds {
         mean: f64,
         rng: &mut ChaCha8Rng,
     ) -> Result<f64, Error> {
-        let find = self.cells.first().and_then(|&find| self.runs.iter().find(|run| run.cell == find));
-        let (Some(find), false) = (find, self.around(knowledge.designs, &[], 1, rng)?.is_empty()) else {
-            return Ok(0.0);
-        };
+        let open = self.around(knowledge.designs, &[], 1, rng)?;
+        let find = open.and_then(|(find, _)| self.runs.iter().find(|run| run.cell == find));
+        let Some(find) = find else { return Ok(0.0) };
         let found = mean_at(&self.runs, find.cell);
         let is_found = |run: &Reading| self.cells.contains(&run.cell);
         let expected = knowledge.seen_from(&self.runs, is_found, find, settings)?.mean;
-        Ok((mean - (found - (expected - found))).max(0.0))
+        let depth = (expected - found).max(RIM * Reading::range(&self.runs));
+        Ok((mean - (found - depth)).max(0.0))
     }
+}
+
+/// The direction from one place to another.
+fn side(from: &[f64], to: &[f64]) -> Vec<f64> {
+    let length = apart(from, to);
+    from.iter().zip(to).map(|(from, to)| (to - from) / length).collect()
+}
+
+/// Of the angle between two directions.
+fn cosine(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// What was measured at a cell.
@@ -187,26 +236,34 @@ mod tests {
         assert!(finds(&scene, &all).cells.is_empty(), "there is no well");
     }
 
-    /// The nearest ordinary run is [11, 18], at 5.83 steps of a tenth.
+    /// Of four runs on a circle two are at right angles to both others, and so on in three numbers; a fifth side is none.
     #[test]
-    fn around_a_find_is_nearer_to_it_than_any_ordinary_run() {
-        let scene = bowl([16, 15], 0.5);
-        let (found, free) = (finds(&scene, &[(11, -6.0)]), 0.1 * 34.0_f64.sqrt());
-        let here = scene.designs.coded_of(scene.readings[11].cell).unwrap();
-        for batch in 0..20 {
-            let mut rng = stream(1, Purpose::Finds, batch);
-            let cells = found.around(&scene.designs, &[], 3, &mut rng).unwrap();
-            let coded: Vec<Vec<f64>> = cells.iter().map(|&cell| scene.designs.coded_of(cell).unwrap()).collect();
-            assert_eq!(cells.len(), 3);
-            for (at, place) in coded.iter().enumerate() {
-                let distance = apart(&here, place);
-                assert!(distance > 0.0 && distance <= REACH * free + 1e-12, "{distance}");
-                // Each is far from the find and from those before it.
-                let nearest = coded[..at].iter().map(|other| apart(place, other)).fold(distance, f64::min);
-                assert!(nearest > 0.5 * REACH * free, "{nearest} from {coded:?}");
+    fn around_a_find_each_run_is_made_on_another_side() {
+        for n in [1, 2, 3] {
+            let mut scene = Scene::new(&vec![41; n]);
+            for corner in [0, 40] {
+                scene.read(&vec![corner; n], 1.0);
             }
-            let again = found.around(&scene.designs, &cells, 1, &mut rng).unwrap();
-            assert!(!cells.contains(&again[0]), "what is pending is not picked again");
+            scene.read(&vec![20; n], -1.0);
+            let found = finds(&scene, &[(2, -6.0)]);
+            let here = scene.designs.coded_of(scene.readings[2].cell).unwrap();
+            for batch in 0..10 {
+                let mut rng = stream(1, Purpose::Finds, batch);
+                let (find, cells) = found.around(&scene.designs, &[], 99, &mut rng).unwrap().unwrap();
+                assert_eq!(find, scene.readings[2].cell);
+                let coded: Vec<Vec<f64>> = cells.iter().map(|&cell| scene.designs.coded_of(cell).unwrap()).collect();
+                assert!((n + 1..=2 * n).contains(&cells.len()), "{n} numbers: {coded:?}");
+                let sides: Vec<Vec<f64>> = coded.iter().map(|coded| side(&here, coded)).collect();
+                for (at, coded) in coded.iter().enumerate() {
+                    assert!((0.5 * AROUND..=AROUND).contains(&apart(&here, coded)), "{coded:?}");
+                    let nearest = sides[..at].iter().map(|other| cosine(other, &sides[at])).fold(-1.0, f64::max);
+                    assert!(nearest <= 1.0 / (n as f64 + 1.0) + 1e-12, "{nearest} of {sides:?}");
+                }
+                // What is pending counts as run: one side less.
+                let (_, rest) = found.around(&scene.designs, &cells[..1], 99, &mut rng).unwrap().unwrap();
+                assert!(rest.iter().all(|cell| *cell != cells[0]) && rest.len() < 2 * n, "{rest:?}");
+                assert!(found.around(&scene.designs, &cells, 99, &mut rng).unwrap().is_none(), "all were shown");
+            }
         }
     }
 
@@ -218,8 +275,8 @@ mod tests {
         }
         let mut rng = stream(1, Purpose::Finds, 1);
         let mut around = |scene: &Scene| {
-            let cells = finds(scene, &[(4, -9.0)]).around(&scene.designs, &[], 9, &mut rng).unwrap();
-            BTreeSet::from_iter(cells)
+            let around = finds(scene, &[(4, -9.0)]).around(&scene.designs, &[], 9, &mut rng).unwrap();
+            around.map_or_else(BTreeSet::new, |(_, cells)| BTreeSet::from_iter(cells))
         };
         let nearest = [[1, 2], [2, 1], [3, 2]].map(|digits| scene.cell(&digits));
         assert_eq!(around(&scene), BTreeSet::from(nearest), "as far away as the next run");
@@ -229,18 +286,24 @@ mod tests {
         assert_eq!(around(&scene), BTreeSet::new());
     }
 
-    /// A tenth of half the width away there is nothing that a well could hide.
+    /// One ordinary run beside a find shows one side of it. When all are shown, the next best find is looked around.
     #[test]
-    fn what_was_looked_around_is_not_looked_around_again() {
-        for (step, is_explored) in [(1, true), (2, false)] {
-            let mut scene = Scene::new(&[41, 41]);
-            for (x, y) in [(0, 0), (40, 0), (0, 40), (40, 40), (20, 20), (20 + step, 20)] {
-                scene.read(&[x, y], 1.0);
-            }
-            let found = finds(&scene, &[(4, -9.0)]);
-            let cells = found.around(&scene.designs, &[], 2, &mut stream(1, Purpose::Finds, 1)).unwrap();
-            assert_eq!(cells.is_empty(), is_explored, "{step} steps of a twentieth");
+    fn a_find_is_looked_around_until_all_its_sides_were_shown() {
+        let mut scene = Scene::new(&[41, 41]);
+        for (x, y) in [(0, 0), (40, 0), (0, 40), (40, 40), (20, 20), (30, 10)] {
+            scene.read(&[x, y], 1.0 + 1e-3 * x as f64);
         }
+        let first = [scene.readings[4].cell, scene.readings[5].cell];
+        for (number, (x, y)) in [(24, 20), (18, 24), (18, 16)].into_iter().enumerate() {
+            let found = finds(&scene, &[(4, -9.0), (5, -9.0)]);
+            let mut rng = stream(1, Purpose::Finds, 1);
+            let (find, cells) = found.around(&scene.designs, &[], 1, &mut rng).unwrap().unwrap();
+            assert_eq!((find, cells.len()), (first[0], 1), "{number} sides were shown");
+            scene.read(&[x, y], 1.0);
+        }
+        let found = finds(&scene, &[(4, -9.0), (5, -9.0)]);
+        let (find, _) = found.around(&scene.designs, &[], 1, &mut stream(1, Purpose::Finds, 1)).unwrap().unwrap();
+        assert_eq!(find, first[1]);
     }
 
     #[test]
@@ -250,6 +313,7 @@ mod tests {
         let (g, c, a) = (Reason::Gain, Reason::Coverage, Reason::Again);
         for (reasons, moved) in [
             (vec![a, g, g, g, g, Reason::Doubt, c, c], vec![3, 4]),
+            (vec![a, g, g, g, g, g, g, g, g, Reason::Doubt, c, c], vec![6, 7, 8]),
             (vec![a, g, c, c, c, c, Reason::Doubt, c], vec![5, 7]),
             (vec![g, g, c, c], vec![1]),
             (vec![g, c, g], vec![2]),
@@ -271,25 +335,21 @@ mod tests {
         }
     }
 
-    /// The bowl is at 0.61 where 0.11 was found; so it may go down to −0.39.
+    /// The bowl is at 0.61 where −0.89 was found; so it may go down to −2.39. Where 0.56 was found, and readings differ by 2, to −0.44.
     #[test]
-    fn a_well_may_be_twice_as_deep_as_it_was_seen_to_be() {
-        let mut scene = bowl([16, 15], 0.5);
-        let (found, settings) = (finds(&scene, &[(11, -6.0)]), scene.settings.clone());
-        let reach = |found: &Finds, scene: &mut Scene, mean: f64| {
+    fn a_well_may_be_twice_as_deep_as_it_was_seen_to_be_or_half_of_what_readings_differ_by() {
+        let reach = |scene: &mut Scene, deviations: f64, mean: f64| {
+            let (found, settings) = (finds(scene, &[(11, deviations)]), scene.settings.clone());
             let mut rng = stream(1, Purpose::Finds, 1);
             found.may_reach(&mut scene.knowledge(None), &settings, mean, &mut rng).unwrap()
         };
-        for (mean, expected) in [(0.0, 0.39), (0.2, 0.59), (-0.3, 0.09), (-0.5, 0.0)] {
-            let found = reach(&found, &mut scene, mean);
-            assert!((found - expected).abs() < 0.02, "{found} below {mean}");
-        }
-        assert!(reach(&finds(&scene, &[(11, 6.0)]), &mut scene, 0.0) <= 0.0, "it is above");
-        // Two steps from an ordinary run something may be hidden; another find is none.
-        for (run, response) in [([16, 17], 0.85), ([16, 16], 0.2)] {
-            scene.read(&run, response);
-            let found = finds(&scene, &[(11, -6.0), (13, -6.0)]);
-            assert!(reach(&found, &mut scene, 0.0) > 0.3, "{run:?}");
+        for (below, mean, expected) in
+            [(1.5, 0.0, 2.39), (1.5, -2.0, 0.39), (1.5, -3.0, 0.0), (0.05, 0.0, 0.44), (0.05, 0.2, 0.64)]
+        {
+            let mut scene = bowl([16, 15], below);
+            let found = reach(&mut scene, -6.0, mean);
+            assert!((found - expected).abs() < 0.03, "{found} below {mean}, found {below}");
+            assert!(reach(&mut scene, 6.0, mean) <= 0.0, "it is above");
         }
     }
 }

@@ -23,6 +23,12 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
+    /// The highest response less the lowest.
+    pub(crate) fn range(readings: &[Self]) -> f64 {
+        let responses = || readings.iter().map(|reading| reading.response);
+        responses().fold(f64::NEG_INFINITY, f64::max) - responses().fold(f64::INFINITY, f64::min)
+    }
+
     /// Measurements with what the simulation says of each, as a process takes them.
     pub(crate) fn sites(readings: &[&Self], n_factors: usize, simulated: Option<&[f64]>) -> Result<Sites, Error> {
         let coordinates = readings.iter().flat_map(|reading| &reading.coded).copied().collect();
@@ -36,8 +42,18 @@ impl Reading {
     }
 }
 
-/// So many repeats that do not differ at all say that there is no noise.
+/// So many repeats that do not differ at all say that there is no noise,
 const ENOUGH_EQUAL: usize = 3;
+/// and one where responses are written so finely, of what they differ by, that two would not agree by chance.
+const FINE: f64 = 1e-6;
+
+/// The power of ten that stands for the last digit of a number.
+fn last_digit(number: f64) -> i32 {
+    let text = format!("{number:e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let n_decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    exponent.parse::<i32>().unwrap_or(0) - n_decimals as i32
+}
 
 /// All that was measured.
 #[derive(Debug, Clone, Default)]
@@ -55,8 +71,11 @@ impl Measurements {
     /// Whether readings are the same whenever settings are: nothing is learnt from one more of the same settings.
     fn are_exact(&self) -> bool {
         let readings = self.readings.iter().map(|reading| (reading.coded.clone(), reading.response));
+        let finest = self.readings.iter().map(|reading| last_digit(reading.response)).min().unwrap_or(0);
+        let is_fine = 10.0_f64.powi(finest) < FINE * Reading::range(&self.readings);
+        let enough = if is_fine { 1 } else { ENOUGH_EQUAL };
         PureError::of_readings(readings)
-            .is_some_and(|repeats| repeats.degrees_of_freedom >= ENOUGH_EQUAL && repeats.variance <= 0.0)
+            .is_some_and(|repeats| repeats.degrees_of_freedom >= enough && repeats.variance <= 0.0)
     }
 
     /// The settings, without noise where nothing was said of it and repeats show none.
@@ -94,5 +113,33 @@ mod tests {
         assert_eq!(noise(&equal[..4], None), None, "two are chance");
         let other = [&equal[..], &[(0.2, 2.0 + 1e-9)]].concat();
         assert_eq!(noise(&other, None), None);
+    }
+
+    /// Of 1000 units in the last digit two agree now and then; of ten million hardly ever.
+    #[test]
+    fn one_repeat_is_enough_where_responses_have_many_digits() {
+        for (number, expected) in
+            [(0.0, 0), (7.0, 0), (120.0, 1), (0.25, -2), (-1.2e-7, -8), (3.5e22, 21), (0.1 + 0.2, -17)]
+        {
+            assert_eq!(last_digit(number), expected, "{number}");
+        }
+        let noise = |responses: [f64; 3]| {
+            let at = [0.1, 0.1, 0.2];
+            let reading = |number: usize| Reading {
+                coded: vec![at[number]],
+                cell: Cell::new(0),
+                response: responses[number],
+                number,
+                assembly: None,
+            };
+            let readings = (0..3).map(reading).collect();
+            Measurements { readings, ..Measurements::default() }.settings(&Settings::new(4)).noise
+        };
+        assert_eq!(noise([1.0, 1.0, 2.0]), None);
+        assert_eq!(noise([1.001, 1.001, 2.0]), None);
+        assert_eq!(noise([1.000_000_1, 1.000_000_1, 2.0]), Some(0.0));
+        assert_eq!(noise([1.000_000_1, 1.000_000_2, 2.0]), None, "they differ");
+        assert_eq!(noise([100_000.1, 100_000.1, 300_000.0]), Some(0.0));
+        assert_eq!(noise([4.0, 4.0, 4.0]), None, "nothing differs");
     }
 }

@@ -369,6 +369,14 @@ fn a_contradiction_keeps_the_loop_from_stopping() {
     let contradiction = assessed(&mut campaign).contradiction.expect("it is 4.5 deviations below the lowest truth");
     assert_eq!(contradiction.standing.cell, beside);
     assert!(contradiction.deviations > 3.0 && !stops(&mut campaign), "{contradiction:?}");
+    // Where there is no well, nothing else is held: what was measured is not beyond the bound.
+    let mut settings = campaign.settings().clone();
+    settings.smooth = true;
+    campaign.set_settings(settings).expect("settings");
+    let found = assessed(&mut campaign);
+    let better = found.recommended.mean + 0.09;
+    assert!(better > 0.01 && (found.forecast.found - better).abs() < 1e-12, "{found:?}");
+    assert!(found.certificate.bound >= better, "{found:?}");
 }
 
 /// The best design lies at the edge of where runs fail, and the simulation likes another. Whoever stops there has looked at it.
