@@ -167,6 +167,7 @@ fn of_all(words: &[&str]) -> Option<Work> {
         ["reproduce-all", "--page"] => Box::new(|root| reproduce_all::write_page(root, STUDIES, false)),
         ["reproduce-all", "--check"] => Box::new(|root| reproduce_all::run(root, STUDIES, Extent::WithKept)),
         ["reproduce-all", "--ensemble"] => Box::new(ensemble::run),
+        ["reproduce-all", "--ensemble", "--pooled"] => Box::new(ensemble::run_pooled),
         ["reproduce-all", "--ensemble", "--page"] => Box::new(ensemble::write_page),
         ["reproduce-all", "--ensemble", "--check"] => Box::new(ensemble::check),
         ["reproduce-all", "--ensemble", "--check", "--all"] => Box::new(ensemble::check_all),

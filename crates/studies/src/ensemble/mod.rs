@@ -77,6 +77,30 @@ fn run_missing(Kept { setup, store }: &mut Kept, designs: &Designs, words: &str)
     Ok(())
 }
 
+/// Runs the campaigns of the pooled loop anew, beside what is kept of the other methods, and what is missing; and writes the page.
+pub(crate) fn run_pooled(root: &Path) -> Result<()> {
+    let mut both = open_both(root)?;
+    let designs = Memory::of(root, Extent::Default).designs()?;
+    for Kept { setup, store } in [&mut both.near, &mut both.beyond] {
+        store.drop_unfinished()?;
+        let works = works(setup);
+        let bar = progress(&format!("pooled loop anew: {}", setup.origin.folder()), works.len());
+        for work in &works {
+            let unit = work.unit();
+            if let (Work::Study(study, plant), Some((kept, n_flights))) = (work, store.of(&unit)) {
+                let found = unit::run_pooled(setup, *study, plant, &designs, &kept)?;
+                if found.as_ref().is_none_or(|found| !found.agrees_with(&kept)) {
+                    store.take_out(&unit)?;
+                    found.map_or(Ok(()), |found| store.add(unit, found, n_flights))?;
+                }
+            }
+            bar.inc(1);
+        }
+        bar.finish();
+    }
+    run(root)
+}
+
 /// One unit of work.
 enum Work<'a> {
     Study(Study, &'a Plant),

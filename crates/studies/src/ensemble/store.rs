@@ -103,8 +103,11 @@ impl Lines {
         Ok(self.torn)
     }
 
-    fn append(&self, unit: &Unit, lines: &[Vec<String>]) -> Result<()> {
+    fn append(&mut self, unit: &Unit, lines: &[Vec<String>]) -> Result<()> {
         let text: String = lines.iter().map(|cells| text_of(unit, cells)).collect();
+        let first = LINES_BEFORE + 1 + self.lines.len();
+        let line = |(number, cells): (usize, &Vec<String>)| Line { number, unit: unit.clone(), cells: cells.clone() };
+        self.lines.extend((first..).zip(lines).map(line));
         let words = || self.path.display().to_string();
         let mut file = OpenOptions::new().append(true).open(&self.path).with_context(words)?;
         file.write_all(text.as_bytes()).with_context(words)?;
@@ -316,6 +319,26 @@ impl Store {
         self.done.iter().any(|done| done.unit == *unit)
     }
 
+    /// What is kept of a unit, and how many flights it took.
+    pub(super) fn of(&self, unit: &Unit) -> Option<(Found, usize)> {
+        let mut found = self.done.iter().find(|done| done.unit == *unit)?.found.clone();
+        let last = found.facts.iter().position(|fact| fact.name == LAST)?;
+        let n_flights = found.facts.remove(last).value as usize;
+        Some((found, n_flights))
+    }
+
+    /// Takes out what is kept of a unit. What counts it as done goes first, so that a run that is killed leaves it to be run.
+    pub(super) fn take_out(&mut self, unit: &Unit) -> Result<()> {
+        self.done.retain(|done| done.unit != *unit);
+        let units: BTreeSet<Unit> = self.done.iter().map(|done| done.unit.clone()).collect();
+        for table in [&mut self.facts, &mut self.times, &mut self.rows] {
+            table.keep(&units);
+            table.drop_unfinished()?;
+            table.torn = false;
+        }
+        Ok(())
+    }
+
     /// Keeps what a unit found; the last line that is written says that it is whole.
     pub(super) fn add(&mut self, unit: Unit, mut found: Found, n_flights: usize) -> Result<()> {
         let of_row = found.rows.first().map(|row| (row.study, row.world));
@@ -379,6 +402,29 @@ mod tests {
             }
         }
         store
+    }
+
+    /// However often, in whatever order; and a run that is killed in between has it missing, no more.
+    #[test]
+    fn what_is_taken_out_is_missing_until_it_is_kept_anew() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut store = go_on(folder.path());
+        for number in [1, 0] {
+            let unit = ("two".to_owned(), number);
+            let (kept, n_flights) = store.of(&unit).expect("it was kept");
+            assert_eq!((kept.facts.len(), n_flights), (1, 7));
+            store.take_out(&unit).expect("written");
+            let read = Store::read(folder.path(), "key").expect("a store");
+            assert!(!read.has(&unit) && read.done.len() == 2, "{number}");
+            store.add(unit, Found { seconds: 9.0, ..found(number + 10) }, 8).expect("written");
+        }
+        let read = Store::read(folder.path(), "key").expect("a store");
+        let numbers: Vec<u64> = read.done.iter().map(|done| done.unit.1).collect();
+        assert_eq!(numbers, [2, 1, 0]);
+        for (at, expected) in [(0, found(2)), (1, found(11)), (2, found(10))] {
+            assert!(read.done[at].found.agrees_with(&expected), "{:?}", read.done[at]);
+        }
+        assert_eq!(read.took(), [23.0, 19.5]);
     }
 
     #[test]

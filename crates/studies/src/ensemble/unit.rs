@@ -1,5 +1,6 @@
-//! One unit of work: a study on a plant, in both worlds, by all methods.
+//! One unit of work: a study on a plant, in both worlds, by all methods; or by the pooled loop alone, beside what is kept of the others.
 
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail, ensure};
@@ -40,6 +41,8 @@ struct Common<'a> {
     /// Experiments and simulations of a batch, and batches.
     budget: [usize; 3],
     seeds: u64,
+    /// What is kept of all methods, where the pooled loop alone is run anew.
+    kept: Option<&'a [Row]>,
 }
 
 /// What a campaign leaves: its steps, what it measured, and the loop itself where cells are dropped.
@@ -60,21 +63,79 @@ struct InWorld {
 /// Runs a study on a plant.
 pub(super) fn run(setup: &Setup, study: Study, plant: &Plant, designs: &Designs) -> Result<(Found, usize)> {
     let start = Instant::now();
-    let worlds = match study {
-        Study::Chapter4 => of_chapter4(setup, plant),
-        Study::Two => of_chapter7(setup, plant, Study::Two, 0, designs),
-        Study::Four => of_chapter7(setup, plant, Study::Four, 1, designs),
-        Study::Chapter3 | Study::Chapter6 => bail!("no campaign is judged in it"),
-    };
+    let worlds = in_worlds(setup, study, plant, designs, None);
     let mut found = Found::default();
     let mut n_flights = 0;
-    for world in worlds.with_context(|| format!("{}, plant {}", study.words(), plant.number))? {
+    for world in worlds? {
         found.rows.extend(world.rows);
         found.facts.extend(world.facts);
         n_flights += world.n_flights;
     }
     found.seconds = start.elapsed().as_secs_f64();
     Ok((found, n_flights))
+}
+
+/// The same with new campaigns of the pooled loop alone; none where that cannot be: a campaign failed, or found a design that is better than
+/// all that were known, so that it is to be said anew whether the other loop keeps it.
+pub(super) fn run_pooled(
+    setup: &Setup,
+    study: Study,
+    plant: &Plant,
+    designs: &Designs,
+    kept: &Found,
+) -> Result<Option<Found>> {
+    let mut rows = Vec::with_capacity(kept.rows.len());
+    let worlds = in_worlds(setup, study, plant, designs, Some(&kept.rows))?;
+    for (world, in_world) in World::OF_CAMPAIGNS.into_iter().zip(worlds) {
+        // As they will be read again.
+        let anew = in_world.rows.iter().map(|row| Row::read(&row.cells())).collect::<Result<Vec<Row>>>()?;
+        let before: Vec<&Row> = kept.rows.iter().filter(|row| row.world == world).collect();
+        let Some(merged) = merged(&before, &anew) else { return Ok(None) };
+        rows.extend(merged);
+    }
+    Ok(Some(Found { rows, ..kept.clone() }))
+}
+
+/// Rows of a world with those of the pooled loop replaced, seed by seed; none if a seed has none on either side, or if the best of all is
+/// another design.
+fn merged(before: &[&Row], anew: &[Row]) -> Option<Vec<Row>> {
+    let seeds = |rows: &mut dyn Iterator<Item = &Row>| {
+        rows.filter(|row| row.method == Method::Pooled).map(|row| row.seed).collect::<BTreeSet<u64>>()
+    };
+    if seeds(&mut before.iter().copied()) != seeds(&mut anew.iter()) {
+        return None;
+    }
+    let mut rows: Vec<Row> = Vec::with_capacity(before.len());
+    let mut done = BTreeSet::new();
+    for row in before {
+        if row.method != Method::Pooled {
+            rows.push((*row).clone());
+        } else if done.insert(row.seed) {
+            rows.extend(anew.iter().filter(|one| one.seed == row.seed).cloned());
+        }
+    }
+    let best = |rows: &mut dyn Iterator<Item = &Row>| {
+        let flown = rows.filter(|row| row.cost().is_finite());
+        flown.min_by(|a, b| a.cost().total_cmp(&b.cost())).map(|row| row.point.clone())
+    };
+    let is_judged = before.iter().any(|row| !row.keeps_best.is_nan());
+    (!is_judged || best(&mut before.iter().copied()) == best(&mut rows.iter())).then_some(rows)
+}
+
+fn in_worlds(
+    setup: &Setup,
+    study: Study,
+    plant: &Plant,
+    designs: &Designs,
+    kept: Option<&[Row]>,
+) -> Result<Vec<InWorld>> {
+    let worlds = match study {
+        Study::Chapter4 => of_chapter4(setup, plant, kept),
+        Study::Two => of_chapter7(setup, plant, Study::Two, 0, designs, kept),
+        Study::Four => of_chapter7(setup, plant, Study::Four, 1, designs, kept),
+        Study::Chapter3 | Study::Chapter6 => bail!("no campaign is judged in it"),
+    };
+    worlds.with_context(|| format!("{}, plant {}", study.words(), plant.number))
 }
 
 /// Chapter 4 on a plant, on a lattice so much coarser.
@@ -120,25 +181,30 @@ pub(super) fn choose_again(setup: &Setup, plant: &Plant, kept: &[Row]) -> Result
     Ok(())
 }
 
-fn of_chapter4(setup: &Setup, plant: &Plant) -> Result<Vec<InWorld>> {
+fn of_chapter4(setup: &Setup, plant: &Plant, kept: Option<&[Row]>) -> Result<Vec<InWorld>> {
     let study = chapter4_on(setup, plant, setup.campaigns.coarser);
     let lattice = Lattice::fly(&study, MODEL, |_| {});
-    let rough = chapter4_on(setup, plant, 2.0 * setup.campaigns.coarser);
-    let best = Lattice::fly(&rough, STAND_IN, |_| {}).lowest().0.to_vec();
     let simulate = lattice.interpolant()?;
     let (space, grid, budget) = gridded(&study, &simulate)?;
-    let mut shared = facts::codesign(&study, &simulate)?;
-    let common = Common {
+    let mut common = Common {
         setup,
         plant,
         study: Study::Chapter4,
         model: &grid,
-        numerical: facts::numerical(&study, &simulate)?,
-        best: Some(best),
+        numerical: Vec::new(),
+        best: None,
         budget,
         seeds: setup.campaigns.seeds,
         space,
+        kept,
     };
+    let rough = chapter4_on(setup, plant, 2.0 * setup.campaigns.coarser);
+    let mut shared = Vec::new();
+    if kept.is_none() {
+        shared = facts::codesign(&study, &simulate)?;
+        common.numerical = facts::numerical(&study, &simulate)?;
+        common.best = Some(Lattice::fly(&rough, STAND_IN, |_| {}).lowest().0.to_vec());
+    }
     let noise = |_: &[Readings]| Noise::OfCost(study.file.noise.share);
     let campaign = |read: &Read<'_>, seed: u64| {
         let (steps, measured) = loops::gradient_loop(&study, &simulate, read, seed)?;
@@ -151,7 +217,14 @@ fn of_chapter4(setup: &Setup, plant: &Plant) -> Result<Vec<InWorld>> {
     Ok(worlds)
 }
 
-fn of_chapter7(setup: &Setup, plant: &Plant, study: Study, case: usize, designs: &Designs) -> Result<Vec<InWorld>> {
+fn of_chapter7(
+    setup: &Setup,
+    plant: &Plant,
+    study: Study,
+    case: usize,
+    designs: &Designs,
+    kept: Option<&[Row]>,
+) -> Result<Vec<InWorld>> {
     let case = setup.chapter7.cases.get(case).context("chapter7.toml has too few cases")?;
     let variant = setup.chapter7.file.variant.first().context("no variant")?;
     let settings = setup.chapter7.settings(case, variant)?;
@@ -172,12 +245,14 @@ fn of_chapter7(setup: &Setup, plant: &Plant, study: Study, case: usize, designs:
         space: case.space.clone(),
         model,
         numerical: match &flown {
+            _ if kept.is_some() => Vec::new(),
             Some((model, _)) => lowest(model)?,
             None => lowest_of(&bat, case)?,
         },
         best: flown.as_ref().map(|(_, truth)| lowest(truth)).transpose()?,
         budget: [settings.n_experiments, settings.n_simulations, settings.max_batches],
         seeds: if study == Study::Four { setup.campaigns.seeds_of_four } else { setup.campaigns.seeds },
+        kept,
     };
     let share = setup.chapter7.file.noise.share;
     let range = flown.as_ref().map(|(_, truth)| truth.range());
@@ -189,7 +264,7 @@ fn of_chapter7(setup: &Setup, plant: &Plant, study: Study, case: usize, designs:
         Ok(Campaign { steps, measured: loops::measured_by(&campaign), global: Some(campaign) })
     };
     let mut worlds = common.all_worlds(&case.bat, 1, &settings.model, &noise, &campaign)?;
-    if study == Study::Two {
+    if study == Study::Two && kept.is_none() {
         worlds[0].facts.extend(facts::line_mass(setup, &case.bat, plant, &common.space.region().center()));
     }
     worlds[0].n_flights += bat.n_known(MODEL) + bat.n_known(STAND_IN);
@@ -230,6 +305,9 @@ impl Common<'_> {
             let seen = site.observe(&random);
             let noise = noise(&seen);
             let read = |seed: u64, experiments: &[(u64, Vec<f64>)]| site.read(seed, experiments, noise);
+            if self.kept.is_some() {
+                return self.pooled_in_world(&site, world, &read);
+            }
             self.in_world(&site, world, (&random, &seen), regressor, &read, campaign)
         };
         World::OF_CAMPAIGNS.into_iter().map(in_world).collect()
@@ -273,6 +351,16 @@ impl Common<'_> {
             facts.extend(pulls.into_iter().map(|(name, value)| self.fact(world, name, value)));
         }
         Ok(InWorld { rows, facts, n_flights: site.n_flights() })
+    }
+
+    /// Campaigns of the pooled loop alone; of those that fail nothing.
+    fn pooled_in_world(&self, site: &Site, world: World, read: &Read<'_>) -> Result<InWorld> {
+        let task = Task { space: &self.space, model: self.model, read, budget: self.budget };
+        let of_seed = |seed: u64| loops::pooled_loop(&task, seed).unwrap_or_default();
+        let steps: Vec<Step> = (1..=self.seeds).into_par_iter().flat_map_iter(of_seed).collect();
+        let points: Vec<Vec<f64>> = steps.iter().map(|step| step.point.clone()).collect();
+        let rows = steps.into_iter().zip(site.observe(&points)).map(|(step, readings)| self.row(world, step, readings));
+        Ok(InWorld { rows: rows.collect(), ..InWorld::default() })
     }
 
     fn fact(&self, world: World, name: &str, value: f64) -> Fact {
@@ -351,5 +439,53 @@ impl OfSeed {
                 eprintln!("{}, plant {}, seed {seed}: {error:#}", common.study.words(), common.plant.number);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::row::N_READINGS;
+    use super::*;
+
+    fn row(method: Method, seed: u64, step: usize, cost: f64) -> Row {
+        let readings: Readings = core::array::from_fn::<f64, N_READINGS, _>(|k| if k == 0 { cost } else { 0.0 });
+        let (study, world, point) = (Study::Two, World::Still, vec![cost, 1.0]);
+        let keeps_best = if method == Method::Dissertation { 1.0 } else { f64::NAN };
+        Row { study, world, method, seed, step, point, share: f64::NAN, spread: f64::NAN, keeps_best, readings }
+    }
+
+    fn words(rows: &[Row]) -> Vec<(Method, u64, usize, f64)> {
+        rows.iter().map(|row| (row.method, row.seed, row.step, row.cost())).collect()
+    }
+
+    #[test]
+    fn rows_of_the_pooled_loop_stand_where_they_stood() {
+        use Method::{Dissertation, Pooled, Process};
+        let kept = [
+            row(Dissertation, 1, 1, 2.0),
+            row(Pooled, 1, 1, 3.0),
+            row(Pooled, 1, 2, 2.5),
+            row(Process, 1, 9, 4.0),
+            row(Dissertation, 2, 1, 1.0),
+            row(Pooled, 2, 1, 3.5),
+        ];
+        let before: Vec<&Row> = kept.iter().collect();
+        let anew = [row(Pooled, 2, 1, 1.5), row(Pooled, 1, 1, 1.25)];
+        let found = merged(&before, &anew).expect("the best is as it was");
+        let expected = [
+            (Dissertation, 1, 1, 2.0),
+            (Pooled, 1, 1, 1.25),
+            (Process, 1, 9, 4.0),
+            (Dissertation, 2, 1, 1.0),
+            (Pooled, 2, 1, 1.5),
+        ];
+        assert_eq!(words(&found), expected);
+        // Another best, or a campaign that failed: the other loop has to be asked again.
+        assert!(merged(&before, &[row(Pooled, 1, 1, 0.5), row(Pooled, 2, 1, 2.0)]).is_none());
+        assert!(merged(&before, &anew[..1]).is_none());
+        assert!(merged(&before[..4], &anew).is_none());
+        // Where nobody drops cells the best may be any.
+        let free: Vec<&Row> = before.iter().copied().filter(|row| row.method != Dissertation).collect();
+        assert!(merged(&free, &[row(Pooled, 1, 1, 0.5), row(Pooled, 2, 1, 2.0)]).is_some());
     }
 }
