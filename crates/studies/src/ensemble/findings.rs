@@ -145,10 +145,6 @@ fn listed_studies(cases: &[Case<'_>], world: World) -> String {
     studies(cases, world).into_iter().map(Study::words).collect::<Vec<_>>().join("; ")
 }
 
-/// Which campaigns are not of today's program: the hour that they take was not had.
-const OLDER: &str = "Campaigns of the pooled loop over four parameters are those kept with revision `455246f`; since then runs that gain \
-                     next to nothing are made elsewhere from the second batch on, and two go around what is far better than all others.";
-
 /// How well campaigns end in moving water.
 fn ends(cases: &[Case<'_>]) -> Finding {
     let each = |method: Method| crate::words::listed(&medians(cases, World::Moving, method));
@@ -176,6 +172,5 @@ fn regrets(cases: &[Case<'_>], world: World) -> Finding {
         each("Optimum of the model", Method::Numerical),
         each("Center of the box", Method::Center),
         each("Random design", Method::Random),
-        OLDER.to_owned(),
     ])
 }
