@@ -41,7 +41,7 @@ fn refuses_what_a_constructor_refuses() {
     check_refused("[{", "[],\"other\":[{", "unknown field `other`");
     check_refused("\"unit\"", "\"units\"", "unknown field `units`");
     check_refused("\"unit\":\"deg\",", "", "missing field `unit`");
-    check_refused("}]", "},{\"name\":\"pitch\",\"unit\":\"\",\"lower\":0,\"upper\":1}]", "parameters 0 and 1");
+    check_refused("}]", "},{\"name\":\"pitch\",\"unit\":\"\",\"lower\":0,\"upper\":1}]", "parameters number 1 and 2");
     let start = GOOD.find('{').unwrap();
     check_refused(&GOOD[start..], "{\"parameters\":[]}", "at least one");
 }
