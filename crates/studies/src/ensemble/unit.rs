@@ -27,6 +27,14 @@ const STARTS: usize = 256;
 /// The scramble of the designs that nobody chose.
 const RANDOM: u32 = 0;
 
+/// Whose campaigns are run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Methods {
+    All,
+    /// Beside what is kept of the others.
+    PooledAlone,
+}
+
 /// A study on a plant with what all worlds share.
 struct Common<'a> {
     setup: &'a Setup,
@@ -41,8 +49,7 @@ struct Common<'a> {
     /// Experiments and simulations of a batch, and batches.
     budget: [usize; 3],
     seeds: u64,
-    /// What is kept of all methods, where the pooled loop alone is run anew.
-    kept: Option<&'a [Row]>,
+    methods: Methods,
 }
 
 /// What a campaign leaves: its steps, what it measured, and the loop itself where cells are dropped.
@@ -63,7 +70,7 @@ struct InWorld {
 /// Runs a study on a plant.
 pub(super) fn run(setup: &Setup, study: Study, plant: &Plant, designs: &Designs) -> Result<(Found, usize)> {
     let start = Instant::now();
-    let worlds = in_worlds(setup, study, plant, designs, None);
+    let worlds = in_worlds(setup, study, plant, designs, Methods::All);
     let mut found = Found::default();
     let mut n_flights = 0;
     for world in worlds? {
@@ -85,7 +92,7 @@ pub(super) fn run_pooled(
     kept: &Found,
 ) -> Result<Option<Found>> {
     let mut rows = Vec::with_capacity(kept.rows.len());
-    let worlds = in_worlds(setup, study, plant, designs, Some(&kept.rows))?;
+    let worlds = in_worlds(setup, study, plant, designs, Methods::PooledAlone)?;
     for (world, in_world) in World::OF_CAMPAIGNS.into_iter().zip(worlds) {
         // As they will be read again.
         let anew = in_world.rows.iter().map(|row| Row::read(&row.cells())).collect::<Result<Vec<Row>>>()?;
@@ -114,25 +121,22 @@ fn merged(before: &[&Row], anew: &[Row]) -> Option<Vec<Row>> {
             rows.extend(anew.iter().filter(|one| one.seed == row.seed).cloned());
         }
     }
-    let best = |rows: &mut dyn Iterator<Item = &Row>| {
-        let flown = rows.filter(|row| row.cost().is_finite());
-        flown.min_by(|a, b| a.cost().total_cmp(&b.cost())).map(|row| row.point.clone())
-    };
     let is_judged = before.iter().any(|row| !row.keeps_best.is_nan());
-    (!is_judged || best(&mut before.iter().copied()) == best(&mut rows.iter())).then_some(rows)
+    let [then, now] = [best(before.iter().copied()), best(&rows)].map(|best| best.map(|row| &row.point));
+    (!is_judged || then == now).then_some(rows)
 }
 
-fn in_worlds(
-    setup: &Setup,
-    study: Study,
-    plant: &Plant,
-    designs: &Designs,
-    kept: Option<&[Row]>,
-) -> Result<Vec<InWorld>> {
+/// The cheapest of the designs that flew.
+fn best<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Option<&'a Row> {
+    let flown = rows.into_iter().filter(|row| row.cost().is_finite());
+    flown.min_by(|a, b| a.cost().total_cmp(&b.cost()))
+}
+
+fn in_worlds(setup: &Setup, study: Study, plant: &Plant, designs: &Designs, methods: Methods) -> Result<Vec<InWorld>> {
     let worlds = match study {
-        Study::Chapter4 => of_chapter4(setup, plant, kept),
-        Study::Two => of_chapter7(setup, plant, Study::Two, 0, designs, kept),
-        Study::Four => of_chapter7(setup, plant, Study::Four, 1, designs, kept),
+        Study::Chapter4 => of_chapter4(setup, plant, methods),
+        Study::Two => of_chapter7(setup, plant, Study::Two, 0, designs, methods),
+        Study::Four => of_chapter7(setup, plant, Study::Four, 1, designs, methods),
         Study::Chapter3 | Study::Chapter6 => bail!("no campaign is judged in it"),
     };
     worlds.with_context(|| format!("{}, plant {}", study.words(), plant.number))
@@ -181,7 +185,7 @@ pub(super) fn choose_again(setup: &Setup, plant: &Plant, kept: &[Row]) -> Result
     Ok(())
 }
 
-fn of_chapter4(setup: &Setup, plant: &Plant, kept: Option<&[Row]>) -> Result<Vec<InWorld>> {
+fn of_chapter4(setup: &Setup, plant: &Plant, methods: Methods) -> Result<Vec<InWorld>> {
     let study = chapter4_on(setup, plant, setup.campaigns.coarser);
     let lattice = Lattice::fly(&study, MODEL, |_| {});
     let simulate = lattice.interpolant()?;
@@ -196,11 +200,11 @@ fn of_chapter4(setup: &Setup, plant: &Plant, kept: Option<&[Row]>) -> Result<Vec
         budget,
         seeds: setup.campaigns.seeds,
         space,
-        kept,
+        methods,
     };
     let rough = chapter4_on(setup, plant, 2.0 * setup.campaigns.coarser);
     let mut shared = Vec::new();
-    if kept.is_none() {
+    if methods == Methods::All {
         shared = facts::codesign(&study, &simulate)?;
         common.numerical = facts::numerical(&study, &simulate)?;
         common.best = Some(Lattice::fly(&rough, STAND_IN, |_| {}).lowest().0.to_vec());
@@ -223,7 +227,7 @@ fn of_chapter7(
     study: Study,
     case: usize,
     designs: &Designs,
-    kept: Option<&[Row]>,
+    methods: Methods,
 ) -> Result<Vec<InWorld>> {
     let case = setup.chapter7.cases.get(case).context("chapter7.toml has too few cases")?;
     let variant = setup.chapter7.file.variant.first().context("no variant")?;
@@ -245,14 +249,14 @@ fn of_chapter7(
         space: case.space.clone(),
         model,
         numerical: match &flown {
-            _ if kept.is_some() => Vec::new(),
+            _ if methods == Methods::PooledAlone => Vec::new(),
             Some((model, _)) => lowest(model)?,
             None => lowest_of(&bat, case)?,
         },
         best: flown.as_ref().map(|(_, truth)| lowest(truth)).transpose()?,
         budget: [settings.n_experiments, settings.n_simulations, settings.max_batches],
         seeds: if study == Study::Four { setup.campaigns.seeds_of_four } else { setup.campaigns.seeds },
-        kept,
+        methods,
     };
     let share = setup.chapter7.file.noise.share;
     let range = flown.as_ref().map(|(_, truth)| truth.range());
@@ -264,7 +268,7 @@ fn of_chapter7(
         Ok(Campaign { steps, measured: loops::measured_by(&campaign), global: Some(campaign) })
     };
     let mut worlds = common.all_worlds(&case.bat, 1, &settings.model, &noise, &campaign)?;
-    if study == Study::Two && kept.is_none() {
+    if study == Study::Two && methods == Methods::All {
         worlds[0].facts.extend(facts::line_mass(setup, &case.bat, plant, &common.space.region().center()));
     }
     worlds[0].n_flights += bat.n_known(MODEL) + bat.n_known(STAND_IN);
@@ -305,7 +309,7 @@ impl Common<'_> {
             let seen = site.observe(&random);
             let noise = noise(&seen);
             let read = |seed: u64, experiments: &[(u64, Vec<f64>)]| site.read(seed, experiments, noise);
-            if self.kept.is_some() {
+            if self.methods == Methods::PooledAlone {
                 return self.pooled_in_world(&site, world, &read);
             }
             self.in_world(&site, world, (&random, &seen), regressor, &read, campaign)
@@ -374,8 +378,7 @@ impl Common<'_> {
 
     /// Whether the best design known is still there after each step.
     fn note_kept(&self, rows: &mut [Row], campaigns: &[OfSeed]) -> Result<()> {
-        let flown = rows.iter().filter(|row| row.cost().is_finite());
-        let Some(best) = flown.min_by(|a, b| a.cost().total_cmp(&b.cost())) else { return Ok(()) };
+        let Some(best) = best(rows.iter()) else { return Ok(()) };
         let best = self.space.nearest(&best.point)?;
         for row in rows.iter_mut().filter(|row| row.method == Method::Dissertation) {
             let campaign = campaigns.get(row.seed as usize - 1).and_then(|one| one.global.as_ref());
