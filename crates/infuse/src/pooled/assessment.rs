@@ -139,6 +139,9 @@ pub struct Assessment {
     pub simulation: Option<SimulationWorth>,
     /// Readings that contradict the recommendation.
     pub contradiction: Option<Contradiction>,
+    /// The best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides yet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub find: Option<Cell>,
     /// Readings more than four standard deviations off, and those that are set aside.
     pub outliers: Vec<Outlier>,
     /// [Further batches](Forecast::further_batches) until the certificate is expected to be as small as the campaign's `worth`,
@@ -185,8 +188,12 @@ impl Look {
         let (constrained, set_aside, readings) = (&readings.constrained, &readings.set_aside, &readings.kept[..]);
         let open = outliers(knowledge, readings, settings)?;
         let again = to_run_again(readings, &open, knowledge.process.noise());
-        let may_be_recommended = |cell| knowledge.designs.allows(cell) && keeps(knowledge, constrained, cell);
-        let finds = Finds::of(readings, &open, settings, may_be_recommended);
+        let tried: BTreeSet<Cell> = readings.iter().map(|reading| reading.cell).collect();
+        let may_be_recommended = |cell: &Cell| knowledge.designs.allows(*cell) && keeps(knowledge, constrained, *cell);
+        let eligible: BTreeSet<Cell> = tried.iter().copied().filter(may_be_recommended).collect();
+        let mut rng = stream(settings.seed, Purpose::Finds, batch);
+        let finds = Finds::of(readings, &open, settings, |cell| eligible.contains(&cell));
+        let finds = finds.with_pockets(knowledge, settings, |cell| eligible.contains(&cell), &mut rng)?;
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
         let cell = lowest_mean(knowledge, &pool, settings.seed, batch)?;
         let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
@@ -195,7 +202,7 @@ impl Look {
         let designs = knowledge.designs;
         let evidence = Evidence {
             n_readings: readings.len(),
-            n_tried: readings.iter().map(|reading| reading.cell).collect::<BTreeSet<_>>().len(),
+            n_tried: tried.len(),
             n_even,
             ignored: knowledge.ignored(),
             n_designs: designs.n_allowed(),
@@ -208,7 +215,8 @@ impl Look {
         let mut rng = stream(settings.seed, Purpose::Finds, batch);
         let contradiction = contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?;
         let measured = contradiction.as_ref().and_then(|one| one.standing.measured).unwrap_or(recommended.mean);
-        let found = finds.may_reach(knowledge, settings, recommended.mean, &mut rng)?.max(recommended.mean - measured);
+        let find = finds.open(knowledge, settings, recommended.mean, &mut rng)?;
+        let found = find.map_or(0.0, |open| open.reach).max(recommended.mean - measured);
         let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?.beside(found);
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
@@ -226,6 +234,7 @@ impl Look {
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
             contradiction,
+            find: find.map(|open| open.find),
             outliers: set_aside.iter().copied().chain(open).collect(),
             recommended,
             further_batches: settings.worth.map(|worth| forecast.further_batches(worth).max(u64::from(is_early))),

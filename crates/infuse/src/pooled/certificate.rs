@@ -142,7 +142,7 @@ impl Trust {
 /// between all of them, it allows for by doubting the simulation and by widening what the surface says of itself, the less the
 /// more readings there are. Readings that crowd count for fewer, without a simulation for as many evenly spread ones as would leave
 /// the box as far from any. Until twenty designs a parameter were run, beside a simulation that is of use seventeen, up to twice what the
-/// readings differ by is held in reserve, whatever the surface says; and where a run was far better than all others say, until it was
+/// readings differ by is held in reserve, whatever the surface says; and where a run was far better than runs elsewhere say, until it was
 /// looked around on all sides, a well twice as deep as was seen, or as deep as half of what they differ by; unless the response is
 /// [known](crate::pooled::Settings::smooth) to have no narrow well. It is never less than what a measured design is better by that
 /// [contradicts](crate::pooled::Assessment::contradiction) the recommendation.

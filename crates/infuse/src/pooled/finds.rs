@@ -1,4 +1,4 @@
-//! Finds: designs that were measured to be far better than all others say, as a narrow well would show itself that nobody knew of.
+//! Finds: designs that were measured to be far better than runs elsewhere say, as a narrow well would show itself that nobody knew of.
 
 use std::collections::BTreeSet;
 
@@ -19,7 +19,7 @@ const ONE_IN: usize = 4;
 /// Coded, of a width of two. Runs around a find are made within so much, and no nearer than half of it.
 const AROUND: f64 = 0.25;
 /// An ordinary run within so much shows what lies on its side of a find.
-const SHOWN: f64 = 0.3;
+pub(super) const SHOWN: f64 = 0.3;
 /// Of what the readings differ by, how deep a well may be of which no more than the rim was met.
 const RIM: f64 = 0.5;
 /// Cells that are thought of.
@@ -29,8 +29,18 @@ const DRAWN: usize = 300;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Finds {
     /// The best first.
-    cells: Vec<Cell>,
-    runs: Vec<Reading>,
+    pub(super) cells: Vec<Cell>,
+    /// Those of them to which runs near by are similar.
+    pub(super) pockets: BTreeSet<Cell>,
+    pub(super) runs: Vec<Reading>,
+}
+
+/// What a find may hide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Open {
+    pub(crate) find: Cell,
+    /// How far below a mean the well may reach of which it is a part.
+    pub(crate) reach: f64,
 }
 
 impl Finds {
@@ -49,10 +59,16 @@ impl Finds {
             true => BTreeSet::new(),
             false => readings.iter().filter(better).map(|reading| reading.cell).collect(),
         };
-        let mut cells: Vec<Cell> = cells.into_iter().filter(|&cell| may_be_recommended(cell)).collect();
-        let runs = readings.to_vec();
-        cells.sort_by(|&a, &b| mean_at(&runs, a).total_cmp(&mean_at(&runs, b)));
-        Self { cells, runs }
+        let cells = cells.into_iter().filter(|&cell| may_be_recommended(cell)).collect();
+        let mut finds = Self { cells, pockets: BTreeSet::new(), runs: readings.to_vec() };
+        finds.sort();
+        finds
+    }
+
+    /// The best first.
+    pub(super) fn sort(&mut self) {
+        let runs = &self.runs;
+        self.cells.sort_by(|&a, &b| mean_at(runs, a).total_cmp(&mean_at(runs, b)));
     }
 
     /// The best of them that has sides of which nothing is known, and where to look there.
@@ -73,7 +89,7 @@ impl Finds {
     }
 
     /// Where to look around one of them: designs near to it, each on a side where no ordinary run is, nor another of them.
-    fn around_one(
+    pub(super) fn around_one(
         &self,
         find: Cell,
         designs: &Designs,
@@ -162,23 +178,28 @@ impl Finds {
         Ok(())
     }
 
-    /// How far below this mean the well may reach of which one of them is a part: twice as deep as it was seen to be, or as deep as half
-    /// of what the readings differ by, as it may have been met at its rim. Zero where there is none that was not looked around.
-    pub(crate) fn may_reach(
+    /// The best of them that was not looked around, and how far below this mean the well may reach of which it is a part: twice as deep
+    /// as it was seen to be, or as deep as half of what the readings differ by, as it may have been met at its rim.
+    pub(crate) fn open(
         &self,
         knowledge: &mut Knowledge<'_, '_>,
         settings: &Settings,
         mean: f64,
         rng: &mut ChaCha8Rng,
-    ) -> Result<f64, Error> {
+    ) -> Result<Option<Open>, Error> {
         let open = self.around(knowledge.designs, &[], 1, rng)?;
         let find = open.and_then(|(find, _)| self.runs.iter().find(|run| run.cell == find));
-        let Some(find) = find else { return Ok(0.0) };
+        let Some(find) = find else { return Ok(None) };
         let found = mean_at(&self.runs, find.cell);
-        let is_found = |run: &Reading| self.cells.contains(&run.cell);
-        let expected = knowledge.seen_from(&self.runs, is_found, find, settings)?.mean;
+        let expected = match self.pockets.contains(&find.cell) {
+            true => self.from_elsewhere(knowledge, settings, find)?.mean,
+            false => {
+                let is_found = |run: &Reading| self.cells.contains(&run.cell);
+                knowledge.seen_from(&self.runs, is_found, find, settings)?.mean
+            }
+        };
         let depth = (expected - found).max(RIM * Reading::range(&self.runs));
-        Ok((mean - (found - depth)).max(0.0))
+        Ok(Some(Open { find: find.cell, reach: (mean - (found - depth)).max(0.0) }))
     }
 }
 
@@ -194,7 +215,7 @@ fn cosine(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// What was measured at a cell.
-fn mean_at(readings: &[Reading], cell: Cell) -> f64 {
+pub(super) fn mean_at(readings: &[Reading], cell: Cell) -> f64 {
     let here = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response);
     here.clone().sum::<f64>() / here.count() as f64
 }
@@ -341,7 +362,8 @@ mod tests {
         let reach = |scene: &mut Scene, deviations: f64, mean: f64| {
             let (found, settings) = (finds(scene, &[(11, deviations)]), scene.settings.clone());
             let mut rng = stream(1, Purpose::Finds, 1);
-            found.may_reach(&mut scene.knowledge(None), &settings, mean, &mut rng).unwrap()
+            let open = found.open(&mut scene.knowledge(None), &settings, mean, &mut rng).unwrap();
+            open.map_or(0.0, |open| open.reach)
         };
         for (below, mean, expected) in
             [(1.5, 0.0, 2.39), (1.5, -2.0, 0.39), (1.5, -3.0, 0.0), (0.05, 0.0, 0.44), (0.05, 0.2, 0.64)]

@@ -12,8 +12,9 @@
 //!    six is for the one who does not believe the simulation, so that a simulation that misleads is found out sooner; without a
 //!    simulation one in four goes to where most of the box is far from any run, so that a well is found that no surface expects, and
 //!    beside a simulation as many of these as it is likely to be of no use. What would gain next to nothing goes there, too.
-//!    A reading that is far from all others is run again first, and set aside if that run says otherwise; if it is far better, two
-//!    runs of the batch are made around it, and the certificate holds something for what they may find.
+//!    A reading that is far from all others is run again first, and set aside if that run says otherwise; if it is far better, up
+//!    to a quarter of the batch is made around it, and the certificate holds something for what these runs may find. So it is with a
+//!    few runs near to each other that are all far better than runs elsewhere say.
 //!
 //! While there are fewer readings than it takes to tell a plane from its noise, a batch is spread, two thirds over the
 //! box and a third over what the simulation likes. Nothing is dropped for good, and all of it follows from readings, simulations,
@@ -63,6 +64,7 @@ mod measurements;
 mod outcomes;
 mod outliers;
 mod plants;
+mod pockets;
 mod pool;
 mod readings;
 mod reason;

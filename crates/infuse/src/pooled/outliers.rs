@@ -35,7 +35,7 @@ pub(crate) struct Readings {
 const STRIKING: f64 = 4.0;
 /// One reading that is far off can make all seem noisy. Suspects are compared with a surface through the others alone, and are
 /// outliers beyond so many standard deviations of that.
-const STRIKING_TO_OTHERS: f64 = 8.0;
+pub(super) const STRIKING_TO_OTHERS: f64 = 8.0;
 /// Suspects are, among so many readings, the one that fits worst, from so many standard deviations on, and the most extreme one,
 /// from so many times the usual distance to the median on; and those that differ from others of their settings by so many
 /// standard deviations of the noise, at most so many.

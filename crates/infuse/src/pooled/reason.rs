@@ -17,7 +17,7 @@ pub enum Reason {
     Coverage,
     /// What was measured there is far from what all others say.
     Again,
-    /// What was measured near it is far better than all others say.
+    /// What was measured near it is far better than runs elsewhere say.
     Around,
 }
 

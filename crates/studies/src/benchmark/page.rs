@@ -536,6 +536,9 @@ fn tuned_on(tuned: &[&Family], n_others: usize) -> Finding {
          `lacking-2` and `lacking-3` to 215, and all families, 216 to 221. How far what is drawn is widened: all families, 216 to 221, \
          after 1 to 20 had shown that it was too wide with four parameters."
             .to_owned(),
+        "That the best of a few runs that agree is looked around, too: `pit-2` and `pit-3`, seeds 201 to 240, and all families but those of \
+         six parameters, 216 to 220."
+            .to_owned(),
         "No peer was tuned, but that SMT is used in the best of three ways on ten campaigns.".to_owned(),
     ];
     let head = Finding::new(format!("Tuned on {}:", names(tuned)));
