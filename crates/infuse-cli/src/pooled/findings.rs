@@ -264,10 +264,16 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
                  at {enough} designs run ({n} so far, a repeat counting half), or by `smooth` in [stop] if there surely is none."
             )
         }
-        None if forecast.is_for_a_find() => format!(
-            "The surface alone would say {alone}; the rest is held for a narrow well of which only a part may have been found: a design \
-             was measured to be far better than all others say. The next batch looks around it."
-        ),
+        None if forecast.is_for_a_find() => match &found.find {
+            Some(find) => format!(
+                "The surface alone would say {alone}; the rest is held for a narrow well of which only a part may have been found: far \
+                 better than runs elsewhere say was {}. The next batch looks around it.",
+                campaign.problem.describe(find)
+            ),
+            None => format!(
+                "The surface alone would say {alone}; the rest is what a measured design is better by that contradicts the recommendation."
+            ),
+        },
         None => format!("The surface alone would say {alone}; the rest is held for {few}."),
     };
     let finding = Finding::new(sentence).with("the surface alone", quantile, &response.unit);

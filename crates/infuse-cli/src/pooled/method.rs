@@ -171,6 +171,7 @@ impl campaign::Campaign for Campaign {
             "designs_without_reserve": found.forecast.reserves_until(),
             "designs_counted": found.forecast.n_counted(),
             "held_for_a_find": found.forecast.is_for_a_find(),
+            "find": found.find.as_ref().map(|point| problem.named(point)),
             "left_share": found.left,
             "unseen_share": found.unseen,
             "noise": json!({ "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats, "is_exact": found.is_exact }),

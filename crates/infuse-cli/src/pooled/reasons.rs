@@ -11,7 +11,7 @@ pub(super) fn reasons(of_each: &[Reason], has_simulation: bool) -> Finding {
     };
     let all: [(Reason, &str, &str); 6] = [
         (Reason::Again, "for again", "again where what was measured is far from what all others say"),
-        (Reason::Around, "for around", "around a design that was measured to be far better than all others say"),
+        (Reason::Around, "for around", "around a design that was measured to be far better than runs elsewhere say"),
         (
             Reason::Gain,
             "for gain",

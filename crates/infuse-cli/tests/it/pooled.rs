@@ -619,3 +619,30 @@ fn status_says_where_runs_gave_no_value() {
     assert!(said.contains(&expected), "{expected}\n{said}");
     assert!(!of(|_, _| false).0.contains("No value from"));
 }
+
+/// A pit that the simulation does not have, and two runs of it that agree: the bottom was seen by none.
+#[test]
+fn what_runs_elsewhere_do_not_expect_is_said_with_its_settings_and_looked_around() {
+    let bowl = |a: f64, b: f64| 100.0 + 2.0 * (a - 3.0).powi(2) + 0.5 * (b - 4.0).powi(2);
+    let rig = rig_of(bowl, "noise = 0\n");
+    let in_pit = |a: f64, b: f64| (a - 6.0).abs() < 1.5 && (b - 10.5).abs() < 1.2;
+    let measured = |a: f64, b: f64| bowl(a, b) - if in_pit(a, b) { 40.0 } else { 0.0 };
+    let at = |index: u32| (f64::from(2 * (index / 8)), f64::from(2 * (index % 8)));
+    let rows = (0..40).map(at).chain([(6.0, 11.0)]);
+    let rows: String = rows.map(|(a, b)| format!("{a},{b},{}\n", measured(a, b))).collect();
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N]\n{rows}"));
+    rig.infuse(&["import", "old.csv", "--source", "notebook 3"]).ok();
+    let (text, status) = (rig.infuse(&["status"]).ok(), rig.status());
+    assert_eq!(status["find"], json!({ "a": 6.0, "b": 10.0 }), "{text}");
+    assert_eq!(status["held_for_a_find"], json!(true));
+    assert!(
+        text.contains("far better than runs elsewhere say was a 6 mm, b 10 mm. The next batch looks around it."),
+        "{text}"
+    );
+    let asked = rig.infuse(&["ask"]).ok();
+    assert!(asked.contains("around a design that was measured to be far better than runs elsewhere say"), "{asked}");
+    rig.edit("noise = 0", "noise = 0\n[stop]\nsmooth = true");
+    let (text, status) = (rig.infuse(&["status"]).ok(), rig.status());
+    assert_eq!((&status["find"], &status["held_for_a_find"]), (&Value::Null, &json!(false)), "{text}");
+    assert!(!text.contains("looks around"), "{text}");
+}

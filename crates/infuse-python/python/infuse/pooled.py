@@ -218,6 +218,8 @@ class Assessment:
     """Number of designs that may still be the best, where all were looked at: of many, `left` is told from a sample."""
     needed: Optional[int] = None
     """Readings that it takes before the certificate says anything, while there are fewer."""
+    find: Optional[Settings] = None
+    """The best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides yet."""
 
 
 def _of(kind: Type[T], entry: Dict[str, Any], **others: Any) -> T:
@@ -663,6 +665,7 @@ class PooledLoop:
             simulation=worth and _of(SimulationWorth, worth),
             contradiction=against,
             outliers=[_of(Outlier, outlier) for outlier in found["outliers"]],
+            find=named(self._names, found["find"]) if "find" in found else None,
         )
 
     def _standing(self, entry: Dict[str, Any]) -> Standing:

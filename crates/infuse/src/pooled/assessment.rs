@@ -139,9 +139,10 @@ pub struct Assessment {
     pub simulation: Option<SimulationWorth>,
     /// Readings that contradict the recommendation.
     pub contradiction: Option<Contradiction>,
-    /// The best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides yet.
+    /// Settings of the best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides
+    /// yet; natural.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub find: Option<Cell>,
+    pub find: Option<Vec<f64>>,
     /// Readings more than four standard deviations off, and those that are set aside.
     pub outliers: Vec<Outlier>,
     /// [Further batches](Forecast::further_batches) until the certificate is expected to be as small as the campaign's `worth`,
@@ -234,7 +235,7 @@ impl Look {
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
             contradiction,
-            find: find.map(|open| open.find),
+            find: find.map(|open| designs.grid().point(open.find)).transpose()?,
             outliers: set_aside.iter().copied().chain(open).collect(),
             recommended,
             further_batches: settings.worth.map(|worth| forecast.further_batches(worth).max(u64::from(is_early))),
