@@ -218,6 +218,9 @@ pub(crate) struct Tell {
     /// Replace the results known of the same experiments, as long as no later batch rests on them
     #[arg(long)]
     pub(crate) correct: bool,
+    /// With --id and --correct: which of several runs of the experiment to replace, 1 for the first
+    #[arg(long, value_name = "NUMBER", value_parser = count::<usize>, allow_negative_numbers = true)]
+    pub(crate) run: Option<usize>,
 }
 
 impl Tell {
@@ -234,6 +237,11 @@ impl Tell {
                 self.note.is_some(),
             ),
         ];
+        if self.run.is_some() && (self.id.is_none() || !self.correct) {
+            return Some(
+                "--run needs --id and --correct beside it: it says which of several runs of an experiment to replace",
+            );
+        }
         match (&self.sheet, self.id) {
             (_, None) if let Some((fault, _)) = of_one.iter().find(|(_, is_set)| *is_set) => Some(fault),
             (None, None) => Some("nothing to take, expected a sheet, or --id with --value or --failed"),

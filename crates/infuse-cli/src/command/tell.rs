@@ -16,7 +16,7 @@ use crate::echo::echo;
 use crate::findings::{ended, outstanding, taken};
 use crate::folder;
 use crate::journal::{Event, Measured, Told, Writer, now};
-use crate::number::plain;
+use crate::number::{count, plain};
 use crate::problem::Problem;
 use crate::sheet::{Answer, Fault, answers, none_of};
 use crate::shell::infuse;
@@ -123,19 +123,35 @@ fn single(tell: &Tell, campaign: &dyn Campaign) -> Result<Answer> {
         !tell.again || campaign.experiments().readings.get(&id).is_some_and(|reading| reading.first.is_some()),
         "--again: experiment {id} has no result yet, expected one more run of an experiment that was told"
     );
-    // Said on the command line, one more run is one more run, whatever it gave.
-    let n_repeats = campaign
-        .experiments()
-        .readings
-        .get(&id)
-        .and_then(|reading| reading.again.keys().next_back().copied())
-        .unwrap_or(0);
-    let repeat = if tell.again { n_repeats + 1 } else { 0 };
+    let reading = campaign.experiments().readings.get(&id);
+    let repeat = match reading {
+        // Said on the command line, one more run is one more run, whatever it gave.
+        Some(reading) if tell.again => reading.again.keys().next_back().copied().unwrap_or(0) + 1,
+        Some(reading) if tell.correct => run_to_correct(tell, campaign, id, reading)?,
+        _ => 0,
+    };
+    ensure!(repeat == 0 || actual.is_empty(), "--actual is of the first run alone; import a run at other settings");
     let constrained = match &tell.constrained {
         Some(text) => constrained(text, problem).context("--constrained")?,
         None => BTreeMap::new(),
     };
     Ok(Answer { id, result, constrained, actual, repeat, note: tell.note.clone().unwrap_or_default(), row: 0 })
+}
+
+/// The repeat that is meant, 0 for the first run: of several it has to be said which.
+fn run_to_correct(tell: &Tell, campaign: &dyn Campaign, id: u64, reading: &Reading) -> Result<usize> {
+    let repeats: Vec<usize> = std::iter::once(0).chain(reading.again.keys().copied()).collect();
+    let results = repeats.iter().filter_map(|&repeat| reading.result(repeat));
+    let results: Vec<String> = results.map(|result| result_in_words(campaign, result)).collect();
+    let had = format!("experiment {id} had {}: {}", count(repeats.len(), "run"), results.join("; "));
+    match tell.run {
+        Some(run) => {
+            let known = repeats.get(run - 1).copied();
+            known.with_context(|| format!("--run is {run}, but {had}; expected at most {}", repeats.len()))
+        }
+        None if repeats.len() == 1 => Ok(0),
+        None => bail!("{had}; expected --run beside --correct, 1 for the first of them"),
+    }
 }
 
 /// "travel=11.2,force=300", by the names of constraints.

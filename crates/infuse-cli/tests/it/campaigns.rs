@@ -177,6 +177,17 @@ fn further_runs_are_put_right_and_never_lost() {
             .error()
             .contains("expected one of them")
     );
+    // Of several runs it has to be said which is put right.
+    let error = rig.infuse(&["tell", "--id", "3", "--value", "8", "--correct"]).error();
+    assert!(error.contains("had 5 runs: 9 mm/s; 9.9 mm/s; 9.2 mm/s; 9 mm/s; 9 mm/s; expected --run"), "{error}");
+    let error = rig.infuse(&["tell", "--id", "3", "--value", "8", "--correct", "--run", "6"]).error();
+    assert!(error.contains("--run is 6") && error.contains("expected at most 5"), "{error}");
+    assert!(rig.infuse(&["tell", "--id", "3", "--value", "8", "--run", "2"]).error().contains("--correct beside it"));
+    for (run, value, sum) in [("2", "10", 46.2), ("1", "8", 45.2), ("5", "7", 43.2)] {
+        rig.infuse(&["tell", "--id", "3", "--value", value, "--correct", "--run", run]).ok();
+        let mean = rig.status()["best_measured"]["value"].as_f64().unwrap();
+        assert!((mean - sum / 5.0).abs() < 1e-12, "{mean} after run {run}");
+    }
 }
 
 #[test]
