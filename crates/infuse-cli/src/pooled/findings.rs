@@ -338,7 +338,11 @@ fn worth_in_words(worth: SimulationWorth) -> String {
     let (is_little, is_left_out) = (explained < EXPLAINS_LITTLE, ignored >= IGNORED);
     let half = NINE_IN_TEN * factor_deviation;
     if is_little {
-        sentence.push_str(": it is of little use");
+        // What is left in y − s may be simpler than y, though s and y do not go together.
+        sentence.push_str(match is_left_out {
+            true => ": it is of little use",
+            false => ": little by itself, but what it is off by is easier to learn than the response",
+        });
     }
     match (is_little, is_left_out) {
         (true, true) => sentence.push_str(", and is mostly left out"),
@@ -574,7 +578,10 @@ mod tests {
             assert_eq!(inverted(ignored, factor, deviation).ends_with(wrong_way), is_said, "{factor}, {deviation}");
         }
         assert!(said(0.05, 0.95).ends_with("measured: it is of little use, and is mostly left out."));
-        assert!(said(0.05, 0.2).ends_with("of little use; differences that it predicts are taken as they are."));
+        assert!(said(0.05, 0.2).ends_with(
+            "measured: little by itself, but what it is off by is easier to learn than the response; differences that it predicts are \
+             taken as they are."
+        ));
         assert!(said(0.81, 0.2).ends_with("measured; differences that it predicts are taken as they are."));
     }
 
