@@ -238,6 +238,8 @@ fn risen(campaign: &Campaign, now: &Certificate) -> Option<Finding> {
     })
 }
 
+/// From this share of what runs of a plant share on it is said that it may be the plants' own.
+const MUCH_IS_OWN: f64 = 0.3;
 /// From this share of the bound on it is said that it is not the surface's.
 const MUCH_IS_HELD: f64 = 0.2;
 
@@ -376,6 +378,11 @@ fn as_they_are(factor: f64) -> String {
     if (factor - 1.0).abs() < TAKEN_AS_GIVEN { "as they are".to_owned() } else { format!("{} times", short(factor)) }
 }
 
+/// "once", "7 times".
+fn times(n: usize) -> String {
+    if n == 1 { "once".to_owned() } else { format!("{n} times") }
+}
+
 fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
     let unit = &campaign.problem.response.unit;
     let deviation = amount(&campaign.problem.response, found.noise);
@@ -443,6 +450,18 @@ fn plants(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
             amount(response, shared)
         );
         finding = finding.detail(Finding::new(sentence).with("shared error", shared, &response.unit));
+        let (own, n_again) = (found.own.unwrap_or(0.0), found.n_again.unwrap_or(0));
+        if own > MUCH_IS_OWN * shared {
+            let why = match n_again {
+                0 => "no plant was put together a second time, which alone would tell".to_owned(),
+                _ => format!("plants were put together again {}, and differed by less", times(n_again)),
+            };
+            let sentence = format!(
+                "As much as {} of that may be the plants' own, and no error: {why}. The bound allows for it.",
+                amount(response, own)
+            );
+            finding = finding.detail(Finding::new(sentence).with("the plants' own", own, &response.unit));
+        }
     }
     Some(finding)
 }

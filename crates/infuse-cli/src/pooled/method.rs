@@ -178,6 +178,7 @@ impl campaign::Campaign for Campaign {
             "constraints": as_json(self, &found.recommended.constrained),
             "spent": self.spent_until(self.batches.len()).map(|(cost, plants)| json!({ "cost": cost, "plants": plants })),
             "shared_error_of_a_plant": found.assembly,
+            "own_of_a_plant": found.own,
             "keeps_to_the_constraints": found.recommended.suffices,
             "simulation": found.simulation,
             "simulation_alone": simulation_alone.map(|point| problem.named(&point)),

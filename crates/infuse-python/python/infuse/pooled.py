@@ -212,6 +212,10 @@ class Assessment:
     """Batches until the certificate is expected to be as small as `worth`."""
     assembly: Optional[float] = None
     """Standard deviation of the error that all runs of a plant share, where plants are told apart."""
+    own: Optional[float] = None
+    """As much of that may be the plants' own, and no error: what plants that were put together again do not differ by."""
+    n_again: Optional[int] = None
+    """How often a plant was put together again."""
     is_exact: bool = False
     """Whether readings are taken to have no noise, because that was said or because repeats do not differ at all."""
     n_left: Optional[int] = None

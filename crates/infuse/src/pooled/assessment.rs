@@ -21,6 +21,7 @@ use crate::pooled::pool::Pool;
 use crate::pooled::reason::{Pick, Reason};
 use crate::pooled::recommendation::lowest_mean;
 use crate::pooled::settings::Settings;
+use crate::pooled::shared::Shared;
 use crate::pooled::streams::{Purpose, stream};
 
 /// What is known of one design.
@@ -121,6 +122,12 @@ pub struct Assessment {
     /// Standard deviation of the error that all runs of an assembly share, where plants are told apart.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub assembly: Option<f64>,
+    /// As much of that may be the plants' own, a part of the response: what plants that were put together again do not differ by.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub own: Option<f64>,
+    /// Assemblies beyond the first of their plant, which alone tell one from the other.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n_again: Option<usize>,
     /// Degrees of freedom of the repeats, which alone measure the noise: readings beyond one per setting.
     pub n_repeats: usize,
     /// Whether readings are taken to have no noise, because that was said or because repeats do not differ at all.
@@ -213,12 +220,22 @@ impl Look {
         };
         let never_run = evidence.never_run();
         let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
+        let shared =
+            settings.plants.as_ref().map(|plants| Ok::<_, Error>((plants, Shared::of(knowledge, readings, plants)?)));
+        let shared = shared.transpose()?;
+        let of_plants = shared.map_or(0.0, |(plants, shared)| {
+            let n_plants = plants.n_plants(designs);
+            shared.best_of(n_plants, settings.confidence)
+        });
+        let error_of_a_reading = shared.map_or(0.0, |(_, shared)| shared.error_of_a_reading());
         let mut rng = stream(settings.seed, Purpose::Finds, batch);
-        let contradiction = contradiction(knowledge, readings, constrained, &recommended, settings.confidence)?;
+        let contradiction =
+            contradiction(knowledge, readings, constrained, &recommended, error_of_a_reading, settings.confidence)?;
         let measured = contradiction.as_ref().and_then(|one| one.standing.measured).unwrap_or(recommended.mean);
         let find = finds.open(knowledge, settings, recommended.mean, &mut rng)?;
         let found = find.map_or(0.0, |open| open.reach).max(recommended.mean - measured);
-        let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?.beside(found);
+        let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?;
+        let draws = draws.beside(found).with_plants(of_plants);
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
@@ -226,6 +243,8 @@ impl Look {
         let assessment = Assessment {
             noise: knowledge.process.noise(),
             assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
+            own: shared.map(|(_, shared)| shared.own.sqrt()),
+            n_again: shared.map(|(_, shared)| shared.n_again),
             n_repeats: knowledge.process.sites().n_repeats(),
             is_exact: settings.noise.is_some_and(|noise| noise <= 0.0),
             left,
@@ -435,9 +454,10 @@ fn contradiction(
     readings: &[Reading],
     constrained: &[Vec<Reading>],
     recommended: &Standing,
+    shared: f64,
     confidence: f64,
 ) -> Result<Option<Contradiction>, Error> {
-    let (noise, shared) = (knowledge.process.noise(), knowledge.process.assembly_deviation().powi(2));
+    let noise = knowledge.process.noise();
     if let Some(measured) = recommended.measured {
         let error = (noise * noise / recommended.n_readings as f64 + shared + recommended.deviation.powi(2)).sqrt();
         let deviations = (measured - recommended.mean) / error;
@@ -530,13 +550,13 @@ mod tests {
         for deviation in [0.0, 1.0] {
             let one = standing(&mut knowledge, &readings, &[], recommended, recommended, 0.9).unwrap();
             let one = Standing { mean: 50.0, deviation, ..one };
-            let found = contradiction(&mut knowledge, &readings, &[], &one, 0.9).unwrap().unwrap();
+            let found = contradiction(&mut knowledge, &readings, &[], &one, assembly * assembly, 0.9).unwrap().unwrap();
             let error = (0.5_f64.sqrt() * noise).hypot(assembly).hypot(deviation);
             assert_eq!(found.standing.cell, low, "two readings of 0.55 in the mean");
             assert!((found.deviations * error - 49.45).abs() < 1e-9, "{} of {error}", found.deviations);
             // Its own readings come first: four of them, 10 worse than is expected.
             let own = Standing { measured: Some(60.0), n_readings: 4, ..one };
-            let found = contradiction(&mut knowledge, &readings, &[], &own, 0.9).unwrap().unwrap();
+            let found = contradiction(&mut knowledge, &readings, &[], &own, assembly * assembly, 0.9).unwrap().unwrap();
             let error = (0.5 * noise).hypot(assembly).hypot(deviation);
             assert_eq!(found.standing.cell, recommended);
             assert!((found.deviations * error - 10.0).abs() < 1e-9, "{} of {error}", found.deviations);

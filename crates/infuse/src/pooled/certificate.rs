@@ -261,6 +261,8 @@ pub(crate) struct Draws {
     spread: f64,
     /// How much better a well may be of which a part was found.
     found: f64,
+    /// How much better a plant may be by what the surface takes for an error, and no plant that was put together again shows to be one.
+    of_plants: f64,
 }
 
 impl Draws {
@@ -306,12 +308,18 @@ impl Draws {
             trust,
             spread: Reading::range(readings),
             found: 0.0,
+            of_plants: 0.0,
         })
     }
 
     /// The same where a part was found of a well that may be so much better.
     pub(crate) fn beside(self, found: f64) -> Self {
         Self { found, ..self }
+    }
+
+    /// The same where a plant may be so much better by its own.
+    pub(crate) fn with_plants(self, of_plants: f64) -> Self {
+        Self { of_plants, ..self }
     }
 
     pub(crate) fn certificate(&self, probability: f64) -> Certificate {
@@ -323,7 +331,7 @@ impl Draws {
     fn drawn(&self, probability: f64) -> f64 {
         let sure = 1.0 - self.trust.beyond * (1.0 - probability) / (1.0 - USUAL);
         let (quantile, drawn) = (self.believed.quantile(probability), self.all.quantile(sure));
-        (self.trust.allowance * drawn).min(self.trust.cap * self.spread).max(drawn).max(quantile)
+        (self.trust.allowance * drawn).min(self.trust.cap * self.spread).max(drawn).max(quantile) + self.of_plants
     }
 
     /// With so many experiments to a batch.
@@ -462,7 +470,15 @@ mod tests {
             |(believed, doubted, evidence, spread, found)| {
                 let trust = Trust::after(&evidence);
                 let all = Gains::of(vec![(believed.clone(), 1.0 - trust.doubt), (doubted, trust.doubt)]);
-                Draws { believed: Gains::of(vec![(believed, 1.0)]), all, evidence, trust, spread, found }
+                Draws {
+                    believed: Gains::of(vec![(believed, 1.0)]),
+                    all,
+                    evidence,
+                    trust,
+                    spread,
+                    found,
+                    of_plants: 0.0,
+                }
             },
         )
     }

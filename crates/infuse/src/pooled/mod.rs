@@ -72,6 +72,7 @@ mod recommendation;
 #[cfg(test)]
 mod scene;
 mod settings;
+mod shared;
 mod simulated;
 mod streams;
 mod turn;

@@ -67,6 +67,12 @@ impl Plants {
         self.parameters.iter().map(|&parameter| digits[parameter]).collect()
     }
 
+    /// How many there are.
+    pub(crate) fn n_plants(&self, designs: &Designs) -> f64 {
+        let counts = designs.combinations().counts();
+        self.parameters.iter().map(|&parameter| counts[parameter] as f64).product()
+    }
+
     /// The same cell with another plant.
     pub(crate) fn with(&self, designs: &Designs, cell: Cell, plant: &Plant) -> Cell {
         let mut digits = designs.combinations().digits(cell.index());
