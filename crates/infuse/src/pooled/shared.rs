@@ -11,8 +11,8 @@ use crate::pooled::knowledge::Knowledge;
 use crate::pooled::measurements::Reading;
 use crate::pooled::plants::{Plant, Plants};
 
-/// The scatter of plants put together again is taken for as large as it is with this probability at most.
-const SURE: f64 = 0.9;
+/// The variance by which plants put together again differ is taken for one that is exceeded as often as not.
+const MEDIAN: f64 = 0.5;
 
 /// Variances of what runs of one plant share.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,9 +38,9 @@ impl Shared {
     }
 
     fn told_apart(variance: f64, squares: f64, n_again: usize) -> Self {
-        // With none put together again it is anything.
-        let largest = ChiSquared::new(n_again as f64).map_or(0.0, |chi| squares / chi.inverse_cdf(1.0 - SURE));
-        let error = variance.min(largest);
+        // With none put together again nothing speaks for an error.
+        let seen = ChiSquared::new(n_again as f64).map_or(0.0, |chi| squares / chi.inverse_cdf(MEDIAN));
+        let error = variance.min(seen);
         Self { error, own: variance - error, n_again }
     }
 
@@ -103,12 +103,12 @@ mod tests {
         assert!((squares - 6.5).abs() < 1e-12 && n_again == 3, "{squares} {n_again}");
     }
 
-    /// Of a shared variance of 4, chi-squared with two degrees of freedom: its tenth is −2 ln 0.9 = 0.2107.
+    /// Of a shared variance of 4, chi-squared with two degrees of freedom: its median is 2 ln 2 = 1.3863.
     #[test]
     fn what_plants_put_together_again_do_not_show_is_their_own() {
         let of = |squares: f64, n_again: usize| Shared::told_apart(4.0, squares, n_again);
         assert_eq!((of(0.0, 0).error, of(0.0, 0).own, of(0.0, 0).error_of_a_reading()), (0.0, 4.0, 4.0));
-        let some = of(0.2107, 2);
+        let some = of(1.3863, 2);
         assert!((some.error - 1.0).abs() < 1e-3 && (some.own - 3.0).abs() < 1e-3, "{some:?}");
         assert!((some.error_of_a_reading() - some.error).abs() <= 0.0);
         assert_eq!((of(9.0, 2).error, of(9.0, 2).own), (4.0, 0.0), "they differ by as much");
