@@ -170,6 +170,10 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         );
         return Finding::new(sentence).with("results needed", needed as f64, "1");
     }
+    if all_equal(campaign).is_some() {
+        let sentence = "By how much another design may be better cannot be said. All results are equal: whether to go on, they cannot tell.";
+        return Finding::new(sentence);
+    }
     let sentence = format!("With {}.", none_better(&campaign.problem, certificate));
     let simulation = match campaign.problem.simulator.is_there() {
         true => " on the simulation as far as these agree with it,",
@@ -191,9 +195,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         }
         Some(worth) => {
             let of_worth = format!("the {} of `worth`", amount(response, worth));
-            let is_equal = all_equal(campaign).is_some();
             let sentence = match (certificate.bound <= worth, found.further_batches) {
-                _ if is_equal => "All results are equal: whether to go on, they cannot tell.".to_owned(),
                 (true, _) if found.contradiction.is_some() => {
                     format!("That is no more than {of_worth}, but a measurement speaks against it: go on.")
                 }

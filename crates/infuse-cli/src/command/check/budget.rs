@@ -143,8 +143,9 @@ fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, has_simulati
     };
     let useless = if has_simulation { " (more if the simulation is of no use)" } else { "" };
     let sentence = format!(
-        "Until {n} designs were run{useless}, a repeat counting half, {enough}, what the certificate promises leaves room for a \
-         narrow well; `smooth` in [stop] says that there surely is none."
+        "Until {} run{useless}, a repeat counting half, {enough}, what the certificate promises leaves room for a \
+         narrow well; `smooth` in [stop] says that there surely is none.",
+        if n == 1 { "one design was".to_owned() } else { format!("{n} designs were") }
     );
     Finding::new(sentence).with(WITHOUT_RESERVE, n as f64, "1")
 }
