@@ -192,7 +192,7 @@ impl Finds {
         let Some(find) = find else { return Ok(None) };
         let found = mean_at(&self.runs, find.cell);
         let expected = match self.pockets.contains(&find.cell) {
-            true => self.from_elsewhere(knowledge, settings, find)?.mean,
+            true => self.seen_from_elsewhere(knowledge, settings, find)?.mean,
             false => {
                 let is_found = |run: &Reading| self.cells.contains(&run.cell);
                 knowledge.seen_from(&self.runs, is_found, find, settings)?.mean

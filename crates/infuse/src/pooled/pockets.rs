@@ -44,7 +44,7 @@ impl Finds {
             }
             n_looked_at += 1;
             let mean = mean_at(&self.runs, cell);
-            if self.from_elsewhere(knowledge, settings, &one)?.of(&Reading { response: mean, ..one })
+            if self.seen_from_elsewhere(knowledge, settings, &one)?.of(&Reading { response: mean, ..one })
                 < -STRIKING_TO_OTHERS
             {
                 self.pockets.insert(cell);
@@ -82,7 +82,7 @@ impl Finds {
     }
 
     /// What runs outside of a pocket expect at its best.
-    pub(super) fn from_elsewhere(
+    pub(super) fn seen_from_elsewhere(
         &self,
         knowledge: &mut Knowledge<'_, '_>,
         settings: &Settings,
