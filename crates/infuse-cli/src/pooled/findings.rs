@@ -123,7 +123,7 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
     let response = &campaign.problem.response;
     let sentence = match here.measured {
         Some(mean) => {
-            let runs = if here.n_readings == 1 { "once".to_owned() } else { format!("{} times", here.n_readings) };
+            let runs = times(here.n_readings);
             let mean_of = if here.n_readings == 1 { "" } else { "on average " };
             format!("It was run {runs}: {mean_of}{} measured.", value_to(response, mean, resolution(found)))
         }

@@ -1,6 +1,6 @@
 //! Finds: designs that were measured to be far better than runs elsewhere say, as a narrow well would show itself that nobody knew of.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use design_space::Cell;
 use rand_chacha::ChaCha8Rng;
@@ -30,8 +30,8 @@ const DRAWN: usize = 300;
 pub(crate) struct Finds {
     /// The best first.
     pub(super) cells: Vec<Cell>,
-    /// Those of them to which runs near by are similar.
-    pub(super) pockets: BTreeSet<Cell>,
+    /// Those of them to which runs near by are similar, each with what runs elsewhere expect there.
+    pub(super) pockets: BTreeMap<Cell, f64>,
     pub(super) runs: Vec<Reading>,
 }
 
@@ -60,7 +60,7 @@ impl Finds {
             false => readings.iter().filter(better).map(|reading| reading.cell).collect(),
         };
         let cells = cells.into_iter().filter(|&cell| may_be_recommended(cell)).collect();
-        let mut finds = Self { cells, pockets: BTreeSet::new(), runs: readings.to_vec() };
+        let mut finds = Self { cells, pockets: BTreeMap::new(), runs: readings.to_vec() };
         finds.sort();
         finds
     }
@@ -191,9 +191,9 @@ impl Finds {
         let find = open.and_then(|(find, _)| self.runs.iter().find(|run| run.cell == find));
         let Some(find) = find else { return Ok(None) };
         let found = mean_at(&self.runs, find.cell);
-        let expected = match self.pockets.contains(&find.cell) {
-            true => self.seen_from_elsewhere(knowledge, settings, find)?.mean,
-            false => {
+        let expected = match self.pockets.get(&find.cell) {
+            Some(&expected) => expected,
+            None => {
                 let is_found = |run: &Reading| self.cells.contains(&run.cell);
                 knowledge.seen_from(&self.runs, is_found, find, settings)?.mean
             }

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::Error;
 use crate::pooled::coverage::apart;
 use crate::pooled::finds::{Finds, SHOWN, mean_at};
-use crate::pooled::knowledge::{Knowledge, View};
+use crate::pooled::knowledge::Knowledge;
 use crate::pooled::measurements::Reading;
 use crate::pooled::outliers::STRIKING_TO_OTHERS;
 use crate::pooled::settings::Settings;
@@ -36,21 +36,26 @@ impl Finds {
         lowest.retain(|&cell| may_be_recommended(cell));
         let mut n_looked_at = 0;
         for cell in lowest {
-            let one = self.runs.iter().find(|run| run.cell == cell).cloned();
-            let Some(one) = one.filter(|one| self.n_elsewhere(one) >= knowledge.designs.n_to_tell()) else { continue };
+            if n_looked_at == LOOKED_AT {
+                break;
+            }
+            let Some(one) = self.runs.iter().find(|run| run.cell == cell) else { continue };
+            let is_elsewhere = |run: &Reading| apart(&run.coded, &one.coded) > POCKET;
+            let n_elsewhere = self.runs.iter().filter(|run| is_elsewhere(run)).count();
             // What has been looked around is none, whatever the others say.
-            if n_looked_at == LOOKED_AT || self.around_one(cell, knowledge.designs, &[], 1, rng)?.is_empty() {
+            if n_elsewhere < knowledge.designs.n_to_tell()
+                || self.around_one(cell, knowledge.designs, &[], 1, rng)?.is_empty()
+            {
                 continue;
             }
             n_looked_at += 1;
-            let mean = mean_at(&self.runs, cell);
-            if self.seen_from_elsewhere(knowledge, settings, &one)?.of(&Reading { response: mean, ..one })
-                < -STRIKING_TO_OTHERS
-            {
-                self.pockets.insert(cell);
+            let best = Reading { response: mean_at(&self.runs, cell), ..one.clone() };
+            let view = knowledge.seen_from(&self.runs, |run| !is_elsewhere(run), one, settings)?;
+            if view.of(&best) < -STRIKING_TO_OTHERS {
+                self.pockets.insert(cell, view.mean);
             }
         }
-        self.cells.extend(&self.pockets);
+        self.cells.extend(self.pockets.keys());
         self.sort();
         Ok(self)
     }
@@ -75,20 +80,6 @@ impl Finds {
         }
         lowest.sort_by(|a, b| a.1.total_cmp(&b.1));
         Ok(lowest.into_iter().map(|(cell, _)| cell).collect())
-    }
-
-    fn n_elsewhere(&self, one: &Reading) -> usize {
-        self.runs.iter().filter(|run| apart(&run.coded, &one.coded) > POCKET).count()
-    }
-
-    /// What runs outside of a pocket expect at its best.
-    pub(super) fn seen_from_elsewhere(
-        &self,
-        knowledge: &mut Knowledge<'_, '_>,
-        settings: &Settings,
-        one: &Reading,
-    ) -> Result<View, Error> {
-        knowledge.seen_from(&self.runs, |run| apart(&run.coded, &one.coded) <= POCKET, one, settings)
     }
 }
 
@@ -124,7 +115,7 @@ mod tests {
         let mut scene = bowl(&pit, 0.5);
         let found = finds(&mut scene, |_| true);
         assert_eq!(found.cells, [best(&scene, 12)], "0.11 of 0.11, 0.11 and 0.35, the first of equals");
-        assert_eq!(found.pockets, BTreeSet::from([best(&scene, 12)]));
+        assert!(found.pockets.keys().eq(&found.cells), "{:?}", found.pockets);
         assert!(finds(&mut scene, |_| false).cells.is_empty(), "it may not be recommended");
         scene.settings.smooth = true;
         assert!(finds(&mut scene, |_| true).cells.is_empty(), "there is no well");
