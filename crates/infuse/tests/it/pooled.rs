@@ -947,7 +947,8 @@ fn a_response_that_changes_fast_from_plant_to_plant_breaks_no_certificate() {
             n_batches += 1;
             n_broken += usize::from(missing > found.certificate.bound);
             let (own, shared) = (found.own.expect("plants"), found.assembly.expect("plants"));
-            assert!(own <= shared && found.certificate.bound >= own, "{found:?}");
+            // 0.9 to the thirteenth root is 0.99193, which lies 2.406 above the mean: the best of thirteen plants.
+            assert!(own <= shared && found.certificate.bound >= 2.4 * own, "{found:?}");
             n_allowed += usize::from(own > 0.5 * shared);
         }
     }
