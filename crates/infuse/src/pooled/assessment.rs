@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use design_space::Cell;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF as _, Normal};
 use surface::process::SimulationUse;
 
 use crate::Error;
@@ -235,7 +236,8 @@ impl Look {
         let find = finds.open(knowledge, settings, recommended.mean, &mut rng)?;
         let found = find.map_or(0.0, |open| open.reach).max(recommended.mean - measured);
         let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?;
-        let draws = draws.beside(found).with_plants(of_plants);
+        let most = contradiction.is_none().then(|| above_the_least(&recommended, settings)).flatten();
+        let draws = draws.beside(found).with_plants(of_plants).at_most(most);
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
@@ -359,6 +361,14 @@ pub(crate) fn standing(
         constrained: of_constraints,
         suffices: chances.suffices[1],
     })
+}
+
+/// How far a design that was run may be above the least that a response can be, with the probability of the certificate; the worse of what
+/// is expected there and what was measured.
+fn above_the_least(here: &Standing, settings: &Settings) -> Option<f64> {
+    let (least, measured) = (settings.least?, here.measured?);
+    let sure = Normal::standard().inverse_cdf(settings.confidence);
+    Some((here.mean.max(measured) + sure * here.deviation - least).max(0.0))
 }
 
 /// What is known of each constrained response at each of the cells.

@@ -145,7 +145,8 @@ impl Trust {
 /// readings differ by is held in reserve, whatever the surface says; and where a run was far better than runs elsewhere say, until it was
 /// looked around on all sides, a well twice as deep as was seen, or as deep as half of what they differ by; unless the response is
 /// [known](crate::pooled::Settings::smooth) to have no narrow well. It is never less than what a measured design is better by that
-/// [contradicts](crate::pooled::Assessment::contradiction) the recommendation.
+/// [contradicts](crate::pooled::Assessment::contradiction) the recommendation; and never more than is left down to the
+/// [least](crate::pooled::Settings::least) that a response can be, once the recommended design was run and nothing contradicts it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// The probability.
@@ -169,6 +170,9 @@ pub struct Forecast {
     /// contradicts the recommendation; 0 where there is neither, or it was looked around.
     #[serde(default)]
     pub found: f64,
+    /// What is left down to the least that a response can be, where that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub most: Option<f64>,
     /// Readings until now.
     pub n_readings: usize,
     /// Designs that they are of.
@@ -212,18 +216,29 @@ impl Forecast {
     pub fn reserves_until(&self) -> Option<usize> {
         let [alone, beside] = reserves_after(self.n_counted(), self.n_parameters, self.useless);
         let enough = designs_without_reserve(self.n_parameters, beside > alone, self.n_designs);
-        (self.reserve() > self.drawn.max(self.found)).then_some(enough)
+        (self.reserve() > self.drawn.max(self.found) && !self.is_for_the_least()).then_some(enough)
     }
 
-    /// The largest of what is drawn, what is held in reserve and what a find may hide.
+    /// The largest of what is drawn, what is held in reserve and what a find may hide; no more than responses leave.
     fn bound(&self) -> f64 {
+        self.by_readings().min(self.most.unwrap_or(f64::INFINITY))
+    }
+
+    /// The same, whatever responses leave.
+    fn by_readings(&self) -> f64 {
         self.drawn.max(self.reserve()).max(self.found)
+    }
+
+    /// Whether the bound is what is left down to the least that a response can be.
+    #[must_use]
+    pub fn is_for_the_least(&self) -> bool {
+        self.most.is_some_and(|most| most < self.by_readings())
     }
 
     /// Whether the bound is what a well may hide of which a run found a part.
     #[must_use]
     pub fn is_for_a_find(&self) -> bool {
-        self.found > self.drawn.max(self.reserve())
+        self.found > self.drawn.max(self.reserve()) && !self.is_for_the_least()
     }
 
     /// In the unit of the response.
@@ -261,6 +276,8 @@ pub(crate) struct Draws {
     spread: f64,
     /// How much better a well may be of which a part was found.
     found: f64,
+    /// What is left down to the least that a response can be.
+    most: Option<f64>,
     /// How much better a plant may be by what the surface takes for an error, and no plant that was put together again shows to be one.
     of_plants: f64,
 }
@@ -308,6 +325,7 @@ impl Draws {
             trust,
             spread: Reading::range(readings),
             found: 0.0,
+            most: None,
             of_plants: 0.0,
         })
     }
@@ -317,6 +335,11 @@ impl Draws {
         Self { found, ..self }
     }
 
+    /// The same where no design can be better by more than this.
+    pub(crate) fn at_most(self, most: Option<f64>) -> Self {
+        Self { most, ..self }
+    }
+
     /// The same where a plant may be so much better by its own.
     pub(crate) fn with_plants(self, of_plants: f64) -> Self {
         Self { of_plants, ..self }
@@ -324,7 +347,8 @@ impl Draws {
 
     pub(crate) fn certificate(&self, probability: f64) -> Certificate {
         let forecast = self.forecast(probability, 0);
-        Certificate { probability, bound: forecast.bound(), quantile: self.believed.quantile(probability) }
+        let bound = forecast.bound();
+        Certificate { probability, bound, quantile: self.believed.quantile(probability).min(bound) }
     }
 
     /// The bound of what is drawn alone.
@@ -339,8 +363,8 @@ impl Draws {
         let Evidence { n_readings, n_tried, n_parameters, n_designs, .. } = self.evidence;
         let (drawn, useless) = (self.drawn(probability), self.evidence.useless(probability));
         let spread = self.evidence.untried() * self.spread;
-        let found = self.found;
-        Forecast { drawn, spread, useless, found, n_readings, n_tried, n_designs, n_experiments, n_parameters }
+        let Self { found, most, .. } = *self;
+        Forecast { drawn, spread, useless, found, most, n_readings, n_tried, n_designs, n_experiments, n_parameters }
     }
 }
 
@@ -477,6 +501,7 @@ mod tests {
                     trust,
                     spread,
                     found,
+                    most: None,
                     of_plants: 0.0,
                 }
             },
@@ -484,6 +509,17 @@ mod tests {
     }
 
     proptest! {
+        /// What is left down to the least that a response can be cuts the bound, and changes nothing where it is more.
+        #[test]
+        fn bound_is_no_more_than_responses_leave(draws in draws(), most in 0.0..6.0_f64, p in 0.5..0.99_f64) {
+            let (free, cut) = (draws.certificate(p), draws.clone().at_most(Some(most)).certificate(p));
+            prop_assert!((cut.bound - free.bound.min(most)).abs() <= 0.0 && cut.quantile <= cut.bound, "{free:?} {cut:?}");
+            let forecast = draws.at_most(Some(most)).forecast(p, 4);
+            prop_assert_eq!(forecast.is_for_the_least(), most < free.bound);
+            prop_assert!(!forecast.is_for_the_least() || (!forecast.is_for_a_find() && forecast.reserves_until().is_none()));
+            prop_assert_eq!(forecast.further_batches(most), 0);
+        }
+
         /// Who wants to be surer is promised less, and never more than the surface itself says.
         #[test]
         fn bound_grows_with_the_probability(draws in draws(), p in 0.5..0.99_f64, q in 0.5..0.99_f64) {
@@ -618,8 +654,18 @@ mod tests {
             let (n_readings, n_experiments) = (n, of);
             let (n_designs, n_parameters) = (10_000, 2);
             let found = 0.0;
-            let forecast =
-                Forecast { drawn, spread, useless, found, n_readings, n_tried, n_designs, n_experiments, n_parameters };
+            let forecast = Forecast {
+                drawn,
+                spread,
+                useless,
+                found,
+                most: None,
+                n_readings,
+                n_tried,
+                n_designs,
+                n_experiments,
+                n_parameters,
+            };
             let further = forecast.further_batches(worth);
             let after = |batches: u64| {
                 let later = n as f64 + (batches as usize * of) as f64;
@@ -642,8 +688,19 @@ mod tests {
         let of = |drawn: f64, worth: f64| {
             let (n_readings, n_tried, n_designs, n_experiments, n_parameters) = (10, 10, 100, 5, 2);
             let (spread, useless, found) = (0.0, 1.0, 0.0);
-            Forecast { drawn, spread, useless, found, n_readings, n_tried, n_designs, n_experiments, n_parameters }
-                .further_batches(worth)
+            Forecast {
+                drawn,
+                spread,
+                useless,
+                found,
+                most: None,
+                n_readings,
+                n_tried,
+                n_designs,
+                n_experiments,
+                n_parameters,
+            }
+            .further_batches(worth)
         };
         assert_eq!((of(1.0, 1.0), of(0.0, 0.0), of(1.0, 0.0)), (0, 0, u64::MAX));
     }

@@ -87,6 +87,13 @@ impl Designs {
         self.region.parameters().iter().map(n_axes).sum()
     }
 
+    /// The coordinates of a place that belong to some parameters.
+    pub(crate) fn axes_of(&self, parameters: &[usize]) -> Vec<usize> {
+        let of_each = self.region.parameters().iter().enumerate();
+        let owners: Vec<usize> = of_each.flat_map(|(index, one)| std::iter::repeat_n(index, n_axes(one))).collect();
+        (0..owners.len()).filter(|&axis| parameters.contains(&owners[axis])).collect()
+    }
+
     /// Readings that it takes to tell a plane from its noise.
     pub(crate) fn n_to_tell(&self) -> usize {
         self.n_factors() + 2

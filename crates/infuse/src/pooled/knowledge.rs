@@ -73,7 +73,7 @@ impl<'a, 's> Knowledge<'a, 's> {
         let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
         let places = source.places(designs, &cells, simulated)?;
         let all: Vec<&Reading> = readings.iter().collect();
-        let sites = Reading::sites(&all, designs.n_factors(), places.simulated())?;
+        let sites = Reading::sites(&all, designs, settings.plants.as_ref(), places.simulated())?;
         let sampler = settings.sampler();
         let is_to_doubt = sites.places().simulated().is_some() || settings.structures.len() > 1;
         let sceptic = if is_to_doubt { Some(AveragedProcess::new(sites.clone(), &sceptical(&sampler))?) } else { None };
@@ -110,7 +110,7 @@ impl<'a, 's> Knowledge<'a, 's> {
             Some(simulated) => (Some(&simulated[..others.len()]), Some(simulated[others.len()])),
             None => (None, None),
         };
-        let sites = Reading::sites(&others, self.designs.n_factors(), simulated)?;
+        let sites = Reading::sites(&others, self.designs, settings.plants.as_ref(), simulated)?;
         let process = AveragedProcess::new(sites, &settings.sampler())?;
         let mut place = Places::new(self.designs.n_factors(), &one.coded)?;
         if let Some(here) = here {

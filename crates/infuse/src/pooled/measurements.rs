@@ -7,6 +7,8 @@ use surface::Data;
 use surface::process::Sites;
 
 use crate::Error;
+use crate::pooled::designs::Designs;
+use crate::pooled::plants::Plants;
 use crate::pooled::settings::Settings;
 use crate::pure_error::PureError;
 
@@ -29,14 +31,24 @@ impl Reading {
         responses().fold(f64::NEG_INFINITY, f64::max) - responses().fold(f64::INFINITY, f64::min)
     }
 
-    /// Measurements with what the simulation says of each, as a process takes them.
-    pub(crate) fn sites(readings: &[&Self], n_factors: usize, simulated: Option<&[f64]>) -> Result<Sites, Error> {
+    /// Measurements with what the simulation says of each, as a process takes them. Where there are plants, a part of the response may
+    /// be the plant's own, whatever is typed.
+    pub(crate) fn sites(
+        readings: &[&Self],
+        designs: &Designs,
+        plants: Option<&Plants>,
+        simulated: Option<&[f64]>,
+    ) -> Result<Sites, Error> {
+        let n_factors = designs.n_factors();
         let coordinates = readings.iter().flat_map(|reading| &reading.coded).copied().collect();
         let responses = readings.iter().map(|reading| reading.response).collect();
         let data = Data::new(n_factors, coordinates, responses)?;
         let assemblies: Option<Vec<usize>> = readings.iter().map(|reading| reading.assembly).collect();
         Ok(match assemblies.filter(|_| !readings.is_empty()) {
-            Some(assemblies) => Sites::in_assemblies(&data, simulated, &assemblies)?,
+            Some(assemblies) => {
+                let axes = plants.map_or(Vec::new(), |plants| plants.axes(designs));
+                Sites::in_assemblies(&data, simulated, &assemblies)?.with_additive(axes)?
+            }
             None => Sites::new(&data, simulated)?,
         })
     }

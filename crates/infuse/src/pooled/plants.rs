@@ -67,6 +67,12 @@ impl Plants {
         self.parameters.iter().map(|&parameter| digits[parameter]).collect()
     }
 
+    /// Its axes among those of the places; none where all are, as each run is then a plant of its own.
+    pub(crate) fn axes(&self, designs: &Designs) -> Vec<usize> {
+        let axes = designs.axes_of(&self.parameters);
+        if axes.len() < designs.n_factors() { axes } else { Vec::new() }
+    }
+
     /// How many there are.
     pub(crate) fn n_plants(&self, designs: &Designs) -> f64 {
         let counts = designs.combinations().counts();

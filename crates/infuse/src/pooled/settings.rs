@@ -32,6 +32,10 @@ pub struct Settings {
     /// The response is known to have no narrow well: the certificate holds nothing in reserve for one. Default: that is not known.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub smooth: bool,
+    /// No response can be less than this: no design is better than the recommended one, once that was run, by more than it is above.
+    /// Default: that is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least: Option<f64>,
     /// Probability of the certificate, 0.5 to 0.99. Default 0.9.
     #[serde(default = "default_confidence")]
     pub confidence: f64,
@@ -86,6 +90,7 @@ impl Settings {
             noise: None,
             worth: None,
             smooth: false,
+            least: None,
             confidence: default_confidence(),
             constraints: Vec::new(),
             linear_constraints: Vec::new(),
@@ -131,6 +136,9 @@ impl Settings {
                 return Err(Error::Setting { name, value, expected: "a number from 0 to 1e100" });
             }
         }
+        if let Some(value) = self.least.filter(|value| !(-1e100..=1e100).contains(value)) {
+            return Err(Error::Setting { name: "least", value, expected: "a number from -1e100 to 1e100" });
+        }
         if (0.5..=0.99).contains(&self.confidence) {
             return Ok(());
         }
@@ -164,6 +172,7 @@ mod tests {
             settings.validate().is_ok()
         };
         assert!(with(|settings| settings.noise = Some(0.0)) && with(|settings| settings.worth = Some(3.0)));
+        assert!(with(|settings| settings.least = Some(-3.0)) && !with(|settings| settings.least = Some(f64::NAN)));
         assert!(!with(|settings| settings.noise = Some(-1.0)) && !with(|settings| settings.worth = Some(f64::NAN)));
     }
 }

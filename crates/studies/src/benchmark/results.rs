@@ -65,7 +65,18 @@ impl Row {
         let n_designs = u64::from(LEVELS).pow(n_parameters as u32);
         // Where the bound is more than the others come to, it is what is held for a well of which a part was found.
         let found = self.bound.unwrap_or(0.0);
-        Some(Forecast { drawn, spread, useless, found, n_readings, n_tried, n_designs, n_experiments, n_parameters })
+        Some(Forecast {
+            drawn,
+            spread,
+            useless,
+            found,
+            most: None,
+            n_readings,
+            n_tried,
+            n_designs,
+            n_experiments,
+            n_parameters,
+        })
     }
 
     /// Whether both say the same, times apart; the last digits differ between machines.

@@ -206,6 +206,7 @@ fn process() -> Result<Ours> {
         lengths: vec![1.0; K],
         noise: 1e-2,
         assembly: 0.0,
+        additive: None,
     };
     let process = GaussianProcess::new(sites, structure, hyper)?;
     let grid = grid()?;

@@ -79,6 +79,48 @@ pub struct Hyperparameters {
     /// Of the error that all measurements of one assembly share; 0 where assemblies are not told apart.
     #[serde(default)]
     pub assembly: f64,
+    /// Of the part of the response that depends on some axes alone, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub additive: Option<Additive>,
+}
+
+/// A part of the response that depends on some axes alone, whatever the others are: with the residual, an additive Gaussian
+/// process (Duvenaud et al. 2011). It is as smooth as the residual.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Additive {
+    /// The axes, counted from 0.
+    pub axes: Vec<usize>,
+    /// Its variance.
+    pub variance: f64,
+    /// A length along each of these axes, in coded units.
+    pub lengths: Vec<f64>,
+}
+
+/// A term of Matérn covariance.
+pub(crate) struct Matern {
+    pub(crate) variance: f64,
+    /// The inverse squared length along each axis; 0 where it does not depend on one.
+    pub(crate) rates: Vec<f64>,
+    pub(crate) is_rough: bool,
+}
+
+impl Hyperparameters {
+    /// The terms of Matérn covariance: the residual, if there is one, and the additive part.
+    pub(crate) fn maternian(&self, structure: Structure) -> Vec<Matern> {
+        let rate = |length: &f64| 1.0 / (length * length);
+        let is_rough = structure.residual == Residual::Rough;
+        let residual = (structure.residual != Residual::None).then(|| {
+            let rates = self.lengths.iter().map(rate).collect();
+            Matern { variance: self.residual, rates, is_rough }
+        });
+        let additive = self.additive.as_ref().map(|additive| {
+            let mut rates = vec![0.0; self.lengths.len()];
+            additive.axes.iter().zip(&additive.lengths).for_each(|(&axis, length)| rates[axis] = rate(length));
+            Matern { variance: additive.variance, rates, is_rough }
+        });
+        residual.into_iter().chain(additive).collect()
+    }
 }
 
 /// The covariance of a process before anything was measured, for those who build on it.
@@ -154,7 +196,7 @@ impl<'a> Parts<'a> {
                 self.add_simulation(structure, hyper, column, 0, into);
             }
         }
-        self.add_residual(structure, hyper, false, &mut matrix);
+        self.add_residuals(structure, hyper, false, &mut matrix);
         matrix
     }
 
@@ -171,7 +213,7 @@ impl<'a> Parts<'a> {
                 self.add_simulation(structure, hyper, column, column, into);
             }
         }
-        self.add_residual(structure, hyper, true, &mut matrix);
+        self.add_residuals(structure, hyper, true, &mut matrix);
         matrix
     }
 
@@ -192,20 +234,16 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// Adds the covariances of the residual: all of them, or the lower half of a square.
-    fn add_residual(&self, structure: Structure, hyper: &Hyperparameters, is_lower: bool, matrix: &mut Mat<f64>) {
-        let rates: Vec<f64> = hyper.lengths.iter().map(|length| 1.0 / (length * length)).collect();
-        let pairs =
-            Pairs { rows: self.rows, columns: &self.columns, rates: &rates, variance: hyper.residual, is_lower };
-        match structure.residual {
-            Residual::None => {}
-            Residual::Smooth => pairs.add(matrix, smooth),
-            Residual::Rough => pairs.add(matrix, rough),
+    /// Adds the terms of Matérn covariance: all of each, or the lower half of a square.
+    fn add_residuals(&self, structure: Structure, hyper: &Hyperparameters, is_lower: bool, matrix: &mut Mat<f64>) {
+        for Matern { variance, rates, is_rough } in hyper.maternian(structure) {
+            let pairs = Pairs { rows: self.rows, columns: &self.columns, rates: &rates, variance, is_lower };
+            pairs.add(matrix, if is_rough { rough } else { smooth });
         }
     }
 }
 
-/// What the covariances of a residual are computed from.
+/// What a term of Matérn covariance is computed from.
 struct Pairs<'a> {
     rows: &'a Places,
     columns: &'a [Vec<f64>],
@@ -251,7 +289,7 @@ pub(crate) fn prior_variances(
     simulated: &dyn Fn(f64) -> f64,
 ) -> Vec<f64> {
     let trend = places.trend();
-    let residual = if structure.residual == Residual::None { 0.0 } else { hyper.residual };
+    let residual: f64 = hyper.maternian(structure).iter().map(|term| term.variance).sum();
     let simulation = |place: usize| match (structure.simulation, places.simulated()) {
         (SimulationUse::Scaled, Some(all)) => hyper.simulation * simulated(all[place]).powi(2),
         _ => 0.0,

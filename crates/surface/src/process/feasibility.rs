@@ -109,8 +109,15 @@ fn tried(places: &Places, labels: &[f64]) -> Vec<Member> {
 
 impl Member {
     fn of(places: &Places, labels: &[f64], lengths: Vec<f64>) -> Self {
-        let hyper =
-            Hyperparameters { trend: 0.0, simulation: 0.0, residual: VARIANCE, lengths, noise: 0.0, assembly: 0.0 };
+        let hyper = Hyperparameters {
+            trend: 0.0,
+            simulation: 0.0,
+            residual: VARIANCE,
+            lengths,
+            noise: 0.0,
+            assembly: 0.0,
+            additive: None,
+        };
         let covariance = Covariance::of(STRUCTURE, &hyper).without_constant().between(places, places);
         let n = labels.len();
         let normal = Normal::standard();

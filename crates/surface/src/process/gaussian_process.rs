@@ -11,17 +11,18 @@ use crate::Error;
 use crate::process::covariance::{Hyperparameters, Parts, Structure, prior_variances};
 use crate::process::joint::Joint;
 use crate::process::places::Places;
-use crate::process::sites::Sites;
+use crate::process::sites::{Sites, check_axes};
 
 /// The response as a Gaussian process, given measurements and hyperparameters.
 ///
 /// ```text
-/// y(x) = c + q(x)'b + ρ s(x) + f(x) + a + ε
+/// y(x) = c + q(x)'b + ρ s(x) + f(x) + g(x) + a + ε
 /// ```
 ///
-/// with q the linear and quadratic regressors, s the simulation, f of a Matérn-5/2 covariance with a length per axis, a the error
-/// of an assembly where these are told apart, and ε of the variance σ²/w. All of them have normal priors, so that everything follows from one matrix (Rasmussen and
-/// Williams 2006, Section 2.7; Kennedy and O'Hagan 2000 for ρ).
+/// with q the linear and quadratic regressors, s the simulation, f of a Matérn covariance with a length per axis, g of one along some
+/// axes alone where that is asked for, a the error of an assembly where these are told apart, and ε of the variance σ²/w. All of them
+/// have normal priors, so that everything follows from one matrix (Rasmussen and Williams 2006, Section 2.7; Kennedy and O'Hagan 2000
+/// for ρ).
 #[derive(Debug, Clone)]
 pub struct GaussianProcess {
     sites: Arc<Sites>,
@@ -132,6 +133,13 @@ impl GaussianProcess {
         let expected = sites.places().n_factors();
         if hyper.lengths.len() != expected {
             return Err(Error::Length { name: "lengths", expected, found: hyper.lengths.len() });
+        }
+        if let Some(additive) = &hyper.additive {
+            check_axes(&additive.axes, expected)?;
+            let (expected, found) = (additive.axes.len(), additive.lengths.len());
+            if expected != found {
+                return Err(Error::Length { name: "lengths of the additive part", expected, found });
+            }
         }
         let problem = Problem::of(&sites);
         let factor = problem.factor(structure, &hyper);

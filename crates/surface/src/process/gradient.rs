@@ -4,7 +4,7 @@ use faer::Mat;
 
 use crate::Error;
 use crate::process::averaged::AveragedProcess;
-use crate::process::covariance::{Residual, SimulationUse};
+use crate::process::covariance::{Matern, SimulationUse};
 use crate::process::gaussian_process::GaussianProcess;
 use crate::process::places::Places;
 
@@ -62,14 +62,14 @@ impl GaussianProcess {
     /// ∂/∂x_j of the covariance of a place with each site.
     fn covariance_slopes(&self, place: &Places, axis: usize, slope: f64) -> Vec<f64> {
         let (hyper, sites) = (self.hyperparameters(), self.sites().places());
-        let x = place.point(0);
+        let (x, terms) = (place.point(0), hyper.maternian(self.structure()));
         let one = |site: usize| {
             let at = sites.point(site);
             let mut along = hyper.trend * trend_slope(&x, &at, axis);
             if let (SimulationUse::Scaled, Some(all)) = (self.structure().simulation, sites.simulated()) {
                 along += hyper.simulation * slope * self.sites().units().simulated(all[site]);
             }
-            along + hyper.residual * residual_slope(self.structure().residual, &x, &at, &hyper.lengths, axis)
+            along + terms.iter().map(|term| term.slope(&x, &at, axis)).sum::<f64>()
         };
         (0..sites.n_places()).map(one).collect()
     }
@@ -91,18 +91,18 @@ fn trend_slope(x: &[f64], y: &[f64], axis: usize) -> f64 {
     y[axis] * (1.0 + products) + 2.0 * x[axis] * (y[axis] * y[axis] - 1.0 / 3.0)
 }
 
-/// ∂/∂x_j of the Matérn correlation of x and y: with r = √5 d −(5/3)(1 + r) exp(−r) (x_j − y_j)/ℓ_j², with r = √3 d
-/// −3 exp(−r) (x_j − y_j)/ℓ_j².
-fn residual_slope(residual: Residual, x: &[f64], y: &[f64], lengths: &[f64], axis: usize) -> f64 {
-    let square: f64 = x.iter().zip(y).zip(lengths).map(|((x, y), length)| ((x - y) / length).powi(2)).sum();
-    let along = (x[axis] - y[axis]) / (lengths[axis] * lengths[axis]);
-    match residual {
-        Residual::None => 0.0,
-        Residual::Smooth => {
+impl Matern {
+    /// ∂/∂x_j of the covariance of x and y: with r = √5 d −(5/3)(1 + r) exp(−r) (x_j − y_j)/ℓ_j², with r = √3 d
+    /// −3 exp(−r) (x_j − y_j)/ℓ_j², times the variance.
+    fn slope(&self, x: &[f64], y: &[f64], axis: usize) -> f64 {
+        let square: f64 = x.iter().zip(y).zip(&self.rates).map(|((x, y), rate)| rate * (x - y).powi(2)).sum();
+        let along = self.variance * self.rates[axis] * (x[axis] - y[axis]);
+        if self.is_rough {
+            -3.0 * (-(3.0 * square).sqrt()).exp() * along
+        } else {
             let r = (5.0 * square).sqrt();
             -5.0 / 3.0 * (1.0 + r) * (-r).exp() * along
         }
-        Residual::Rough => -3.0 * (-(3.0 * square).sqrt()).exp() * along,
     }
 }
 

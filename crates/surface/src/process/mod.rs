@@ -15,7 +15,7 @@ mod sampler;
 mod sites;
 
 pub use averaged::AveragedProcess;
-pub use covariance::{Covariance, Hyperparameters, Residual, SimulationUse, Structure};
+pub use covariance::{Additive, Covariance, Hyperparameters, Residual, SimulationUse, Structure};
 pub use feasibility::Feasibility;
 pub use gaussian_process::{Contrast, GaussianProcess, Marginals};
 pub use gradient::Gradient;

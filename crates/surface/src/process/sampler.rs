@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use crate::process::covariance::{Hyperparameters, Structure};
+use crate::process::covariance::{Additive, Hyperparameters, Structure};
 use crate::process::gaussian_process::Problem;
 use crate::process::sites::Sites;
 
@@ -76,6 +76,7 @@ pub(crate) fn sample(sites: &Sites, settings: &SamplerSettings) -> Vec<(Structur
         n_factors: sites.places().n_factors(),
         noise: settings.noise,
         has_assemblies: sites.assemblies().is_some(),
+        additive: sites.additive(),
         scale: sites.units().scale,
     };
     let likelihood = |structure, normals: &[f64]| problem.log_likelihood(structure, &decode.hyperparameters(normals));
@@ -127,26 +128,33 @@ impl Streams {
 
 /// From standard normals to hyperparameters.
 #[derive(Debug, Clone, Copy)]
-struct Decoder {
+struct Decoder<'a> {
     n_factors: usize,
     noise: Option<f64>,
     has_assemblies: bool,
+    /// Axes of the additive part.
+    additive: &'a [usize],
     scale: f64,
 }
 
-impl Decoder {
+impl Decoder<'_> {
     fn n_normals(self) -> usize {
-        self.n_factors + 4 + usize::from(self.has_assemblies)
+        let of_additive = if self.additive.is_empty() { 0 } else { self.additive.len() + 1 };
+        self.n_factors + 4 + usize::from(self.has_assemblies) + of_additive
     }
 
     fn hyperparameters(self, normals: &[f64]) -> Hyperparameters {
-        let (normals, of_assembly) = match normals.split_last() {
-            Some((last, others)) if self.has_assemblies => (others, Some(*last)),
-            _ => (normals, None),
-        };
+        let (normals, others) = normals.split_at(self.n_factors + 4);
+        let (of_assembly, of_additive) = others.split_at(usize::from(self.has_assemblies));
         let prior = Hyperparameters::of_prior(normals);
         let noise = self.noise.map_or(prior.noise, |noise| (noise / self.scale).powi(2));
-        Hyperparameters { noise, assembly: of_assembly.map_or(0.0, |normal| ASSEMBLY.at(normal)), ..prior }
+        let assembly = of_assembly.first().map_or(0.0, |&normal| ASSEMBLY.at(normal));
+        let additive = of_additive.split_first().map(|(&variance, lengths)| Additive {
+            axes: self.additive.to_vec(),
+            variance: RESIDUAL.at(variance),
+            lengths: lengths.iter().map(|&normal| LENGTH.at(normal)).collect(),
+        });
+        Hyperparameters { noise, assembly, additive, ..prior }
     }
 }
 
@@ -168,6 +176,7 @@ impl Hyperparameters {
             lengths: lengths.iter().map(|&normal| LENGTH.at(normal)).collect(),
             noise: NOISE.at(others[3]),
             assembly: 0.0,
+            additive: None,
         }
     }
 }

@@ -19,6 +19,20 @@ pub struct Sites {
     units: Units,
     /// Which assembly each entry belongs to, where that matters.
     assemblies: Option<Vec<usize>>,
+    /// Axes that a part of the response depends on alone; none where there is no such part.
+    additive: Vec<usize>,
+}
+
+/// These are axes of a space of so many factors, none of them twice.
+pub(crate) fn check_axes(axes: &[usize], n_factors: usize) -> Result<(), Error> {
+    let is_wrong = |at: usize| axes[at] >= n_factors || axes[..at].contains(&axes[at]);
+    match (0..axes.len()).find(|&at| is_wrong(at)) {
+        Some(at) => {
+            let allowed = "the number of an axis, from 0, each once";
+            Err(Error::Parameter { name: "axis of the additive part", value: axes[at] as f64, allowed })
+        }
+        None => Ok(()),
+    }
 }
 
 /// Where zero and one lie for a process.
@@ -99,6 +113,7 @@ impl Sites {
             weights,
             units,
             assemblies: assemblies.map(|of| groups.iter().map(|group| of[group[0]]).collect()),
+            additive: Vec::new(),
         })
     }
 
@@ -122,6 +137,17 @@ impl Sites {
         Ok(self)
     }
 
+    /// The same for a response of which a part depends on these axes alone, whatever the others are: what runs have in common that
+    /// agree in them.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] for an axis that is not there, or twice.
+    pub fn with_additive(self, axes: Vec<usize>) -> Result<Self, Error> {
+        check_axes(&axes, self.places.n_factors())?;
+        Ok(Self { additive: axes, ..self })
+    }
+
     /// The places, each in the position of its first measurement among those of the others.
     #[must_use]
     pub fn places(&self) -> &Places {
@@ -137,6 +163,11 @@ impl Sites {
     /// The assembly of each place, if they are told apart.
     pub(crate) fn assemblies(&self) -> Option<&[usize]> {
         self.assemblies.as_deref()
+    }
+
+    /// The axes that a part of the response depends on alone.
+    pub(crate) fn additive(&self) -> &[usize] {
+        &self.additive
     }
 
     pub(crate) fn means(&self) -> &[f64] {

@@ -12,6 +12,7 @@ mod nist;
 mod over_grid;
 mod polynomial;
 mod process;
+mod process_additive;
 mod process_assemblies;
 mod process_covariance;
 mod process_feasibility;

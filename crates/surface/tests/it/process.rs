@@ -138,8 +138,15 @@ fn posterior_of_one_measurement_is_the_closed_form() {
     let data = Data::new(1, vec![0.3], vec![2.0]).expect("valid data");
     let sites = Sites::new(&data, None).and_then(|sites| sites.in_units(0.0, 1.0)).expect("valid units");
     let structure = Structure { simulation: SimulationUse::Ignored, residual: Residual::None };
-    let hyper =
-        Hyperparameters { trend: 0.0, simulation: 0.0, residual: 0.0, lengths: vec![1.0], noise: 1.0, assembly: 0.0 };
+    let hyper = Hyperparameters {
+        trend: 0.0,
+        simulation: 0.0,
+        residual: 0.0,
+        lengths: vec![1.0],
+        noise: 1.0,
+        assembly: 0.0,
+        additive: None,
+    };
     let process = GaussianProcess::new(Arc::new(sites), structure, hyper).expect("a valid process");
     let marginals = process.marginals(&Places::new(1, &[-1.0, 0.7]).expect("valid places"));
     for place in 0..2 {
@@ -316,6 +323,7 @@ fn a_measurement_counted_in_is_the_process_with_it() {
         lengths: vec![0.7, 1.2],
         noise: 0.04,
         assembly: 0.0,
+        additive: None,
     };
     let structure = Structure { simulation: SimulationUse::Ignored, residual: Residual::Smooth };
     let process = |points: &[f64], values: &[f64]| {
@@ -353,7 +361,15 @@ fn a_place_among_many_has_the_marginals_of_a_place_alone() {
         let structure = Structure { simulation: SimulationUse::Ignored, residual };
         let [trend, variance, noise] = [1.0, 0.7, 1e-2];
         let lengths = vec![0.6, 1.1];
-        let hyper = Hyperparameters { trend, simulation: 0.0, residual: variance, lengths, noise, assembly: 0.0 };
+        let hyper = Hyperparameters {
+            trend,
+            simulation: 0.0,
+            residual: variance,
+            lengths,
+            noise,
+            assembly: 0.0,
+            additive: None,
+        };
         let sites = Arc::new(Sites::new(&data, None).expect("valid sites"));
         let process = GaussianProcess::new(sites, structure, hyper).expect("well conditioned");
         let (all, joint) = (process.marginals(&places), process.joint(&places));

@@ -14,7 +14,7 @@ use surface::process::{
 const CONSTANT: Structure = Structure { simulation: SimulationUse::Ignored, residual: Residual::None };
 
 fn of_constant(noise: f64, assembly: f64) -> Hyperparameters {
-    Hyperparameters { trend: 0.0, simulation: 0.0, residual: 0.0, lengths: vec![1.0], noise, assembly }
+    Hyperparameters { trend: 0.0, simulation: 0.0, residual: 0.0, lengths: vec![1.0], noise, assembly, additive: None }
 }
 
 /// y = c + a_g + ε with c ~ N(0, 4): each mean of m in an assembly is N(c, τ² + σ²/m), so the posterior of c is a weighted mean.

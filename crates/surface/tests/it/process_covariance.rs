@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use surface::process::{Covariance, Hyperparameters, Places, SimulationUse, Structure};
+use surface::process::{Additive, Covariance, Hyperparameters, Places, SimulationUse, Structure};
 
 use crate::check_close;
 
@@ -28,6 +28,7 @@ fn variances_are_covariances_with_oneself_and_the_constant_adds_four_to_all() {
         lengths: vec![0.5, 1.5],
         noise: 0.2,
         assembly: 0.0,
+        additive: Some(Additive { axes: vec![1], variance: 0.9, lengths: vec![0.6] }),
     };
     for structure in Structure::ALL {
         let with = Covariance::of(structure, &hyper);

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use surface::process::{
-    AveragedProcess, GaussianProcess, Gradient, Hyperparameters, Marginals, Places, SamplerSettings, SimulationUse,
-    Sites, Structure,
+    Additive, AveragedProcess, GaussianProcess, Gradient, Hyperparameters, Marginals, Places, SamplerSettings,
+    SimulationUse, Sites, Structure,
 };
 use surface::{Data, Error};
 
@@ -59,7 +59,10 @@ fn check(marginals: impl Fn(&Places) -> Marginals, gradient: impl Fn(&Places, &[
 #[test]
 fn gradients_are_those_of_central_differences_in_every_structure() {
     let sites = Arc::new(sites());
-    for structure in Structure::ALL {
+    let additive = Additive { axes: vec![2, 1], variance: 1.4, lengths: vec![0.8, 1.9] };
+    for (structure, additive) in Structure::ALL.into_iter().flat_map(|one| [(one, None), (one, Some(additive.clone()))])
+    {
+        let what = format!("{structure:?}, {additive:?}");
         let hyper = Hyperparameters {
             trend: 0.7,
             simulation: 0.4,
@@ -67,11 +70,12 @@ fn gradients_are_those_of_central_differences_in_every_structure() {
             lengths: vec![0.6, 1.1, 2.3],
             noise: 0.01,
             assembly: 0.0,
+            additive,
         };
         let process = GaussianProcess::new(Arc::clone(&sites), structure, hyper).expect("a valid process");
         let gradient =
             |place: &Places, slopes: &[f64]| process.gradient(place, Some(slopes)).expect("one place and its slopes");
-        check(|place| process.marginals(place), gradient, &format!("{structure:?}"));
+        check(|place| process.marginals(place), gradient, &what);
     }
 }
 
@@ -92,6 +96,7 @@ fn gradients_of_what_cannot_be_are_refused_by_name() {
         lengths: vec![1.0; K],
         noise: 0.1,
         assembly: 0.0,
+        additive: None,
     };
     let process = |simulation| {
         let structure = Structure { simulation, ..Structure::ALL[1] };
