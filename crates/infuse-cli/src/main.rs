@@ -44,9 +44,9 @@ fn main() -> ExitCode {
     let written = match &outcome {
         Ok(output) => show(output, is_json),
         Err(error) if is_json => {
-            writeln!(std::io::stdout(), "{}", serde_json::json!({ "error": format!("{error:#}") }))
+            writeln!(std::io::stdout(), "{}", serde_json::json!({ "error": wording::of_error(error) }))
         }
-        Err(error) => writeln!(std::io::stderr(), "error: {error:#}"),
+        Err(error) => writeln!(std::io::stderr(), "error: {}", wording::of_error(error)),
     };
     match outcome {
         _ if program::is_interrupted() => ExitCode::from(INTERRUPTED),

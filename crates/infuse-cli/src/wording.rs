@@ -1,5 +1,7 @@
 //! What a parser says about a file, in the words of those who wrote it.
 
+use std::io;
+
 use crate::echo::echo;
 
 /// What a program expects, and what that means.
@@ -40,6 +42,26 @@ const FOUND: [(&str, &str); 9] = [
 ];
 /// Of a line so many characters are shown.
 const LONGEST: usize = 160;
+
+/// An error and its causes in one line, those of the system without the number that it gives them.
+pub(crate) fn of_error(error: &anyhow::Error) -> String {
+    let causes = error.chain().map(|cause| match cause.downcast_ref::<io::Error>() {
+        Some(of_system) => of_the_system(of_system),
+        None => cause.to_string(),
+    });
+    causes.collect::<Vec<_>>().join(": ")
+}
+
+/// What the system says of a file.
+fn of_the_system(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is none of that name".to_owned(),
+        _ => {
+            let said = error.to_string();
+            said.split_once(" (os error ").map_or_else(|| said.clone(), |(said, _)| said.to_owned())
+        }
+    }
+}
 
 /// A key of a file, and what stands there as its value or in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -147,6 +147,10 @@ pub(crate) trait Campaign {
     fn what_if_over_the_grid(&self, _path: &Path) -> Result<(Vec<Finding>, Value)> {
         bail!("`infuse what-if` needs `method` = \"pooled\"")
     }
+    /// Whether there is something to confirm.
+    fn may_confirm(&self) -> bool {
+        false
+    }
     /// Plans so many runs each of the designs that are to be compared.
     fn confirm(&mut self, _writer: &mut Writer, _runs: usize) -> Result<()> {
         bail!("`infuse confirm` needs `method` = \"pooled\"")

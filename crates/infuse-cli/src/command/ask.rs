@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::output::Output;
 use crate::campaign::{Campaign, Stage, Wish};
-use crate::findings::{ended, handed_out};
+use crate::findings::{after_the_end, ended, handed_out};
 use crate::folder;
 use crate::journal::{Event, now};
 use crate::problem::PROBLEM;
@@ -77,7 +77,10 @@ fn nothing_to_run(campaign: &dyn Campaign, reason: &str, may_go_on: bool, notice
     if may_go_on {
         findings.push(Finding::new(format!("To go on all the same: {infuse} ask --anyway")));
     }
-    findings.push(Finding::new(format!("All about it: {infuse} status, {infuse} report")));
+    findings.push(
+        after_the_end(campaign)
+            .unwrap_or_else(|| Finding::new(format!("All about it: {infuse} status, {infuse} report"))),
+    );
     let best = point.map(|point| campaign.problem().named(&point));
     Ok(Output::new(&findings, json!({ "stopped": reason, "best": best }), notices))
 }

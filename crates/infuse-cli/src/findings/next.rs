@@ -10,7 +10,9 @@ use crate::shell::{infuse, sheet_path, tell_with};
 pub(crate) fn next(campaign: &dyn Campaign, stage: &Stage) -> Finding {
     let folder = campaign.folder();
     Finding::new(match stage {
-        Stage::Ended { reason, .. } => return ended(reason),
+        Stage::Ended { reason, .. } => {
+            return after_the_end(campaign).into_iter().fold(ended(reason), Finding::detail);
+        }
         Stage::Ready => format!("Next: {} ask", infuse(folder)),
         Stage::Pending => {
             let (problem, experiments) = (campaign.problem(), campaign.experiments());
@@ -25,6 +27,14 @@ pub(crate) fn next(campaign: &dyn Campaign, stage: &Stage) -> Finding {
                 format!("Next: run what is left in {}, then: {}", sheet.display(), tell_with(folder, &sheet))
             }
         }
+    })
+}
+
+/// What to type after the end, where there is something to confirm.
+pub(crate) fn after_the_end(campaign: &dyn Campaign) -> Option<Finding> {
+    let infuse = infuse(campaign.folder());
+    campaign.may_confirm().then(|| {
+        Finding::new(format!("Next: {infuse} confirm, a few runs that measure what was gained; then: {infuse} report"))
     })
 }
 

@@ -127,9 +127,46 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
             let mean_of = if here.n_readings == 1 { "" } else { "on average " };
             format!("It was run {runs}: {mean_of}{} measured.", value_to(response, mean, resolution(found)))
         }
-        None => "It was never run: `infuse confirm` plans a few runs there.".to_owned(),
+        None => match near(campaign, &here.point).as_slice() {
+            // Of what can be set anywhere, the next best is always a hair away.
+            [] => {
+                let best = campaign.best_measured(&set_aside(campaign, found));
+                let beyond = match best.is_some_and(|best| here.mean < best.cost) {
+                    true => " Nothing that was run measured as good.",
+                    false => "",
+                };
+                format!("It was never run: `infuse confirm` plans a few runs there.{beyond}")
+            }
+            costs => {
+                let mean = costs.iter().sum::<f64>() / costs.len() as f64;
+                let (runs, mean_of) = match costs.len() {
+                    1 => ("1 run lies".to_owned(), ""),
+                    n => (format!("{n} runs lie"), "on average "),
+                };
+                format!(
+                    "It was never run, but {runs} within {} of its settings: {mean_of}{} measured.",
+                    percent(NEAR),
+                    value_to(response, mean, resolution(found))
+                )
+            }
+        },
     };
     Finding::new(sentence).with("runs there", here.n_readings as f64, "1")
+}
+
+/// Settings are near if none of them differs by more than this share of its range.
+const NEAR: f64 = 0.01;
+
+/// What runs gave whose settings are near.
+fn near(campaign: &Campaign, point: &[f64]) -> Vec<f64> {
+    let parameters = campaign.problem.region.parameters();
+    let is_near = |settings: &[f64]| {
+        let mut pairs = parameters.iter().zip(settings.iter().zip(point));
+        pairs.all(|(parameter, (a, b))| (a - b).abs() <= NEAR * parameter.width())
+    };
+    let readings = campaign.readings();
+    let near = readings.iter().filter(|(origin, _)| is_near(&campaign.settings_of(*origin)));
+    near.map(|(_, cost)| *cost).collect()
 }
 
 /// How large a well may be that no run has met.
@@ -248,6 +285,13 @@ const MUCH_IS_HELD: f64 = 0.2;
 /// How much of the bound is not what the surface says, but is kept for what so few experiments cannot have shown.
 fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
     let (response, Certificate { bound, quantile, .. }) = (&campaign.problem.response, found.certificate);
+    if let (true, Some(least)) = (found.forecast.is_for_the_least(), response.least()) {
+        let sentence = format!(
+            "More is not to be had: {} is the best value that [response] allows, and the recommended design was run.",
+            value_to(response, least, 0.0)
+        );
+        return Some(Finding::new(sentence).with("the best value allowed", response.of_cost(least), &response.unit));
+    }
     if bound - quantile <= MUCH_IS_HELD * bound {
         return None;
     }
@@ -338,9 +382,21 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
 /// How much of what was measured a simulation explains, and what the surface makes of it.
 fn worth_in_words(worth: SimulationWorth) -> String {
     let SimulationWorth { explained, is_inverted, ignored, factor, factor_deviation } = worth;
-    let mut sentence = format!("The simulation explains {} of the variance of what was measured", percent(explained));
     let (is_little, is_left_out) = (explained < EXPLAINS_LITTLE, ignored >= IGNORED);
     let half = NINE_IN_TEN * factor_deviation;
+    // Where a factor is learnt, its sign tells, whatever the places were that were run.
+    let is_wrong_way = match is_left_out || half < TAKEN_AS_GIVEN {
+        true => is_inverted && !is_little,
+        false => factor + half < 0.0,
+    };
+    let share = percent(explained);
+    let mut sentence = match is_wrong_way {
+        true => format!(
+            "The simulation points the wrong way: what it calls better was worse. Turned round it explains {share} of the variance of \
+             what was measured"
+        ),
+        false => format!("The simulation explains {share} of the variance of what was measured"),
+    };
     if is_little {
         // What is left in y − s may be simpler than y, though s and y do not go together.
         sentence.push_str(match is_left_out {
@@ -361,14 +417,6 @@ fn worth_in_words(worth: SimulationWorth) -> String {
                 format!("; differences that it predicts count {factor} times, give or take {half} (90 %)")
             });
         }
-    }
-    // Where a factor is learnt, its sign tells, whatever the places were that were run.
-    let is_wrong_way = match is_left_out || half < TAKEN_AS_GIVEN {
-        true => is_inverted && !is_little,
-        false => factor + half < 0.0,
-    };
-    if is_wrong_way {
-        sentence.push_str("; it points the wrong way: what it calls better was worse");
     }
     format!("{sentence}.")
 }
@@ -588,7 +636,7 @@ mod tests {
         let inverted = |ignored: f64, factor: f64, factor_deviation: f64| {
             worth_in_words(SimulationWorth { explained: 0.8, is_inverted: true, ignored, factor, factor_deviation })
         };
-        let wrong_way = "; it points the wrong way: what it calls better was worse.";
+        let wrong_way = "The simulation points the wrong way: what it calls better was worse. ";
         for (ignored, factor, deviation, is_said) in [
             (0.95, 1.0, 0.0, true),
             (0.2, 1.0, 0.0, true),
@@ -596,7 +644,7 @@ mod tests {
             (0.2, -0.8, 0.1, true),
             (0.2, -0.8, 0.6, false),
         ] {
-            assert_eq!(inverted(ignored, factor, deviation).ends_with(wrong_way), is_said, "{factor}, {deviation}");
+            assert_eq!(inverted(ignored, factor, deviation).starts_with(wrong_way), is_said, "{factor}, {deviation}");
         }
         assert!(said(0.05, 0.95).ends_with("measured: it is of little use, and is mostly left out."));
         assert!(said(0.05, 0.2).ends_with(

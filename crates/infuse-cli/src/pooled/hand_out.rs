@@ -5,7 +5,7 @@ use design_space::Cell;
 use infuse::pooled::{Ask, Reason};
 
 use super::buildable::some_are_refused;
-use super::campaign::{Batch, Campaign, Origin, busy};
+use super::campaign::{Batch, Campaign, Origin, busy, tells_designs_apart};
 use crate::campaign::{Campaign as _, HandedOut, Stage, Wish, failed_in_words, simulate_missing};
 use crate::journal::{Event, Measured, Writer, now};
 use crate::simulator::identity;
@@ -110,6 +110,13 @@ fn simulate(campaign: &mut Campaign, writer: &mut Writer, anyway: bool, done: &m
         );
     }
     done.notices.extend(failed_in_words(simulated.n_failed));
+    let values = campaign.simulated()?;
+    if values.len() > 1 && !tells_designs_apart(&values) {
+        done.notices.push(format!(
+            "all {} simulations gave the same value: they tell nothing. Does the simulation take its settings?",
+            values.len()
+        ));
+    }
     Ok(())
 }
 

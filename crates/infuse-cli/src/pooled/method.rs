@@ -171,6 +171,7 @@ impl campaign::Campaign for Campaign {
             "designs_without_reserve": found.forecast.reserves_until(),
             "designs_counted": found.forecast.n_counted(),
             "held_for_a_find": found.forecast.is_for_a_find(),
+            "bound_is_what_the_response_allows": found.forecast.is_for_the_least(),
             "find": found.find.as_ref().map(|point| problem.named(point)),
             "left_share": found.left,
             "unseen_share": found.unseen,
@@ -206,6 +207,10 @@ impl campaign::Campaign for Campaign {
 
     fn what_if_over_the_grid(&self, path: &Path) -> Result<(Vec<Finding>, Value)> {
         what_if::over_the_grid(self, path)
+    }
+
+    fn may_confirm(&self) -> bool {
+        self.experiments.n_outstanding() == 0 && !self.costs().is_empty()
     }
 
     fn confirm(&mut self, writer: &mut Writer, runs: usize) -> Result<()> {

@@ -97,6 +97,14 @@ impl Response {
         Some(format!("{word} {}, the bound of the response in {PROBLEM}", with_unit(&plain(bound), &self.unit)))
     }
 
+    /// The least cost that there can be.
+    pub(crate) fn least(&self) -> Option<f64> {
+        match self.goal {
+            Goal::Minimize => self.lower,
+            Goal::Maximize => self.upper.map(|upper| -upper),
+        }
+    }
+
     /// "lower" or "higher", whichever is better.
     pub(crate) fn better(&self) -> &'static str {
         match self.goal {

@@ -121,6 +121,17 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
         None if error.message() == "missing field `title`" => {
             "\nwrite title = \"what is optimized\" as the first line, above all sections".to_owned()
         }
+        None if error.message() == "missing field `parameter`" => {
+            "\nwrite a section [[parameter]] for each thing that can be set, with its name, unit, lower and upper"
+                .to_owned()
+        }
+        None if error.message() == "missing field `response`" => {
+            "\nwrite a section [response] with name, unit and goal of what is measured".to_owned()
+        }
+        None if error.message().starts_with("unknown field") && error.message().contains(OF_THE_OTHER[0]) => {
+            let keys = OF_THE_OTHER.map(|key| format!("`{key}`")).join(", ");
+            format!("\nof these {keys} are for `method` = \"dissertation\" alone")
+        }
         None if value.trim_ascii_start().starts_with(b".") => "\nwrite 0.5 and not .5".to_owned(),
         None if is_comma && !is_list => "\na decimal comma? write 20.5 and not 20,5".to_owned(),
         None => String::new(),
@@ -132,6 +143,18 @@ fn with_hint(text: &str, error: &toml::de::Error) -> anyhow::Error {
     };
     anyhow!("{}{hint}", in_plain_words(&message, entry))
 }
+
+/// Keys of [loop] that the pooled loop does not know.
+const OF_THE_OTHER: [&str; 8] = [
+    "model",
+    "replicates",
+    "drop_from",
+    "gain",
+    "experiment_weight",
+    "simulation_weight",
+    "surfaces",
+    "without_spread",
+];
 
 /// What the parser says of a number where a name is expected.
 const NO_NAME: &str = "wanted string or table";

@@ -67,6 +67,7 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
     settings.noise = entry.noise;
     settings.worth = problem.worth;
     settings.smooth = problem.smooth.unwrap_or(false);
+    settings.least = problem.response.least();
     settings.constraints = problem.constraints.iter().map(|held| held.constraint.clone()).collect();
     settings.plants = problem.costs.as_ref().map(Costs::plants);
     settings.linear_constraints.clone_from(&problem.linear_constraints);

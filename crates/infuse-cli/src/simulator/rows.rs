@@ -58,6 +58,11 @@ impl Rows {
         (rows, contradicting)
     }
 
+    /// What the simulation says of each design.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     pub(super) fn push(&mut self, cell: Cell, value: f64, constrained: &[f64]) {
         self.cells.push(cell);
         self.values.push(value);

@@ -38,13 +38,14 @@ fn choices_are_named() {
 }
 
 #[test]
-fn one_simulation_is_run_and_what_a_batch_costs_follows_from_it() {
+fn a_simulation_is_run_and_what_a_batch_costs_follows_from_it() {
     let rig = Rig::pooled();
     let command = "command = [\"sh\", \"-c\", \"echo x >> ran; sleep 0.2; echo {spring}{damper gain}\"]\njobs = 4";
     rig.edit("table = \"simulation.csv\"", command);
     rig.edit("experiments = 10", "experiments = 10\nsimulations = 40");
     let checked = check(&rig);
-    assert_eq!(rig.read("ran").lines().count(), 1);
+    // And a second one, as it is quick, which shows whether it takes its settings.
+    assert_eq!(rig.read("ran").lines().count(), 2);
     // In the middle of 10 to 34 and of 0.5 to 2.9.
     assert_eq!(checked["simulation"]["settings"], json!({ "spring": 22.0, "damper gain": 1.7 }));
     assert_eq!((&checked["simulation"]["value"], &checked["simulations_per_batch"]), (&json!(221.7), &json!(40)));

@@ -268,6 +268,80 @@ fn a_useless_simulation_and_a_constant_one_are_said() {
     }
 }
 
+/// At `check`, with a table and with a command, and at `ask`: not only once experiments were made.
+#[test]
+fn a_constant_simulation_is_said_before_any_experiment() {
+    let of_table = rig_of(|_, _| 7.0, "");
+    let said = of_table.infuse(&["check"]).ok();
+    assert!(said.contains("all of them have the same value"), "{said}");
+    let with_command = |command: &str| {
+        let rig = Rig::pooled();
+        rig.edit(
+            "table = \"simulation.csv\"",
+            &format!("command = [\"sh\", \"-c\", \"{command} # {{spring}} {{damper gain}}\"]"),
+        );
+        rig
+    };
+    let deaf = with_command("echo 7");
+    let said = deaf.infuse(&["check"]).ok();
+    assert!(said.contains("exactly the same: does the simulation take its settings?"), "{said}");
+    let asked = deaf.infuse(&["ask"]);
+    assert!(asked.is_success && asked.stderr.contains("gave the same value: they tell nothing"), "{}", asked.stderr);
+    let hears = with_command("echo 1{spring}");
+    assert!(!hears.infuse(&["check"]).ok().contains("Careful"));
+    assert!(!hears.infuse(&["ask"]).stderr.contains("the same value"));
+}
+
+/// With `lower` the certificate is no more than what is left down to it, and the campaign stops where nothing is left to gain.
+#[test]
+fn no_certificate_goes_beyond_what_the_response_allows() {
+    let rig = rig_of(|a, b| 2.0 + a + b, "[stop]\nworth = 0.3\n");
+    rig.edit("goal = \"minimize\"", "goal = \"minimize\"\nlower = 1.9");
+    let measure = |a: f64, b: f64, id: u64| Ok(2.0 + a + b + 0.01 * wobble(id));
+    batch(&rig, measure);
+    batch(&rig, measure);
+    let status = rig.status();
+    let (bound, expected) = (status["bound"].as_f64().unwrap(), status["predicted"].as_f64().unwrap());
+    assert_eq!(status["bound_is_what_the_response_allows"], json!(true));
+    assert_eq!((best(&rig), status["runs_there"].as_u64() > Some(0)), ((0.0, 0.0), true), "{status}");
+    // As far as the recommended design may be above it, nine times in ten, or as was measured there.
+    let sure = expected - 1.9 + 1.281_55 * status["deviation"].as_f64().unwrap();
+    assert!((sure - 1e-3..sure + 0.05).contains(&bound), "{bound} at {expected}");
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("More is not to be had: 1.9 N is the best value that [response] allows"), "{text}");
+    assert!(text.contains("Ended: with 90 % probability") && text.contains("Next: "), "{text}");
+    assert!(rig.infuse(&["ask"]).ok().contains("confirm, a few runs that measure what was gained"));
+    rig.edit("lower = 1.9", "lower = -100");
+    assert!(rig.status()["bound"].as_f64() > Some(2.0 * bound), "what is far away cuts nothing");
+}
+
+/// Between settings that can be any there is always another a hair away: runs beside it are said, and no more are asked for.
+#[test]
+fn runs_beside_a_recommendation_that_was_never_run_are_said() {
+    let rig = Rig::empty();
+    let parameter = "[[parameter]]\nname = \"a\"\nunit = \"mm\"\nlower = 0\nupper = 10\n";
+    rig.write(
+        "campaign.toml",
+        &format!("title = \"A\"\n{parameter}[response]\nname = \"y\"\nunit = \"N\"\ngoal = \"minimize\"\n[loop]\nexperiments = 8\n"),
+    );
+    let truth = |a: f64| (a - 6.2).powi(2);
+    for number in 0..3 {
+        let asked = match number {
+            2 => serde_json::from_str(&rig.infuse(&["confirm", "--json"]).ok()).unwrap(),
+            _ => ask(&rig),
+        };
+        for one in asked["experiments"].as_array().unwrap() {
+            let (id, a) = (one["id"].as_u64().unwrap(), one["settings"]["a"].as_f64().unwrap());
+            let value = truth(a) + 0.01 * wobble(id);
+            rig.infuse(&["tell", "--id", &id.to_string(), "--value", &value.to_string()]).ok();
+        }
+    }
+    let (text, status) = (rig.infuse(&["status"]).ok(), rig.status());
+    let was_run = status["runs_there"].as_u64() > Some(0);
+    assert!(was_run || text.contains("within 1 % of its settings"), "{text}");
+    assert!(!text.contains("`infuse confirm` plans a few runs there"), "{text}");
+}
+
 #[test]
 fn a_probability_is_written_alike_wherever_it_stands() {
     let rig = rig_of(|a, b| a + b, "");

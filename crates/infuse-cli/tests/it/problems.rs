@@ -25,11 +25,32 @@ fn what_a_parameter_is_called_for_may_be_changed_at_any_time() {
 }
 
 #[test]
+fn sections_that_are_missing_are_named_with_what_belongs_into_them() {
+    let rig = Rig::empty();
+    let response = "[response]\nname = \"y\"\nunit = \"N\"\ngoal = \"minimize\"\n";
+    rig.write("campaign.toml", &format!("title = \"A\"\n{response}"));
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("write a section [[parameter]] for each thing that can be set"), "{error}");
+    rig.write("campaign.toml", "title = \"A\"\n[[parameter]]\nname = \"a\"\nunit = \"mm\"\nlower = 0\nupper = 1\n");
+    assert!(rig.infuse(&["check"]).error().contains("write a section [response]"));
+    let of_table = Rig::pooled();
+    of_table.edit("simulation.csv", "nowhere.csv");
+    let error = of_table.infuse(&["check"]).error();
+    assert!(error.ends_with("there is none of that name\n") && !error.contains("os error"), "{error}");
+}
+
+#[test]
 fn slips_in_the_problem_are_told() {
     assert_refused("seed = 1", "sead = 1", &["campaign.toml", "sead", "line 6"]);
     assert_refused("lower = 10", "lower = 10,5", &["a decimal comma? write 20.5 and not 20,5"]);
     assert_refused("lower = 10", "lower = .5", &["write 0.5 and not .5"]);
     assert_refused("title = \"", "# title = \"", &["missing field `title`", "as the first line, above all sections"]);
+    assert_refused("[response]", "[responce]", &["responce", "expected one of"]);
+    assert_refused(
+        "experiments = 10",
+        "experimints = 10",
+        &["experimints", "are for `method` = \"dissertation\" alone"],
+    );
     assert_refused("lower = 10", "lower = nan", &["`spring`", "NaN"]);
     assert_refused("lower = 10", "lower = 40", &["spring", "40"]);
     assert_refused("step = 2\n", "", &["`spring` needs `levels`", "dissertation"]);

@@ -270,6 +270,7 @@ _SETTINGS = (
     "noise",
     "worth",
     "smooth",
+    "least",
     "confidence",
     "particles",
     "seed",
@@ -332,7 +333,7 @@ class PooledLoop:
     where it is dear, `simulations` limits how many there are per batch, and `due` says which. `noise` is the standard
     deviation of a reading, where it is known. With `worth` the campaign stops once no design is better than the
     recommended one by more than this, with the probability `confidence`. `smooth` says that the response surely has no
-    narrow well, for which the certificate otherwise holds something in reserve.
+    narrow well, for which the certificate otherwise holds something in reserve, and `least` that no response can be less.
 
     With `constraints` further responses have to stay within bounds; a simulation then gives n rows, the response first and
     one column for each constraint behind it. `linear_constraints` keep settings together, and `plants` says what is built.
@@ -364,6 +365,7 @@ class PooledLoop:
         noise: Optional[float] = None,
         worth: Optional[float] = None,
         smooth: bool = False,
+        least: Optional[float] = None,
         confidence: float = 0.9,
         particles: int = 18,
         seed: int = 1,
@@ -379,6 +381,7 @@ class PooledLoop:
             "noise": noise,
             "worth": worth,
             "smooth": smooth,
+            "least": least,
             "confidence": confidence,
             "particles": particles,
             "seed": seed,

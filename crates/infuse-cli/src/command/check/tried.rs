@@ -80,10 +80,16 @@ fn try_simulator(folder: &Path, problem: &Problem, grid: &Grid, designs: &[Vec<f
             Value::Null,
         )),
         Simulator::Table(path) => {
-            let rows = looked_up(folder, path, problem, grid)?.len();
-            let (n_rows, n_cells) = (grouped(rows as u64), grouped(grid.n_cells()));
+            let rows = looked_up(folder, path, problem, grid)?;
+            let n = rows.len();
+            let (n_rows, n_cells) = (grouped(n as u64), grouped(grid.n_cells()));
             let sentence = format!("{}: {n_rows} of {n_cells} designs are simulated.", path.display());
-            Ok(nothing(Finding::new(sentence).with("rows", rows as f64, "1"), json!({ "rows": rows })))
+            let mut finding = Finding::new(sentence).with("rows", n as f64, "1");
+            if n > 1 && rows.values().windows(2).all(|two| two[0].to_bits() == two[1].to_bits()) {
+                let sentence = "Careful: all of them have the same value: such a simulation tells nothing.";
+                finding = finding.detail(Finding::new(sentence));
+            }
+            Ok(nothing(finding, json!({ "rows": n })))
         }
         Simulator::Program { queue: Some(_), .. } => {
             Ok(nothing(Finding::new("The simulations run in a queue: none was tried."), Value::Null))
@@ -92,10 +98,33 @@ fn try_simulator(folder: &Path, problem: &Problem, grid: &Grid, designs: &[Vec<f
     }
 }
 
+/// A second simulation is tried if the first one took no longer.
+const QUICK: Duration = Duration::from_secs(5);
+
+/// That another design gives the very same value, if it does.
+fn same_elsewhere(
+    folder: &Path,
+    problem: &Problem,
+    program: &Program,
+    others: &[Vec<f64>],
+    value: f64,
+    took: Duration,
+) -> Result<Option<Finding>> {
+    let Some(other) = others.first().filter(|_| took <= QUICK) else { return Ok(None) };
+    Ok(match program.run(folder, &problem.region, other, None)? {
+        Ran::Value { value: there, .. } if there.to_bits() == value.to_bits() => {
+            let at = problem.describe(other);
+            Some(Finding::new(format!("Careful: {at} gives exactly the same: does the simulation take its settings?")))
+        }
+        Ran::Interrupted => bail!("interrupted: nothing was written down"),
+        _ => None,
+    })
+}
+
 /// Runs the simulation of one design after the other until one gives a value.
 fn run_one(folder: &Path, problem: &Problem, program: &Program, designs: &[Vec<f64>]) -> Result<Tried> {
     let (mut findings, mut reasons) = (Vec::new(), Vec::new());
-    for point in designs {
+    for (tried, point) in designs.iter().enumerate() {
         let (start, at) = (Instant::now(), problem.describe(point));
         match program.run(folder, &problem.region, point, None)? {
             Ran::Value { value, others, .. } => {
@@ -120,6 +149,9 @@ fn run_one(folder: &Path, problem: &Problem, program: &Program, designs: &[Vec<f
                     let sentence = format!("It says nothing of {}: experiments alone will.", held.name());
                     finding = finding.detail(Finding::new(sentence));
                 }
+                finding = same_elsewhere(folder, problem, program, &designs[tried + 1..], value, took)?
+                    .into_iter()
+                    .fold(finding, Finding::detail);
                 findings.push(finding);
                 let json = json!({
                     "settings": problem.named(point), "value": value, "constrained": others, "failed": reasons,
