@@ -1,10 +1,12 @@
-//! The two machines: what a design costs in the simulation and on the rig, and which of its parameters are built.
+//! The machines: what a design costs in the simulation and on the rig, and which of its parameters are built.
 
 use anyhow::{Context as _, Result};
 use design_space::{Cell, Grid, Parameter, Region};
 use rayon::prelude::*;
 use std::path::Path;
 
+use super::N_CASES;
+use super::formula;
 use super::suspension::{self, Car};
 use crate::bat::{Bat, MODEL, STAND_IN};
 use crate::chapter7::Setup;
@@ -38,11 +40,12 @@ pub(super) struct Case {
 enum Machine {
     Turbine(Box<Bat>),
     Suspension,
+    Formula,
 }
 
 impl Case {
-    /// Both, before anybody has [looked around](Self::look_around).
-    pub(super) fn read(root: &Path) -> Result<[Self; 2]> {
+    /// All, before anybody has [looked around](Self::look_around).
+    pub(super) fn read(root: &Path) -> Result<[Self; N_CASES]> {
         let setup = Setup::read(&root.join("fixtures/bat/chapter7.toml"))?;
         let turbine = setup.cases.into_iter().last().context("a study of four parameters")?;
         let region = turbine.space.region().clone();
@@ -59,7 +62,10 @@ impl Case {
             .map(|(name, unit, lower, upper)| Parameter::continuous(name, unit, lower, upper)?.with_levels(LEVELS));
         let region = Region::new(parameters.into_iter().collect::<Result<_, _>>()?)?;
         let words = "suspension: spring and damper are built";
-        Ok([of_turbine, Self::of("suspension", words, region, vec![0, 1], Machine::Suspension)?])
+        let of_suspension = Self::of("suspension", words, region, vec![0, 1], Machine::Suspension)?;
+        let words = "formula: what is built makes a ripple";
+        let of_formula = Self::of("formula", words, formula::region()?, vec![0, 1], Machine::Formula)?;
+        Ok([of_turbine, of_suspension, of_formula])
     }
 
     fn of(
@@ -133,6 +139,10 @@ impl Case {
             Machine::Turbine(bat) => {
                 let flown = bat.flown_costs(points, if is_true { STAND_IN } else { MODEL }, |_| {});
                 flown.into_iter().map(|cost| cost.map_err(String::from)).collect()
+            }
+            Machine::Formula => {
+                let of = if is_true { formula::truth } else { formula::simulation };
+                points.iter().map(|point| Ok(of(point))).collect()
             }
             Machine::Suspension => {
                 let car = if is_true { Car::ON_THE_STAND } else { Car::SIMULATED };

@@ -91,17 +91,18 @@ fn read_cost(text: &str) -> Option<Cost> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plants::N_CASES;
 
-    fn cases() -> [Case; 2] {
-        Case::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).expect("two cases")
+    fn cases() -> [Case; N_CASES] {
+        Case::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).expect("the cases")
     }
 
     fn bits(cost: &Cost) -> Result<u64, String> {
         cost.clone().map(f64::to_bits)
     }
 
-    /// What two cases cost at three cells, and the file that keeps it.
-    fn kept(folder: &Path) -> (KeptFile, [Case; 2], Vec<Cost>) {
+    /// What the cases cost at three cells, and the file that keeps it.
+    fn kept(folder: &Path) -> (KeptFile, [Case; N_CASES], Vec<Cost>) {
         let cases = cases();
         let file = file(&folder.join("costs.tsv"), &cases).expect("a key");
         let costs = costs_of(&cases);
@@ -125,7 +126,7 @@ mod tests {
                 costs_of(&others).iter().map(bits).collect::<Vec<_>>(),
                 costs.iter().map(bits).collect::<Vec<_>>()
             );
-            assert_eq!(others.map(|case| case.costs.n_made()), [n_made; 2]);
+            assert_eq!(others.map(|case| case.costs.n_made()), [n_made; N_CASES]);
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod campaign;
 mod case;
+mod formula;
 mod kept;
 mod page;
 mod store;
@@ -26,8 +27,11 @@ const AT_ONCE: usize = 4;
 /// The method of the campaigns that a check runs anew, and their seed.
 const QUICK: (Method, u64) = (METHODS[METHODS.len() - 1], 1);
 
+/// Machines that campaigns are run on.
+const N_CASES: usize = 3;
+
 /// The cases, all that is asked of them found anew.
-fn cases(root: &Path) -> Result<[Case; 2]> {
+fn cases(root: &Path) -> Result<[Case; N_CASES]> {
     let mut cases = Case::read(root)?;
     cases.iter_mut().try_for_each(Case::look_around)?;
     Ok(cases)
@@ -37,8 +41,9 @@ fn cases(root: &Path) -> Result<[Case; 2]> {
 pub(crate) fn run(root: &Path) -> Result<()> {
     let cases = cases(root)?;
     let mut store = Store::read(&root.join(KEPT))?;
-    let all = (1..=SEEDS)
-        .flat_map(|seed| METHODS.iter().flat_map(move |&method| (0..2).map(move |case: usize| (case, method, seed))));
+    let all = (1..=SEEDS).flat_map(|seed| {
+        METHODS.iter().flat_map(move |&method| (0..N_CASES).map(move |case: usize| (case, method, seed)))
+    });
     let missing: Vec<_> =
         all.filter(|(case, method, seed)| !store.has(cases[*case].name, method.name, *seed)).collect();
     let bar = progress("campaigns", missing.len());
