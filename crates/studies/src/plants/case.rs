@@ -5,7 +5,6 @@ use design_space::{Cell, Grid, Parameter, Region};
 use rayon::prelude::*;
 use std::path::Path;
 
-use super::N_CASES;
 use super::formula;
 use super::suspension::{self, Car};
 use crate::bat::{Bat, MODEL, STAND_IN};
@@ -13,6 +12,8 @@ use crate::chapter7::Setup;
 use crate::costs::Cost;
 use crate::known::Known;
 
+/// Machines that campaigns are run on.
+pub(super) const N_CASES: usize = 3;
 /// Levels of each parameter.
 const LEVELS: u32 = 24;
 /// Designs that tell how far costs spread, and those from which the best is looked for.

@@ -91,7 +91,7 @@ fn read_cost(text: &str) -> Option<Cost> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plants::N_CASES;
+    use crate::plants::case::N_CASES;
 
     fn cases() -> [Case; N_CASES] {
         Case::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).expect("the cases")

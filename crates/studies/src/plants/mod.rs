@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::reproduction::progress;
 use campaign::{METHODS, Method, SEEDS, run as run_campaign};
-use case::Case;
+use case::{Case, N_CASES};
 use store::Store;
 
 const KEPT: &str = "fixtures/plants/campaigns.csv";
@@ -26,9 +26,6 @@ const AT_ONCE: usize = 4;
 
 /// The method of the campaigns that a check runs anew, and their seed.
 const QUICK: (Method, u64) = (METHODS[METHODS.len() - 1], 1);
-
-/// Machines that campaigns are run on.
-const N_CASES: usize = 3;
 
 /// The cases, all that is asked of them found anew.
 fn cases(root: &Path) -> Result<[Case; N_CASES]> {
