@@ -163,8 +163,8 @@ mod tests {
         let costs = [(Cell::new(3), Ok(0.1 + 0.2)), (Cell::new(7), Err("a strut\tat\nits end".to_owned()))];
         let text = lines("suspension", &costs);
         assert_eq!(text.lines().count(), 3, "{text}");
-        let [turbine, suspension] = &read(&text, &cases()).expect("rows")[..] else { panic!("two cases") };
-        assert!(turbine.is_empty());
+        let [turbine, suspension, formula] = &read(&text, &cases()).expect("rows")[..] else { panic!("three cases") };
+        assert!(turbine.is_empty() && formula.is_empty());
         assert_eq!(suspension[0], costs[0]);
         assert_eq!(suspension[1].1, Err("a strut at its end".to_owned()));
     }
