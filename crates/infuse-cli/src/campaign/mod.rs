@@ -151,6 +151,10 @@ pub(crate) trait Campaign {
     fn may_confirm(&self) -> bool {
         false
     }
+    /// Whether the last batch was made to confirm.
+    fn is_confirmed(&self) -> bool {
+        false
+    }
     /// Plans so many runs each of the designs that are to be compared.
     fn confirm(&mut self, _writer: &mut Writer, _runs: usize) -> Result<()> {
         bail!("`infuse confirm` needs `method` = \"pooled\"")

@@ -52,7 +52,8 @@ pub(super) fn waiting(
     if is_new {
         sheet::write(&path, problem, &trials)?;
     } else {
-        sheet::check_same(&path, problem, &trials)?;
+        sheet::check_same(&path, problem, &trials)
+            .with_context(|| format!("batch {batch} is chosen and written down, but has no sheet yet"))?;
     }
     let findings = handed_out(campaign, batch, &path, is_new, n_simulated);
     let rows = trials.iter().enumerate().map(|(index, (trial, repeats))| {

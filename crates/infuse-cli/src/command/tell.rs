@@ -13,7 +13,7 @@ use super::settings;
 use crate::arguments::Tell;
 use crate::campaign::{Campaign, Reading, Stage};
 use crate::echo::echo;
-use crate::findings::{ended, outstanding, taken};
+use crate::findings::{ended, next, outstanding, taken};
 use crate::folder;
 use crate::journal::{Event, Measured, Told, Writer, now};
 use crate::number::{count, plain};
@@ -46,6 +46,7 @@ pub(crate) fn take(
 ) -> Result<(Vec<Finding>, Value)> {
     let n_closed = campaign.n_closed();
     let rows = fresh.len();
+    let n_failed = fresh.iter().filter(|(answer, _)| answer.result.value().is_none()).count();
     let (at, problem) = (now(), campaign.problem().clone());
     let event = |(index, (answer, corrects)): (usize, (Answer, bool))| {
         let Answer { id, result, constrained, actual, repeat, note, .. } = answer;
@@ -67,7 +68,7 @@ pub(crate) fn take(
     };
     let events: Vec<Event> = fresh.into_iter().enumerate().map(event).collect();
     campaign.record(writer, events)?;
-    let mut findings = taken(rows, n_known, n_empty);
+    let mut findings = taken(rows, n_failed, n_known, n_empty);
     let n_outstanding = campaign.experiments().n_outstanding();
     let batch = campaign.experiments().last_batch().unwrap_or(0);
     let is_closed = campaign.n_closed() > n_closed;
@@ -78,7 +79,8 @@ pub(crate) fn take(
             Stage::Ended { reason, .. } => {
                 ended(&reason).detail(Finding::new(format!("Where it ended: {infuse} status")))
             }
-            _ => Finding::new(format!("Next: {infuse} status, then {infuse} ask")),
+            stage @ Stage::Pending => next(campaign, &stage),
+            Stage::Ready => Finding::new(format!("Next: {infuse} status, then {infuse} ask")),
         });
     } else if n_outstanding > 0 {
         let experiments = campaign.experiments();

@@ -6,7 +6,7 @@ use page::Finding;
 
 use crate::campaign::Campaign;
 use crate::number::count;
-use crate::problem::heading;
+use crate::problem::{Costs, heading};
 use crate::shell::tell_with;
 
 /// The experiments that are waited for, and what to do with them. The sheet may have been there before.
@@ -38,6 +38,8 @@ pub(crate) fn handed_out(
         found.push(Finding::new(sentence).with("simulations made", n_simulated as f64, "1"));
     }
     found.push(campaign.purpose(batch));
+    let points: Vec<&[f64]> = trials.iter().map(|(trial, _)| trial.point.as_slice()).collect();
+    found.extend(campaign.problem().costs.as_ref().map(|costs| plants(costs, &points)));
     if n_told > 0 {
         let n_left = trials.len() - n_told;
         let sentence = format!("Results so far: {n_told}; {n_left} to go.");
@@ -59,4 +61,19 @@ pub(crate) fn handed_out(
         tell_with(campaign.folder(), sheet),
     )));
     found
+}
+
+/// How many plants a batch is run on, and after which runs another is put together.
+fn plants(costs: &Costs, runs: &[&[f64]]) -> Finding {
+    let changes = costs.changes_of_plant(runs);
+    let n = changes.len() + 1;
+    let sentence = match changes.as_slice() {
+        [] => "All runs are of one plant, put together once.".to_owned(),
+        changes => format!(
+            "They are of {}, each put together once: another is put together after run {}.",
+            count(n, "plant"),
+            changes.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
+        ),
+    };
+    Finding::new(sentence).with("plants", n as f64, "1")
 }

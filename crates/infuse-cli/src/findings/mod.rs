@@ -11,7 +11,7 @@ mod taken;
 pub(crate) use amount::{amount, gain, value, value_to};
 pub(crate) use batch::handed_out;
 pub(crate) use bounds::on_bounds;
-pub(crate) use next::{after_the_end, ended, next};
+pub(crate) use next::{after_the_end, all_batches_made, ended, next};
 pub(crate) use standing::standing;
 pub(crate) use taken::{imported, outstanding, taken, withdrawn};
 

@@ -30,15 +30,27 @@ pub(crate) fn next(campaign: &dyn Campaign, stage: &Stage) -> Finding {
     })
 }
 
-/// What to type after the end, where there is something to confirm.
+/// What to type after the end.
 pub(crate) fn after_the_end(campaign: &dyn Campaign) -> Option<Finding> {
     let infuse = infuse(campaign.folder());
-    campaign.may_confirm().then(|| {
-        Finding::new(format!("Next: {infuse} confirm, a few runs that measure what was gained; then: {infuse} report"))
-    })
+    if campaign.is_confirmed() {
+        return Some(Finding::new(format!("Next: {infuse} report, which draws all that was found")));
+    }
+    let sentence = format!("Next: {infuse} confirm, a few runs that measure what was gained; then: {infuse} report");
+    campaign.may_confirm().then(|| Finding::new(sentence))
 }
 
 /// Why there is nothing more to run.
 pub(crate) fn ended(reason: &str) -> Finding {
     Finding::new(format!("Ended: {reason}."))
+}
+
+/// That the limit on the batches is reached.
+pub(crate) fn all_batches_made(n: usize) -> String {
+    let made = if n == 1 {
+        "the one batch of [loop] was made".to_owned()
+    } else {
+        format!("all {n} batches of [loop] were made")
+    };
+    format!("{made} (`batches` may be raised)")
 }

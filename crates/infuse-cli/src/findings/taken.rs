@@ -5,13 +5,12 @@ use page::Finding;
 use crate::number::count;
 
 /// Results taken, and rows that were known before or are still empty.
-pub(crate) fn taken(n: usize, n_known: usize, n_empty: usize) -> Vec<Finding> {
+pub(crate) fn taken(n: usize, n_failed: usize, n_known: usize, n_empty: usize) -> Vec<Finding> {
     let known = if n_known > 0 { format!(", {n_known} known before") } else { String::new() };
-    let taken = Finding::new(format!("Taken: {}{known}.", count(n, "result"))).with("results", n as f64, "1").with(
-        "known before",
-        n_known as f64,
-        "1",
-    );
+    let failed = if n_failed > 0 { format!(", {n_failed} of them without a value") } else { String::new() };
+    let taken = Finding::new(format!("Taken: {}{failed}{known}.", count(n, "result")))
+        .with("results", n as f64, "1")
+        .with("known before", n_known as f64, "1");
     let empty = (n_empty > 0).then(|| {
         let sentence = format!("{} not filled in yet.", count(n_empty, "row"));
         Finding::new(sentence).with("rows not filled in", n_empty as f64, "1")

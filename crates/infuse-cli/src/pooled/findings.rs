@@ -101,6 +101,14 @@ pub(super) fn set_aside(campaign: &Campaign, found: &Assessment) -> Vec<Origin> 
 /// What is expected at a design, with its band.
 fn expected(campaign: &Campaign, found: &Assessment, here: &Standing) -> Finding {
     let response = &campaign.problem.response;
+    if found.forecast.n_readings < 2 {
+        let sentence = format!(
+            "{} there: {} expected, as was measured; how far off that may be, one result cannot tell.",
+            response.name,
+            value_to(response, here.mean, resolution(found).max(here.deviation))
+        );
+        return Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit);
+    }
     let beyond = match response.fault(response.of_cost(here.mean)) {
         Some(possible) => format!(" That cannot be measured, only {possible}: the surface knows no bounds."),
         None => String::new(),
@@ -126,6 +134,10 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
             let runs = times(here.n_readings);
             let mean_of = if here.n_readings == 1 { "" } else { "on average " };
             format!("It was run {runs}: {mean_of}{} measured.", value_to(response, mean, resolution(found)))
+        }
+        None if campaign.n_waited_for_at(here.cell) > 0 => {
+            let runs = count(campaign.n_waited_for_at(here.cell), "run");
+            format!("It was never run; {runs} of it are waited for.").replace("1 run of it are", "1 run of it is")
         }
         None => match near(campaign, &here.point).as_slice() {
             // Of what can be set anywhere, the next best is always a hair away.
@@ -287,7 +299,7 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
     let (response, Certificate { bound, quantile, .. }) = (&campaign.problem.response, found.certificate);
     if let (true, Some(least)) = (found.forecast.is_for_the_least(), response.least()) {
         let sentence = format!(
-            "More is not to be had: {} is the best value that [response] allows, and the recommended design was run.",
+            "More is not to be had: {} is the best value that [response] allows.",
             value_to(response, least, 0.0)
         );
         return Some(Finding::new(sentence).with("the best value allowed", response.of_cost(least), &response.unit));
@@ -466,7 +478,10 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
                 amount(&campaign.problem.response, repeats.standard_deviation())
             ),
             None => {
-                format!("Noise of one run: {deviation} (standard deviation), from {} among others.", count(n, "repeat"))
+                format!(
+                    "Noise of one run: {deviation} (standard deviation), from {} and what the surface leaves.",
+                    count(n, "repeat")
+                )
             }
         },
     };
@@ -558,8 +573,11 @@ pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Fi
     let (Some(there), Some(found)) = (campaign.standing(cell)?, campaign.assessment()?) else {
         return Ok(Finding::new(format!("{place}: nothing is known of any design yet.")));
     };
+    let failure = campaign.failure_at(cell);
     let verdict = if there.cell == found.recommended.cell {
         "it is the recommended design".to_owned()
+    } else if let Some(reason) = &failure {
+        format!("a run there failed ({reason}), so it is neither asked for again nor recommended")
     } else {
         let may = if there.may_be_best { "may still be the best" } else { "is not thought to be the best" };
         let chance = match there.probability_better {
@@ -574,10 +592,14 @@ pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Fi
         format!("it {may}: better than the recommended one with {chance} probability{feasible}")
     };
     let sentence = format!("{place}: {verdict}.");
-    let mut finding = Finding::new(sentence)
-        .with("probability to be better", there.probability_better, "1")
-        .with("probability of a value", there.feasible, "1")
-        .detail(expected(campaign, &found, &there));
+    let mut finding = Finding::new(sentence).with("probability to be better", there.probability_better, "1").with(
+        "probability of a value",
+        there.feasible,
+        "1",
+    );
+    if failure.is_none() {
+        finding = finding.detail(expected(campaign, &found, &there));
+    }
     finding = constrained_there(campaign, &there).into_iter().fold(finding, Finding::detail);
     if let Some(why_not) = campaign.why_not(cell) {
         finding = finding.detail(Finding::new(format!("It is not to be had: {why_not}.")));
@@ -586,9 +608,6 @@ pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Fi
         let runs = count(there.n_readings, "run");
         finding = finding
             .detail(Finding::new(format!("{runs} there, mean {}.", value_to(response, measured, resolution(&found)))));
-    }
-    if let Some(reason) = campaign.failure_at(cell) {
-        finding = finding.detail(Finding::new(format!("A run there failed: {reason}.")));
     }
     Ok(finding)
 }

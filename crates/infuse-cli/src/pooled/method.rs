@@ -18,7 +18,7 @@ use super::reasons::reasons;
 use super::warnings::{all_equal, nothing_but_failures, warnings};
 use super::{confirm, hand_out, report, what_if};
 use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Stage, Wish};
-use crate::findings::amount;
+use crate::findings::{all_batches_made, amount};
 use crate::journal::{Event, Journal, Submitted, Writer};
 use crate::number::count;
 use crate::problem::Problem;
@@ -51,8 +51,7 @@ impl campaign::Campaign for Campaign {
         Ok(match self.not_worth_it()? {
             Some(reason) => Stage::Ended { reason, may_go_on: !self.is_full() },
             None if self.is_full() => {
-                let batches = count(self.settings.max_batches, "batch");
-                let reason = format!("all {batches} of [loop] were made (`batches` may be raised)");
+                let reason = all_batches_made(self.settings.max_batches);
                 Stage::Ended { reason, may_go_on: false }
             }
             None => Stage::Ready,
@@ -210,7 +209,11 @@ impl campaign::Campaign for Campaign {
     }
 
     fn may_confirm(&self) -> bool {
-        self.experiments.n_outstanding() == 0 && !self.costs().is_empty()
+        self.experiments.n_outstanding() == 0 && !self.costs().is_empty() && !self.is_confirmed()
+    }
+
+    fn is_confirmed(&self) -> bool {
+        self.batches.last().is_some_and(|batch| batch.purpose.is_some())
     }
 
     fn confirm(&mut self, writer: &mut Writer, runs: usize) -> Result<()> {
@@ -231,7 +234,7 @@ impl Campaign {
             let enough = amount(response, worth);
             let than_enough = match found.certificate.bound > 0.0 {
                 true => format!("less than the {enough} that would be worth another batch"),
-                false => format!("and {enough} would be worth another batch"),
+                false => format!("and another batch would have to be worth {enough}"),
             };
             format!("with {}, {than_enough}", none_better(&self.problem, &found.certificate))
         }))

@@ -42,6 +42,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
         warnings.push(Finding::new(sentence).with("standard errors", contradiction.deviations, "1"));
     }
     warnings.extend(set_aside(campaign, found));
+    warnings.extend(beyond_the_bounds(campaign));
     warnings.extend(given_noise(campaign));
     warnings.extend(all_equal(campaign));
     Ok(warnings)
@@ -162,6 +163,24 @@ fn remedy(campaign: &Campaign, found: &Assessment) -> &'static str {
         }
         false => "`infuse tell --correct` puts a slip right, and a run that was spoilt is told as failed",
     }
+}
+
+/// Results that `[response]` does not allow: its bounds were set, or changed, after them.
+fn beyond_the_bounds(campaign: &Campaign) -> Option<Finding> {
+    let (response, readings) = (&campaign.problem.response, campaign.readings());
+    let beyond = || {
+        let value = |(origin, cost): &(Origin, f64)| (*origin, response.of_cost(*cost));
+        readings.iter().map(value).filter_map(|(origin, value)| Some((origin, value, response.fault(value)?)))
+    };
+    let (origin, value, allowed) = beyond().next()?;
+    let (n, shown) = (beyond().count(), value_to(response, response.cost(value), f64::NAN));
+    let results = if n == 1 { "1 result is".to_owned() } else { format!("{n} results are") };
+    let sentence = format!(
+        "Careful: {results} not {allowed}; the first, {}: {shown}. One of them is wrong: put the result right with `infuse tell --correct`, \
+         or the bound in the file. What the bound says of how much better a design may be is left out.",
+        campaign.full_name_of(origin)
+    );
+    Some(Finding::new(sentence).with("results beyond the bounds", n as f64, "1"))
 }
 
 /// Whether repeats speak against the noise that was given.

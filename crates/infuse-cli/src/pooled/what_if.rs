@@ -43,6 +43,12 @@ impl Campaign {
         self.with_loop(|now, simulate| now.expectations(cells, simulate))
     }
 
+    /// Runs of a design that are planned and have no result.
+    pub(super) fn n_waited_for_at(&self, cell: Cell) -> usize {
+        let there = self.experiments.trials.values().filter(|trial| trial.cell == cell);
+        there.filter(|trial| !self.experiments.has_result(trial.id)).count()
+    }
+
     /// Why a run of a design failed, if one did and none gave a value.
     pub(super) fn failure_at(&self, cell: Cell) -> Option<String> {
         let readings = self.experiments.trials.values().filter(|trial| trial.cell == cell);
@@ -84,7 +90,8 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
     let cannot = campaign.cannot_be_built(cell)?.then(|| {
         Finding::new("It cannot be built, says the command of [can_be_built]: it is neither asked for nor recommended.")
     });
-    Ok((vec![standing_in_words(campaign, asked)?, one_run].into_iter().chain(cannot).collect(), json))
+    let one_run = campaign.failure_at(cell).is_none().then_some(one_run);
+    Ok((vec![standing_in_words(campaign, asked)?].into_iter().chain(one_run).chain(cannot).collect(), json))
 }
 
 /// The same over the grid, as a table. How many rows it has.

@@ -87,6 +87,13 @@ impl Costs {
         (cost, n_plants)
     }
 
+    /// Of runs in this order, after how many of them another plant is put together.
+    pub(crate) fn changes_of_plant(&self, runs: &[&[f64]]) -> Vec<usize> {
+        let differs = |pair: &[&[f64]]| self.plant.iter().any(|&place| (pair[0][place] - pair[1][place]).abs() > 0.0);
+        let pairs = runs.windows(2).enumerate();
+        pairs.filter(|(_, pair)| differs(pair)).map(|(index, _)| index + 1).collect()
+    }
+
     /// Of so many runs, at most: each on a plant of its own as far as a batch may have them, all of it set anew.
     pub(crate) fn at_most(&self, runs: usize) -> (f64, usize) {
         let n_plants = self.most.map_or(runs, |most| most.min(runs));

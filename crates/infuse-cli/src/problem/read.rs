@@ -46,6 +46,17 @@ impl Problem {
                 "`{name}` is a heading of sheets, expected another name for a parameter or response"
             );
         }
+        let names: Vec<&str> =
+            region.parameters().iter().map(design_space::Parameter::name).chain([&*file.response.name]).collect();
+        for (place, name) in names.iter().enumerate() {
+            let alike =
+                names[..place].iter().find(|other| *other != name && other.to_lowercase() == name.to_lowercase());
+            if let Some(other) = alike {
+                bail!(
+                    "`{other}` and `{name}` differ in case alone, expected another name: headings of sheets may be in any case"
+                );
+            }
+        }
         let response = response(file.response)?;
         ensure!(
             region.index_of(&response.name).is_none(),

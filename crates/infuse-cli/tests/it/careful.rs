@@ -209,7 +209,7 @@ fn repeats_that_scatter_less_than_what_the_surface_calls_noise_are_said() {
     let rough = told(8.0);
     assert!(rough.contains("by the surface, though the 7 repeats say 0.05"), "{rough}");
     let smooth = told(0.0);
-    assert!(smooth.ends_with("from 7 repeats among others."), "{smooth}");
+    assert!(smooth.ends_with("from 7 repeats and what the surface leaves."), "{smooth}");
 }
 
 /// Runs of the same settings that agree are named once, by these, with how many they are and what they measured.

@@ -46,6 +46,8 @@ fn a_batch_keeps_to_its_plants_and_its_sheet_goes_from_one_to_the_next() {
     let rig = rig_of("change_cost = 6\n", "plants = 3\nexperiment_cost = 0.5\ncost_unit = \"h\"\n");
     let mut n_plants = 0;
     for number in 1..=3 {
+        let said = rig.infuse(&["ask"]).ok();
+        assert!(said.contains("each put together once: another is put together after run "), "{said}");
         let spans = batch(&rig);
         assert!(spans <= 3, "{spans}");
         let mut sheet = csv::Reader::from_path(rig.path(&format!("sheet-{number}.csv"))).unwrap();

@@ -313,6 +313,42 @@ fn no_certificate_goes_beyond_what_the_response_allows() {
     assert!(rig.infuse(&["ask"]).ok().contains("confirm, a few runs that measure what was gained"));
     rig.edit("lower = 1.9", "lower = -100");
     assert!(rig.status()["bound"].as_f64() > Some(2.0 * bound), "what is far away cuts nothing");
+    // A bound that results are beyond is not believed, and said to be wrong.
+    let without = rig.status()["bound"].as_f64().unwrap();
+    rig.edit("lower = -100", "lower = 2.5");
+    assert_eq!(rig.status()["bound"].as_f64(), Some(without));
+    let text = rig.infuse(&["status"]).ok();
+    assert!(
+        text.contains("not at least 2.5 N, the bound of the response") && !text.contains("More is not to be had"),
+        "{text}"
+    );
+}
+
+/// From the end on: what measures the gain, then the report; what failed is said to have failed wherever it is asked about.
+#[test]
+fn what_to_do_next_is_said_once_it_is_confirmed_and_what_failed_has_no_band() {
+    let rig = rig_of(|a, b| a + b, "[stop]\nworth = 1000\n");
+    let measure = |a: f64, b: f64, id: u64| match a > 7.5 {
+        true => Err("it broke".to_owned()),
+        false => Ok(a + b + 0.1 * wobble(id)),
+    };
+    batch(&rig, measure);
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("Ended: ") && text.contains("confirm, a few runs that measure what was gained"), "{text}");
+    let asked: Value = serde_json::from_str(&rig.infuse(&["confirm", "--json"]).ok()).unwrap();
+    let open = rig.infuse(&["status"]).ok();
+    assert!(!open.contains("`infuse confirm` plans a few runs there"), "{open}");
+    tell(&rig, asked["experiments"].as_array().unwrap(), measure);
+    let text = rig.infuse(&["status"]).ok();
+    assert!(
+        text.contains("report, which draws all that was found") && !text.contains("Next: infuse confirm"),
+        "{text}"
+    );
+    let rows = rig.read("sheet-1.csv");
+    let broken = rows.lines().skip(1).map(|row| row.split(',').collect::<Vec<_>>()).find(|row| row[3] == "8");
+    let broken = broken.expect("a run with the highest a");
+    let said = rig.infuse(&["what-if", &format!("a=8,b={}", broken[4])]).ok();
+    assert!(said.contains("a run there failed (it broke)") && !said.contains("One run there would read"), "{said}");
 }
 
 /// Between settings that can be any there is always another a hair away: runs beside it are said, and no more are asked for.

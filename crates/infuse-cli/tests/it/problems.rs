@@ -45,6 +45,7 @@ fn slips_in_the_problem_are_told() {
     assert_refused("lower = 10", "lower = 10,5", &["a decimal comma? write 20.5 and not 20,5"]);
     assert_refused("lower = 10", "lower = .5", &["write 0.5 and not .5"]);
     assert_refused("title = \"", "# title = \"", &["missing field `title`", "as the first line, above all sections"]);
+    assert_refused("name = \"damper gain\"", "name = \"Spring\"", &["`spring` and `Spring` differ in case alone"]);
     assert_refused("[response]", "[responce]", &["responce", "expected one of"]);
     assert_refused(
         "experiments = 10",

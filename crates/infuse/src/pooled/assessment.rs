@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use design_space::Cell;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF as _, Normal};
 use surface::process::SimulationUse;
 
 use crate::Error;
@@ -236,8 +235,8 @@ impl Look {
         let find = finds.open(knowledge, settings, recommended.mean, &mut rng)?;
         let found = find.map_or(0.0, |open| open.reach).max(recommended.mean - measured);
         let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?;
-        let most = contradiction.is_none().then(|| above_the_least(&recommended, settings)).flatten();
-        let draws = draws.beside(found).with_plants(of_plants).at_most(most);
+        let above = contradiction.is_none().then(|| above_the_least(&recommended, readings, settings)).flatten();
+        let draws = draws.beside(found).with_plants(of_plants).above_the_least(above);
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
@@ -363,12 +362,11 @@ pub(crate) fn standing(
     })
 }
 
-/// How far a design that was run may be above the least that a response can be, with the probability of the certificate; the worse of what
-/// is expected there and what was measured.
-fn above_the_least(here: &Standing, settings: &Settings) -> Option<f64> {
-    let (least, measured) = (settings.least?, here.measured?);
-    let sure = Normal::standard().inverse_cdf(settings.confidence);
-    Some((here.mean.max(measured) + sure * here.deviation - least).max(0.0))
+/// How far a design is above the least that a response can be, the worse of what is expected there and what was measured, and the standard
+/// deviation of the former. None where a reading is less: nobody knows then what the least is.
+fn above_the_least(here: &Standing, readings: &[Reading], settings: &Settings) -> Option<(f64, f64)> {
+    let least = settings.least.filter(|least| readings.iter().all(|reading| reading.response >= *least))?;
+    Some((here.mean.max(here.measured.unwrap_or(here.mean)) - least, here.deviation))
 }
 
 /// What is known of each constrained response at each of the cells.

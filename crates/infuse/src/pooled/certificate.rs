@@ -3,6 +3,7 @@
 use design_space::Cell;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use statrs::distribution::{ContinuousCDF as _, Normal};
 use surface::process::Joint;
 
 use crate::Error;
@@ -146,7 +147,7 @@ impl Trust {
 /// looked around on all sides, a well twice as deep as was seen, or as deep as half of what they differ by; unless the response is
 /// [known](crate::pooled::Settings::smooth) to have no narrow well. It is never less than what a measured design is better by that
 /// [contradicts](crate::pooled::Assessment::contradiction) the recommendation; and never more than is left down to the
-/// [least](crate::pooled::Settings::least) that a response can be, once the recommended design was run and nothing contradicts it.
+/// [least](crate::pooled::Settings::least) that a response can be, unless a reading is less or contradicts the recommendation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
     /// The probability.
@@ -276,8 +277,8 @@ pub(crate) struct Draws {
     spread: f64,
     /// How much better a well may be of which a part was found.
     found: f64,
-    /// What is left down to the least that a response can be.
-    most: Option<f64>,
+    /// How far the recommended design is expected to be above the least that a response can be, and the standard deviation of that.
+    above: Option<(f64, f64)>,
     /// How much better a plant may be by what the surface takes for an error, and no plant that was put together again shows to be one.
     of_plants: f64,
 }
@@ -325,7 +326,7 @@ impl Draws {
             trust,
             spread: Reading::range(readings),
             found: 0.0,
-            most: None,
+            above: None,
             of_plants: 0.0,
         })
     }
@@ -335,9 +336,9 @@ impl Draws {
         Self { found, ..self }
     }
 
-    /// The same where no design can be better by more than this.
-    pub(crate) fn at_most(self, most: Option<f64>) -> Self {
-        Self { most, ..self }
+    /// The same where the recommended design is expected to be so far above the least that a response can be, with this deviation.
+    pub(crate) fn above_the_least(self, above: Option<(f64, f64)>) -> Self {
+        Self { above, ..self }
     }
 
     /// The same where a plant may be so much better by its own.
@@ -363,7 +364,10 @@ impl Draws {
         let Evidence { n_readings, n_tried, n_parameters, n_designs, .. } = self.evidence;
         let (drawn, useless) = (self.drawn(probability), self.evidence.useless(probability));
         let spread = self.evidence.untried() * self.spread;
-        let Self { found, most, .. } = *self;
+        let Self { found, above, trust, .. } = *self;
+        // As little is believed of where the recommended design is as of what is drawn.
+        let sure = trust.allowance * Normal::standard().inverse_cdf(probability);
+        let most = above.map(|(above, deviation)| (above + sure * deviation).max(0.0));
         Forecast { drawn, spread, useless, found, most, n_readings, n_tried, n_designs, n_experiments, n_parameters }
     }
 }
@@ -501,7 +505,7 @@ mod tests {
                     trust,
                     spread,
                     found,
-                    most: None,
+                    above: None,
                     of_plants: 0.0,
                 }
             },
@@ -512,9 +516,11 @@ mod tests {
         /// What is left down to the least that a response can be cuts the bound, and changes nothing where it is more.
         #[test]
         fn bound_is_no_more_than_responses_leave(draws in draws(), most in 0.0..6.0_f64, p in 0.5..0.99_f64) {
-            let (free, cut) = (draws.certificate(p), draws.clone().at_most(Some(most)).certificate(p));
+            let (free, cut) = (draws.certificate(p), draws.clone().above_the_least(Some((most, 0.0))).certificate(p));
             prop_assert!((cut.bound - free.bound.min(most)).abs() <= 0.0 && cut.quantile <= cut.bound, "{free:?} {cut:?}");
-            let forecast = draws.at_most(Some(most)).forecast(p, 4);
+            let wider = draws.clone().above_the_least(Some((most, 0.1))).certificate(p);
+            prop_assert!(wider.bound >= cut.bound, "the less that is known of it: {wider:?} {cut:?}");
+            let forecast = draws.above_the_least(Some((most, 0.0))).forecast(p, 4);
             prop_assert_eq!(forecast.is_for_the_least(), most < free.bound);
             prop_assert!(!forecast.is_for_the_least() || (!forecast.is_for_a_find() && forecast.reserves_until().is_none()));
             prop_assert_eq!(forecast.further_batches(most), 0);

@@ -80,9 +80,12 @@ pub(crate) struct Measurements {
 }
 
 impl Measurements {
-    /// Whether readings are the same whenever settings are: nothing is learnt from one more of the same settings.
-    fn are_exact(&self) -> bool {
-        let readings = self.readings.iter().map(|reading| (reading.coded.clone(), reading.response));
+    /// Whether readings are the same whenever settings are: nothing is learnt from one more of the same settings. Readings where a sensor
+    /// may have reached its end tell nothing of that.
+    fn are_exact(&self, least: Option<f64>) -> bool {
+        let ends = self.ends(least);
+        let telling = self.readings.iter().filter(|reading| !ends.contains(&reading.response.to_bits()));
+        let readings = telling.map(|reading| (reading.coded.clone(), reading.response));
         let finest = self.readings.iter().map(|reading| last_digit(reading.response)).min().unwrap_or(0);
         let is_fine = 10.0_f64.powi(finest) < FINE * Reading::range(&self.readings);
         let enough = if is_fine { 1 } else { ENOUGH_EQUAL };
@@ -90,9 +93,22 @@ impl Measurements {
             .is_some_and(|repeats| repeats.degrees_of_freedom >= enough && repeats.variance <= 0.0)
     }
 
+    /// Responses that may be where a sensor ends: the least that there can be, and the lowest and the highest of all where different
+    /// settings have the same.
+    fn ends(&self, least: Option<f64>) -> Vec<u64> {
+        let of_all = |better: fn(f64, f64) -> f64| self.readings.iter().map(|reading| reading.response).reduce(better);
+        let extremes = [of_all(f64::min), of_all(f64::max)].into_iter().flatten();
+        let is_shared = |end: &f64| {
+            let mut there = self.readings.iter().filter(|reading| reading.response.to_bits() == end.to_bits());
+            let first = there.next();
+            there.any(|reading| first.is_some_and(|first| first.coded != reading.coded))
+        };
+        extremes.filter(is_shared).chain(least).map(f64::to_bits).collect()
+    }
+
     /// The settings, without noise where nothing was said of it and repeats show none.
     pub(crate) fn settings(&self, settings: &Settings) -> Settings {
-        let noise = settings.noise.or_else(|| self.are_exact().then_some(0.0));
+        let noise = settings.noise.or_else(|| self.are_exact(settings.least).then_some(0.0));
         Settings { noise, ..settings.clone() }
     }
 }
@@ -125,6 +141,31 @@ mod tests {
         assert_eq!(noise(&equal[..4], None), None, "two are chance");
         let other = [&equal[..], &[(0.2, 2.0 + 1e-9)]].concat();
         assert_eq!(noise(&other, None), None);
+    }
+
+    /// Where a sensor ends all readings are equal, whatever the noise.
+    #[test]
+    fn equal_readings_at_the_end_of_a_scale_say_nothing_of_the_noise() {
+        let noise = |pairs: &[(f64, f64)], least: Option<f64>| {
+            let reading = |(number, &(x, response)): (usize, &(f64, f64))| Reading {
+                coded: vec![x],
+                cell: Cell::new(0),
+                response,
+                number,
+                assembly: None,
+            };
+            let readings = pairs.iter().enumerate().map(reading).collect();
+            let settings = Settings { least, ..Settings::new(4) };
+            Measurements { readings, ..Measurements::default() }.settings(&settings).noise
+        };
+        let at_the_least = [(0.1, 0.5), (0.1, 0.5), (0.2, 1.234_567_8)];
+        assert_eq!((noise(&at_the_least, None), noise(&at_the_least, Some(0.5))), (Some(0.0), None));
+        assert_eq!(noise(&at_the_least, Some(0.4)), Some(0.0), "above the least");
+        let shared = [(0.1, 0.5), (0.1, 0.5), (0.3, 0.5), (0.2, 1.234_567_8)];
+        assert_eq!(noise(&shared, None), None, "lowest at two settings");
+        assert_eq!(noise(&shared.map(|(x, response)| (x, -response)), None), None, "highest at two settings");
+        let between = [&shared[..], &[(0.4, 0.123_456_7)]].concat();
+        assert_eq!(noise(&between, None), Some(0.0), "neither lowest nor highest");
     }
 
     /// Of 1000 units in the last digit two agree now and then; of ten million hardly ever.

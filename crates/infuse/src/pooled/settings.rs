@@ -32,8 +32,8 @@ pub struct Settings {
     /// The response is known to have no narrow well: the certificate holds nothing in reserve for one. Default: that is not known.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub smooth: bool,
-    /// No response can be less than this: no design is better than the recommended one, once that was run, by more than it is above.
-    /// Default: that is not known.
+    /// No response can be less than this: no design is better than the recommended one by more than that may be above it. Default: that is
+    /// not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least: Option<f64>,
     /// Probability of the certificate, 0.5 to 0.99. Default 0.9.

@@ -3,17 +3,13 @@
 use infuse::global::StopReason;
 
 use crate::dissertation::campaign::{Campaign, Stage};
-use crate::findings::{amount, gain};
-use crate::number::count;
+use crate::findings::{all_batches_made, amount, gain};
 
 /// Why there is nothing more to run, if so.
 pub(in crate::dissertation) fn reason_to_stop(campaign: &Campaign, stage: &Stage) -> Option<String> {
     match stage {
         Stage::Ready | Stage::Pending => None,
-        Stage::Ended(StopReason::BatchLimit) => {
-            let batches = count(campaign.now.settings().max_batches, "batch");
-            Some(format!("all {batches} of [loop] were made (`batches` may be raised)"))
-        }
+        Stage::Ended(StopReason::BatchLimit) => Some(all_batches_made(campaign.now.settings().max_batches)),
         Stage::Ended(StopReason::NoInformation) => Some(
             "every experiment of the last batch failed; `infuse tell --correct` with a result reopens it".to_owned(),
         ),
