@@ -7,7 +7,11 @@ use crate::number::count;
 /// Results taken, and rows that were known before or are still empty.
 pub(crate) fn taken(n: usize, n_failed: usize, n_known: usize, n_empty: usize) -> Vec<Finding> {
     let known = if n_known > 0 { format!(", {n_known} known before") } else { String::new() };
-    let failed = if n_failed > 0 { format!(", {n_failed} of them without a value") } else { String::new() };
+    let failed = match n_failed {
+        0 => String::new(),
+        n_failed if n_failed == n => ", without a value".to_owned(),
+        n_failed => format!(", {n_failed} of them without a value"),
+    };
     let taken = Finding::new(format!("Taken: {}{failed}{known}.", count(n, "result")))
         .with("results", n as f64, "1")
         .with("known before", n_known as f64, "1");

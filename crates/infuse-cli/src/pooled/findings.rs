@@ -299,7 +299,8 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
     let (response, Certificate { bound, quantile, .. }) = (&campaign.problem.response, found.certificate);
     if let (true, Some(least)) = (found.forecast.is_for_the_least(), response.least()) {
         let sentence = format!(
-            "More is not to be had: {} is the best value that [response] allows.",
+            "More is not to be had: that is what is left down to {}, the best value that [response] allows, from as far off as the \
+             recommended design may be.",
             value_to(response, least, 0.0)
         );
         return Some(Finding::new(sentence).with("the best value allowed", response.of_cost(least), &response.unit));

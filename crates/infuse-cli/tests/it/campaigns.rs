@@ -109,7 +109,10 @@ fn failures_actual_settings_repeats_and_remarks_come_back_with_the_sheet() {
     // One more run of experiment 1, in a row of its own.
     rig.write("sheet-1.csv", &format!("{}\n,,1,,,21.5,,,,\n", rows.join("\n")));
     let text = rig.infuse(&["tell", "sheet-1.csv"]).ok();
-    assert!(text.contains("Taken: 11 results, 1 of them without a value.") && text.contains("1 experiment gave no result"), "{text}");
+    assert!(
+        text.contains("Taken: 11 results, 1 of them without a value.") && text.contains("1 experiment gave no result"),
+        "{text}"
+    );
     let journal = rig.journal();
     let line = |id: u64| journal.iter().find(|line| line["event"] == "told" && line["id"] == id).unwrap();
     assert_eq!(line(3)["failed"], "lamp broke");

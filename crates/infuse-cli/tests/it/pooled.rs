@@ -308,7 +308,12 @@ fn no_certificate_goes_beyond_what_the_response_allows() {
     let sure = expected - 1.9 + 1.281_55 * status["deviation"].as_f64().unwrap();
     assert!((sure - 1e-3..sure + 0.05).contains(&bound), "{bound} at {expected}");
     let text = rig.infuse(&["status"]).ok();
-    assert!(text.contains("More is not to be had: 1.9 N is the best value that [response] allows"), "{text}");
+    assert!(
+        text.contains(
+            "More is not to be had: that is what is left down to 1.9 N, the best value that [response] allows"
+        ),
+        "{text}"
+    );
     assert!(text.contains("Ended: with 90 % probability") && text.contains("Next: "), "{text}");
     assert!(rig.infuse(&["ask"]).ok().contains("confirm, a few runs that measure what was gained"));
     rig.edit("lower = 1.9", "lower = -100");
