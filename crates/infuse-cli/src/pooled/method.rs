@@ -20,7 +20,6 @@ use super::{confirm, hand_out, report, what_if};
 use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Stage, Wish};
 use crate::findings::{all_batches_made, amount};
 use crate::journal::{Event, Journal, Submitted, Writer};
-use crate::number::count;
 use crate::problem::Problem;
 
 impl campaign::Campaign for Campaign {
