@@ -65,14 +65,17 @@ pub(crate) fn handed_out(
 
 /// How many plants a batch is run on, and after which runs another is put together.
 fn plants(costs: &Costs, runs: &[&[f64]]) -> Finding {
-    let changes = costs.changes_of_plant(runs);
-    let n = changes.len() + 1;
-    let sentence = match changes.as_slice() {
-        [] => "All runs are of one plant, put together once.".to_owned(),
-        changes => format!(
-            "They are of {}, each put together once: another is put together after run {}.",
-            count(n, "plant"),
-            changes.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
+    let (n, changes) = (costs.n_plants_of(runs), costs.changes_of_plant(runs));
+    let after = changes.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+    let sentence = match changes.len() {
+        0 => "All runs are of one plant, put together once.".to_owned(),
+        // Runs that compare designs may go back to a plant.
+        n_changes if n_changes >= n => {
+            format!("They are of {}: another is put together after run {after}.", count(n, "plant"))
+        }
+        _ => format!(
+            "They are of {}, each put together once: another is put together after run {after}.",
+            count(n, "plant")
         ),
     };
     Finding::new(sentence).with("plants", n as f64, "1")

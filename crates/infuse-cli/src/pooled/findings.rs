@@ -135,10 +135,10 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
             let mean_of = if here.n_readings == 1 { "" } else { "on average " };
             format!("It was run {runs}: {mean_of}{} measured.", value_to(response, mean, resolution(found)))
         }
-        None if campaign.n_waited_for_at(here.cell) > 0 => {
-            let runs = count(campaign.n_waited_for_at(here.cell), "run");
-            format!("It was never run; {runs} of it are waited for.").replace("1 run of it are", "1 run of it is")
-        }
+        None if campaign.n_waited_for_at(here.cell) > 0 => match campaign.n_waited_for_at(here.cell) {
+            1 => "It was never run; 1 run of it is waited for.".to_owned(),
+            n => format!("It was never run; {n} runs of it are waited for."),
+        },
         None => match near(campaign, &here.point).as_slice() {
             // Of what can be set anywhere, the next best is always a hair away.
             [] => {

@@ -1,5 +1,7 @@
 //! What experiments cost, and which parameters are built.
 
+use std::collections::BTreeSet;
+
 use anyhow::{Result, bail, ensure};
 use design_space::Region;
 use infuse::Role;
@@ -85,6 +87,12 @@ impl Costs {
             last = Some(run);
         }
         (cost, n_plants)
+    }
+
+    /// How many plants these runs are of.
+    pub(crate) fn n_plants_of(&self, runs: &[&[f64]]) -> usize {
+        let plant = |run: &&[f64]| self.plant.iter().map(|&place| run[place].to_bits()).collect::<Vec<_>>();
+        runs.iter().map(plant).collect::<BTreeSet<_>>().len()
     }
 
     /// Of runs in this order, after how many of them another plant is put together.
