@@ -78,5 +78,11 @@ fn plants(costs: &Costs, runs: &[&[f64]]) -> Finding {
             count(n, "plant")
         ),
     };
-    Finding::new(sentence).with("plants", n as f64, "1")
+    let finding = Finding::new(sentence).with("plants", n as f64, "1");
+    if costs.unit().is_empty() {
+        return finding;
+    }
+    // The first may be the plant that stands there already.
+    let (most, _) = costs.of_runs(None, runs);
+    finding.detail(Finding::new(format!("They cost at most {}.", costs.shown(most))).with("cost", most, costs.unit()))
 }
