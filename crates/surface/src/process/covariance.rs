@@ -107,7 +107,7 @@ pub(crate) struct Matern {
 
 impl Hyperparameters {
     /// The terms of Matérn covariance: the residual, if there is one, and the additive part.
-    pub(crate) fn maternian(&self, structure: Structure) -> Vec<Matern> {
+    pub(crate) fn matern_terms(&self, structure: Structure) -> Vec<Matern> {
         let rate = |length: &f64| 1.0 / (length * length);
         let is_rough = structure.residual == Residual::Rough;
         let residual = (structure.residual != Residual::None).then(|| {
@@ -236,7 +236,7 @@ impl<'a> Parts<'a> {
 
     /// Adds the terms of Matérn covariance: all of each, or the lower half of a square.
     fn add_residuals(&self, structure: Structure, hyper: &Hyperparameters, is_lower: bool, matrix: &mut Mat<f64>) {
-        for Matern { variance, rates, is_rough } in hyper.maternian(structure) {
+        for Matern { variance, rates, is_rough } in hyper.matern_terms(structure) {
             let pairs = Pairs { rows: self.rows, columns: &self.columns, rates: &rates, variance, is_lower };
             pairs.add(matrix, if is_rough { rough } else { smooth });
         }
@@ -289,7 +289,7 @@ pub(crate) fn prior_variances(
     simulated: &dyn Fn(f64) -> f64,
 ) -> Vec<f64> {
     let trend = places.trend();
-    let residual: f64 = hyper.maternian(structure).iter().map(|term| term.variance).sum();
+    let residual: f64 = hyper.matern_terms(structure).iter().map(|term| term.variance).sum();
     let simulation = |place: usize| match (structure.simulation, places.simulated()) {
         (SimulationUse::Scaled, Some(all)) => hyper.simulation * simulated(all[place]).powi(2),
         _ => 0.0,

@@ -62,7 +62,7 @@ impl GaussianProcess {
     /// ∂/∂x_j of the covariance of a place with each site.
     fn covariance_slopes(&self, place: &Places, axis: usize, slope: f64) -> Vec<f64> {
         let (hyper, sites) = (self.hyperparameters(), self.sites().places());
-        let (x, terms) = (place.point(0), hyper.maternian(self.structure()));
+        let (x, terms) = (place.point(0), hyper.matern_terms(self.structure()));
         let one = |site: usize| {
             let at = sites.point(site);
             let mut along = hyper.trend * trend_slope(&x, &at, axis);
