@@ -169,11 +169,11 @@ fn remedy(campaign: &Campaign, found: &Assessment) -> &'static str {
 fn beyond_the_bounds(campaign: &Campaign) -> Option<Finding> {
     let (response, readings) = (&campaign.problem.response, campaign.readings());
     let beyond = || {
-        let value = |(origin, cost): &(Origin, f64)| (*origin, response.of_cost(*cost));
-        readings.iter().map(value).filter_map(|(origin, value)| Some((origin, value, response.fault(value)?)))
+        let fault = |(origin, cost): &(Origin, f64)| Some((*origin, *cost, response.fault(response.of_cost(*cost))?));
+        readings.iter().filter_map(fault)
     };
-    let (origin, value, allowed) = beyond().next()?;
-    let (n, shown) = (beyond().count(), value_to(response, response.cost(value), f64::NAN));
+    let (origin, cost, allowed) = beyond().next()?;
+    let (n, shown) = (beyond().count(), value_to(response, cost, f64::NAN));
     let results = if n == 1 { "1 result is".to_owned() } else { format!("{n} results are") };
     let sentence = format!(
         "Careful: {results} not {allowed}; the first, {}: {shown}. One of them is wrong: put the result right with `infuse tell --correct`, \

@@ -117,19 +117,20 @@ impl Measurements {
 mod tests {
     use super::*;
 
+    /// Readings of one parameter, each its setting and its response.
+    fn measured(pairs: &[(f64, f64)]) -> Measurements {
+        let reading = |(number, &(x, response)): (usize, &(f64, f64))| Reading {
+            coded: vec![x],
+            cell: Cell::new(0),
+            response,
+            number,
+            assembly: None,
+        };
+        Measurements { readings: pairs.iter().enumerate().map(reading).collect(), ..Measurements::default() }
+    }
+
     #[test]
     fn three_repeats_that_are_equal_say_that_there_is_no_noise() {
-        let measured = |pairs: &[(f64, f64)]| {
-            let reading = |(number, &(x, response)): (usize, &(f64, f64))| Reading {
-                coded: vec![x],
-                cell: Cell::new(0),
-                response,
-                number,
-                assembly: None,
-            };
-            let readings = pairs.iter().enumerate().map(reading).collect();
-            Measurements { readings, ..Measurements::default() }
-        };
         let equal = [(0.1, 1.0), (0.2, 2.0), (0.1, 1.0), (0.1, 1.0), (0.2, 2.0)];
         let noise = |pairs: &[(f64, f64)], noise: Option<f64>| {
             let mut settings = Settings::new(4);
@@ -147,16 +148,7 @@ mod tests {
     #[test]
     fn equal_readings_at_the_end_of_a_scale_say_nothing_of_the_noise() {
         let noise = |pairs: &[(f64, f64)], least: Option<f64>| {
-            let reading = |(number, &(x, response)): (usize, &(f64, f64))| Reading {
-                coded: vec![x],
-                cell: Cell::new(0),
-                response,
-                number,
-                assembly: None,
-            };
-            let readings = pairs.iter().enumerate().map(reading).collect();
-            let settings = Settings { least, ..Settings::new(4) };
-            Measurements { readings, ..Measurements::default() }.settings(&settings).noise
+            measured(pairs).settings(&Settings { least, ..Settings::new(4) }).noise
         };
         let at_the_least = [(0.1, 0.5), (0.1, 0.5), (0.2, 1.234_567_8)];
         assert_eq!((noise(&at_the_least, None), noise(&at_the_least, Some(0.5))), (Some(0.0), None));
@@ -176,18 +168,7 @@ mod tests {
         {
             assert_eq!(last_digit(number), expected, "{number}");
         }
-        let noise = |responses: [f64; 3]| {
-            let at = [0.1, 0.1, 0.2];
-            let reading = |number: usize| Reading {
-                coded: vec![at[number]],
-                cell: Cell::new(0),
-                response: responses[number],
-                number,
-                assembly: None,
-            };
-            let readings = (0..3).map(reading).collect();
-            Measurements { readings, ..Measurements::default() }.settings(&Settings::new(4)).noise
-        };
+        let noise = |[a, b, c]: [f64; 3]| measured(&[(0.1, a), (0.1, b), (0.2, c)]).settings(&Settings::new(4)).noise;
         assert_eq!(noise([1.0, 1.0, 2.0]), None);
         assert_eq!(noise([1.001, 1.001, 2.0]), None);
         assert_eq!(noise([1.000_000_1, 1.000_000_1, 2.0]), Some(0.0));
