@@ -88,6 +88,7 @@ fn noise_that_repeats_contradict_is_said() {
         "{text}"
     );
     assert!(text.contains("Noise of one run: 0 N (standard deviation), as `noise` in [loop] says."), "{text}");
+    assert!(!text.contains("Nothing was run twice"), "{text}");
     for (noise, is_wrong) in [("0.8", false), ("0.01", true), ("50", true)] {
         let now = rig.read("campaign.toml");
         let line = now.lines().find(|line| line.starts_with("noise")).unwrap().to_owned();
@@ -171,21 +172,22 @@ fn noise_that_repeats_do_not_tell_is_said_not_to_be_known() {
     }
 }
 
-/// One result a batch, and a `worth` that any bound would meet: nothing is promised before there are four results.
+/// One result a batch, and a `worth` that any bound would meet: nothing is promised before there are six results.
 #[test]
 fn too_few_results_promise_nothing_and_end_nothing() {
     let rig = rig_of(|a, b| wells(a, b, DEPTHS), "[stop]\nworth = 1e6\n");
-    let file = rig.read("campaign.toml").replace("experiments = 10", "experiments = 1");
+    let file =
+        rig.read("campaign.toml").replace("experiments = 10", "experiments = 1").replace("batches = 5", "batches = 7");
     rig.write("campaign.toml", &file);
-    for n in 1..=4_usize {
+    for n in 1..=6_usize {
         assert_eq!(ask(&rig)["experiments"].as_array().unwrap().len(), 1, "{n}");
         rig.infuse(&["tell", "--id", &n.to_string(), "--value", &(7 + n % 2).to_string()]).ok();
         let (text, log) = (rig.infuse(&["status"]).ok(), rig.infuse(&["log"]).ok());
-        let is_said = text.contains(&format!("cannot be said before there are 4 results: {n} so far. Go on."));
-        assert_eq!(is_said, n < 4, "{text}");
-        assert_eq!(log.matches("too few results to say by how much others may be better").count(), n.min(3), "{log}");
+        let is_said = text.contains(&format!("cannot be said before there are 6 results: {n} so far. Go on."));
+        assert_eq!(is_said, n < 6, "{text}");
+        assert_eq!(log.matches("too few results to say by how much others may be better").count(), n.min(5), "{log}");
         let status = rig.status();
-        assert_eq!([status["bound"].is_null(), status["results_needed"] == 4], [n < 4; 2], "{status}");
+        assert_eq!([status["bound"].is_null(), status["results_needed"] == 6], [n < 6; 2], "{status}");
         rig.infuse(&["report"]).ok();
     }
 }
@@ -291,4 +293,84 @@ fn an_offset_changes_nothing_but_the_numbers() {
         let best = wells(near.0, near.1, DEPTHS).round();
         assert!(text.contains(&format!("{}", offset + best)), "{best} {text}");
     }
+}
+
+/// A batch is told in thousandths of the unit, and one in thousands of it; a batch that is ten times as large may be true.
+#[test]
+fn a_batch_in_another_unit_is_said() {
+    for (factor, words) in
+        [(1000.0, Some("times larger than any before: are they in N?")), (0.001, Some("times smaller")), (10.0, None)]
+    {
+        let rig = rig_of(|a, b| wells(a, b, DEPTHS), "");
+        batch(&rig, |a, b, id| Ok(100.0 + a + b + 0.1 * wobble(id)));
+        batch(&rig, |a, b, id| Ok(factor * (100.0 + a + b + 0.1 * wobble(id))));
+        let text = rig.infuse(&["status"]).ok();
+        match words {
+            Some(words) => assert!(
+                text.contains("Careful: all 10 results of batch 2 are at least ") && text.contains(words),
+                "{text}"
+            ),
+            None => assert!(!text.contains("are they in N?"), "{text}"),
+        }
+    }
+}
+
+/// All batches are made, and the certificate would do: what is in the way of another is `batches`.
+#[test]
+fn what_is_in_the_way_of_another_batch_is_named() {
+    let rig = rig_of(|a, b| 20.0 + a + b, "[stop]\nworth = 1e6\nsmooth = true\n");
+    let file = rig.read("campaign.toml").replace("batches = 5", "batches = 1");
+    rig.write("campaign.toml", &file);
+    batch(&rig, |a, b, id| Ok(10.0 + 3.0 * a + 2.0 * b + 0.05 * wobble(id)));
+    assert!(rig.infuse(&["ask"]).ok().starts_with("Ended: "));
+    let error = rig.infuse(&["ask", "--anyway"]).error();
+    assert!(error.contains("--anyway: all 1 batch that `batches` in [loop] allows are made; raise it"), "{error}");
+    rig.edit("batches = 1", "batches = 2");
+    assert!(rig.infuse(&["ask", "--anyway"]).ok().starts_with("Batch 2"));
+}
+
+/// Two foams that differ by less than their noise, twelve runs of which say by how much one may be better: by Student, not by what a
+/// surface between names would be unsure of.
+#[test]
+fn of_two_choices_the_bound_is_that_of_their_runs() {
+    let rig = rig_of(|a, b| a + b, "");
+    rig.write(
+        "campaign.toml",
+        "title = \"Foams\"\nseed = 1\n[[parameter]]\nname = \"foam\"\nchoices = [\"hard\", \"soft\"]\n[response]\nname = \"y\"\n\
+         unit = \"N\"\ngoal = \"maximize\"\n[loop]\nexperiments = 4\nbatches = 5\n",
+    );
+    let (mut runs, mut bounds) = ([Vec::new(), Vec::new()], Vec::new());
+    for _ in 0..5 {
+        let asked = ask(&rig);
+        for experiment in asked["experiments"].as_array().unwrap() {
+            let (id, is_hard) = (experiment["id"].as_u64().unwrap(), experiment["settings"]["foam"] == "hard");
+            let value = 400.0 + if is_hard { 1.0 } else { 0.0 } + 5.0 * wobble(id);
+            runs[usize::from(is_hard)].push(value);
+            rig.infuse(&["tell", "--id", &id.to_string(), "--value", &value.to_string()]).ok();
+        }
+        bounds.push(rig.status()["bound"].as_f64());
+    }
+    assert_eq!(bounds[0], None, "four results are too few");
+    let mean = |runs: &[f64]| runs.iter().sum::<f64>() / runs.len() as f64;
+    let squares = |runs: &Vec<f64>| runs.iter().map(|value| (value - mean(runs)).powi(2)).sum::<f64>();
+    let deviation = (runs.iter().map(squares).sum::<f64>() / 18.0).sqrt();
+    let error = deviation * (1.0 / runs[0].len() as f64 + 1.0 / runs[1].len() as f64).sqrt();
+    // scipy: stats.t.ppf(0.9, 18) = 1.3304. The recommended one may be the one whose mean is lower.
+    let apart = (mean(&runs[1]) - mean(&runs[0])).abs();
+    let last = bounds[4].unwrap();
+    assert!([-apart, apart].iter().any(|by| (last - (by + 1.3304 * error)).abs() < 0.01 * deviation), "{bounds:?}");
+    let text = rig.infuse(&["status"]).ok();
+    assert!(!text.contains("narrow"), "every design was run: {text}");
+}
+
+/// A bound that nothing was measured of says nothing for or against a design: the one with the best response stays recommended.
+#[test]
+fn a_constraint_that_was_never_measured_does_not_move_what_is_recommended() {
+    let rig = rig_of(|a, b| 20.0 + a + b, "");
+    batch(&rig, |a, b, id| Ok(10.0 + (a - 5.0).powi(2) + (b - 9.0).powi(2) + 0.05 * wobble(id)));
+    let before = best(&rig);
+    let file = rig.read("campaign.toml");
+    rig.write("campaign.toml", &format!("{file}\n[[constraint]]\nname = \"t\"\nunit = \"mm\"\nupper = 3\n"));
+    assert_eq!(best(&rig), before);
+    assert!(rig.infuse(&["status"]).ok().contains("Careful: no design is known to keep to what is asked for"));
 }

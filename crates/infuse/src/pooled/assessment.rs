@@ -20,6 +20,7 @@ use crate::pooled::outliers::{Outlier, Readings, outliers};
 use crate::pooled::pool::Pool;
 use crate::pooled::reason::{Pick, Reason};
 use crate::pooled::recommendation::lowest_mean;
+use crate::pooled::run_means::RunMeans;
 use crate::pooled::settings::Settings;
 use crate::pooled::shared::Shared;
 use crate::pooled::streams::{Purpose, stream};
@@ -111,8 +112,8 @@ pub struct Assessment {
     pub recommended: Standing,
     /// How much better another may be.
     pub certificate: Certificate,
-    /// How many readings it takes before the certificate says anything, if there are fewer: one more than a plane has terms. Of so few
-    /// none knows by how much designs differ.
+    /// How many readings it takes before the certificate says anything, if there are fewer: three more than a plane has terms. Of so
+    /// few none knows how much of what they differ by is noise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub needed: Option<usize>,
     /// How that is expected to fall.
@@ -236,11 +237,14 @@ impl Look {
         let found = find.map_or(0.0, |open| open.reach).max(recommended.mean - measured);
         let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?;
         let above = contradiction.is_none().then(|| above_the_least(&recommended, readings, settings)).flatten();
-        let draws = draws.beside(found).with_plants(of_plants).above_the_least(above);
+        // What runs of a plant share, and bounds that only some designs keep to, these do not know of.
+        let by_runs = evidence.is_saturated() && settings.plants.is_none() && settings.constraints.is_empty();
+        let run_means = by_runs.then(|| RunMeans::of(readings, cell, settings.noise)).flatten();
+        let draws = draws.beside(found).with_plants(of_plants).above_the_least(above).by_runs(run_means);
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
-        let is_early = readings.len() < designs.n_to_tell();
+        let is_early = readings.len() < designs.n_to_promise();
         let assessment = Assessment {
             noise: knowledge.process.noise(),
             assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
@@ -250,7 +254,7 @@ impl Look {
             is_exact: settings.noise.is_some_and(|noise| noise <= 0.0),
             left,
             n_left,
-            needed: is_early.then(|| designs.n_to_tell()),
+            needed: is_early.then(|| designs.n_to_promise()),
             // No well is larger than all that was never run.
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,

@@ -10,6 +10,7 @@ use crate::Error;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::measurements::Reading;
 use crate::pooled::pool::Pool;
+use crate::pooled::run_means::RunMeans;
 use crate::pooled::streams::{Purpose, stream};
 
 /// The probability whose shares of the draws are those of [`Trust`]; with another one the share beyond the bound goes in proportion to
@@ -60,7 +61,9 @@ pub(crate) struct Evidence {
 impl Evidence {
     /// Terms to a reading, at most 1; of the readings that crowd this share is not counted.
     fn scarcity(&self, uncounted: f64) -> f64 {
-        let n_crowded = self.n_readings.saturating_sub(self.n_even) as f64;
+        // Where every design was run nothing is left that runs which crowd have not seen.
+        let n_seeing = if self.never_run() > 0.0 { self.n_even } else { self.n_readings };
+        let n_crowded = self.n_readings.saturating_sub(n_seeing) as f64;
         let n_telling = self.n_readings as f64 - (uncounted * n_crowded).round();
         (self.n_terms as f64 / n_telling.max(1.0)).min(1.0)
     }
@@ -68,6 +71,11 @@ impl Evidence {
     /// The share of all designs that were never run.
     pub(crate) fn never_run(&self) -> f64 {
         (1.0 - self.n_tried as f64 / self.n_designs as f64).max(0.0)
+    }
+
+    /// Whether every design was run, and a quadratic has as many terms: no surface says more than the means of their runs.
+    pub(crate) fn is_saturated(&self) -> bool {
+        self.never_run() <= 0.0 && self.n_designs <= self.n_terms as u64
     }
 
     /// The same, as far as these may be unlike those that were.
@@ -145,7 +153,8 @@ impl Trust {
 /// the box as far from any. Until twenty designs a parameter were run, beside a simulation that is of use seventeen, up to twice what the
 /// readings differ by is held in reserve, whatever the surface says; and where a run was far better than runs elsewhere say, until it was
 /// looked around on all sides, a well twice as deep as was seen, or as deep as half of what they differ by; unless the response is
-/// [known](crate::pooled::Settings::smooth) to have no narrow well. It is never less than what a measured design is better by that
+/// [known](crate::pooled::Settings::smooth) to have no narrow well. Where every design was run, and a quadratic has as many terms, it is Student's bound on
+/// the differences of the means of their runs. It is never less than what a measured design is better by that
 /// [contradicts](crate::pooled::Assessment::contradiction) the recommendation; and never more than is left down to the
 /// [least](crate::pooled::Settings::least) that a response can be, unless a reading is less or contradicts the recommendation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -281,6 +290,8 @@ pub(crate) struct Draws {
     above: Option<(f64, f64)>,
     /// How much better a plant may be by what the surface takes for an error, and no plant that was put together again shows to be one.
     of_plants: f64,
+    /// The runs of each design, where they say all there is.
+    run_means: Option<RunMeans>,
 }
 
 impl Draws {
@@ -328,6 +339,7 @@ impl Draws {
             found: 0.0,
             above: None,
             of_plants: 0.0,
+            run_means: None,
         })
     }
 
@@ -346,14 +358,22 @@ impl Draws {
         Self { of_plants, ..self }
     }
 
+    /// The same where the runs of each design say all there is.
+    pub(crate) fn by_runs(self, run_means: Option<RunMeans>) -> Self {
+        Self { run_means, ..self }
+    }
+
     pub(crate) fn certificate(&self, probability: f64) -> Certificate {
         let forecast = self.forecast(probability, 0);
         let bound = forecast.bound();
         Certificate { probability, bound, quantile: self.believed.quantile(probability).min(bound) }
     }
 
-    /// The bound of what is drawn alone.
+    /// The bound of what is drawn alone; where the runs of each design say all there is, of these.
     fn drawn(&self, probability: f64) -> f64 {
+        if let Some(run_means) = &self.run_means {
+            return run_means.bound(probability).max(self.believed.quantile(probability));
+        }
         let sure = 1.0 - self.trust.beyond * (1.0 - probability) / (1.0 - USUAL);
         let (quantile, drawn) = (self.believed.quantile(probability), self.all.quantile(sure));
         (self.trust.allowance * drawn).min(self.trust.cap * self.spread).max(drawn).max(quantile) + self.of_plants
@@ -507,6 +527,7 @@ mod tests {
                     found,
                     above: None,
                     of_plants: 0.0,
+                    run_means: None,
                 }
             },
         )

@@ -99,6 +99,12 @@ impl Designs {
         self.n_factors() + 2
     }
 
+    /// Readings before which nothing is promised: three more than a plane has terms. With one or two more, what they differ by beside it is
+    /// as likely as not a small part of their noise.
+    pub(crate) fn n_to_promise(&self) -> usize {
+        self.n_factors() + 4
+    }
+
     /// Terms of a full quadratic: the mean, one effect per number and one less than ways per choice, products of two of
     /// different parameters, squares of numbers.
     pub(crate) fn n_terms(&self) -> usize {

@@ -160,9 +160,10 @@ impl Chances {
     }
 
     /// How a row stands among those to recommend: those that suffice by their mean, and before all others; those by how likely
-    /// they are to be of use.
-    pub(crate) fn rank(&self, row: usize, mean: f64) -> (bool, f64) {
-        if self.suffices[row] { (false, mean) } else { (true, -self.responding[row] * self.within[row]) }
+    /// they are to be of use, and where nothing tells that by their mean, too.
+    pub(crate) fn rank(&self, row: usize, mean: f64) -> (bool, f64, f64) {
+        let unlikely = if self.suffices[row] { 0.0 } else { -self.responding[row] * self.within[row] };
+        (!self.suffices[row], unlikely, mean)
     }
 
     pub(crate) fn select(&self, rows: &[usize]) -> Self {

@@ -69,6 +69,7 @@ mod pool;
 mod readings;
 mod reason;
 mod recommendation;
+mod run_means;
 #[cfg(test)]
 mod scene;
 mod settings;

@@ -50,6 +50,8 @@ const UNUSUAL: f64 = 6.0;
 const ENOUGH_REPEATED: usize = 3;
 /// At most so many settings are looked into.
 const MOST_LOOKED_INTO: usize = 8;
+/// Fewer readings of other settings do not tell what to expect, where their noise is not given.
+const WITNESSES: usize = 8;
 /// The surface through other settings expects a reading that lies within so many of its standard deviations.
 const EXPECTED: f64 = 4.0;
 
@@ -114,8 +116,8 @@ pub(crate) fn learnt<'a, 's>(
 }
 
 /// Takes out of `readings` those that repeats give the lie to, and says which they were. Of two runs of the same settings that differ by
-/// far more than the noise, one is left out if the surface through all other settings expects the other one and not it. Nothing
-/// is left out that was run but once: it may be the well that nobody knew of.
+/// far more than the noise, one is left out if the surface through all other settings expects the other one and not it, and these are
+/// enough to tell. Nothing is left out that was run but once: it may be the well that nobody knew of.
 pub(crate) fn set_aside(
     knowledge: &mut Knowledge<'_, '_>,
     readings: &mut Vec<Reading>,
@@ -126,10 +128,18 @@ pub(crate) fn set_aside(
         let Some(at) = readings.iter().position(|reading| reading.number == suspect) else { continue };
         let coded = readings[at].coded.clone();
         let is_mate = |other: &Reading| other.coded == coded;
-        if readings.iter().all(is_mate) {
+        let n_others = readings.iter().filter(|other| !is_mate(other)).count();
+        if n_others == 0 || (n_others < WITNESSES && settings.noise.is_none()) {
             continue;
         }
-        let view = knowledge.seen_from(readings, is_mate, &readings[at], settings)?;
+        // Another slip would make all seem noisy.
+        let (far, usual) = (distances_to_median(readings), usual_distance(readings));
+        let is_extreme = |other: &Reading| {
+            readings.iter().zip(&far).any(|(one, far)| one.number == other.number && far.abs() > EXTREME * usual)
+        };
+        let n_plain = readings.iter().filter(|&other| !is_mate(other) && !is_extreme(other)).count();
+        let is_no_witness = |other: &Reading| is_mate(other) || (n_plain >= WITNESSES && is_extreme(other));
+        let view = knowledge.seen_from(readings, is_no_witness, &readings[at], settings)?;
         let mut mates: Vec<usize> = (0..readings.len()).filter(|&mate| is_mate(&readings[mate])).collect();
         mates.sort_by(|&a, &b| view.of(&readings[a]).abs().total_cmp(&view.of(&readings[b]).abs()));
         let (Some(&nearest), Some(&farthest)) = (mates.first(), mates.last()) else { continue };
@@ -297,6 +307,33 @@ mod tests {
             assert!(aside.iter().all(|outlier| outlier.set_aside && outlier.deviations > STRIKING_TO_OTHERS));
             assert_eq!(readings.len(), 8 - expected.len());
             assert_eq!(readings[..7], kept, "the others stay");
+            // Six others, of which nobody said how much they scatter, are no witnesses; eight are.
+            let aside_unless_given = |scene: &mut crate::pooled::scene::Scene| {
+                let (settings, mut readings) =
+                    (Settings { noise: None, ..scene.settings.clone() }, scene.readings.clone());
+                set_aside(&mut scene.knowledge(None), &mut readings, &settings).unwrap().len()
+            };
+            assert_eq!(aside_unless_given(&mut scene), 0);
+            for x in [8, 12] {
+                scene.read(&[x], curve(x) + 0.01 * (x as f64).sin());
+            }
+            assert_eq!(aside_unless_given(&mut scene), expected.len());
         }
+    }
+
+    /// Two runs of a smooth curve were slips, at different settings; only one was run again. The other does not hide it.
+    #[test]
+    fn a_slip_is_set_aside_though_there_is_another() {
+        let mut scene = crate::pooled::scene::Scene::new(&[21]);
+        let curve = |x: u64| (0.1 * x as f64 - 1.0).powi(2);
+        for x in [0, 2, 4, 6, 8, 12, 14, 16, 18, 20] {
+            scene.read(&[x], curve(x) + 0.01 * (x as f64).sin());
+        }
+        scene.read(&[5], 40.0);
+        scene.read(&[10], 40.0);
+        scene.read(&[10], curve(10));
+        let (settings, mut readings) = (scene.settings.clone(), scene.readings.clone());
+        let aside = set_aside(&mut scene.knowledge(None), &mut readings, &settings).unwrap();
+        assert_eq!(aside.iter().map(|outlier| outlier.reading).collect::<Vec<_>>(), [11]);
     }
 }

@@ -16,20 +16,20 @@ const STARTS: usize = 5;
 /// Cells looked at around each start, where there is more to keep to than the bounds.
 const AROUND: usize = 40;
 
-/// How a cell stands: whether it does not suffice, and its mean; the lower the better.
+/// How a cell stands: whether it does not suffice, how unlikely it then is to, and its mean; the lower the better.
 #[derive(Debug, Clone, Copy)]
-struct Rank(bool, f64);
+struct Rank(bool, f64, f64);
 
 impl Rank {
-    const LAST: Self = Self(true, f64::INFINITY);
+    const LAST: Self = Self(true, f64::INFINITY, f64::INFINITY);
 
     fn of(chances: &Chances, row: usize, mean: f64) -> Self {
-        let (fails, value) = chances.rank(row, mean);
-        Self(fails, value)
+        let (fails, unlikely, mean) = chances.rank(row, mean);
+        Self(fails, unlikely, mean)
     }
 
     fn total_cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.cmp(&other.0).then(self.1.total_cmp(&other.1))
+        self.0.cmp(&other.0).then(self.1.total_cmp(&other.1)).then(self.2.total_cmp(&other.2))
     }
 }
 

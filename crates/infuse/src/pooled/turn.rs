@@ -4,7 +4,7 @@ use design_space::Cell;
 use rand::RngExt;
 
 use crate::Error;
-use crate::pooled::assessment::Look;
+use crate::pooled::assessment::{Assessment, Look};
 use crate::pooled::campaign::Loop;
 use crate::pooled::designs::Designs;
 use crate::pooled::first_batch::{first_batch, spread};
@@ -48,7 +48,8 @@ impl Loop {
         let (mut knowledge, readings) = learnt(measurements, designs, settings, simulated, source)?;
         // its lowest mean, and how much better another design may be.
         let look = Look::at(&mut knowledge, &readings, settings, batch)?;
-        let is_enough = |worth| look.assessment.certificate.bound <= worth && look.assessment.contradiction.is_none();
+        let Assessment { contradiction, .. } = &look.assessment;
+        let is_enough = |worth| contradiction.is_none() && look.assessment.bound().is_some_and(|bound| bound <= worth);
         if settings.worth.is_some_and(is_enough) {
             return Ok(Next::NotWorthIt);
         }
