@@ -98,6 +98,11 @@ impl Experiments {
         self.readings.values().filter(|reading| reading.first.is_some() && reading.values().count() == 0).count()
     }
 
+    /// Further runs of experiments at the same settings.
+    pub(crate) fn n_further_runs(&self) -> usize {
+        self.readings.values().map(|reading| reading.again.len()).sum()
+    }
+
     /// The number of the batch that was handed out last.
     pub(crate) fn last_batch(&self) -> Option<usize> {
         self.trials.values().next_back().map(|trial| trial.batch)

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result, bail, ensure};
 use page::Finding;
 use serde_json::json;
 
@@ -12,6 +12,7 @@ use crate::campaign::{Campaign, Stage, Wish};
 use crate::findings::{after_the_end, ended, handed_out};
 use crate::folder;
 use crate::journal::{Event, now};
+use crate::number::count;
 use crate::problem::PROBLEM;
 use crate::sheet;
 use crate::sheet::check_ending;
@@ -32,6 +33,12 @@ pub(crate) fn ask(folder: &Path, wait: Duration, sheet: Option<&Path>, wish: Wis
     let ran = campaign.hand_out(&mut writer, wish)?;
     notices.extend(ran.notices);
     match campaign.stage()? {
+        Stage::Ended { may_go_on: false, .. } if wish.anyway && campaign.n_closed() >= campaign.budget()?.batches => {
+            bail!(
+                "--anyway: all {} that `batches` in [loop] allows are made; raise it in {PROBLEM} to go on",
+                count(campaign.budget()?.batches, "batch")
+            )
+        }
         Stage::Ended { reason, may_go_on } => nothing_to_run(&*campaign, &reason, may_go_on, notices),
         _ => waiting(&*campaign, sheet, ran.n_simulated, notices),
     }

@@ -44,8 +44,17 @@ pub(super) fn likely_to_keep(campaign: &Campaign, there: &Standing) -> String {
     if campaign.problem.constraints.is_empty() {
         return String::new();
     }
-    let within: f64 = there.constrained.iter().map(|one| one.within).product();
-    format!(", within the bounds with {} probability", percent(within))
+    format!(", within the bounds with {} probability", percent(within(there)))
+}
+
+/// The probability that it keeps to all of its bounds.
+fn within(there: &Standing) -> f64 {
+    there.constrained.iter().map(|one| one.within).product()
+}
+
+/// The same, of a design that is likelier to break one.
+pub(super) fn unlikely_to_keep(there: &Standing) -> Option<f64> {
+    (!there.constrained.is_empty()).then(|| within(there)).filter(|&within| within < 0.5)
 }
 
 /// That the recommended design is not sure enough to keep to its bounds.

@@ -81,12 +81,7 @@ impl Campaign {
         if own().any(|trial| !self.experiments.has_result(trial.id)) {
             return Ok(None);
         }
-        let mut order: Vec<Cell> = Vec::new();
-        for &cell in &self.batches[index].cells {
-            if !order.contains(&cell) {
-                order.push(cell);
-            }
-        }
+        let order = self.compared(batch);
         let response = &self.problem.response;
         let costs_at = |cell: Cell| {
             let at = own().filter(|trial| trial.cell == cell).filter_map(|trial| {
@@ -108,6 +103,56 @@ impl Campaign {
         let designs = order.iter().enumerate().map(design).collect::<Result<Vec<_>>>()?;
         Ok(Some(Confirmation { batch, designs }))
     }
+
+    /// The designs of a batch that is to confirm, first the recommended one.
+    fn compared(&self, batch: usize) -> Vec<Cell> {
+        let mut order: Vec<Cell> = Vec::new();
+        for &cell in &self.batches[batch - 1].cells {
+            if !order.contains(&cell) {
+                order.push(cell);
+            }
+        }
+        order
+    }
+
+    /// What a batch is for that is to confirm.
+    pub(super) fn to_confirm(&self, batch: usize) -> Finding {
+        let order = self.compared(batch);
+        let sentence = match order.len() {
+            1 => "It measures the recommended design, by these runs alone: nothing else measured better.",
+            _ => "It measures what was gained: the designs are compared by these runs alone.",
+        };
+        let names = Names::of(self);
+        order.iter().enumerate().fold(Finding::new(sentence), |finding, (place, &cell)| {
+            let n_runs = self.batches[batch - 1].cells.iter().filter(|&&other| other == cell).count();
+            let settings = self.grid.point(cell).map(|point| self.problem.describe(&point)).unwrap_or_default();
+            let design = format!("{}: {}, {settings}.", count(n_runs, "run"), names.name(place, cell));
+            finding.detail(Finding::new(design).with("runs", n_runs as f64, "1"))
+        })
+    }
+}
+
+/// What the designs of a batch that is to confirm are called.
+struct Names {
+    /// The simulation's own choice, and whether it is the best of some only.
+    alone: Option<Cell>,
+    is_of_some: bool,
+}
+
+impl Names {
+    fn of(campaign: &Campaign) -> Self {
+        let alone = campaign.choice_of_the_simulation().ok().flatten();
+        Self { alone, is_of_some: campaign.n_simulated_of_many().ok().flatten().is_some() }
+    }
+
+    fn name(&self, place: usize, cell: Cell) -> &'static str {
+        match place {
+            0 => "what was recommended",
+            _ if self.alone == Some(cell) && self.is_of_some => "the best of the designs simulated",
+            _ if self.alone == Some(cell) => "the simulation's own choice",
+            _ => "what had measured best",
+        }
+    }
 }
 
 impl Confirmation {
@@ -117,16 +162,10 @@ impl Confirmation {
         let what =
             if self.designs.len() == 1 { "Measured, with no other design to compare it with," } else { "Compared" };
         let mut finding = Finding::new(format!("{what} by {} of batch {}:", count(n_runs, "run"), self.batch));
-        let n_simulated = campaign.n_simulated_of_many().ok().flatten();
-        let alone = campaign.choice_of_the_simulation().ok().flatten();
+        let names = Names::of(campaign);
         for (place, design) in self.designs.iter().enumerate() {
             let settings = campaign.grid.point(design.cell).map(|point| problem.describe(&point)).unwrap_or_default();
-            let who = match place {
-                0 => "what was recommended",
-                _ if alone == Some(design.cell) && n_simulated.is_some() => "the best of the designs simulated",
-                _ if alone == Some(design.cell) => "the simulation's own choice",
-                _ => "what had measured best",
-            };
+            let who = names.name(place, design.cell);
             let measured = match mean(&design.costs) {
                 Some(mean) => value(response, mean),
                 None => "no value".to_owned(),

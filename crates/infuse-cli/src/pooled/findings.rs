@@ -7,7 +7,7 @@ use page::Finding;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use super::bands::{NINE_IN_TEN, resolution};
-use super::bounds::{constrained_there, likely_to_keep, not_sure};
+use super::bounds::{constrained_there, likely_to_keep, not_sure, unlikely_to_keep};
 use super::campaign::{Campaign, Origin, tells_designs_apart};
 use super::failures::where_runs_fail;
 use super::warnings::{all_equal, suspects, warnings};
@@ -36,7 +36,8 @@ pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<F
     // Before anything that sounds good.
     best.splice(0..0, suspects(campaign, found).into_iter().chain(not_sure(campaign, &found.recommended)));
     let mut certified = vec![certificate(campaign, found)];
-    certified.extend(sure_to_keep.then(|| left(found)));
+    // Before anything is promised, that none is left is not worth saying.
+    certified.extend((sure_to_keep && found.needed.is_none()).then(|| left(found)));
     Ok(vec![
         best,
         confirmed(campaign)?,
@@ -189,11 +190,12 @@ fn unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
     }
     let share = found.unseen?;
     let well = match campaign.problem.simulator.is_there() {
-        true => "A well that the simulation lacks, of",
-        false => "A well, of",
+        true => " that the simulation lacks",
+        false => "",
     };
+    let what = campaign.problem.response.well();
     let sentence = format!(
-        "{well} less than {} of all designs, may be unseen: as many runs, evenly spread, would have met a larger one with {} \
+        "A {what}{well}, of less than {} of all designs, may be unseen: as many runs, evenly spread, would have met a larger one with {} \
          probability.",
         percent(share),
         percent(found.certificate.probability)
@@ -228,14 +230,25 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         true => " on the simulation as far as these agree with it,",
         false => "",
     };
-    let wells = if campaign.problem.smooth == Some(true) { ", without narrow wells as `smooth` says" } else { "" };
+    let excepted = excepted(campaign, found);
+    let wells = match (campaign.problem.smooth, excepted) {
+        (Some(true), _) => format!(", without narrow {}s as `smooth` says", response.well()),
+        (_, Some(share)) => {
+            format!(
+                ", without a {} of less than {} of all designs that no run has met",
+                response.well(),
+                percent(share)
+            )
+        }
+        _ => String::new(),
+    };
     let rests =
         format!("It rests on the measurements,{simulation} and on a response as smooth as the surface assumes{wells}.");
     let finding = Finding::new(sentence)
         .with("probability", certificate.probability, "1")
         .with("bound", certificate.bound, &response.unit)
         .detail(Finding::new(rests));
-    let finding = risen(campaign, certificate).into_iter().fold(finding, Finding::detail);
+    let finding = risen(campaign, found).into_iter().fold(finding, Finding::detail);
     let finding = held_for_the_unseen(campaign, found).into_iter().fold(finding, Finding::detail);
     let finding = unseen(campaign, found).into_iter().fold(finding, Finding::detail);
     match campaign.settings.worth {
@@ -248,7 +261,14 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
                 (true, _) if found.contradiction.is_some() => {
                     format!("That is no more than {of_worth}, but a measurement speaks against it: go on.")
                 }
-                (true, _) => format!("That is no more than {of_worth}: stop."),
+                (true, _) => match excepted {
+                    Some(share) => format!(
+                        "That is no more than {of_worth}: stop, unless a {} of less than {} of all designs may be there.",
+                        response.well(),
+                        percent(share)
+                    ),
+                    None => format!("That is no more than {of_worth}: stop."),
+                },
                 (false, Some(batches)) if batches <= campaign.n_left() as u64 => {
                     let n = count(usize::try_from(batches).unwrap_or(usize::MAX), "more batch");
                     format!("That is more than {of_worth}: go on; {n} may do.")
@@ -271,20 +291,38 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
     }
 }
 
+/// The share of all designs that a well may take which the certificate does not reckon with: what is held for one is less than results
+/// differ by. Such a well may be as deep as that.
+fn excepted(campaign: &Campaign, found: &Assessment) -> Option<f64> {
+    let is_held = found.certificate.bound >= found.forecast.spread;
+    if campaign.problem.smooth == Some(true) || is_held { None } else { found.unseen }
+}
+
 /// From so many times what it was on it is said that a bound has risen.
 const RISEN: f64 = 1.1;
 
-/// That the bound was narrower a batch ago.
-fn risen(campaign: &Campaign, now: &Certificate) -> Option<Finding> {
+/// That the bound was narrower a batch ago, and why.
+fn risen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
+    let now = &found.certificate;
     let (batch, before) = campaign.history.range(..campaign.batches.len()).next_back()?;
     let is_same_promise = (before.probability - now.probability).abs() <= 0.0;
     let bound = before.bound?;
     (is_same_promise && now.bound > RISEN * bound).then(|| {
         let response = &campaign.problem.response;
-        let sentence = format!(
-            "After batch {batch} that was {}: what came since is not what was expected, so less is taken for sure.",
-            amount(response, bound)
-        );
+        let well = response.well();
+        let why = if found.forecast.reserves_until().is_some() {
+            // What is held for a number of runs is a share of what their results differ by.
+            let or_agree_less = match campaign.problem.simulator.is_there() {
+                true => ", or agree less with the simulation",
+                false => "",
+            };
+            format!("since then results differ by more{or_agree_less}, so more is held for a narrow {well}.")
+        } else if found.find.is_some() && found.forecast.is_for_a_find() {
+            format!("what was found since may be a part of a narrow {well}.")
+        } else {
+            "what came since is not what was expected, so less is taken for sure.".to_owned()
+        };
+        let sentence = format!("After batch {batch} that was {}: {why}", amount(response, bound));
         Finding::new(sentence).with("bound before", bound, &response.unit)
     })
 }
@@ -310,6 +348,7 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
     }
     let forecast = &found.forecast;
     let alone = if quantile > 0.0 { amount(response, quantile) } else { "that none is better".to_owned() };
+    let well = response.well();
     let few = format!("what {} may not have shown", count(forecast.n_readings, "result"));
     let until = forecast.reserves_until();
     let sentence = match until {
@@ -321,13 +360,13 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
             };
             let n = plain(forecast.n_counted());
             format!(
-                "The surface alone would say {alone}{widened}; the rest is held for a narrow well that no run may have met. It falls away \
+                "The surface alone would say {alone}{widened}; the rest is held for a narrow {well} that no run may have met. It falls away \
                  at {enough} designs run ({n} so far, a repeat counting half), or by `smooth` in [stop] if there surely is none."
             )
         }
         None if forecast.is_for_a_find() => match &found.find {
             Some(find) => format!(
-                "The surface alone would say {alone}; the rest is held for a narrow well of which only a part may have been found: far \
+                "The surface alone would say {alone}; the rest is held for a narrow {well} of which only a part may have been found: far \
                  better than runs elsewhere say was {}. The next batch looks around it.",
                 campaign.problem.describe(find)
             ),
@@ -452,7 +491,11 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
     let sentence = match (campaign.settings.noise, found.n_repeats) {
         (Some(given), _) => {
             let given = amount(&campaign.problem.response, given);
-            format!("Noise of one run: {given} (standard deviation), as `noise` in [loop] says.")
+            let untested = match found.n_repeats {
+                0 => " Nothing was run twice, so nothing has put it to the test.",
+                _ => "",
+            };
+            format!("Noise of one run: {given} (standard deviation), as `noise` in [loop] says.{untested}")
         }
         (None, 0) if campaign.origins().len() < 3 => "Noise of one run: too few runs to know it.".to_owned(),
         (None, 0) => {
@@ -590,7 +633,14 @@ pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Fi
         } else {
             String::new()
         };
-        format!("it {may}: better than the recommended one with {chance} probability{feasible}")
+        let breaks = match unlikely_to_keep(&there) {
+            Some(within) => format!(
+                "it is likely to break a bound, and keeps to all with {} probability; by the surface it {may}",
+                percent(within)
+            ),
+            None => format!("by the surface it {may}"),
+        };
+        format!("{breaks}: better than the recommended one with {chance} probability{feasible}")
     };
     let sentence = format!("{place}: {verdict}.");
     let mut finding = Finding::new(sentence).with("probability to be better", there.probability_better, "1").with(

@@ -69,13 +69,15 @@ impl campaign::Campaign for Campaign {
         let has_simulation = self.problem.simulator.is_there();
         let is_begun_by_it = self.n_imported_values() < self.problem.region.n_parameters() + 2;
         let planned = self.batches.get(batch - 1);
-        Finding::new(match planned.map(|one| (one.purpose, batch)) {
+        if planned.is_some_and(|one| one.purpose.is_some()) {
+            return self.to_confirm(batch);
+        }
+        Finding::new(match planned.map(|_| batch) {
             _ if self.nothing_but_failures().is_some() => {
                 "No experiment gave a value yet, so it is spread over what was not tried."
             }
-            Some((Some(_), _)) => "It measures what was gained: the designs are compared by these runs alone.",
-            Some((None, 1)) if is_begun_by_it && !has_simulation => "It is the first: spread over all that can be set.",
-            Some((None, 1)) if is_begun_by_it => {
+            Some(1) if is_begun_by_it && !has_simulation => "It is the first: spread over all that can be set.",
+            Some(1) if is_begun_by_it => {
                 "It is the first: two thirds of it are spread over all that can be set, a third over what the simulation likes."
             }
             _ => return reasons(planned.map_or(&[], |planned| &planned.reasons), has_simulation),

@@ -43,6 +43,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
     }
     warnings.extend(set_aside(campaign, found));
     warnings.extend(beyond_the_bounds(campaign));
+    warnings.extend(another_unit(campaign));
     warnings.extend(given_noise(campaign));
     warnings.extend(all_equal(campaign));
     Ok(warnings)
@@ -181,6 +182,41 @@ fn beyond_the_bounds(campaign: &Campaign) -> Option<Finding> {
         campaign.full_name_of(origin)
     );
     Some(Finding::new(sentence).with("results beyond the bounds", n as f64, "1"))
+}
+
+/// From so many times what was measured before on, all results of a batch may be in another unit.
+const OTHER_UNIT: f64 = 30.0;
+/// Of so many results at least.
+const FEWEST_TO_COMPARE: usize = 3;
+
+/// That all results of the last batch are far larger, or far smaller, than any before.
+fn another_unit(campaign: &Campaign) -> Option<Finding> {
+    let last = campaign.experiments.last_batch()?;
+    let is_last = |origin: &Origin| match origin {
+        Origin::Own(id) => campaign.experiments.trial(*id).is_ok_and(|trial| trial.batch == last),
+        Origin::Imported(_) => false,
+    };
+    let (now, before): (Vec<_>, Vec<_>) = campaign.readings().into_iter().partition(|(origin, _)| is_last(origin));
+    if now.len().min(before.len()) < FEWEST_TO_COMPARE {
+        return None;
+    }
+    let sizes = |readings: &[(Origin, f64)]| {
+        let sizes = readings.iter().map(|(_, cost)| cost.abs());
+        sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| (least.min(size), most.max(size)))
+    };
+    let ((least, most), (least_before, most_before)) = (sizes(&now), sizes(&before));
+    let times = if least > OTHER_UNIT * most_before { least / most_before } else { least_before / most };
+    let word = if least > most_before { "larger" } else { "smaller" };
+    (times > OTHER_UNIT && times.is_finite()).then(|| {
+        let sentence = format!(
+            "Careful: all {} of batch {last} are at least {} times {word} than any before: are they in {}? Put them right with \
+             `infuse tell --correct`.",
+            count(now.len(), "result"),
+            short(times.floor()),
+            campaign.problem.response.unit
+        );
+        Finding::new(sentence).with("times", times, "1")
+    })
 }
 
 /// Whether repeats speak against the noise that was given.

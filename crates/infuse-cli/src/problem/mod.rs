@@ -79,6 +79,14 @@ impl Response {
         }
     }
 
+    /// What a narrow region is called where the response is far better than around it.
+    pub(crate) fn well(&self) -> &'static str {
+        match self.goal {
+            Goal::Minimize => "well",
+            Goal::Maximize => "peak",
+        }
+    }
+
     /// From what is minimized back to what is measured.
     pub(crate) fn of_cost(&self, cost: f64) -> f64 {
         self.cost(cost)

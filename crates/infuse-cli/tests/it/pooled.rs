@@ -94,6 +94,21 @@ fn a_bound_that_rises_says_what_it_was() {
         assert_eq!(said.contains(&was), has_risen, "{bounds:?}\n{said}");
     }
     assert!(bounds[2] > 2.0 * bounds[1], "{bounds:?}");
+    assert!(rig.infuse(&["status"]).ok().contains("what came since is not what was expected"));
+}
+
+/// One run of the second batch is far worse than all others: results differ by more, and so does what is held in reserve for so few.
+#[test]
+fn a_reserve_that_rises_is_said_to_be_one() {
+    let rig = rig_of(|a, b| 100.0 + a + b, "");
+    for n_batches in 1..=2 {
+        let worse = |id: u64| if id == 15 { 80.0 } else { 0.0 };
+        assert!(batch(&rig, |a, b, id| Ok(100.0 + a + b + worse(id) + 0.2 * wobble(id))));
+        let said = rig.infuse(&["status"]).ok();
+        let why =
+            "since then results differ by more, or agree less with the simulation, so more is held for a narrow well.";
+        assert_eq!(said.contains(why), n_batches == 2, "{said}");
+    }
 }
 
 #[test]
@@ -233,6 +248,9 @@ fn a_recommendation_on_a_bound_or_never_run_is_said_and_can_be_confirmed() {
     let experiments = asked["experiments"].as_array().unwrap();
     assert_eq!(experiments.len() % 4, 0, "{asked}");
     assert!(rig.infuse(&["confirm"]).error().contains("waited for"));
+    let planned = rig.infuse(&["ask"]).ok();
+    assert_eq!(planned.matches("\n  4 runs: ").count(), experiments.len() / 4, "{planned}");
+    assert!(planned.contains("\n  4 runs: what was recommended, a 0 mm, b 0 "), "{planned}");
     tell(&rig, experiments, measure);
     let status = rig.status();
     let designs = status["confirmed"]["designs"].as_array().unwrap();
@@ -405,6 +423,7 @@ fn noise_from_two_chance_repeats_is_not_called_known() {
     rig.edit("batches = 5", "batches = 5\nnoise = 0.1");
     let text = rig.infuse(&["status"]).ok();
     assert!(text.contains("Noise of one run: 0.1 N (standard deviation), as `noise` in [loop] says."), "{text}");
+    assert!(text.contains("says. Nothing was run twice, so nothing has put it to the test."), "{text}");
 }
 
 #[test]

@@ -48,7 +48,7 @@ pub(super) fn in_words(
         findings.push(finding.with("cost in all", in_all, costs.unit()));
         json!({ "batch": of_batch, "all": in_all, "unit": costs.unit(), "plants_per_batch": n_plants })
     });
-    findings.extend(without_reserve.map(|n| reserved(n, budget, problem.simulator.is_there())));
+    findings.extend(without_reserve.map(|n| reserved(n, budget, problem)));
     let choosing = campaign.dry_pick()?;
     findings.push(Finding::new(match choosing {
         Some(took) => format!(
@@ -135,16 +135,21 @@ fn whole(budget: &Budget, problem: &Problem, allowed: Option<Allowed>) -> Findin
 }
 
 /// From when on the certificate is as narrow as what was measured says.
-fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, has_simulation: bool) -> Finding {
+fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, problem: &Problem) -> Finding {
     let needed = n.div_ceil(*experiments);
     let enough = match needed {
         needed if needed <= *batches => format!("in {} or more", count(needed, "batch")),
         _ => "more than the campaign has".to_owned(),
     };
-    let useless = if has_simulation { " (more if the simulation is of no use)" } else { "" };
+    let out_of_reach = match problem.worth {
+        Some(_) if needed > *batches => " So `worth` may never be met: raise `batches` in [loop], or say so.",
+        _ => "",
+    };
+    let well = problem.response.well();
+    let useless = if problem.simulator.is_there() { " (more if the simulation is of no use)" } else { "" };
     let sentence = format!(
         "Until {} run{useless}, a repeat counting half, {enough}, what the certificate promises leaves room for a \
-         narrow well; `smooth` in [stop] says that there surely is none.",
+         narrow {well}; `smooth` in [stop] says that there surely is none.{out_of_reach}",
         if n == 1 { "one design was".to_owned() } else { format!("{n} designs were") }
     );
     Finding::new(sentence).with(WITHOUT_RESERVE, n as f64, "1")
