@@ -188,7 +188,12 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
         Event::Withdrawn { source, .. } => ("withdrawn", format!("what was imported from `{}`.", echo(source))),
         Event::Undone { deed, lines, .. } => (
             "undone",
-            format!("{}: {} of the journal, marked above, count no longer.", deed.in_words(), count(*lines, "line")),
+            format!(
+                "{}: {} of the journal, marked above, {} no longer.",
+                deed.in_words(),
+                count(*lines, "line"),
+                if *lines == 1 { "counts" } else { "count" }
+            ),
         ),
         Event::Assessed(found) => {
             let expected = with_unit(&resolved(found.expected, found.bound.unwrap_or(found.deviation)), unit);

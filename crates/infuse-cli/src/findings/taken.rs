@@ -9,7 +9,8 @@ pub(crate) fn taken(n: usize, n_failed: usize, n_known: usize, n_empty: usize) -
     let known = if n_known > 0 { format!(", {n_known} known before") } else { String::new() };
     let failed = match n_failed {
         0 => String::new(),
-        n_failed if n_failed == n => ", without a value".to_owned(),
+        1 if n == 1 => ", without a value".to_owned(),
+        n_failed if n_failed == n => ", all without a value".to_owned(),
         n_failed => format!(", {n_failed} of them without a value"),
     };
     let taken = Finding::new(format!("Taken: {}{failed}{known}.", count(n, "result")))

@@ -34,6 +34,9 @@ struct Confirmed {
     costs: Vec<f64>,
     n_runs: usize,
     mean: Option<f64>,
+    /// Half the width of the interval of the mean; none without repeats.
+    #[serde(rename = "mean_give_or_take")]
+    alone: Option<f64>,
     /// By how much the first design is better, with half the width of the interval; none for the first, or without repeats.
     gain: Option<f64>,
     give_or_take: Option<f64>,
@@ -90,15 +93,18 @@ impl Campaign {
             });
             at.map(|value| response.cost(value)).collect::<Vec<f64>>()
         };
-        let first = order.first().map_or_else(Vec::new, |&cell| costs_at(cell));
+        let runs: Vec<Vec<f64>> = order.iter().map(|&cell| costs_at(cell)).collect();
+        let noise = Noise::of(&runs);
         let design = |(place, &cell): (usize, &Cell)| {
-            let costs = costs_at(cell);
-            let difference = if place == 0 { None } else { difference(&costs, &first) };
+            let costs = runs[place].clone();
+            let difference = if place == 0 { None } else { difference(&costs, &runs[0], noise) };
             let n_runs = own().filter(|trial| trial.cell == cell).count();
             let mean = mean(&costs).map(|cost| response.of_cost(cost));
             let settings = self.problem.named(&self.grid.point(cell)?);
             let (gain, give_or_take) = (difference.map(|d| d.0), difference.and_then(|d| d.1));
-            Ok(Confirmed { cell, settings, costs, n_runs, mean, gain, give_or_take })
+            let alone =
+                noise.filter(|_| !costs.is_empty()).and_then(|noise| noise.half_width(1.0 / costs.len() as f64));
+            Ok(Confirmed { cell, settings, costs, n_runs, mean, alone, gain, give_or_take })
         };
         let designs = order.iter().enumerate().map(design).collect::<Result<Vec<_>>>()?;
         Ok(Some(Confirmation { batch, designs }))
@@ -170,6 +176,10 @@ impl Confirmation {
                 Some(mean) => value(response, mean),
                 None => "no value".to_owned(),
             };
+            let measured = match design.alone.filter(|_| self.designs.len() == 1) {
+                Some(half) => format!("{measured}, give or take {} (90 %)", amount(response, half)),
+                None => measured,
+            };
             let gain = design.gain.map_or_else(String::new, |gain| {
                 let word = if gain < 0.0 { "worse" } else { "better" };
                 let by = amount(response, gain.abs());
@@ -198,28 +208,37 @@ fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().map(|value| value / values.len() as f64).sum())
 }
 
-/// Mean of `a` less mean of `b`, with half the width of its interval by Welch's test.
-fn difference(a: &[f64], b: &[f64]) -> Option<(f64, Option<f64>)> {
-    let (mean_a, mean_b) = (mean(a)?, mean(b)?);
-    Some((mean_a - mean_b, half_width(a, b, mean_a, mean_b)))
+/// The noise of one run, by what the runs of each design differ by: as everywhere in the loop it is the same for all.
+#[derive(Debug, Clone, Copy)]
+struct Noise {
+    variance: f64,
+    degrees_of_freedom: f64,
 }
 
-fn half_width(a: &[f64], b: &[f64], mean_a: f64, mean_b: f64) -> Option<f64> {
-    if a.len() < 2 || b.len() < 2 {
-        return None;
+impl Noise {
+    /// None where no design has two runs with a value.
+    fn of(runs: &[Vec<f64>]) -> Option<Self> {
+        let of_one = |runs: &Vec<f64>| {
+            let center = mean(runs)?;
+            Some((runs.iter().map(|value| (value - center).powi(2)).sum::<f64>(), runs.len() as f64 - 1.0))
+        };
+        let (squares, degrees_of_freedom) =
+            runs.iter().filter_map(of_one).fold((0.0, 0.0), |(sum, n), (more, of)| (sum + more, n + of));
+        (degrees_of_freedom > 0.0).then(|| Self { variance: squares / degrees_of_freedom, degrees_of_freedom })
     }
-    let square_error = |values: &[f64], mean: f64| {
-        let n = values.len() as f64;
-        values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n
-    };
-    let (error_a, error_b) = (square_error(a, mean_a), square_error(b, mean_b));
-    let total = error_a + error_b;
-    if total <= 0.0 {
-        return Some(0.0);
+
+    /// Of the interval of what has so many times the variance of one run.
+    fn half_width(self, times: f64) -> Option<f64> {
+        let student = StudentsT::new(0.0, 1.0, self.degrees_of_freedom).ok()?;
+        Some(student.inverse_cdf(0.5 + PROBABILITY / 2.0) * (self.variance * times).sqrt())
     }
-    let freedom = total.powi(2) / (error_a.powi(2) / (a.len() as f64 - 1.0) + error_b.powi(2) / (b.len() as f64 - 1.0));
-    let student = StudentsT::new(0.0, 1.0, freedom).ok()?;
-    Some(student.inverse_cdf(0.5 + PROBABILITY / 2.0) * total.sqrt())
+}
+
+/// Mean of `a` less mean of `b`, with half the width of its interval by Student's test with the noise of all.
+fn difference(a: &[f64], b: &[f64], noise: Option<Noise>) -> Option<(f64, Option<f64>)> {
+    let (mean_a, mean_b) = (mean(a)?, mean(b)?);
+    let half = noise.and_then(|noise| noise.half_width(1.0 / a.len() as f64 + 1.0 / b.len() as f64));
+    Some((mean_a - mean_b, half))
 }
 
 #[cfg(test)]
@@ -228,19 +247,26 @@ mod tests {
 
     #[test]
     fn intervals_are_those_of_scipy() {
-        // scipy.stats.ttest_ind(a, b, equal_var=False).confidence_interval(0.9): 1.1016403 to 1.4983597.
-        let (a, b) = ([8.1, 8.4, 8.3, 8.5], [7.1, 7.0, 6.975]);
-        let (gain, half) = difference(&a, &b).expect("both have runs");
+        // scipy.stats.ttest_ind(a, b, equal_var=True).confidence_interval(0.9) is 1.3 ± this.
+        let (a, b) = (vec![8.1, 8.4, 8.3, 8.5], vec![7.1, 7.0, 6.975]);
+        let noise = Noise::of(&[a.clone(), b.clone()]);
+        let (gain, half) = difference(&a, &b, noise).expect("both have runs");
         let half = half.expect("both have repeats");
         assert!((gain - 1.3).abs() < 1e-12, "{gain}");
         assert!((half - SCIPY_HALF_WIDTH).abs() < 1e-9, "{half}");
+        // A third design adds what it knows of the noise: stats.t.ppf(0.95, 7) and the pooled variance, by numpy.
+        let noise = Noise::of(&[a.clone(), b.clone(), vec![9.0, 9.2, 9.1]]);
+        let (_, half) = difference(&a, &b, noise).expect("both have runs");
+        assert!((half.expect("a noise") - HALF_WIDTH_OF_THREE).abs() < 1e-9, "{half:?}");
     }
 
-    const SCIPY_HALF_WIDTH: f64 = 0.198_359_679_024_430_64;
+    const SCIPY_HALF_WIDTH: f64 = 0.213_530_167_236_585_8;
+    const HALF_WIDTH_OF_THREE: f64 = 0.186_474_085_680_162_77;
 
     #[test]
     fn one_run_each_tells_a_difference_and_no_interval() {
-        assert_eq!(difference(&[2.0], &[1.5]), Some((0.5, None)));
-        assert_eq!(difference(&[], &[1.5]), None);
+        let none = Noise::of(&[vec![2.0], vec![1.5]]);
+        assert_eq!(difference(&[2.0], &[1.5], none), Some((0.5, None)));
+        assert_eq!(difference(&[], &[1.5], none), None);
     }
 }

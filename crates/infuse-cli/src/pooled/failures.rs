@@ -25,7 +25,9 @@ pub(super) fn where_runs_fail(campaign: &Campaign) -> Option<Finding> {
             let parameters = campaign.grid.region().parameters().iter().enumerate();
             let regions = parameters.flat_map(|(at, parameter)| regions(parameter, at, &failed, &worked));
             let clearest = regions.min_by(|a, b| a.share(n).total_cmp(&b.share(n)));
-            match clearest.filter(|region| region.share(n) <= FEW) {
+            // What holds for nearly all runs tells none from the others.
+            let tells = |region: &Region| region.share(n) <= FEW && 2 * region.n_worked <= worked.len();
+            match clearest.filter(tells) {
                 Some(Region { words, n_worked: 0 }) => format!("all with {words}, where no run gave one"),
                 Some(Region { words, n_worked }) => {
                     format!("all with {words}, where {n_worked} of {} gave one", count(n + n_worked, "run"))

@@ -69,7 +69,16 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
         let (name, place) = (campaign.name_of(measured.origin), problem.describe(&measured.settings));
         let why_not = campaign.nearest(&measured.settings).ok().and_then(|(_, cell)| campaign.why_not(cell));
         let why_not = why_not.map_or_else(String::new, |why_not| format!("; {why_not}"));
-        let sentence = format!("Best measured: {shown}, {name} at {place}{why_not}.");
+        let there = costs_at(campaign, &measured.settings);
+        // Of many runs the best is a lucky one.
+        let mean = match there.len() {
+            0 | 1 => String::new(),
+            n => {
+                let mean = there.iter().sum::<f64>() / n as f64;
+                format!(", of {n} runs with a mean of {}", value_to(response, mean, resolution(found)))
+            }
+        };
+        let sentence = format!("Best measured: {shown}, {name} at {place}{mean}{why_not}.");
         best =
             best.detail(Finding::new(sentence).with("best measured", response.of_cost(measured.cost), &response.unit));
     }
@@ -180,6 +189,12 @@ fn near(campaign: &Campaign, point: &[f64]) -> Vec<f64> {
     let readings = campaign.readings();
     let near = readings.iter().filter(|(origin, _)| is_near(&campaign.settings_of(*origin)));
     near.map(|(_, cost)| *cost).collect()
+}
+
+/// Costs of all runs of these settings.
+fn costs_at(campaign: &Campaign, settings: &[f64]) -> Vec<f64> {
+    let readings = campaign.readings().into_iter();
+    readings.filter(|(origin, _)| campaign.settings_of(*origin) == settings).map(|(_, cost)| cost).collect()
 }
 
 /// How large a well may be that no run has met.

@@ -264,7 +264,10 @@ fn a_recommendation_on_a_bound_or_never_run_is_said_and_can_be_confirmed() {
         1 => "Measured, with no other design to compare it with, by 4 runs",
         _ => "Compared by",
     };
-    assert!(rig.infuse(&["status"]).ok().contains(words));
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains(words) && text.contains(" runs with a mean of "), "{text}");
+    assert!(designs.len() > 1 || text.contains(", give or take "), "{text}");
+    assert!(designs.iter().all(|design| design["mean_give_or_take"].as_f64().unwrap() > 0.0), "{designs:?}");
 }
 
 #[test]
