@@ -35,8 +35,7 @@ struct Confirmed {
     n_runs: usize,
     mean: Option<f64>,
     /// Half the width of the interval of the mean; none without repeats.
-    #[serde(rename = "mean_give_or_take")]
-    alone: Option<f64>,
+    mean_give_or_take: Option<f64>,
     /// By how much the first design is better, with half the width of the interval; none for the first, or without repeats.
     gain: Option<f64>,
     give_or_take: Option<f64>,
@@ -102,9 +101,9 @@ impl Campaign {
             let mean = mean(&costs).map(|cost| response.of_cost(cost));
             let settings = self.problem.named(&self.grid.point(cell)?);
             let (gain, give_or_take) = (difference.map(|d| d.0), difference.and_then(|d| d.1));
-            let alone =
+            let mean_give_or_take =
                 noise.filter(|_| !costs.is_empty()).and_then(|noise| noise.half_width(1.0 / costs.len() as f64));
-            Ok(Confirmed { cell, settings, costs, n_runs, mean, alone, gain, give_or_take })
+            Ok(Confirmed { cell, settings, costs, n_runs, mean, mean_give_or_take, gain, give_or_take })
         };
         let designs = order.iter().enumerate().map(design).collect::<Result<Vec<_>>>()?;
         Ok(Some(Confirmation { batch, designs }))
@@ -176,7 +175,7 @@ impl Confirmation {
                 Some(mean) => value(response, mean),
                 None => "no value".to_owned(),
             };
-            let measured = match design.alone.filter(|_| self.designs.len() == 1) {
+            let measured = match design.mean_give_or_take.filter(|_| self.designs.len() == 1) {
                 Some(half) => format!("{measured}, give or take {} (90 %)", amount(response, half)),
                 None => measured,
             };

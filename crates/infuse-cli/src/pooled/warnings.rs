@@ -208,12 +208,15 @@ fn another_unit(campaign: &Campaign) -> Option<Finding> {
     let times = if least > OTHER_UNIT * most_before { least / most_before } else { least_before / most };
     let word = if least > most_before { "larger" } else { "smaller" };
     (times > OTHER_UNIT && times.is_finite()).then(|| {
+        let is_it = match campaign.problem.response.unit.as_str() {
+            "" => "is that the right unit?".to_owned(),
+            unit => format!("are they in {unit}?"),
+        };
         let sentence = format!(
-            "Careful: all {} of batch {last} are at least {} times {word} than any before: are they in {}? Put them right with \
+            "Careful: all {} of batch {last} are at least {} times {word} than any before: {is_it} If not, put them right with \
              `infuse tell --correct`.",
             count(now.len(), "result"),
-            short(times.floor()),
-            campaign.problem.response.unit
+            short(times.floor())
         );
         Finding::new(sentence).with("times", times, "1")
     })

@@ -153,8 +153,8 @@ impl Trust {
 /// the box as far from any. Until twenty designs a parameter were run, beside a simulation that is of use seventeen, up to twice what the
 /// readings differ by is held in reserve, whatever the surface says; and where a run was far better than runs elsewhere say, until it was
 /// looked around on all sides, a well twice as deep as was seen, or as deep as half of what they differ by; unless the response is
-/// [known](crate::pooled::Settings::smooth) to have no narrow well. Where every design was run, and a quadratic has as many terms, it is Student's bound on
-/// the differences of the means of their runs. It is never less than what a measured design is better by that
+/// [known](crate::pooled::Settings::smooth) to have no narrow well. Where every design was run, and a quadratic has as many terms, it is
+/// Student's bound on the differences of the means of their runs. It is never less than what a measured design is better by that
 /// [contradicts](crate::pooled::Assessment::contradiction) the recommendation; and never more than is left down to the
 /// [least](crate::pooled::Settings::least) that a response can be, unless a reading is less or contradicts the recommendation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -142,7 +142,9 @@ fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, problem: &Pr
         _ => "more than the campaign has".to_owned(),
     };
     let out_of_reach = match problem.worth {
-        Some(_) if needed > *batches => " So `worth` may never be met: raise `batches` in [loop], or say so.",
+        Some(_) if needed > *batches => {
+            " So `worth` may never be met: raise `batches` in [loop], or set `smooth` if it is so."
+        }
         _ => "",
     };
     let well = problem.response.well();
