@@ -2,6 +2,7 @@
 
 use anyhow::{Context as _, Result, ensure};
 use design_space::Cell;
+use infuse::global::PureError;
 use page::Finding;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
@@ -93,7 +94,7 @@ impl Campaign {
             at.map(|value| response.cost(value)).collect::<Vec<f64>>()
         };
         let runs: Vec<Vec<f64>> = order.iter().map(|&cell| costs_at(cell)).collect();
-        let noise = Noise::of(&runs);
+        let noise = noise_of(&runs);
         let design = |(place, &cell): (usize, &Cell)| {
             let costs = runs[place].clone();
             let difference = if place == 0 { None } else { difference(&costs, &runs[0], noise) };
@@ -102,7 +103,7 @@ impl Campaign {
             let settings = self.problem.named(&self.grid.point(cell)?);
             let (gain, give_or_take) = (difference.map(|d| d.0), difference.and_then(|d| d.1));
             let mean_give_or_take =
-                noise.filter(|_| !costs.is_empty()).and_then(|noise| noise.half_width(1.0 / costs.len() as f64));
+                noise.filter(|_| !costs.is_empty()).and_then(|noise| half_width(noise, 1.0 / costs.len() as f64));
             Ok(Confirmed { cell, settings, costs, n_runs, mean, mean_give_or_take, gain, give_or_take })
         };
         let designs = order.iter().enumerate().map(design).collect::<Result<Vec<_>>>()?;
@@ -208,35 +209,22 @@ fn mean(values: &[f64]) -> Option<f64> {
 }
 
 /// The noise of one run, by what the runs of each design differ by: as everywhere in the loop it is the same for all.
-#[derive(Debug, Clone, Copy)]
-struct Noise {
-    variance: f64,
-    degrees_of_freedom: f64,
+fn noise_of(runs: &[Vec<f64>]) -> Option<PureError> {
+    let of_design =
+        |(place, runs): (usize, &Vec<f64>)| runs.iter().map(|&cost| (vec![place as f64], cost)).collect::<Vec<_>>();
+    PureError::of_readings(runs.iter().enumerate().flat_map(of_design))
 }
 
-impl Noise {
-    /// None where no design has two runs with a value.
-    fn of(runs: &[Vec<f64>]) -> Option<Self> {
-        let of_one = |runs: &Vec<f64>| {
-            let center = mean(runs)?;
-            Some((runs.iter().map(|value| (value - center).powi(2)).sum::<f64>(), runs.len() as f64 - 1.0))
-        };
-        let (squares, degrees_of_freedom) =
-            runs.iter().filter_map(of_one).fold((0.0, 0.0), |(sum, n), (more, of)| (sum + more, n + of));
-        (degrees_of_freedom > 0.0).then(|| Self { variance: squares / degrees_of_freedom, degrees_of_freedom })
-    }
-
-    /// Of the interval of what has so many times the variance of one run.
-    fn half_width(self, times: f64) -> Option<f64> {
-        let student = StudentsT::new(0.0, 1.0, self.degrees_of_freedom).ok()?;
-        Some(student.inverse_cdf(0.5 + PROBABILITY / 2.0) * (self.variance * times).sqrt())
-    }
+/// Half the interval of what has so many times the variance of one run.
+fn half_width(noise: PureError, times: f64) -> Option<f64> {
+    let student = StudentsT::new(0.0, 1.0, noise.degrees_of_freedom as f64).ok()?;
+    Some(student.inverse_cdf(0.5 + PROBABILITY / 2.0) * (noise.variance * times).sqrt())
 }
 
 /// Mean of `a` less mean of `b`, with half the width of its interval by Student's test with the noise of all.
-fn difference(a: &[f64], b: &[f64], noise: Option<Noise>) -> Option<(f64, Option<f64>)> {
+fn difference(a: &[f64], b: &[f64], noise: Option<PureError>) -> Option<(f64, Option<f64>)> {
     let (mean_a, mean_b) = (mean(a)?, mean(b)?);
-    let half = noise.and_then(|noise| noise.half_width(1.0 / a.len() as f64 + 1.0 / b.len() as f64));
+    let half = noise.and_then(|noise| half_width(noise, 1.0 / a.len() as f64 + 1.0 / b.len() as f64));
     Some((mean_a - mean_b, half))
 }
 
@@ -248,13 +236,13 @@ mod tests {
     fn intervals_are_those_of_scipy() {
         // scipy.stats.ttest_ind(a, b, equal_var=True).confidence_interval(0.9) is 1.3 ± this.
         let (a, b) = (vec![8.1, 8.4, 8.3, 8.5], vec![7.1, 7.0, 6.975]);
-        let noise = Noise::of(&[a.clone(), b.clone()]);
+        let noise = noise_of(&[a.clone(), b.clone()]);
         let (gain, half) = difference(&a, &b, noise).expect("both have runs");
         let half = half.expect("both have repeats");
         assert!((gain - 1.3).abs() < 1e-12, "{gain}");
         assert!((half - SCIPY_HALF_WIDTH).abs() < 1e-9, "{half}");
         // A third design adds what it knows of the noise: stats.t.ppf(0.95, 7) and the pooled variance, by numpy.
-        let noise = Noise::of(&[a.clone(), b.clone(), vec![9.0, 9.2, 9.1]]);
+        let noise = noise_of(&[a.clone(), b.clone(), vec![9.0, 9.2, 9.1]]);
         let (_, half) = difference(&a, &b, noise).expect("both have runs");
         assert!((half.expect("a noise") - HALF_WIDTH_OF_THREE).abs() < 1e-9, "{half:?}");
     }
@@ -264,7 +252,7 @@ mod tests {
 
     #[test]
     fn one_run_each_tells_a_difference_and_no_interval() {
-        let none = Noise::of(&[vec![2.0], vec![1.5]]);
+        let none = noise_of(&[vec![2.0], vec![1.5]]);
         assert_eq!(difference(&[2.0], &[1.5], none), Some((0.5, None)));
         assert_eq!(difference(&[], &[1.5], none), None);
     }

@@ -6,6 +6,7 @@ use design_space::Cell;
 use statrs::distribution::{ContinuousCDF as _, Normal, StudentsT};
 
 use crate::pooled::measurements::Reading;
+use crate::pure_error::PureError;
 
 /// The runs of each design beside those of the recommended one.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,17 +25,12 @@ impl RunMeans {
         let mut runs: BTreeMap<Cell, Vec<f64>> = BTreeMap::new();
         readings.iter().for_each(|reading| runs.entry(reading.cell).or_default().push(reading.response));
         let mean = |runs: &[f64]| runs.iter().sum::<f64>() / runs.len() as f64;
-        let squares = |runs: &Vec<f64>| {
-            let center = mean(runs);
-            runs.iter().map(|response| (response - center).powi(2)).sum::<f64>()
-        };
-        let n_repeats = readings.len() - runs.len();
         let (deviation, freedom) = match noise {
             Some(given) => (given, None),
-            None if n_repeats == 0 => return None,
             None => {
-                let freedom = n_repeats as f64;
-                ((runs.values().map(squares).sum::<f64>() / freedom).sqrt(), Some(freedom))
+                let settings = readings.iter().map(|reading| (reading.coded.clone(), reading.response));
+                let repeats = PureError::of_readings(settings)?;
+                (repeats.standard_deviation(), Some(repeats.degrees_of_freedom as f64))
             }
         };
         let own = runs.get(&recommended)?;
