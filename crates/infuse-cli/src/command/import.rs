@@ -4,10 +4,11 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Result, ensure};
+use page::Finding;
 use serde_json::json;
 
 use super::output::Output;
-use crate::findings::{imported, withdrawn};
+use crate::findings::{as_from_elsewhere, imported, withdrawn};
 use crate::folder;
 use crate::journal::{Event, now};
 use crate::number::plain;
@@ -19,15 +20,14 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     let notices = campaign.take_notices();
     let found = sheet::imported(file, campaign.problem())?;
     let in_use = campaign.imported();
-    let is_known = |one: &sheet::Imported| {
-        in_use.iter().any(|earlier| {
-            earlier.point == one.point
-                && earlier.result == one.result
-                && earlier.constrained == one.constrained
-                && earlier.source == source_of(one, source)
+    let alike = |one: &sheet::Imported| {
+        let (point, result, constrained) = (one.point.clone(), one.result.clone(), one.constrained.clone());
+        in_use.iter().filter(move |earlier| {
+            earlier.point == point && earlier.result == result && earlier.constrained == constrained
         })
     };
-    if let Some(known) = found.iter().find(|one| is_known(one)) {
+    let is_known = |one: &&sheet::Imported| alike(one).any(|earlier| earlier.source == source_of(one, source));
+    if let Some(known) = found.iter().find(is_known) {
         anyhow::bail!(
             "{}: {} with {} is in the journal already, from the same source; nothing was taken",
             file.display(),
@@ -35,6 +35,8 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
             known.result.value().map_or_else(|| "no value".to_owned(), plain)
         );
     }
+    let twice = |one| alike(one).next().map(|earlier| (earlier.source.clone(), source_of(one, source)));
+    let elsewhere: Vec<(String, String)> = found.iter().filter_map(twice).collect();
     let (rows, at, from) = (found.len(), now(), file.display().to_string());
     let events = found.into_iter().enumerate().map(|(index, one)| {
         let source = source_of(&one, source);
@@ -54,7 +56,9 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     });
     let events: Vec<Event> = events.collect();
     campaign.record(&mut writer, events)?;
-    Ok(Output::new(&[imported(rows, &campaign.use_of_imports())], json!({ "imported": rows }), notices))
+    let alike = elsewhere.first().map(|(earlier, source)| as_from_elsewhere(elsewhere.len(), earlier, source));
+    let findings: Vec<Finding> = std::iter::once(imported(rows, &campaign.use_of_imports())).chain(alike).collect();
+    Ok(Output::new(&findings, json!({ "imported": rows, "as_from_elsewhere": elsewhere.len() }), notices))
 }
 
 /// Stops using what was imported from a source.

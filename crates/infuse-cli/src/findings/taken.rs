@@ -35,6 +35,17 @@ pub(crate) fn imported(n: usize, used_for: &str) -> Finding {
     Finding::new(sentence).with("experiments imported", n as f64, "1")
 }
 
+/// Rows that are like ones from another source, which may be the same runs.
+pub(crate) fn as_from_elsewhere(n: usize, earlier: &str, source: &str) -> Finding {
+    let are = if n == 1 { "has" } else { "have" };
+    let sentence = format!(
+        "{} {are} settings and results that were imported before, from `{earlier}`, and count as runs of their own. If they are \
+         the same runs: infuse import --withdraw \"{source}\"",
+        count(n, "row")
+    );
+    Finding::new(sentence).with("rows as from elsewhere", n as f64, "1")
+}
+
 /// Earlier experiments that count no longer.
 pub(crate) fn withdrawn(n: usize) -> Finding {
     let sentence = format!("Withdrawn: {}. Batches that rest on them stand.", count(n, "experiment"));

@@ -327,11 +327,7 @@ fn risen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
         let well = response.well();
         let why = if found.forecast.reserves_until().is_some() {
             // What is held for a number of runs is a share of what their results differ by.
-            let or_agree_less = match campaign.problem.simulator.is_there() {
-                true => ", or agree less with the simulation",
-                false => "",
-            };
-            format!("since then results differ by more{or_agree_less}, so more is held for a narrow {well}.")
+            format!("since then results differ by more, so more is held for a narrow {well}.")
         } else if found.find.is_some() && found.forecast.is_for_a_find() {
             format!("what was found since may be a part of a narrow {well}.")
         } else {

@@ -96,8 +96,7 @@ impl campaign::Campaign for Campaign {
             Access::Budget => self.settings.simulations.or(Some(0)),
         };
         let Settings { n_experiments: experiments, max_batches: batches, .. } = self.settings;
-        let has_simulation = self.problem.simulator.is_there();
-        let without_reserve = self.empty.designs_without_reserve(has_simulation);
+        let without_reserve = self.empty.designs_without_reserve();
         Ok(Budget { terms: None, experiments, batches, simulations, without_reserve, grid: self.grid.clone() })
     }
 

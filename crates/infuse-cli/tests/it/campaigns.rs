@@ -155,6 +155,23 @@ fn imports_are_withdrawn_by_their_source() {
     assert!(rig.infuse(&["import"]).error().contains("required"));
 }
 
+/// The same rows under another name may be other runs, so they are taken, and it is said how to be rid of them.
+#[test]
+fn rows_that_were_imported_from_elsewhere_are_said_to_count_twice() {
+    let rig = Rig::new();
+    let heading = "damper gain [N s/mm],spring [N/mm],vibration [mm/s]";
+    rig.write("old.csv", &format!("{heading}\n1.9,22,71\n1.3,18,84\n"));
+    let said = rig.infuse(&["import", "old.csv", "--source", "notebook 3"]).ok();
+    assert!(!said.contains("imported before"), "{said}");
+    rig.write("more.csv", &format!("{heading},source\n1.9,22,71,p. 4\n1.9,22,70,p. 5\n1.3,22,84,p. 5\n"));
+    let said = rig.infuse(&["import", "more.csv", "--source", "notebook 4"]).ok();
+    assert!(said.contains("Imported: 3 experiments."), "{said}");
+    assert!(said.contains("1 row has settings and results that were imported before, from `notebook 3`,"), "{said}");
+    assert!(said.contains("infuse import --withdraw \"notebook 4: p. 4\""), "{said}");
+    assert!(rig.infuse(&["import", "--withdraw", "notebook 4: p. 4"]).ok().contains("Withdrawn: 1 experiment."));
+    assert_eq!(rig.status()["imported"], 4);
+}
+
 #[test]
 fn further_runs_are_put_right_and_never_lost() {
     let rig = Rig::new();

@@ -125,11 +125,11 @@ impl Loop {
         self.designs.grid()
     }
 
-    /// From so many designs run on, a repeat counting half, the certificate holds nothing in reserve for a narrow well: alone, or beside a
-    /// simulation that is of use; none if it never does, because the response is [known](Settings::smooth) to have none.
+    /// From so many designs run on, a repeat counting half, the certificate holds nothing in reserve for a narrow well; none if it never
+    /// does, because the response is [known](Settings::smooth) to have none.
     #[must_use]
-    pub fn designs_without_reserve(&self, is_beside: bool) -> Option<usize> {
-        let enough = || designs_without_reserve(self.region().n_parameters(), is_beside, self.designs.n_allowed());
+    pub fn designs_without_reserve(&self) -> Option<usize> {
+        let enough = || designs_without_reserve(self.region().n_parameters(), self.designs.n_allowed());
         (!self.settings.smooth).then(enough)
     }
 

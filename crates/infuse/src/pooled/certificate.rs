@@ -27,15 +27,12 @@ const WIDENED: f64 = 6.0;
 /// Of readings that crowd, the share that is not counted where they are to tell of the height of wells that the simulation does not
 /// have: all of it where the simulation is of no use.
 const CROWDING: f64 = 0.3;
-/// From so many designs a parameter on, nothing is held beyond what is drawn where no simulation is of use: twice what is asked of a first
-/// sample of a computer experiment (Loeppky, Sacks and Welch, Technometrics 51 (2009) 366). A repeat counts half.
-const ENOUGH_ALONE: f64 = 20.0;
-/// With half as many, how many times what the readings differ by is held in reserve.
-const RESERVE_ALONE: f64 = 1.5;
-/// The same beside a simulation that is of use: it tells what lies between the readings, but may lack what nobody thought of.
-const ENOUGH_BESIDE: f64 = 17.0;
-/// A third of how many times that is held with half as many: it falls as the square of their number, not as the number itself.
-const RESERVE_BESIDE: f64 = 0.5;
+/// From so many designs a parameter on, nothing is held beyond what is drawn: twice what is asked of a first sample of a computer
+/// experiment (Loeppky, Sacks and Welch, Technometrics 51 (2009) 366), beside a simulation, too: it tells what lies between the
+/// readings, but may lack what nobody thought of. A repeat counts half.
+const ENOUGH: f64 = 20.0;
+/// With fewer, so many times what the readings differ by is held in reserve, times the square of how many times fewer they are, less one.
+const RESERVE: f64 = 1.5;
 /// Never more.
 const MOST_RESERVED: f64 = 2.0;
 
@@ -82,11 +79,6 @@ impl Evidence {
     fn untried(&self) -> f64 {
         if self.is_smooth { 0.0 } else { self.never_run() }
     }
-
-    /// How much likelier the simulation is to be of no use than the certificate to fail, from 0 to 1.
-    fn useless(&self, probability: f64) -> f64 {
-        ((self.ignored - (1.0 - probability)) / probability).max(0.0)
-    }
 }
 
 /// As many designs run, where a repeat counts half: it shows no other well, but that what was seen is not the noise.
@@ -95,24 +87,14 @@ fn designs_counted(n_tried: usize, n_readings: usize) -> f64 {
 }
 
 /// So many times what the readings differ by may be missing anyway: a narrow well is as likely to lie where nobody looked.
-fn reserve_after(n_designs: f64, n_parameters: usize, useless: f64) -> f64 {
-    let [alone, beside] = reserves_after(n_designs, n_parameters, useless);
-    alone.max(beside)
-}
-
-/// As far as no simulation is of use, and as far as one is.
-fn reserves_after(n_designs: f64, n_parameters: usize, useless: f64) -> [f64; 2] {
-    let per_design = n_parameters as f64 / n_designs;
-    let alone = (RESERVE_ALONE * (ENOUGH_ALONE * per_design - 1.0)).clamp(0.0, MOST_RESERVED);
-    let beside = (RESERVE_BESIDE * ((ENOUGH_BESIDE * per_design).powi(2) - 1.0)).clamp(0.0, MOST_RESERVED);
-    [useless * alone, beside]
+fn reserve_after(n_designs: f64, n_parameters: usize) -> f64 {
+    let too_few = ENOUGH * n_parameters as f64 / n_designs;
+    (RESERVE * (too_few * too_few - 1.0)).clamp(0.0, MOST_RESERVED)
 }
 
 /// The number of designs run, a repeat counting half, from which on no more than so many times what the readings differ by is held.
-fn enough_for(reserve: f64, n_parameters: usize, useless: f64) -> f64 {
-    let alone = ENOUGH_ALONE / (1.0 + reserve / (RESERVE_ALONE * useless));
-    let beside = ENOUGH_BESIDE / (1.0 + reserve / RESERVE_BESIDE).sqrt();
-    n_parameters as f64 * beside.max(alone)
+fn enough_for(reserve: f64, n_parameters: usize) -> f64 {
+    ENOUGH * n_parameters as f64 / (1.0 + reserve / RESERVE).sqrt()
 }
 
 /// How far what is drawn can be trusted: few readings show neither a well that the simulation does not have nor a process that is
@@ -150,8 +132,7 @@ impl Trust {
 /// corrected simulation or as smooth as the priors of the surface say. What no measurement and no simulation shows, as a well
 /// between all of them, it allows for by doubting the simulation and by widening what the surface says of itself, the less the
 /// more readings there are. Readings that crowd count for fewer, without a simulation for as many evenly spread ones as would leave
-/// the box as far from any. Until twenty designs a parameter were run, beside a simulation that is of use seventeen, up to twice what the
-/// readings differ by is held in reserve, whatever the surface says; and where a run was far better than runs elsewhere say, until it was
+/// the box as far from any. Until twenty designs a parameter were run, up to twice what the readings differ by is held in reserve, whatever the surface says; and where a run was far better than runs elsewhere say, until it was
 /// looked around on all sides, a well twice as deep as was seen, or as deep as half of what they differ by; unless the response is
 /// [known](crate::pooled::Settings::smooth) to have no narrow well. Where every design was run, and a quadratic has as many terms, it is
 /// Student's bound on the differences of the means of their runs. It is never less than what a measured design is better by that
@@ -174,8 +155,6 @@ pub struct Forecast {
     pub drawn: f64,
     /// What the readings differ by, times the share of designs that were never run; 0 where nothing of it is held in reserve.
     pub spread: f64,
-    /// How much likelier the simulation is to be of no use than the certificate to fail, from 0 to 1: 1 without a simulation.
-    pub useless: f64,
     /// How much better than the recommended design a well may be of which a run found a part, or a design is that was measured and
     /// contradicts the recommendation; 0 where there is neither, or it was looked around.
     #[serde(default)]
@@ -210,8 +189,7 @@ impl Forecast {
         let for_drawn = n * (self.drawn / worth).powf(1.0 / POWER);
         let for_reserve = match reserve > worth {
             true => {
-                let enough =
-                    enough_for(worth / self.spread, self.n_parameters, self.useless).min(self.n_designs as f64);
+                let enough = enough_for(worth / self.spread, self.n_parameters).min(self.n_designs as f64);
                 enough * n / self.n_counted()
             }
             false => 0.0,
@@ -224,8 +202,7 @@ impl Forecast {
     /// The number of designs run, a repeat counting half, from which on nothing is held in reserve, if that is what the bound is now.
     #[must_use]
     pub fn reserves_until(&self) -> Option<usize> {
-        let [alone, beside] = reserves_after(self.n_counted(), self.n_parameters, self.useless);
-        let enough = designs_without_reserve(self.n_parameters, beside > alone, self.n_designs);
+        let enough = designs_without_reserve(self.n_parameters, self.n_designs);
         (self.reserve() > self.drawn.max(self.found) && !self.is_for_the_least()).then_some(enough)
     }
 
@@ -253,7 +230,7 @@ impl Forecast {
 
     /// In the unit of the response.
     fn reserve(&self) -> f64 {
-        self.spread * reserve_after(self.n_counted(), self.n_parameters, self.useless)
+        self.spread * reserve_after(self.n_counted(), self.n_parameters)
     }
 
     /// Designs run until now, a repeat counting half.
@@ -263,11 +240,10 @@ impl Forecast {
     }
 }
 
-/// From so many designs on, of so many parameters, a repeat counting half, nothing is held in reserve for a narrow well: fewer beside
-/// a simulation that is of use, and never more than there are.
-pub(crate) fn designs_without_reserve(n_parameters: usize, is_beside: bool, n_designs: u64) -> usize {
-    let per_parameter = if is_beside { ENOUGH_BESIDE } else { ENOUGH_ALONE };
-    (per_parameter as usize * n_parameters).min(usize::try_from(n_designs).unwrap_or(usize::MAX))
+/// From so many designs on, of so many parameters, a repeat counting half, nothing is held in reserve for a narrow well; never more than
+/// there are.
+pub(crate) fn designs_without_reserve(n_parameters: usize, n_designs: u64) -> usize {
+    (ENOUGH as usize * n_parameters).min(usize::try_from(n_designs).unwrap_or(usize::MAX))
 }
 
 /// By this power of the readings what is drawn falls.
@@ -382,13 +358,13 @@ impl Draws {
     /// With so many experiments to a batch.
     pub(crate) fn forecast(&self, probability: f64, n_experiments: usize) -> Forecast {
         let Evidence { n_readings, n_tried, n_parameters, n_designs, .. } = self.evidence;
-        let (drawn, useless) = (self.drawn(probability), self.evidence.useless(probability));
+        let drawn = self.drawn(probability);
         let spread = self.evidence.untried() * self.spread;
         let Self { found, above, trust, .. } = *self;
         // As little is believed of where the recommended design is as of what is drawn.
         let sure = trust.allowance * Normal::standard().inverse_cdf(probability);
         let most = above.map(|(above, deviation)| (above + sure * deviation).max(0.0));
-        Forecast { drawn, spread, useless, found, most, n_readings, n_tried, n_designs, n_experiments, n_parameters }
+        Forecast { drawn, spread, found, most, n_readings, n_tried, n_designs, n_experiments, n_parameters }
     }
 }
 
@@ -497,7 +473,7 @@ mod tests {
 
     fn reserve(evidence: &Evidence) -> f64 {
         let n_designs = designs_counted(evidence.n_tried, evidence.n_readings);
-        evidence.untried() * reserve_after(n_designs, evidence.n_parameters, evidence.useless(0.9))
+        evidence.untried() * reserve_after(n_designs, evidence.n_parameters)
     }
 
     fn evidence() -> impl Strategy<Value = Evidence> {
@@ -601,39 +577,38 @@ mod tests {
         }
     }
 
-    /// By hand, with two parameters: nothing is held from 40 designs on, once the spread after 24, and one and a half times after 20; less by
-    /// the share of designs that were run. Beside a simulation that is of use nothing from 34 on, and three times a half of it after 17.
+    /// By hand, with two parameters: nothing is held from 40 designs on, nine sixteenths of one and a half times the spread after 32, twice
+    /// the spread up to 26; less by the share of designs that were run; whatever a simulation says.
     #[test]
     fn narrow_wells_are_allowed_for_until_twenty_designs_a_parameter_were_run() {
         let evidence = |n_readings, n_tried, ignored, n_designs| {
             let (n_parameters, n_terms) = (2, 6);
             Evidence { n_readings, n_tried, n_even: 1, ignored, n_designs, is_smooth: false, n_parameters, n_terms }
         };
-        let reserve = |n_tried: usize, ignored: f64, untried: f64| {
+        let reserve = |n_tried: usize, untried: f64| {
             // As many more as leave this share untried.
             let n_designs = (n_tried as f64 / (1.0 - untried)).round() as u64;
-            reserve(&evidence(n_tried, n_tried, ignored, n_designs))
-                / evidence(1, n_tried, ignored, n_designs).untried()
-                * untried
+            let held = |ignored: f64| reserve(&evidence(n_tried, n_tried, ignored, n_designs));
+            assert!((held(0.0) - held(1.0)).abs() <= 0.0);
+            held(1.0) / evidence(1, n_tried, 1.0, n_designs).untried() * untried
         };
         // Of three designs that are run twice four are counted and a half.
         let of = |evidence: &Evidence| designs_counted(evidence.n_tried, evidence.n_readings);
         assert!((of(&evidence(6, 3, 1.0, 100)) - 4.5).abs() < 1e-12);
         assert!((evidence(6, 25, 1.0, 100).untried() - 0.75).abs() < 1e-12);
         assert!(Evidence { is_smooth: true, ..evidence(6, 3, 1.0, 100) }.untried().abs() < 1e-12);
-        for (n_tried, without, beside) in [
-            (4, 2.0, 2.0),
-            (12, 2.0, 2.0),
-            (17, 2.0, 1.5),
-            (20, 1.5, 0.945),
-            (30, 0.5, 0.142_222_222_222_222),
-            (34, 0.264_705_882_352_941, 0.0),
-            (40, 0.0, 0.0),
-            (400, 0.0, 0.0),
+        for (n_tried, held) in [
+            (4, 2.0),
+            (26, 2.0),
+            (27, 1.792_181_069_958_848),
+            (32, 0.843_75),
+            (36, 0.351_851_851_851_852),
+            (40, 0.0),
+            (400, 0.0),
         ] {
-            assert!((reserve(n_tried, 1.0, 0.9) - 0.9 * without).abs() < 1e-12, "{n_tried}");
-            assert!((reserve(n_tried, 0.55, 0.4) - 0.4 * f64::max(0.5 * without, beside)).abs() < 1e-12, "{n_tried}");
-            assert!((reserve(n_tried, 0.1, 0.9) - 0.9 * beside).abs() < 1e-12, "{n_tried}");
+            for untried in [0.9, 0.4] {
+                assert!((reserve(n_tried, untried) - untried * held).abs() < 1e-12, "{n_tried}");
+            }
         }
     }
 
@@ -666,17 +641,17 @@ mod tests {
     /// As many more readings as the law takes, for what is drawn and for the reserve; one batch less would not do.
     #[test]
     fn further_batches_are_as_many_as_it_takes() {
-        for (drawn, spread, useless, worth, n, n_tried, of) in [
-            (8.0, 0.0, 1.0, 1.1, 10, 10, 10),
-            (3.0, 0.0, 1.0, 0.4, 36, 36, 12),
-            (0.2, 0.0, 0.0, 0.19, 7, 7, 8),
-            (1e6, 0.0, 1.0, 1.0, 9, 9, 4),
-            (0.1, 3.0, 1.0, 0.4, 12, 12, 12),
-            (0.1, 3.0, 1.0, 0.4, 24, 12, 12),
-            (0.1, 0.7, 0.6, 0.01, 24, 20, 5),
-            (0.1, 0.7, 0.0, 0.01, 24, 24, 5),
-            (0.5, 0.01, 1.0, 0.012, 24, 24, 5),
-            (0.5, 0.1, 1.0, 0.49, 10, 10, 1),
+        for (drawn, spread, worth, n, n_tried, of) in [
+            (8.0, 0.0, 1.1, 10, 10, 10),
+            (3.0, 0.0, 0.4, 36, 36, 12),
+            (0.2, 0.0, 0.19, 7, 7, 8),
+            (1e6, 0.0, 1.0, 9, 9, 4),
+            (0.1, 3.0, 0.4, 12, 12, 12),
+            (0.1, 3.0, 0.4, 24, 12, 12),
+            (0.1, 0.7, 0.01, 24, 20, 5),
+            (0.1, 0.7, 0.3, 24, 24, 5),
+            (0.5, 0.01, 0.012, 24, 24, 5),
+            (0.5, 0.1, 0.49, 10, 10, 1),
         ] {
             let (n_readings, n_experiments) = (n, of);
             let (n_designs, n_parameters) = (10_000, 2);
@@ -684,7 +659,6 @@ mod tests {
             let forecast = Forecast {
                 drawn,
                 spread,
-                useless,
                 found,
                 most: None,
                 n_readings,
@@ -697,9 +671,8 @@ mod tests {
             let after = |batches: u64| {
                 let later = n as f64 + (batches as usize * of) as f64;
                 let tried = later * 0.5 * (n_tried + n) as f64 / n as f64;
-                let without = useless * (1.5 * (40.0 / tried - 1.0)).clamp(0.0, 2.0);
-                let beside = (0.5 * (1156.0 / (tried * tried) - 1.0)).clamp(0.0, 2.0);
-                (drawn * (n as f64 / later).powf(2.5)).max(spread * f64::max(without, beside))
+                let held = (2400.0 / (tried * tried) - 1.5).clamp(0.0, 2.0);
+                (drawn * (n as f64 / later).powf(2.5)).max(spread * held)
             };
             let worth = worth * (1.0 + 1e-12);
             assert!(further >= 1 && after(further) <= worth && after(further - 1) > worth, "{forecast:?}: {further}");
@@ -714,20 +687,9 @@ mod tests {
         }
         let of = |drawn: f64, worth: f64| {
             let (n_readings, n_tried, n_designs, n_experiments, n_parameters) = (10, 10, 100, 5, 2);
-            let (spread, useless, found) = (0.0, 1.0, 0.0);
-            Forecast {
-                drawn,
-                spread,
-                useless,
-                found,
-                most: None,
-                n_readings,
-                n_tried,
-                n_designs,
-                n_experiments,
-                n_parameters,
-            }
-            .further_batches(worth)
+            let (spread, found) = (0.0, 0.0);
+            Forecast { drawn, spread, found, most: None, n_readings, n_tried, n_designs, n_experiments, n_parameters }
+                .further_batches(worth)
         };
         assert_eq!((of(1.0, 1.0), of(0.0, 0.0), of(1.0, 0.0)), (0, 0, u64::MAX));
     }

@@ -146,7 +146,6 @@ fn campaign(method: &Method, family: &Family, seed: u64) -> Result<Vec<Row>> {
             quantile,
             drawn: forecast.map(|forecast| forecast.drawn),
             spread: forecast.map(|forecast| forecast.spread),
-            useless: forecast.map(|forecast| forecast.useless),
             tried: forecast.map(|forecast| forecast.n_tried),
             ask_seconds,
             tell_seconds,

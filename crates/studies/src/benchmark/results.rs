@@ -47,8 +47,6 @@ pub(super) struct Row {
     #[serde(default)]
     pub(super) spread: Option<f64>,
     #[serde(default)]
-    pub(super) useless: Option<f64>,
-    #[serde(default)]
     pub(super) tried: Option<usize>,
     /// To choose the batch.
     pub(super) ask_seconds: f64,
@@ -61,22 +59,11 @@ impl Row {
     pub(super) fn forecast(&self, family: &Family) -> Option<Forecast> {
         let (n_experiments, n_parameters) = (n_experiments(family), family.n_factors);
         let n_readings = self.batch * n_experiments;
-        let (drawn, spread, useless, n_tried) = (self.drawn?, self.spread?, self.useless?, self.tried?);
+        let (drawn, spread, n_tried) = (self.drawn?, self.spread?, self.tried?);
         let n_designs = u64::from(LEVELS).pow(n_parameters as u32);
         // Where the bound is more than the others come to, it is what is held for a well of which a part was found.
         let found = self.bound.unwrap_or(0.0);
-        Some(Forecast {
-            drawn,
-            spread,
-            useless,
-            found,
-            most: None,
-            n_readings,
-            n_tried,
-            n_designs,
-            n_experiments,
-            n_parameters,
-        })
+        Some(Forecast { drawn, spread, found, most: None, n_readings, n_tried, n_designs, n_experiments, n_parameters })
     }
 
     /// Whether both say the same, times apart; the last digits differ between machines.
@@ -93,7 +80,6 @@ impl Row {
             && both((self.quantile, other.quantile))
             && both((self.drawn, other.drawn))
             && both((self.spread, other.spread))
-            && both((self.useless, other.useless))
             && self.tried == other.tried
             && close(self.regret, other.regret)
     }

@@ -261,7 +261,6 @@ mod tests {
                     quantile: None,
                     drawn: bound,
                     spread: Some(0.0),
-                    useless: Some(0.0),
                     tried: Some(batch),
                     ask_seconds: 0.0,
                     tell_seconds: 0.0,

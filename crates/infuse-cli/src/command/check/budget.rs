@@ -148,9 +148,8 @@ fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, problem: &Pr
         _ => "",
     };
     let well = problem.response.well();
-    let useless = if problem.simulator.is_there() { " (more if the simulation is of no use)" } else { "" };
     let sentence = format!(
-        "Until {} run{useless}, a repeat counting half, {enough}, what the certificate promises leaves room for a \
+        "Until {} run, a repeat counting half, {enough}, what the certificate promises leaves room for a \
          narrow {well}; `smooth` in [stop] says that there surely is none.{out_of_reach}",
         if n == 1 { "one design was".to_owned() } else { format!("{n} designs were") }
     );
