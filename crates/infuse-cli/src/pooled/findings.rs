@@ -111,9 +111,13 @@ pub(super) fn set_aside(campaign: &Campaign, found: &Assessment) -> Vec<Origin> 
 /// What is expected at a design, with its band.
 fn expected(campaign: &Campaign, found: &Assessment, here: &Standing) -> Finding {
     let response = &campaign.problem.response;
-    if found.forecast.n_readings < 2 {
+    if found.needed.is_some() {
+        let results = match found.forecast.n_readings {
+            1 => "one result".to_owned(),
+            n => count(n, "result"),
+        };
         let sentence = format!(
-            "{} there: {} expected, as was measured; how far off that may be, one result cannot tell.",
+            "{} there: {} expected; how far off that may be, {results} cannot tell.",
             response.name,
             value_to(response, here.mean, resolution(found).max(here.deviation))
         );

@@ -185,6 +185,9 @@ fn too_few_results_promise_nothing_and_end_nothing() {
         let (text, log) = (rig.infuse(&["status"]).ok(), rig.infuse(&["log"]).ok());
         let is_said = text.contains(&format!("cannot be said before there are 6 results: {n} so far. Go on."));
         assert_eq!(is_said, n < 6, "{text}");
+        let results = if n == 1 { "one result".to_owned() } else { format!("{n} results") };
+        assert_eq!(text.contains(&format!("how far off that may be, {results} cannot tell.")), n < 6, "{text}");
+        assert_eq!(text.contains("expected, give or take "), n == 6, "{text}");
         assert_eq!(log.matches("too few results to say by how much others may be better").count(), n.min(5), "{log}");
         let status = rig.status();
         assert_eq!([status["bound"].is_null(), status["results_needed"] == 6], [n < 6; 2], "{status}");

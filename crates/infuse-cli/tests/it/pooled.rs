@@ -111,7 +111,7 @@ fn a_reserve_that_rises_is_said_to_be_one() {
 }
 
 #[test]
-fn the_template_ends_at_the_optimum_of_the_rig_in_four_or_five_batches() {
+fn the_template_ends_at_the_optimum_of_the_rig_in_five_batches() {
     let campaigns = (1..=6).map(|seed| {
         let rig = Rig::pooled();
         rig.edit("seed = 1", &format!("seed = {seed}"));
@@ -121,7 +121,7 @@ fn the_template_ends_at_the_optimum_of_the_rig_in_four_or_five_batches() {
     });
     let mut campaigns: Vec<(Rig, usize)> = campaigns.collect();
     let n_batches: usize = campaigns.iter().map(|(_, n_batches)| n_batches).sum();
-    assert!(n_batches <= 28, "{n_batches} in six campaigns");
+    assert!(n_batches <= 30, "{n_batches} in six campaigns");
     let (rig, n_batches) = campaigns.swap_remove(0);
     let status = rig.status();
     // The smallest of the table, as anyone can look it up.
@@ -134,6 +134,7 @@ fn the_template_ends_at_the_optimum_of_the_rig_in_four_or_five_batches() {
     // The best is known: what a repeat would gain is nothing.
     assert!(more.contains("is far from any run") && !more.contains("repeats that measure the noise"), "{more}");
     // Every setting of the loop may change from batch to batch.
+    rig.edit("batches = 6", "batches = 8");
     rig.edit("experiments = 10", "experiments = 4\nconfidence = 0.95\nnoise = 0.15");
     rig.fill(&format!("sheet-{}.csv", n_batches + 1), |_| true);
     rig.infuse(&["tell", &format!("sheet-{}.csv", n_batches + 1)]).ok();

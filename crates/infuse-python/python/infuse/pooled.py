@@ -48,7 +48,7 @@ class Standing:
     mean: float
     """The response that is expected there."""
     deviation: float
-    """Standard deviation of that, without the noise of a reading."""
+    """Standard deviation of that, without the noise of a reading: wider than the surface has it while results are few."""
     n_readings: int
     """Number of readings there."""
     measured: Optional[float]

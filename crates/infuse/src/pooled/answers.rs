@@ -4,6 +4,7 @@ use design_space::Cell;
 
 use crate::Error;
 use crate::pooled::assessment::{Assessment, Constrained, Expectation, Look, Standing, constrained_at, standing};
+use crate::pooled::bands::widened;
 use crate::pooled::campaign::Loop;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::outliers::{Readings, learnt, surprises};
@@ -37,11 +38,13 @@ impl Loop {
         self.with_knowledge(simulate, |knowledge, readings, settings, batch| {
             let pool = Pool::gather(knowledge, settings.seed, batch)?;
             let recommended = lowest_mean(knowledge, &pool, settings.seed, batch)?;
-            let constrained = &readings.constrained;
-            cells
-                .iter()
-                .map(|&cell| standing(knowledge, &readings.kept, constrained, cell, recommended, settings.confidence))
-                .collect::<Result<Vec<_>, _>>()
+            let (kept, constrained) = (&readings.kept, &readings.constrained);
+            let by = widened(kept.len(), knowledge.designs.n_terms());
+            let at = |&cell| {
+                let standing = standing(knowledge, kept, constrained, cell, recommended, settings.confidence)?;
+                Ok(standing.widened(by))
+            };
+            cells.iter().map(at).collect::<Result<Vec<_>, _>>()
         })
     }
 
@@ -55,13 +58,14 @@ impl Loop {
         cells: &[Cell],
         simulate: Option<&mut dyn Simulate>,
     ) -> Result<Option<Vec<Expectation>>, Error> {
-        self.with_knowledge(simulate, |knowledge, _, _, _| {
+        self.with_knowledge(simulate, |knowledge, readings, _, _| {
+            let by = widened(readings.kept.len(), knowledge.designs.n_terms());
             let places = knowledge.places(cells)?;
             let (marginals, chances) = (knowledge.marginals(&places), knowledge.chances(cells, &places)?);
             let pairs = marginals.means.into_iter().zip(marginals.variances).zip(chances.responding);
             let pairs = pairs.zip(constrained_at(knowledge, cells)?);
             let expectation = |(((mean, variance), feasible), constrained): (((f64, f64), f64), Vec<Constrained>)| {
-                Expectation { mean, deviation: variance.sqrt(), feasible, constrained }
+                Expectation { mean, deviation: by * variance.sqrt(), feasible, constrained }
             };
             Ok(pairs.map(expectation).collect())
         })

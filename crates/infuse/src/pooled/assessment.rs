@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use surface::process::SimulationUse;
 
 use crate::Error;
+use crate::pooled::bands::widened;
 use crate::pooled::certificate::{Certificate, Draws, Evidence, Forecast};
 use crate::pooled::coverage::{Coverage, unseen};
 use crate::pooled::economy::Economy;
@@ -34,7 +35,8 @@ pub struct Standing {
     pub point: Vec<f64>,
     /// The response that is expected there.
     pub mean: f64,
-    /// Standard deviation of that expectation, without the noise of a reading.
+    /// Standard deviation of that expectation, without the noise of a reading: up to four times as large as the surface has it while there
+    /// are few readings, and as it is when they are many times the terms of a quadratic.
     pub deviation: f64,
     /// Number of readings there.
     pub n_readings: usize,
@@ -54,6 +56,13 @@ pub struct Standing {
     pub suffices: bool,
 }
 
+impl Standing {
+    /// The same, its deviation so many times as large.
+    pub(crate) fn widened(self, by: f64) -> Self {
+        Self { deviation: by * self.deviation, ..self }
+    }
+}
+
 /// What is known of a constrained response at one design.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Constrained {
@@ -70,7 +79,7 @@ pub struct Constrained {
 pub struct Expectation {
     /// The response.
     pub mean: f64,
-    /// Standard deviation of that, without the noise of a reading.
+    /// Standard deviation of that, as of a [`Standing`].
     pub deviation: f64,
     /// Probability that an experiment there gives a response.
     pub feasible: f64,
@@ -245,6 +254,7 @@ impl Look {
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
         let is_early = readings.len() < designs.n_to_promise();
+        let by = widened(readings.len(), designs.n_terms());
         let assessment = Assessment {
             noise: knowledge.process.noise(),
             assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
@@ -258,10 +268,10 @@ impl Look {
             // No well is larger than all that was never run.
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
-            contradiction,
+            contradiction: contradiction.map(|one| Contradiction { standing: one.standing.widened(by), ..one }),
             find: find.map(|open| designs.grid().point(open.find)).transpose()?,
             outliers: set_aside.iter().copied().chain(open).collect(),
-            recommended,
+            recommended: recommended.widened(by),
             further_batches: settings.worth.map(|worth| forecast.further_batches(worth).max(u64::from(is_early))),
             certificate,
             forecast,
@@ -325,7 +335,7 @@ fn to_run_again(readings: &[Reading], outliers: &[Outlier], noise: f64) -> Vec<C
     again
 }
 
-/// What is known of a design, beside the recommended one.
+/// What the surface has of a design, beside the recommended one.
 pub(crate) fn standing(
     knowledge: &mut Knowledge<'_, '_>,
     readings: &[Reading],

@@ -49,6 +49,7 @@ mod admission;
 mod answers;
 mod ask_tell;
 mod assessment;
+mod bands;
 mod campaign;
 mod certificate;
 mod constraint;

@@ -623,15 +623,42 @@ fn a_certificate_needs_as_many_readings_as_tell_a_plane_from_its_noise() {
     }
 }
 
+/// Whoever asks for a design is told of the same band, and that of the recommended one narrows from batch to batch.
+#[test]
+fn every_answer_has_the_same_band() {
+    let mut campaign = campaign(2, 21, batches(10, 3, 1));
+    let mut before = f64::INFINITY;
+    let mut measure = noisy(1, 0.02, truth);
+    for _ in 0..3 {
+        let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a batch") else { panic!("an end") };
+        for trial in trials {
+            let response = measure(&trial).expect("a reading");
+            campaign.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
+        }
+        let recommended = assessed(&mut campaign).recommended;
+        let cells = [recommended.cell, Cell::new(0)];
+        let standings = campaign.standings(&cells, Some(&mut simulation)).expect("a fit").expect("responses");
+        let expected = campaign.expectations(&cells, Some(&mut simulation)).expect("a fit").expect("responses");
+        assert!((standings[0].deviation / recommended.deviation - 1.0).abs() < 1e-9, "{standings:?}");
+        for (standing, expectation) in standings.iter().zip(&expected) {
+            assert!((standing.deviation / expectation.deviation - 1.0).abs() < 1e-6, "{standing:?} {expectation:?}");
+        }
+        assert!(recommended.deviation < before, "{recommended:?}");
+        before = recommended.deviation;
+    }
+}
+
 /// Who asks for more confidence is promised less.
 #[test]
 fn bound_of_the_certificate_follows_the_confidence() {
-    let mut campaign = campaign(2, 21, batches(10, 4, 1));
+    // Nothing is held in reserve, which does not depend on it.
+    let mut settings = batches(10, 4, 1);
+    settings.smooth = true;
+    let mut campaign = campaign(2, 21, settings.clone());
     campaign.run(&mut simulation, &mut noisy(1, 0.02, truth)).expect("a campaign that ends");
     let certificates = [0.5, 0.7, 0.9, 0.99].map(|confidence| {
-        let mut settings = batches(10, 4, 1);
         settings.confidence = confidence;
-        campaign.set_settings(settings).expect("valid settings");
+        campaign.set_settings(settings.clone()).expect("valid settings");
         assessed(&mut campaign).certificate
     });
     for pair in certificates.windows(2) {

@@ -23,13 +23,16 @@ pub(super) struct Step {
     pub(super) quantile: Option<f64>,
     /// How the bound is expected to fall.
     pub(super) forecast: Option<Forecast>,
+    /// The response that is expected at the recommended cell, and the standard deviation of that.
+    pub(super) expected: Option<[f64; 2]>,
     pub(super) ask_seconds: f64,
     pub(super) tell_seconds: f64,
 }
 
 impl Step {
     fn of(recommended: Cell) -> Self {
-        Self { recommended, bound: None, quantile: None, forecast: None, ask_seconds: 0.0, tell_seconds: 0.0 }
+        let (bound, quantile, forecast, expected) = (None, None, None, None);
+        Self { recommended, bound, quantile, forecast, expected, ask_seconds: 0.0, tell_seconds: 0.0 }
     }
 }
 
@@ -101,8 +104,9 @@ fn pooled_campaign(task: &Task<'_>, is_told: bool) -> Result<Vec<Step>> {
         };
         let tell_seconds = start.elapsed().as_secs_f64();
         let (bound, quantile) = (Some(assessment.certificate.bound), Some(assessment.certificate.quantile));
-        let (recommended, forecast) = (assessment.recommended.cell, Some(assessment.forecast));
-        steps.push(Step { recommended, bound, quantile, forecast, ask_seconds, tell_seconds });
+        let (standing, forecast) = (assessment.recommended, Some(assessment.forecast));
+        let (recommended, expected) = (standing.cell, Some([standing.mean, standing.deviation]));
+        steps.push(Step { recommended, bound, quantile, forecast, expected, ask_seconds, tell_seconds });
     }
     Ok(steps)
 }

@@ -1,5 +1,6 @@
 //! `cargo xtask benchmark`: the loops on pairs of a biased simulation and a noisy truth, beside those who know less and peers.
 
+mod bands;
 mod constrained;
 mod constrained_page;
 pub(crate) mod constrained_run;
@@ -135,8 +136,9 @@ fn campaign(method: &Method, family: &Family, seed: u64) -> Result<Vec<Row>> {
     let steps = (method.run)(&task).with_context(|| format!("{} on {}, seed {seed}", method.words, family.name))?;
     let row = |(batch, step): (usize, methods::Step)| {
         let point = task.grid.point(step.recommended)?;
-        let regret = (pair.truth)(&point) - best;
-        let methods::Step { bound, quantile, forecast, ask_seconds, tell_seconds, .. } = step;
+        let truth = (pair.truth)(&point);
+        let regret = truth - best;
+        let methods::Step { bound, quantile, forecast, expected, ask_seconds, tell_seconds, .. } = step;
         Ok(Row {
             family: family.name.to_owned(),
             seed,
@@ -147,6 +149,8 @@ fn campaign(method: &Method, family: &Family, seed: u64) -> Result<Vec<Row>> {
             drawn: forecast.map(|forecast| forecast.drawn),
             spread: forecast.map(|forecast| forecast.spread),
             tried: forecast.map(|forecast| forecast.n_tried),
+            off: expected.map(|[mean, _]| mean - truth),
+            deviation: expected.map(|[_, deviation]| deviation),
             ask_seconds,
             tell_seconds,
         })

@@ -28,7 +28,7 @@ pub(super) const PEERS: &[Peer] = &[
 ];
 
 /// One batch of one campaign.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Row {
     pub(super) family: String,
     pub(super) seed: u64,
@@ -48,6 +48,11 @@ pub(super) struct Row {
     pub(super) spread: Option<f64>,
     #[serde(default)]
     pub(super) tried: Option<usize>,
+    /// What is expected at the recommended design less the truth there, and the standard deviation of that.
+    #[serde(default)]
+    pub(super) off: Option<f64>,
+    #[serde(default)]
+    pub(super) deviation: Option<f64>,
     /// To choose the batch.
     pub(super) ask_seconds: f64,
     /// To take its results.
@@ -63,7 +68,19 @@ impl Row {
         let n_designs = u64::from(LEVELS).pow(n_parameters as u32);
         // Where the bound is more than the others come to, it is what is held for a well of which a part was found.
         let found = self.bound.unwrap_or(0.0);
-        Some(Forecast { drawn, spread, found, most: None, n_readings, n_tried, n_designs, n_experiments, n_parameters })
+        let (most, behind) = (None, None);
+        Some(Forecast {
+            drawn,
+            spread,
+            found,
+            most,
+            behind,
+            n_readings,
+            n_tried,
+            n_designs,
+            n_experiments,
+            n_parameters,
+        })
     }
 
     /// Whether both say the same, times apart; the last digits differ between machines.
@@ -81,6 +98,8 @@ impl Row {
             && both((self.drawn, other.drawn))
             && both((self.spread, other.spread))
             && self.tried == other.tried
+            && both((self.off, other.off))
+            && both((self.deviation, other.deviation))
             && close(self.regret, other.regret)
     }
 }

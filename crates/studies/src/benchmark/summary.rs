@@ -66,6 +66,12 @@ pub(super) fn shared(ours: &Results, other: &Results, batch: usize, limit: f64) 
     Shared { campaigns: all.len(), within: [share(0), share(1)] }
 }
 
+/// In percent of the range, two digits.
+pub(super) fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent >= 9.95 { format!("{percent:.0}") } else { format!("{percent:.1}") }
+}
+
 /// Our regret beside that of another method on the same pairs of a family: mean of log10 of the ratio, with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Paired {
@@ -258,12 +264,10 @@ mod tests {
                     batch,
                     regret,
                     bound,
-                    quantile: None,
                     drawn: bound,
                     spread: Some(0.0),
                     tried: Some(batch),
-                    ask_seconds: 0.0,
-                    tell_seconds: 0.0,
+                    ..Row::default()
                 });
             }
         }
