@@ -9,6 +9,7 @@ use infuse::pooled::Trial;
 
 use super::buildable::some_are_refused;
 use super::campaign::{Batch, Campaign, Checked, Remembered};
+use super::findings::promised;
 use crate::campaign::Imported;
 use crate::journal::{Assessed, Event, JOURNAL, Submitted, Writer};
 use crate::problem::PROBLEM;
@@ -71,7 +72,7 @@ impl Campaign {
         Ok(assessment.map(|found| {
             let assessed = Assessed {
                 batch,
-                bound: found.bound(),
+                bound: promised(self, &found),
                 recommended: found.recommended.point,
                 expected: self.problem.response.of_cost(found.recommended.mean),
                 deviation: found.recommended.deviation,

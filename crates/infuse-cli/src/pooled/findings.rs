@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use infuse::pooled::reported::SimulationWorth;
-use infuse::pooled::{Assessment, Certificate, Standing};
+use infuse::pooled::{Assessment, Certificate, Needed, Standing};
 use page::Finding;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
@@ -222,23 +222,28 @@ fn unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
     Some(Finding::new(sentence).with("share of all designs that a well may take unseen", share, "1"))
 }
 
+/// By how much another design may be better, where that is said.
+pub(super) fn promised(campaign: &Campaign, found: &Assessment) -> Option<f64> {
+    found.bound().filter(|_| all_equal(campaign).is_none())
+}
+
 /// How much better another design may be, and what follows for the stop.
 fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
     let (response, certificate) = (&campaign.problem.response, &found.certificate);
     if not_sure(campaign, &found.recommended).is_some() {
         let sentence = "How far it is from the best is not said: where no design is known to keep to the bounds, there is no best.";
-        return Finding::new(sentence).with("probability", certificate.probability, "1").with(
-            "bound",
-            certificate.bound,
-            &response.unit,
-        );
+        return Finding::new(sentence);
     }
     if let Some(needed) = found.needed {
-        let sentence = format!(
-            "By how much another design may be better cannot be said before there are {needed} results: {} so far. Go on.",
-            found.forecast.n_readings
-        );
-        return Finding::new(sentence).with("results needed", needed as f64, "1");
+        let until = match needed {
+            Needed::Readings(n) => format!("before there are {n} results: {} so far", found.forecast.n_readings),
+            Needed::Designs(n) => format!("before {n} different designs were run: {} so far", found.forecast.n_tried),
+            Needed::Repeat => {
+                "before a design is run again, or `noise` in [loop] is given: what they differ by may be noise"
+                    .to_owned()
+            }
+        };
+        return Finding::new(format!("By how much another design may be better cannot be said {until}. Go on."));
     }
     if all_equal(campaign).is_some() {
         let sentence = "By how much another design may be better cannot be said. All results are equal: whether to go on, they cannot tell.";
@@ -261,8 +266,14 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         }
         _ => String::new(),
     };
-    let rests =
-        format!("It rests on the measurements,{simulation} and on a response as smooth as the surface assumes{wells}.");
+    let rests = match found.forecast.of_means {
+        Some(_) => {
+            "It rests on the runs of each design alone: Student's test of the differences of their means.".to_owned()
+        }
+        None => format!(
+            "It rests on the measurements,{simulation} and on a response as smooth as the surface assumes{wells}."
+        ),
+    };
     let finding = Finding::new(sentence)
         .with("probability", certificate.probability, "1")
         .with("bound", certificate.bound, &response.unit)
@@ -608,7 +619,9 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
     let (response, here) = (&campaign.problem.response, &found.recommended);
     let promise = match not_sure(campaign, here) {
         Some(_) => format!("no design is known to keep to the bounds, this one{}", likely_to_keep(campaign, here)),
-        None if found.needed.is_some() => "too few results to say by how much others may be better".to_owned(),
+        None if promised(campaign, found).is_none() => {
+            "too few results to say by how much others may be better".to_owned()
+        }
         None => format!(
             "none better by more than {} ({})",
             amount(response, found.certificate.bound),
@@ -622,7 +635,7 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
         value_to(response, here.mean, resolution(found).max(here.deviation)),
     );
     let finding = Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit);
-    found.bound().into_iter().fold(finding, |finding, bound| finding.with("bound", bound, &response.unit))
+    promised(campaign, found).into_iter().fold(finding, |finding, bound| finding.with("bound", bound, &response.unit))
 }
 
 /// What is known of one design, and whether it may still be the best; it may lie between those that can be set.

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use super::bounds::as_json;
 use super::campaign::{Access, Campaign, Origin};
 use super::dry::dry_pick;
-use super::findings::{closed, known, lesson, none_better, recommendation, set_aside, standing_in_words};
+use super::findings::{closed, known, lesson, none_better, promised, recommendation, set_aside, standing_in_words};
 use super::reasons::reasons;
 use super::warnings::{all_equal, nothing_but_failures, warnings};
 use super::{confirm, hand_out, report, what_if};
@@ -160,13 +160,13 @@ impl campaign::Campaign for Campaign {
             "batches": batches.collect::<Vec<_>>(),
             "best": problem.named(&found.recommended.point),
             "predicted": response.of_cost(found.recommended.mean),
-            "deviation": found.recommended.deviation,
+            "deviation": found.needed.is_none().then_some(found.recommended.deviation),
             "runs_there": found.recommended.n_readings,
-            "bound": found.bound(),
-            "results_needed": found.needed,
-            "bound_by_the_surface_alone": found.certificate.quantile,
+            "bound": promised(self, &found),
+            "needed": found.needed,
+            "bound_by_the_surface_alone": promised(self, &found).map(|_| found.certificate.quantile),
             "probability": found.certificate.probability,
-            "further_batches": found.further_batches,
+            "further_batches": found.further_batches.filter(|_| promised(self, &found).is_some()),
             "designs_without_reserve": found.forecast.reserves_until(),
             "designs_counted": found.forecast.n_counted(),
             "held_for_a_find": found.forecast.is_for_a_find(),

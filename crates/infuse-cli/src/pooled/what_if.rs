@@ -68,7 +68,9 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
     let (_, cell) = campaign.nearest(asked)?;
     let standing = campaign.standing(cell)?.context("no experiment gave a result yet, so nothing is expected")?;
     let (problem, response) = (&campaign.problem, &campaign.problem.response);
-    let noise = campaign.assessment()?.map_or(0.0, |found| found.noise.hypot(found.assembly.unwrap_or(0.0)));
+    let assessment = campaign.assessment()?;
+    let noise = assessment.as_ref().map_or(0.0, |found| found.noise.hypot(found.assembly.unwrap_or(0.0)));
+    let has_band = assessment.is_some_and(|found| found.needed.is_none());
     let half = NINE_IN_TEN * standing.deviation.hypot(noise);
     let mut costs = [standing.mean - half, standing.mean + half];
     if response.goal == Goal::Maximize {
@@ -83,14 +85,14 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
     let one_run = Finding::new(sentence).with("give or take", half, &response.unit);
     let json = json!({
         "settings": problem.named(&standing.point), "expected": response.of_cost(standing.mean),
-        "deviation": standing.deviation, "one_run": low_and_high, "probability_better": standing.probability_better,
+        "deviation": has_band.then_some(standing.deviation), "one_run": has_band.then_some(low_and_high), "probability_better": standing.probability_better,
         "probability_of_a_value": standing.feasible, "constraints": as_json(campaign, &standing.constrained), "runs": standing.n_readings,
         "measured": standing.measured.map(|cost| response.of_cost(cost)),
     });
     let cannot = campaign.cannot_be_built(cell)?.then(|| {
         Finding::new("It cannot be built, says the command of [can_be_built]: it is neither asked for nor recommended.")
     });
-    let one_run = campaign.failure_at(cell).is_none().then_some(one_run);
+    let one_run = (has_band && campaign.failure_at(cell).is_none()).then_some(one_run);
     Ok((vec![standing_in_words(campaign, asked)?].into_iter().chain(one_run).chain(cannot).collect(), json))
 }
 
@@ -99,6 +101,7 @@ pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Fin
     let (problem, response) = (&campaign.problem, &campaign.problem.response);
     let cells = some_cells(campaign);
     let found = campaign.expectations(&cells)?.context("no experiment gave a result yet, so nothing is expected")?;
+    let has_band = campaign.assessment()?.is_some_and(|found| found.needed.is_none());
     let mut table = csv::Writer::from_writer(Vec::new());
     let mut headings: Vec<String> = problem.region.parameters().iter().map(|p| heading(p.name(), p.unit())).collect();
     let of_response =
@@ -119,8 +122,9 @@ pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Fin
         // A tenth of the band and less says nothing.
         let known_to = half / 10.0;
         row.push(resolved(response.of_cost(expectation.mean), known_to));
-        row.push(resolved(ends[0].min(ends[1]), known_to));
-        row.push(resolved(ends[0].max(ends[1]), known_to));
+        for end in [ends[0].min(ends[1]), ends[0].max(ends[1])] {
+            row.push(if has_band { resolved(end, known_to) } else { String::new() });
+        }
         row.push(short(expectation.feasible));
         for there in &expectation.constrained {
             row.push(there.expected.map_or_else(String::new, |(mean, deviation)| resolved(mean, deviation / 10.0)));
@@ -132,14 +136,20 @@ pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Fin
     replace(path, &bytes)?;
     let n_cells = campaign.grid.n_cells();
     let which = if (cells.len() as u64) < n_cells { "designs all over the grid" } else { "all designs" };
-    let sentence = format!(
-        "Written to {}: {which}, {}; lowest and highest leave out one in ten.",
-        path.display(),
-        count(cells.len(), "row")
-    );
+    let rows = count(cells.len(), "row");
     let typical = found.iter().map(|expectation| NINE_IN_TEN * expectation.deviation).fold(0.0, f64::max);
-    let widest = Finding::new(format!("The widest band is give or take {}.", amount(response, typical)));
-    Ok((vec![Finding::new(sentence), widest], json!({ "table": path, "rows": cells.len() })))
+    let (lowest, widest) = match has_band {
+        true => (
+            "lowest and highest leave out one in ten",
+            format!("The widest band is give or take {}.", amount(response, typical)),
+        ),
+        false => (
+            "lowest and highest are empty",
+            "How far off what is expected may be, so few results cannot tell.".to_owned(),
+        ),
+    };
+    let sentence = format!("Written to {}: {which}, {rows}; {lowest}.", path.display());
+    Ok((vec![Finding::new(sentence), Finding::new(widest)], json!({ "table": path, "rows": cells.len() })))
 }
 
 /// Every design, or every so many levels of each parameter.

@@ -190,7 +190,7 @@ fn too_few_results_promise_nothing_and_end_nothing() {
         assert_eq!(text.contains("expected, give or take "), n == 6, "{text}");
         assert_eq!(log.matches("too few results to say by how much others may be better").count(), n.min(5), "{log}");
         let status = rig.status();
-        assert_eq!([status["bound"].is_null(), status["results_needed"] == 6], [n < 6; 2], "{status}");
+        assert_eq!([status["bound"].is_null(), status["needed"] == json!({ "readings": 6 })], [n < 6; 2], "{status}");
         rig.infuse(&["report"]).ok();
     }
 }

@@ -189,6 +189,25 @@ class Outlier:
 
 
 @dataclass(frozen=True)
+class Needed:
+    """What a certificate waits for: so many `readings`, readings of so many different `designs`, or a design that is run again."""
+
+    what: str
+    """`readings`, `designs` or `repeat`."""
+    count: Optional[int] = None
+    """How many there have to be."""
+
+
+def _needed(entry: Union[None, str, Dict[str, int]]) -> Optional[Needed]:
+    if entry is None:
+        return None
+    if isinstance(entry, str):
+        return Needed(entry)
+    [(what, count)] = entry.items()
+    return Needed(what, count)
+
+
+@dataclass(frozen=True)
 class Assessment:
     """What the experiments so far come to."""
 
@@ -220,8 +239,8 @@ class Assessment:
     """Whether readings are taken to have no noise, because that was said or because repeats do not differ at all."""
     n_left: Optional[int] = None
     """Number of designs that may still be the best, where all were looked at: of many, `left` is told from a sample."""
-    needed: Optional[int] = None
-    """Readings that it takes before the certificate says anything, while there are fewer."""
+    needed: Optional[Needed] = None
+    """What the certificate waits for before it says anything."""
     find: Optional[Settings] = None
     """The best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides yet."""
 
@@ -672,6 +691,7 @@ class PooledLoop:
             simulation=worth and _of(SimulationWorth, worth),
             contradiction=against,
             outliers=[_of(Outlier, outlier) for outlier in found["outliers"]],
+            needed=_needed(found.get("needed")),
             find=named(self._names, found["find"]) if "find" in found else None,
         )
 

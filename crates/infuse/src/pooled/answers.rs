@@ -4,7 +4,7 @@ use design_space::Cell;
 
 use crate::Error;
 use crate::pooled::assessment::{Assessment, Constrained, Expectation, Look, Standing, constrained_at, standing};
-use crate::pooled::bands::widened;
+use crate::pooled::bands::Bands;
 use crate::pooled::campaign::Loop;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::outliers::{Readings, learnt, surprises};
@@ -37,12 +37,12 @@ impl Loop {
     ) -> Result<Option<Vec<Standing>>, Error> {
         self.with_knowledge(simulate, |knowledge, readings, settings, batch| {
             let pool = Pool::gather(knowledge, settings.seed, batch)?;
-            let recommended = lowest_mean(knowledge, &pool, settings.seed, batch)?;
+            let recommended = lowest_mean(knowledge, &pool, readings.kept.len(), settings.seed, batch)?;
             let (kept, constrained) = (&readings.kept, &readings.constrained);
-            let by = widened(kept.len(), knowledge.designs.n_terms());
+            let bands = Bands::of(kept, knowledge.designs.n_terms());
             let at = |&cell| {
                 let standing = standing(knowledge, kept, constrained, cell, recommended, settings.confidence)?;
-                Ok(standing.widened(by))
+                Ok(standing.widened(bands))
             };
             cells.iter().map(at).collect::<Result<Vec<_>, _>>()
         })
@@ -59,13 +59,13 @@ impl Loop {
         simulate: Option<&mut dyn Simulate>,
     ) -> Result<Option<Vec<Expectation>>, Error> {
         self.with_knowledge(simulate, |knowledge, readings, _, _| {
-            let by = widened(readings.kept.len(), knowledge.designs.n_terms());
+            let bands = Bands::of(&readings.kept, knowledge.designs.n_terms());
             let places = knowledge.places(cells)?;
             let (marginals, chances) = (knowledge.marginals(&places), knowledge.chances(cells, &places)?);
             let pairs = marginals.means.into_iter().zip(marginals.variances).zip(chances.responding);
             let pairs = pairs.zip(constrained_at(knowledge, cells)?);
             let expectation = |(((mean, variance), feasible), constrained): (((f64, f64), f64), Vec<Constrained>)| {
-                Expectation { mean, deviation: by * variance.sqrt(), feasible, constrained }
+                Expectation { mean, deviation: bands.widen(variance.sqrt()), feasible, constrained }
             };
             Ok(pairs.map(expectation).collect())
         })

@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 use surface::process::SimulationUse;
 
 use crate::Error;
-use crate::pooled::bands::widened;
+use crate::pooled::bands::Bands;
 use crate::pooled::certificate::{Certificate, Draws, Evidence, Forecast};
 use crate::pooled::coverage::{Coverage, unseen};
+use crate::pooled::designs::Designs;
 use crate::pooled::economy::Economy;
 use crate::pooled::finds::Finds;
 use crate::pooled::held::{Expected, MAY_RESPOND, UNKNOWN};
@@ -57,9 +58,9 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// The same, its deviation so many times as large.
-    pub(crate) fn widened(self, by: f64) -> Self {
-        Self { deviation: by * self.deviation, ..self }
+    /// The same with a wider band.
+    pub(crate) fn widened(self, bands: Bands) -> Self {
+        Self { deviation: bands.widen(self.deviation), ..self }
     }
 }
 
@@ -114,6 +115,34 @@ pub struct SimulationWorth {
     pub factor_deviation: f64,
 }
 
+/// What a certificate waits for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Needed {
+    /// So many readings, three more than a plane has terms: of fewer none knows how much of what they differ by is noise.
+    Readings(usize),
+    /// Readings of so many different designs, one more than a plane has terms: repeats do not tell what others are like.
+    Designs(usize),
+    /// A design that is run again: where there are no more designs than a quadratic has terms, it fits whatever they read, and nothing else
+    /// tells the noise.
+    Repeat,
+}
+
+impl Needed {
+    /// The first of them.
+    fn of(evidence: &Evidence, designs: &Designs, settings: &Settings, n_repeats: usize) -> Option<Self> {
+        let n_designs = usize::try_from(evidence.n_designs).unwrap_or(usize::MAX);
+        let (readings, different) = (designs.n_to_promise(), designs.n_to_tell().min(n_designs));
+        let is_noise_unknown = settings.noise.is_none() && n_repeats == 0;
+        match evidence {
+            few if few.n_readings < readings => Some(Self::Readings(readings)),
+            few if few.n_tried < different => Some(Self::Designs(different)),
+            _ if is_noise_unknown && n_designs <= evidence.n_terms => Some(Self::Repeat),
+            _ => None,
+        }
+    }
+}
+
 /// The state of knowledge after some experiments.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Assessment {
@@ -121,10 +150,9 @@ pub struct Assessment {
     pub recommended: Standing,
     /// How much better another may be.
     pub certificate: Certificate,
-    /// How many readings it takes before the certificate says anything, if there are fewer: three more than a plane has terms. Of so
-    /// few none knows how much of what they differ by is noise.
+    /// What the certificate waits for before it says anything.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub needed: Option<usize>,
+    pub needed: Option<Needed>,
     /// How that is expected to fall.
     pub forecast: Forecast,
     /// Standard deviation of one reading, as given or as learnt.
@@ -168,10 +196,12 @@ pub struct Assessment {
 }
 
 impl Assessment {
-    /// By how much another design may be better, as the certificate has it; none while there are too few readings to say so.
+    /// By how much another design may be better, as the certificate has it; none while something is [needed](Self::needed) to say so, and
+    /// where no design is known to keep to its bounds.
     #[must_use]
     pub fn bound(&self) -> Option<f64> {
-        self.needed.is_none().then_some(self.certificate.bound)
+        let is_kept = self.recommended.suffices || self.recommended.constrained.is_empty();
+        (self.needed.is_none() && is_kept).then_some(self.certificate.bound)
     }
 }
 
@@ -213,7 +243,7 @@ impl Look {
         let finds = Finds::of(readings, &open, settings, |cell| eligible.contains(&cell));
         let finds = finds.with_pockets(knowledge, settings, |cell| eligible.contains(&cell), &mut rng)?;
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
-        let cell = lowest_mean(knowledge, &pool, settings.seed, batch)?;
+        let cell = lowest_mean(knowledge, &pool, readings.len(), settings.seed, batch)?;
         let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
         let coverage = Coverage::of(knowledge.designs, &pool, &runs)?;
         let n_even = coverage.even_runs(knowledge.designs, readings.len(), settings.seed)?;
@@ -253,8 +283,8 @@ impl Look {
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
-        let is_early = readings.len() < designs.n_to_promise();
-        let by = widened(readings.len(), designs.n_terms());
+        let needed = Needed::of(&evidence, designs, settings, knowledge.process.sites().n_repeats());
+        let bands = Bands::of(readings, designs.n_terms());
         let assessment = Assessment {
             noise: knowledge.process.noise(),
             assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
@@ -264,15 +294,17 @@ impl Look {
             is_exact: settings.noise.is_some_and(|noise| noise <= 0.0),
             left,
             n_left,
-            needed: is_early.then(|| designs.n_to_promise()),
+            needed,
             // No well is larger than all that was never run.
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
-            contradiction: contradiction.map(|one| Contradiction { standing: one.standing.widened(by), ..one }),
+            contradiction: contradiction.map(|one| Contradiction { standing: one.standing.widened(bands), ..one }),
             find: find.map(|open| designs.grid().point(open.find)).transpose()?,
             outliers: set_aside.iter().copied().chain(open).collect(),
-            recommended: recommended.widened(by),
-            further_batches: settings.worth.map(|worth| forecast.further_batches(worth).max(u64::from(is_early))),
+            recommended: recommended.widened(bands),
+            further_batches: settings
+                .worth
+                .map(|worth| forecast.further_batches(worth).max(u64::from(needed.is_some()))),
             certificate,
             forecast,
         };

@@ -126,11 +126,14 @@ impl Loop {
     }
 
     /// From so many designs run on, a repeat counting half, the certificate holds nothing in reserve for a narrow well; none if it never
-    /// does, because the response is [known](Settings::smooth) to have none.
+    /// does, because the response is [known](Settings::smooth) to have none or there are
+    /// no more designs than a quadratic has terms.
     #[must_use]
     pub fn designs_without_reserve(&self) -> Option<usize> {
         let enough = || designs_without_reserve(self.region().n_parameters(), self.designs.n_allowed());
-        (!self.settings.smooth).then(enough)
+        // Where a quadratic has as many terms, none lies between others.
+        let may_have_wells = self.designs.n_allowed() > self.designs.n_terms() as u64;
+        (!self.settings.smooth && may_have_wells).then(enough)
     }
 
     /// Every trial so far, with its outcome if there is one.

@@ -10,7 +10,7 @@ use crate::Error;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::measurements::Reading;
 use crate::pooled::pool::Pool;
-use crate::pooled::run_means::RunMeans;
+use crate::pooled::run_means::{OfMeans, RunMeans};
 use crate::pooled::streams::{Purpose, stream};
 
 /// The probability whose shares of the draws are those of [`Trust`]; with another one the share beyond the bound goes in proportion to
@@ -162,10 +162,9 @@ pub struct Forecast {
     /// What is left down to the least that a response can be, where that is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub most: Option<f64>,
-    /// Where the bound is that of the [means of runs](Certificate), by how much the mean of the design that it is for is worse than that of
-    /// the recommended one.
+    /// Where the bound is that of the [means of runs](Certificate), how it falls.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub behind: Option<f64>,
+    pub of_means: Option<OfMeans>,
     /// Readings until now.
     pub n_readings: usize,
     /// Designs that they are of.
@@ -182,16 +181,16 @@ impl Forecast {
     /// Batches until the bound is expected to be no more than `worth`: 0 if it is no more already.
     ///
     /// What is drawn is taken to fall as the readings to the power of 2.5, near what it did from batch to batch in the median of the
-    /// campaigns of the benchmark, whose page says how often that came true. Where it is the bound of the means of runs, their means stay and
-    /// their errors fall as the root of the readings. The reserve falls as it is defined, with as many repeats as there were until now.
+    /// campaigns of the benchmark, whose page says how often that came true. Where it is the bound of the means of runs, their means stay,
+    /// their errors fall as the root of the readings, and the noise is known by then. The reserve falls as it is defined, with as many repeats as there were until now.
     #[must_use]
     pub fn further_batches(&self, worth: f64) -> u64 {
         let (reserve, n) = (self.reserve(), self.n_readings as f64);
         if self.bound() <= worth {
             return 0;
         }
-        let for_drawn = n * match self.behind {
-            Some(behind) => ((self.drawn + behind) / (worth + behind)).powi(2),
+        let for_drawn = n * match self.of_means {
+            Some(OfMeans { behind, error }) => (error / (worth + behind)).powi(2).max(1.0),
             None => (self.drawn / worth).powf(1.0 / POWER),
         };
         let for_reserve = match reserve > worth {
@@ -355,7 +354,7 @@ impl Draws {
     /// The bound of what is drawn alone; where the runs of each design say all there is, of these.
     fn drawn(&self, probability: f64) -> f64 {
         if let Some(run_means) = &self.run_means {
-            return run_means.bound(probability).0.max(self.believed.quantile(probability));
+            return run_means.bound(probability).max(self.believed.quantile(probability));
         }
         let sure = 1.0 - self.trust.beyond * (1.0 - probability) / (1.0 - USUAL);
         let (quantile, drawn) = (self.believed.quantile(probability), self.all.quantile(sure));
@@ -371,8 +370,8 @@ impl Draws {
         // As little is believed of where the recommended design is as of what is drawn.
         let sure = trust.allowance * Normal::standard().inverse_cdf(probability);
         let most = above.map(|(above, deviation)| (above + sure * deviation).max(0.0));
-        let behind = self.run_means.as_ref().map(|run_means| run_means.bound(probability).1);
-        Forecast { drawn, spread, found, most, behind, n_readings, n_tried, n_designs, n_experiments, n_parameters }
+        let of_means = self.run_means.as_ref().map(|run_means| run_means.of_means(probability));
+        Forecast { drawn, spread, found, most, of_means, n_readings, n_tried, n_designs, n_experiments, n_parameters }
     }
 }
 
@@ -669,7 +668,7 @@ mod tests {
                 spread,
                 found,
                 most: None,
-                behind: None,
+                of_means: None,
                 n_readings,
                 n_tried,
                 n_designs,
@@ -697,21 +696,32 @@ mod tests {
         let of = |drawn: f64, worth: f64| {
             let (n_readings, n_tried, n_designs, n_experiments, n_parameters) = (10, 10, 100, 5, 2);
             let (spread, found) = (0.0, 0.0);
-            let (most, behind) = (None, None);
-            Forecast { drawn, spread, found, most, behind, n_readings, n_tried, n_designs, n_experiments, n_parameters }
-                .further_batches(worth)
+            let (most, of_means) = (None, None);
+            Forecast {
+                drawn,
+                spread,
+                found,
+                most,
+                of_means,
+                n_readings,
+                n_tried,
+                n_designs,
+                n_experiments,
+                n_parameters,
+            }
+            .further_batches(worth)
         };
         assert_eq!((of(1.0, 1.0), of(0.0, 0.0), of(1.0, 0.0)), (0, 0, u64::MAX));
         // The bound of means of runs, by hand: 0.6 = 0.8 - 0.2 is 0.2 after four times as many runs, 30 more, and 0.3 after 2.56 times as many.
         let (most, found, spread) = (None, 0.0, 0.0);
         let (n_readings, n_tried, n_designs, n_experiments, n_parameters) = (10, 3, 3, 5, 1);
-        let (drawn, behind) = (0.6, Some(0.2));
+        let (drawn, of_means) = (0.6, Some(OfMeans { behind: 0.2, error: 0.8 }));
         let forecast = Forecast {
             drawn,
             spread,
             found,
             most,
-            behind,
+            of_means,
             n_readings,
             n_tried,
             n_designs,
@@ -719,7 +729,9 @@ mod tests {
             n_parameters,
         };
         assert_eq!([0.2, 0.3, 0.6].map(|worth| forecast.further_batches(worth)), [6, 4, 0]);
-        assert_eq!(Forecast { behind: Some(0.0), ..forecast }.further_batches(0.3), 6);
+        // That of few is wide because the noise is not known.
+        let of_means = Some(OfMeans { behind: 0.2, error: 0.45 });
+        assert_eq!([0.2, 0.3].map(|worth| Forecast { of_means, ..forecast }.further_batches(worth)), [1, 1]);
     }
 
     #[test]

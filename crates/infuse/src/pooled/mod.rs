@@ -80,7 +80,7 @@ mod streams;
 mod turn;
 
 pub use ask_tell::{Ask, StopReason};
-pub use assessment::{Assessment, Expectation, Standing};
+pub use assessment::{Assessment, Expectation, Needed, Standing};
 pub use campaign::{Earlier, Loop, Record, Trial};
 pub use certificate::{Certificate, Forecast};
 pub use constraint::{Constraint, LinearConstraint};
@@ -94,4 +94,5 @@ pub mod reported {
     pub use super::assessment::{Constrained, Contradiction, SimulationWorth};
     pub use super::held::FEASIBLE;
     pub use super::outliers::Outlier;
+    pub use super::run_means::OfMeans;
 }

@@ -33,16 +33,21 @@ impl Rank {
     }
 }
 
-/// The cell of the lowest mean, and that mean. By descent along the axes from the lowest of the pool, with steps that halve.
+/// The cell of the lowest mean. By descent along the axes from the lowest of the pool, with steps that halve; while there are too few
+/// readings to promise anything, and no simulation, of the measured ones.
 pub(crate) fn lowest_mean(
     knowledge: &mut Knowledge<'_, '_>,
     pool: &Pool,
+    n_readings: usize,
     seed: u64,
     batch: usize,
 ) -> Result<Cell, Error> {
     let designs = knowledge.designs;
-    if designs.n_cells() <= FULL {
-        let cells: Vec<Cell> = designs.cells().collect();
+    let is_early = n_readings < designs.n_to_promise() && !knowledge.is_simulated();
+    let measured = || knowledge.measured.iter().copied().filter(|&cell| is_early && designs.allows(cell));
+    let few: Vec<Cell> = measured().collect();
+    if designs.n_cells() <= FULL || !few.is_empty() {
+        let cells: Vec<Cell> = if few.is_empty() { designs.cells().collect() } else { few };
         let places = knowledge.places(&cells)?;
         let means = knowledge.process.means(&places);
         let chances = knowledge.chances(&cells, &places)?;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use design_space::Cell;
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF as _, Normal, StudentsT};
 
 use crate::pooled::measurements::Reading;
@@ -41,16 +42,38 @@ impl RunMeans {
     }
 
     /// With this probability at least, none of the others is better by more (Student's t of each difference, of all at once by
-    /// Bonferroni); and by how much the mean of the one that it is for is worse.
-    pub(crate) fn bound(&self, probability: f64) -> (f64, f64) {
-        let level = 1.0 - (1.0 - probability) / self.others.len().max(1) as f64;
+    /// Bonferroni).
+    pub(crate) fn bound(&self, probability: f64) -> f64 {
+        let level = self.level(probability);
         let quantile = match self.freedom.and_then(|freedom| StudentsT::new(0.0, 1.0, freedom).ok()) {
             Some(student) => student.inverse_cdf(level),
             None => Normal::standard().inverse_cdf(level),
         };
-        let of_each = self.others.iter().map(|(below, error)| (below + quantile * self.deviation * error, -below));
-        of_each.fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
+        let of_each = self.others.iter().map(|(below, error)| below + quantile * self.deviation * error);
+        of_each.fold(0.0, f64::max)
     }
+
+    /// How that falls, of the design for which it is the largest once the noise is known.
+    pub(crate) fn of_means(&self, probability: f64) -> OfMeans {
+        let quantile = Normal::standard().inverse_cdf(self.level(probability));
+        let of_each = self.others.iter().map(|(below, error)| (-below, quantile * self.deviation * error));
+        let largest = of_each.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
+        largest.map_or(OfMeans { behind: 0.0, error: 0.0 }, |(behind, error)| OfMeans { behind, error })
+    }
+
+    fn level(&self, probability: f64) -> f64 {
+        1.0 - (1.0 - probability) / self.others.len().max(1) as f64
+    }
+}
+
+/// How a bound of means of runs falls: it is the error, which is divided by the root of how many times as many runs there are, less what
+/// the mean of the design is behind.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OfMeans {
+    /// By how much the mean of the other design is worse than that of the recommended one.
+    pub behind: f64,
+    /// By how much that may be wrong, were the noise known.
+    pub error: f64,
 }
 
 #[cfg(test)]
@@ -74,13 +97,16 @@ mod tests {
         assert!((means.deviation - deviation).abs() < 1e-9 && means.freedom == Some(3.0), "{means:?}");
         // b is 0.2333 above a, c 1.6333: b may be better by more.
         let expected = -0.233_333_333_333_333 + 2.353_363_434_801_823 * deviation * (1.0_f64 / 3.0 + 0.5).sqrt();
-        assert!((means.bound(0.9).0 - expected).abs() < 1e-6, "{} for {expected}", means.bound(0.9).0);
-        assert!((means.bound(0.9).1 - 0.233_333_333_333_333).abs() < 1e-9, "so far is b behind");
+        assert!((means.bound(0.9) - expected).abs() < 1e-6, "{} for {expected}", means.bound(0.9));
+        // scipy.stats.norm.ppf(0.95): of a known deviation b's error is so large.
+        let OfMeans { behind, error } = means.of_means(0.9);
+        let expected = 1.644_853_626_951_472 * deviation * (1.0_f64 / 3.0 + 0.5).sqrt();
+        assert!((behind - 0.233_333_333_333_333).abs() < 1e-9 && (error - expected).abs() < 1e-6, "{behind} {error}");
         let known = RunMeans::of(&some, Cell::new(1), Some(0.1)).unwrap();
         let expected = 0.233_333_333_333_333 + 1.644_853_626_951_472 * 0.1 * (1.0_f64 / 3.0 + 0.5).sqrt();
-        assert!((known.bound(0.9).0 - expected).abs() < 1e-6, "{}", known.bound(0.9).0);
+        assert!((known.bound(0.9) - expected).abs() < 1e-6, "{}", known.bound(0.9));
         let exact = RunMeans::of(&some, Cell::new(0), Some(0.0)).unwrap();
-        assert!(exact.bound(0.9).0.abs() < 1e-15, "the lowest, and no noise");
+        assert!(exact.bound(0.9).abs() < 1e-15, "the lowest, and no noise");
         assert_eq!(RunMeans::of(&readings(&[(0, 1.0), (1, 2.0)]), Cell::new(0), None), None, "nothing tells the noise");
     }
 
@@ -100,7 +126,7 @@ mod tests {
                 let some = readings(&(0..).zip(&truth).flat_map(runs).collect::<Vec<_>>());
                 let mean = |level: usize| (some[2 * level].response + some[2 * level + 1].response) / 2.0;
                 let best = (0..3).min_by(|&a, &b| mean(a).total_cmp(&mean(b))).unwrap();
-                let bound = RunMeans::of(&some, Cell::new(best as u64), None).unwrap().bound(0.9).0;
+                let bound = RunMeans::of(&some, Cell::new(best as u64), None).unwrap().bound(0.9);
                 n_broken += usize::from(truth[best] - truth[0] > bound);
             }
             assert!(n_broken <= 200, "{truth:?}: {n_broken} of 2000");

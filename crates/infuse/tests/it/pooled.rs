@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use design_space::{Cell, Grid, Parameter, Region};
-use infuse::pooled::{Ask, Assessment, Loop, Plants, Reason, Settings, StopReason, Trial};
+use infuse::pooled::{Ask, Assessment, Loop, Needed, Plants, Reason, Settings, Simulate, StopReason, Trial};
 use infuse::{Error, Outcome, TrialId};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -616,10 +616,30 @@ fn a_certificate_needs_as_many_readings_as_tell_a_plane_from_its_noise() {
                 campaign.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
             }
             let found = assessed(&mut campaign);
-            assert_eq!(found.needed, (n < 6).then_some(6), "{n}");
+            assert_eq!(found.needed, (n < 6).then_some(Needed::Readings(6)), "{n}");
             assert_eq!(found.further_batches == Some(0), n == 6, "{n}");
         }
         assert_eq!(campaign.ask(Some(&mut simulation)).expect("an answer"), Ask::Stopped(StopReason::NotWorthIt));
+    }
+}
+
+/// Along a slope the best was never run; three runs cannot tell a slope from noise, with a simulation or many runs it is recommended.
+#[test]
+fn before_anything_is_promised_a_measured_design_is_recommended() {
+    let slope = |point: &[f64]| point[0] + point[1];
+    let recommended = |n: usize, simulation: Option<&mut dyn Simulate>| {
+        let mut campaign = campaign(2, 21, batches(8, 2, 1));
+        for number in 0..n {
+            let point = [0.3 + 0.1 * (number % 4) as f64, 0.3 + 0.2 * (number / 4) as f64];
+            campaign.add_earlier(&point, slope(&point), "before").expect("in the region");
+        }
+        campaign.assess(simulation).expect("a fit").expect("responses").recommended
+    };
+    let early = recommended(5, None);
+    assert!(early.n_readings == 1 && (slope(&early.point) - 0.6).abs() < 1e-9, "{early:?}");
+    let mut simulated = |_: Cell, point: &[f64]| Ok(slope(point));
+    for later in [recommended(12, None), recommended(5, Some(&mut simulated))] {
+        assert!(later.n_readings == 0 && slope(&later.point) < 0.3, "{later:?}");
     }
 }
 

@@ -2,7 +2,7 @@
 
 use design_space::{Cell, Parameter, Region};
 use infuse::Outcome;
-use infuse::pooled::{Ask, Assessment, Constraint, LinearConstraint, Loop, Responses, Settings, Simulate};
+use infuse::pooled::{Ask, Assessment, Constraint, LinearConstraint, Loop, Needed, Responses, Settings, Simulate};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -165,6 +165,71 @@ fn linear_constraints_that_cannot_be_are_refused() {
     settings.constraints = vec![both];
     let refused = settings.validate().expect_err("upside down").to_string();
     assert!(refused.contains("`travel`") && refused.contains("above the lower one"), "{refused}");
+}
+
+/// Sixteen pairs of choices, each run once: a quadratic has as many terms, and what they differ by may be noise. Of six runs of one design
+/// none tells what another is like.
+#[test]
+fn nothing_is_promised_where_nothing_tells_noise_from_designs() {
+    let names = ["a", "b", "c", "d"];
+    let choice = |name| Parameter::categorical(name, names).expect("a choice");
+    let region = Region::new(vec![choice("first"), choice("second")]).expect("a region");
+    let mut settings = Settings::new(8);
+    (settings.max_batches, settings.worth) = (9, Some(1e9));
+    let mut campaign = Loop::new(&region, settings.clone()).expect("a campaign");
+    for cell in 0..16 {
+        let point = campaign.grid().point(Cell::new(cell)).expect("a cell");
+        let once = (cell * 7 % 16) as f64;
+        campaign.add_earlier(&point, once, "before").expect("a valid experiment");
+        let found = campaign.assess(None).expect("a fit").expect("responses");
+        let needed = if cell < 11 { Needed::Readings(12) } else { Needed::Repeat };
+        assert_eq!((found.needed, found.bound()), (Some(needed), None), "{cell}");
+    }
+    assert!(matches!(campaign.ask(None).expect("a batch"), Ask::Run { .. }), "whatever another batch is worth");
+    let mut known = settings.clone();
+    known.noise = Some(0.1);
+    campaign.set_settings(known).expect("valid settings");
+    assert_eq!(campaign.assess(None).expect("a fit").expect("responses").needed, None, "the noise is given");
+
+    let mut one_design = Loop::new(&square(11), settings).expect("a campaign");
+    for run in 0..8 {
+        one_design.add_earlier(&[0.5, 0.5], 5.0 + 0.1 * f64::from(run % 3), "before").expect("a valid experiment");
+        let found = one_design.assess(None).expect("a fit").expect("responses");
+        let needed = if run < 5 { Needed::Readings(6) } else { Needed::Designs(4) };
+        assert_eq!((found.needed, found.bound()), (Some(needed), None), "{run}");
+    }
+    assert!(matches!(one_design.ask(None).expect("a batch"), Ask::Run { .. }), "whatever another batch is worth");
+}
+
+/// One reading of a constrained response, or the same one again, says nothing of other designs.
+#[test]
+fn one_reading_of_a_bound_tells_of_no_other_design() {
+    let mut settings = Settings::new(8);
+    settings.constraints = vec![Constraint::at_most("travel", 10.0)];
+    let mut campaign = Loop::new(&square(11), settings).expect("a campaign");
+    let at = |number: usize| [0.1 * (number % 4) as f64, 0.3 * (number / 4) as f64];
+    for number in 0..10 {
+        campaign.add_earlier(&at(number), 1.0 + number as f64, "before").expect("a valid experiment");
+    }
+    let far = [campaign.grid().nearest(&[1.0, 1.0]).expect("a cell")];
+    let within = |campaign: &mut Loop| {
+        let found = campaign.expectations(&far, None).expect("a fit").expect("responses");
+        (found[0].constrained[0].within, found[0].constrained[0].expected)
+    };
+    for travel in [4.0, 4.0] {
+        let responses = Responses { objective: 3.0, constrained: vec![Some(travel)] };
+        campaign.add_earlier(&at(0), responses, "before").expect("a valid experiment");
+        assert_eq!(within(&mut campaign), (0.5, None));
+        assert_eq!(
+            campaign.assess(None).expect("a fit").expect("responses").bound(),
+            None,
+            "none is known to keep to it"
+        );
+    }
+    let responses = Responses { objective: 3.0, constrained: vec![Some(5.0)] };
+    campaign.add_earlier(&at(1), responses, "before").expect("a valid experiment");
+    let (probability, expected) = within(&mut campaign);
+    assert!(probability > 0.5 && expected.is_some_and(|(_, deviation)| deviation > 0.01), "{probability} {expected:?}");
 }
 
 /// Three materials, each with its own offset; the shape over `a` is the same. What one teaches holds for the others.

@@ -68,13 +68,13 @@ impl Row {
         let n_designs = u64::from(LEVELS).pow(n_parameters as u32);
         // Where the bound is more than the others come to, it is what is held for a well of which a part was found.
         let found = self.bound.unwrap_or(0.0);
-        let (most, behind) = (None, None);
+        let (most, of_means) = (None, None);
         Some(Forecast {
             drawn,
             spread,
             found,
             most,
-            behind,
+            of_means,
             n_readings,
             n_tried,
             n_designs,

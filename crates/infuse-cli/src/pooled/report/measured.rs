@@ -65,13 +65,14 @@ fn best_table(view: &View, best: &[Standing]) -> Table {
     let constraints = &view.campaign.problem.constraints;
     columns.extend(constraints.iter().map(|held| Column::number(held.name(), &held.unit)));
     columns.push(Column::words("may still be the best"));
+    let has_band = view.found.needed.is_none();
     let row = |there: &Standing| {
         let mut cells = written(view, &there.point);
         cells.extend([
             there.measured.map_or_else(|| NOTHING.to_owned(), |cost| resolved(response.of_cost(cost), known_to)),
             there.n_readings.to_string(),
             resolved(response.of_cost(there.mean), known_to),
-            short(NINE_IN_TEN * there.deviation),
+            if has_band { short(NINE_IN_TEN * there.deviation) } else { NOTHING.to_owned() },
         ]);
         cells.extend(there.constrained.iter().map(constrained_in_short));
         cells.push(verdict(view, there));

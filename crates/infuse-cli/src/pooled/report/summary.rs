@@ -4,7 +4,7 @@ use anyhow::Result;
 use page::{Finding, Page};
 
 use super::view::View;
-use crate::campaign::{Campaign as _, Stage};
+use crate::campaign::Campaign as _;
 use crate::findings::{next, standing};
 use crate::pooled::campaign::Campaign;
 use crate::pooled::findings::known;
@@ -24,7 +24,7 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign, view: Option<&View>) -
             let warnings = warnings(campaign, &view.found)?;
             page.key_findings(&[first, warnings].concat());
             page.subheading("What to do next");
-            page.key_findings(&[vec![next], to_confirm(campaign)?].concat());
+            page.key_findings(&[next]);
             page.subheading("What else is known");
             rest.iter().for_each(|finding| page.finding(finding));
         }
@@ -34,14 +34,6 @@ pub(super) fn write(page: &mut Page, campaign: &Campaign, view: Option<&View>) -
         page.paragraph(&format!("Note: {notice}."));
     }
     Ok(())
-}
-
-/// That a campaign that has ended may be confirmed, if it was not.
-fn to_confirm(campaign: &Campaign) -> Result<Vec<Finding>> {
-    let has_ended = matches!(campaign.stage()?, Stage::Ended { .. });
-    let is_open = has_ended && campaign.confirmation()?.is_none();
-    let sentence = "`infuse confirm` plans a few runs that measure what was gained.";
-    Ok(if is_open { vec![Finding::new(sentence)] } else { Vec::new() })
 }
 
 /// The recommended design and the certificate, which stand at the beginning of their blocks; and all else.
