@@ -15,7 +15,7 @@ WITHOUT_PANDAS = """
 import sys
 sys.modules["pandas"] = None
 import infuse
-loop = infuse.PooledLoop([infuse.Parameter("x", "mm", 0.0, 10.0, levels=11)], n_experiments=3)
+loop = infuse.PooledLoop([infuse.Parameter("x", "mm", 0.0, 10.0, levels=11)], n_experiments=5)
 for trial in loop.ask():
     loop.tell(trial.id, trial.settings["x"])
 assert loop.assess().recommended.settings == {"x": 0.0}, loop.assess()

@@ -22,12 +22,19 @@ fn collect(path: &str, then: &Value, now: &Value, found: &mut Vec<String>) {
         }
         (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
             for (index, (a, b)) in a.iter().zip(b).enumerate() {
-                collect(&format!("{path}[{}]", index + 1), a, b, found);
+                let named = name(a).filter(|named| name(b) == Some(*named));
+                let which = named.map_or_else(|| (index + 1).to_string(), str::to_owned);
+                collect(&format!("{path}[{which}]"), a, b, found);
             }
         }
         (a, b) if a == b => {}
         (a, b) => found.push(format!("`{path}` was {} and is {}", set(a), set(b))),
     }
+}
+
+/// What an entry of a list is called.
+fn name(entry: &Value) -> Option<&str> {
+    entry.get("name")?.as_str()
 }
 
 fn set(value: &Value) -> String {
@@ -42,10 +49,15 @@ mod tests {
 
     #[test]
     fn changes_are_named_by_their_place() {
-        let then = json!({"parameter": [{"name": "a", "upper": 1.0}], "loop": {"seed": 1}});
-        let now = json!({"parameter": [{"name": "a", "upper": 2.0}], "loop": {"seed": 1, "gain": 0.5}});
+        let then = json!({"parameter": [{"name": "a", "upper": 1.0}, {"name": "b"}], "loop": {"seed": 1}});
+        let now = json!({"parameter": [{"name": "a", "upper": 2.0}, {"name": "c"}], "loop": {"seed": 1, "gain": 0.5}});
         let found = changes(&then, &now);
-        assert_eq!(found, ["`loop.gain` was not set and is 0.5", "`parameter[1].upper` was 1.0 and is 2.0"]);
+        let expected = [
+            "`loop.gain` was not set and is 0.5",
+            "`parameter[a].upper` was 1.0 and is 2.0",
+            "`parameter[2].name` was \"b\" and is \"c\"",
+        ];
+        assert_eq!(found, expected);
         assert!(changes(&then, &then).is_empty());
     }
 }

@@ -208,7 +208,7 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
                         with_unit(&short(bound), unit)
                     ),
                     None => format!(
-                        "after batch {}: {at} is best, with {expected}; too few results to say by how much others may be better.",
+                        "after batch {}: {at} is best, with {expected}; by how much others may be better cannot be said yet.",
                         found.batch
                     ),
                 },

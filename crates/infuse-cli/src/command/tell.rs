@@ -190,9 +190,8 @@ fn fresh(
         let Some(trial) = campaign.experiments().trials.get(&id) else {
             return Err(anyhow!("{from}: experiment {id} was never asked for, expected {}", asked(campaign)));
         };
-        let mut refuse = |value: String, expected: String| {
-            faults.push(Fault { row: answer.row, column: "id".to_owned(), value, expected });
-        };
+        let of_id =
+            |value: String, expected: String| Fault { row: answer.row, column: "id".to_owned(), value, expected };
         // A sheet that is told twice does not make runs twice.
         let told = campaign.experiments().readings.get(&id).and_then(|reading| reading.result(answer.repeat));
         let reading = campaign.experiments().readings.get(&id);
@@ -224,13 +223,15 @@ fn fresh(
             } else {
                 String::new()
             };
-            let expected =
-                format!("the result known before, {said}; to replace it, tell it again with --correct{more}");
-            refuse(format!("{id}, with {}", result_in_words(campaign, &answer.result)), expected);
+            let expected = format!(
+                "the result known before, {said}; to replace it, tell experiment {id} again with --correct{more}"
+            );
+            let (column, value) = (campaign.problem().response.name.clone(), result_in_words(campaign, &answer.result));
+            faults.push(Fault { row: answer.row, column, value, expected });
             continue;
         }
         if let Some(expected) = campaign.refusal(trial) {
-            refuse(id.to_string(), expected);
+            faults.push(of_id(id.to_string(), expected));
             continue;
         }
         let corrects = told.is_some();

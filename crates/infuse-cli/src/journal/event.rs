@@ -168,7 +168,7 @@ pub(crate) struct Assessed {
     /// The response that is expected there, and the standard deviation of that.
     pub(crate) expected: f64,
     pub(crate) deviation: f64,
-    /// With this probability no design is better by more than `bound`; none while there were too few results to say so.
+    /// With this probability no design is better by more than `bound`; none where that could not be said.
     pub(crate) probability: f64,
     pub(crate) bound: Option<f64>,
     /// Share of the designs that may still be the best.

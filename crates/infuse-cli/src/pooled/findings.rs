@@ -619,9 +619,7 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
     let (response, here) = (&campaign.problem.response, &found.recommended);
     let promise = match not_sure(campaign, here) {
         Some(_) => format!("no design is known to keep to the bounds, this one{}", likely_to_keep(campaign, here)),
-        None if promised(campaign, found).is_none() => {
-            "too few results to say by how much others may be better".to_owned()
-        }
+        None if promised(campaign, found).is_none() => "by how much others may be better cannot be said yet".to_owned(),
         None => format!(
             "none better by more than {} ({})",
             amount(response, found.certificate.bound),

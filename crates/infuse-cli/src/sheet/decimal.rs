@@ -87,8 +87,9 @@ fn split(text: &str) -> Option<(&str, &str)> {
     let ends = text.char_indices().map(|(at, _)| at).chain([text.len()]).take(MOST_DIGITS);
     let end = ends.filter(|&end| is_number(text[..end].trim_end())).last()?;
     let (number, unit) = (text[..end].trim_end(), text[end..].trim());
-    // What goes on with digits and commas is no unit.
-    let is_unit = !unit.starts_with(|c: char| c.is_ascii_digit() || ".,;:+-".contains(c));
+    // What goes on with digits and commas is no unit, nor is a slip such as 6.o4.
+    let goes_on = unit.starts_with(|c: char| c.is_ascii_digit() || ".,;:+-".contains(c));
+    let is_unit = !goes_on && (unit.is_empty() || !text[..end].ends_with('.'));
     // `12.5` alone has been tried.
     is_unit.then_some((number, unit)).filter(|(number, unit)| !unit.is_empty() || number.contains('.'))
 }
@@ -135,6 +136,7 @@ mod tests {
         assert!(error.contains("`mN`") && error.contains("`N`"), "{error}");
         assert!(Commas::Refused.number("12.5 mm", "").expect_err("no unit").contains("has no unit"));
         assert!(Commas::Refused.number("nano", "m").is_err());
+        assert_eq!(Commas::Refused.number("6.o4", "mm"), Err("a number like 12.5".to_owned()), "a slip, and no unit");
         assert!(Commas::Refused.number("inf", "m").expect_err("no number").contains("finite"));
     }
 

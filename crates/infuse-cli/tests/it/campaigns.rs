@@ -371,7 +371,7 @@ fn a_problem_that_was_changed_after_the_beginning_is_told_where() {
     rig.batch();
     rig.edit("upper = 34", "upper = 36");
     let error = rig.infuse(&["status"]).error();
-    assert!(error.contains("`parameter[1].upper` was 34.0 and is 36.0"), "{error}");
+    assert!(error.contains("`parameter[spring].upper` was 34.0 and is 36.0"), "{error}");
     rig.edit("upper = 36", "upper = 34");
     // What does not touch what was learned may change.
     rig.edit("batches = 6", "batches = 1");

@@ -608,7 +608,7 @@ fn a_slip_in_the_problem_may_be_put_right_before_the_first_result() {
     rig.infuse(&["tell", "sheet-1.csv"]).ok();
     rig.edit("upper = 26", "upper = 24");
     let error = rig.infuse(&["ask"]).error();
-    assert!(error.contains("`parameter[1].upper` was 26.0 and is 24.0"), "{error}");
+    assert!(error.contains("`parameter[spring].upper` was 26.0 and is 24.0"), "{error}");
 }
 
 #[test]

@@ -21,7 +21,7 @@ fn what_a_parameter_is_called_for_may_be_changed_at_any_time() {
     rig.edit("role = \"plant\"\n", "");
     assert_eq!(rig.status()["best"], status["best"]);
     rig.edit("unit = \"N/mm\"", "unit = \"kN/m\"");
-    assert!(rig.infuse(&["status"]).error().contains("`parameter[1].unit` was"), "all else stands");
+    assert!(rig.infuse(&["status"]).error().contains("`parameter[spring].unit` was"), "all else stands");
 }
 
 #[test]

@@ -84,7 +84,9 @@ fn expected(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Chart {
     let mut chart = Chart::new(SIZE_PX, &batches("batch", 1, campaign), &y, Grid::Shown);
     chart.line(&expected, Stroke::Solid, BLUE);
     for (point, &half) in expected.iter().zip(&halves) {
-        chart.whisker(point.0, point.1 - half, point.1 + half, BLUE);
+        if half > 0.0 {
+            chart.whisker(point.0, point.1 - half, point.1 + half, BLUE);
+        }
         chart.mark(*point, Mark::Dot, BLUE);
     }
     for &point in &measured {
