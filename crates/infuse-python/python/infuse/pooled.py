@@ -513,8 +513,8 @@ class PooledLoop:
 
         >>> spring = Parameter("x", "mm", 0.0, 10.0, levels=11)
         >>> loop = PooledLoop([spring], n_experiments=3, constraints=[Constraint("travel", upper=12.0)])
-        >>> trial = loop.ask()[0]
-        >>> loop.tell(trial.id, 0.25, constrained={"travel": 11.5})
+        >>> for trial, travel in zip(loop.ask(), [11.5, 11.2, 10.9]):
+        ...     loop.tell(trial.id, 0.25, constrained={"travel": travel})
         >>> loop.assess().recommended.constrained[0].within > 0.5
         True
         """
