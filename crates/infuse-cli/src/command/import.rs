@@ -8,6 +8,7 @@ use page::Finding;
 use serde_json::json;
 
 use super::output::Output;
+use crate::campaign::Imported;
 use crate::findings::{as_from_elsewhere, imported, withdrawn};
 use crate::folder;
 use crate::journal::{Event, now};
@@ -20,13 +21,7 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     let notices = campaign.take_notices();
     let found = sheet::imported(file, campaign.problem())?;
     let in_use = campaign.imported();
-    let alike = |one: &sheet::Imported| {
-        let (point, result, constrained) = (one.point.clone(), one.result.clone(), one.constrained.clone());
-        in_use.iter().filter(move |earlier| {
-            earlier.point == point && earlier.result == result && earlier.constrained == constrained
-        })
-    };
-    let is_known = |one: &&sheet::Imported| alike(one).any(|earlier| earlier.source == source_of(one, source));
+    let is_known = |one: &&sheet::Imported| alike(&in_use, one).any(|earlier| earlier.source == source_of(one, source));
     if let Some(known) = found.iter().find(is_known) {
         anyhow::bail!(
             "{}: {} with {} is in the journal already, from the same source; nothing was taken",
@@ -35,7 +30,7 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
             known.result.value().map_or_else(|| "no value".to_owned(), plain)
         );
     }
-    let twice = |one| alike(one).next().map(|earlier| (earlier.source.clone(), source_of(one, source)));
+    let twice = |one| alike(&in_use, one).next().map(|earlier| (earlier.source.clone(), source_of(one, source)));
     let elsewhere: Vec<(String, String)> = found.iter().filter_map(twice).collect();
     let (rows, at, from) = (found.len(), now(), file.display().to_string());
     let events = found.into_iter().enumerate().map(|(index, one)| {
@@ -56,8 +51,8 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     });
     let events: Vec<Event> = events.collect();
     campaign.record(&mut writer, events)?;
-    let alike = elsewhere.first().map(|(earlier, source)| as_from_elsewhere(elsewhere.len(), earlier, source));
-    let findings: Vec<Finding> = std::iter::once(imported(rows, &campaign.use_of_imports())).chain(alike).collect();
+    let also = elsewhere.first().map(|(earlier, source)| as_from_elsewhere(elsewhere.len(), earlier, source));
+    let findings: Vec<Finding> = std::iter::once(imported(rows, &campaign.use_of_imports())).chain(also).collect();
     Ok(Output::new(&findings, json!({ "imported": rows, "as_from_elsewhere": elsewhere.len() }), notices))
 }
 
@@ -77,6 +72,13 @@ pub(crate) fn withdraw(folder: &Path, wait: Duration, source: &str) -> Result<Ou
     campaign.record(&mut writer, vec![Event::Withdrawn { source: source.to_owned(), at: now() }])?;
     let n = before - campaign.imported().len();
     Ok(Output::new(&[withdrawn(n)], json!({ "withdrawn": n }), notices))
+}
+
+/// Those that are used of the same settings and results.
+fn alike<'a>(in_use: &'a [Imported], one: &'a sheet::Imported) -> impl Iterator<Item = &'a Imported> {
+    in_use.iter().filter(|earlier| {
+        earlier.point == one.point && earlier.result == one.result && earlier.constrained == one.constrained
+    })
 }
 
 fn source_of(one: &sheet::Imported, source: &str) -> String {

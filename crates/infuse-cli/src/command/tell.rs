@@ -190,8 +190,6 @@ fn fresh(
         let Some(trial) = campaign.experiments().trials.get(&id) else {
             return Err(anyhow!("{from}: experiment {id} was never asked for, expected {}", asked(campaign)));
         };
-        let of_id =
-            |value: String, expected: String| Fault { row: answer.row, column: "id".to_owned(), value, expected };
         // A sheet that is told twice does not make runs twice.
         let told = campaign.experiments().readings.get(&id).and_then(|reading| reading.result(answer.repeat));
         let reading = campaign.experiments().readings.get(&id);
@@ -231,7 +229,7 @@ fn fresh(
             continue;
         }
         if let Some(expected) = campaign.refusal(trial) {
-            faults.push(of_id(id.to_string(), expected));
+            faults.push(Fault { row: answer.row, column: "id".to_owned(), value: id.to_string(), expected });
             continue;
         }
         let corrects = told.is_some();

@@ -2,8 +2,7 @@
 
 use infuse::pooled::Assessment;
 
-/// Standard deviations on either side of an expectation, within which the response lies with 90 % probability.
-pub(super) const NINE_IN_TEN: f64 = 1.645;
+pub(super) use infuse::pooled::reported::NINE_IN_TEN;
 
 /// How well responses are known: what is smaller need not be shown.
 pub(super) fn resolution(found: &Assessment) -> f64 {

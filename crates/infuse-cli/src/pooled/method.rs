@@ -156,17 +156,18 @@ impl campaign::Campaign for Campaign {
             };
             json!({ "id": id, "value": response.of_cost(best.cost), "settings": problem.named(&best.settings) })
         });
+        let bound = promised(self, &found);
         let json = json!({
             "batches": batches.collect::<Vec<_>>(),
             "best": problem.named(&found.recommended.point),
             "predicted": response.of_cost(found.recommended.mean),
             "deviation": found.needed.is_none().then_some(found.recommended.deviation),
             "runs_there": found.recommended.n_readings,
-            "bound": promised(self, &found),
+            "bound": bound,
             "needed": found.needed,
-            "bound_by_the_surface_alone": promised(self, &found).map(|_| found.certificate.quantile),
+            "bound_by_the_surface_alone": bound.map(|_| found.certificate.quantile),
             "probability": found.certificate.probability,
-            "further_batches": found.further_batches.filter(|_| promised(self, &found).is_some()),
+            "further_batches": found.further_batches.filter(|_| bound.is_some()),
             "designs_without_reserve": found.forecast.reserves_until(),
             "designs_counted": found.forecast.n_counted(),
             "held_for_a_find": found.forecast.is_for_a_find(),

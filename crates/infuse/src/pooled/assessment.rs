@@ -137,7 +137,7 @@ impl Needed {
         match evidence {
             few if few.n_readings < readings => Some(Self::Readings(readings)),
             few if few.n_tried < different => Some(Self::Designs(different)),
-            _ if is_noise_unknown && n_designs <= evidence.n_terms => Some(Self::Repeat),
+            _ if is_noise_unknown && designs.are_few() => Some(Self::Repeat),
             _ => None,
         }
     }
@@ -277,20 +277,22 @@ impl Look {
         let draws = Draws::of(knowledge, &pool, cell, readings, evidence, settings.seed, batch)?;
         let above = contradiction.is_none().then(|| above_the_least(&recommended, readings, settings)).flatten();
         // What runs of a plant share, and bounds that only some designs keep to, these do not know of.
-        let by_runs = evidence.is_saturated() && settings.plants.is_none() && settings.constraints.is_empty();
+        let is_plain = settings.plants.is_none() && settings.constraints.is_empty();
+        let by_runs = never_run <= 0.0 && designs.are_few() && is_plain;
         let run_means = by_runs.then(|| RunMeans::of(readings, cell, settings.noise)).flatten();
         let draws = draws.beside(found).with_plants(of_plants).above_the_least(above).by_runs(run_means);
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
-        let needed = Needed::of(&evidence, designs, settings, knowledge.process.sites().n_repeats());
+        let n_repeats = knowledge.process.sites().n_repeats();
+        let needed = Needed::of(&evidence, designs, settings, n_repeats);
         let bands = Bands::of(readings, designs.n_terms());
         let assessment = Assessment {
             noise: knowledge.process.noise(),
             assembly: settings.plants.as_ref().map(|_| knowledge.process.assembly_deviation()),
             own: shared.map(|(_, shared)| shared.own.sqrt()),
             n_again: shared.map(|(_, shared)| shared.n_again),
-            n_repeats: knowledge.process.sites().n_repeats(),
+            n_repeats,
             is_exact: settings.noise.is_some_and(|noise| noise <= 0.0),
             left,
             n_left,

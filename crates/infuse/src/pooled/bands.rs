@@ -5,8 +5,8 @@ use crate::pooled::measurements::Reading;
 /// With no more readings than a quadratic has terms, the surface's deviations are widened by so many times themselves. Half of what the
 /// certificate adds: that is about the best of all designs, this about one of them.
 const WIDENED: f64 = 3.0;
-/// Standard deviations on either side within which nine of ten lie.
-const NINE_IN_TEN: f64 = 1.645;
+/// Standard deviations on either side of an expectation, within which the response lies with 90 % probability.
+pub const NINE_IN_TEN: f64 = 1.645;
 
 /// How the surface's deviations are widened. Of few readings it cannot tell how much of what they differ by is noise, and takes their
 /// lowest for lower than it is. Chosen on campaigns of which the truth is known, as `docs/results-benchmark.md` says.

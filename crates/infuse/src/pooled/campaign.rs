@@ -131,9 +131,7 @@ impl Loop {
     #[must_use]
     pub fn designs_without_reserve(&self) -> Option<usize> {
         let enough = || designs_without_reserve(self.region().n_parameters(), self.designs.n_allowed());
-        // Where a quadratic has as many terms, none lies between others.
-        let may_have_wells = self.designs.n_allowed() > self.designs.n_terms() as u64;
-        (!self.settings.smooth && may_have_wells).then(enough)
+        (!self.settings.smooth && !self.designs.are_few()).then(enough)
     }
 
     /// Every trial so far, with its outcome if there is one.

@@ -70,11 +70,6 @@ impl Evidence {
         (1.0 - self.n_tried as f64 / self.n_designs as f64).max(0.0)
     }
 
-    /// Whether every design was run, and a quadratic has as many terms: no surface says more than the means of their runs.
-    pub(crate) fn is_saturated(&self) -> bool {
-        self.never_run() <= 0.0 && self.n_designs <= self.n_terms as u64
-    }
-
     /// The same, as far as these may be unlike those that were.
     fn untried(&self) -> f64 {
         if self.is_smooth { 0.0 } else { self.never_run() }
@@ -648,6 +643,18 @@ mod tests {
     /// As many more readings as the law takes, for what is drawn and for the reserve; one batch less would not do.
     #[test]
     fn further_batches_are_as_many_as_it_takes() {
+        let plain = Forecast {
+            drawn: 0.0,
+            spread: 0.0,
+            found: 0.0,
+            most: None,
+            of_means: None,
+            n_readings: 10,
+            n_tried: 10,
+            n_designs: 10_000,
+            n_experiments: 5,
+            n_parameters: 2,
+        };
         for (drawn, spread, worth, n, n_tried, of) in [
             (8.0, 0.0, 1.1, 10, 10, 10),
             (3.0, 0.0, 0.4, 36, 36, 12),
@@ -660,21 +667,7 @@ mod tests {
             (0.5, 0.01, 0.012, 24, 24, 5),
             (0.5, 0.1, 0.49, 10, 10, 1),
         ] {
-            let (n_readings, n_experiments) = (n, of);
-            let (n_designs, n_parameters) = (10_000, 2);
-            let found = 0.0;
-            let forecast = Forecast {
-                drawn,
-                spread,
-                found,
-                most: None,
-                of_means: None,
-                n_readings,
-                n_tried,
-                n_designs,
-                n_experiments,
-                n_parameters,
-            };
+            let forecast = Forecast { drawn, spread, n_readings: n, n_tried, n_experiments: of, ..plain };
             let further = forecast.further_batches(worth);
             let after = |batches: u64| {
                 let later = n as f64 + (batches as usize * of) as f64;
@@ -693,41 +686,11 @@ mod tests {
             let found = Forecast { drawn: 0.0, spread: 0.0, ..found };
             assert_eq!([found.further_batches(worth), found.further_batches(2.1 * worth)], [1, 0]);
         }
-        let of = |drawn: f64, worth: f64| {
-            let (n_readings, n_tried, n_designs, n_experiments, n_parameters) = (10, 10, 100, 5, 2);
-            let (spread, found) = (0.0, 0.0);
-            let (most, of_means) = (None, None);
-            Forecast {
-                drawn,
-                spread,
-                found,
-                most,
-                of_means,
-                n_readings,
-                n_tried,
-                n_designs,
-                n_experiments,
-                n_parameters,
-            }
-            .further_batches(worth)
-        };
+        let of = |drawn: f64, worth: f64| Forecast { drawn, n_designs: 100, ..plain }.further_batches(worth);
         assert_eq!((of(1.0, 1.0), of(0.0, 0.0), of(1.0, 0.0)), (0, 0, u64::MAX));
         // The bound of means of runs, by hand: 0.6 = 0.8 - 0.2 is 0.2 after four times as many runs, 30 more, and 0.3 after 2.56 times as many.
-        let (most, found, spread) = (None, 0.0, 0.0);
-        let (n_readings, n_tried, n_designs, n_experiments, n_parameters) = (10, 3, 3, 5, 1);
-        let (drawn, of_means) = (0.6, Some(OfMeans { behind: 0.2, error: 0.8 }));
-        let forecast = Forecast {
-            drawn,
-            spread,
-            found,
-            most,
-            of_means,
-            n_readings,
-            n_tried,
-            n_designs,
-            n_experiments,
-            n_parameters,
-        };
+        let of_means = Some(OfMeans { behind: 0.2, error: 0.8 });
+        let forecast = Forecast { drawn: 0.6, of_means, n_tried: 3, n_designs: 3, n_parameters: 1, ..plain };
         assert_eq!([0.2, 0.3, 0.6].map(|worth| forecast.further_batches(worth)), [6, 4, 0]);
         // That of few is wide because the noise is not known.
         let of_means = Some(OfMeans { behind: 0.2, error: 0.45 });

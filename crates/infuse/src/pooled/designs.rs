@@ -115,6 +115,11 @@ impl Designs {
         1 + all + products + squares
     }
 
+    /// Whether there are no more designs than a quadratic has terms: it fits whatever they read, and none lies between others.
+    pub(crate) fn are_few(&self) -> bool {
+        self.n_allowed() <= self.n_terms() as u64
+    }
+
     pub(crate) fn n_cells(&self) -> u64 {
         self.grid.n_cells()
     }

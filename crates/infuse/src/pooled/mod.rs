@@ -92,6 +92,7 @@ pub use simulated::{Responses, Simulate};
 /// What an [`Assessment`] consists of.
 pub mod reported {
     pub use super::assessment::{Constrained, Contradiction, SimulationWorth};
+    pub use super::bands::NINE_IN_TEN;
     pub use super::held::FEASIBLE;
     pub use super::outliers::Outlier;
     pub use super::run_means::OfMeans;

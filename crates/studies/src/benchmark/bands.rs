@@ -1,14 +1,12 @@
 //! How often the response at the recommended design is within the band that is given for it.
 
+use infuse::pooled::reported::NINE_IN_TEN;
 use page::{Column, Finding, Table, quantile};
 
 use super::families::{FAMILIES, Family};
 use super::results::{Results, Row};
 use super::summary::{percent, rows_of};
 use super::task::{BATCHES, fresh_families};
-
-/// Standard deviations of a normal distribution on either side, within which nine of ten lie.
-const NINE_IN_TEN: f64 = 1.645;
 
 /// The campaigns of one kind, in words, and their families.
 pub(super) struct Kind<'a> {

@@ -71,12 +71,15 @@ fn best_of_batches(campaign: &Campaign) -> BTreeMap<usize, f64> {
     best.into_iter().map(|(batch, cost)| (batch, response.of_cost(cost))).collect()
 }
 
+/// Half the band of what was expected: where nothing is promised, how far off it may be is not known.
+fn half(known: &Assessed) -> Option<f64> {
+    known.bound.map(|_| NINE_IN_TEN * known.deviation)
+}
+
 fn expected(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Chart {
     let response = &campaign.problem.response;
     let expected: Line = campaign.history.values().map(|known| (batch(known), known.expected)).collect();
-    // Where nothing is promised, how far off it may be is not known.
-    let half = |known: &Assessed| known.bound.map_or(0.0, |_| NINE_IN_TEN * known.deviation);
-    let halves: Vec<f64> = campaign.history.values().map(half).collect();
+    let halves: Vec<f64> = campaign.history.values().map(|known| half(known).unwrap_or(0.0)).collect();
     let beside = (BESIDE * campaign.batches.len() as f64).min(0.3);
     let measured: Line = of_batches.iter().map(|(&batch, &value)| (batch as f64 + beside, value)).collect();
     let ends = expected.iter().zip(&halves).flat_map(|(point, half)| [point.1 - half, point.1 + half]);
@@ -205,7 +208,7 @@ fn table(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Table {
             known.batch.to_string(),
             campaign.problem.describe(&known.recommended),
             short(known.expected),
-            known.bound.map_or_else(|| NOTHING.to_owned(), |_| short(NINE_IN_TEN * known.deviation)),
+            half(known).map_or_else(|| NOTHING.to_owned(), short),
             known.bound.map_or_else(|| NOTHING.to_owned(), short),
             percent(known.probability),
             percent(known.left),
