@@ -319,7 +319,12 @@ pub(crate) fn cancel<'a>(
         runs.note_shown(&name)?;
         let said = runs.said(&name).unwrap_or_default();
         let job = said.split_whitespace().next_back().unwrap_or_default().to_owned();
-        scheduler::run(folder, queue, &queue.cancel, &[("{name}", name.clone()), ("{job}", job)])?;
+        let stopped = scheduler::run(folder, queue, &queue.cancel, &[("{name}", name.clone()), ("{job}", job)]);
+        if let Err(error) = stopped {
+            // What ended between the two calls is nobody's to stop, which schedulers call an error.
+            anyhow::ensure!(!scheduler::is_listed(&scheduler::run(folder, queue, &queue.list, &[])?, &name), error);
+            continue;
+        }
         runs.note_stopped(&name)?;
         n += 1;
     }

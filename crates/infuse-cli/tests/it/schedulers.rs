@@ -38,7 +38,7 @@ done
 "#;
 const QDEL: &str = r#"#!/bin/sh
 case $1 in
-*'[].server') rm "jobs/${1%??.server}" ;;
+*'[].server') rm -f "jobs/${1%??.server}" ;;
 *) echo "qdel: illegally formed job identifier: $1" >&2; exit 2 ;;
 esac
 "#;
@@ -65,8 +65,9 @@ ls jobs
 "#;
 const BKILL: &str = r#"#!/bin/sh
 [ "$1" = -J ] && [ "$3" = 0 ] || exit 2
-# A task may end between the look and the removal; a name that nobody knows is an error.
-ls jobs/"$2"[[]* > /dev/null && rm -f jobs/"$2"[[]*
+# A name that nobody knows is an error.
+ls jobs | grep -qF "$2[" || { echo "Job <$2> is not found" >&2; exit 255; }
+rm -f jobs/"$2"[[]*
 "#;
 
 /// Programs of a scheduler, found first.
@@ -128,6 +129,33 @@ fn pbs_takes_what_its_kind_says() {
     check_each_once(&pbs.rig);
     let first = &lines(&pbs.rig, "submissions.log")[0];
     assert!(first.contains(" -J 1-9 -S /bin/sh -o /dev/null -e /dev/null /"), "{first}");
+}
+
+/// Between the list and the order to stop a job may end; one that cannot be stopped is another matter.
+#[test]
+fn what_ends_before_it_is_stopped_is_no_error() {
+    let gone = "echo \"qdel: Unknown Job Id $1\" >&2; exit 153\n";
+    let refusing = format!("#!/bin/sh\n{gone}");
+    let late = format!("#!/bin/sh\nrm -f jobs/*; {gone}");
+    for (qdel, is_gone) in [(&refusing, false), (&late, true)] {
+        let pbs = Scheduler::new("pbs", &[("qsub", QSUB), ("qstat", QSTAT), ("qdel", qdel)]);
+        pbs.rig.write("slow", "");
+        let mut child = pbs.command(&["ask"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let start = Instant::now();
+        while lines(&pbs.rig, "ran.log").is_empty() && start.elapsed() < Duration::from_secs(20) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let said = pbs.infuse(&["cancel"]);
+        if is_gone {
+            let said = said.ok();
+            assert!(said.contains("Nothing of this campaign is in the queue"), "{said}");
+        } else {
+            let error = said.error();
+            assert!(error.contains("qdel: Unknown Job Id 12"), "{error}");
+        }
+    }
 }
 
 #[test]
