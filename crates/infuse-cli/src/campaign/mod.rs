@@ -81,6 +81,13 @@ pub(crate) struct Imported {
     pub(crate) source: String,
 }
 
+impl Imported {
+    /// Whether these are its settings and results, too.
+    pub(crate) fn is_alike(&self, point: &[f64], result: &Measured, constrained: &Constrained) -> bool {
+        self.point == point && self.result == *result && self.constrained == *constrained
+    }
+}
+
 /// What a command may ask of a campaign.
 pub(crate) trait Campaign {
     fn folder(&self) -> &Path;

@@ -76,9 +76,7 @@ pub(crate) fn withdraw(folder: &Path, wait: Duration, source: &str) -> Result<Ou
 
 /// Those that are used of the same settings and results.
 fn alike<'a>(in_use: &'a [Imported], one: &'a sheet::Imported) -> impl Iterator<Item = &'a Imported> {
-    in_use.iter().filter(|earlier| {
-        earlier.point == one.point && earlier.result == one.result && earlier.constrained == one.constrained
-    })
+    in_use.iter().filter(|earlier| earlier.is_alike(&one.point, &one.result, &one.constrained))
 }
 
 fn source_of(one: &sheet::Imported, source: &str) -> String {

@@ -13,26 +13,30 @@ use super::settings;
 use crate::arguments::Tell;
 use crate::campaign::{Campaign, Reading, Stage};
 use crate::echo::echo;
-use crate::findings::{ended, next, outstanding, taken};
+use crate::findings::{ended, next, outstanding, taken, without_columns};
 use crate::folder;
 use crate::journal::{Event, Measured, Told, Writer, now};
 use crate::number::{count, plain};
 use crate::problem::Problem;
-use crate::sheet::{Answer, Fault, answers, none_of};
+use crate::sheet::{Answer, Answers, Fault, answers, none_of};
 use crate::shell::infuse;
 
 pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output> {
     let (mut campaign, mut writer) = folder::open(folder, wait)?;
     let notices = campaign.take_notices();
-    let (answers, n_empty, from) = match &tell.sheet {
-        Some(path) => {
-            let answers = answers(path, campaign.problem(), &campaign.experiments().trials)?;
-            (answers.filled, answers.n_empty, path.display().to_string())
+    let (Answers { filled, n_empty, lacks }, from) = match &tell.sheet {
+        Some(path) => (answers(path, campaign.problem(), &campaign.experiments().trials)?, path.display().to_string()),
+        None => {
+            let filled = vec![single(tell, &*campaign)?];
+            (Answers { filled, n_empty: 0, lacks: Vec::new() }, "the command line".to_owned())
         }
-        None => (vec![single(tell, &*campaign)?], 0, "the command line".to_owned()),
     };
-    let (fresh, n_known) = fresh(&*campaign, answers, &from, tell.correct)?;
-    let (findings, json) = take(&mut *campaign, &mut writer, fresh, &from, (n_known, n_empty))?;
+    let (fresh, n_known) = fresh(&*campaign, filled, &from, tell.correct)?;
+    let (n, infuse) = (fresh.len(), infuse(campaign.folder()));
+    let (mut findings, json) = take(&mut *campaign, &mut writer, fresh, &from, (n_known, n_empty))?;
+    if n > 0 && !lacks.is_empty() {
+        findings.insert(1, without_columns(&lacks, n, &format!("{infuse} tell {from} --correct")));
+    }
     Ok(Output::new(&findings, json, notices))
 }
 

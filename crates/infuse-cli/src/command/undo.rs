@@ -1,5 +1,6 @@
 //! `infuse undo`: takes the last thing back that was done.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
@@ -9,6 +10,7 @@ use serde_json::json;
 
 use super::output::Output;
 use crate::campaign::Campaign;
+use crate::echo::echo;
 use crate::findings::next;
 use crate::folder;
 use crate::journal::{Deed, Event, JOURNAL, Journal, Last, Measured, Submitted, Told, now};
@@ -79,7 +81,14 @@ pub(crate) fn in_words(last: &Last) -> String {
             let n = events().filter(|event| matches!(event, Event::Imported { .. })).count();
             let from =
                 events().find_map(|event| if let Event::Imported { from, .. } = event { Some(from) } else { None });
-            format!("{} imported from {}", count(n, "experiment"), from.map_or("", String::as_str))
+            let sources: BTreeSet<&str> = events()
+                .filter_map(|event| if let Event::Imported { source, .. } = event { Some(&**source) } else { None })
+                .collect();
+            let from = from.map_or("", String::as_str);
+            match (sources.len(), sources.first()) {
+                (1, Some(source)) => format!("{} imported from {from}, as `{}`", count(n, "experiment"), echo(source)),
+                (n_sources, _) => format!("{} imported from {from}, of {n_sources} sources", count(n, "experiment")),
+            }
         }
         Deed::Withdraw => {
             let source = events()

@@ -23,6 +23,18 @@ pub(crate) fn taken(n: usize, n_failed: usize, n_known: usize, n_empty: usize) -
     std::iter::once(taken).chain(empty).collect()
 }
 
+/// That a sheet says nothing of some constraints, because it has no column for them.
+pub(crate) fn without_columns(headings: &[String], n: usize, again: &str) -> Finding {
+    let named: Vec<String> = headings.iter().map(|heading| format!("`{heading}`")).collect();
+    let says = if n == 1 { "says" } else { "say" };
+    let sentence = format!(
+        "The sheet has no column {}: {} {says} nothing of it. Where it was measured, add the column and tell the sheet once more: {again}",
+        named.join(", "),
+        count(n, "result")
+    );
+    Finding::new(sentence).with("results without it", n as f64, "1")
+}
+
 /// What a batch still waits for.
 pub(crate) fn outstanding(batch: usize, n: usize) -> Finding {
     let sentence = format!("Batch {batch} waits for {}.", count(n, "more experiment"));
@@ -44,6 +56,18 @@ pub(crate) fn as_from_elsewhere(n: usize, earlier: &str, source: &str) -> Findin
         count(n, "row")
     );
     Finding::new(sentence).with("rows as from elsewhere", n as f64, "1")
+}
+
+/// That experiments from two sources have the same settings and results, which may be the same runs.
+pub(crate) fn there_twice(n: usize, earlier: &str, source: &str) -> Finding {
+    let sentence = format!(
+        "Careful: {} from `{source}` {} settings and results of others from `{earlier}`, and {} as runs of their own: if they are the \
+         same runs, the noise seems smaller than it is, and infuse import --withdraw \"{source}\" takes them back.",
+        count(n, "experiment"),
+        if n == 1 { "has" } else { "have" },
+        if n == 1 { "counts" } else { "count" }
+    );
+    Finding::new(sentence).with("experiments that are there twice", n as f64, "1")
 }
 
 /// Earlier experiments that count no longer.

@@ -8,8 +8,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use super::bands::resolution;
 use super::campaign::{Campaign, Origin};
-use crate::campaign::Campaign as _;
-use crate::findings::{amount, value_to};
+use crate::campaign::{Campaign as _, Imported};
+use crate::findings::{amount, there_twice, value_to};
 use crate::number::{count, short};
 
 /// Outliers that are named.
@@ -46,6 +46,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
     warnings.extend(another_unit(campaign));
     warnings.extend(given_noise(campaign));
     warnings.extend(all_equal(campaign));
+    warnings.extend(imported_twice(campaign));
     Ok(warnings)
 }
 
@@ -73,6 +74,18 @@ pub(super) fn all_equal(campaign: &Campaign) -> Option<Finding> {
             "Careful: all {n} results are {all}: nothing can be learnt from them. Does the sensor read at all?"
         ))
     })
+}
+
+/// That imported experiments of two sources have the same settings and results.
+fn imported_twice(campaign: &Campaign) -> Option<Finding> {
+    let all = campaign.imported();
+    let twice = |(at, one): (usize, &Imported)| {
+        let is_like = |earlier: &&Imported| earlier.is_alike(&one.point, &one.result, &one.constrained);
+        let earlier = all[..at].iter().find(|earlier| earlier.source != one.source && is_like(earlier))?;
+        Some((earlier.source.clone(), one.source.clone()))
+    };
+    let twice: Vec<(String, String)> = all.iter().enumerate().filter_map(twice).collect();
+    twice.first().map(|(earlier, source)| there_twice(twice.len(), earlier, source))
 }
 
 /// What counts, and is far from what all others say: nothing else is worth much before it is known to be true.

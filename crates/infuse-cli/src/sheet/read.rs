@@ -35,6 +35,8 @@ pub(crate) struct Answers {
     pub(crate) filled: Vec<Answer>,
     /// How many rows have neither a value nor a reason.
     pub(crate) n_empty: usize,
+    /// Headings of constraints that the sheet has no column for, as one that was written before they came.
+    pub(crate) lacks: Vec<String>,
 }
 
 /// Reads a sheet against the trials that were ever handed out.
@@ -76,7 +78,10 @@ pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, Tri
     // A row that comes twice and says the same is said once.
     let mut seen = std::collections::BTreeSet::new();
     filled.retain(|answer| answer.repeat > 0 || seen.insert(answer.id));
-    Ok(Answers { filled, n_empty })
+    let held = (0..problem.constraints.len()).map(|index| reader.columns.constrained(index));
+    let lacking = held.filter(|&column| !reader.table.has(column));
+    let lacks = lacking.map(|column| reader.columns.all[column].heading()).collect();
+    Ok(Answers { filled, n_empty, lacks })
 }
 
 /// What a row of a form says about a trial: its cells from the response to the note, as a sheet has them; nothing if all

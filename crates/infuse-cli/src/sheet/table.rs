@@ -180,6 +180,11 @@ impl Table {
         &self.rows
     }
 
+    /// Whether the file has a known column.
+    pub(crate) fn has(&self, column: usize) -> bool {
+        self.places[column].is_some()
+    }
+
     /// The text of a known column in a row; empty if the file has no such column.
     pub(crate) fn cell<'a>(&self, row: &'a Row, column: usize) -> &'a str {
         self.at(row, column).map_or("", |cell| &*cell.text)

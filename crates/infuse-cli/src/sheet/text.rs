@@ -44,7 +44,9 @@ fn decoded(bytes: &[u8]) -> Result<String> {
         _ => {
             let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
             let text = std::str::from_utf8(bytes).map_err(|error| {
-                anyhow::anyhow!("byte {} is no UTF-8: save the table as CSV in UTF-8", error.valid_up_to())
+                let at = error.valid_up_to();
+                let line = bytes[..at].iter().filter(|&&byte| byte == b'\n').count() + 1;
+                anyhow::anyhow!("line {line}: byte {at} of the file is no UTF-8: save the table as CSV in UTF-8")
             })?;
             ensure!(!text.contains('\0'), "the file holds zero bytes, expected a table: save it as CSV in UTF-8");
             Ok(text.to_owned())

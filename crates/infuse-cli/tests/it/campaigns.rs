@@ -168,6 +168,9 @@ fn rows_that_were_imported_from_elsewhere_are_said_to_count_twice() {
     assert!(said.contains("Imported: 3 experiments."), "{said}");
     assert!(said.contains("1 row has settings and results that were imported before, from `notebook 3`,"), "{said}");
     assert!(said.contains("infuse import --withdraw \"notebook 4: p. 4\""), "{said}");
+    let log = rig.infuse(&["log"]).ok();
+    assert!(log.contains("2 experiments from old.csv, as `notebook 3`."), "{log}");
+    assert!(log.contains("3 experiments from more.csv, of 2 sources."), "{log}");
     assert!(rig.infuse(&["import", "--withdraw", "notebook 4: p. 4"]).ok().contains("Withdrawn: 1 experiment."));
     assert_eq!(rig.status()["imported"], 4);
 }

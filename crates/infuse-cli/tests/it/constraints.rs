@@ -152,6 +152,22 @@ fn values_of_constraints_come_by_command_line_table_and_not_with_another_name() 
     assert!(said.contains("row 2, column `travel [mm]`: is `far`"), "{said}");
 }
 
+/// As of a sheet that was written before the constraint came.
+#[test]
+fn a_sheet_without_the_column_of_a_constraint_is_said_to_say_nothing_of_it() {
+    let rig = rig_of(TRAVEL, &(parameter("a") + &parameter("b")));
+    ask(&rig);
+    rig.write("old.csv", "id,cost [EUR]\n1,5\n2,7\n");
+    let said = rig.infuse(&["tell", "old.csv"]).ok();
+    assert!(said.contains("The sheet has no column `travel [mm]`: 2 results say nothing of it."), "{said}");
+    assert!(said.contains("infuse tell old.csv --correct"), "{said}");
+    rig.write("old.csv", "id,cost [EUR],travel [mm]\n1,5,11\n2,7,\n");
+    let said = rig.infuse(&["tell", "old.csv", "--correct"]).ok();
+    assert!(!said.contains("has no column"), "{said}");
+    let journal = rig.read("journal.jsonl");
+    assert!(journal.contains(r#""constrained":{"travel":11.0}"#), "{journal}");
+}
+
 #[test]
 fn settings_that_do_not_go_together_are_never_asked_for() {
     let linear = "[[linear_constraint]]\nsum = { a = 1, b = 1 }\nupper = 9\nlower = 3\n";

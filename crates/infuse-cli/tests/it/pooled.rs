@@ -783,3 +783,20 @@ fn what_runs_elsewhere_do_not_expect_is_said_with_its_settings_and_looked_around
     assert_eq!((&status["find"], &status["held_for_a_find"]), (&Value::Null, &json!(false)), "{text}");
     assert!(!text.contains("looks around"), "{text}");
 }
+
+/// What is there twice may be the same runs: while it is in use, it is said with what there is to do about it.
+#[test]
+fn imported_experiments_that_two_sources_have_are_said_until_one_is_withdrawn() {
+    let bowl = |a: f64, b: f64| 100.0 + 2.0 * (a - 4.0).powi(2) + 0.5 * (b - 7.0).powi(2);
+    let rig = rig_of(bowl, "");
+    let row = |(a, b): (u32, u32)| format!("{a},{b},{:.2}\n", bowl(f64::from(a), f64::from(b)));
+    let rows: String = [(0, 0), (8, 0), (0, 14), (8, 14), (4, 7), (2, 10)].into_iter().map(row).collect();
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N]\n{rows}"));
+    rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    assert!(!rig.infuse(&["status"]).ok().contains("settings and results of others"));
+    rig.infuse(&["import", "old.csv", "--source", "copy"]).ok();
+    let said = rig.infuse(&["status"]).ok();
+    assert!(said.contains("6 experiments from `copy` have settings and results of others from `notebook`"), "{said}");
+    rig.infuse(&["import", "--withdraw", "copy"]).ok();
+    assert!(!rig.infuse(&["status"]).ok().contains("settings and results of others"));
+}

@@ -106,7 +106,7 @@ fn tables_as_spreadsheets_write_them_are_read() {
     assert!(said.contains("Taken: 2 results.") && said.contains("1 row not filled in yet."), "{said}");
     rig.write("latin.csv", "");
     std::fs::write(rig.path("latin.csv"), b"id,vibration [mm/s]\n6,7.5\xb5\n").unwrap();
-    assert!(rig.infuse(&["tell", "latin.csv"]).error().contains("no UTF-8"));
+    assert!(rig.infuse(&["tell", "latin.csv"]).error().contains("line 2: byte 25 of the file is no UTF-8"));
     rig.write("none.csv", "");
     assert!(rig.infuse(&["tell", "none.csv"]).error().contains("the file is empty"));
     rig.write("wide.csv", "id,vibration [mm/s]\n6,7,5\n");
