@@ -30,7 +30,7 @@ fn in_words(held: &Held, there: &Constrained) -> Finding {
         with_unit(&resolved(mean, half), &held.unit),
         with_unit(&short(half), &held.unit),
         held.bounds(),
-        percent(there.within)
+        chance(there.within)
     );
     Finding::new(sentence).with(held.name(), mean, &held.unit).with("give or take", half, &held.unit).with(
         "probability to keep to the bounds",
@@ -44,7 +44,12 @@ pub(super) fn likely_to_keep(campaign: &Campaign, there: &Standing) -> String {
     if campaign.problem.constraints.is_empty() {
         return String::new();
     }
-    format!(", within the bounds with {} probability", percent(within(there)))
+    format!(", within the bounds with {} probability", chance(within(there)))
+}
+
+/// In words. What is told by a surface is never quite sure, though rounding may make it so.
+fn chance(probability: f64) -> String {
+    percent(probability.min(1.0 - f64::EPSILON))
 }
 
 /// The probability that it keeps to all of its bounds.
@@ -76,7 +81,7 @@ pub(super) fn as_json(campaign: &Campaign, there: &[Constrained]) -> Value {
     let one = |(held, there): (&Held, &Constrained)| {
         let (expected, deviation) = there.expected.unzip();
         let value = json!({
-            "expected": expected, "deviation": deviation, "probability": there.within, "measured": there.measured,
+            "expected": expected, "deviation": deviation, "probability": there.within.min(1.0), "measured": there.measured,
             "lower": held.constraint.lower, "upper": held.constraint.upper,
         });
         (held.name().to_owned(), value)

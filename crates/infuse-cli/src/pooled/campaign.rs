@@ -1,6 +1,7 @@
 //! A campaign of the pooled loop, as it follows from its problem and its journal.
 
 use std::cell::{OnceCell, RefCell};
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -104,12 +105,14 @@ pub(super) enum Origin {
     Own(u64),
 }
 
-/// What measured best.
+/// The design that measured best.
 #[derive(Debug, Clone)]
 pub(super) struct BestMeasured {
+    /// Its best run.
     pub(super) origin: Origin,
-    /// Of its runs, in the mean.
+    /// Of its runs, in the mean: of many runs the best is a lucky one.
     pub(super) cost: f64,
+    pub(super) n_runs: usize,
     /// As they were made, natural.
     pub(super) settings: Vec<f64>,
 }
@@ -378,7 +381,7 @@ impl Campaign {
         self.keeps_to_bounds(reading) && !cell.is_some_and(|cell| self.doubtful().contains(&cell))
     }
 
-    /// The experiment with the best mean of its runs, imported ones too, but for those named, those that broke a bound, and those
+    /// The settings with the best mean of their runs, imported ones too, but for those named, those that broke a bound, and those
     /// that are not thought to keep to one that was not measured.
     pub(super) fn best_measured(&self, but: &[Origin]) -> Option<BestMeasured> {
         let response = &self.problem.response;
@@ -389,17 +392,30 @@ impl Campaign {
             if !is_allowed || is_doubtful(self.grid.nearest(&one.point).ok()) {
                 return None;
             }
-            Some(BestMeasured { origin: Origin::Imported(index), cost, settings: one.point.clone() })
+            Some(BestMeasured { origin: Origin::Imported(index), cost, n_runs: 1, settings: one.point.clone() })
         });
         let own = self.experiments.readings.iter().filter_map(|(&id, reading)| {
             let cost = reading.outcome(response)?.cost()?;
             if !self.may_be_best_measured(id, reading) {
                 return None;
             }
-            Some(BestMeasured { origin: Origin::Own(id), cost, settings: self.experiments.settings_of(id) })
+            let n_runs = reading.values().count();
+            Some(BestMeasured { origin: Origin::Own(id), cost, n_runs, settings: self.experiments.settings_of(id) })
         });
-        let meant = own.chain(imported).filter(|one| !but.contains(&one.origin));
-        meant.min_by(|a, b| a.cost.total_cmp(&b.cost))
+        let mut meant: Vec<BestMeasured> = own.chain(imported).filter(|one| !but.contains(&one.origin)).collect();
+        // Equal settings stand together, the best first.
+        let settings = |a: &BestMeasured, b: &BestMeasured| {
+            let pairs = a.settings.iter().zip(&b.settings);
+            pairs.map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+        };
+        meant.sort_by(|a, b| settings(a, b).then(a.cost.total_cmp(&b.cost)));
+        let designs = meant.chunk_by(|a, b| settings(a, b).is_eq());
+        let of_design = |runs: &[BestMeasured]| {
+            let n_runs = runs.iter().map(|one| one.n_runs).sum::<usize>();
+            let sum: f64 = runs.iter().map(|one| one.cost * one.n_runs as f64).sum();
+            Some(BestMeasured { cost: sum / n_runs as f64, n_runs, ..runs.first()?.clone() })
+        };
+        designs.filter_map(of_design).min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
     /// What the experiments of the batches up to this one cost, made in the order of their sheets, and for how many plants; none

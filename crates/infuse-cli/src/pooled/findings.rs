@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use infuse::pooled::reported::SimulationWorth;
-use infuse::pooled::{Assessment, Certificate, Needed, Standing};
+use infuse::pooled::{Assessment, Certificate, Forecast, Needed, Standing};
 use page::Finding;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
@@ -69,16 +69,10 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
         let (name, place) = (campaign.name_of(measured.origin), problem.describe(&measured.settings));
         let why_not = campaign.nearest(&measured.settings).ok().and_then(|(_, cell)| campaign.why_not(cell));
         let why_not = why_not.map_or_else(String::new, |why_not| format!("; {why_not}"));
-        let there = costs_at(campaign, &measured.settings);
-        // Of many runs the best is a lucky one.
-        let mean = match there.len() {
-            0 | 1 => String::new(),
-            n => {
-                let mean = there.iter().sum::<f64>() / n as f64;
-                format!(", of {n} runs with a mean of {}", value_to(response, mean, resolution(found)))
-            }
+        let sentence = match measured.n_runs {
+            1 => format!("Best measured: {shown}, {name} at {place}{why_not}."),
+            n => format!("Best measured: {shown}, the mean of {n} runs at {place}{why_not}."),
         };
-        let sentence = format!("Best measured: {shown}, {name} at {place}{mean}{why_not}.");
         best =
             best.detail(Finding::new(sentence).with("best measured", response.of_cost(measured.cost), &response.unit));
     }
@@ -195,12 +189,6 @@ fn near(campaign: &Campaign, point: &[f64]) -> Vec<f64> {
     near.map(|(_, cost)| *cost).collect()
 }
 
-/// Costs of all runs of these settings.
-fn costs_at(campaign: &Campaign, settings: &[f64]) -> Vec<f64> {
-    let readings = campaign.readings().into_iter();
-    readings.filter(|(origin, _)| campaign.settings_of(*origin) == settings).map(|(_, cost)| cost).collect()
-}
-
 /// How large a well may be that no run has met.
 fn unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
     // Where `smooth` says that there is none.
@@ -209,12 +197,12 @@ fn unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
     }
     let share = found.unseen?;
     let well = match campaign.problem.simulator.is_there() {
-        true => " that the simulation lacks",
+        true => " that the simulation lacks,",
         false => "",
     };
     let what = campaign.problem.response.well();
     let sentence = format!(
-        "A {what}{well}, of less than {} of all designs, may be unseen: as many runs, evenly spread, would have met a larger one with {} \
+        "A {what}{well} of less than {} of all designs, may be unseen: as many runs, evenly spread, would have met a larger one with {} \
          probability.",
         percent(share),
         percent(found.certificate.probability)
@@ -358,14 +346,29 @@ const MUCH_IS_OWN: f64 = 0.3;
 /// From this share of the bound on it is said that it is not the surface's.
 const MUCH_IS_HELD: f64 = 0.2;
 
+/// What it is that the least of the response leaves less of: that a narrow well is held for.
+fn even_more(campaign: &Campaign, found: &Assessment) -> String {
+    let (response, forecast) = (&campaign.problem.response, Forecast { most: None, ..found.forecast });
+    let Some(enough) = forecast.reserves_until() else { return String::new() };
+    let quantile = found.certificate.quantile;
+    format!(
+        " The surface alone would say {}; even more than that is held for a narrow {} that no run may have met, until {enough} designs \
+         were run ({} so far, a repeat counting half), or `smooth` in [stop] says that there surely is none.",
+        if quantile > 0.0 { amount(response, quantile) } else { "that none is better".to_owned() },
+        response.well(),
+        plain(forecast.n_counted())
+    )
+}
+
 /// How much of the bound is not what the surface says, but is kept for what so few experiments cannot have shown.
 fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
     let (response, Certificate { bound, quantile, .. }) = (&campaign.problem.response, found.certificate);
     if let (true, Some(least)) = (found.forecast.is_for_the_least(), response.least()) {
         let sentence = format!(
             "More is not to be had: that is what is left down to {}, the best value that [response] allows, from as far off as the \
-             recommended design may be.",
-            value_to(response, least, 0.0)
+             recommended design may be.{}",
+            value_to(response, least, 0.0),
+            even_more(campaign, found)
         );
         return Some(Finding::new(sentence).with("the best value allowed", response.of_cost(least), &response.unit));
     }

@@ -154,7 +154,9 @@ impl campaign::Campaign for Campaign {
                 Origin::Own(id) => Some(id),
                 Origin::Imported(_) => None,
             };
-            json!({ "id": id, "value": response.of_cost(best.cost), "settings": problem.named(&best.settings) })
+            json!({
+                "id": id, "value": response.of_cost(best.cost), "runs": best.n_runs, "settings": problem.named(&best.settings),
+            })
         });
         let bound = promised(self, &found);
         let json = json!({

@@ -249,8 +249,9 @@ fn given_noise(campaign: &Campaign) -> Option<Finding> {
     is_contradicted.then(|| {
         let (measured, given) = (amount(response, repeats.standard_deviation()), amount(response, given));
         let sentence = format!(
-            "Careful: `noise` in [loop] is {given}, but {} of equal settings have a standard deviation of {measured}.",
-            count(n, "repeat")
+            "Careful: `noise` in [loop] is {given}, but {} of equal settings {} a standard deviation of {measured}.",
+            count(n, "repeat"),
+            if n == 1 { "has" } else { "have" }
         );
         Finding::new(sentence).with("noise of repeats", repeats.standard_deviation(), &response.unit)
     })

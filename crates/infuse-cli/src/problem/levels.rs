@@ -86,17 +86,23 @@ fn count(parameter: &Parameter, step: f64) -> Result<u32> {
     let (name, lower, width) = (parameter.name(), parameter.lower(), parameter.width());
     ensure!(
         step > 0.0 && step <= width,
-        "parameter `{name}`: `step` is {step:?}, expected a positive number up to {}, the width of its bounds",
+        "parameter `{name}`: `step` is {}, expected a positive number up to {}, the width of its bounds",
+        plain(step),
         plain(width)
     );
     let steps = width / step;
-    ensure!(steps < 1e6, "parameter `{name}`: `step` = {step:?} makes {steps:.0} levels, expected at most a million");
+    ensure!(
+        steps < 1e6,
+        "parameter `{name}`: `step` = {} makes {steps:.0} levels, expected at most a million",
+        plain(step)
+    );
     let whole = steps.round();
     if (steps - whole).abs() > ROUNDING * steps {
         let (below, above) = (lower + steps.floor() * step, lower + steps.ceil() * step);
         bail!(
-            "parameter `{name}`: from {} no whole number of steps of {step:?} reaches {}, expected an upper bound of {} or {}",
+            "parameter `{name}`: from {} no whole number of steps of {} reaches {}, expected an upper bound of {} or {}",
             plain(lower),
+            plain(step),
             plain(parameter.upper()),
             plain(below),
             plain(above),

@@ -32,6 +32,17 @@ pub(super) fn records(bytes: &[u8]) -> Result<Records> {
         n_breaks += record.iter().map(|cell| cell.matches('\n').count()).sum::<usize>();
         rows.push((number, record.iter().map(Cell::plain).collect()));
     }
+    // Spreadsheets leave out cells at the end of a row, but not its end.
+    if let ([(_, headings), .., (number, last)], false) = (&rows[..], text.ends_with('\n'))
+        && last.len() < headings.len()
+    {
+        bail!(
+            "row {number}: the file ends within it, after {} of {} cells, as if it were cut short; if the row is whole, end it with a \
+             line break",
+            last.len(),
+            headings.len()
+        );
+    }
     let separator = if separator == b',' { Separator::Comma } else { Separator::Other };
     Ok(Records { rows, separator })
 }

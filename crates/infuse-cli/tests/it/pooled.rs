@@ -265,7 +265,7 @@ fn a_recommendation_on_a_bound_or_never_run_is_said_and_can_be_confirmed() {
         _ => "Compared by",
     };
     let text = rig.infuse(&["status"]).ok();
-    assert!(text.contains(words) && text.contains(" runs with a mean of "), "{text}");
+    assert!(text.contains(words) && text.contains(", the mean of "), "{text}");
     assert!(designs.len() > 1 || text.contains(", give or take "), "{text}");
     assert!(designs.iter().all(|design| design["mean_give_or_take"].as_f64().unwrap() > 0.0), "{designs:?}");
 }
@@ -333,6 +333,10 @@ fn no_certificate_goes_beyond_what_the_response_allows() {
         text.contains(
             "More is not to be had: that is what is left down to 1.9 N, the best value that [response] allows"
         ),
+        "{text}"
+    );
+    assert!(
+        text.contains("even more than that is held for a narrow well that no run may have met, until 40 designs"),
         "{text}"
     );
     assert!(text.contains("Ended: with 90 % probability") && text.contains("Next: "), "{text}");
@@ -782,6 +786,26 @@ fn what_runs_elsewhere_do_not_expect_is_said_with_its_settings_and_looked_around
     let (text, status) = (rig.infuse(&["status"]).ok(), rig.status());
     assert_eq!((&status["find"], &status["held_for_a_find"]), (&Value::Null, &json!(false)), "{text}");
     assert!(!text.contains("looks around"), "{text}");
+}
+
+/// Of six runs the best is a lucky one, and another design has the better mean: that one is called the best measured, and run to confirm.
+#[test]
+fn the_best_measured_design_is_that_of_the_best_mean() {
+    let rig = rig_of(|a, b| 10.0 + (a - 5.0).abs() + (b - 5.0).abs(), "[stop]\nsmooth = true\n");
+    let runs = [8.9, 10.4, 10.6, 10.3, 10.9, 10.2].map(|y| format!("5,5,{y}\n")).concat();
+    let others = "6,5,9.3\n6,5,9.4\n0,0,20\n8,14,22\n0,14,24\n8,0,18\n4,9,15\n";
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N]\n{runs}{others}"));
+    rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    let status = rig.status();
+    assert_eq!(status["best_measured"]["settings"], json!({ "a": 6.0, "b": 5.0 }), "{status}");
+    assert!((status["best_measured"]["value"].as_f64().unwrap() - 9.35).abs() < 1e-12, "{status}");
+    assert_eq!(status["best_measured"]["runs"], json!(2));
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("Best measured: 9.35 N, the mean of 2 runs at a 6 mm, b 5 mm."), "{text}");
+    rig.infuse(&["confirm"]).ok();
+    let sheet = rig.read("sheet-1.csv");
+    let planned = |row: &&str| row.contains(",6,5,");
+    assert_eq!(sheet.lines().filter(planned).count(), 3, "{sheet}");
 }
 
 /// What is there twice may be the same runs: while it is in use, it is said with what there is to do about it.

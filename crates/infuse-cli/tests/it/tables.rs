@@ -112,6 +112,16 @@ fn long_texts_are_not_said_back_whole() {
 }
 
 /// However few columns the table has, and wherever the next quote stands.
+/// A number that is cut is another number; who leaves out empty cells ends the row.
+#[test]
+fn a_file_that_ends_within_a_row_is_refused() {
+    for text in ["id,vibration [mm/s],note\n3,7.5,\n4,8", "id,vibration [mm/s],note\n3,8"] {
+        assert_refused(text, &["the file ends within it, after 2 of 3 cells", "end it with a line break"]);
+    }
+    assert_told(b"id,vibration [mm/s],note\n3,7.5\n4,8.125\n5,9\n", &EXPECTED);
+    assert_told(b"id,vibration [mm/s],note\n3,7.5\n4,8.125\n5,9,", &EXPECTED);
+}
+
 #[test]
 fn a_quote_that_is_never_closed_swallows_no_rows() {
     for text in [
