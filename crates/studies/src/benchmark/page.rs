@@ -10,8 +10,8 @@ use super::families::{DECOYS, FAMILIES, Family};
 use super::methods::{METHODS, UNTOLD};
 use super::results::{Fresh, PEERS, Results};
 use super::summary::{
-    FLOOR, Forecasts, Paired, Promised, Stops, forecasts, paired, paired_after, percent, promised, regret,
-    share_within, shared, stops, typical,
+    FLOOR, Forecasts, Paired, Promised, Stops, TELLING, forecasts, paired, paired_after, percent, promised, regret,
+    share_within, shared, stops, telling, typical,
 };
 use super::task::{BATCHES, COMPARED_SEEDS, FRESH_SEEDS, SEEDS, fresh_families};
 use crate::first_screen::around;
@@ -631,8 +631,9 @@ fn on_fresh_seeds(fresh: &Results) -> Finding {
     let (most, worst) = shares.fold((0.0, "none"), |worst, one| if one.0 > worst.0 { one } else { worst });
     let head = format!(
         "Where the simulation misleads, seeds {first} to {last}, on which nothing was chosen, its certificate is broken after up to {} % of \
-         the batches, in `{worst}` ([more](#where-the-simulation-misleads)):",
-        percent(most)
+         the batches, in `{worst}` ([more](#where-the-simulation-misleads)). {} By family:",
+        percent(most),
+        telling_promises(fresh, &mut fresh_families())
     );
     let detail = |family: &'static Family| {
         let each = by_batch(fresh, family)?;
@@ -690,6 +691,17 @@ fn misled_certificates(fresh: &Results) -> Table {
     table
 }
 
+/// How many promises of these families could be broken, and were.
+fn telling_promises(results: &Results, families: &mut dyn Iterator<Item = &'static Family>) -> String {
+    let of_each = families.map(|family| telling(results, family));
+    let [n, broken] = of_each.fold([0, 0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+    format!(
+        "Of the {n} promises of less than {:.0} % of the range, which alone can well be broken, {broken} were ({} %).",
+        100.0 * TELLING,
+        percent(broken as f64 / n.max(1) as f64)
+    )
+}
+
 fn what_was_promised(ours: &Results) -> [Finding; 2] {
     let (mut campaigns, mut breached, mut elsewhere) = (0, 0, [0, 0]);
     let mut worst = (0.0, String::new());
@@ -715,8 +727,9 @@ fn what_was_promised(ours: &Results) -> [Finding; 2] {
     };
     let promised = Finding::new(format!(
         "Its certificate, which promises with 90 % probability that no design is better by more than c, was broken after {breached} of {campaigns} batches \
-         ({} %).",
-        percent(breached as f64 / campaigns.max(1) as f64)
+         ({} %). {}",
+        percent(breached as f64 / campaigns.max(1) as f64),
+        telling_promises(ours, &mut FAMILIES.iter())
     ));
     let details = [
         format!(

@@ -4,6 +4,7 @@ use page::quantile;
 
 use super::families::{FAMILIES, Family};
 use super::results::{Results, Row};
+use super::task::BATCHES;
 
 /// Regrets below this share of the range count as equal: a tenth of the smallest noise.
 pub(super) const FLOOR: f64 = 0.003;
@@ -134,6 +135,16 @@ pub(super) fn promised(results: &Results, family: &Family, batch: usize) -> Opti
     let (campaigns, breached, width) = of(|row| row.bound)?;
     let believed = of(|row| row.quantile).map(|(_, breached, width)| (breached, width));
     Some(Promised { campaigns, breached, width, believed })
+}
+
+/// A promise of less than this can be broken: few designs are worse than the best by more.
+pub(super) const TELLING: f64 = 0.3;
+
+/// How many promises of a family were of less than [`TELLING`], after any batch, and how many of those were broken.
+pub(super) fn telling(results: &Results, family: &Family) -> [usize; 2] {
+    let rows = (1..=BATCHES).flat_map(|batch| rows_of(results, family, batch));
+    let promised = rows.filter_map(|row| Some((row.regret, row.bound.filter(|bound| *bound < TELLING)?)));
+    promised.fold([0, 0], |[n, broken], (regret, bound)| [n + 1, broken + usize::from(regret > bound + 1e-12)])
 }
 
 /// Campaigns that would have stopped when the promise was at most `worth`.
@@ -310,6 +321,7 @@ mod tests {
         let found = promised(&results, &FAMILIES[0], 1).map(|found| (found.campaigns, found.breached, found.width));
         assert_eq!(found, Some((3, 1, 0.1)));
         assert_eq!(promised(&results, &FAMILIES[0], 2), None);
+        assert_eq!(telling(&results, &FAMILIES[0]), [2, 1], "the third is too wide to count");
         Ok(())
     }
 
