@@ -45,12 +45,12 @@ pub(crate) fn ended(reason: &str) -> Finding {
     Finding::new(format!("Ended: {reason}."))
 }
 
-/// That the limit on the batches is reached.
-pub(crate) fn all_batches_made(n: usize) -> String {
-    let made = if n == 1 {
-        "the one batch of [loop] was made".to_owned()
-    } else {
-        format!("all {n} batches of [loop] were made")
+/// That the limit on the batches is reached; it may have been lowered since.
+pub(crate) fn all_batches_made(limit: usize, n_made: usize) -> String {
+    let made = match limit {
+        _ if n_made > limit => format!("{n_made} batches were made, and [loop] has {limit}"),
+        1 => "the one batch of [loop] was made".to_owned(),
+        _ => format!("all {limit} batches of [loop] were made"),
     };
     format!("{made} (`batches` may be raised)")
 }

@@ -129,11 +129,15 @@ impl Campaign {
             _ => "It measures what was gained: the designs are compared by these runs alone.",
         };
         let names = Names::of(self);
-        order.iter().enumerate().fold(Finding::new(sentence), |finding, (place, &cell)| {
+        let finding = order.iter().enumerate().fold(Finding::new(sentence), |finding, (place, &cell)| {
             let n_runs = self.batches[batch - 1].cells.iter().filter(|&&other| other == cell).count();
             let settings = self.grid.point(cell).map(|point| self.problem.describe(&point)).unwrap_or_default();
             let design = format!("{}: {}, {settings}.", count(n_runs, "run"), names.name(place, cell));
             finding.detail(Finding::new(design).with("runs", n_runs as f64, "1"))
+        });
+        let failed = names.alone.filter(|alone| !order.contains(alone)).and_then(|alone| self.failure_at(alone));
+        failed.into_iter().fold(finding, |finding, reason| {
+            finding.detail(Finding::new(format!("The simulation's own choice is left out, as it failed: {reason}.")))
         })
     }
 }

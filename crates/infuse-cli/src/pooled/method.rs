@@ -50,7 +50,7 @@ impl campaign::Campaign for Campaign {
         Ok(match self.not_worth_it()? {
             Some(reason) => Stage::Ended { reason, may_go_on: !self.is_full() },
             None if self.is_full() => {
-                let reason = all_batches_made(self.settings.max_batches);
+                let reason = all_batches_made(self.settings.max_batches, self.batches.len() - self.n_confirming());
                 Stage::Ended { reason, may_go_on: false }
             }
             None => Stage::Ready,

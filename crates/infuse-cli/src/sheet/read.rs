@@ -235,7 +235,7 @@ impl Reader<'_> {
                 }
                 let asked = with_unit(&written(parameter, asked), parameter.unit());
                 let expected = format!(
-                    "{asked}, as it was asked for; a setting that was made otherwise goes under `actual {}`",
+                    "{asked}, as it was asked for; a setting that was made otherwise goes under `actual {}`, and a run that was not asked for is imported",
                     parameter.name()
                 );
                 faults.push(self.table.fault(row, column, expected));

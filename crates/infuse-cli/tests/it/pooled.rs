@@ -824,3 +824,20 @@ fn imported_experiments_that_two_sources_have_are_said_until_one_is_withdrawn() 
     rig.infuse(&["import", "--withdraw", "copy"]).ok();
     assert!(!rig.infuse(&["status"]).ok().contains("settings and results of others"));
 }
+
+/// The simulation would choose what was run, and failed; and fewer batches are asked for than were made.
+#[test]
+fn a_choice_that_failed_is_left_out_with_a_word_and_a_lowered_limit_is_not_said_to_be_reached() {
+    let rig = rig_of(|a, b| a + b, "");
+    let measure = |a: f64, b: f64, _| if a + b < 0.5 { Err("it jams".to_owned()) } else { Ok(5.0 + a + b) };
+    assert!(batch(&rig, measure));
+    assert!(batch(&rig, measure));
+    let is_tried = |line: &Value| line["failed"] == json!("it jams") || line["result"]["failed"] == json!("it jams");
+    assert!(rig.journal().iter().any(is_tried), "what the simulation likes best was run");
+    let said = rig.infuse(&["confirm"]).ok();
+    assert!(said.contains("The simulation's own choice is left out, as it failed: it jams."), "{said}");
+    rig.infuse(&["undo"]).ok();
+    rig.edit("batches = 5", "batches = 1");
+    let said = rig.infuse(&["status"]).ok();
+    assert!(said.contains("Ended: 2 batches were made, and [loop] has 1 (`batches` may be raised)."), "{said}");
+}

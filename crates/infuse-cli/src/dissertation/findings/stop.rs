@@ -9,7 +9,10 @@ use crate::findings::{all_batches_made, amount, gain};
 pub(in crate::dissertation) fn reason_to_stop(campaign: &Campaign, stage: &Stage) -> Option<String> {
     match stage {
         Stage::Ready | Stage::Pending => None,
-        Stage::Ended(StopReason::BatchLimit) => Some(all_batches_made(campaign.now.settings().max_batches)),
+        Stage::Ended(StopReason::BatchLimit) => {
+            let n_made = campaign.experiments.last_batch().unwrap_or(0);
+            Some(all_batches_made(campaign.now.settings().max_batches, n_made))
+        }
         Stage::Ended(StopReason::NoInformation) => Some(
             "every experiment of the last batch failed; `infuse tell --correct` with a result reopens it".to_owned(),
         ),
