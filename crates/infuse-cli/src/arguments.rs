@@ -198,7 +198,7 @@ pub(crate) struct Tell {
     #[arg(long, value_parser = count::<u64>, allow_negative_numbers = true)]
     pub(crate) id: Option<u64>,
     /// Its value
-    #[arg(long, value_parser = number, allow_negative_numbers = true)]
+    #[arg(long, value_parser = result, allow_negative_numbers = true)]
     pub(crate) value: Option<f64>,
     /// Or that it gave none, and why
     #[arg(long, value_name = "REASON")]
@@ -265,7 +265,7 @@ fn count<N: std::str::FromStr + PartialEq + From<u8>>(text: &str) -> Result<N, &
     count.ok_or("expected a whole number from 1 on")
 }
 
-/// A number as in a cell of a sheet.
-fn number(text: &str) -> Result<f64, String> {
-    crate::number::parse(text.trim()).map_err(|expected| format!("expected {expected}"))
+/// A result as in a cell of a sheet.
+fn result(text: &str) -> Result<f64, String> {
+    crate::number::parse(text.trim()).map_err(|expected| format!("expected {}", crate::number::of_result(expected)))
 }

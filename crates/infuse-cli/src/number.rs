@@ -93,15 +93,24 @@ pub(crate) fn percent(share: f64) -> String {
 /// The largest magnitude of a value: the surfaces take no more.
 const LARGEST: f64 = surface::Data::LARGEST;
 
+const FINITE: &str = "a finite number";
+
 /// What is allowed of a number, unless this is.
 pub(crate) fn number_fault(value: f64) -> Option<&'static str> {
     if !value.is_finite() {
-        Some("a finite number; a run without a result is reported as failed, with its reason")
+        Some(FINITE)
     } else if value.abs() > LARGEST {
         Some("a number of at most 1e100 in magnitude")
     } else {
         None
     }
+}
+
+/// What is allowed of a result, from what is allowed of a number: NaN is how programs write that there is none.
+pub(crate) fn of_result(expected: &str) -> String {
+    let without =
+        if expected == FINITE { "; a run without a result is reported as failed, with its reason" } else { "" };
+    format!("{expected}{without}")
 }
 
 /// A finite number as written in a cell of a table, or what is wrong with it.

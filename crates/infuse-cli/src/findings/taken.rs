@@ -27,8 +27,13 @@ pub(crate) fn taken(n: usize, n_failed: usize, n_known: usize, n_empty: usize) -
 pub(crate) fn without_columns(headings: &[String], n: usize, again: &str) -> Finding {
     let named: Vec<String> = headings.iter().map(|heading| format!("`{heading}`")).collect();
     let says = if n == 1 { "says" } else { "say" };
+    let [columns, them, they_were, add] = match headings.len() {
+        1 => ["column", "it", "it was", "the column"],
+        _ => ["columns", "them", "they were", "the columns"],
+    };
     let sentence = format!(
-        "The sheet has no column {}: {} {says} nothing of it. Where it was measured, add the column and tell the sheet once more: {again}",
+        "The sheet has no {columns} {}: {} {says} nothing of {them}. Where {they_were} measured, add {add} and tell the sheet once more: \
+         `{again}`.",
         named.join(", "),
         count(n, "result")
     );
@@ -52,7 +57,7 @@ pub(crate) fn as_from_elsewhere(n: usize, earlier: &str, source: &str) -> Findin
     let are = if n == 1 { "has" } else { "have" };
     let sentence = format!(
         "{} {are} settings and results that were imported before, from `{earlier}`, and count as runs of their own. If they are \
-         the same runs: infuse import --withdraw \"{source}\"",
+         the same runs: `infuse import --withdraw \"{source}\"`.",
         count(n, "row")
     );
     Finding::new(sentence).with("rows as from elsewhere", n as f64, "1")
@@ -62,7 +67,7 @@ pub(crate) fn as_from_elsewhere(n: usize, earlier: &str, source: &str) -> Findin
 pub(crate) fn there_twice(n: usize, earlier: &str, source: &str) -> Finding {
     let sentence = format!(
         "Careful: {} from `{source}` {} settings and results of others from `{earlier}`, and {} as runs of their own: if they are the \
-         same runs, the noise seems smaller than it is, and infuse import --withdraw \"{source}\" takes them back.",
+         same runs, the noise seems smaller than it is, and `infuse import --withdraw \"{source}\"` takes them back.",
         count(n, "experiment"),
         if n == 1 { "has" } else { "have" },
         if n == 1 { "counts" } else { "count" }

@@ -196,14 +196,14 @@ fn unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
         return None;
     }
     let share = found.unseen?;
-    let well = match campaign.problem.simulator.is_there() {
-        true => " that the simulation lacks,",
-        false => "",
+    let (that_it_lacks, comma) = match campaign.problem.simulator.is_there() {
+        true => (" that the simulation lacks,", ","),
+        false => ("", ""),
     };
-    let what = campaign.problem.response.well();
+    let well = campaign.problem.response.well();
     let sentence = format!(
-        "A {what}{well} of less than {} of all designs, may be unseen: as many runs, evenly spread, would have met a larger one with {} \
-         probability.",
+        "A {well}{that_it_lacks} of less than {} of all designs{comma} may be unseen: as many runs, evenly spread, would have met a \
+         larger one with {} probability.",
         percent(share),
         percent(found.certificate.probability)
     );
@@ -346,15 +346,23 @@ const MUCH_IS_OWN: f64 = 0.3;
 /// From this share of the bound on it is said that it is not the surface's.
 const MUCH_IS_HELD: f64 = 0.2;
 
+/// What would be promised, were the surface believed as it is.
+fn by_the_surface_alone(campaign: &Campaign, found: &Assessment) -> String {
+    let says = match found.certificate.quantile {
+        quantile if quantile > 0.0 => amount(&campaign.problem.response, quantile),
+        _ => "that none is better".to_owned(),
+    };
+    format!("The surface alone would say {says}")
+}
+
 /// What it is that the least of the response leaves less of: that a narrow well is held for.
 fn even_more(campaign: &Campaign, found: &Assessment) -> String {
     let (response, forecast) = (&campaign.problem.response, Forecast { most: None, ..found.forecast });
     let Some(enough) = forecast.reserves_until() else { return String::new() };
-    let quantile = found.certificate.quantile;
     format!(
-        " The surface alone would say {}; even more than that is held for a narrow {} that no run may have met, until {enough} designs \
-         were run ({} so far, a repeat counting half), or `smooth` in [stop] says that there surely is none.",
-        if quantile > 0.0 { amount(response, quantile) } else { "that none is better".to_owned() },
+        " {}; even more than that is held for a narrow {} that no run may have met, until {enough} designs were run ({} so far, a repeat \
+         counting half), or `smooth` in [stop] says that there surely is none.",
+        by_the_surface_alone(campaign, found),
         response.well(),
         plain(forecast.n_counted())
     )
@@ -376,7 +384,7 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
         return None;
     }
     let forecast = &found.forecast;
-    let alone = if quantile > 0.0 { amount(response, quantile) } else { "that none is better".to_owned() };
+    let alone = by_the_surface_alone(campaign, found);
     let well = response.well();
     let few = format!("what {} may not have shown", count(forecast.n_readings, "result"));
     let until = forecast.reserves_until();
@@ -389,21 +397,21 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
             };
             let n = plain(forecast.n_counted());
             format!(
-                "The surface alone would say {alone}{widened}; the rest is held for a narrow {well} that no run may have met. It falls away \
+                "{alone}{widened}; the rest is held for a narrow {well} that no run may have met. It falls away \
                  at {enough} designs run ({n} so far, a repeat counting half), or by `smooth` in [stop] if there surely is none."
             )
         }
         None if forecast.is_for_a_find() => match &found.find {
             Some(find) => format!(
-                "The surface alone would say {alone}; the rest is held for a narrow {well} of which only a part may have been found: far \
+                "{alone}; the rest is held for a narrow {well} of which only a part may have been found: far \
                  better than runs elsewhere say was {}. The next batch looks around it.",
                 campaign.problem.describe(find)
             ),
-            None => format!(
-                "The surface alone would say {alone}; the rest is what a measured design is better by that contradicts the recommendation."
-            ),
+            None => {
+                format!("{alone}; the rest is what a measured design is better by that contradicts the recommendation.")
+            }
         },
-        None => format!("The surface alone would say {alone}; the rest is held for {few}."),
+        None => format!("{alone}; the rest is held for {few}."),
     };
     let finding = Finding::new(sentence).with("the surface alone", quantile, &response.unit);
     Some(match until {

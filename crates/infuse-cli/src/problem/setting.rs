@@ -23,10 +23,7 @@ pub(crate) fn said(parameter: &Parameter, value: f64) -> Value {
 /// What [`written`] wrote, or what is wrong with it.
 pub(crate) fn parse_setting(parameter: &Parameter, text: &str) -> Result<f64, String> {
     match parameter.choices() {
-        None => match text.parse::<f64>() {
-            Ok(value) if !value.is_finite() => Err("a finite number".to_owned()),
-            _ => parse(text).map_err(str::to_owned),
-        },
+        None => parse(text).map_err(str::to_owned),
         Some(choices) => {
             let named: Vec<String> = choices.iter().map(|choice| format!("`{choice}`")).collect();
             parameter.of_choice(text).ok_or_else(|| format!("one of {}", named.join(", ")))

@@ -11,7 +11,7 @@ use super::columns::Columns;
 use super::table::Row;
 use super::table::{Column, Fault, Table, none_of};
 use crate::journal::{Constrained, Measured};
-use crate::number::{are_written_alike, plain, with_unit};
+use crate::number::{are_written_alike, of_result, plain, with_unit};
 use crate::problem::{Problem, written};
 
 /// What a row says about a trial.
@@ -164,7 +164,7 @@ impl Reader<'_> {
                     Some(Measured::Value(value))
                 }
                 Err(expected) => {
-                    faults.push(table.fault(row, columns.response(), expected));
+                    faults.push(table.fault(row, columns.response(), of_result(&expected)));
                     None
                 }
             },

@@ -123,12 +123,17 @@ pub(super) struct Promised {
     pub(super) believed: Option<(usize, f64)>,
 }
 
+/// Whether more is missing than was promised, and not by rounding.
+fn is_broken(regret: f64, bound: f64) -> bool {
+    regret > bound + 1e-12
+}
+
 pub(super) fn promised(results: &Results, family: &Family, batch: usize) -> Option<Promised> {
     let rows = rows_of(results, family, batch);
     let of = |promise: fn(&Row) -> Option<f64>| {
         let promised: Vec<(f64, f64)> =
             rows.iter().filter_map(|row| promise(row).map(|bound| (row.regret, bound))).collect();
-        let breached = promised.iter().filter(|(regret, bound)| regret > &(bound + 1e-12)).count();
+        let breached = promised.iter().filter(|(regret, bound)| is_broken(*regret, *bound)).count();
         let width = quantile(&promised.iter().map(|(_, bound)| *bound).collect::<Vec<_>>(), 0.5)?;
         Some((promised.len(), breached, width))
     };
@@ -144,7 +149,7 @@ pub(super) const TELLING: f64 = 0.3;
 pub(super) fn telling(results: &Results, family: &Family) -> [usize; 2] {
     let rows = (1..=BATCHES).flat_map(|batch| rows_of(results, family, batch));
     let promised = rows.filter_map(|row| Some((row.regret, row.bound.filter(|bound| *bound < TELLING)?)));
-    promised.fold([0, 0], |[n, broken], (regret, bound)| [n + 1, broken + usize::from(regret > bound + 1e-12)])
+    promised.fold([0, 0], |[n, broken], (regret, bound)| [n + 1, broken + usize::from(is_broken(regret, bound))])
 }
 
 /// Campaigns that would have stopped when the promise was at most `worth`.
