@@ -2,7 +2,7 @@
 //!
 //! [`GaussianProcess`] is one of them with given hyperparameters; [`AveragedProcess`] is a sample of those that measurements leave
 //! possible. What is measured are [`Sites`], where something is predicted are [`Places`]; both may carry what a simulation says
-//! there. [`Feasibility`] learns from failures where others will be.
+//! there. [`RegressorEvidence`] tells how well it does, [`Feasibility`] learns from failures where others will be.
 
 mod averaged;
 mod covariance;
@@ -11,6 +11,7 @@ mod gaussian_process;
 mod gradient;
 mod joint;
 mod places;
+mod regressor;
 mod sampler;
 mod sites;
 
@@ -21,5 +22,6 @@ pub use gaussian_process::{Contrast, GaussianProcess, Marginals};
 pub use gradient::Gradient;
 pub use joint::Joint;
 pub use places::Places;
+pub use regressor::RegressorEvidence;
 pub use sampler::SamplerSettings;
 pub use sites::Sites;

@@ -17,6 +17,7 @@ mod process_assemblies;
 mod process_covariance;
 mod process_feasibility;
 mod process_gradient;
+mod process_regressor;
 mod regression;
 mod scale;
 mod serde;
