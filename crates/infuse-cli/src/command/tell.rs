@@ -232,6 +232,12 @@ fn fresh(
             faults.push(Fault { row: answer.row, column, value, expected });
             continue;
         }
+        if correct && answer.row == 0 && told.is_none() {
+            bail!(
+                "--correct: experiment {id} has no result yet, expected one that is to be replaced; its first result is told without \
+                 --correct"
+            );
+        }
         if let Some(expected) = campaign.refusal(trial) {
             faults.push(Fault { row: answer.row, column: "id".to_owned(), value: id.to_string(), expected });
             continue;

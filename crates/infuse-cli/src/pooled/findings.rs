@@ -1,6 +1,7 @@
 //! What a campaign of the pooled loop has found, in sentences with their numbers.
 
 use anyhow::Result;
+use design_space::Parameter;
 use infuse::pooled::reported::SimulationWorth;
 use infuse::pooled::{Assessment, Certificate, Forecast, Needed, Standing};
 use page::Finding;
@@ -12,7 +13,7 @@ use super::campaign::{Campaign, Origin, tells_designs_apart};
 use super::failures::where_runs_fail;
 use super::warnings::{all_equal, suspects, warnings};
 use crate::findings::{WITHOUT_RESERVE, amount, on_bounds, value_to};
-use crate::number::{count, grouped, percent, plain, short};
+use crate::number::{count, grouped, percent, plain, short, with_unit};
 use crate::problem::Problem;
 
 /// Below this share of the variance explained, or from this probability that it is better ignored, a simulation is useless.
@@ -396,9 +397,12 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
                 false => String::new(),
             };
             let n = plain(forecast.n_counted());
+            let shown = forecast.narrow.map_or_else(String::new, |share| {
+                format!(" The simulation has one of {} of all designs, so that there may be others.", percent(share))
+            });
             format!(
                 "{alone}{widened}; the rest is held for a narrow {well} that no run may have met. It falls away \
-                 at {enough} designs run ({n} so far, a repeat counting half), or by `smooth` in [stop] if there surely is none."
+                 at {enough} designs run ({n} so far, a repeat counting half), or by `smooth` in [stop] if there surely is none.{shown}"
             )
         }
         None if forecast.is_for_a_find() => match &found.find {
@@ -460,12 +464,35 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
             Finding::new("The simulation gives the same value everywhere: it tells nothing.")
         }
         None => Finding::new("What the simulation is worth, too few experiments tell."),
-        Some(worth) => Finding::new(worth_in_words(worth))
-            .with("explained", worth.explained, "1")
-            .with("probability that it is better ignored", worth.ignored, "1")
-            .with("factor", worth.factor, "1")
-            .with("give or take", NINE_IN_TEN * worth.factor_deviation, "1"),
+        Some(worth) => {
+            let finding = Finding::new(worth_in_words(worth))
+                .with("explained", worth.explained, "1")
+                .with("probability that it is better ignored", worth.ignored, "1")
+                .with("factor", worth.factor, "1")
+                .with("give or take", NINE_IN_TEN * worth.factor_deviation, "1");
+            displaced(campaign, found).into_iter().fold(finding, Finding::detail)
+        }
     })
+}
+
+/// That the simulation is right of another design.
+fn displaced(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
+    let parameters = campaign.problem.region.parameters();
+    let all = parameters.iter().zip(found.displacement.as_ref()?).filter(|(_, by)| by.abs() > 0.0);
+    let all: Vec<(&Parameter, f64)> = all.map(|(parameter, by)| (parameter, *by)).collect();
+    let named = all.iter().map(|(parameter, by)| {
+        let way = if *by > 0.0 { "higher" } else { "lower" };
+        format!("{} {way} by {}", parameter.name(), with_unit(&short(by.abs()), parameter.unit()))
+    });
+    let named = named.collect::<Vec<_>>().join(", ");
+    let sentence = format!(
+        "It is displaced: what is measured at a design it says of one with {named}. That is made up for. Is a parameter of the model, or the \
+         zero of a sensor, off by as much?"
+    );
+    let finding = Finding::new(sentence);
+    Some(all.into_iter().fold(finding, |finding, (parameter, by)| {
+        finding.with(&format!("displaced along {}", parameter.name()), by, parameter.unit())
+    }))
 }
 
 /// How much of what was measured a simulation explains, and what the surface makes of it.

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use design_space::Cell;
-use infuse::pooled::{Settings, Trial};
+use infuse::pooled::{Assessment, Settings, Trial};
 use page::Finding;
 use serde_json::{Value, json};
 
@@ -184,6 +184,7 @@ impl campaign::Campaign for Campaign {
             "own_of_a_plant": found.own,
             "keeps_to_the_constraints": found.recommended.suffices,
             "simulation": found.simulation,
+            "displacement": displacement(problem, &found),
             "simulation_alone": simulation_alone.map(|point| problem.named(&point)),
             "best_measured": best_measured,
             "confirmed": self.confirmation()?,
@@ -242,4 +243,11 @@ impl Campaign {
             format!("with {}, {than_enough}", none_better(&self.problem, &found.certificate))
         }))
     }
+}
+
+/// How far the simulation is displaced, by the names of the parameters along which it is.
+fn displacement(problem: &Problem, found: &Assessment) -> Option<Value> {
+    let by = problem.region.parameters().iter().zip(found.displacement.as_ref()?);
+    let along = by.filter(|(_, by)| by.abs() > 0.0).map(|(parameter, by)| (parameter.name().to_owned(), json!(by)));
+    Some(Value::Object(along.collect()))
 }

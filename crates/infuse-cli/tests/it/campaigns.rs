@@ -202,6 +202,11 @@ fn further_runs_are_put_right_and_never_lost() {
     );
     let text = rig.infuse(&["status"]).ok();
     assert!(text.contains("0 batches closed, 1 experiment made, 4 further runs of these; batch 1 waits for"), "{text}");
+    let error = rig.infuse(&["tell", "--id", "4", "--value", "8", "--correct"]).error();
+    assert!(
+        error.contains("--correct: experiment 4 has no result yet, expected one that is to be replaced"),
+        "{error}"
+    );
     // Of several runs it has to be said which is put right.
     let error = rig.infuse(&["tell", "--id", "3", "--value", "8", "--correct"]).error();
     assert!(error.contains("had 5 runs: 9 mm/s; 9.9 mm/s; 9.2 mm/s; 9 mm/s; 9 mm/s; expected --run"), "{error}");

@@ -841,3 +841,22 @@ fn a_choice_that_failed_is_left_out_with_a_word_and_a_lowered_limit_is_not_said_
     let said = rig.infuse(&["status"]).ok();
     assert!(said.contains("Ended: 2 batches were made, and [loop] has 1 (`batches` may be raised)."), "{said}");
 }
+
+/// The model has its wells a millimetre and two off: `status` says so, and the design that it recommends is the best of the rig.
+#[test]
+fn a_displaced_simulation_is_said_and_made_up_for() {
+    let well =
+        |a: f64, b: f64, at: [f64; 2], depth: f64| depth * (-((a - at[0]).powi(2) + (b - at[1]).powi(2)) / 6.0).exp();
+    let model = |a: f64, b: f64| 20.0 + 0.2 * a - well(a, b, [5.0, 4.0], 8.0) - well(a, b, [2.0, 10.0], 5.0);
+    let measured = |a: f64, b: f64, id: u64| Ok(model(a + 1.0, b - 2.0) + 0.05 * (7.0 * id as f64).sin());
+    let rig = rig_of(model, "");
+    for _ in 0..2 {
+        batch(&rig, measured);
+    }
+    let status = rig.status();
+    assert_eq!(status["displacement"], json!({ "a": 1.0, "b": -2.0 }));
+    assert_eq!(status["best"], json!({ "a": 4.0, "b": 6.0 }));
+    let text = rig.infuse(&["status"]).ok();
+    let said = "It is displaced: what is measured at a design it says of one with a higher by 1 mm, b lower by 2 mm.";
+    assert!(text.contains(said), "{text}");
+}

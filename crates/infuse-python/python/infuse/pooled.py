@@ -241,6 +241,8 @@ class Assessment:
     """Number of designs that may still be the best, where all were looked at: of many, `left` is told from a sample."""
     needed: Optional[Needed] = None
     """What the certificate waits for before it says anything."""
+    displacement: Optional[Dict[str, float]] = None
+    """How far the simulation is displaced, by parameter: an experiment gives what it says of a design so much farther on. None if it is not."""
     find: Optional[Settings] = None
     """The best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides yet."""
 
@@ -285,6 +287,7 @@ def _plants(names: Sequence[str], plants: Plants) -> Dict[str, Any]:
 _SETTINGS = (
     "n_experiments",
     "simulations",
+    "displaced",
     "max_batches",
     "noise",
     "worth",
@@ -349,8 +352,9 @@ class PooledLoop:
     """Which experiments to run next, what they taught, and when to stop.
 
     A response is to be made small. `n_experiments` is the size of a batch. The simulation is run wherever it is needed;
-    where it is dear, `simulations` limits how many there are per batch, and `due` says which. `noise` is the standard
-    deviation of a reading, where it is known. With `worth` the campaign stops once no design is better than the
+    where it is dear, `simulations` limits how many there are per batch, and `due` says which. One that is not dear may be
+    displaced: right of another design than of the one it is asked for. How far is learnt, unless `displaced` is false.
+    `noise` is the standard deviation of a reading, where it is known. With `worth` the campaign stops once no design is better than the
     recommended one by more than this, with the probability `confidence`. `smooth` says that the response surely has no
     narrow well, for which the certificate otherwise holds something in reserve, and `least` that no response can be less.
 
@@ -380,6 +384,7 @@ class PooledLoop:
         n_experiments: int,
         *,
         simulations: Optional[int] = None,
+        displaced: bool = True,
         max_batches: int = 10,
         noise: Optional[float] = None,
         worth: Optional[float] = None,
@@ -396,6 +401,7 @@ class PooledLoop:
         settings: Dict[str, Any] = {
             "n_experiments": n_experiments,
             "simulations": simulations,
+            "displaced": displaced,
             "max_batches": max_batches,
             "noise": noise,
             "worth": worth,
@@ -693,7 +699,11 @@ class PooledLoop:
             outliers=[_of(Outlier, outlier) for outlier in found["outliers"]],
             needed=_needed(found.get("needed")),
             find=named(self._names, found["find"]) if "find" in found else None,
+            displacement=self._displacement(found.get("displacement")),
         )
+
+    def _displacement(self, found: Optional[List[float]]) -> Optional[Dict[str, float]]:
+        return None if found is None else {name: by for name, by in zip(self._names, found) if by != 0.0}
 
     def _standing(self, entry: Dict[str, Any]) -> Standing:
         of_each = [_constrained(one) for one in entry.get("constrained", [])]

@@ -18,6 +18,7 @@ use crate::pooled::held::{Expected, MAY_RESPOND, UNKNOWN};
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::knowledge_gradient::pick;
 use crate::pooled::measurements::Reading;
+use crate::pooled::narrow::narrow_well;
 use crate::pooled::outliers::{Outlier, Readings, outliers};
 use crate::pooled::pool::Pool;
 use crate::pooled::reason::{Pick, Reason};
@@ -182,6 +183,10 @@ pub struct Assessment {
     pub unseen: Option<f64>,
     /// What the simulation is worth; none without one, or before three readings.
     pub simulation: Option<SimulationWorth>,
+    /// How far the simulation is displaced, in the unit of each parameter: an experiment gives what it says of a design so much farther on.
+    /// None where it is not, as far as readings tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Vec<f64>>,
     /// Readings that contradict the recommendation.
     pub contradiction: Option<Contradiction>,
     /// Settings of the best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides
@@ -247,6 +252,7 @@ impl Look {
         let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
         let coverage = Coverage::of(knowledge.designs, &pool, &runs)?;
         let n_even = coverage.even_runs(knowledge.designs, readings.len(), settings.seed)?;
+        let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
         let designs = knowledge.designs;
         let evidence = Evidence {
             n_readings: readings.len(),
@@ -257,9 +263,9 @@ impl Look {
             is_smooth: settings.smooth,
             n_parameters: designs.region().n_parameters(),
             n_terms: designs.n_terms(),
+            narrow: narrow_well(&pool, readings, recommended.mean, designs.n_terms()),
         };
         let never_run = evidence.never_run();
-        let recommended = standing(knowledge, readings, constrained, cell, cell, settings.confidence)?;
         let shared =
             settings.plants.as_ref().map(|plants| Ok::<_, Error>((plants, Shared::of(knowledge, readings, plants)?)));
         let shared = shared.transpose()?;
@@ -300,6 +306,7 @@ impl Look {
             // No well is larger than all that was never run.
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
+            displacement: knowledge.displacement().map(|displacement| displacement.natural(designs)),
             contradiction: contradiction.map(|one| Contradiction { standing: one.standing.widened(bands), ..one }),
             find: find.map(|open| designs.grid().point(open.find)).transpose()?,
             outliers: set_aside.iter().copied().chain(open).collect(),

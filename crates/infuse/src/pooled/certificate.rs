@@ -51,6 +51,8 @@ pub(crate) struct Evidence {
     /// None has a narrow well, so that those that were never run are like those that were.
     pub(crate) is_smooth: bool,
     pub(crate) n_parameters: usize,
+    /// The share of all designs that the best well of the simulation takes, unless the response is known to have one as narrow.
+    pub(crate) narrow: Option<f64>,
     /// Terms of a full quadratic.
     pub(crate) n_terms: usize,
 }
@@ -82,14 +84,21 @@ fn designs_counted(n_tried: usize, n_readings: usize) -> f64 {
 }
 
 /// So many times what the readings differ by may be missing anyway: a narrow well is as likely to lie where nobody looked.
-fn reserve_after(n_designs: f64, n_parameters: usize) -> f64 {
-    let too_few = ENOUGH * n_parameters as f64 / n_designs;
+fn reserve_after(n_designs: f64, enough: f64) -> f64 {
+    let too_few = enough / n_designs;
     (RESERVE * (too_few * too_few - 1.0)).clamp(0.0, MOST_RESERVED)
 }
 
 /// The number of designs run, a repeat counting half, from which on no more than so many times what the readings differ by is held.
-fn enough_for(reserve: f64, n_parameters: usize) -> f64 {
-    ENOUGH * n_parameters as f64 / (1.0 + reserve / RESERVE).sqrt()
+fn enough_for(reserve: f64, enough: f64) -> f64 {
+    enough / (1.0 + reserve / RESERVE).sqrt()
+}
+
+/// From so many designs on, a repeat counting half, nothing is held: as many a parameter as [`ENOUGH`], and no fewer than would have met a
+/// well as narrow as one that the simulation has with a probability of [`USUAL`], had they been evenly spread.
+fn enough(n_parameters: usize, narrow: Option<f64>) -> f64 {
+    let to_meet = narrow.map_or(0.0, |share| (1.0 - USUAL).ln() / (-share).ln_1p());
+    to_meet.max(ENOUGH * n_parameters as f64)
 }
 
 /// How far what is drawn can be trusted: few readings show neither a well that the simulation does not have nor a process that is
@@ -127,8 +136,9 @@ impl Trust {
 /// corrected simulation or as smooth as the priors of the surface say. What no measurement and no simulation shows, as a well
 /// between all of them, it allows for by doubting the simulation and by widening what the surface says of itself, the less the
 /// more readings there are. Readings that crowd count for fewer, without a simulation for as many evenly spread ones as would leave
-/// the box as far from any. Until twenty designs a parameter were run, up to twice what the readings differ by is held in reserve, whatever the surface says; and where a run was far better than runs elsewhere say, until it was
-/// looked around on all sides, a well twice as deep as was seen, or as deep as half of what they differ by; unless the response is
+/// the box as far from any. Until twenty designs a parameter were run, or as many as would meet a well that is as narrow as the best one of
+/// the simulation, up to twice what the readings differ by is held in reserve, whatever the surface says; and where a run was far better
+/// than runs elsewhere say, until it was looked around on all sides, a well twice as deep as was seen, or as deep as half of what they differ by; unless the response is
 /// [known](crate::pooled::Settings::smooth) to have no narrow well. Where every design was run, and a quadratic has as many terms, it is
 /// Student's bound on the differences of the means of their runs. It is never less than what a measured design is better by that
 /// [contradicts](crate::pooled::Assessment::contradiction) the recommendation; and never more than is left down to the
@@ -170,6 +180,10 @@ pub struct Forecast {
     pub n_experiments: usize,
     /// Parameters, a choice counting as one.
     pub n_parameters: usize,
+    /// The share of all designs that the best well of the simulation takes, if it is so narrow that more designs than usual have to be run
+    /// before nothing is held in reserve for one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub narrow: Option<f64>,
 }
 
 impl Forecast {
@@ -190,7 +204,7 @@ impl Forecast {
         };
         let for_reserve = match reserve > worth {
             true => {
-                let enough = enough_for(worth / self.spread, self.n_parameters).min(self.n_designs as f64);
+                let enough = enough_for(worth / self.spread, self.enough()).min(self.n_designs as f64);
                 enough * n / self.n_counted()
             }
             false => 0.0,
@@ -203,7 +217,7 @@ impl Forecast {
     /// The number of designs run, a repeat counting half, from which on nothing is held in reserve, if that is what the bound is now.
     #[must_use]
     pub fn reserves_until(&self) -> Option<usize> {
-        let enough = designs_without_reserve(self.n_parameters, self.n_designs);
+        let enough = at_most(self.enough(), self.n_designs);
         (self.reserve() > self.drawn.max(self.found) && !self.is_for_the_least()).then_some(enough)
     }
 
@@ -231,7 +245,11 @@ impl Forecast {
 
     /// In the unit of the response.
     fn reserve(&self) -> f64 {
-        self.spread * reserve_after(self.n_counted(), self.n_parameters)
+        self.spread * reserve_after(self.n_counted(), self.enough())
+    }
+
+    fn enough(&self) -> f64 {
+        enough(self.n_parameters, self.narrow)
     }
 
     /// Designs run until now, a repeat counting half.
@@ -244,7 +262,12 @@ impl Forecast {
 /// From so many designs on, of so many parameters, a repeat counting half, nothing is held in reserve for a narrow well; never more than
 /// there are.
 pub(crate) fn designs_without_reserve(n_parameters: usize, n_designs: u64) -> usize {
-    (ENOUGH as usize * n_parameters).min(usize::try_from(n_designs).unwrap_or(usize::MAX))
+    at_most(enough(n_parameters, None), n_designs)
+}
+
+/// A whole number of designs.
+fn at_most(enough: f64, n_designs: u64) -> usize {
+    (enough.ceil() as usize).min(usize::try_from(n_designs).unwrap_or(usize::MAX))
 }
 
 /// By this power of the readings what is drawn falls.
@@ -358,7 +381,8 @@ impl Draws {
 
     /// With so many experiments to a batch.
     pub(crate) fn forecast(&self, probability: f64, n_experiments: usize) -> Forecast {
-        let Evidence { n_readings, n_tried, n_parameters, n_designs, .. } = self.evidence;
+        let Evidence { n_readings, n_tried, n_parameters, n_designs, narrow, .. } = self.evidence;
+        let narrow = narrow.filter(|_| enough(n_parameters, narrow) > enough(n_parameters, None));
         let drawn = self.drawn(probability);
         let spread = self.evidence.untried() * self.spread;
         let Self { found, above, trust, .. } = *self;
@@ -366,7 +390,19 @@ impl Draws {
         let sure = trust.allowance * Normal::standard().inverse_cdf(probability);
         let most = above.map(|(above, deviation)| (above + sure * deviation).max(0.0));
         let of_means = self.run_means.as_ref().map(|run_means| run_means.of_means(probability));
-        Forecast { drawn, spread, found, most, of_means, n_readings, n_tried, n_designs, n_experiments, n_parameters }
+        Forecast {
+            drawn,
+            spread,
+            found,
+            most,
+            of_means,
+            n_readings,
+            n_tried,
+            n_designs,
+            n_experiments,
+            n_parameters,
+            narrow,
+        }
     }
 }
 
@@ -475,16 +511,17 @@ mod tests {
 
     fn reserve(evidence: &Evidence) -> f64 {
         let n_designs = designs_counted(evidence.n_tried, evidence.n_readings);
-        evidence.untried() * reserve_after(n_designs, evidence.n_parameters)
+        evidence.untried() * reserve_after(n_designs, enough(evidence.n_parameters, evidence.narrow))
     }
 
     fn evidence() -> impl Strategy<Value = Evidence> {
         let counts = (1_usize..10_000).prop_flat_map(|n_readings| (Just(n_readings), 1..=n_readings, 1..=n_readings));
-        (counts, 0.0..=1.0_f64, 0_u64..20_000, any::<bool>(), 1_usize..9).prop_map(
-            |((n_readings, n_even, n_tried), ignored, more, is_smooth, n_parameters)| {
+        let narrow = prop_oneof![Just(None), (1e-4..0.5_f64).prop_map(Some)];
+        (counts, 0.0..=1.0_f64, 0_u64..20_000, any::<bool>(), 1_usize..9, narrow).prop_map(
+            |((n_readings, n_even, n_tried), ignored, more, is_smooth, n_parameters, narrow)| {
                 let n_terms = (n_parameters + 1) * (n_parameters + 2) / 2;
                 let n_designs = n_tried as u64 + 1 + more;
-                Evidence { n_readings, n_tried, n_even, ignored, n_designs, is_smooth, n_parameters, n_terms }
+                Evidence { n_readings, n_tried, n_even, ignored, n_designs, is_smooth, n_parameters, narrow, n_terms }
             },
         )
     }
@@ -584,8 +621,18 @@ mod tests {
     #[test]
     fn narrow_wells_are_allowed_for_until_twenty_designs_a_parameter_were_run() {
         let evidence = |n_readings, n_tried, ignored, n_designs| {
-            let (n_parameters, n_terms) = (2, 6);
-            Evidence { n_readings, n_tried, n_even: 1, ignored, n_designs, is_smooth: false, n_parameters, n_terms }
+            let (n_parameters, n_terms, narrow) = (2, 6, None);
+            Evidence {
+                n_readings,
+                n_tried,
+                n_even: 1,
+                ignored,
+                n_designs,
+                is_smooth: false,
+                n_parameters,
+                narrow,
+                n_terms,
+            }
         };
         let reserve = |n_tried: usize, untried: f64| {
             // As many more as leave this share untried.
@@ -654,6 +701,7 @@ mod tests {
             n_designs: 10_000,
             n_experiments: 5,
             n_parameters: 2,
+            narrow: None,
         };
         for (drawn, spread, worth, n, n_tried, of) in [
             (8.0, 0.0, 1.1, 10, 10, 10),

@@ -11,10 +11,12 @@ use surface::process::{
 use crate::Error;
 use crate::pooled::constraint::Constraint;
 use crate::pooled::designs::Designs;
+use crate::pooled::displacement::Displacement;
 use crate::pooled::held::{Chances, Expected, Held};
 use crate::pooled::measurements::{Measurements, Reading};
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Column, Simulated, Source};
+use crate::pooled::streams::{Purpose, stream};
 
 /// What others say of a reading.
 #[derive(Debug, Clone, Copy)]
@@ -71,6 +73,11 @@ impl<'a, 's> Knowledge<'a, 's> {
     ) -> Result<Self, Error> {
         let Measurements { readings, constrained, failed, refused } = measurements;
         let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
+        if let (true, Source::Cheap { simulate, displacement }) = (settings.displaced, &mut source) {
+            // The same ones are tried in every batch, so that only new readings take new simulations.
+            let mut rng = stream(settings.seed, Purpose::Displacement, 0);
+            *displacement = Displacement::found(readings, designs, &mut rng, simulated, &mut **simulate)?;
+        }
         let places = source.places(designs, &cells, simulated)?;
         let all: Vec<&Reading> = readings.iter().collect();
         let sites = Reading::sites(&all, designs, settings.plants.as_ref(), places.simulated())?;
@@ -119,6 +126,23 @@ impl<'a, 's> Knowledge<'a, 's> {
         let (marginals, noise) = (process.marginals(&place), process.noise());
         let variance = marginals.variances[0] + noise.powi(2) + process.assembly_deviation().powi(2);
         Ok(View { mean: marginals.means[0], deviation: variance.sqrt(), noise })
+    }
+
+    /// How far the simulation is displaced, if it is.
+    pub(crate) fn displacement(&self) -> Option<&Displacement> {
+        match &self.source {
+            Source::Cheap { displacement, .. } if !displacement.is_none() => Some(displacement),
+            _ => None,
+        }
+    }
+
+    /// The designs for which the simulation says least.
+    pub(crate) fn lowest_simulated(&self, count: usize) -> Vec<Cell> {
+        let mut lowest = self.simulated.lowest(count);
+        if let Some(displacement) = self.displacement() {
+            lowest.iter_mut().for_each(|cell| *cell = displacement.back(self.designs, *cell));
+        }
+        lowest
     }
 
     /// Whether there is a simulation.

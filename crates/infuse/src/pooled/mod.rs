@@ -4,7 +4,8 @@
 //!
 //! 1. All readings, earlier experiments included, condition a [`surface::process::AveragedProcess`]: polynomial trend, the
 //!    simulation ignored, subtracted or scaled by a factor that is learnt, and a residual that is absent, smooth or rough; nine
-//!    structures and their hyperparameters, averaged. Experiments that failed tell where others may fail.
+//!    structures and their hyperparameters, averaged. Experiments that failed tell where others may fail. A simulation that is cheap
+//!    is taken from as far off as makes the readings most probable, if that is by far more probable than its own place.
 //! 2. The design with the lowest mean, of all that are likely to give a response, is recommended.
 //! 3. Draws from that average, and some from one that does not believe the simulation, tell how much better another design may
 //!    be: the [`Certificate`].
@@ -55,6 +56,7 @@ mod certificate;
 mod constraint;
 mod coverage;
 mod designs;
+mod displacement;
 mod economy;
 mod finds;
 mod first_batch;
@@ -62,6 +64,7 @@ mod held;
 mod knowledge;
 mod knowledge_gradient;
 mod measurements;
+mod narrow;
 mod outcomes;
 mod outliers;
 mod plants;

@@ -85,7 +85,7 @@ impl Pool {
         let designs = knowledge.designs;
         let random: Vec<Cell> = (0..RANDOM).map(|_| designs.random(&mut rng)).collect();
         let mut cells: BTreeSet<Cell> = random.iter().copied().collect();
-        cells.extend(knowledge.simulated.lowest(LOWEST_SIMULATED));
+        cells.extend(knowledge.lowest_simulated(LOWEST_SIMULATED));
         cells.extend(&knowledge.measured);
         cells.retain(|&cell| designs.allows(cell));
         let coarse = Self::of(knowledge, cells.iter().copied().collect())?;

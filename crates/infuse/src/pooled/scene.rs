@@ -55,7 +55,7 @@ impl Scene {
             failed: BTreeSet::new(),
             refused: BTreeSet::new(),
         };
-        let source = simulate.map_or(Source::Nothing, Source::Cheap);
+        let source = simulate.map_or(Source::Nothing, Source::cheap);
         Knowledge::of(&measurements, &self.designs, &self.settings, &mut self.simulated, source).unwrap()
     }
 }

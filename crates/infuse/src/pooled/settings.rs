@@ -19,6 +19,10 @@ pub struct Settings {
     /// run wherever it is needed.
     #[serde(default)]
     pub simulations: Option<usize>,
+    /// Whether a simulation that is cheap may be displaced: right not of the design that it is asked for but of one that is so much farther
+    /// along each axis. By how much is learnt, and believed where the readings are sure of it. Default true.
+    #[serde(default = "default_displaced", skip_serializing_if = "is_true")]
+    pub displaced: bool,
     /// Limit on the batches. Default 10.
     #[serde(default = "default_max_batches")]
     pub max_batches: usize,
@@ -63,6 +67,14 @@ fn default_max_batches() -> usize {
     10
 }
 
+fn default_displaced() -> bool {
+    true
+}
+
+fn is_true(flag: &bool) -> bool {
+    *flag
+}
+
 fn default_confidence() -> f64 {
     0.9
 }
@@ -86,6 +98,7 @@ impl Settings {
         Self {
             n_experiments,
             simulations: None,
+            displaced: default_displaced(),
             max_batches: default_max_batches(),
             noise: None,
             worth: None,

@@ -9,6 +9,7 @@ use surface::process::{AveragedProcess, Joint, Places, Residual, SamplerSettings
 
 use crate::Error;
 use crate::pooled::designs::Designs;
+use crate::pooled::displacement::Displacement;
 use crate::pooled::settings::Settings;
 
 /// What one run gives: the response that is to be made small, and those on which there are constraints.
@@ -64,19 +65,31 @@ impl Column {
 }
 
 /// Every simulation so far, with its outcome.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Simulated {
     responses: BTreeMap<Cell, Option<Responses>>,
+    /// Simulations that were run to compare only: they are not run again, and are no part of a campaign that is saved.
+    aside: BTreeMap<Cell, Option<Responses>>,
+}
+
+impl PartialEq for Simulated {
+    fn eq(&self, other: &Self) -> bool {
+        self.responses == other.responses
+    }
 }
 
 impl Simulated {
     pub(crate) fn insert(&mut self, cell: Cell, outcome: Option<Responses>) {
+        self.aside.remove(&cell);
+        self.responses.insert(cell, Self::usable(outcome));
+    }
+
+    fn usable(outcome: Option<Responses>) -> Option<Responses> {
         let is_usable = |value: f64| value.abs() <= Data::LARGEST;
-        let usable = outcome.filter(|responses| is_usable(responses.objective)).map(|mut responses| {
+        outcome.filter(|responses| is_usable(responses.objective)).map(|mut responses| {
             responses.constrained.iter_mut().for_each(|value| *value = value.filter(|value| is_usable(*value)));
             responses
-        });
-        self.responses.insert(cell, usable);
+        })
     }
 
     pub(crate) fn contains(&self, cell: Cell) -> bool {
@@ -107,19 +120,55 @@ impl Simulated {
 
     /// Runs the simulation at those of the cells where it was not run before.
     pub(crate) fn run(&mut self, designs: &Designs, cells: &[Cell], simulate: &mut dyn Simulate) -> Result<(), Error> {
+        for &cell in cells {
+            if let Some(outcome) = self.aside.remove(&cell) {
+                self.responses.insert(cell, outcome);
+            }
+        }
+        for (cell, outcome) in self.outcomes(designs, cells, simulate)? {
+            self.insert(cell, outcome);
+        }
+        Ok(())
+    }
+
+    /// The same for cells that are only compared.
+    pub(crate) fn run_aside(
+        &mut self,
+        designs: &Designs,
+        cells: &[Cell],
+        simulate: &mut dyn Simulate,
+    ) -> Result<(), Error> {
+        let outcomes = self.outcomes(designs, cells, simulate)?;
+        self.aside.extend(outcomes.into_iter().map(|(cell, outcome)| (cell, Self::usable(outcome))));
+        Ok(())
+    }
+
+    /// What the simulation says of those of the cells where it was never run.
+    fn outcomes(
+        &self,
+        designs: &Designs,
+        cells: &[Cell],
+        simulate: &mut dyn Simulate,
+    ) -> Result<Vec<(Cell, Option<Responses>)>, Error> {
         let mut seen = BTreeSet::new();
-        let new = cells.iter().copied().filter(|&cell| !self.contains(cell) && seen.insert(cell));
+        let is_new = |cell: Cell| !self.contains(cell) && !self.aside.contains_key(&cell);
+        let new = cells.iter().copied().filter(|&cell| is_new(cell) && seen.insert(cell));
         let new: Vec<Cell> = new.collect();
         if new.is_empty() {
-            return Ok(());
+            return Ok(Vec::new());
         }
         let points = new.iter().map(|&cell| designs.grid().point(cell)).collect::<Result<Vec<_>, _>>()?;
         let mut responses = simulate.responses(&new, &points).into_iter();
-        for &cell in &new {
-            // One that gave fewer responses than there are designs has failed at the others.
-            self.insert(cell, responses.next().and_then(Result::ok));
+        // One that gave fewer responses than there are designs has failed at the others.
+        Ok(new.into_iter().map(|cell| (cell, responses.next().and_then(Result::ok))).collect())
+    }
+
+    /// The response at a cell that was simulated aside, or the same as [`Self::at_or_near`].
+    pub(crate) fn aside_or_near(&self, designs: &Designs, cell: Cell) -> Result<Option<f64>, Error> {
+        match self.aside.get(&cell) {
+            Some(Some(responses)) => Ok(Some(responses.objective)),
+            _ => self.at_or_near(designs, cell, Column::Objective),
         }
-        Ok(())
     }
 
     /// The response at a cell; where the simulation failed, that at the nearest cell where it did not.
@@ -145,7 +194,11 @@ pub(crate) enum Source<'a> {
     /// There is no simulation.
     Nothing,
     /// It is run wherever it is needed.
-    Cheap(&'a mut dyn Simulate),
+    Cheap {
+        simulate: &'a mut dyn Simulate,
+        /// How far it is displaced.
+        displacement: Displacement,
+    },
     /// It is run at few cells, and a surface through those tells the others.
     Emulated(Emulator),
 }
@@ -160,9 +213,16 @@ impl<'a> Source<'a> {
     ) -> Result<Self, Error> {
         Ok(match (settings.simulations, simulate) {
             (Some(_), _) => Emulator::of(simulated, designs, settings)?.map_or(Self::Nothing, Self::Emulated),
-            (None, Some(simulate)) => Self::Cheap(simulate),
+            (None, Some(simulate)) => Self::cheap(simulate),
             (None, None) => Self::Nothing,
         })
+    }
+}
+
+impl<'a> Source<'a> {
+    /// A simulation that is run wherever it is needed, displaced by nothing.
+    pub(crate) fn cheap(simulate: &'a mut dyn Simulate) -> Self {
+        Self::Cheap { simulate, displacement: Displacement::default() }
     }
 }
 
@@ -174,8 +234,9 @@ impl Source<'_> {
         cells: &[Cell],
         simulated: &mut Simulated,
     ) -> Result<Places, Error> {
-        if let Self::Cheap(simulate) = self {
-            simulated.run(designs, cells, &mut **simulate)?;
+        if let Self::Cheap { simulate, displacement } = self {
+            let there: Vec<Cell> = cells.iter().map(|&cell| displacement.of(designs, cell)).collect();
+            simulated.run(designs, &there, &mut **simulate)?;
         }
         self.known_places(designs, cells, simulated, Column::Objective)
     }
@@ -191,8 +252,8 @@ impl Source<'_> {
         let places = designs.places(cells)?;
         let responses: Option<Vec<f64>> = match self {
             Self::Nothing => None,
-            Self::Cheap(_) => {
-                let said = |&cell: &Cell| simulated.at_or_near(designs, cell, column);
+            Self::Cheap { displacement, .. } => {
+                let said = |&cell: &Cell| simulated.at_or_near(designs, displacement.of(designs, cell), column);
                 cells.iter().map(said).collect::<Result<_, _>>()?
             }
             Self::Emulated(emulator) => emulator.process(column).map(|process| {

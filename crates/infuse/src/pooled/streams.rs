@@ -17,6 +17,7 @@ pub(crate) enum Purpose {
     Plants = 10,
     Coverage = 11,
     Finds = 12,
+    Displacement = 13,
 }
 
 /// An independent stream of the generator for a purpose in a batch.
@@ -45,11 +46,13 @@ mod tests {
             Purpose::Designs,
             Purpose::Plants,
             Purpose::Coverage,
+            Purpose::Finds,
+            Purpose::Displacement,
         ];
         let all = purposes.into_iter().flat_map(|purpose| (0..4).map(move |batch| (purpose, batch)));
         let first =
             all.flat_map(|(purpose, batch)| (1..3).map(move |seed| stream(seed, purpose, batch).random::<u64>()));
         let distinct: std::collections::BTreeSet<u64> = first.collect();
-        assert_eq!(distinct.len(), 10 * 4 * 2);
+        assert_eq!(distinct.len(), 12 * 4 * 2);
     }
 }

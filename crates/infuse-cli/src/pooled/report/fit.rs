@@ -165,6 +165,11 @@ fn caption(view: &View, has_simulation: bool, n_charts: usize) -> String {
         let place = if n_charts > 3 { "Fourth" } else { "Third" };
         text.push_str(&format!(" {place}: what was measured against the simulation."));
         text.push_str(&match view.found.simulation {
+            Some(worth) if view.found.displacement.is_some() => format!(
+                " It is drawn as it stands; displaced as it is taken to be it explains {} of the variance of what was measured (squared \
+                 correlation).",
+                percent(worth.explained)
+            ),
             Some(worth) => format!(
                 " It explains {} of the variance of what was measured (squared correlation).",
                 percent(worth.explained)
