@@ -74,16 +74,27 @@ pub(super) const METHODS: &[Method] = &[
     method("random", "random design", random),
 ];
 
+/// Where the simulation is displaced: the loop, and the same loop that takes a simulation as it stands.
+pub(super) const DISPLACED_METHODS: [Method; 2] = [
+    method("pooled-displaced", "pooled loop", pooled_loop),
+    method("pooled-in-place", "pooled loop, the simulation taken as it stands", pooled_loop_in_place),
+];
+
 fn pooled_loop(task: &Task<'_>) -> Result<Vec<Step>> {
-    pooled_campaign(task, true)
+    pooled_campaign(task, pooled::Settings::new(task.n_experiments), true)
+}
+
+fn pooled_loop_in_place(task: &Task<'_>) -> Result<Vec<Step>> {
+    let mut settings = pooled::Settings::new(task.n_experiments);
+    settings.displaced = false;
+    pooled_campaign(task, settings, true)
 }
 
 fn pooled_loop_untold(task: &Task<'_>) -> Result<Vec<Step>> {
-    pooled_campaign(task, false)
+    pooled_campaign(task, pooled::Settings::new(task.n_experiments), false)
 }
 
-fn pooled_campaign(task: &Task<'_>, is_told: bool) -> Result<Vec<Step>> {
-    let mut settings = pooled::Settings::new(task.n_experiments);
+fn pooled_campaign(task: &Task<'_>, mut settings: pooled::Settings, is_told: bool) -> Result<Vec<Step>> {
     (settings.max_batches, settings.seed) = (BATCHES, task.seed);
     let mut campaign = pooled::Loop::new(&task.region, settings)?;
     let mut reading = task.readings();

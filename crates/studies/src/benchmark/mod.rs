@@ -4,6 +4,7 @@ mod bands;
 mod constrained;
 mod constrained_page;
 pub(crate) mod constrained_run;
+mod displaced_page;
 mod families;
 mod methods;
 mod page;
@@ -19,10 +20,10 @@ use design_space::{Cell, Grid};
 use rayon::prelude::*;
 
 use crate::reproduction::progress;
-use families::{DECOYS, FAMILIES, Family};
-use methods::{METHODS, Method, UNTOLD};
-use results::{Fresh, Results, Row};
-use task::{COMPARED_SEEDS, FRESH_SEEDS, LEVELS, SEEDS, Task, descend, fresh_families};
+use families::{DECOYS, DISPLACED, FAMILIES, Family};
+use methods::{DISPLACED_METHODS, METHODS, Method, UNTOLD};
+use results::{Displaced, Fresh, Results, Row};
+use task::{COMPARED_SEEDS, DISPLACED_SEEDS, FRESH_SEEDS, LEVELS, SEEDS, Task, descend, fresh_families};
 
 /// Where the rows of our methods, and those of the peers, are kept.
 const OURS: &str = "fixtures/benchmark";
@@ -35,6 +36,7 @@ const FRESH: &str = "pooled-fresh";
 /// Beside these, on the first of the seeds, those that are not told of the simulation.
 const FRESH_UNTOLD: &str = "pooled-untold-fresh";
 const FRESH_PEER: &str = "botorch-fresh";
+const DISPLACED_PEER: &str = "botorch-displaced";
 
 /// Runs what is missing among the kept campaigns, and writes the page.
 pub(crate) fn run(root: &Path) -> Result<()> {
@@ -53,6 +55,10 @@ pub(crate) fn run(root: &Path) -> Result<()> {
             let all = COMPARED_SEEDS.flat_map(|seed| fresh_families().map(move |family| (family, seed)));
             run_missing(method, &mut Results::read(&root.join(OURS), FRESH_UNTOLD)?, all)?;
         }
+    }
+    for method in &DISPLACED_METHODS {
+        let all = DISPLACED_SEEDS.flat_map(|seed| DISPLACED.iter().map(move |family| (family, seed)));
+        run_missing(method, &mut Results::read(&root.join(OURS), method.name)?, all)?;
     }
     write_page(root)
 }
@@ -99,6 +105,12 @@ pub(crate) fn check(root: &Path) -> Result<()> {
     for family in fresh_families().step_by(2) {
         check_rows(&METHODS[0], &fresh.ours, family, *FRESH_SEEDS.start())?;
     }
+    for method in &DISPLACED_METHODS {
+        let results = Results::read(&root.join(OURS), method.name)?;
+        for family in DISPLACED.iter().step_by(2) {
+            check_rows(method, &results, family, *DISPLACED_SEEDS.start())?;
+        }
+    }
     page::check(root, &kept_results, &fresh)
 }
 
@@ -116,7 +128,15 @@ fn fresh(root: &Path) -> Result<Fresh> {
     let peer = Results::read(&root.join(PEERS), FRESH_PEER)?;
     let kept = Results::read(&root.join(OURS), FRESH)?;
     let (ours, compared) = (kept.of_seeds(&FRESH_SEEDS), kept.of_seeds(&COMPARED_SEEDS));
-    Ok(Fresh { ours, compared, untold: vec![(words, untold), (results::PEERS[0].words, peer)] })
+    let [displaced, in_place] = &DISPLACED_METHODS;
+    let displaced = Displaced {
+        ours: Results::read(&root.join(OURS), displaced.name)?,
+        others: vec![
+            (in_place.words, Results::read(&root.join(OURS), in_place.name)?),
+            (results::PEERS[0].words, Results::read(&root.join(PEERS), DISPLACED_PEER)?),
+        ],
+    };
+    Ok(Fresh { ours, compared, untold: vec![(words, untold), (results::PEERS[0].words, peer)], displaced })
 }
 
 fn kept(root: &Path) -> Result<Vec<Results>> {
@@ -149,6 +169,7 @@ fn campaign(method: &Method, family: &Family, seed: u64) -> Result<Vec<Row>> {
             drawn: forecast.map(|forecast| forecast.drawn),
             spread: forecast.map(|forecast| forecast.spread),
             tried: forecast.map(|forecast| forecast.n_tried),
+            narrow: forecast.and_then(|forecast| forecast.narrow),
             off: expected.map(|[mean, _]| mean - truth),
             deviation: expected.map(|[_, deviation]| deviation),
             ask_seconds,
@@ -182,7 +203,7 @@ fn lowest(grid: &Grid, truth: &dyn Fn(&[f64]) -> f64) -> Result<f64> {
 /// Answers points of a pair, for programs in other languages: the first line says the number of factors, the levels, the noise,
 /// the experiments of a batch and the lowest truth; then each line of coordinates from 0 to 1 is answered by truth and simulation.
 pub(crate) fn serve(family: &str, seed: &str) -> Result<()> {
-    let all = || FAMILIES.iter().chain(&DECOYS);
+    let all = || FAMILIES.iter().chain(&DECOYS).chain(&DISPLACED);
     let Some(family) = all().find(|known| known.name == family) else {
         let names: Vec<&str> = all().map(|family| family.name).collect();
         bail!("family is {family:?}, expected one of {}", names.join(", "));

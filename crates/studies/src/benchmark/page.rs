@@ -6,7 +6,8 @@ use anyhow::{Result, ensure};
 use page::{Axis, Column, Finding, LineFigure, Panel, Series, Table, line_figure, quantile};
 
 use super::bands::{self, Kind};
-use super::families::{DECOYS, FAMILIES, Family};
+use super::displaced_page;
+use super::families::{DECOYS, DISPLACED, FAMILIES, Family};
 use super::methods::{METHODS, UNTOLD};
 use super::results::{Fresh, PEERS, Results};
 use super::summary::{
@@ -193,6 +194,7 @@ fn markdown(kept: &[Results], fresh: &Fresh) -> Result<String> {
     text += &regrets(&methods, ours);
     let untold = methods.iter().find(|method| method.results.method() == UNTOLD).map(|untold| untold.results);
     text += &misled(fresh);
+    text += &displaced_page::section(&fresh.displaced);
     text += &promises(ours, fresh, untold);
     text += "\n## Seconds\n\nMedian time to choose a batch, and to take its results and recommend, on the machine where the rows were \
              made, other work beside it.\n\n";
@@ -372,6 +374,7 @@ fn findings(methods: &[Kept<'_>], ours: &Results, fresh: &Fresh) -> Vec<Finding>
 
     findings.push(bands::finding(&kinds(ours, fresh, untold.map(|untold| untold.results))));
     findings.push(what_it_costs_to_be_misled(fresh));
+    findings.push(displaced_page::finding(&fresh.displaced));
     findings.push(when_it_stops(ours));
     findings.push(tuned_on(&tuned, others.len()));
     findings
@@ -782,10 +785,11 @@ fn others_table(methods: &[Kept<'_>], ours: &Results) -> Table {
 fn families_table() -> Table {
     let heads = ["family", "parameters", "noise, %", "truth and simulation", "tuned on"];
     let mut table = Table::new(heads.map(Column::words).to_vec());
-    for family in FAMILIES.iter().chain(&DECOYS) {
+    for family in FAMILIES.iter().chain(&DECOYS).chain(&DISPLACED) {
         let tuned = match family.name {
             name if TUNED_ON.contains(&name) => "yes",
             name if LOOKED_AT.contains(&name) || DECOYS.iter().any(|decoy| decoy.name == name) => "looked at",
+            name if DISPLACED.iter().any(|displaced| displaced.name == name) => "other seeds",
             _ => "no",
         };
         let (size, noise) = (family.n_factors.to_string(), format!("{:.0}", 100.0 * family.noise()));

@@ -48,6 +48,8 @@ pub(super) struct Row {
     pub(super) spread: Option<f64>,
     #[serde(default)]
     pub(super) tried: Option<usize>,
+    #[serde(default)]
+    pub(super) narrow: Option<f64>,
     /// What is expected at the recommended design less the truth there, and the standard deviation of that.
     #[serde(default)]
     pub(super) off: Option<f64>,
@@ -80,6 +82,7 @@ impl Row {
             n_designs,
             n_experiments,
             n_parameters,
+            narrow: self.narrow,
         })
     }
 
@@ -98,6 +101,7 @@ impl Row {
             && both((self.drawn, other.drawn))
             && both((self.spread, other.spread))
             && self.tried == other.tried
+            && both((self.narrow, other.narrow))
             && both((self.off, other.off))
             && both((self.deviation, other.deviation))
             && close(self.regret, other.regret)
@@ -120,6 +124,14 @@ pub(super) struct Fresh {
     pub(super) compared: Results,
     /// Those that are not told of it, in words.
     pub(super) untold: Vec<(&'static str, Results)>,
+    pub(super) displaced: Displaced,
+}
+
+/// Campaigns whose simulation is displaced.
+pub(super) struct Displaced {
+    pub(super) ours: Results,
+    /// Those that take it as it stands, or know nothing of it, in words.
+    pub(super) others: Vec<(&'static str, Results)>,
 }
 
 impl Results {

@@ -1,0 +1,85 @@
+//! The part of the page on simulations that are right of another design.
+
+use page::{Column, Finding, Table};
+
+use super::families::{DISPLACED, Family};
+use super::results::{Displaced, Results};
+use super::summary::{Paired, paired, percent, promised, regret};
+use super::task::{BATCHES, DISPLACED_SEEDS};
+
+/// Batches after which is compared.
+const AFTER: [usize; 3] = [1, 3, BATCHES];
+
+/// Regret, beside those that take the simulation as it stands or know experiments only; and what was promised.
+pub(super) fn section(kept: &Displaced) -> String {
+    let mut text = format!(
+        "\n## Where the simulation is displaced\n\nFamilies whose simulation is right of another design, seeds {} to {}, on which nothing was \
+         tuned: median and 90th percentile of the regret, in % of the range, and in brackets the mean of log10(regret of the pooled loop / \
+         regret of the other) with its standard error, and how many seeds both ran. BoTorch knows experiments only.\n\n",
+        DISPLACED_SEEDS.start(),
+        DISPLACED_SEEDS.end()
+    );
+    let mut columns = ["family", "after batch", "pooled loop"].map(Column::words).to_vec();
+    columns.extend(kept.others.iter().map(|(words, _)| Column::words(words)));
+    let mut table = Table::new(columns);
+    for family in &DISPLACED {
+        for batch in AFTER {
+            let mut row = vec![family.name.to_owned(), batch.to_string(), both(&kept.ours, family, batch)];
+            row.extend(kept.others.iter().map(|(_, other)| {
+                let there = both(other, family, batch);
+                paired(&kept.ours, other, family, batch).map_or(there.clone(), |pair| {
+                    format!("{there} ({:+.2} ± {:.2}, {})", pair.mean, pair.error, pair.n_pairs)
+                })
+            }));
+            table.push(row);
+        }
+    }
+    text += &table.markdown();
+    text += "\nIts certificate there: in how many campaigns it was broken after each batch, and the median of c in % of the range.\n\n";
+    text += &certificates(&kept.ours).markdown();
+    text
+}
+
+fn both(results: &Results, family: &Family, batch: usize) -> String {
+    match regret(results, family, batch) {
+        Some([median, most]) => format!("{} / {}", percent(median), percent(most)),
+        None => "–".to_owned(),
+    }
+}
+
+fn certificates(ours: &Results) -> Table {
+    let heads = ["family", "campaigns", "broken, by batch", "median c, by batch"];
+    let mut table = Table::new(heads.map(Column::words).to_vec());
+    for family in &DISPLACED {
+        let of_each: Vec<_> = (1..=BATCHES).filter_map(|batch| promised(ours, family, batch)).collect();
+        let list = |of: &dyn Fn(usize) -> String| (0..of_each.len()).map(of).collect::<Vec<_>>().join(", ");
+        table.push(vec![
+            family.name.to_owned(),
+            of_each.first().map_or(0, |one| one.campaigns).to_string(),
+            list(&|batch| of_each[batch].breached.to_string()),
+            list(&|batch| percent(of_each[batch].width)),
+        ]);
+    }
+    table
+}
+
+/// In how many families less is missing, and more, by more than two standard errors; and how often the certificate was broken.
+pub(super) fn finding(kept: &Displaced) -> Finding {
+    let head = "Where the simulation is right of another design, by more than two standard errors:";
+    let detail = |(words, other): &(&str, Results)| {
+        let after = AFTER.map(|batch| {
+            let count = |is_so: fn(Paired) -> bool| {
+                let of_each = DISPLACED.iter().filter_map(|family| paired(&kept.ours, other, family, batch));
+                of_each.filter(|pair| is_so(*pair)).count()
+            };
+            let (less, more) = (count(Paired::is_ours_better), count(Paired::is_theirs_better));
+            format!("after batch {batch} less in {less} of {}, more in {more}", DISPLACED.len())
+        });
+        Finding::new(format!("What is missing, against {words}: {}.", after.join("; ")))
+    };
+    let promises = DISPLACED.iter().flat_map(|family| (1..=BATCHES).map(move |batch| (family, batch)));
+    let promises = promises.filter_map(|(family, batch)| promised(&kept.ours, family, batch));
+    let [n, broken] = promises.fold([0, 0], |[n, broken], one| [n + one.campaigns, broken + one.breached]);
+    let certificate = Finding::new(format!("Its certificate was broken after {broken} of {n} batches."));
+    kept.others.iter().map(detail).fold(Finding::new(head), Finding::detail).detail(certificate)
+}
