@@ -14,6 +14,7 @@ use crate::pooled::designs::Designs;
 use crate::pooled::displacement::Displacement;
 use crate::pooled::held::{Chances, Expected, Held};
 use crate::pooled::measurements::{Measurements, Reading};
+use crate::pooled::registration::registered;
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Column, Simulated, Source};
 use crate::pooled::streams::{Purpose, stream};
@@ -76,7 +77,7 @@ impl<'a, 's> Knowledge<'a, 's> {
         if let (true, Source::Cheap { simulate, displacement }) = (settings.displaced, &mut source) {
             // The same ones are tried in every batch, so that only new readings take new simulations.
             let mut rng = stream(settings.seed, Purpose::Displacement, 0);
-            *displacement = Displacement::found(readings, designs, &mut rng, simulated, &mut **simulate)?;
+            *displacement = registered(readings, designs, &mut rng, simulated, &mut **simulate)?;
         }
         let places = source.places(designs, &cells, simulated)?;
         let all: Vec<&Reading> = readings.iter().collect();

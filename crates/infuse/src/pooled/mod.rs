@@ -73,6 +73,7 @@ mod pool;
 mod readings;
 mod reason;
 mod recommendation;
+mod registration;
 mod run_means;
 #[cfg(test)]
 mod scene;
