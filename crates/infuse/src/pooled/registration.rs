@@ -98,6 +98,25 @@ impl<'s> Search<'s> {
         Displacement(vec![0; self.designs.combinations().counts().len()])
     }
 
+    /// Simulates at once what several displacements are told by.
+    fn look_ahead<'d>(&mut self, all: impl Iterator<Item = &'d Displacement>) -> Result<(), Error> {
+        let unknown = all.filter(|one| !self.known.contains_key(one));
+        let there = unknown.flat_map(|one| self.cells.iter().map(|&cell| one.of(self.designs, cell)));
+        let there: Vec<Cell> = there.collect();
+        self.simulated.run_aside(self.designs, &there, self.simulate)
+    }
+
+    /// The displacements next to one, so far along each axis.
+    fn around(&self, one: &Displacement, step: f64) -> Vec<Displacement> {
+        let counts = self.designs.combinations().counts();
+        let moved = |(axis, sign): (usize, i64)| {
+            let mut other = one.clone();
+            other.0[axis] += sign * steps(step, counts[axis]).max(1);
+            other
+        };
+        self.free.iter().flat_map(|&axis| [(axis, -1), (axis, 1)]).map(moved).collect()
+    }
+
     /// The logarithm of the probability, up to a constant; that of none at all where nothing is simulated, or the same everywhere.
     fn probability(&mut self, one: &Displacement) -> Result<f64, Error> {
         if let Some(known) = self.known.get(one) {
@@ -124,6 +143,7 @@ impl<'s> Search<'s> {
     fn best(&mut self, rng: &mut ChaCha8Rng) -> Result<(Displacement, f64), Error> {
         let mut drawn = vec![self.none()];
         drawn.extend((0..DRAWN).map(|_| self.draw(rng)));
+        self.look_ahead(drawn.iter())?;
         let of_each = drawn.into_iter().map(|one| Ok((self.probability(&one)?, one)));
         let mut of_each = of_each.collect::<Result<Vec<_>, Error>>()?;
         of_each.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
@@ -150,17 +170,19 @@ impl<'s> Search<'s> {
 
     fn climb(&mut self, mut one: Displacement, mut probability: f64) -> Result<(Displacement, f64), Error> {
         let counts = self.designs.combinations().counts().to_vec();
-        let mut step = FIRST_STEP;
+        let mut reach = FIRST_STEP;
         loop {
             let mut is_better = false;
+            self.look_ahead(self.around(&one, reach).iter())?;
             for axis in self.free.clone() {
-                let step = steps(step, counts[axis]).max(1);
-                for step in [-step, step] {
+                let levels = steps(reach, counts[axis]).max(1);
+                for step in [-levels, levels] {
                     let mut other = one.clone();
                     other.0[axis] += step;
                     let there = self.probability(&other)?;
                     if there > probability {
                         (one, probability, is_better) = (other, there, true);
+                        self.look_ahead(self.around(&one, reach).iter())?;
                     }
                 }
             }
@@ -168,11 +190,11 @@ impl<'s> Search<'s> {
                 continue;
             }
             // No step is less than a level.
-            let is_least = self.free.iter().all(|&axis| steps(step, counts[axis]) <= 1);
-            if step <= LAST_STEP || is_least {
+            let is_least = self.free.iter().all(|&axis| steps(reach, counts[axis]) <= 1);
+            if reach <= LAST_STEP || is_least {
                 return Ok((one, probability));
             }
-            step = (0.5 * step).max(LAST_STEP);
+            reach = (0.5 * reach).max(LAST_STEP);
         }
     }
 }
