@@ -149,7 +149,7 @@ impl Loop {
     /// Number of cells that were simulated.
     #[must_use]
     pub fn n_simulated(&self) -> usize {
-        self.simulated.len()
+        self.simulated.n_run()
     }
 
     /// The trials without an outcome.

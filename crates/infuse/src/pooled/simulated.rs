@@ -101,6 +101,11 @@ impl Simulated {
         self.responses.len()
     }
 
+    /// The same with those that were only compared.
+    pub(crate) fn n_run(&self) -> usize {
+        self.responses.len() + self.aside.len()
+    }
+
     fn at(&self, cell: Cell, column: Column) -> Option<f64> {
         column.of(self.responses.get(&cell)?.as_ref()?)
     }
