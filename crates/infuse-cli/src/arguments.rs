@@ -267,5 +267,5 @@ fn count<N: std::str::FromStr + PartialEq + From<u8>>(text: &str) -> Result<N, &
 
 /// A result as in a cell of a sheet.
 fn result(text: &str) -> Result<f64, String> {
-    crate::number::parse(text.trim()).map_err(|expected| format!("expected {}", crate::number::of_result(expected)))
+    crate::number::parse(text.trim()).map_err(|fault| format!("expected {}", fault.of_result()))
 }

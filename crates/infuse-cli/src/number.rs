@@ -1,5 +1,8 @@
 //! Numbers as people write and read them.
 
+use std::borrow::Cow;
+use std::fmt;
+
 /// A setting that takes more characters is no round number.
 const LONGEST_SETTING: usize = 9;
 
@@ -93,32 +96,62 @@ pub(crate) fn percent(share: f64) -> String {
 /// The largest magnitude of a value: the surfaces take no more.
 const LARGEST: f64 = surface::Data::LARGEST;
 
-const FINITE: &str = "a finite number";
+/// What was expected instead of what is no number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum NoNumber {
+    /// NaN is how programs write that there is none.
+    NotFinite,
+    Other(Cow<'static, str>),
+}
 
-/// What is allowed of a number, unless this is.
-pub(crate) fn number_fault(value: f64) -> Option<&'static str> {
+impl NoNumber {
+    /// What was expected instead of it as a result.
+    pub(crate) fn of_result(&self) -> String {
+        match self {
+            Self::NotFinite => format!("{self}; a run without a result is reported as failed, with its reason"),
+            Self::Other(_) => self.to_string(),
+        }
+    }
+}
+
+impl fmt::Display for NoNumber {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::NotFinite => "a finite number",
+            Self::Other(expected) => expected,
+        })
+    }
+}
+
+impl From<&'static str> for NoNumber {
+    fn from(expected: &'static str) -> Self {
+        Self::Other(Cow::Borrowed(expected))
+    }
+}
+
+impl From<String> for NoNumber {
+    fn from(expected: String) -> Self {
+        Self::Other(Cow::Owned(expected))
+    }
+}
+
+/// What is wrong with a number, if anything is.
+pub(crate) fn fault(value: f64) -> Option<NoNumber> {
     if !value.is_finite() {
-        Some(FINITE)
+        Some(NoNumber::NotFinite)
     } else if value.abs() > LARGEST {
-        Some("a number of at most 1e100 in magnitude")
+        Some("a number of at most 1e100 in magnitude".into())
     } else {
         None
     }
 }
 
-/// What is allowed of a result, from what is allowed of a number: NaN is how programs write that there is none.
-pub(crate) fn of_result(expected: &str) -> String {
-    let without =
-        if expected == FINITE { "; a run without a result is reported as failed, with its reason" } else { "" };
-    format!("{expected}{without}")
-}
-
 /// A finite number as written in a cell of a table, or what is wrong with it.
-pub(crate) fn parse(text: &str) -> Result<f64, &'static str> {
+pub(crate) fn parse(text: &str) -> Result<f64, NoNumber> {
     match text.parse::<f64>() {
-        Ok(value) => number_fault(value).map_or(Ok(value), Err),
-        Err(_) if is_decimal_comma(text) => Err("a number with a decimal point, not a comma"),
-        Err(_) => Err("a number like 12.5, without its unit"),
+        Ok(value) => fault(value).map_or(Ok(value), Err),
+        Err(_) if is_decimal_comma(text) => Err("a number with a decimal point, not a comma".into()),
+        Err(_) => Err("a number like 12.5, without its unit".into()),
     }
 }
 
@@ -207,9 +240,11 @@ mod tests {
         assert_eq!(parse("-2e3"), Ok(-2000.0));
         for (text, word) in [("1,5", "comma"), ("NaN", "finite"), ("inf", "finite"), ("1.5 m", "unit"), ("x", "number")]
         {
-            assert!(parse(text).expect_err("no number").contains(word), "{text}");
+            assert!(parse(text).expect_err("no number").to_string().contains(word), "{text}");
         }
-        assert!(!parse("1,5,2").expect_err("no number").contains("comma"), "not a decimal comma");
+        assert!(!parse("1,5,2").expect_err("no number").to_string().contains("comma"), "not a decimal comma");
+        assert_eq!((parse("NaN"), parse("-inf")), (Err(NoNumber::NotFinite), Err(NoNumber::NotFinite)));
+        assert!(NoNumber::NotFinite.of_result().contains("failed"), "{}", NoNumber::NotFinite.of_result());
     }
 
     #[test]

@@ -14,7 +14,7 @@ use process_wrap::std::{ChildWrapper, CommandWrap};
 use serde_json::{Map, Value, json};
 
 use crate::left_running::Noted;
-use crate::number::{number_fault, of_result, plain};
+use crate::number::{self, plain};
 use crate::problem::{Input, Program, said, written};
 
 /// How often a running program is looked at: at first, and at most.
@@ -256,9 +256,9 @@ fn value_of(output: &str) -> Ran {
 }
 
 fn finite(value: f64, others: BTreeMap<String, f64>, is_plain_and_whole: bool) -> Ran {
-    match number_fault(value) {
+    match number::fault(value) {
         None => Ran::Value { value, others, is_plain_and_whole },
-        Some(expected) => Ran::Failed(format!("it returned {value:?}, expected {}", of_result(expected))),
+        Some(fault) => Ran::Failed(format!("it returned {value:?}, expected {}", fault.of_result())),
     }
 }
 

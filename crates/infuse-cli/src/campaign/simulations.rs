@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::progress::Progress;
 use crate::journal::{Constrained, Event, Measured, Submitted};
-use crate::number::{count, number_fault, rounded};
+use crate::number::{self, count, rounded};
 use crate::problem::Problem;
 use crate::program;
 use crate::queue::{self, Happened, Key, Queued, Task};
@@ -86,13 +86,13 @@ pub(crate) fn simulate_missing(
 /// constraint is no number has failed.
 pub(crate) fn checked(problem: &Problem, result: Measured, mut others: Constrained) -> (Measured, Constrained) {
     let Measured::Value(_) = result else { return (result, Constrained::new()) };
-    let is_fault = |name: &str| others.get(name).is_some_and(|value| number_fault(*value).is_some());
+    let is_fault = |name: &str| others.get(name).is_some_and(|value| number::fault(*value).is_some());
     if let Some(held) = problem.constraints.iter().find(|held| is_fault(held.name())) {
         let reason =
             format!("what it gave as `{}` is no number, expected one, or null where there is none", held.name());
         return (Measured::Failed(reason), Constrained::new());
     }
-    others.retain(|_, value| number_fault(*value).is_none());
+    others.retain(|_, value| number::fault(*value).is_none());
     (result, others)
 }
 

@@ -209,7 +209,7 @@ impl Problem {
     /// Those numbers that belong to constraints.
     pub(crate) fn of_constraints(&self, mut others: BTreeMap<String, f64>) -> BTreeMap<String, f64> {
         others.retain(|name, value| {
-            self.constraints.iter().any(|held| held.name() == name) && crate::number::number_fault(*value).is_none()
+            self.constraints.iter().any(|held| held.name() == name) && crate::number::fault(*value).is_none()
         });
         others
     }

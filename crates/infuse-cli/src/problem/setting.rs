@@ -23,7 +23,7 @@ pub(crate) fn said(parameter: &Parameter, value: f64) -> Value {
 /// What [`written`] wrote, or what is wrong with it.
 pub(crate) fn parse_setting(parameter: &Parameter, text: &str) -> Result<f64, String> {
     match parameter.choices() {
-        None => parse(text).map_err(str::to_owned),
+        None => parse(text).map_err(|fault| fault.to_string()),
         Some(choices) => {
             let named: Vec<String> = choices.iter().map(|choice| format!("`{choice}`")).collect();
             parameter.of_choice(text).ok_or_else(|| format!("one of {}", named.join(", ")))

@@ -2,7 +2,7 @@
 
 use super::cells::Separator;
 use crate::echo::echo;
-use crate::number::parse;
+use crate::number::{NoNumber, parse};
 
 /// What a comma in a number of this table stands for.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +34,7 @@ impl Commas {
     }
 
     /// The number in a cell of a column with this unit, or what was expected instead.
-    pub(super) fn number(&self, text: &str, unit: &str) -> Result<f64, String> {
+    pub(super) fn number(&self, text: &str, unit: &str) -> Result<f64, NoNumber> {
         let fault = match parse(text) {
             Ok(value) => return Ok(value),
             Err(expected) => expected,
@@ -43,37 +43,36 @@ impl Commas {
             let fits = same_unit(other, unit);
             return match (fits, unit) {
                 (true, _) => self.number(number, ""),
-                (false, "") => Err(format!("a number; the column has no unit, and the cell has `{}`", echo(other))),
+                (false, "") => {
+                    Err(format!("a number; the column has no unit, and the cell has `{}`", echo(other)).into())
+                }
                 (false, unit) => {
-                    Err(format!("a number in `{unit}`, the unit of the column, and not in `{}`", echo(other)))
+                    Err(format!("a number in `{unit}`, the unit of the column, and not in `{}`", echo(other)).into())
                 }
             };
         }
         if !text.contains(',') {
             // A unit that agrees may stand beside it.
             let is_number = text.parse::<f64>().is_ok();
-            return Err(if is_number { fault.to_owned() } else { "a number like 12.5".to_owned() });
+            return Err(if is_number { fault } else { "a number like 12.5".into() });
         }
         match (text.matches(',').count(), text.contains('.'), self) {
             (1, false, Self::DecimalIfNothingElse) if !(is_digits(text) && is_grouped(text)) => {
-                parse(&text.replace(',', ".")).map_err(str::to_owned)
+                parse(&text.replace(',', "."))
             }
-            (1, false, Self::Decimal) => parse(&text.replace(',', ".")).map_err(str::to_owned),
-            (1, false, Self::Mixed { row, text }) => Err(format!(
-                "a number with a decimal point, not a comma, as row {row} has `{}`: one table has one of them",
-                echo(text)
-            )),
+            (1, false, Self::Decimal) => parse(&text.replace(',', ".")),
+            (1, false, Self::Mixed { row, text }) => {
+                let allowed = "a number with a decimal point, not a comma";
+                Err(format!("{allowed}, as row {row} has `{}`: one table has one of them", echo(text)).into())
+            }
             (1, false, Self::Refused | Self::DecimalIfNothingElse) if is_digits(text) && is_grouped(text) => {
-                Err(format!(
-                    "a number with a decimal point, not a comma: it may be {} or {}",
-                    text.replace(',', "."),
-                    text.replace(',', "")
-                ))
+                let [decimal, whole] = [".", ""].map(|other| text.replace(',', other));
+                Err(format!("a number with a decimal point, not a comma: it may be {decimal} or {whole}").into())
             }
             _ if is_digits(text) && is_any_grouped(text) => {
-                Err("a number like 1234.5, with nothing between the thousands".to_owned())
+                Err("a number like 1234.5, with nothing between the thousands".into())
             }
-            _ => Err(fault.to_owned()),
+            _ => Err(fault),
         }
     }
 }
@@ -130,14 +129,14 @@ mod tests {
         }
         assert_eq!(Commas::Refused.number("3 \u{3bc}m", "\u{b5}m"), Ok(3.0));
         assert_eq!(Commas::Refused.number("2e3 N/mm", "N/mm"), Ok(2000.0));
-        let error = Commas::Refused.number("12.5 cm", "mm").expect_err("another");
+        let error = Commas::Refused.number("12.5 cm", "mm").expect_err("another").to_string();
         assert!(error.contains("`mm`") && error.contains("`cm`"), "{error}");
-        let error = Commas::Refused.number("12.5 N", "mN").expect_err("case counts");
+        let error = Commas::Refused.number("12.5 N", "mN").expect_err("case counts").to_string();
         assert!(error.contains("`mN`") && error.contains("`N`"), "{error}");
-        assert!(Commas::Refused.number("12.5 mm", "").expect_err("no unit").contains("has no unit"));
+        assert!(Commas::Refused.number("12.5 mm", "").expect_err("no unit").to_string().contains("has no unit"));
         assert!(Commas::Refused.number("nano", "m").is_err());
-        assert_eq!(Commas::Refused.number("6.o4", "mm"), Err("a number like 12.5".to_owned()), "a slip, and no unit");
-        assert!(Commas::Refused.number("inf", "m").expect_err("no number").contains("finite"));
+        assert_eq!(Commas::Refused.number("6.o4", "mm"), Err("a number like 12.5".into()), "a slip, and no unit");
+        assert!(Commas::Refused.number("inf", "m").expect_err("no number").to_string().contains("finite"));
     }
 
     #[test]
@@ -146,19 +145,19 @@ mod tests {
         assert_eq!(Commas::Decimal.number("1,234", ""), Ok(1.234));
         assert_eq!(Commas::Decimal.number("12,5 mm", "mm"), Ok(12.5));
         for (text, words) in [("1,234", "it may be 1.234 or 1234"), ("1,5", "decimal point, not a comma")] {
-            let error = Commas::Refused.number(text, "").expect_err(words);
+            let error = Commas::Refused.number(text, "").expect_err(words).to_string();
             assert!(error.contains(words), "{error}");
         }
         for text in ["1.234,5", "1,234.5", "1,234,567"] {
-            let error = Commas::Decimal.number(text, "").expect_err("two kinds");
+            let error = Commas::Decimal.number(text, "").expect_err("two kinds").to_string();
             assert!(error.contains("between the thousands"), "{error}");
         }
         let typed = Commas::of(Separator::Form, std::iter::empty());
         assert_eq!((typed.number("7,5", ""), typed.number("8,1250", "")), (Ok(7.5), Ok(8.125)));
-        assert!(typed.number("1,234", "").expect_err("a thousand?").contains("it may be 1.234 or 1234"));
+        assert!(typed.number("1,234", "").expect_err("a thousand?").to_string().contains("it may be 1.234 or 1234"));
         let mixed = Commas::of(Separator::Other, [(2, "7,5"), (3, "8.5")].into_iter());
         assert_eq!(mixed.number("8.5", ""), Ok(8.5));
-        assert!(mixed.number("7,5", "").expect_err("mixed").contains("row 3 has `8.5`"));
+        assert!(mixed.number("7,5", "").expect_err("mixed").to_string().contains("row 3 has `8.5`"));
         assert_eq!(Commas::of(Separator::Other, [(2, "7,5"), (3, "8")].into_iter()), Commas::Decimal);
         assert_eq!(Commas::of(Separator::Comma, [(2, "7,5")].into_iter()), Commas::Refused);
     }

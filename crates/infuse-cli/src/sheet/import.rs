@@ -38,7 +38,7 @@ pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> 
         let settings = parameters.iter().enumerate();
         let settings = settings.map(|(column, p)| usable(column, table.setting(row, column, p)));
         let point: Vec<Option<f64>> = settings.collect();
-        let mut number = |column: usize| usable(column, table.number(row, column));
+        let mut number = |column: usize| usable(column, table.number(row, column).map_err(|fault| fault.to_string()));
         let mut constrained = Constrained::new();
         for (index, held) in problem.constraints.iter().enumerate() {
             let column = k + 1 + index;
@@ -49,7 +49,7 @@ pub(crate) fn imported(path: &Path, problem: &Problem) -> Result<Vec<Imported>> 
         let failed = table.cell(row, source + 1);
         let result = match (table.cell(row, k).is_empty(), failed.is_empty()) {
             (true, false) => Some(Measured::Failed(failed.to_owned())),
-            _ => number(k).map(Measured::Value),
+            _ => usable(k, table.number(row, k).map_err(|fault| fault.of_result())).map(Measured::Value),
         };
         if let (Some(Measured::Value(_)), false) = (&result, failed.is_empty()) {
             faults.push(table.fault(row, source + 1, "nothing, as there is a value; or no value, if the run failed"));

@@ -11,7 +11,7 @@ use super::columns::Columns;
 use super::table::Row;
 use super::table::{Column, Fault, Table, none_of};
 use crate::journal::{Constrained, Measured};
-use crate::number::{are_written_alike, of_result, plain, with_unit};
+use crate::number::{are_written_alike, plain, with_unit};
 use crate::problem::{Problem, written};
 
 /// What a row says about a trial.
@@ -163,8 +163,8 @@ impl Reader<'_> {
                     }
                     Some(Measured::Value(value))
                 }
-                Err(expected) => {
-                    faults.push(table.fault(row, columns.response(), of_result(&expected)));
+                Err(value) => {
+                    faults.push(table.fault(row, columns.response(), value.of_result()));
                     None
                 }
             },
@@ -235,7 +235,8 @@ impl Reader<'_> {
                 }
                 let asked = with_unit(&written(parameter, asked), parameter.unit());
                 let expected = format!(
-                    "{asked}, as it was asked for; a setting that was made otherwise goes under `actual {}`, and a run that was not asked for is imported",
+                    "{asked}, as it was asked for; a setting that was made otherwise goes under `actual {}`, and a run that \
+                     was not asked for is imported",
                     parameter.name()
                 );
                 faults.push(self.table.fault(row, column, expected));

@@ -10,6 +10,7 @@ use super::cells::{Cell, Records, Separator};
 use super::decimal::Commas;
 use super::{text, workbook};
 use crate::echo::{echo, echo_all};
+use crate::number::NoNumber;
 use crate::problem::parse_setting;
 
 /// Columns that hold whatever people write.
@@ -161,9 +162,9 @@ impl Table {
     }
 
     /// The number in a known column of a row, or what was expected instead.
-    pub(crate) fn number(&self, row: &Row, column: usize) -> Result<f64, String> {
+    pub(crate) fn number(&self, row: &Row, column: usize) -> Result<f64, NoNumber> {
         match self.at(row, column).and_then(Cell::is_no_number) {
-            Some(expected) => Err(expected.to_owned()),
+            Some(expected) => Err(expected.into()),
             None => self.commas.number(self.cell(row, column), &self.units[column]),
         }
     }
@@ -172,7 +173,7 @@ impl Table {
     pub(crate) fn setting(&self, row: &Row, column: usize, parameter: &Parameter) -> Result<f64, String> {
         match parameter.choices() {
             Some(_) => parse_setting(parameter, self.cell(row, column)),
-            None => self.number(row, column),
+            None => self.number(row, column).map_err(|fault| fault.to_string()),
         }
     }
 
@@ -190,10 +191,10 @@ impl Table {
         self.at(row, column).map_or("", |cell| &*cell.text)
     }
 
-    pub(crate) fn fault(&self, row: &Row, column: usize, expected: impl Into<String>) -> Fault {
+    pub(crate) fn fault(&self, row: &Row, column: usize, expected: impl fmt::Display) -> Fault {
         let heading = self.places[column].map_or_else(String::new, |place| self.headings[place].clone());
         let value = self.cell(row, column).to_owned();
-        Fault { row: row.number, column: heading, value, expected: expected.into() }
+        Fault { row: row.number, column: heading, value, expected: expected.to_string() }
     }
 }
 

@@ -66,6 +66,8 @@ fn earlier_experiments_may_be_the_best_or_spoilt_or_failed() {
     assert!(rig.infuse(&["import", "both.csv", "--source", "x"]).error().contains("nothing, as there is a value"));
     rig.write("none.csv", &format!("{heading}1,1,,page 9,\n"));
     assert!(rig.infuse(&["import", "none.csv", "--source", "x"]).error().contains("expected a number"));
+    rig.write("none.csv", &format!("{heading}1,1,NaN,page 9,\n"));
+    assert!(rig.infuse(&["import", "none.csv", "--source", "x"]).error().contains("reported as failed"));
     // What is far off is named with its settings, and how it is taken back.
     rig.write("spoilt.csv", &format!("{heading}4,6,-900,page 3,\n"));
     rig.infuse(&["import", "spoilt.csv", "--source", "diary"]).ok();

@@ -28,7 +28,7 @@ fn cells_that_cannot_be_are_named_by_row_column_and_value() {
     let response = "vibration [mm/s]";
     let at = |row: usize, heading: &str| format!("row {row}, column `{heading}`");
     assert_refused(3, response, "7,5", &[&at(3, response), "`7,5`", "decimal point, not a comma"]);
-    assert_refused(4, response, "NaN", &[&at(4, response), "`NaN`", "finite number"]);
+    assert_refused(4, response, "NaN", &[&at(4, response), "`NaN`", "finite number", "reported as failed"]);
     assert_refused(11, response, "inf", &[&at(11, response), "finite number"]);
     assert_refused(2, response, "1e300", &["`1e300`", "at most 1e100"]);
     assert_refused(2, "spring [N/mm]", "0,5", &["`0,5`", "decimal point, not a comma"]);
