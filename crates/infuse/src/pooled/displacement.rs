@@ -48,6 +48,34 @@ impl Displacement {
     }
 }
 
+/// Axes along which a simulation may be displaced: not those of choices, which have no order.
+pub(crate) fn free(designs: &Designs) -> Vec<usize> {
+    let counts = designs.combinations().counts();
+    let parameters = designs.region().parameters().iter().zip(counts).enumerate();
+    parameters.filter(|(_, (one, count))| one.choices().is_none() && **count > 2).map(|(axis, _)| axis).collect()
+}
+
+/// Displacements are told apart by this share of the range along an axis, or by a level if that is more.
+pub(crate) const LEAST_STEP: f64 = 0.01;
+/// Standard deviation of a number that was rounded to the nearest step: it is uniform over one.
+pub(crate) const WITHIN_A_STEP: f64 = 0.288_675_134_594_812_9;
+
+/// The whole number of levels nearest to a share of the range.
+pub(crate) fn steps(share: f64, count: u64) -> i64 {
+    (share * (count - 1) as f64).round() as i64
+}
+
+/// The designs one step from these, there and back along each axis; at a bound the same.
+pub(crate) fn next_to(designs: &Designs, cells: &[Cell]) -> Vec<Vec<Cell>> {
+    let counts = designs.combinations().counts();
+    let one = |(axis, sign): (usize, i64)| {
+        let mut next = Displacement(vec![0; counts.len()]);
+        next.0[axis] = sign * steps(LEAST_STEP, counts[axis]).max(1);
+        cells.iter().map(|&cell| next.of(designs, cell)).collect()
+    };
+    free(designs).into_iter().flat_map(|axis| [(axis, -1), (axis, 1)]).map(one).collect()
+}
+
 /// Steps as a share of the range.
 pub(crate) fn share(step: i64, count: u64) -> f64 {
     step as f64 / (count - 1).max(1) as f64

@@ -52,8 +52,7 @@ impl Held {
         let places = source.known_places(designs, &cells, simulated, column)?;
         let all: Vec<&Reading> = readings.iter().collect();
         let of_it = Settings { noise: constraint.noise, ..settings.clone() }.sampler();
-        let process =
-            AveragedProcess::new(Reading::sites(&all, designs, settings.plants.as_ref(), places.simulated())?, &of_it)?;
+        let process = AveragedProcess::new(Reading::sites(&all, designs, settings.plants.as_ref(), &places)?, &of_it)?;
         Ok(Self { constraint, column, process: Some(process) })
     }
 

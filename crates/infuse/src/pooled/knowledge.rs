@@ -81,7 +81,7 @@ impl<'a, 's> Knowledge<'a, 's> {
         }
         let places = source.places(designs, &cells, simulated)?;
         let all: Vec<&Reading> = readings.iter().collect();
-        let sites = Reading::sites(&all, designs, settings.plants.as_ref(), places.simulated())?;
+        let sites = Reading::sites(&all, designs, settings.plants.as_ref(), &places)?;
         let sampler = settings.sampler();
         let is_to_doubt = sites.places().simulated().is_some() || settings.structures.len() > 1;
         let sceptic = if is_to_doubt { Some(AveragedProcess::new(sites.clone(), &sceptical(&sampler))?) } else { None };
@@ -114,15 +114,13 @@ impl<'a, 's> Knowledge<'a, 's> {
         let others: Vec<&Reading> = readings.iter().filter(|reading| !left_out(reading)).collect();
         let cells: Vec<Cell> = others.iter().map(|other| other.cell).chain([one.cell]).collect();
         let places = self.places(&cells)?;
-        let (simulated, here) = match places.simulated() {
-            Some(simulated) => (Some(&simulated[..others.len()]), Some(simulated[others.len()])),
-            None => (None, None),
-        };
-        let sites = Reading::sites(&others, self.designs, settings.plants.as_ref(), simulated)?;
+        let of_others = places.select(&(0..others.len()).collect::<Vec<_>>());
+        let sites = Reading::sites(&others, self.designs, settings.plants.as_ref(), &of_others)?;
         let process = AveragedProcess::new(sites, &settings.sampler())?;
+        let here = places.select(&[others.len()]);
         let mut place = Places::new(self.designs.n_factors(), &one.coded)?;
-        if let Some(here) = here {
-            place = place.with_simulated(vec![here])?;
+        if let Some(simulated) = here.simulated() {
+            place = place.with_simulated(simulated.to_vec())?.with_deviations(here.deviations().to_vec())?;
         }
         let (marginals, noise) = (process.marginals(&place), process.noise());
         let variance = marginals.variances[0] + noise.powi(2) + process.assembly_deviation().powi(2);

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use design_space::Cell;
 use surface::Data;
-use surface::process::Sites;
+use surface::process::{Places, Sites};
 
 use crate::Error;
 use crate::pooled::designs::Designs;
@@ -31,13 +31,13 @@ impl Reading {
         responses().fold(f64::NEG_INFINITY, f64::max) - responses().fold(f64::INFINITY, f64::min)
     }
 
-    /// Measurements with what the simulation says of each, as a process takes them. Where there are plants, a part of the response may
+    /// Measurements with what the simulation says of the place of each, as a process takes them. Where there are plants, a part of the response may
     /// be the plant's own, whatever is typed.
     pub(crate) fn sites(
         readings: &[&Self],
         designs: &Designs,
         plants: Option<&Plants>,
-        simulated: Option<&[f64]>,
+        places: &Places,
     ) -> Result<Sites, Error> {
         let n_factors = designs.n_factors();
         let coordinates = readings.iter().flat_map(|reading| &reading.coded).copied().collect();
@@ -47,10 +47,11 @@ impl Reading {
         Ok(match assemblies.filter(|_| !readings.is_empty()) {
             Some(assemblies) => {
                 let axes = plants.map_or(Vec::new(), |plants| plants.axes(designs));
-                Sites::in_assemblies(&data, simulated, &assemblies)?.with_additive(axes)?
+                Sites::in_assemblies(&data, places.simulated(), &assemblies)?.with_additive(axes)?
             }
-            None => Sites::new(&data, simulated)?,
-        })
+            None => Sites::new(&data, places.simulated())?,
+        }
+        .with_deviations(places.deviations())?)
     }
 }
 

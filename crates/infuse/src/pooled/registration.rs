@@ -11,7 +11,7 @@ use surface::process::RegressorEvidence;
 
 use crate::Error;
 use crate::pooled::designs::Designs;
-use crate::pooled::displacement::{Displacement, share};
+use crate::pooled::displacement::{Displacement, LEAST_STEP, free, share, steps};
 use crate::pooled::measurements::Reading;
 use crate::pooled::simulated::{Simulate, Simulated};
 
@@ -27,9 +27,8 @@ const MOST: f64 = 0.3;
 /// So many displacements are drawn from the prior; the search goes on from the best of them.
 const DRAWN: usize = 128;
 const REFINED: usize = 4;
-/// The first steps of that, and the last, as shares of the range; never less than a level.
+/// The first steps of that, as a share of the range; never less than a level.
 const FIRST_STEP: f64 = 0.05;
-const LAST_STEP: f64 = 0.01;
 /// Beyond so many readings more than there are parameters it is looked for.
 const FEWEST: usize = 4;
 /// By so much more than half of the logarithm of the number of readings a parameter (Schwarz 1978) the logarithm of its probability must
@@ -57,13 +56,6 @@ pub(crate) fn registered(
     let (best, there) = search.best(rng)?;
     let surely = 0.5 * search.free.len() as f64 * (readings.len() as f64).ln() + SURELY;
     Ok(if there - without > surely { best } else { none })
-}
-
-/// Axes along which a simulation may be displaced: not those of choices, which have no order.
-fn free(designs: &Designs) -> Vec<usize> {
-    let counts = designs.combinations().counts();
-    let parameters = designs.region().parameters().iter().zip(counts).enumerate();
-    parameters.filter(|(_, (one, count))| one.choices().is_none() && **count > 2).map(|(axis, _)| axis).collect()
 }
 
 struct Search<'s> {
@@ -191,17 +183,12 @@ impl<'s> Search<'s> {
             }
             // No step is less than a level.
             let is_least = self.free.iter().all(|&axis| steps(reach, counts[axis]) <= 1);
-            if reach <= LAST_STEP || is_least {
+            if reach <= LEAST_STEP || is_least {
                 return Ok((one, probability));
             }
-            reach = (0.5 * reach).max(LAST_STEP);
+            reach = (0.5 * reach).max(LEAST_STEP);
         }
     }
-}
-
-/// The whole number of levels nearest to a share of the range.
-fn steps(share: f64, count: u64) -> i64 {
-    (share * (count - 1) as f64).round() as i64
 }
 
 fn units(values: &[f64]) -> [f64; 2] {

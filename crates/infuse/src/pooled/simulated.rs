@@ -9,7 +9,7 @@ use surface::process::{AveragedProcess, Joint, Places, Residual, SamplerSettings
 
 use crate::Error;
 use crate::pooled::designs::Designs;
-use crate::pooled::displacement::Displacement;
+use crate::pooled::displacement::{Displacement, WITHIN_A_STEP, next_to};
 use crate::pooled::settings::Settings;
 
 /// What one run gives: the response that is to be made small, and those on which there are constraints.
@@ -232,18 +232,35 @@ impl<'a> Source<'a> {
 }
 
 impl Source<'_> {
-    /// Cells with what the simulation says at each; nothing is said if it never gave a response.
+    /// Cells with what the simulation says at each; nothing is said if it never gave a response. Where it is displaced, its place is
+    /// known to a step of the search alone: it may be off by what it says next to there.
     pub(crate) fn places(
         &mut self,
         designs: &Designs,
         cells: &[Cell],
         simulated: &mut Simulated,
     ) -> Result<Places, Error> {
-        if let Self::Cheap { simulate, displacement } = self {
-            let there: Vec<Cell> = cells.iter().map(|&cell| displacement.of(designs, cell)).collect();
-            simulated.run(designs, &there, &mut **simulate)?;
+        let known =
+            |source: &Self, simulated: &Simulated| source.known_places(designs, cells, simulated, Column::Objective);
+        let Self::Cheap { simulate, displacement } = self else { return known(self, simulated) };
+        let there: Vec<Cell> = cells.iter().map(|&cell| displacement.of(designs, cell)).collect();
+        simulated.run(designs, &there, &mut **simulate)?;
+        if displacement.is_none() {
+            return known(self, simulated);
         }
-        self.known_places(designs, cells, simulated, Column::Objective)
+        let around = next_to(designs, &there);
+        simulated.run_aside(designs, &around.concat(), &mut **simulate)?;
+        let places = known(self, simulated)?;
+        let Some(here) = places.simulated() else { return Ok(places) };
+        let deviations = |next: &Vec<Cell>| {
+            let of_one = |(&cell, here): (&Cell, &f64)| {
+                let there = simulated.aside_or_near(designs, cell)?;
+                Ok(WITHIN_A_STEP * (there.unwrap_or(*here) - here))
+            };
+            next.iter().zip(here).map(of_one).collect()
+        };
+        let deviations = around.iter().map(deviations).collect::<Result<_, Error>>()?;
+        Ok(places.with_deviations(deviations)?)
     }
 
     /// The same for any response, of cells that were simulated if that is cheap.
@@ -418,6 +435,32 @@ mod tests {
         let mut found = emulator.most_uncertain(&designs, &cells, 2).unwrap();
         found.sort_unstable();
         assert_eq!(found, [cells[3], cells[2]]);
+    }
+
+    /// By the share of a step, at its own place and along each axis there and back; one that is in its place is off by nothing.
+    #[test]
+    fn a_displaced_simulation_may_be_off_by_what_it_says_next_to_there() {
+        let designs = designs();
+        let says = |point: &[f64]| 7.0 * point[0] * point[0] + point[1];
+        let places = |by: [i64; 2], cells: &[Cell]| {
+            let mut simulate = |_: Cell, point: &[f64]| Ok::<f64, String>(says(point));
+            let mut simulated = Simulated::default();
+            let displacement = Displacement(by.to_vec());
+            let mut source = Source::Cheap { simulate: &mut simulate, displacement };
+            let places = source.places(&designs, cells, &mut simulated).unwrap();
+            (places, simulated.len())
+        };
+        let cells = [cell(&designs, 3, 4), cell(&designs, 8, 10)];
+        let (found, n_run) = places([2, -1], &cells);
+        assert_eq!(n_run, 2, "those next to it are compared only");
+        let at = |x: i64, y: i64| says(&[x.min(10) as f64 / 10.0, y as f64 / 10.0]);
+        for (way, [x, y]) in [[-1, 0], [1, 0], [0, -1], [0, 1]].into_iter().enumerate() {
+            for (place, [a, b]) in [[5, 3], [10, 9]].into_iter().enumerate() {
+                let expected = (at(a + x, b + y) - at(a, b)) / 12.0_f64.sqrt();
+                assert!((found.deviations()[way][place] - expected).abs() < 1e-14, "way {way} at place {place}");
+            }
+        }
+        assert!(places([0, 0], &cells).0.deviations().is_empty(), "it is in its place");
     }
 
     /// The difference of a design to itself is known; those to others no better than each particle knows them, and no worse than

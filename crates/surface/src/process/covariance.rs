@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::exponential::exp_of_minus;
 use crate::lanes::{LANES, Lanes};
 use crate::process::places::Places;
+use crate::process::sites::Units;
 
 /// What is made of the simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -147,7 +148,7 @@ impl<'a> Covariance<'a> {
     /// Covariances of places (rows) with others (columns), without noise.
     #[must_use]
     pub fn between(&self, rows: &Places, columns: &Places) -> Mat<f64> {
-        let mut matrix = Parts::between(rows, columns, &|s| s).covariance(self.structure, self.hyper);
+        let mut matrix = Parts::between(rows, columns, Units::NONE).covariance(self.structure, self.hyper);
         matrix.col_iter_mut().for_each(|column| column.iter_mut().for_each(|value| *value += self.constant - CONSTANT));
         matrix
     }
@@ -155,7 +156,7 @@ impl<'a> Covariance<'a> {
     /// Variance at each place, without noise.
     #[must_use]
     pub fn variances(&self, places: &Places) -> Vec<f64> {
-        let variances = prior_variances(places, self.structure, self.hyper, &|s| s);
+        let variances = prior_variances(places, self.structure, self.hyper, Units::NONE);
         variances.into_iter().map(|variance| variance + self.constant - CONSTANT).collect()
     }
 }
@@ -172,18 +173,23 @@ pub(crate) struct Parts<'a> {
     trend: Mat<f64>,
     /// What the simulation says, centered and scaled.
     simulated: Option<[Vec<f64>; 2]>,
+    /// What that may be off by, scaled.
+    deviations: Vec<[Vec<f64>; 2]>,
 }
 
 impl<'a> Parts<'a> {
-    /// Between these places; `simulated` maps a simulated response to the centered and scaled one.
-    pub(crate) fn between(rows: &'a Places, columns: &Places, simulated: &dyn Fn(f64) -> f64) -> Self {
+    /// Between these places, in these units.
+    pub(crate) fn between(rows: &'a Places, columns: &Places, units: Units) -> Self {
         let (left, right) = (rows.trend(), columns.trend());
         let mut trend = Mat::zeros(rows.n_places(), columns.n_places());
         matmul(trend.as_mut(), Accum::Replace, &left, right.transpose(), 1.0, Par::Seq);
-        let scaled = |places: &Places| Some(places.simulated()?.iter().map(|&s| simulated(s)).collect());
+        let scaled = |places: &Places| Some(places.simulated()?.iter().map(|&s| units.simulated(s)).collect());
         let simulated = scaled(rows).zip(scaled(columns)).map(|(rows, columns)| [rows, columns]);
+        let scaled = |all: &Vec<f64>| all.iter().map(|&deviation| units.deviation(deviation)).collect();
+        let deviations = rows.deviations().iter().zip(columns.deviations());
+        let deviations = deviations.map(|(rows, columns)| [scaled(rows), scaled(columns)]).collect();
         let columns = (0..columns.n_places()).map(|place| columns.point(place)).collect();
-        Self { rows, columns, trend, simulated }
+        Self { rows, columns, trend, simulated, deviations }
     }
 
     /// The covariance without noise, a row per place of `rows`.
@@ -227,9 +233,11 @@ impl<'a> Parts<'a> {
         into: &mut [f64],
     ) {
         if let (SimulationUse::Scaled, Some([rows, columns])) = (structure.simulation, &self.simulated) {
-            let factor = hyper.simulation * columns[column];
-            for (value, t) in into.iter_mut().zip(&rows[first..]) {
-                *value += factor * t;
+            add_times(hyper.simulation * columns[column], &rows[first..], into);
+        }
+        if structure.simulation != SimulationUse::Ignored {
+            for [rows, columns] in &self.deviations {
+                add_times(columns[column], &rows[first..], into);
             }
         }
     }
@@ -281,22 +289,26 @@ impl Pairs<'_> {
 /// Correlations of places side by side with two points; the third are the inverse squared lengths.
 type Correlations = fn(&[Lanes], [&[f64]; 2], &[f64], &mut [Lanes; 2]);
 
-/// The prior variance without noise at places whose simulated response is centered and scaled.
+/// The prior variance without noise at places, in these units.
 pub(crate) fn prior_variances(
     places: &Places,
     structure: Structure,
     hyper: &Hyperparameters,
-    simulated: &dyn Fn(f64) -> f64,
+    units: Units,
 ) -> Vec<f64> {
     let trend = places.trend();
     let residual: f64 = hyper.matern_terms(structure).iter().map(|term| term.variance).sum();
     let simulation = |place: usize| match (structure.simulation, places.simulated()) {
-        (SimulationUse::Scaled, Some(all)) => hyper.simulation * simulated(all[place]).powi(2),
+        (SimulationUse::Scaled, Some(all)) => hyper.simulation * units.simulated(all[place]).powi(2),
         _ => 0.0,
+    };
+    let deviation = |place: usize| match structure.simulation {
+        SimulationUse::Ignored => 0.0,
+        _ => places.deviations().iter().map(|all| units.deviation(all[place]).powi(2)).sum(),
     };
     let of_trend = |place: usize| (0..trend.ncols()).map(|column| trend[(place, column)].powi(2)).sum::<f64>();
     (0..places.n_places())
-        .map(|place| CONSTANT + hyper.trend * of_trend(place) + simulation(place) + residual)
+        .map(|place| CONSTANT + hyper.trend * of_trend(place) + simulation(place) + deviation(place) + residual)
         .collect()
 }
 

@@ -51,8 +51,7 @@ pub(crate) struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     pub(crate) fn of(sites: &'a Sites) -> Self {
-        let units = sites.units();
-        let parts = Parts::between(sites.places(), sites.places(), &|s| units.simulated(s));
+        let parts = Parts::between(sites.places(), sites.places(), sites.units());
         Self { sites, parts }
     }
 
@@ -189,7 +188,7 @@ impl GaussianProcess {
 
     fn parts<'a>(&self, rows: &'a Places, columns: &Places) -> Parts<'a> {
         let units = self.sites.units();
-        Parts::between(rows, columns, &|s| units.simulated(s))
+        Parts::between(rows, columns, units)
     }
 
     /// What the prior expects at each place, scaled.
@@ -268,7 +267,7 @@ impl GaussianProcess {
             explained.iter_mut().zip(column.iter()).for_each(|(sum, value)| *sum += value * value);
         }
         let units = self.sites.units();
-        let prior = prior_variances(places, self.structure, &self.hyper, &|s| units.simulated(s));
+        let prior = prior_variances(places, self.structure, &self.hyper, units);
         let variances = prior.iter().zip(&explained).map(|(prior, explained)| (prior - explained).max(0.0));
         Marginals {
             means: means.iter().map(|mean| units.center + units.scale * mean).collect(),
@@ -294,7 +293,7 @@ impl GaussianProcess {
         let units = self.sites.units();
         let first = places.select(&[0]);
         let with_first = self.parts(places, &first).covariance(self.structure, &self.hyper);
-        let prior = prior_variances(places, self.structure, &self.hyper, &|s| units.simulated(s));
+        let prior = prior_variances(places, self.structure, &self.hyper, units);
         let variance = |place: usize| {
             let column = whitened.col(place);
             let own = prior[place] - column.squared_norm_l2();

@@ -26,7 +26,7 @@ impl GaussianProcess {
     /// # Errors
     ///
     /// [`Error::Length`] unless there is one place of as many factors as the sites have, and one slope of the simulation per
-    /// axis where the process uses one.
+    /// axis where the process uses one; [`Error::Parameter`] where that simulation may be off ([`Places::with_deviations`]).
     pub fn gradient(&self, place: &Places, simulated: Option<&[f64]>) -> Result<Gradient, Error> {
         let k = self.sites().places().n_factors();
         let length = |name, expected, found| Err(Error::Length { name, expected, found });
@@ -37,6 +37,11 @@ impl GaussianProcess {
             return length("coordinates", k, place.n_factors());
         }
         let uses_it = self.structure().simulation != SimulationUse::Ignored;
+        let n_ways = place.deviations().len();
+        if uses_it && n_ways > 0 {
+            let allowed = "0: how they change with the place is not known";
+            return Err(Error::Parameter { name: "deviations of the simulation", value: n_ways as f64, allowed });
+        }
         let slopes = match simulated.filter(|_| uses_it) {
             Some(slopes) if slopes.len() != k => return length("slopes of the simulation", k, slopes.len()),
             Some(slopes) => slopes.to_vec(),

@@ -15,6 +15,8 @@ pub struct Places {
     /// Coordinate j of all places, one axis after the other.
     axes: Vec<f64>,
     simulated: Option<Vec<f64>>,
+    /// What the simulated responses may be off by: one per place, one column for each way.
+    deviations: Vec<Vec<f64>>,
 }
 
 impl Places {
@@ -36,7 +38,7 @@ impl Places {
         }
         let n_places = coordinates.len() / n_factors;
         let axes = (0..n_factors).flat_map(|axis| coordinates.iter().skip(axis).step_by(n_factors)).copied();
-        Ok(Self { n_factors, n_places, axes: axes.collect(), simulated: None })
+        Ok(Self { n_factors, n_places, axes: axes.collect(), simulated: None, deviations: Vec::new() })
     }
 
     /// The same points with the simulated response at each.
@@ -54,6 +56,28 @@ impl Places {
             return Err(Error::Value { point, value: simulated[point], most });
         }
         self.simulated = Some(simulated);
+        Ok(self)
+    }
+
+    /// The same places where the simulated responses are not quite known: each column is a way in which they may be off, by a
+    /// standard deviation at each place, all together. A simulation of which the place is not known well is off by what it says
+    /// next to that.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Length`] unless each column has one per place, and all are simulated, [`Error::Value`].
+    pub fn with_deviations(mut self, deviations: Vec<Vec<f64>>) -> Result<Self, Error> {
+        let expected = if self.simulated.is_some() { self.n_places } else { 0 };
+        let most = crate::Data::LARGEST;
+        for column in &deviations {
+            if column.len() != expected {
+                return Err(Error::Length { name: "deviations of simulated responses", expected, found: column.len() });
+            }
+            if let Some(point) = column.iter().position(|d| d.is_nan() || d.abs() > most) {
+                return Err(Error::Value { point, value: column[point], most });
+            }
+        }
+        self.deviations = deviations;
         Ok(self)
     }
 
@@ -75,6 +99,12 @@ impl Places {
         self.simulated.as_deref()
     }
 
+    /// The ways in which the simulated responses may be off.
+    #[must_use]
+    pub fn deviations(&self) -> &[Vec<f64>] {
+        &self.deviations
+    }
+
     /// Coordinates of one point.
     #[must_use]
     pub fn point(&self, place: usize) -> Vec<f64> {
@@ -85,8 +115,9 @@ impl Places {
     #[must_use]
     pub fn select(&self, places: &[usize]) -> Self {
         let axes = (0..self.n_factors).flat_map(|axis| places.iter().map(move |&place| self.axis(axis)[place]));
-        let simulated = self.simulated.as_ref().map(|all| places.iter().map(|&place| all[place]).collect());
-        Self { n_factors: self.n_factors, n_places: places.len(), axes: axes.collect(), simulated }
+        let some = |all: &Vec<f64>| places.iter().map(|&place| all[place]).collect();
+        let (simulated, deviations) = (self.simulated.as_ref().map(some), self.deviations.iter().map(some).collect());
+        Self { n_factors: self.n_factors, n_places: places.len(), axes: axes.collect(), simulated, deviations }
     }
 
     /// These points in their order, at most so many at a time.
@@ -94,19 +125,22 @@ impl Places {
         (0..self.n_places).step_by(most).map(move |first| {
             let range = first..self.n_places.min(first + most);
             let axes = (0..self.n_factors).flat_map(|axis| self.axis(axis)[range.clone()].iter().copied()).collect();
-            let simulated = self.simulated.as_ref().map(|all| all[range.clone()].to_vec());
-            Self { n_factors: self.n_factors, n_places: range.len(), axes, simulated }
+            let some = |all: &Vec<f64>| all[range.clone()].to_vec();
+            let (simulated, deviations) =
+                (self.simulated.as_ref().map(some), self.deviations.iter().map(some).collect());
+            Self { n_factors: self.n_factors, n_places: range.len(), axes, simulated, deviations }
         })
     }
 
-    /// These points and then others, of as many factors; simulated only where both are.
+    /// These points and then others, of as many factors; simulated only where both are, and off in as many ways as both are.
     #[must_use]
     pub fn followed_by(&self, other: &Self) -> Self {
         let axes =
             (0..self.n_factors).flat_map(|axis| self.axis(axis).iter().chain(other.axis(axis))).copied().collect();
-        let both = self.simulated.as_ref().zip(other.simulated.as_ref());
-        let simulated = both.map(|(own, others)| own.iter().chain(others).copied().collect());
-        Self { n_factors: self.n_factors, n_places: self.n_places + other.n_places, axes, simulated }
+        let one = |(own, others): (&Vec<f64>, &Vec<f64>)| own.iter().chain(others).copied().collect();
+        let simulated = self.simulated.as_ref().zip(other.simulated.as_ref()).map(one);
+        let deviations = self.deviations.iter().zip(&other.deviations).map(one).collect();
+        Self { n_factors: self.n_factors, n_places: self.n_places + other.n_places, axes, simulated, deviations }
     }
 
     pub(crate) fn axis(&self, axis: usize) -> &[f64] {

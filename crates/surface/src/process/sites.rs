@@ -21,6 +21,9 @@ pub struct Sites {
     assemblies: Option<Vec<usize>>,
     /// Axes that a part of the response depends on alone; none where there is no such part.
     additive: Vec<usize>,
+    /// The first measurement of each entry.
+    firsts: Vec<usize>,
+    n_measured: usize,
 }
 
 /// These are axes of a space of so many factors, none of them twice.
@@ -47,6 +50,14 @@ pub(crate) struct Units {
 }
 
 impl Units {
+    /// Those in which a number stays what it is.
+    pub(crate) const NONE: Self = Self { center: 0.0, scale: 1.0, simulated_center: 0.0 };
+
+    /// What a simulated response may be off by, scaled as the values are.
+    pub(crate) fn deviation(&self, d: f64) -> f64 {
+        d / self.scale
+    }
+
     /// A simulated response, centered and scaled as the values are.
     pub(crate) fn simulated(&self, s: f64) -> f64 {
         (s - self.simulated_center) / self.scale
@@ -114,6 +125,8 @@ impl Sites {
             units,
             assemblies: assemblies.map(|of| groups.iter().map(|group| of[group[0]]).collect()),
             additive: Vec::new(),
+            firsts: groups.iter().map(|group| group[0]).collect(),
+            n_measured: data.n_points(),
         })
     }
 
@@ -146,6 +159,24 @@ impl Sites {
     pub fn with_additive(self, axes: Vec<usize>) -> Result<Self, Error> {
         check_axes(&axes, self.places.n_factors())?;
         Ok(Self { additive: axes, ..self })
+    }
+
+    /// The same where the simulated responses are not quite known, see [`Places::with_deviations`]; each column has one per
+    /// measurement.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Places::with_deviations`].
+    pub fn with_deviations(mut self, deviations: &[Vec<f64>]) -> Result<Self, Error> {
+        let (expected, mut columns) = (self.n_measured, Vec::with_capacity(deviations.len()));
+        for column in deviations {
+            if column.len() != expected {
+                return Err(Error::Length { name: "deviations of simulated responses", expected, found: column.len() });
+            }
+            columns.push(self.firsts.iter().map(|&first| column[first]).collect());
+        }
+        self.places = self.places.with_deviations(columns)?;
+        Ok(self)
     }
 
     /// The places, each in the position of its first measurement among those of the others.

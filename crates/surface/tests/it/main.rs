@@ -15,6 +15,7 @@ mod process;
 mod process_additive;
 mod process_assemblies;
 mod process_covariance;
+mod process_deviations;
 mod process_feasibility;
 mod process_gradient;
 mod process_regressor;
