@@ -352,8 +352,8 @@ class PooledLoop:
     """Which experiments to run next, what they taught, and when to stop.
 
     A response is to be made small. `n_experiments` is the size of a batch. The simulation is run wherever it is needed;
-    where it is dear, `simulations` limits how many there are per batch, and `due` says which. One that is not dear may be
-    displaced: right of another design than of the one it is asked for. How far is learnt, unless `displaced` is false.
+    where it is dear, `simulations` limits how many there are per batch, and `due` says which. It may be displaced: right of
+    another design than of the one it is asked for. How far is learnt, unless `displaced` is false.
     `noise` is the standard deviation of a reading, where it is known. With `worth` the campaign stops once no design is better than the
     recommended one by more than this, with the probability `confidence`. `smooth` says that the response surely has no
     narrow well, for which the certificate otherwise holds something in reserve, and `least` that no response can be less.

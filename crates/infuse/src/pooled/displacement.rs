@@ -24,6 +24,16 @@ impl Displacement {
         axes.map(|((step, count), parameter)| share(*step, *count) * parameter.width()).collect()
     }
 
+    /// In coded units along each axis of a place.
+    pub(crate) fn coded(&self, designs: &Designs) -> Vec<f64> {
+        let mut coded = vec![0.0; designs.n_factors()];
+        let steps = self.0.iter().zip(designs.combinations().counts()).enumerate();
+        for (parameter, (step, count)) in steps.filter(|(_, (step, _))| **step != 0) {
+            designs.axes_of(&[parameter]).into_iter().for_each(|axis| coded[axis] = 2.0 * share(*step, *count));
+        }
+        coded
+    }
+
     /// The design whose simulation tells of this one; the nearest one at a bound. Where that is none, it tells of itself.
     pub(crate) fn of(&self, designs: &Designs, cell: Cell) -> Cell {
         self.moved(designs, cell, 1)

@@ -14,7 +14,7 @@ use crate::pooled::designs::Designs;
 use crate::pooled::displacement::Displacement;
 use crate::pooled::held::{Chances, Expected, Held};
 use crate::pooled::measurements::{Measurements, Reading};
-use crate::pooled::registration::registered;
+use crate::pooled::registration::{Emulation, Runs, registered};
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Column, Simulated, Source};
 use crate::pooled::streams::{Purpose, stream};
@@ -74,10 +74,21 @@ impl<'a, 's> Knowledge<'a, 's> {
     ) -> Result<Self, Error> {
         let Measurements { readings, constrained, failed, refused } = measurements;
         let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
-        if let (true, Source::Cheap { simulate, displacement }) = (settings.displaced, &mut source) {
+        if settings.displaced {
             // The same ones are tried in every batch, so that only new readings take new simulations.
             let mut rng = stream(settings.seed, Purpose::Displacement, 0);
-            *displacement = registered(readings, designs, &mut rng, simulated, &mut **simulate)?;
+            let displacement = match &mut source {
+                Source::Nothing => Displacement::default(),
+                Source::Cheap { simulate, .. } => {
+                    let mut runs = Runs { simulated: &mut *simulated, simulate: &mut **simulate };
+                    registered(readings, designs, &mut rng, &mut runs)?
+                }
+                Source::Emulated { emulator, .. } => {
+                    let mut emulation = Emulation::of(emulator, simulated);
+                    registered(readings, designs, &mut rng, &mut emulation)?
+                }
+            };
+            source.displace(displacement, designs);
         }
         let places = source.places(designs, &cells, simulated)?;
         let all: Vec<&Reading> = readings.iter().collect();
@@ -129,10 +140,12 @@ impl<'a, 's> Knowledge<'a, 's> {
 
     /// How far the simulation is displaced, if it is.
     pub(crate) fn displacement(&self) -> Option<&Displacement> {
-        match &self.source {
-            Source::Cheap { displacement, .. } if !displacement.is_none() => Some(displacement),
-            _ => None,
-        }
+        self.source.displacement()
+    }
+
+    /// The design whose simulation tells of this one.
+    pub(crate) fn simulated_at(&self, cell: Cell) -> Cell {
+        self.displacement().map_or(cell, |displacement| displacement.of(self.designs, cell))
     }
 
     /// The designs for which the simulation says least.
@@ -179,7 +192,7 @@ impl<'a, 's> Knowledge<'a, 's> {
     /// Which of the cells to simulate next, those first of which the emulator knows least; none where there is no emulator.
     pub(crate) fn least_simulated(&self, cells: &[Cell], count: usize) -> Result<Vec<Cell>, Error> {
         match &self.source {
-            Source::Emulated(emulator) => emulator.most_uncertain(self.designs, cells, count),
+            Source::Emulated { emulator, .. } => emulator.most_uncertain(self.designs, cells, count),
             _ => Ok(Vec::new()),
         }
     }

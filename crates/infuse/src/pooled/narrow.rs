@@ -10,10 +10,9 @@ use crate::pooled::pool::Pool;
 /// So many times as wide a well of the response counts as narrow as that of the simulation.
 const AS_NARROW: f64 = 1.5;
 
-/// The share of all designs that the best well of the simulation takes: those that are nearer to its best than to its median; `expected` is the
-/// response of the recommended design. None where
-/// there is no simulation or none that has a well; nor where the response has a well that is as narrow, and as many designs were run in
-/// it as a quadratic has terms: it was not only met, but seen.
+/// The share of all designs that the best well of the simulation takes: those that are nearer to its best than to its median. None where
+/// there is no simulation or none that has a well; nor where the response, `expected` at the recommended design, has a well that is as
+/// narrow, and as many designs were run in it as a quadratic has terms: it was not only met, but seen.
 ///
 /// A simulation that has wells of one or two designs says that the response may have such wells, too, wherever: a few runs meet none, and
 /// the surface is then sure of what lies between them.

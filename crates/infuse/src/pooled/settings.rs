@@ -15,12 +15,12 @@ pub struct Settings {
     /// Experiments per batch, at least 1.
     pub n_experiments: usize,
     /// Simulations per batch, where they are dear: the loop then says which to run, and a surface through them stands for the
-    /// others. The experiments' own settings are simulated first, and may alone be more. Default: the simulation is cheap, and
-    /// run wherever it is needed.
+    /// others. The experiments' own settings are simulated first, and may alone be more; where the simulation is displaced, the
+    /// settings that tell of them. Default: the simulation is cheap, and run wherever it is needed.
     #[serde(default)]
     pub simulations: Option<usize>,
-    /// Whether a simulation that is cheap may be displaced: right not of the design that it is asked for but of one that is so much farther
-    /// along each axis. By how much is learnt, and believed where the readings are sure of it. Default true.
+    /// Whether the simulation may be displaced: right not of the design that it is asked for but of one that is so much farther along each
+    /// axis. By how much is learnt, and believed where the readings are sure of it. Default true.
     #[serde(default = "default_displaced", skip_serializing_if = "is_true")]
     pub displaced: bool,
     /// Limit on the batches. Default 10.

@@ -1,5 +1,6 @@
 //! What the simulation said, cell by cell, and what it would say elsewhere.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use design_space::Cell;
@@ -169,10 +170,10 @@ impl Simulated {
     }
 
     /// The response at a cell that was simulated aside, or the same as [`Self::at_or_near`].
-    pub(crate) fn aside_or_near(&self, designs: &Designs, cell: Cell) -> Result<Option<f64>, Error> {
-        match self.aside.get(&cell) {
-            Some(Some(responses)) => Ok(Some(responses.objective)),
-            _ => self.at_or_near(designs, cell, Column::Objective),
+    pub(crate) fn aside_or_near(&self, designs: &Designs, cell: Cell, column: Column) -> Result<Option<f64>, Error> {
+        match self.aside.get(&cell).and_then(|outcome| column.of(outcome.as_ref()?)) {
+            Some(response) => Ok(Some(response)),
+            None => self.at_or_near(designs, cell, column),
         }
     }
 
@@ -205,7 +206,13 @@ pub(crate) enum Source<'a> {
         displacement: Displacement,
     },
     /// It is run at few cells, and a surface through those tells the others.
-    Emulated(Emulator),
+    Emulated {
+        emulator: Emulator,
+        /// How far it is displaced,
+        displacement: Displacement,
+        /// and that in coded units.
+        coded: Vec<f64>,
+    },
 }
 
 impl<'a> Source<'a> {
@@ -217,7 +224,7 @@ impl<'a> Source<'a> {
         simulate: Option<&'a mut dyn Simulate>,
     ) -> Result<Self, Error> {
         Ok(match (settings.simulations, simulate) {
-            (Some(_), _) => Emulator::of(simulated, designs, settings)?.map_or(Self::Nothing, Self::Emulated),
+            (Some(_), _) => Emulator::of(simulated, designs, settings)?.map_or(Self::Nothing, Self::emulated),
             (None, Some(simulate)) => Self::cheap(simulate),
             (None, None) => Self::Nothing,
         })
@@ -229,9 +236,36 @@ impl<'a> Source<'a> {
     pub(crate) fn cheap(simulate: &'a mut dyn Simulate) -> Self {
         Self::Cheap { simulate, displacement: Displacement::default() }
     }
+
+    /// One that a surface tells of, displaced by nothing.
+    pub(crate) fn emulated(emulator: Emulator) -> Self {
+        Self::Emulated { emulator, displacement: Displacement::default(), coded: Vec::new() }
+    }
 }
 
 impl Source<'_> {
+    /// Takes what is said from elsewhere.
+    pub(crate) fn displace(&mut self, by: Displacement, designs: &Designs) {
+        match self {
+            Self::Nothing => {}
+            Self::Cheap { displacement, .. } => *displacement = by,
+            Self::Emulated { displacement, coded, .. } => {
+                *coded = by.coded(designs);
+                *displacement = by;
+            }
+        }
+    }
+
+    /// How far the simulation is displaced, if it is.
+    pub(crate) fn displacement(&self) -> Option<&Displacement> {
+        match self {
+            Self::Cheap { displacement, .. } | Self::Emulated { displacement, .. } => {
+                Some(displacement).filter(|displacement| !displacement.is_none())
+            }
+            Self::Nothing => None,
+        }
+    }
+
     /// Cells with what the simulation says at each; nothing is said if it never gave a response. Where it is displaced, its place is
     /// known to a step of the search alone: it may be off by what it says next to there.
     pub(crate) fn places(
@@ -240,27 +274,26 @@ impl Source<'_> {
         cells: &[Cell],
         simulated: &mut Simulated,
     ) -> Result<Places, Error> {
-        let known =
-            |source: &Self, simulated: &Simulated| source.known_places(designs, cells, simulated, Column::Objective);
-        let Self::Cheap { simulate, displacement } = self else { return known(self, simulated) };
-        let there: Vec<Cell> = cells.iter().map(|&cell| displacement.of(designs, cell)).collect();
-        simulated.run(designs, &there, &mut **simulate)?;
-        if displacement.is_none() {
-            return known(self, simulated);
+        let there = self.there(designs, cells);
+        let around = if self.displacement().is_some() { next_to(designs, &there) } else { Vec::new() };
+        if let Self::Cheap { simulate, .. } = self {
+            simulated.run(designs, &there, &mut **simulate)?;
+            simulated.run_aside(designs, &around.concat(), &mut **simulate)?;
         }
-        let around = next_to(designs, &there);
-        simulated.run_aside(designs, &around.concat(), &mut **simulate)?;
-        let places = known(self, simulated)?;
+        let places = self.known_places(designs, cells, simulated, Column::Objective)?;
         let Some(here) = places.simulated() else { return Ok(places) };
-        let deviations = |next: &Vec<Cell>| {
-            let of_one = |(&cell, here): (&Cell, &f64)| {
-                let there = simulated.aside_or_near(designs, cell)?;
-                Ok(WITHIN_A_STEP * (there.unwrap_or(*here) - here))
-            };
-            next.iter().zip(here).map(of_one).collect()
+        let deviations = |next: Vec<Cell>| {
+            let next = self.says(designs, &next, simulated, Column::Objective)?.unwrap_or_else(|| here.to_vec());
+            Ok(next.iter().zip(here).map(|(next, here)| WITHIN_A_STEP * (next - here)).collect())
         };
-        let deviations = around.iter().map(deviations).collect::<Result<_, Error>>()?;
+        let deviations = around.into_iter().map(deviations).collect::<Result<_, Error>>()?;
         Ok(places.with_deviations(deviations)?)
+    }
+
+    /// The designs whose simulations tell of these.
+    fn there(&self, designs: &Designs, cells: &[Cell]) -> Vec<Cell> {
+        let there = |displacement: &Displacement| cells.iter().map(|&cell| displacement.of(designs, cell)).collect();
+        self.displacement().map_or_else(|| cells.to_vec(), there)
     }
 
     /// The same for any response, of cells that were simulated if that is cheap.
@@ -272,32 +305,38 @@ impl Source<'_> {
         column: Column,
     ) -> Result<Places, Error> {
         let places = designs.places(cells)?;
-        let responses: Option<Vec<f64>> = match self {
-            Self::Nothing => None,
-            Self::Cheap { displacement, .. } => {
-                let said = |&cell: &Cell| simulated.at_or_near(designs, displacement.of(designs, cell), column);
-                cells.iter().map(said).collect::<Result<_, _>>()?
-            }
-            Self::Emulated(emulator) => emulator.process(column).map(|process| {
-                let means = process.means(&places);
-                cells.iter().zip(means).map(|(&cell, mean)| simulated.at(cell, column).unwrap_or(mean)).collect()
-            }),
-        };
-        match responses {
+        match self.says(designs, &self.there(designs, cells), simulated, column)? {
             Some(responses) => Ok(places.with_simulated(responses)?),
             None => Ok(places),
         }
     }
 
+    /// What is known of the simulation of these cells themselves; none where it never gave this response.
+    fn says(
+        &self,
+        designs: &Designs,
+        cells: &[Cell],
+        simulated: &Simulated,
+        column: Column,
+    ) -> Result<Option<Vec<f64>>, Error> {
+        match self {
+            Self::Nothing => Ok(None),
+            Self::Cheap { .. } => cells.iter().map(|&cell| simulated.aside_or_near(designs, cell, column)).collect(),
+            Self::Emulated { emulator, .. } => emulator.says(designs, cells, simulated, column),
+        }
+    }
+
     /// The simulated responses at places together; nothing where they are known.
     pub(crate) fn joint(&self, places: &Places, column: Column) -> Option<Joint> {
-        Some(self.emulated(column)?.joint(places))
+        let (process, there) = self.emulation(places, column)?;
+        Some(process.joint(&there))
     }
 
     /// The variances of the differences of simulated responses to the first; nothing where they are known.
     pub(crate) fn variances_from_first(&self, places: &Places) -> Option<Vec<f64>> {
         let mut sum = vec![0.0; places.n_places()];
-        let of_each = self.emulated(Column::Objective)?.contrasts(places);
+        let (process, there) = self.emulation(places, Column::Objective)?;
+        let of_each = process.contrasts(&there);
         for contrast in &of_each {
             let pairs = sum.iter_mut().zip(&contrast.variances);
             pairs.for_each(|(sum, variance)| *sum += variance / of_each.len() as f64);
@@ -307,14 +346,15 @@ impl Source<'_> {
 
     /// The variances of the simulated responses; nothing where they are known.
     pub(crate) fn variances(&self, places: &Places, column: Column) -> Option<Vec<f64>> {
-        Some(self.emulated(column)?.marginals(places).variances)
+        let (process, there) = self.emulation(places, column)?;
+        Some(process.marginals(&there).variances)
     }
 
-    fn emulated(&self, column: Column) -> Option<&AveragedProcess> {
-        match self {
-            Self::Emulated(emulator) => emulator.process(column),
-            _ => None,
-        }
+    /// The surface that tells of them, and the places whose simulations tell of these.
+    fn emulation<'p>(&self, places: &'p Places, column: Column) -> Option<(&AveragedProcess, Cow<'p, Places>)> {
+        let Self::Emulated { emulator, displacement, coded } = self else { return None };
+        let there = if displacement.is_none() { Cow::Borrowed(places) } else { Cow::Owned(places.moved(coded)) };
+        Some((emulator.process(column)?, there))
     }
 }
 
@@ -368,6 +408,19 @@ impl Emulator {
             Column::Objective => Some(&self.objective),
             Column::Constrained(index) => self.constrained.get(index)?.as_ref(),
         }
+    }
+
+    /// What it says of cells; what was simulated is known.
+    pub(crate) fn says(
+        &self,
+        designs: &Designs,
+        cells: &[Cell],
+        simulated: &Simulated,
+        column: Column,
+    ) -> Result<Option<Vec<f64>>, Error> {
+        let Some(process) = self.process(column) else { return Ok(None) };
+        let means = process.means(&designs.places(cells)?);
+        Ok(Some(cells.iter().zip(means).map(|(&cell, mean)| simulated.at(cell, column).unwrap_or(mean)).collect()))
     }
 
     /// Which of the cells to simulate next, most uncertain first, each pick counted in: at most `count`.
@@ -463,6 +516,30 @@ mod tests {
         assert!(places([0, 0], &cells).0.deviations().is_empty(), "it is in its place");
     }
 
+    /// What an emulator knows of a design that is told of by a simulated one is all there is to know; of one that was simulated itself it
+    /// is that of the design two levels farther on.
+    #[test]
+    fn a_displaced_emulator_knows_designs_by_others() {
+        let (designs, mut simulated) = (designs(), Simulated::default());
+        for (x, y, response) in [(0, 0, 1.0), (10, 10, 2.0), (3, 7, 0.5), (8, 1, 1.7)] {
+            simulated.insert(cell(&designs, x, y), Some(Responses::from(response)));
+        }
+        let emulator = Emulator::of(&simulated, &designs, &Settings::new(5)).unwrap().unwrap();
+        let mut source = Source::emulated(emulator);
+        let cells = [(1, 8), (3, 7), (9, 10)].map(|(x, y)| cell(&designs, x, y));
+        let in_place = source.places(&designs, &cells, &mut simulated).unwrap();
+        let farther_on = cell(&designs, 5, 6);
+        let expected = source.places(&designs, &[farther_on], &mut simulated).unwrap();
+        let variance = source.variances(&expected, Column::Objective).unwrap()[0];
+        source.displace(Displacement(vec![2, -1]), &designs);
+        let places = source.places(&designs, &cells, &mut simulated).unwrap();
+        assert_eq!(places.simulated().unwrap()[0].to_bits(), 0.5_f64.to_bits(), "of the design at 3 and 7");
+        assert!((places.simulated().unwrap()[1] - expected.simulated().unwrap()[0]).abs() < 1e-12);
+        let found = source.variances(&places, Column::Objective).unwrap();
+        assert!(found[0] < 1e-6 && (found[1] - variance).abs() < 1e-9 && variance > 1e-3, "{found:?}, {variance}");
+        assert_eq!((in_place.deviations().len(), places.deviations().len()), (0, 4));
+    }
+
     /// The difference of a design to itself is known; those to others no better than each particle knows them, and no worse than
     /// all of them together.
     #[test]
@@ -471,7 +548,7 @@ mod tests {
         for (x, y, response) in [(0, 0, 1.0), (10, 10, 2.0), (3, 7, 0.5), (8, 1, 1.7)] {
             simulated.insert(cell(&designs, x, y), Some(Responses::from(response)));
         }
-        let source = Source::Emulated(Emulator::of(&simulated, &designs, &Settings::new(5)).unwrap().unwrap());
+        let source = Source::emulated(Emulator::of(&simulated, &designs, &Settings::new(5)).unwrap().unwrap());
         let cells = [(5, 5), (0, 0), (5, 5), (10, 0)].map(|(x, y)| cell(&designs, x, y));
         let places = designs.places(&cells).unwrap();
         let found = source.variances_from_first(&places).unwrap();

@@ -1,5 +1,7 @@
 //! One turn of the pooled loop.
 
+use std::collections::BTreeSet;
+
 use design_space::Cell;
 use rand::RngExt;
 
@@ -103,11 +105,19 @@ fn simulations_of_a_batch(
     cells: &[Cell],
     budget: usize,
 ) -> Result<Vec<Cell>, Error> {
-    let mut due: Vec<Cell> = cells.iter().copied().filter(|&cell| !knowledge.simulated.contains(cell)).collect();
-    due.sort_unstable();
-    due.dedup();
-    let new = pool.cells.iter().copied().filter(|cell| !knowledge.simulated.contains(*cell) && !due.contains(cell));
-    let new: Vec<Cell> = new.collect();
+    let there = |cells: &[Cell]| -> BTreeSet<Cell> {
+        let there = cells.iter().map(|&cell| knowledge.simulated_at(cell));
+        there.filter(|&cell| !knowledge.simulated.contains(cell)).collect()
+    };
+    let mut due: Vec<Cell> = there(cells).into_iter().collect();
+    if knowledge.displacement().is_some() {
+        // What was measured before is compared with other simulations now than with those that were run for it.
+        let others: Vec<Cell> = there(&knowledge.measured).into_iter().filter(|cell| !due.contains(cell)).collect();
+        due.extend(others.into_iter().take(budget.saturating_sub(due.len())));
+    }
+    let mut seen: BTreeSet<Cell> = due.iter().copied().collect();
+    let new = pool.cells.iter().map(|&cell| knowledge.simulated_at(cell));
+    let new: Vec<Cell> = new.filter(|&cell| !knowledge.simulated.contains(cell) && seen.insert(cell)).collect();
     due.extend(knowledge.least_simulated(&new, budget.saturating_sub(due.len()))?);
     Ok(due)
 }

@@ -202,6 +202,48 @@ fn dear_simulations_keep_to_their_budget_and_are_emulated() {
     }
 }
 
+/// Of a dear simulation that is right of another design few runs tell, too; once it is found out, it is run where it tells of experiments.
+#[test]
+fn dear_simulations_that_are_displaced_are_found_out_and_run_elsewhere() {
+    // Two wells; a simulation has both a tenth of the range farther on along the first axis.
+    let wells = |x: f64, y: f64| {
+        let well = |a: f64, b: f64, depth: f64| depth * (-((x - a).powi(2) + (y - b).powi(2)) / 0.1).exp();
+        1.0 - well(0.3, 0.6, 1.0) - well(0.7, 0.3, 0.7)
+    };
+    let mut settings = batches(12, 4, 1);
+    settings.simulations = Some(30);
+    let mut campaign = campaign(2, 21, settings);
+    let mut read = noisy(1, 0.01, |point| wells(point[0], point[1]));
+    let (mut simulated, mut n_displaced) = (BTreeSet::new(), 0);
+    loop {
+        let known = campaign.assess(None).expect("a fit").and_then(|found| found.displacement);
+        let Ask::Run { trials, simulations } = campaign.ask(None).expect("something to run") else { break };
+        assert!(simulations.len() <= 30, "{} simulations", simulations.len());
+        for &cell in &simulations {
+            let point = campaign.grid().point(cell).expect("a cell of the grid");
+            let outcome = Outcome::Value(wells(point[0] - 0.2, point[1]));
+            campaign.tell_simulation(cell, &outcome).expect("a cell of the grid");
+        }
+        simulated.extend(simulations);
+        let there = |point: &[f64]| {
+            let by = known.clone().unwrap_or(vec![0.0; 2]);
+            let there: Vec<f64> = point.iter().zip(by).map(|(x, by)| (x + by).clamp(-1.0, 1.0)).collect();
+            campaign.grid().nearest(&there).expect("a place of the grid")
+        };
+        assert!(trials.iter().all(|trial| simulated.contains(&there(&trial.point))), "displaced by {known:?}");
+        n_displaced += usize::from(known.is_some());
+        for trial in trials {
+            campaign.tell(trial.id, Outcome::Value(read(&trial).expect("a reading"))).expect("an outstanding trial");
+        }
+    }
+    assert!(n_displaced >= 1, "it is found out before the last batch");
+    let found = campaign.assess(None).expect("a fit").expect("responses");
+    let displacement = found.displacement.expect("it is displaced");
+    assert!((displacement[0] - 0.2).abs() < 0.101 && displacement[1].abs() < 0.101, "{displacement:?}");
+    let missing = wells(found.recommended.point[0], found.recommended.point[1]) - wells(0.3, 0.6);
+    assert!(missing < 0.02, "{missing} is missing at {:?}", found.recommended.point);
+}
+
 #[test]
 fn simulation_that_fails_or_is_constant_or_nonsense_is_survived() {
     type Broken = fn(Cell, &[f64]) -> Result<f64, String>;

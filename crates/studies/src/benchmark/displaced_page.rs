@@ -3,7 +3,8 @@
 use page::{Column, Finding, Table};
 
 use super::families::{DISPLACED, Family};
-use super::results::{Displaced, Results};
+use super::methods::DEAR;
+use super::results::{Beside, Displaced, Results};
 use super::summary::{Paired, paired, percent, promised, regret};
 use super::task::{BATCHES, DISPLACED_SEEDS};
 
@@ -19,6 +20,18 @@ pub(super) fn section(kept: &Displaced) -> String {
         DISPLACED_SEEDS.start(),
         DISPLACED_SEEDS.end()
     );
+    text += &regrets(&kept.cheap).markdown();
+    text += &format!(
+        "\nThe same where the simulation is dear: {DEAR} runs of it a parameter and batch, as many as the shell makes of a program if nothing is \
+         said, and a surface through those.\n\n"
+    );
+    text += &regrets(&kept.dear).markdown();
+    text += "\nIts certificate there: in how many campaigns it was broken after each batch, and the median of c in % of the range.\n\n";
+    text += &certificates(kept).markdown();
+    text
+}
+
+fn regrets(kept: &Beside) -> Table {
     let mut columns = ["family", "after batch", "pooled loop"].map(Column::words).to_vec();
     columns.extend(kept.others.iter().map(|(words, _)| Column::words(words)));
     let mut table = Table::new(columns);
@@ -34,10 +47,7 @@ pub(super) fn section(kept: &Displaced) -> String {
             table.push(row);
         }
     }
-    text += &table.markdown();
-    text += "\nIts certificate there: in how many campaigns it was broken after each batch, and the median of c in % of the range.\n\n";
-    text += &certificates(&kept.ours).markdown();
-    text
+    table
 }
 
 fn both(results: &Results, family: &Family, batch: usize) -> String {
@@ -47,18 +57,21 @@ fn both(results: &Results, family: &Family, batch: usize) -> String {
     }
 }
 
-fn certificates(ours: &Results) -> Table {
-    let heads = ["family", "campaigns", "broken, by batch", "median c, by batch"];
+fn certificates(kept: &Displaced) -> Table {
+    let heads = ["family", "simulated", "campaigns", "broken, by batch", "median c, by batch"];
     let mut table = Table::new(heads.map(Column::words).to_vec());
-    for family in &DISPLACED {
-        let of_each: Vec<_> = (1..=BATCHES).filter_map(|batch| promised(ours, family, batch)).collect();
-        let list = |of: &dyn Fn(usize) -> String| (0..of_each.len()).map(of).collect::<Vec<_>>().join(", ");
-        table.push(vec![
-            family.name.to_owned(),
-            of_each.first().map_or(0, |one| one.campaigns).to_string(),
-            list(&|batch| of_each[batch].breached.to_string()),
-            list(&|batch| percent(of_each[batch].width)),
-        ]);
+    for (words, one) in [("all", &kept.cheap), ("few", &kept.dear)] {
+        for family in &DISPLACED {
+            let of_each: Vec<_> = (1..=BATCHES).filter_map(|batch| promised(&one.ours, family, batch)).collect();
+            let list = |of: &dyn Fn(usize) -> String| (0..of_each.len()).map(of).collect::<Vec<_>>().join(", ");
+            table.push(vec![
+                family.name.to_owned(),
+                words.to_owned(),
+                of_each.first().map_or(0, |one| one.campaigns).to_string(),
+                list(&|batch| of_each[batch].breached.to_string()),
+                list(&|batch| percent(of_each[batch].width)),
+            ]);
+        }
     }
     table
 }
@@ -66,20 +79,38 @@ fn certificates(ours: &Results) -> Table {
 /// In how many families less is missing, and more, by more than two standard errors; and how often the certificate was broken.
 pub(super) fn finding(kept: &Displaced) -> Finding {
     let head = "Where the simulation is right of another design, by more than two standard errors:";
-    let detail = |(words, other): &(&str, Results)| {
-        let after = AFTER.map(|batch| {
-            let count = |is_so: fn(Paired) -> bool| {
-                let of_each = DISPLACED.iter().filter_map(|family| paired(&kept.ours, other, family, batch));
-                of_each.filter(|pair| is_so(*pair)).count()
-            };
-            let (less, more) = (count(Paired::is_ours_better), count(Paired::is_theirs_better));
-            format!("after batch {batch} less in {less} of {}, more in {more}", DISPLACED.len())
+    let of_all = kept.cheap.others.iter().map(|(words, other)| against(&kept.cheap.ours, words, other, ""));
+    let of_few = kept
+        .dear
+        .others
+        .iter()
+        .map(|(words, other)| against(&kept.dear.ours, words, other, ", where few are simulated"));
+    let certificate = [&kept.cheap, &kept.dear].map(|one| {
+        let promises = DISPLACED.iter().map(|family| {
+            let of_family = (1..=BATCHES).filter_map(|batch| promised(&one.ours, family, batch));
+            let sum = of_family.fold([0, 0], |[n, broken], one| [n + one.campaigns, broken + one.breached]);
+            (family.name, sum)
         });
-        Finding::new(format!("What is missing, against {words}: {}.", after.join("; ")))
-    };
-    let promises = DISPLACED.iter().flat_map(|family| (1..=BATCHES).map(move |batch| (family, batch)));
-    let promises = promises.filter_map(|(family, batch)| promised(&kept.ours, family, batch));
-    let [n, broken] = promises.fold([0, 0], |[n, broken], one| [n + one.campaigns, broken + one.breached]);
-    let certificate = Finding::new(format!("Its certificate was broken after {broken} of {n} batches."));
-    kept.others.iter().map(detail).fold(Finding::new(head), Finding::detail).detail(certificate)
+        let promises: Vec<(&str, [usize; 2])> = promises.collect();
+        let [n, broken] = promises.iter().fold([0, 0], |[n, broken], (_, one)| [n + one[0], broken + one[1]]);
+        let most = promises.iter().max_by_key(|(_, [_, broken])| *broken);
+        most.map_or_else(String::new, |(name, [n_there, broken_there])| {
+            format!("after {broken} of {n} batches, most often on {name}, {broken_there} of {n_there}")
+        })
+    });
+    let [all, few] = certificate;
+    let certificate = Finding::new(format!("Its certificate was broken {all}; where few are simulated {few}."));
+    of_all.chain(of_few).fold(Finding::new(head), Finding::detail).detail(certificate)
+}
+
+fn against(ours: &Results, words: &str, other: &Results, which: &str) -> Finding {
+    let after = AFTER.map(|batch| {
+        let count = |is_so: fn(Paired) -> bool| {
+            let of_each = DISPLACED.iter().filter_map(|family| paired(ours, other, family, batch));
+            of_each.filter(|pair| is_so(*pair)).count()
+        };
+        let (less, more) = (count(Paired::is_ours_better), count(Paired::is_theirs_better));
+        format!("after batch {batch} less in {less} of {}, more in {more}", DISPLACED.len())
+    });
+    Finding::new(format!("What is missing, against {words}{which}: {}.", after.join("; ")))
 }

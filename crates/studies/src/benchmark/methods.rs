@@ -74,43 +74,82 @@ pub(super) const METHODS: &[Method] = &[
     method("random", "random design", random),
 ];
 
-/// Where the simulation is displaced: the loop, and the same loop that takes a simulation as it stands.
-pub(super) const DISPLACED_METHODS: [Method; 2] = [
+/// Where the simulation is displaced, and is run for every design or for few: the loop, and the same loop that takes a simulation as it
+/// stands.
+pub(super) const DISPLACED_METHODS: [Method; 4] = [
     method("pooled-displaced", "pooled loop", pooled_loop),
     method("pooled-in-place", "pooled loop, the simulation taken as it stands", pooled_loop_in_place),
+    method("pooled-dear", "pooled loop", pooled_loop_dear),
+    method("pooled-dear-in-place", "pooled loop, the simulation taken as it stands", pooled_loop_dear_in_place),
 ];
 
+/// Simulations a parameter and batch where they are dear: as many as the shell runs of a program if nothing is said.
+pub(super) const DEAR: usize = 15;
+
+/// What a loop knows of the simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Told {
+    Nothing,
+    /// What it says of any design.
+    All,
+    /// What it says of a few.
+    Few,
+}
+
 fn pooled_loop(task: &Task<'_>) -> Result<Vec<Step>> {
-    pooled_campaign(task, pooled::Settings::new(task.n_experiments), true)
+    pooled_campaign(task, pooled::Settings::new(task.n_experiments), Told::All)
 }
 
 fn pooled_loop_in_place(task: &Task<'_>) -> Result<Vec<Step>> {
-    let mut settings = pooled::Settings::new(task.n_experiments);
-    settings.displaced = false;
-    pooled_campaign(task, settings, true)
+    pooled_campaign(task, in_place(task), Told::All)
+}
+
+fn pooled_loop_dear(task: &Task<'_>) -> Result<Vec<Step>> {
+    pooled_campaign(task, pooled::Settings::new(task.n_experiments), Told::Few)
+}
+
+fn pooled_loop_dear_in_place(task: &Task<'_>) -> Result<Vec<Step>> {
+    pooled_campaign(task, in_place(task), Told::Few)
 }
 
 fn pooled_loop_untold(task: &Task<'_>) -> Result<Vec<Step>> {
-    pooled_campaign(task, pooled::Settings::new(task.n_experiments), false)
+    pooled_campaign(task, pooled::Settings::new(task.n_experiments), Told::Nothing)
 }
 
-fn pooled_campaign(task: &Task<'_>, mut settings: pooled::Settings, is_told: bool) -> Result<Vec<Step>> {
+fn in_place(task: &Task<'_>) -> pooled::Settings {
+    let mut settings = pooled::Settings::new(task.n_experiments);
+    settings.displaced = false;
+    settings
+}
+
+fn pooled_campaign(task: &Task<'_>, mut settings: pooled::Settings, told: Told) -> Result<Vec<Step>> {
     (settings.max_batches, settings.seed) = (BATCHES, task.seed);
+    settings.simulations = (told == Told::Few).then_some(DEAR * task.pair.n_factors);
     let mut campaign = pooled::Loop::new(&task.region, settings)?;
     let mut reading = task.readings();
     let mut simulate = |_: Cell, point: &[f64]| Ok((task.pair.simulation)(point));
-    let mut steps = Vec::new();
-    for _ in 0..BATCHES {
+    let mut steps: Vec<Step> = Vec::new();
+    let mut ask_seconds = 0.0;
+    while steps.len() < BATCHES {
         let start = Instant::now();
-        let pooled::Ask::Run { trials, .. } = campaign.ask(if is_told { Some(&mut simulate) } else { None })? else {
+        let ask = campaign.ask(if told == Told::All { Some(&mut simulate) } else { None })?;
+        ask_seconds += start.elapsed().as_secs_f64();
+        let pooled::Ask::Run { trials, simulations } = ask else {
             bail!("the campaign ended before its last batch");
         };
-        let ask_seconds = start.elapsed().as_secs_f64();
+        for cell in simulations {
+            let outcome = Outcome::Value((task.pair.simulation)(&task.grid.point(cell)?));
+            campaign.tell_simulation(cell, &outcome)?;
+        }
+        // Where simulations are dear, some come ahead of all experiments.
+        if trials.is_empty() {
+            continue;
+        }
         for trial in trials {
             campaign.tell(trial.id, Outcome::Value(reading(trial.cell)?))?;
         }
         let start = Instant::now();
-        let Some(assessment) = campaign.assess(if is_told { Some(&mut simulate) } else { None })? else {
+        let Some(assessment) = campaign.assess(if told == Told::All { Some(&mut simulate) } else { None })? else {
             bail!("no response after a batch");
         };
         let tell_seconds = start.elapsed().as_secs_f64();
@@ -118,6 +157,7 @@ fn pooled_campaign(task: &Task<'_>, mut settings: pooled::Settings, is_told: boo
         let (standing, forecast) = (assessment.recommended, Some(assessment.forecast));
         let (recommended, expected) = (standing.cell, Some([standing.mean, standing.deviation]));
         steps.push(Step { recommended, bound, quantile, forecast, expected, ask_seconds, tell_seconds });
+        ask_seconds = 0.0;
     }
     Ok(steps)
 }

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use crate::reproduction::progress;
 use families::{DECOYS, DISPLACED, FAMILIES, Family};
 use methods::{DISPLACED_METHODS, METHODS, Method, UNTOLD};
-use results::{Displaced, Fresh, Results, Row};
+use results::{Beside, Displaced, Fresh, Results, Row};
 use task::{COMPARED_SEEDS, DISPLACED_SEEDS, FRESH_SEEDS, LEVELS, SEEDS, Task, descend, fresh_families};
 
 /// Where the rows of our methods, and those of the peers, are kept.
@@ -128,14 +128,13 @@ fn fresh(root: &Path) -> Result<Fresh> {
     let peer = Results::read(&root.join(PEERS), FRESH_PEER)?;
     let kept = Results::read(&root.join(OURS), FRESH)?;
     let (ours, compared) = (kept.of_seeds(&FRESH_SEEDS), kept.of_seeds(&COMPARED_SEEDS));
-    let [displaced, in_place] = &DISPLACED_METHODS;
-    let displaced = Displaced {
-        ours: Results::read(&root.join(OURS), displaced.name)?,
-        others: vec![
-            (in_place.words, Results::read(&root.join(OURS), in_place.name)?),
-            (results::PEERS[0].words, Results::read(&root.join(PEERS), DISPLACED_PEER)?),
-        ],
+    let [cheap, cheap_in_place, dear, dear_in_place] = &DISPLACED_METHODS;
+    let beside = |ours: &Method, other: &Method| -> Result<Beside> {
+        let [ours, kept] = [ours, other].map(|method| Results::read(&root.join(OURS), method.name));
+        let peer = Results::read(&root.join(PEERS), DISPLACED_PEER)?;
+        Ok(Beside { ours: ours?, others: vec![(other.words, kept?), (results::PEERS[0].words, peer)] })
     };
+    let displaced = Displaced { cheap: beside(cheap, cheap_in_place)?, dear: beside(dear, dear_in_place)? };
     Ok(Fresh { ours, compared, untold: vec![(words, untold), (results::PEERS[0].words, peer)], displaced })
 }
 

@@ -129,6 +129,14 @@ pub(super) struct Fresh {
 
 /// Campaigns whose simulation is displaced.
 pub(super) struct Displaced {
+    /// Those that know what it says of any design.
+    pub(super) cheap: Beside,
+    /// Those that know it of a few.
+    pub(super) dear: Beside,
+}
+
+/// Our campaigns, and those of others.
+pub(super) struct Beside {
     pub(super) ours: Results,
     /// Those that take it as it stands, or know nothing of it, in words.
     pub(super) others: Vec<(&'static str, Results)>,

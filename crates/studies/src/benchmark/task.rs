@@ -13,7 +13,7 @@ use super::families::{DECOYS, FAMILIES, Family, Pair};
 /// Campaigns of each family, seeds from 1.
 pub(super) const SEEDS: u64 = 20;
 /// Campaigns on which nothing was chosen.
-pub(super) const FRESH_SEEDS: RangeInclusive<u64> = 541..=570;
+pub(super) const FRESH_SEEDS: RangeInclusive<u64> = 541..=600;
 /// Others on which no choice of runs was tuned, and the loop is compared with those that are not told of the simulation.
 pub(super) const COMPARED_SEEDS: RangeInclusive<u64> = 361..=380;
 

@@ -122,6 +122,8 @@ pub(super) fn pooled_loop(task: &Task<'_>, seed: u64) -> Result<Vec<Step>> {
     let [experiments, simulations, batches] = task.budget;
     let mut settings = Settings::new(experiments);
     (settings.max_batches, settings.seed) = (batches, seed);
+    // The rows that are kept were run so, as the page says.
+    settings.displaced = false;
     // Of the first batch's simulations those at its experiments are a part.
     settings.simulations = Some(simulations.saturating_sub(experiments).max(2));
     let mut campaign = pooled::Loop::new(task.space.region(), settings.clone())?;

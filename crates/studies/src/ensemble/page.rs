@@ -153,8 +153,8 @@ fn claim_by_claim(all: &[Both], cases: &[Case<'_>]) -> String {
 /// How good the designs are that each method chooses, and where they lie.
 fn who_chooses(setup: &Setup, cases: &[Case<'_>]) -> String {
     let mut text = format!(
-        "\n## Who chooses how well\n\nWith equal numbers of experiments, except for those who make none. Medians over plants and seeds with \
-         quartiles. {BEST_KNOWN} {}\n\n",
+        "\n## Who chooses how well\n\nWith equal numbers of experiments, except for those who make none. The pooled loop takes the numerical model as it stands, and looks \
+         for no displacement of it. Medians over plants and seeds with quartiles. {BEST_KNOWN} {}\n\n",
         sentences::at_bound(setup, cases)
     );
     text += &tables::baselines(cases).markdown();

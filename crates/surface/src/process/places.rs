@@ -120,6 +120,20 @@ impl Places {
         Self { n_factors: self.n_factors, n_places: places.len(), axes: axes.collect(), simulated, deviations }
     }
 
+    /// As far along each axis from these as told, at most to the edge of the box; nothing is simulated there.
+    ///
+    /// # Panics
+    ///
+    /// Unless there is one step per axis.
+    #[must_use]
+    pub fn moved(&self, by: &[f64]) -> Self {
+        assert_eq!(by.len(), self.n_factors, "one step per axis");
+        let axes =
+            (0..self.n_factors).flat_map(|axis| self.axis(axis).iter().map(move |x| (x + by[axis]).clamp(-1.0, 1.0)));
+        let (axes, deviations) = (axes.collect(), Vec::new());
+        Self { n_factors: self.n_factors, n_places: self.n_places, axes, simulated: None, deviations }
+    }
+
     /// These points in their order, at most so many at a time.
     pub(crate) fn blocks(&self, most: usize) -> impl Iterator<Item = Self> {
         (0..self.n_places).step_by(most).map(move |first| {

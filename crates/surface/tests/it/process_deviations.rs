@@ -20,15 +20,15 @@ const MEASURED: [f64; 6] = [-0.9, -0.5, -0.1, 0.2, 0.2, 0.8];
 
 fn sites(deviations: &[Vec<f64>]) -> Sites {
     let values = MEASURED.iter().enumerate().map(|(i, &x)| 2.0 + 1.3 * simulation(x) + 0.1 * (i % 3) as f64);
-    let data = Data::new(1, MEASURED.to_vec(), values.collect()).unwrap();
+    let data = Data::new(1, MEASURED.to_vec(), values.collect()).expect("valid data");
     let simulated: Vec<f64> = MEASURED.map(simulation).to_vec();
-    Sites::new(&data, Some(&simulated)).unwrap().with_deviations(deviations).unwrap()
+    Sites::new(&data, Some(&simulated)).expect("valid data").with_deviations(deviations).expect("valid data")
 }
 
 fn places(points: &[f64], deviations: Vec<Vec<f64>>) -> Places {
-    let places = Places::new(1, points).unwrap();
-    let places = places.with_simulated(points.iter().map(|&x| simulation(x)).collect()).unwrap();
-    places.with_deviations(deviations).unwrap()
+    let places = Places::new(1, points).expect("valid data");
+    let places = places.with_simulated(points.iter().map(|&x| simulation(x)).collect()).expect("valid data");
+    places.with_deviations(deviations).expect("valid data")
 }
 
 /// To be off by what it says, less its mean, is to be multiplied by a factor that is not known.
@@ -96,6 +96,17 @@ fn deviations_of_what_is_ignored_do_not_matter() {
         process.marginals(&places(&MEASURED, deviations.to_vec()))
     };
     assert_eq!(of(&off), of(&[]));
+}
+
+#[test]
+fn places_are_moved_to_the_edge_of_the_box_at_most() {
+    let places = Places::new(2, &[0.1, 0.2, -0.9, 0.8]).unwrap().with_simulated(vec![1.0, 2.0]).unwrap();
+    let moved = places.moved(&[-0.3, 0.25]);
+    assert_eq!(
+        moved,
+        Places::new(2, &[0.1 - 0.3, 0.2 + 0.25, -1.0, 1.0]).unwrap(),
+        "what is simulated there is not known"
+    );
 }
 
 #[test]
