@@ -189,6 +189,7 @@ const SECTIONS: [(&str, &[&str]); 6] = [
             "batches",
             "confidence",
             "noise",
+            "displaced",
             "plants",
             "experiment_cost",
             "cost_unit",

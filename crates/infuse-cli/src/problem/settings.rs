@@ -65,6 +65,7 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
     settings.max_batches = entry.batches.unwrap_or(settings.max_batches);
     settings.confidence = entry.confidence.unwrap_or(settings.confidence);
     settings.noise = entry.noise;
+    settings.displaced = entry.displaced.unwrap_or(settings.displaced);
     settings.worth = problem.worth;
     settings.smooth = problem.smooth.unwrap_or(false);
     settings.least = problem.response.least();
@@ -93,6 +94,7 @@ fn of_the_other_method(entry: &LoopEntry) -> Vec<&'static str> {
 
 fn dissertation(entry: &LoopEntry, region: &Region, seed: u64) -> Result<global::Settings> {
     ensure!(entry.noise.is_none(), "`noise` belongs to `method` = \"pooled\", expected repeats (`replicates`) instead");
+    ensure!(entry.displaced.is_none(), "`displaced` belongs to `method` = \"pooled\", expected no such key");
     if let Some(parameter) = region.parameters().iter().find(|parameter| parameter.levels() == Levels::Continuous) {
         bail!(
             "parameter `{}` needs `levels` = how many, or `step` = how finely it can be set, with `method` = \"dissertation\"",

@@ -859,4 +859,13 @@ fn a_displaced_simulation_is_said_and_made_up_for() {
     let text = rig.infuse(&["status"]).ok();
     let said = "It is displaced: what is measured at a design it says of one with a higher by 1 mm, b lower by 2 mm.";
     assert!(text.contains(said), "{text}");
+    // Who knows better takes it as it stands.
+    rig.edit("[loop]", "[loop]\ndisplaced = false");
+    assert!(rig.status()["displacement"].is_null(), "{}", rig.status());
+    assert!(!rig.infuse(&["status"]).ok().contains("displaced"));
+    rig.infuse(&["report"]).ok();
+    assert!(rig.read("report.html").contains("taken as it stands"));
+    rig.edit("displaced = false", "displaced = 1");
+    let error = rig.infuse(&["check"]).error();
+    assert!(error.contains("displaced = 1") && error.contains("boolean"), "{error}");
 }

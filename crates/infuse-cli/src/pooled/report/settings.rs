@@ -27,6 +27,9 @@ pub(super) fn rows(campaign: &Campaign) -> Result<Vec<Row>> {
         ("`seed`", settings.seed.to_string()),
         ("designs", grouped(campaign.grid.n_cells())),
     ];
+    if !settings.displaced {
+        rows.push(("`displaced`", "false: the simulation is taken as it stands".to_owned()));
+    }
     if let Some(costs) = &campaign.problem.costs {
         rows.push(("costs", costs.in_words(&campaign.problem.region)));
     }
