@@ -14,7 +14,7 @@ use super::failures::where_runs_fail;
 use super::warnings::{all_equal, suspects, warnings};
 use crate::findings::{WITHOUT_RESERVE, amount, on_bounds, value_to};
 use crate::number::{count, grouped, percent, plain, short, with_unit};
-use crate::problem::Problem;
+use crate::problem::{Problem, shown};
 
 /// Below this share of the variance explained, or from this probability that it is better ignored, a simulation is useless.
 const EXPLAINS_LITTLE: f64 = 0.1;
@@ -485,8 +485,16 @@ fn displaced(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
         format!("{} {way} by {}", parameter.name(), with_unit(&short(by.abs()), parameter.unit()))
     });
     let named = named.collect::<Vec<_>>().join(", ");
+    let [here, there] = [0.0, 1.0].map(|share| {
+        let one = |(parameter, by): &(&Parameter, f64)| {
+            let middle = parameter.snap(parameter.center()).unwrap_or(parameter.center());
+            format!("{} {}", parameter.name(), with_unit(&shown(parameter, middle + share * by), parameter.unit()))
+        };
+        all.iter().map(one).collect::<Vec<_>>().join(", ")
+    });
     let sentence = format!(
-        "It is displaced: what is measured at a design it says of one with {named}. That is made up for. Is a parameter of the model, or the \
+        "It is displaced: what is measured at a design it says of one with {named}. So what is measured at {here}, it says of {there}. It is \
+         taken from there, and explains so much there; beyond the bounds it is taken as it is at them. Is a parameter of the model, or the \
          zero of a sensor, off by as much?"
     );
     let finding = Finding::new(sentence);
