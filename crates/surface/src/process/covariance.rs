@@ -175,6 +175,8 @@ pub(crate) struct Parts<'a> {
     simulated: Option<[Vec<f64>; 2]>,
     /// What that may be off by, scaled.
     deviations: Vec<[Vec<f64>; 2]>,
+    /// Covariances of what is not known of it, scaled, where there is any of both.
+    unknown: Option<Mat<f64>>,
 }
 
 impl<'a> Parts<'a> {
@@ -188,8 +190,11 @@ impl<'a> Parts<'a> {
         let scaled = |all: &Vec<f64>| all.iter().map(|&deviation| units.deviation(deviation)).collect();
         let deviations = rows.deviations().iter().zip(columns.deviations());
         let deviations = deviations.map(|(rows, columns)| [scaled(rows), scaled(columns)]).collect();
-        let columns = (0..columns.n_places()).map(|place| columns.point(place)).collect();
-        Self { rows, columns, trend, simulated, deviations }
+        let points: Vec<Vec<f64>> = (0..columns.n_places()).map(|place| columns.point(place)).collect();
+        let unknown = [rows, columns].map(|places| scaled(&places.unknown().to_vec()));
+        let unknown =
+            unknown.iter().all(|all: &Vec<f64>| !all.is_empty()).then(|| unknown_parts(rows, &points, &unknown));
+        Self { rows, columns: points, trend, simulated, deviations, unknown }
     }
 
     /// The covariance without noise, a row per place of `rows`.
@@ -239,6 +244,9 @@ impl<'a> Parts<'a> {
             for [rows, columns] in &self.deviations {
                 add_times(columns[column], &rows[first..], into);
             }
+            if let Some(unknown) = self.unknown.as_ref().and_then(|unknown| unknown.col(column).try_as_col_major()) {
+                add_times(1.0, &unknown.as_slice()[first..], into);
+            }
         }
     }
 
@@ -249,6 +257,17 @@ impl<'a> Parts<'a> {
             pairs.add(matrix, if is_rough { rough } else { smooth });
         }
     }
+}
+
+/// The covariances of the unknown parts of these standard deviations.
+fn unknown_parts(rows: &Places, columns: &[Vec<f64>], deviations: &[Vec<f64>; 2]) -> Mat<f64> {
+    let mut matrix = Mat::zeros(rows.n_places(), columns.len());
+    let rates = vec![1.0; rows.n_factors()];
+    Pairs { rows, columns, rates: &rates, variance: 1.0, is_lower: false }.add(&mut matrix, smooth);
+    for (column, of_column) in matrix.col_iter_mut().zip(&deviations[1]) {
+        column.iter_mut().zip(&deviations[0]).for_each(|(value, of_row)| *value *= of_row * of_column);
+    }
+    matrix
 }
 
 /// What a term of Matérn covariance is computed from.
@@ -304,7 +323,10 @@ pub(crate) fn prior_variances(
     };
     let deviation = |place: usize| match structure.simulation {
         SimulationUse::Ignored => 0.0,
-        _ => places.deviations().iter().map(|all| units.deviation(all[place]).powi(2)).sum(),
+        _ => {
+            let unknown = places.unknown().get(place).map_or(0.0, |unknown| units.deviation(*unknown).powi(2));
+            unknown + places.deviations().iter().map(|all| units.deviation(all[place]).powi(2)).sum::<f64>()
+        }
     };
     let of_trend = |place: usize| (0..trend.ncols()).map(|column| trend[(place, column)].powi(2)).sum::<f64>();
     (0..places.n_places())

@@ -26,7 +26,8 @@ impl GaussianProcess {
     /// # Errors
     ///
     /// [`Error::Length`] unless there is one place of as many factors as the sites have, and one slope of the simulation per
-    /// axis where the process uses one; [`Error::Parameter`] where that simulation may be off ([`Places::with_deviations`]).
+    /// axis where the process uses one; [`Error::Parameter`] where that simulation may be off ([`Places::with_deviations`],
+    /// [`Places::with_unknown`]).
     pub fn gradient(&self, place: &Places, simulated: Option<&[f64]>) -> Result<Gradient, Error> {
         let k = self.sites().places().n_factors();
         let length = |name, expected, found| Err(Error::Length { name, expected, found });
@@ -37,7 +38,7 @@ impl GaussianProcess {
             return length("coordinates", k, place.n_factors());
         }
         let uses_it = self.structure().simulation != SimulationUse::Ignored;
-        let n_ways = place.deviations().len();
+        let n_ways = place.deviations().len() + usize::from(!place.unknown().is_empty());
         if uses_it && n_ways > 0 {
             let allowed = "0: how they change with the place is not known";
             return Err(Error::Parameter { name: "deviations of the simulation", value: n_ways as f64, allowed });

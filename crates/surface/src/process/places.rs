@@ -17,6 +17,8 @@ pub struct Places {
     simulated: Option<Vec<f64>>,
     /// What the simulated responses may be off by: one per place, one column for each way.
     deviations: Vec<Vec<f64>>,
+    /// Standard deviations of what is not known of the simulated responses at all; nothing where all is.
+    unknown: Vec<f64>,
 }
 
 impl Places {
@@ -38,7 +40,8 @@ impl Places {
         }
         let n_places = coordinates.len() / n_factors;
         let axes = (0..n_factors).flat_map(|axis| coordinates.iter().skip(axis).step_by(n_factors)).copied();
-        Ok(Self { n_factors, n_places, axes: axes.collect(), simulated: None, deviations: Vec::new() })
+        let (axes, deviations, unknown) = (axes.collect(), Vec::new(), Vec::new());
+        Ok(Self { n_factors, n_places, axes, simulated: None, deviations, unknown })
     }
 
     /// The same points with the simulated response at each.
@@ -81,6 +84,26 @@ impl Places {
         Ok(self)
     }
 
+    /// The same places where the simulation tells of some less than of others, or nothing: each simulated response lacks a part of this
+    /// standard deviation, which is as smooth as a Matérn-5/2 process of the length 1, half of the box.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Length`] unless there is one per place, and all are simulated, [`Error::Value`] for one that is negative, too.
+    pub fn with_unknown(mut self, unknown: Vec<f64>) -> Result<Self, Error> {
+        let expected = if self.simulated.is_some() { self.n_places } else { 0 };
+        if unknown.len() != expected {
+            return Err(Error::Length { name: "unknown parts of simulated responses", expected, found: unknown.len() });
+        }
+        let most = crate::Data::LARGEST;
+        if let Some(point) = unknown.iter().position(|deviation| !(0.0..=most).contains(deviation)) {
+            return Err(Error::Value { point, value: unknown[point], most });
+        }
+        let is_known = unknown.iter().all(|deviation| *deviation <= 0.0);
+        self.unknown = if is_known { Vec::new() } else { unknown };
+        Ok(self)
+    }
+
     /// Number of factors, K.
     #[must_use]
     pub fn n_factors(&self) -> usize {
@@ -105,6 +128,12 @@ impl Places {
         &self.deviations
     }
 
+    /// Standard deviations of what is not known of the simulated responses; nothing where all of them are.
+    #[must_use]
+    pub fn unknown(&self) -> &[f64] {
+        &self.unknown
+    }
+
     /// Coordinates of one point.
     #[must_use]
     pub fn point(&self, place: usize) -> Vec<f64> {
@@ -117,7 +146,8 @@ impl Places {
         let axes = (0..self.n_factors).flat_map(|axis| places.iter().map(move |&place| self.axis(axis)[place]));
         let some = |all: &Vec<f64>| places.iter().map(|&place| all[place]).collect();
         let (simulated, deviations) = (self.simulated.as_ref().map(some), self.deviations.iter().map(some).collect());
-        Self { n_factors: self.n_factors, n_places: places.len(), axes: axes.collect(), simulated, deviations }
+        let unknown = if self.unknown.is_empty() { Vec::new() } else { some(&self.unknown) };
+        Self { n_factors: self.n_factors, n_places: places.len(), axes: axes.collect(), simulated, deviations, unknown }
     }
 
     /// As far along each axis from these as told, at most to the edge of the box; nothing is simulated there.
@@ -130,8 +160,8 @@ impl Places {
         assert_eq!(by.len(), self.n_factors, "one step per axis");
         let axes =
             (0..self.n_factors).flat_map(|axis| self.axis(axis).iter().map(move |x| (x + by[axis]).clamp(-1.0, 1.0)));
-        let (axes, deviations) = (axes.collect(), Vec::new());
-        Self { n_factors: self.n_factors, n_places: self.n_places, axes, simulated: None, deviations }
+        let (axes, deviations, unknown) = (axes.collect(), Vec::new(), Vec::new());
+        Self { n_factors: self.n_factors, n_places: self.n_places, axes, simulated: None, deviations, unknown }
     }
 
     /// These points in their order, at most so many at a time.
@@ -142,7 +172,8 @@ impl Places {
             let some = |all: &Vec<f64>| all[range.clone()].to_vec();
             let (simulated, deviations) =
                 (self.simulated.as_ref().map(some), self.deviations.iter().map(some).collect());
-            Self { n_factors: self.n_factors, n_places: range.len(), axes, simulated, deviations }
+            let unknown = if self.unknown.is_empty() { Vec::new() } else { some(&self.unknown) };
+            Self { n_factors: self.n_factors, n_places: range.len(), axes, simulated, deviations, unknown }
         })
     }
 
@@ -154,7 +185,15 @@ impl Places {
         let one = |(own, others): (&Vec<f64>, &Vec<f64>)| own.iter().chain(others).copied().collect();
         let simulated = self.simulated.as_ref().zip(other.simulated.as_ref()).map(one);
         let deviations = self.deviations.iter().zip(&other.deviations).map(one).collect();
-        Self { n_factors: self.n_factors, n_places: self.n_places + other.n_places, axes, simulated, deviations }
+        let n_places = self.n_places + other.n_places;
+        let is_known = simulated.is_none() || (self.unknown.is_empty() && other.unknown.is_empty());
+        let unknown = if is_known { Vec::new() } else { [self.padded_unknown(), other.padded_unknown()].concat() };
+        Self { n_factors: self.n_factors, n_places, axes, simulated, deviations, unknown }
+    }
+
+    /// One for each place, zeros where all is known.
+    fn padded_unknown(&self) -> Vec<f64> {
+        if self.unknown.is_empty() { vec![0.0; self.n_places] } else { self.unknown.clone() }
     }
 
     pub(crate) fn axis(&self, axis: usize) -> &[f64] {

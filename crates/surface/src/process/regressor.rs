@@ -1,5 +1,6 @@
 //! How well a regressor explains responses.
 
+use faer::linalg::solvers::DenseSolveCore as _;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, Par, Side};
 
@@ -24,6 +25,8 @@ const NOISES: [f64; 3] = [0.05, 0.15, 0.4];
 #[derive(Debug, Clone)]
 pub struct RegressorEvidence {
     alternatives: Vec<Alternative>,
+    /// Correlations of the unknown parts of regressors.
+    correlations: Mat<f64>,
     n_points: usize,
 }
 
@@ -35,6 +38,10 @@ struct Alternative {
     log_determinant: f64,
     /// Solved with the factor.
     responses: Vec<f64>,
+    /// The inverse of the covariance.
+    inverse: Mat<f64>,
+    /// The responses times that.
+    weighted: Vec<f64>,
 }
 
 impl RegressorEvidence {
@@ -50,21 +57,27 @@ impl RegressorEvidence {
         }
         let points: Vec<&[f64]> = data.points().collect();
         let mean = data.values().iter().sum::<f64>() / n_points as f64;
+        let square = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(a, b)| (a - b).powi(2)).sum() };
+        let correlations = Mat::from_fn(n_points, n_points, |i, j| smooth_correlation(square(points[i], points[j])));
         let pairs = RESIDUALS.into_iter().flat_map(|residual| NOISES.map(|noise| [residual, noise]));
         let alternatives = pairs.filter_map(|[residual, noise]| {
             let matrix = Mat::from_fn(n_points, n_points, |i, j| {
                 let (x, y) = (points[i], points[j]);
                 let dot: f64 = x.iter().zip(y).map(|(a, b)| a * b).sum();
-                let square: f64 = x.iter().zip(y).map(|(a, b)| (a - b).powi(2)).sum();
                 let noise = if i == j { noise * noise } else { 0.0 };
-                CONSTANT + SLOPE * dot + residual * residual * smooth_correlation(square) + noise
+                CONSTANT + SLOPE * dot + residual * residual * correlations[(i, j)] + noise
             });
-            let factor = matrix.llt(Side::Lower).ok()?.L().to_owned();
+            let llt = matrix.llt(Side::Lower).ok()?;
+            let (factor, inverse) = (llt.L().to_owned(), llt.inverse());
             let log_determinant = (0..n_points).map(|i| 2.0 * factor[(i, i)].ln()).sum();
             let responses = solved(&factor, data.values().iter().map(|value| value - mean));
-            Some(Alternative { factor, log_determinant, responses })
+            let weighted =
+                (0..n_points).map(|i| (0..n_points).map(|j| inverse[(i, j)] * (data.values()[j] - mean)).sum());
+            let weighted = weighted.collect();
+            Some(Alternative { factor, log_determinant, responses, inverse, weighted })
         });
-        Ok(Self { alternatives: alternatives.collect(), n_points })
+        let alternatives = alternatives.collect();
+        Ok(Self { alternatives, correlations, n_points })
     }
 
     /// Logarithm of the marginal likelihood with this regressor, up to a constant of the responses. It is to be of order one: the prior
@@ -77,23 +90,109 @@ impl RegressorEvidence {
         if regressor.len() != self.n_points {
             return Err(Error::Length { name: "values", expected: self.n_points, found: regressor.len() });
         }
-        let of_each: Vec<f64> = self.alternatives.iter().map(|one| one.log_likelihood(regressor)).collect();
-        let highest = of_each.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        Ok(highest + of_each.iter().map(|one| (one - highest).exp()).sum::<f64>().ln())
+        Ok(of_all(self.alternatives.iter().map(|one| one.log_likelihood(regressor, None))))
+    }
+
+    /// The same where the regressor is not known everywhere: at each point it lacks a part of this standard deviation, which is as smooth as the
+    /// residual, and times the factor 1. Where that is 1, the regressor tells nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Length`] unless there is one value, and one deviation, per response; [`Error::Value`] for a deviation that is negative or no
+    /// number.
+    pub fn log_likelihood_in_part(&self, regressor: &[f64], unknown: &[f64]) -> Result<f64, Error> {
+        let most = Data::LARGEST;
+        if let Some(point) = unknown.iter().position(|deviation| !(0.0..=most).contains(deviation)) {
+            return Err(Error::Value { point, value: unknown[point], most });
+        }
+        if unknown.len() != self.n_points {
+            return Err(Error::Length { name: "deviations", expected: self.n_points, found: unknown.len() });
+        }
+        let points: Vec<usize> = (0..self.n_points).filter(|&point| unknown[point] > 0.0).collect();
+        if points.is_empty() || regressor.len() != self.n_points {
+            return self.log_likelihood(regressor);
+        }
+        // A diagonal that is a little more than it is, as the matrix is close to singular where points are close together.
+        let covariance = |i: usize, j: usize| {
+            let nugget = if i == j { 1.0 + 1e-10 } else { 1.0 };
+            nugget * unknown[points[i]] * unknown[points[j]] * self.correlations[(points[i], points[j])]
+        };
+        let Ok(factor) = Mat::from_fn(points.len(), points.len(), covariance).llt(Side::Lower) else {
+            return Ok(f64::NEG_INFINITY);
+        };
+        let parts = UnknownParts { points, factor: factor.L().to_owned() };
+        Ok(of_all(self.alternatives.iter().map(|one| one.log_likelihood(regressor, Some(&parts)))))
+    }
+}
+
+/// The logarithm of the sum of what these are the logarithms of.
+fn of_all(logarithms: impl Iterator<Item = f64>) -> f64 {
+    let of_each: Vec<f64> = logarithms.collect();
+    let highest = of_each.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    highest + of_each.iter().map(|one| (one - highest).exp()).sum::<f64>().ln()
+}
+
+/// The points where a regressor is not known, and the lower Cholesky factor C of the covariance of what it lacks there.
+struct UnknownParts {
+    points: Vec<usize>,
+    factor: Mat<f64>,
+}
+
+impl UnknownParts {
+    /// Cᵀ times the entries of a vector at the points.
+    fn times(&self, of_all: impl Fn(usize) -> f64) -> Vec<f64> {
+        let n = self.points.len();
+        (0..n).map(|i| (i..n).map(|j| self.factor[(j, i)] * of_all(self.points[j])).sum()).collect()
     }
 }
 
 impl Alternative {
-    /// With the regressor the determinant grows, and the square of the responses falls, by what a change of rank one makes of them.
-    fn log_likelihood(&self, regressor: &[f64]) -> f64 {
-        let regressor = solved(&self.factor, regressor.iter().copied());
+    /// With the regressor the determinant grows, and the square of the responses falls, by what a change of rank one makes of them; before that,
+    /// by what a change of the rank of the unknown parts does.
+    fn log_likelihood(&self, regressor: &[f64], parts: Option<&UnknownParts>) -> f64 {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let grown = 1.0 + dot(&regressor, &regressor);
-        let square = dot(&self.responses, &self.responses);
-        let left = square - dot(&regressor, &self.responses).powi(2) / grown;
+        let solved_regressor = solved(&self.factor, regressor.iter().copied());
+        let mut grown = 1.0 + dot(&solved_regressor, &solved_regressor);
+        let mut square = dot(&self.responses, &self.responses);
+        let mut common = dot(&solved_regressor, &self.responses);
+        let mut log_determinant = self.log_determinant;
+        if let Some(parts) = parts {
+            let Some([lost, of_both, of_regressor, of_responses]) = self.changes(regressor, parts) else {
+                return f64::NEG_INFINITY;
+            };
+            log_determinant += lost;
+            common -= of_both;
+            grown -= of_regressor;
+            square = (square - of_responses).max(0.0);
+        }
+        let left = square - common.powi(2) / grown;
         // Responses that are all the same leave nothing to explain.
         let left = left.max(f64::EPSILON * square).max(f64::MIN_POSITIVE);
-        -0.5 * (self.log_determinant + grown.ln() + self.responses.len() as f64 * left.ln())
+        -0.5 * (log_determinant + grown.ln() + self.responses.len() as f64 * left.ln())
+    }
+
+    /// By how much unknown parts, A + UVUᵀ, change the logarithm of the determinant and, of regressor s and responses y, sᵀA⁻¹y, sᵀA⁻¹s and yᵀA⁻¹y
+    /// (Woodbury, with V = CCᵀ and I + Cᵀ(A⁻¹)C factored).
+    fn changes(&self, regressor: &[f64], parts: &UnknownParts) -> Option<[f64; 4]> {
+        let (points, n) = (&parts.points, parts.points.len());
+        let inner = Mat::from_fn(n, n, |i, j| self.inverse[(points[i], points[j])]);
+        let mut inner = parts.factor.transpose() * inner * &parts.factor;
+        (0..n).for_each(|i| inner[(i, i)] += 1.0);
+        let factor = inner.llt(Side::Lower).ok()?.L().to_owned();
+        let log_determinant = (0..n).map(|i| 2.0 * factor[(i, i)].ln()).sum();
+        let weighted = |point: usize| -> f64 {
+            let column = self.inverse.col(point);
+            regressor.iter().enumerate().map(|(other, value)| column[other] * value).sum()
+        };
+        let of_regressor = solved(&factor, parts.times(weighted).into_iter());
+        let of_responses = solved(&factor, parts.times(|point| self.weighted[point]).into_iter());
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        Some([
+            log_determinant,
+            dot(&of_regressor, &of_responses),
+            dot(&of_regressor, &of_regressor),
+            dot(&of_responses, &of_responses),
+        ])
     }
 }
 

@@ -179,6 +179,24 @@ impl Sites {
         Ok(self)
     }
 
+    /// The same where the simulation tells of some places less than of others, see [`Places::with_unknown`]; one per measurement, or
+    /// none at all where all is known.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Places::with_unknown`].
+    pub fn with_unknown(mut self, unknown: &[f64]) -> Result<Self, Error> {
+        if unknown.is_empty() {
+            return Ok(self);
+        }
+        let (name, expected, found) = ("unknown parts of simulated responses", self.n_measured, unknown.len());
+        if found != expected {
+            return Err(Error::Length { name, expected, found });
+        }
+        self.places = self.places.with_unknown(self.firsts.iter().map(|&first| unknown[first]).collect())?;
+        Ok(self)
+    }
+
     /// The places, each in the position of its first measurement among those of the others.
     #[must_use]
     pub fn places(&self) -> &Places {

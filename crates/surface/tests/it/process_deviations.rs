@@ -86,6 +86,44 @@ fn one_measurement_tells_of_a_deviation_what_it_must() {
     check_close(found.variances[0], dot(there, there) - dot(here, there).powi(2) / own, 1e-14, "variance");
 }
 
+/// What is as unknown everywhere as the residual varies, and as smooth, is one.
+#[test]
+fn unknown_part_of_the_simulation_is_a_residual_of_the_length_one() {
+    let points: Vec<f64> = (0..150).map(|i| -1.0 + i as f64 / 75.0).collect();
+    let hyper = Hyperparameters { lengths: vec![1.0], ..hyper(0.2, 0.02) };
+    let of = |residual| Structure { simulation: SimulationUse::Scaled, residual };
+    let scale = sites(&[]);
+    let values: Vec<f64> =
+        MEASURED.iter().enumerate().map(|(i, &x)| 2.0 + 1.3 * simulation(x) + 0.1 * (i % 3) as f64).collect();
+    let mean = values.iter().sum::<f64>() / 6.0;
+    let unit = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 6.0).sqrt();
+    let unknown = |n: usize| vec![unit * 0.3_f64.sqrt(); n];
+    let plain = GaussianProcess::new(Arc::new(scale.clone()), of(Residual::Smooth), hyper.clone()).unwrap();
+    let sites = Arc::new(scale.with_unknown(&unknown(6)).unwrap());
+    let found = GaussianProcess::new(sites, of(Residual::None), hyper).unwrap();
+    check_close(found.log_likelihood(), plain.log_likelihood(), 1e-10, "likelihood");
+    let here = places(&points, Vec::new());
+    let there = here.clone().with_unknown(unknown(150)).unwrap();
+    let (expected, with) = (plain.marginals(&here), found.marginals(&there));
+    for place in 0..points.len() {
+        check_close(with.means[place], expected.means[place], 1e-10, "mean");
+        check_close(with.variances[place], expected.variances[place], 1e-10, "variance");
+    }
+    let some: Vec<usize> = (0..150).step_by(31).collect();
+    // One of them all of which is known, the others in two halves.
+    let known = here.select(&[7]);
+    let others = there.select(&some[..2]).followed_by(&there.select(&some[2..]));
+    let joint = found.joint(&known.followed_by(&others));
+    let expected = plain.joint(&here.select(&some));
+    for row in 0..some.len() {
+        for column in 0..some.len() {
+            let covariance = joint.covariances(row + 1)[column + 1];
+            check_close(covariance, expected.covariances(row)[column], 1e-10, "covariance");
+        }
+    }
+    check_close(joint.variance(0), found.joint(&known).variance(0), 1e-12, "of which all is known");
+}
+
 /// Who makes nothing of the simulation does not care what it is off by.
 #[test]
 fn deviations_of_what_is_ignored_do_not_matter() {
@@ -122,7 +160,15 @@ fn deviations_that_cannot_be_are_told() {
     let sites = Sites::new(&data, Some(&[0.0, 0.0, 1.0])).unwrap();
     let error = sites.clone().with_deviations(&[vec![1.0, 1.0]]);
     assert!(matches!(error, Err(Error::Length { expected: 3, found: 2, .. })), "one a measurement: {error:?}");
-    assert_eq!(sites.with_deviations(&[vec![1.0, 1.0, 3.0]]).unwrap().places().deviations(), [[1.0, 3.0]]);
+    assert_eq!(sites.clone().with_deviations(&[vec![1.0, 1.0, 3.0]]).unwrap().places().deviations(), [[1.0, 3.0]]);
+    let error = Places::new(1, &[0.1, 0.4]).unwrap().with_unknown(vec![1.0, 2.0]);
+    assert!(matches!(error, Err(Error::Length { expected: 0, found: 2, .. })), "nothing is simulated: {error:?}");
+    let error = simulated.clone().with_unknown(vec![0.0, -1.0]);
+    assert!(matches!(error, Err(Error::Value { point: 1, .. })), "{error:?}");
+    assert!(simulated.with_unknown(vec![0.0; 2]).unwrap().unknown().is_empty(), "all is known");
+    let error = sites.clone().with_unknown(&[1.0, 1.0]);
+    assert!(matches!(error, Err(Error::Length { expected: 3, found: 2, .. })), "one a measurement: {error:?}");
+    assert_eq!(sites.clone().with_unknown(&[1.0, 1.0, 3.0]).unwrap().places().unknown(), [1.0, 3.0]);
     // Of a slope next to it nothing is known.
     let off = vec![vec![0.7, -0.2, 1.0, 0.4, 0.4, -0.9]];
     let of = |simulation| Structure { simulation, residual: Residual::Smooth };

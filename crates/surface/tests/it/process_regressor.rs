@@ -17,6 +17,8 @@ struct Case {
     values: Vec<f64>,
     regressors: Vec<Vec<f64>>,
     log_likelihoods: Vec<f64>,
+    unknown: Vec<f64>,
+    log_likelihoods_in_part: Vec<f64>,
 }
 
 impl Case {
@@ -43,6 +45,33 @@ fn likelihood_is_that_of_dense_algebra() {
     }
 }
 
+/// A part of each regressor is missing at a third of the points.
+#[test]
+fn likelihood_with_unknown_parts_is_that_of_dense_algebra() {
+    for case in cases() {
+        let evidence = case.evidence();
+        for (regressor, expected) in case.regressors.iter().zip(&case.log_likelihoods_in_part) {
+            let found = evidence.log_likelihood_in_part(regressor, &case.unknown).expect("one value per response");
+            check_close(found, *expected, 1e-7 * (1.0 + expected.abs()), "log likelihood");
+        }
+        let known = vec![0.0; case.values.len()];
+        let found = evidence.log_likelihood_in_part(&case.regressors[0], &known).unwrap();
+        assert_eq!(found.to_bits(), evidence.log_likelihood(&case.regressors[0]).unwrap().to_bits(), "all is known");
+    }
+}
+
+/// Repeats lack the same, however large it is.
+#[test]
+fn repeats_lack_the_same() {
+    let data = Data::new(1, vec![0.2, 0.2, 0.2, -0.6, 0.9], vec![1.0, 1.1, 0.9, 3.0, -2.0]).unwrap();
+    let evidence = RegressorEvidence::of(&data).unwrap();
+    let found = [1.0, 30.0].map(|unknown| {
+        evidence.log_likelihood_in_part(&[0.3, 0.3, 0.3, 1.0, -1.0], &[unknown, unknown, unknown, 0.0, 0.0]).unwrap()
+    });
+    // One value that may be anything costs its logarithm, not three times that.
+    check_close(found[0] - found[1], 30.0_f64.ln(), 0.8, "cost");
+}
+
 /// The responses were drawn with the first; of two points any will do.
 #[test]
 fn what_explains_the_responses_is_most_likely() {
@@ -62,6 +91,8 @@ fn neither_a_constant_nor_the_unit_of_the_responses_matters() {
         values: case.values.iter().map(|value| 1e3 * value - 4e3).collect(),
         regressors: Vec::new(),
         log_likelihoods: Vec::new(),
+        unknown: Vec::new(),
+        log_likelihoods_in_part: Vec::new(),
     };
     let gain = |case: &Case, by: usize| {
         let of = |regressor: &[f64]| case.evidence().log_likelihood(regressor).unwrap();
