@@ -18,11 +18,13 @@ use crate::pooled::held::{Expected, MAY_RESPOND, UNKNOWN};
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::knowledge_gradient::pick;
 use crate::pooled::measurements::Reading;
+use crate::pooled::moments::correlation;
 use crate::pooled::narrow::narrow_well;
 use crate::pooled::outliers::{Outlier, Readings, outliers};
 use crate::pooled::pool::Pool;
 use crate::pooled::reason::{Pick, Reason};
 use crate::pooled::recommendation::lowest_mean;
+use crate::pooled::registration::Registration;
 use crate::pooled::run_means::RunMeans;
 use crate::pooled::settings::Settings;
 use crate::pooled::shared::Shared;
@@ -187,6 +189,10 @@ pub struct Assessment {
     /// None where it is not, as far as readings tell.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Vec<f64>>,
+    /// What the readings tell of that, sure or not; none without a simulation, before there are enough of them, and where the campaign takes the
+    /// simulation as it stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub registration: Option<Registration>,
     /// Readings that contradict the recommendation.
     pub contradiction: Option<Contradiction>,
     /// Settings of the best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides
@@ -306,6 +312,7 @@ impl Look {
             // No well is larger than all that was never run.
             unseen: (never_run > 0.0).then(|| unseen(n_even, settings.confidence).min(never_run)),
             simulation: simulation_worth(knowledge, readings)?,
+            registration: knowledge.registration.clone(),
             displacement: knowledge.displacement().map(|displacement| displacement.natural(designs)),
             contradiction: contradiction.map(|one| Contradiction { standing: one.standing.widened(bands), ..one }),
             find: find.map(|open| designs.grid().point(open.find)).transpose()?,
@@ -494,21 +501,6 @@ fn simulation_worth(knowledge: &mut Knowledge<'_, '_>, readings: &[Reading]) -> 
         factor,
         factor_deviation: variance.sqrt(),
     }))
-}
-
-/// 0 where either is constant.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let mean = |values: &[f64]| values.iter().map(|value| value / values.len() as f64).sum::<f64>();
-    let (mean_a, mean_b) = (mean(a), mean(b));
-    let [mut aa, mut ab, mut bb] = [0.0; 3];
-    for (x, y) in a.iter().zip(b) {
-        let (x, y) = (x - mean_a, y - mean_b);
-        aa += x * x;
-        ab += x * y;
-        bb += y * y;
-    }
-    let product = aa * bb;
-    if product > 0.0 { (ab / product.sqrt()).clamp(-1.0, 1.0) } else { 0.0 }
 }
 
 /// The design whose readings lie farthest below what is recommended, or the recommended one if its own lie above.

@@ -44,18 +44,57 @@ impl Displacement {
         self.moved(designs, cell, -1)
     }
 
+    /// How far beyond the bounds, in coded units, the design is of which a simulation would tell of this one; 0 within them. One that nobody
+    /// can build is as far away as all of the way there.
+    pub(crate) fn beyond(&self, designs: &Designs, cell: Cell) -> f64 {
+        if self.is_none() {
+            return 0.0;
+        }
+        let combinations = designs.combinations();
+        let (digits, counts) = (combinations.digits(cell.index()), combinations.counts());
+        let coded = |levels: i64, count: u64| 2.0 * share(levels, count);
+        let axes = || digits.iter().zip(&self.0).zip(counts);
+        let over = axes().map(|((digit, step), count)| {
+            let (there, last) = (*digit as i64 + step, *count as i64 - 1);
+            coded((-there).max(there - last).max(0), *count)
+        });
+        let over = over.map(|over| over * over).sum::<f64>().sqrt();
+        let is_refused = over <= 0.0 && !designs.allows(self.clamped(designs, cell, 1));
+        if !is_refused {
+            return over;
+        }
+        axes().map(|((_, step), count)| coded(*step, *count).powi(2)).sum::<f64>().sqrt()
+    }
+
     fn moved(&self, designs: &Designs, cell: Cell, sign: i64) -> Cell {
         if self.is_none() {
             return cell;
         }
+        let moved = self.clamped(designs, cell, sign);
+        if designs.allows(moved) { moved } else { cell }
+    }
+
+    fn clamped(&self, designs: &Designs, cell: Cell, sign: i64) -> Cell {
         let combinations = designs.combinations();
         let mut digits = combinations.digits(cell.index());
         for ((digit, step), count) in digits.iter_mut().zip(&self.0).zip(combinations.counts()) {
             *digit = digit.saturating_add_signed(sign * step).min(count - 1);
         }
-        let moved = Cell::new(combinations.index(&digits));
-        if designs.allows(moved) { moved } else { cell }
+        Cell::new(combinations.index(&digits))
     }
+}
+
+/// So far beyond the bounds, in coded units, a simulation has little to do with what it says at them.
+const REACH: f64 = 0.4;
+
+/// How what a simulation says at the bounds goes with what it would say so far beyond.
+pub(crate) fn correlation(beyond: f64) -> f64 {
+    (-0.5 * (beyond / REACH).powi(2)).exp()
+}
+
+/// The standard deviation that is left of such a correlation, of 1 without it.
+pub(crate) fn left_of(correlation: f64) -> f64 {
+    (1.0 - correlation * correlation).max(0.0).sqrt()
 }
 
 /// Axes along which a simulation may be displaced: not those of choices, which have no order.

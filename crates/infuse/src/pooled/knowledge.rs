@@ -14,7 +14,7 @@ use crate::pooled::designs::Designs;
 use crate::pooled::displacement::Displacement;
 use crate::pooled::held::{Chances, Expected, Held};
 use crate::pooled::measurements::{Measurements, Reading};
-use crate::pooled::registration::{Emulation, Runs, registered};
+use crate::pooled::registration::{Emulation, Registration, Runs, registered};
 use crate::pooled::settings::Settings;
 use crate::pooled::simulated::{Column, Simulated, Source};
 use crate::pooled::streams::{Purpose, stream};
@@ -61,6 +61,8 @@ pub(crate) struct Knowledge<'a, 's> {
     pub(crate) failed: Vec<Cell>,
     /// The responses that have to stay within bounds.
     pub(crate) held: Vec<Held>,
+    /// How far the simulation is displaced, as far as the readings tell.
+    pub(crate) registration: Option<Registration>,
     source: Source<'s>,
 }
 
@@ -74,11 +76,12 @@ impl<'a, 's> Knowledge<'a, 's> {
     ) -> Result<Self, Error> {
         let Measurements { readings, constrained, failed, refused } = measurements;
         let cells: Vec<Cell> = readings.iter().map(|reading| reading.cell).collect();
+        let mut registration = None;
         if settings.displaced {
             // The same ones are tried in every batch, so that only new readings take new simulations.
             let mut rng = stream(settings.seed, Purpose::Displacement, 0);
-            let displacement = match &mut source {
-                Source::Nothing => Displacement::default(),
+            let found = match &mut source {
+                Source::Nothing => None,
                 Source::Cheap { simulate, .. } => {
                     let mut runs = Runs { simulated: &mut *simulated, simulate: &mut **simulate };
                     registered(readings, designs, &mut rng, &mut runs)?
@@ -88,7 +91,10 @@ impl<'a, 's> Knowledge<'a, 's> {
                     registered(readings, designs, &mut rng, &mut emulation)?
                 }
             };
-            source.displace(displacement, designs);
+            let (displacement, found) = found.unzip();
+            let displacement = displacement.filter(|_| found.as_ref().is_some_and(Registration::is_sure));
+            source.displace(displacement.unwrap_or_default(), designs, &cells, simulated, constrained.len())?;
+            registration = found;
         }
         let places = source.places(designs, &cells, simulated)?;
         let all: Vec<&Reading> = readings.iter().collect();
@@ -110,7 +116,7 @@ impl<'a, 's> Knowledge<'a, 's> {
         let of_each = constrained.iter().enumerate();
         let held = of_each.map(|(index, readings)| Held::of(index, readings, designs, settings, simulated, &source));
         let held = held.collect::<Result<_, _>>()?;
-        Ok(Self { designs, process, sceptic, simulated, feasibility, measured, failed, held, source })
+        Ok(Self { designs, process, sceptic, simulated, feasibility, measured, failed, held, registration, source })
     }
 
     /// The settings of a reading, seen from a surface that was learnt without the readings that are `left_out`, of which

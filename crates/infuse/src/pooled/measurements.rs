@@ -51,7 +51,8 @@ impl Reading {
             }
             None => Sites::new(&data, places.simulated())?,
         }
-        .with_deviations(places.deviations())?)
+        .with_deviations(places.deviations())?
+        .with_unknown(places.unknown())?)
     }
 }
 

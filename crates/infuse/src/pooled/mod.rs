@@ -64,6 +64,7 @@ mod held;
 mod knowledge;
 mod knowledge_gradient;
 mod measurements;
+mod moments;
 mod narrow;
 mod outcomes;
 mod outliers;
@@ -99,5 +100,6 @@ pub mod reported {
     pub use super::bands::NINE_IN_TEN;
     pub use super::held::FEASIBLE;
     pub use super::outliers::Outlier;
+    pub use super::registration::Registration;
     pub use super::run_means::OfMeans;
 }

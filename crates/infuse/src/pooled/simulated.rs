@@ -10,7 +10,8 @@ use surface::process::{AveragedProcess, Joint, Places, Residual, SamplerSettings
 
 use crate::Error;
 use crate::pooled::designs::Designs;
-use crate::pooled::displacement::{Displacement, WITHIN_A_STEP, next_to};
+use crate::pooled::displacement::{Displacement, WITHIN_A_STEP, correlation, left_of, next_to};
+use crate::pooled::moments::mean_and_deviation;
 use crate::pooled::settings::Settings;
 
 /// What one run gives: the response that is to be made small, and those on which there are constraints.
@@ -200,19 +201,31 @@ pub(crate) enum Source<'a> {
     /// There is no simulation.
     Nothing,
     /// It is run wherever it is needed.
-    Cheap {
-        simulate: &'a mut dyn Simulate,
-        /// How far it is displaced.
-        displacement: Displacement,
-    },
+    Cheap { simulate: &'a mut dyn Simulate, place: Place },
     /// It is run at few cells, and a surface through those tells the others.
-    Emulated {
-        emulator: Emulator,
-        /// How far it is displaced,
-        displacement: Displacement,
-        /// and that in coded units.
-        coded: Vec<f64>,
-    },
+    Emulated { emulator: Emulator, place: Place },
+}
+
+/// Where a simulation tells of experiments.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Place {
+    /// How far it is displaced,
+    displacement: Displacement,
+    /// and that in coded units.
+    coded: Vec<f64>,
+    /// Mean and standard deviation of what it says of the designs that were measured: of the objective, then of each constrained
+    /// response.
+    units: Vec<Option<[f64; 2]>>,
+}
+
+impl Place {
+    fn units(&self, column: Column) -> [f64; 2] {
+        let index = match column {
+            Column::Objective => 0,
+            Column::Constrained(index) => index + 1,
+        };
+        self.units.get(index).copied().flatten().unwrap_or_default()
+    }
 }
 
 impl<'a> Source<'a> {
@@ -234,36 +247,50 @@ impl<'a> Source<'a> {
 impl<'a> Source<'a> {
     /// A simulation that is run wherever it is needed, displaced by nothing.
     pub(crate) fn cheap(simulate: &'a mut dyn Simulate) -> Self {
-        Self::Cheap { simulate, displacement: Displacement::default() }
+        Self::Cheap { simulate, place: Place::default() }
     }
 
     /// One that a surface tells of, displaced by nothing.
     pub(crate) fn emulated(emulator: Emulator) -> Self {
-        Self::Emulated { emulator, displacement: Displacement::default(), coded: Vec::new() }
+        Self::Emulated { emulator, place: Place::default() }
     }
 }
 
 impl Source<'_> {
-    /// Takes what is said from elsewhere.
-    pub(crate) fn displace(&mut self, by: Displacement, designs: &Designs) {
+    /// Takes what is said from elsewhere. Where that is beyond the bounds, nobody knows more of it than how what it says of the `measured`
+    /// designs differs, of each response.
+    pub(crate) fn displace(
+        &mut self,
+        by: Displacement,
+        designs: &Designs,
+        measured: &[Cell],
+        simulated: &Simulated,
+        n_constraints: usize,
+    ) -> Result<(), Error> {
+        let columns = [Column::Objective].into_iter().chain((0..n_constraints).map(Column::Constrained));
+        let of_it = |column| Ok(self.says(designs, measured, simulated, column)?.map(|said| mean_and_deviation(&said)));
+        let units = columns.map(of_it).collect::<Result<_, Error>>()?;
+        let new = Place { coded: by.coded(designs), displacement: by, units };
         match self {
             Self::Nothing => {}
-            Self::Cheap { displacement, .. } => *displacement = by,
-            Self::Emulated { displacement, coded, .. } => {
-                *coded = by.coded(designs);
-                *displacement = by;
+            Self::Cheap { place, .. } | Self::Emulated { place, .. } => *place = new,
+        }
+        Ok(())
+    }
+
+    /// Where it tells of experiments, if that is elsewhere.
+    fn place(&self) -> Option<&Place> {
+        match self {
+            Self::Cheap { place, .. } | Self::Emulated { place, .. } => {
+                Some(place).filter(|place| !place.displacement.is_none())
             }
+            Self::Nothing => None,
         }
     }
 
     /// How far the simulation is displaced, if it is.
     pub(crate) fn displacement(&self) -> Option<&Displacement> {
-        match self {
-            Self::Cheap { displacement, .. } | Self::Emulated { displacement, .. } => {
-                Some(displacement).filter(|displacement| !displacement.is_none())
-            }
-            Self::Nothing => None,
-        }
+        self.place().map(|place| &place.displacement)
     }
 
     /// Cells with what the simulation says at each; nothing is said if it never gave a response. Where it is displaced, its place is
@@ -280,20 +307,53 @@ impl Source<'_> {
             simulated.run(designs, &there, &mut **simulate)?;
             simulated.run_aside(designs, &around.concat(), &mut **simulate)?;
         }
-        let places = self.known_places(designs, cells, simulated, Column::Objective)?;
-        let Some(here) = places.simulated() else { return Ok(places) };
+        let Some(here) = self.says(designs, &there, simulated, Column::Objective)? else {
+            return Ok(designs.places(cells)?);
+        };
+        let known = self.known(designs, cells);
+        let about = if around.is_empty() { Vec::new() } else { self.about(designs, &there, simulated)? };
         let deviations = |next: Vec<Cell>| {
-            let next = self.says(designs, &next, simulated, Column::Objective)?.unwrap_or_else(|| here.to_vec());
-            Ok(next.iter().zip(here).map(|(next, here)| WITHIN_A_STEP * (next - here)).collect())
+            let next = self.about(designs, &next, simulated)?;
+            let off = next.iter().zip(&about).map(|(next, here)| WITHIN_A_STEP * (next - here));
+            Ok(off.enumerate().map(|(place, off)| known.get(place).map_or(off, |known| known * off)).collect())
         };
         let deviations = around.into_iter().map(deviations).collect::<Result<_, Error>>()?;
-        Ok(places.with_deviations(deviations)?)
+        Ok(self.told(designs.places(cells)?, here, &known, Column::Objective)?.with_deviations(deviations)?)
+    }
+
+    /// What the simulation says of cells as exactly as differences are asked for: of a surface one particle will do.
+    fn about(&self, designs: &Designs, cells: &[Cell], simulated: &Simulated) -> Result<Vec<f64>, Error> {
+        let none = || vec![0.0; cells.len()];
+        match self {
+            Self::Emulated { emulator, .. } => {
+                let [first, ..] = emulator.objective.particles() else { return Ok(none()) };
+                Ok(first.means(&designs.places(cells)?))
+            }
+            _ => Ok(self.says(designs, cells, simulated, Column::Objective)?.unwrap_or_else(none)),
+        }
     }
 
     /// The designs whose simulations tell of these.
     fn there(&self, designs: &Designs, cells: &[Cell]) -> Vec<Cell> {
         let there = |displacement: &Displacement| cells.iter().map(|&cell| displacement.of(designs, cell)).collect();
         self.displacement().map_or_else(|| cells.to_vec(), there)
+    }
+
+    /// How what is said of each of these cells goes with what would be said if there were no bounds; nothing where all is the same.
+    fn known(&self, designs: &Designs, cells: &[Cell]) -> Vec<f64> {
+        let known = |displacement: &Displacement| {
+            cells.iter().map(|&cell| correlation(displacement.beyond(designs, cell))).collect()
+        };
+        self.displacement().map_or_else(Vec::new, known)
+    }
+
+    /// Places with what is said of each, as far as that is known.
+    fn told(&self, places: Places, mut said: Vec<f64>, known: &[f64], column: Column) -> Result<Places, Error> {
+        let Some(place) = self.place() else { return Ok(places.with_simulated(said)?) };
+        let [mean, deviation] = place.units(column);
+        said.iter_mut().zip(known).for_each(|(said, known)| *said = mean + known * (*said - mean));
+        let unknown = known.iter().map(|&known| deviation * left_of(known)).collect();
+        Ok(places.with_simulated(said)?.with_unknown(unknown)?)
     }
 
     /// The same for any response, of cells that were simulated if that is cheap.
@@ -306,7 +366,7 @@ impl Source<'_> {
     ) -> Result<Places, Error> {
         let places = designs.places(cells)?;
         match self.says(designs, &self.there(designs, cells), simulated, column)? {
-            Some(responses) => Ok(places.with_simulated(responses)?),
+            Some(said) => self.told(places, said, &self.known(designs, cells), column),
             None => Ok(places),
         }
     }
@@ -352,8 +412,9 @@ impl Source<'_> {
 
     /// The surface that tells of them, and the places whose simulations tell of these.
     fn emulation<'p>(&self, places: &'p Places, column: Column) -> Option<(&AveragedProcess, Cow<'p, Places>)> {
-        let Self::Emulated { emulator, displacement, coded } = self else { return None };
-        let there = if displacement.is_none() { Cow::Borrowed(places) } else { Cow::Owned(places.moved(coded)) };
+        let Self::Emulated { emulator, place } = self else { return None };
+        let is_there = place.displacement.is_none();
+        let there = if is_there { Cow::Borrowed(places) } else { Cow::Owned(places.moved(&place.coded)) };
         Some((emulator.process(column)?, there))
     }
 }
@@ -498,8 +559,8 @@ mod tests {
         let places = |by: [i64; 2], cells: &[Cell]| {
             let mut simulate = |_: Cell, point: &[f64]| Ok::<f64, String>(says(point));
             let mut simulated = Simulated::default();
-            let displacement = Displacement(by.to_vec());
-            let mut source = Source::Cheap { simulate: &mut simulate, displacement };
+            let mut source = Source::cheap(&mut simulate);
+            source.displace(Displacement(by.to_vec()), &designs, cells, &simulated, 0).unwrap();
             let places = source.places(&designs, cells, &mut simulated).unwrap();
             (places, simulated.len())
         };
@@ -514,6 +575,33 @@ mod tests {
             }
         }
         assert!(places([0, 0], &cells).0.deviations().is_empty(), "it is in its place");
+    }
+
+    /// Of 11 levels one lies 0.2 coded units from the next. Three levels beyond the bounds, along both axes together, little is known of what would
+    /// be said, and no more than how much it varies over the designs that were measured.
+    #[test]
+    fn beyond_the_bounds_a_simulation_tells_the_less_the_farther() {
+        let designs = designs();
+        let mut simulate = |_: Cell, point: &[f64]| Ok::<f64, String>(40.0 * point[0] + point[1]);
+        let mut simulated = Simulated::default();
+        let measured = [(2, 1), (4, 3), (7, 1), (9, 8)].map(|(x, y)| cell(&designs, x, y));
+        let mut source = Source::cheap(&mut simulate);
+        let said = source.places(&designs, &measured, &mut simulated).unwrap().simulated().unwrap().to_vec();
+        let mean = said.iter().sum::<f64>() / 4.0;
+        let deviation = (said.iter().map(|said| said * said).sum::<f64>() / 4.0 - mean * mean).sqrt();
+        source.displace(Displacement(vec![3, -2]), &designs, &measured, &simulated, 0).unwrap();
+        let cells = [(7, 2), (8, 2), (10, 0), (7, 1)].map(|(x, y)| cell(&designs, x, y));
+        let found = source.places(&designs, &cells, &mut simulated).unwrap();
+        let beyond = [0.0, 0.2, 0.6_f64.hypot(0.4), 0.2];
+        for (place, (beyond, there)) in beyond.into_iter().zip([[1.0, 0.0]; 4]).enumerate() {
+            let known = (-0.5 * (beyond / 0.4_f64).powi(2)).exp();
+            let expected = mean + known * (40.0 * there[0] + there[1] - mean);
+            assert!((found.simulated().unwrap()[place] - expected).abs() < 1e-12, "{expected} at place {place}");
+            let unknown = deviation * (1.0 - known * known).sqrt();
+            assert!((found.unknown()[place] - unknown).abs() < 1e-9, "{unknown} at place {place}");
+        }
+        source.displace(Displacement::default(), &designs, &measured, &simulated, 0).unwrap();
+        assert!(source.places(&designs, &cells, &mut simulated).unwrap().unknown().is_empty(), "it is in its place");
     }
 
     /// What an emulator knows of a design that is told of by a simulated one is all there is to know; of one that was simulated itself it
@@ -531,7 +619,7 @@ mod tests {
         let farther_on = cell(&designs, 5, 6);
         let expected = source.places(&designs, &[farther_on], &mut simulated).unwrap();
         let variance = source.variances(&expected, Column::Objective).unwrap()[0];
-        source.displace(Displacement(vec![2, -1]), &designs);
+        source.displace(Displacement(vec![2, -1]), &designs, &cells, &simulated, 0).unwrap();
         let places = source.places(&designs, &cells, &mut simulated).unwrap();
         assert_eq!(places.simulated().unwrap()[0].to_bits(), 0.5_f64.to_bits(), "of the design at 3 and 7");
         assert!((places.simulated().unwrap()[1] - expected.simulated().unwrap()[0]).abs() < 1e-12);
