@@ -179,6 +179,9 @@ pub(crate) struct Assessed {
     /// The simulator at that time, empty if there was none; journals that do not have it go on without.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) by: Option<String>,
+    /// How far the simulation was taken to be displaced, in the unit of each parameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) displacement: Option<Vec<f64>>,
     /// Of this line and all before it; see [`Checksum`](super::checksum::Checksum).
     #[serde(default)]
     pub(crate) check: String,

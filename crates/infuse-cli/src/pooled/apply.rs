@@ -81,6 +81,7 @@ impl Campaign {
                 noise: found.noise,
                 settings: serde_json::to_value(&self.settings).unwrap_or_default(),
                 by: Some(identity(&self.problem.simulator)),
+                displacement: found.displacement,
                 check: String::new(),
             };
             (found.recommended.cell, assessed)

@@ -1,7 +1,6 @@
 //! What a campaign of the pooled loop has found, in sentences with their numbers.
 
 use anyhow::Result;
-use design_space::Parameter;
 use infuse::pooled::reported::SimulationWorth;
 use infuse::pooled::{Assessment, Certificate, Forecast, Needed, Standing};
 use page::Finding;
@@ -10,11 +9,12 @@ use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 use super::bands::{NINE_IN_TEN, resolution};
 use super::bounds::{constrained_there, likely_to_keep, not_sure, unlikely_to_keep};
 use super::campaign::{Campaign, Origin, tells_designs_apart};
+use super::displaced;
 use super::failures::where_runs_fail;
 use super::warnings::{all_equal, suspects, warnings};
 use crate::findings::{WITHOUT_RESERVE, amount, on_bounds, value_to};
-use crate::number::{count, grouped, percent, plain, short, with_unit};
-use crate::problem::{Problem, shown};
+use crate::number::{count, grouped, percent, plain, short};
+use crate::problem::Problem;
 
 /// Below this share of the variance explained, or from this probability that it is better ignored, a simulation is useless.
 const EXPLAINS_LITTLE: f64 = 0.1;
@@ -87,13 +87,19 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
         let sentence = match campaign.n_simulated_of_many()? {
             Some(n) => {
                 let n = count(n, "design");
-                format!("Of the {n} simulated so far, the simulation alone would choose {design}{there}.")
+                let stands = as_it_stands(found);
+                format!("Of the {n} simulated so far, the simulation alone{stands} would choose {design}{there}.")
             }
-            None => format!("The simulation alone would have chosen {design}{there}."),
+            None => format!("The simulation alone{} would have chosen {design}{there}.", as_it_stands(found)),
         };
         best = best.detail(Finding::new(sentence));
     }
     Ok(best)
+}
+
+/// Where the simulation is displaced, its own choice is that of nobody who knows.
+fn as_it_stands(found: &Assessment) -> &'static str {
+    if found.displacement.is_some() { ", taken as it stands," } else { "" }
 }
 
 /// The readings that the surface does without.
@@ -470,37 +476,9 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
                 .with("probability that it is better ignored", worth.ignored, "1")
                 .with("factor", worth.factor, "1")
                 .with("give or take", NINE_IN_TEN * worth.factor_deviation, "1");
-            displaced(campaign, found).into_iter().fold(finding, Finding::detail)
+            displaced::findings(campaign, found).into_iter().fold(finding, Finding::detail)
         }
     })
-}
-
-/// That the simulation is right of another design.
-fn displaced(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
-    let parameters = campaign.problem.region.parameters();
-    let all = parameters.iter().zip(found.displacement.as_ref()?).filter(|(_, by)| by.abs() > 0.0);
-    let all: Vec<(&Parameter, f64)> = all.map(|(parameter, by)| (parameter, *by)).collect();
-    let named = all.iter().map(|(parameter, by)| {
-        let way = if *by > 0.0 { "higher" } else { "lower" };
-        format!("{} {way} by {}", parameter.name(), with_unit(&short(by.abs()), parameter.unit()))
-    });
-    let named = named.collect::<Vec<_>>().join(", ");
-    let [here, there] = [0.0, 1.0].map(|share| {
-        let one = |(parameter, by): &(&Parameter, f64)| {
-            let middle = parameter.snap(parameter.center()).unwrap_or(parameter.center());
-            format!("{} {}", parameter.name(), with_unit(&shown(parameter, middle + share * by), parameter.unit()))
-        };
-        all.iter().map(one).collect::<Vec<_>>().join(", ")
-    });
-    let sentence = format!(
-        "It is displaced: what is measured at a design it says of one with {named}. So what is measured at {here}, it says of {there}. It is \
-         taken from there, and explains so much there; beyond the bounds it is taken as it is at them. Is a parameter of the model, or the \
-         zero of a sensor, off by as much?"
-    );
-    let finding = Finding::new(sentence);
-    Some(all.into_iter().fold(finding, |finding, (parameter, by)| {
-        finding.with(&format!("displaced along {}", parameter.name()), by, parameter.unit())
-    }))
 }
 
 /// How much of what was measured a simulation explains, and what the surface makes of it.

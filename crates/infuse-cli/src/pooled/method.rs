@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use design_space::Cell;
-use infuse::pooled::{Assessment, Settings, Trial};
+use infuse::pooled::{Settings, Trial};
 use page::Finding;
 use serde_json::{Value, json};
 
@@ -16,7 +16,7 @@ use super::dry::dry_pick;
 use super::findings::{closed, known, lesson, none_better, promised, recommendation, set_aside, standing_in_words};
 use super::reasons::reasons;
 use super::warnings::{all_equal, nothing_but_failures, warnings};
-use super::{confirm, hand_out, report, what_if};
+use super::{confirm, displaced, hand_out, report, what_if};
 use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Stage, Wish};
 use crate::findings::{all_batches_made, amount};
 use crate::journal::{Event, Journal, Submitted, Writer};
@@ -184,7 +184,8 @@ impl campaign::Campaign for Campaign {
             "own_of_a_plant": found.own,
             "keeps_to_the_constraints": found.recommended.suffices,
             "simulation": found.simulation,
-            "displacement": displacement(problem, &found),
+            "displacement": displaced::as_json(problem, &found),
+            "registration": displaced::registration_as_json(problem, &found),
             "simulation_alone": simulation_alone.map(|point| problem.named(&point)),
             "best_measured": best_measured,
             "confirmed": self.confirmation()?,
@@ -243,11 +244,4 @@ impl Campaign {
             format!("with {}, {than_enough}", none_better(&self.problem, &found.certificate))
         }))
     }
-}
-
-/// How far the simulation is displaced, by the names of the parameters along which it is.
-fn displacement(problem: &Problem, found: &Assessment) -> Option<Value> {
-    let by = problem.region.parameters().iter().zip(found.displacement.as_ref()?);
-    let along = by.filter(|(_, by)| by.abs() > 0.0).map(|(parameter, by)| (parameter.name().to_owned(), json!(by)));
-    Some(Value::Object(along.collect()))
 }

@@ -6,6 +6,7 @@ mod bounds;
 mod buildable;
 mod campaign;
 mod confirm;
+mod displaced;
 mod dry;
 mod failures;
 mod findings;

@@ -41,6 +41,7 @@ from infuse.pooled import (
     Outlier,
     Plants,
     PooledLoop,
+    Registration,
     SimulationWorth,
     Standing,
 )
@@ -65,6 +66,7 @@ __all__ = [
     "Record",
     "RegretBound",
     "Settings",
+    "Registration",
     "SimulationWorth",
     "Standing",
     "Trial",

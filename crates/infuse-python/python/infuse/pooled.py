@@ -208,6 +208,22 @@ def _needed(entry: Union[None, str, Dict[str, int]]) -> Optional[Needed]:
 
 
 @dataclass(frozen=True)
+class Registration:
+    """What the readings tell of how far the simulation is displaced, whether they are sure of it or not."""
+
+    displacement: Dict[str, float]
+    """The most probable one, by parameter: an experiment gives what the simulation says of a design so much farther on."""
+    deviations: Dict[str, float]
+    """Standard deviation of that."""
+    gain: float
+    """The logarithm of its probability less that of none."""
+    needed: float
+    """From this on it is believed."""
+    explained_in_place: float
+    """Squared correlation of the readings with what the simulation says of their own designs."""
+
+
+@dataclass(frozen=True)
 class Assessment:
     """What the experiments so far come to."""
 
@@ -243,6 +259,8 @@ class Assessment:
     """What the certificate waits for before it says anything."""
     displacement: Optional[Dict[str, float]] = None
     """How far the simulation is displaced, by parameter: an experiment gives what it says of a design so much farther on. None if it is not."""
+    registration: Optional[Registration] = None
+    """What the readings tell of that, sure or not."""
     find: Optional[Settings] = None
     """The best design that was measured to be far better than runs elsewhere say, and was not looked around on all sides yet."""
 
@@ -700,10 +718,17 @@ class PooledLoop:
             needed=_needed(found.get("needed")),
             find=named(self._names, found["find"]) if "find" in found else None,
             displacement=self._displacement(found.get("displacement")),
+            registration=self._registration(found.get("registration")),
         )
 
     def _displacement(self, found: Optional[List[float]]) -> Optional[Dict[str, float]]:
         return None if found is None else {name: by for name, by in zip(self._names, found) if by != 0.0}
+
+    def _registration(self, found: Optional[Dict[str, Any]]) -> Optional[Registration]:
+        if found is None:
+            return None
+        by_name = {key: named(self._names, found[key]) for key in ("displacement", "deviations")}
+        return _of(Registration, found, **by_name)
 
     def _standing(self, entry: Dict[str, Any]) -> Standing:
         of_each = [_constrained(one) for one in entry.get("constrained", [])]

@@ -208,6 +208,9 @@ fn caption(view: &View, drawn: &[Drawn]) -> String {
              what the command was not asked about may be refused as well.",
         );
     }
+    if view.found.displacement.is_some() && drawn.iter().any(|drawn| !drawn.simulation.is_empty()) {
+        text.push_str(" The simulation is drawn as it stands, not displaced as it is taken to be.");
+    }
     if drawn.iter().any(|drawn| drawn.is_far) {
         text.push_str(" The simulation is left out where it is so far from all else that nothing else could be seen.");
     }

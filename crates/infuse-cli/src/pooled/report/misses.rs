@@ -45,8 +45,14 @@ pub(super) fn write(page: &mut Page, view: &View) {
         }
     }
     page.subheading("What the simulation misses");
-    let caption = "What was measured less what the simulation says of the same design, whatever the other parameters. A level \
-                   away from zero does no harm, as the surface learns it; a slope or a bend along a parameter is what the \
-                   simulation has wrong.";
-    page.charts(&charts, &keys, caption);
+    let mut caption = "What was measured less what the simulation says of the same design, whatever the other parameters. A level \
+                       away from zero does no harm, as the surface learns it; a slope or a bend along a parameter is what the \
+                       simulation has wrong."
+        .to_owned();
+    if view.found.displacement.is_some() {
+        caption.push_str(
+            " The simulation is taken as it stands here; a part of what it misses is its displacement, which the surface makes up for.",
+        );
+    }
+    page.charts(&charts, &keys, &caption);
 }

@@ -1,0 +1,130 @@
+//! That a simulation is right of another design: how far it is displaced, in words and as JSON.
+
+use design_space::Parameter;
+use infuse::pooled::Assessment;
+use infuse::pooled::reported::Registration;
+use page::Finding;
+use serde_json::{Map, Value, json};
+
+use super::bands::NINE_IN_TEN;
+use super::campaign::Campaign;
+use crate::number::{percent, short, with_unit};
+use crate::problem::{Problem, shown};
+
+/// It is said that a simulation may be displaced from this share of what it takes to be sure on.
+const WORTH_SAYING: f64 = 0.5;
+
+/// What is said of it beside what the simulation is worth.
+pub(super) fn findings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
+    let Some(told) = &found.registration else { return Vec::new() };
+    let along = along(&campaign.problem, told);
+    let withdrawn = withdrawn(campaign, told).map(Finding::new);
+    let finding = if told.is_sure() {
+        taken(found, told, &along)
+    } else if told.gain > WORTH_SAYING * told.needed && !along.is_empty() {
+        format!(
+            "It may be displaced: it fits best that what is measured at a design it says of one with {}. The results are not sure of that, and \
+             it is taken as it stands.",
+            named(&along)
+        )
+    } else {
+        return withdrawn.into_iter().collect();
+    };
+    let finding = along.into_iter().fold(Finding::new(finding), |finding, along| {
+        let (name, unit) = (along.parameter.name(), along.parameter.unit());
+        let finding = finding.with(&format!("displaced along {name}"), along.by, unit);
+        finding.with(&format!("displaced along {name}, give or take"), along.half(), unit)
+    });
+    withdrawn.into_iter().chain([finding]).collect()
+}
+
+/// How far along a parameter.
+struct Along<'p> {
+    parameter: &'p Parameter,
+    by: f64,
+    deviation: f64,
+}
+
+impl Along<'_> {
+    /// Half the width of a band in which it is nine times of ten.
+    fn half(&self) -> f64 {
+        NINE_IN_TEN * self.deviation
+    }
+}
+
+fn along<'p>(problem: &'p Problem, told: &Registration) -> Vec<Along<'p>> {
+    let all = problem.region.parameters().iter().zip(told.displacement.iter().zip(&told.deviations));
+    let all = all.map(|(parameter, (&by, &deviation))| Along { parameter, by, deviation });
+    all.filter(|along| along.by.abs() > 0.0).collect()
+}
+
+/// "a higher by 1 mm, b lower by 2 mm".
+fn named(all: &[Along<'_>]) -> String {
+    let one = |along: &Along<'_>| {
+        let way = if along.by > 0.0 { "higher" } else { "lower" };
+        let [by, half] = [along.by.abs(), along.half()].map(|value| with_unit(&short(value), along.parameter.unit()));
+        format!("{} {way} by {by} (give or take {half})", along.parameter.name())
+    };
+    all.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// What is made of a displacement that the results are sure of.
+fn taken(found: &Assessment, told: &Registration, all: &[Along<'_>]) -> String {
+    let [here, there] = [0.0, 1.0].map(|share| {
+        let one = |along: &Along<'_>| {
+            let parameter = along.parameter;
+            let middle = parameter.snap(parameter.center()).unwrap_or(parameter.center());
+            let place = shown(parameter, middle + share * along.by);
+            format!("{} {}", parameter.name(), with_unit(&place, parameter.unit()))
+        };
+        all.iter().map(one).collect::<Vec<_>>().join(", ")
+    });
+    let within: f64 = all.iter().map(|along| (1.0 - along.by.abs() / along.parameter.width()).max(0.0)).product();
+    let explained = found.simulation.map_or_else(String::new, |worth| {
+        let [there, here] = [worth.explained, told.explained_in_place].map(percent);
+        format!(" It is taken from there, where it explains {there}; as it stands it explains {here}.")
+    });
+    format!(
+        "It is displaced: what is measured at a design it says of one with {}. So what is measured at {here}, it says of {there}.{explained} Of \
+         {} of the designs that is beyond the bounds: there it tells little or nothing, and experiments have to. Is a parameter of the model, \
+         or the zero of a sensor, off by as much?",
+        named(all),
+        percent(1.0 - within)
+    )
+}
+
+/// That it was taken to be displaced after the batch before, and is not any more.
+fn withdrawn(campaign: &Campaign, told: &Registration) -> Option<String> {
+    let before = campaign.history.range(..campaign.batches.len()).next_back()?.1;
+    let was_displaced = before.displacement.as_ref().is_some_and(|by| by.iter().any(|by| by.abs() > 0.0));
+    (was_displaced && !told.is_sure()).then(|| {
+        format!(
+            "After batch {} it was taken to be displaced: what was measured since does not bear that out, and it is taken as it stands again.",
+            before.batch
+        )
+    })
+}
+
+/// By the names of the parameters along which it is taken to be displaced; nothing where it is taken as it stands.
+pub(super) fn as_json(problem: &Problem, found: &Assessment) -> Option<Value> {
+    found.displacement.as_ref().map(|by| by_name(problem, by))
+}
+
+/// What the results tell of it, sure or not.
+pub(super) fn registration_as_json(problem: &Problem, found: &Assessment) -> Option<Value> {
+    let told = found.registration.as_ref()?;
+    let half: Vec<f64> = told.deviations.iter().map(|deviation| NINE_IN_TEN * deviation).collect();
+    Some(json!({
+        "displacement": by_name(problem, &told.displacement),
+        "give_or_take": by_name(problem, &half),
+        "log_probability_above_none": told.gain,
+        "believed_above": told.needed,
+        "is_believed": told.is_sure(),
+        "explained_as_it_stands": told.explained_in_place,
+    }))
+}
+
+fn by_name(problem: &Problem, all: &[f64]) -> Value {
+    let by = problem.region.parameters().iter().zip(all).filter(|(_, by)| by.abs() > 0.0);
+    Value::Object(by.map(|(parameter, by)| (parameter.name().to_owned(), json!(by))).collect::<Map<_, _>>())
+}
