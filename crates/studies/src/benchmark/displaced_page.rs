@@ -95,7 +95,7 @@ pub(super) fn finding(kept: &Displaced) -> Finding {
         let [n, broken] = promises.iter().fold([0, 0], |[n, broken], (_, one)| [n + one[0], broken + one[1]]);
         let most = promises.iter().max_by_key(|(_, [_, broken])| *broken);
         most.map_or_else(String::new, |(name, [n_there, broken_there])| {
-            format!("after {broken} of {n} batches, most often on {name}, {broken_there} of {n_there}")
+            format!("after {broken} of {n} batches, most often on `{name}`, {broken_there} of {n_there}")
         })
     });
     let [all, few] = certificate;
