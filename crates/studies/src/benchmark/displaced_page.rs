@@ -105,12 +105,11 @@ pub(super) fn finding(kept: &Displaced) -> Finding {
 
 fn against(ours: &Results, words: &str, other: &Results, which: &str) -> Finding {
     let after = AFTER.map(|batch| {
-        let count = |is_so: fn(Paired) -> bool| {
-            let of_each = DISPLACED.iter().filter_map(|family| paired(ours, other, family, batch));
-            of_each.filter(|pair| is_so(*pair)).count()
-        };
+        // Those that the other ran, too.
+        let both: Vec<Paired> = DISPLACED.iter().filter_map(|family| paired(ours, other, family, batch)).collect();
+        let count = |is_so: fn(Paired) -> bool| both.iter().filter(|pair| is_so(**pair)).count();
         let (less, more) = (count(Paired::is_ours_better), count(Paired::is_theirs_better));
-        format!("after batch {batch} less in {less} of {}, more in {more}", DISPLACED.len())
+        format!("after batch {batch} less in {less} of {}, more in {more}", both.len())
     });
     Finding::new(format!("What is missing, against {words}{which}: {}.", after.join("; ")))
 }
