@@ -444,12 +444,28 @@ impl Campaign {
 
     /// What all runs of equal settings tell of the noise.
     pub(super) fn repeats(&self) -> Option<PureError> {
+        PureError::of_readings(self.runs())
+    }
+
+    /// All runs that gave a value: their settings, as they were made, and that.
+    pub(super) fn runs(&self) -> Vec<(Vec<f64>, f64)> {
         let imported = self.imported.iter().filter_map(|one| Some((one.point.clone(), one.result.value()?)));
         let own = self.experiments.readings.iter().flat_map(|(&id, reading)| {
             let settings = self.experiments.settings_of(id);
             reading.values().map(move |value| (settings.clone(), value))
         });
-        PureError::of_readings(imported.chain(own))
+        imported.chain(own).collect()
+    }
+
+    /// The same of a response that has to stay within bounds.
+    pub(super) fn runs_of(&self, constraint: &str) -> Vec<(Vec<f64>, f64)> {
+        let imported = self.imported.iter().filter_map(|one| Some((one.point.clone(), *one.constrained.get(constraint)?)));
+        let own = self.experiments.readings.iter().flat_map(|(&id, reading)| {
+            let settings = self.experiments.settings_of(id);
+            let values = reading.constrained.values().filter_map(|of_a_run| of_a_run.get(constraint));
+            values.map(move |&value| (settings.clone(), value))
+        });
+        imported.chain(own).collect()
     }
 
     /// Lets the loop answer, with all that was told.

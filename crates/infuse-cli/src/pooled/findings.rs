@@ -11,6 +11,7 @@ use super::bounds::{constrained_there, likely_to_keep, not_sure, unlikely_to_kee
 use super::campaign::{Campaign, Origin, tells_designs_apart};
 use super::displaced;
 use super::failures::where_runs_fail;
+use super::given_noise::contradiction;
 use super::warnings::{all_equal, suspects, warnings};
 use crate::findings::{WITHOUT_RESERVE, amount, on_bounds, value_to};
 use crate::number::{count, grouped, percent, plain, short};
@@ -541,9 +542,12 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
     let sentence = match (campaign.settings.noise, found.n_repeats) {
         (Some(given), _) => {
             let given = amount(&campaign.problem.response, given);
-            let untested = match found.n_repeats {
-                0 => " Nothing was run twice, so nothing has put it to the test.",
-                _ => "",
+            let untested = match (found.n_repeats, contradiction(campaign)) {
+                (0, _) => " Nothing was run twice, so nothing has put it to the test.".to_owned(),
+                (_, Some(repeats)) => {
+                    format!(" Repeats contradict that: {}.", amount(&campaign.problem.response, repeats.measured()))
+                }
+                _ => String::new(),
             };
             format!("Noise of one run: {given} (standard deviation), as `noise` in [loop] says.{untested}")
         }

@@ -14,6 +14,7 @@ use super::bounds::as_json;
 use super::campaign::{Access, Campaign, Origin};
 use super::dry::dry_pick;
 use super::findings::{closed, known, lesson, none_better, promised, recommendation, set_aside, standing_in_words};
+use super::given_noise::contradiction;
 use super::reasons::reasons;
 use super::warnings::{all_equal, nothing_but_failures, warnings};
 use super::{confirm, displaced, hand_out, report, what_if};
@@ -177,7 +178,11 @@ impl campaign::Campaign for Campaign {
             "find": found.find.as_ref().map(|point| problem.named(point)),
             "left_share": found.left,
             "unseen_share": found.unseen,
-            "noise": json!({ "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats, "is_exact": found.is_exact }),
+            "noise": json!({
+                "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats, "is_exact": found.is_exact,
+                "of_repeats": self.repeats().map(|repeats| repeats.standard_deviation()),
+                "is_contradicted": contradiction(self).is_some(),
+            }),
             "constraints": as_json(self, &found.recommended.constrained),
             "spent": self.spent_until(self.batches.len()).map(|(cost, plants)| json!({ "cost": cost, "plants": plants })),
             "shared_error_of_a_plant": found.assembly,

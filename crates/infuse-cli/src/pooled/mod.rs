@@ -10,6 +10,7 @@ mod displaced;
 mod dry;
 mod failures;
 mod findings;
+mod given_noise;
 mod hand_out;
 mod method;
 mod reasons;

@@ -4,18 +4,16 @@ use anyhow::Result;
 use infuse::pooled::Assessment;
 use infuse::pooled::reported::Outlier;
 use page::Finding;
-use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use super::bands::resolution;
 use super::campaign::{Campaign, Origin};
+use super::given_noise::{too_large, too_small};
 use crate::campaign::{Campaign as _, Imported};
-use crate::findings::{amount, there_twice, value_to};
+use crate::findings::{there_twice, value_to};
 use crate::number::{count, short};
 
 /// Outliers that are named.
 const MOST_NAMED: usize = 5;
-/// Repeats whose scatter is less likely than this speak against the noise that was given.
-const UNLIKELY: f64 = 1e-3;
 /// So many results that are all equal are no chance.
 const FEWEST_EQUAL: usize = 3;
 
@@ -44,7 +42,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
     warnings.extend(set_aside(campaign, found));
     warnings.extend(beyond_the_bounds(campaign));
     warnings.extend(another_unit(campaign));
-    warnings.extend(given_noise(campaign));
+    warnings.extend(too_large(campaign));
     warnings.extend(all_equal(campaign));
     warnings.extend(imported_twice(campaign));
     Ok(warnings)
@@ -88,7 +86,8 @@ fn imported_twice(campaign: &Campaign) -> Option<Finding> {
     twice.first().map(|(earlier, source)| there_twice(twice.len(), earlier, source))
 }
 
-/// What counts, and is far from what all others say: nothing else is worth much before it is known to be true.
+/// What counts, and is far from what all others say, and noise that was given too small: nothing else is worth much before that is put
+/// right.
 pub(super) fn suspects(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
     // Runs of equal settings share their distance.
     let is_seen_again = |one: &Outlier| {
@@ -104,7 +103,8 @@ pub(super) fn suspects(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
         Finding::new(sentence).with("outliers", n as f64, "1")
     });
     let again = found.outliers.iter().filter(|one| !one.set_aside && is_seen_again(one));
-    once.into_iter().chain(seen_again(campaign, found, &again.copied().collect::<Vec<_>>())).collect()
+    let again = seen_again(campaign, found, &again.copied().collect::<Vec<_>>());
+    too_small(campaign).into_iter().chain(once).chain(again).collect()
 }
 
 /// Settings whose runs, more than one, are far from what runs of other settings say: named once, with their number and their mean.
@@ -232,28 +232,6 @@ fn another_unit(campaign: &Campaign) -> Option<Finding> {
             short(times.floor())
         );
         Finding::new(sentence).with("times", times, "1")
-    })
-}
-
-/// Whether repeats speak against the noise that was given.
-fn given_noise(campaign: &Campaign) -> Option<Finding> {
-    let (given, repeats) = (campaign.settings.noise?, campaign.repeats()?);
-    let (n, response) = (repeats.degrees_of_freedom, &campaign.problem.response);
-    let sum_of_squares = n as f64 * repeats.variance;
-    let is_contradicted = if given > 0.0 {
-        let below = ChiSquared::new(n as f64).ok()?.cdf(sum_of_squares / (given * given));
-        !(UNLIKELY..=1.0 - UNLIKELY).contains(&below)
-    } else {
-        sum_of_squares > 0.0
-    };
-    is_contradicted.then(|| {
-        let (measured, given) = (amount(response, repeats.standard_deviation()), amount(response, given));
-        let sentence = format!(
-            "Careful: `noise` in [loop] is {given}, but {} of equal settings {} a standard deviation of {measured}.",
-            count(n, "repeat"),
-            if n == 1 { "has" } else { "have" }
-        );
-        Finding::new(sentence).with("noise of repeats", repeats.standard_deviation(), &response.unit)
     })
 }
 

@@ -86,10 +86,13 @@ fn noise_that_repeats_contradict_is_said() {
     rig.infuse(&["import", "old.csv", "--source", "repeats"]).ok();
     let text = rig.infuse(&["status"]).ok();
     assert!(
-        text.contains("`noise` in [loop] is 0 N, but 7 repeats of equal settings have a standard deviation of"),
+        text.contains("Careful: `noise` in [loop] is 0 N, but 7 repeats of 1 design scatter by 1.")
+            && text.contains("is too sure: take `noise` out, and it is learnt, or give what was measured."),
         "{text}"
     );
-    assert!(text.contains("Noise of one run: 0 N (standard deviation), as `noise` in [loop] says."), "{text}");
+    assert!(text.find("Careful") < text.find("Recommended"), "before anything that sounds good: {text}");
+    let said = "Noise of one run: 0 N (standard deviation), as `noise` in [loop] says. Repeats contradict that: 1.";
+    assert!(text.contains(said), "{text}");
     assert!(!text.contains("Nothing was run twice"), "{text}");
     for (noise, is_wrong) in [("0.8", false), ("0.01", true), ("50", true)] {
         let now = rig.read("campaign.toml");
@@ -97,7 +100,44 @@ fn noise_that_repeats_contradict_is_said() {
         rig.edit(&line, &format!("noise = {noise}"));
         let text = rig.infuse(&["status"]).ok();
         assert_eq!(text.contains("Careful: `noise` in [loop]"), is_wrong, "{noise}: {text}");
+        assert_eq!(rig.status()["noise"]["is_contradicted"], json!(is_wrong), "{noise}");
+        let is_too_large = text.contains("Bands and bounds are wider than they need be");
+        assert_eq!(is_too_large, noise == "50", "{noise}: {text}");
     }
+}
+
+/// A file that gives the noise as none, and a rig whose further runs of an experiment, and those that confirm, scatter.
+#[test]
+fn noise_of_zero_is_contradicted_by_the_first_run_that_is_made_again() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "noise = 0\n");
+    batch(&rig, |a, b, _| Ok(wells(a, b, DEPTHS)));
+    let (text, noise) = (rig.infuse(&["status"]).ok(), rig.status()["noise"].clone());
+    assert!(!text.contains("Careful: `noise`"), "nothing has put it to the test: {text}");
+    assert_eq!((&noise["of_repeats"], &noise["is_contradicted"]), (&Value::Null, &json!(false)));
+    let first = rig.journal().into_iter().find(|line| line["event"] == json!("told")).expect("a result");
+    let (id, value) = (first["id"].to_string(), first["value"].as_f64().expect("a value"));
+    rig.infuse(&["tell", "--id", &id, "--value", &format!("{value}"), "--again"]).ok();
+    assert!(!rig.infuse(&["status"]).ok().contains("Careful: `noise`"), "the same again is no noise");
+    rig.infuse(&["tell", "--id", &id, "--value", &format!("{}", value + 3.0), "--again"]).ok();
+    let text = rig.infuse(&["status"]).ok();
+    let said = "Careful: `noise` in [loop] is 0 N, but 2 repeats of 1 design scatter by 1.732 N (standard deviation).";
+    assert!(text.contains(said), "{text}");
+    assert!((rig.status()["noise"]["of_repeats"].as_f64().expect("repeats") - 3_f64.sqrt()).abs() < 1e-9);
+}
+
+#[test]
+fn noise_of_a_constraint_that_repeats_contradict_is_said_too() {
+    let rig = rig_of(|a, b| a + b, "[[constraint]]\nname = \"travel\"\nunit = \"mm\"\nupper = 12\nnoise = 0.01\n");
+    let row = |k: u32| format!("{},{},{},{}\n", k % 5, k / 5, k, 5.0 + wobble(u64::from(k)));
+    let again = |k: u64| format!("4,4,8,{}\n", 6.0 + wobble(k));
+    let rows: String = (0..10).map(row).chain((0..4).map(again)).collect();
+    rig.write("old.csv", &format!("a [mm],b [mm],y [N],travel [mm]\n{rows}"));
+    rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    let text = rig.infuse(&["status"]).ok();
+    let said = "Careful: `noise` in [[constraint]] `travel` is 0.01 mm, but 3 repeats of 1 design scatter by";
+    assert!(text.contains(said), "{text}");
+    rig.edit("noise = 0.01", "noise = 1");
+    assert!(!rig.infuse(&["status"]).ok().contains("Careful: `noise`"));
 }
 
 #[test]
