@@ -307,6 +307,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
                     },
                     grouped(batches)
                 ),
+                (false, None) => format!("That is more than {of_worth}: {}", beyond_any_forecast(campaign, found, worth)),
                 (false, _) if campaign.n_left() == 0 => {
                     format!("That is more than {of_worth}, and [loop] `batches` leaves none.")
                 }
@@ -315,6 +316,26 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
             finding.detail(Finding::new(sentence).with("worth", worth, &response.unit))
         }
     }
+}
+
+/// That more batches may be needed than anyone makes, and whether the noise allows for so small a `worth` at all.
+fn beyond_any_forecast(campaign: &Campaign, found: &Assessment, worth: f64) -> String {
+    let (response, most) = (&campaign.problem.response, Forecast::MOST_BATCHES);
+    let told_apart = found.forecast.told_apart(found.noise);
+    let why = match worth < told_apart {
+        true => format!(
+            "It is less than the noise lets anyone find: with {} (standard deviation of one run) even {most} batches of {}, all of two              designs, tell which is better only where they differ by {} or more",
+            amount(response, found.noise),
+            count(found.forecast.n_experiments, "run"),
+            amount(response, told_apart)
+        ),
+        false => format!("By batches of {} it is out of reach", count(found.forecast.n_experiments, "run")),
+    };
+    let ends = match campaign.n_left() {
+        0 => "[loop] `batches` leaves none".to_owned(),
+        n => format!("the campaign ends with the {} that [loop] `batches` leaves", count(n, "batch")),
+    };
+    format!("more than {most} batches may be needed. {why}: choose a larger `worth`, or {ends}.")
 }
 
 /// The share of all designs that a well may take which the certificate does not reckon with: what is held for one is less than results

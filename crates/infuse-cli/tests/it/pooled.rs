@@ -191,6 +191,32 @@ fn the_choice_of_the_simulation_is_the_least_row_of_its_table() {
     assert_eq!(rig.status()["simulation_alone"], json!({ "a": least.0, "b": least.1 }));
 }
 
+/// A `worth` that the noise lets nobody find, and one that is only out of reach of such small batches: no number of batches is told.
+#[test]
+fn a_worth_that_nobody_can_find_is_said_to_be_one_and_has_no_forecast() {
+    let bowl = |a: f64, b: f64| 100.0 + 2.0 * (a - 4.0).powi(2) + 0.5 * (b - 7.0).powi(2);
+    let rig = rig_of(bowl, "[stop]\nworth = 1e-9\nsmooth = true\n");
+    assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + 0.5 * wobble(id))));
+    assert!(batch(&rig, |a, b, id| Ok(bowl(a, b) + 0.5 * wobble(id))));
+    let (text, status) = (rig.infuse(&["status"]).ok(), rig.status());
+    assert!(text.contains("That is more than the 1e-9 N of `worth`: more than 100 batches may be needed."), "{text}");
+    let noise = status["noise"]["standard_deviation"].as_f64().expect("a number");
+    let said = text.split("all of two designs, tell which is better only where they differ by ").nth(1).expect("why");
+    let differ: f64 = said.split(' ').next().and_then(|number| number.parse().ok()).expect("a number");
+    // By hand: 500 runs of each of two designs, one time in twenty by chance.
+    assert!((differ / (1.645 * noise * (2.0 / 500.0_f64).sqrt()) - 1.0).abs() < 1e-3, "{differ} by {noise}");
+    assert!(text.contains("or the campaign ends with the 3 batches that [loop] `batches` leaves."), "{text}");
+    assert_eq!(status["further_batches"], Value::Null);
+    assert!(!text.contains("may do") && !text.contains("go on"), "{text}");
+    rig.edit("worth = 1e-9", "worth = 0.3");
+    let (text, status) = (rig.infuse(&["status"]).ok(), rig.status());
+    assert!(status["further_batches"].as_u64() < Some(100) && !text.contains("more than 100 batches"), "{text}");
+    rig.edit("worth = 0.3", "worth = 1e-9");
+    rig.edit("batches = 5", "batches = 5\nnoise = 0");
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("By batches of 10 runs it is out of reach: choose a larger `worth`"), "{text}");
+}
+
 /// One design, two designs: nothing to choose from is no reason to fail.
 #[test]
 fn two_designs_or_one_that_is_left_are_enough() {

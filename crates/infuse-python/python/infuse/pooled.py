@@ -244,7 +244,7 @@ class Assessment:
     outliers: List[Outlier]
     """Readings that are far off, and those that are set aside."""
     further_batches: Optional[int]
-    """Batches until the certificate is expected to be as small as `worth`."""
+    """Batches until the certificate is expected to be as small as `worth`; none without `worth`, and beyond 100, where nothing can be foretold."""
     assembly: Optional[float] = None
     """Standard deviation of the error that all runs of a plant share, where plants are told apart."""
     own: Optional[float] = None

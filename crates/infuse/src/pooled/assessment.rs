@@ -202,7 +202,7 @@ pub struct Assessment {
     /// Readings more than four standard deviations off, and those that are set aside.
     pub outliers: Vec<Outlier>,
     /// [Further batches](Forecast::further_batches) until the certificate is expected to be as small as the campaign's `worth`,
-    /// open ones among them: 0 if it is.
+    /// open ones among them: 0 if it is. None without `worth`, and where there is no forecast.
     pub further_batches: Option<u64>,
 }
 
@@ -320,7 +320,8 @@ impl Look {
             recommended: recommended.widened(bands),
             further_batches: settings
                 .worth
-                .map(|worth| forecast.further_batches(worth).max(u64::from(needed.is_some()))),
+                .and_then(|worth| forecast.further_batches(worth))
+                .map(|batches| batches.max(u64::from(needed.is_some()))),
             certificate,
             forecast,
         };

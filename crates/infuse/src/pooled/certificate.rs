@@ -7,6 +7,7 @@ use statrs::distribution::{ContinuousCDF as _, Normal};
 use surface::process::Joint;
 
 use crate::Error;
+use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::measurements::Reading;
 use crate::pooled::pool::Pool;
@@ -187,13 +188,30 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// Batches until the bound is expected to be no more than `worth`: 0 if it is no more already.
+    /// Beyond so many batches there is no forecast: nobody waits for them, and no law holds as far.
+    pub const MOST_BATCHES: u64 = 100;
+
+    /// Batches until the bound is expected to be no more than `worth`: 0 if it is no more already, none if it takes more than
+    /// [so many](Self::MOST_BATCHES).
     ///
     /// What is drawn is taken to fall as the readings to the power of 2.5, near what it did from batch to batch in the median of the
     /// campaigns of the benchmark, whose page says how often that came true. Where it is the bound of the means of runs, their means stay,
     /// their errors fall as the root of the readings, and the noise is known by then. The reserve falls as it is defined, with as many repeats as there were until now.
     #[must_use]
-    pub fn further_batches(&self, worth: f64) -> u64 {
+    pub fn further_batches(&self, worth: f64) -> Option<u64> {
+        Some(self.batches_by_the_law(worth)).filter(|batches| *batches <= Self::MOST_BATCHES)
+    }
+
+    /// By how much two designs have to differ for [as many batches](Self::MOST_BATCHES) to tell which is better, with 95 % probability, were
+    /// all their runs of these two: less than that no campaign can find.
+    #[must_use]
+    pub fn told_apart(&self, noise: f64) -> f64 {
+        let n_runs = (Self::MOST_BATCHES as f64 * self.n_experiments.max(1) as f64).max(2.0);
+        NINE_IN_TEN * noise * (4.0 / n_runs).sqrt()
+    }
+
+    /// Batches until the bound is expected to be no more than `worth`, however many.
+    fn batches_by_the_law(&self, worth: f64) -> u64 {
         let (reserve, n) = (self.reserve(), self.n_readings as f64);
         if self.bound() <= worth {
             return 0;
@@ -559,7 +577,7 @@ mod tests {
             let forecast = draws.above_the_least(Some((most, 0.0))).forecast(p, 4);
             prop_assert_eq!(forecast.is_for_the_least(), most < free.bound);
             prop_assert!(!forecast.is_for_the_least() || (!forecast.is_for_a_find() && forecast.reserves_until().is_none()));
-            prop_assert_eq!(forecast.further_batches(most), 0);
+            prop_assert_eq!(forecast.further_batches(most), Some(0));
         }
 
         /// Who wants to be surer is promised less, and never more than the surface itself says.
@@ -609,7 +627,7 @@ mod tests {
         #[test]
         fn forecast_starts_from_the_certificate(draws in draws(), worth in 0.001..3.0_f64) {
             let (certificate, forecast) = (draws.certificate(0.9), draws.forecast(0.9, 12));
-            prop_assert_eq!(certificate.bound <= worth, forecast.further_batches(worth) == 0, "{:?} {:?}", certificate, forecast);
+            prop_assert_eq!(certificate.bound <= worth, forecast.further_batches(worth) == Some(0), "{:?} {:?}", certificate, forecast);
             let is_reserved = certificate.bound > forecast.drawn.max(forecast.found);
             prop_assert_eq!(is_reserved, forecast.reserves_until().is_some(), "{:?} {:?}", certificate, forecast);
             prop_assert!(certificate.bound >= forecast.found && (!forecast.is_for_a_find() || certificate.bound <= forecast.found));
@@ -716,7 +734,7 @@ mod tests {
             (0.5, 0.1, 0.49, 10, 10, 1),
         ] {
             let forecast = Forecast { drawn, spread, n_readings: n, n_tried, n_experiments: of, ..plain };
-            let further = forecast.further_batches(worth);
+            let further = forecast.batches_by_the_law(worth);
             let after = |batches: u64| {
                 let later = n as f64 + (batches as usize * of) as f64;
                 let tried = later * 0.5 * (n_tried + n) as f64 / n as f64;
@@ -728,21 +746,27 @@ mod tests {
             // What was found and not looked around is looked around with the next batch.
             let found = Forecast { found: 2.0 * worth, ..forecast };
             assert_eq!(
-                [found.further_batches(worth), found.further_batches(2.0 * worth)],
-                [further, forecast.further_batches(2.0 * worth)]
+                [found.batches_by_the_law(worth), found.batches_by_the_law(2.0 * worth)],
+                [further, forecast.batches_by_the_law(2.0 * worth)]
             );
             let found = Forecast { drawn: 0.0, spread: 0.0, ..found };
-            assert_eq!([found.further_batches(worth), found.further_batches(2.1 * worth)], [1, 0]);
+            assert_eq!([found.batches_by_the_law(worth), found.batches_by_the_law(2.1 * worth)], [1, 0]);
         }
-        let of = |drawn: f64, worth: f64| Forecast { drawn, n_designs: 100, ..plain }.further_batches(worth);
+        let of = |drawn: f64, worth: f64| Forecast { drawn, n_designs: 100, ..plain }.batches_by_the_law(worth);
         assert_eq!((of(1.0, 1.0), of(0.0, 0.0), of(1.0, 0.0)), (0, 0, u64::MAX));
         // The bound of means of runs, by hand: 0.6 = 0.8 - 0.2 is 0.2 after four times as many runs, 30 more, and 0.3 after 2.56 times as many.
         let of_means = Some(OfMeans { behind: 0.2, error: 0.8 });
         let forecast = Forecast { drawn: 0.6, of_means, n_tried: 3, n_designs: 3, n_parameters: 1, ..plain };
-        assert_eq!([0.2, 0.3, 0.6].map(|worth| forecast.further_batches(worth)), [6, 4, 0]);
+        assert_eq!([0.2, 0.3, 0.6].map(|worth| forecast.batches_by_the_law(worth)), [6, 4, 0]);
         // That of few is wide because the noise is not known.
         let of_means = Some(OfMeans { behind: 0.2, error: 0.45 });
-        assert_eq!([0.2, 0.3].map(|worth| Forecast { of_means, ..forecast }.further_batches(worth)), [1, 1]);
+        assert_eq!([0.2, 0.3].map(|worth| Forecast { of_means, ..forecast }.batches_by_the_law(worth)), [1, 1]);
+        // Beyond a hundred there is no forecast: 10 readings in batches of 5 have to become 510 at most, 51 to the power of 2.5 times as sure.
+        let forecast = Forecast { drawn: 51_f64.powf(2.5), ..plain };
+        assert_eq!([1.001, 0.999].map(|worth| forecast.further_batches(worth)), [Some(100), None]);
+        assert_eq!([forecast.drawn, 0.0].map(|worth| forecast.further_batches(worth)), [Some(0), None]);
+        // 500 runs, half of them of each of two designs: both means are known to 3 / sqrt(250).
+        assert!((forecast.told_apart(3.0) - 1.645 * 3.0 * (2.0 / 250.0_f64).sqrt()).abs() < 1e-9);
     }
 
     #[test]

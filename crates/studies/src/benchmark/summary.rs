@@ -225,7 +225,8 @@ pub(super) fn forecasts<'a>(
     for family in families {
         for row in rows_of(results, family, after) {
             let Some(forecast) = row.forecast(family) else { continue };
-            let expected = forecast.further_batches(worth) as usize;
+            // Where there is no forecast, it is beyond the end.
+            let expected = forecast.further_batches(worth).map_or(usize::MAX, |batches| batches as usize);
             if expected == 0 {
                 continue;
             }
