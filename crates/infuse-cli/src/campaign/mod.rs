@@ -22,7 +22,7 @@ pub(crate) use changes::changes;
 pub(crate) use experiments::Experiments;
 pub(crate) use progress::Progress;
 pub(crate) use reading::Reading;
-pub(crate) use simulations::{checked, failed_in_words, simulate_missing};
+pub(crate) use simulations::{FailedSimulation, checked, failed_in_words, simulate_missing};
 
 /// Where a campaign stands.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,18 +5,28 @@ use design_space::{Cell, Grid};
 use std::path::Path;
 
 use super::progress::Progress;
+use crate::echo::echo;
 use crate::journal::{Constrained, Event, Measured, Submitted};
-use crate::number::{self, count, rounded};
+use crate::number::{self, count, grouped, rounded};
 use crate::problem::Problem;
 use crate::program;
 use crate::queue::{self, Happened, Key, Queued, Task};
 use crate::simulator::{Job, identity, simulate};
 
-/// How many simulations were made, and how many of them gave no value.
-#[derive(Debug, Clone, Copy, Default)]
+/// How many simulations were made, and which of them gave no value.
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Simulations {
     pub(crate) n_done: usize,
-    pub(crate) n_failed: usize,
+    pub(crate) failed: Vec<FailedSimulation>,
+}
+
+/// A simulation that gave no value.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FailedSimulation {
+    pub(crate) cell: Cell,
+    /// Settings, natural.
+    pub(crate) point: Vec<f64>,
+    pub(crate) reason: String,
 }
 
 /// Runs these, here or in a queue that has had those `submitted`; `remember` writes each down as soon as it is there.
@@ -41,13 +51,13 @@ pub(crate) fn simulate_missing(
         Event::Simulated { cell, point, result, constrained, by: by.clone() }
     };
     let mut happened = |event: Event| {
-        let result = if let Event::Simulated { result, .. } = &event { Some(result) } else { None };
-        let (n_done, n_failed) =
-            result.map_or((0, 0), |result| (1, usize::from(matches!(result, Measured::Failed(_)))));
-        done.n_failed += n_failed;
+        let is_done = matches!(event, Event::Simulated { .. });
+        if let Event::Simulated { cell, point, result: Measured::Failed(reason), .. } = &event {
+            done.failed.push(FailedSimulation { cell: *cell, point: point.clone(), reason: reason.clone() });
+        }
         remember(event)?;
-        done.n_done += n_done;
-        bar.inc(n_done as u64);
+        done.n_done += usize::from(is_done);
+        bar.inc(u64::from(is_done));
         Ok(())
     };
     let queue = problem.simulator.queue();
@@ -96,7 +106,24 @@ pub(crate) fn checked(problem: &Problem, result: Measured, mut others: Constrain
     (result, others)
 }
 
-/// In words, if some gave no value.
-pub(crate) fn failed_in_words(n_failed: usize) -> Option<String> {
-    (n_failed > 0).then(|| format!("{} failed; the journal says why", count(n_failed, "simulation")))
+/// So many are named.
+const MOST_NAMED: usize = 3;
+
+/// "3 of 40 simulations failed: a 4 mm, b 7 mm: out of memory; ...", if some gave no value: in the order of the designs, the first few
+/// each with its reason, or the reason once where all have the same.
+pub(crate) fn failed_in_words(problem: &Problem, n_all: usize, mut failed: Vec<FailedSimulation>) -> Option<String> {
+    failed.sort_by_key(|one| one.cell);
+    let (first, n) = (failed.first()?, failed.len());
+    let is_one_reason = n > 1 && failed.iter().all(|one| one.reason == first.reason);
+    let named = failed.iter().take(MOST_NAMED).map(|one| match is_one_reason {
+        true => problem.describe(&one.point),
+        false => format!("{}: {}", problem.describe(&one.point), echo(&one.reason)),
+    });
+    let named = named.collect::<Vec<_>>().join("; ");
+    let why = if is_one_reason { format!(", all for one reason, {}", echo(&first.reason)) } else { String::new() };
+    let more = match n.saturating_sub(MOST_NAMED) {
+        0 => String::new(),
+        more => format!("; and {} more, which `infuse report` and the journal name", grouped(more as u64)),
+    };
+    Some(format!("{} of {} failed{why}: {named}{more}", grouped(n as u64), count(n_all, "simulation")))
 }

@@ -1,11 +1,16 @@
-//! Where runs gave no value, in a sentence.
+//! Where runs and simulations gave no value, in a sentence each.
 
+use anyhow::Result;
 use design_space::Parameter;
 use page::Finding;
+use serde_json::{Value, json};
 
-use super::campaign::Campaign;
-use crate::number::{count, plain, with_unit};
-use crate::problem::shown;
+use super::campaign::{Access, Campaign};
+use crate::campaign::{FailedSimulation, failed_in_words};
+use crate::journal::Measured;
+use crate::number::{count, grouped, plain, with_unit};
+use crate::problem::{Simulator, shown};
+use crate::simulator::identity;
 
 /// Where runs fail is called a region of one parameter if no larger share of the runs in it gave a value.
 const FEW: f64 = 0.25;
@@ -102,4 +107,78 @@ fn settings_by_outcome(campaign: &Campaign) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
 /// Settings of the runs that gave no value, as they were made.
 pub(super) fn settings_that_failed(campaign: &Campaign) -> Vec<Vec<f64>> {
     settings_by_outcome(campaign).0
+}
+
+/// Simulations that failed, of those that were made by the simulator as it is; or designs that its table does not have, where it has
+/// most.
+pub(super) struct FailedSimulations {
+    failed: Vec<FailedSimulation>,
+    n_all: usize,
+    table: Option<String>,
+}
+
+/// So many are told to machines; the page has more.
+const MOST_TOLD: usize = 100;
+
+impl FailedSimulations {
+    pub(super) fn of(campaign: &Campaign) -> Result<Self> {
+        let (mut failed, mut n_all, mut table) = (Vec::new(), 0, None);
+        match &campaign.problem.simulator {
+            Simulator::Nothing => {}
+            Simulator::Table(path) if campaign.access()? == Access::LookedUp => {
+                let rows = campaign.rows()?;
+                // Most tables have every design.
+                let is_whole = rows.len() as u64 == campaign.grid.n_cells();
+                n_all = if is_whole { rows.len() } else { 0 };
+                let reason = format!("no row in {}", path.display());
+                table = Some(path.display().to_string());
+                let cells = (!is_whole).then(|| campaign.grid.cells()).into_iter().flatten();
+                for cell in cells.filter(|&cell| campaign.empty.allows(cell)) {
+                    n_all += 1;
+                    if rows.get(cell).is_none() {
+                        let point = campaign.grid.point(cell)?;
+                        failed.push(FailedSimulation { cell, point, reason: reason.clone() });
+                    }
+                }
+            }
+            // What is between the rows of a table with few of them is not missing.
+            Simulator::Table(_) => {}
+            Simulator::Program { .. } => {
+                let by = identity(&campaign.problem.simulator);
+                for (&cell, known) in campaign.memory.iter().filter(|(_, known)| known.by == by) {
+                    n_all += 1;
+                    if let Measured::Failed(reason) = &known.result {
+                        let (point, reason) = (campaign.grid.point(cell)?, reason.clone());
+                        failed.push(FailedSimulation { cell, point, reason });
+                    }
+                }
+            }
+        }
+        failed.sort_by_key(|one| one.cell);
+        Ok(Self { failed, n_all, table })
+    }
+
+    pub(super) fn in_words(&self, campaign: &Campaign) -> Option<Finding> {
+        let n = self.failed.len();
+        let sentence = match &self.table {
+            Some(table) if n > 0 => {
+                let named = self.failed.iter().take(MOST_NAMED).map(|one| campaign.problem.describe(&one.point));
+                let named = named.collect::<Vec<_>>().join("; ");
+                let more = match n.saturating_sub(MOST_NAMED) {
+                    0 => String::new(),
+                    more => format!("; and {} more", grouped(more as u64)),
+                };
+                let have = if n == 1 { "has" } else { "have" };
+                format!("{} of {} {have} no row in {table}: {named}{more}", grouped(n as u64), count(self.n_all, "design"))
+            }
+            _ => failed_in_words(&campaign.problem, self.n_all, self.failed.clone())?,
+        };
+        Some(Finding::new(format!("{sentence}.")).with("simulations that failed", n as f64, "1"))
+    }
+
+    pub(super) fn as_json(&self, campaign: &Campaign) -> Value {
+        let first = self.failed.iter().take(MOST_TOLD);
+        let first = first.map(|one| json!({ "settings": campaign.problem.named(&one.point), "reason": one.reason }));
+        json!({ "failed": self.failed.len(), "of": self.n_all, "first": first.collect::<Vec<_>>() })
+    }
 }

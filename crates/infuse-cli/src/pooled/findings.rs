@@ -10,7 +10,7 @@ use super::bands::{NINE_IN_TEN, resolution};
 use super::bounds::{constrained_there, likely_to_keep, not_sure, unlikely_to_keep};
 use super::campaign::{Campaign, Origin, tells_designs_apart};
 use super::displaced;
-use super::failures::where_runs_fail;
+use super::failures::{FailedSimulations, where_runs_fail};
 use super::given_noise::contradiction;
 use super::warnings::{all_equal, suspects, warnings};
 use crate::findings::{WITHOUT_RESERVE, amount, on_bounds, value_to};
@@ -44,8 +44,9 @@ pub(super) fn known(campaign: &Campaign, found: &Assessment) -> Result<Vec<Vec<F
         best,
         confirmed(campaign)?,
         certified,
-        [simulation(campaign, found)?, noise(campaign, found)]
-            .into_iter()
+        std::iter::once(simulation(campaign, found)?)
+            .chain(FailedSimulations::of(campaign)?.in_words(campaign))
+            .chain([noise(campaign, found)])
             .chain(where_runs_fail(campaign))
             .chain(plants(campaign, found))
             .collect(),

@@ -95,7 +95,7 @@ fn simulate(campaign: &mut Campaign, writer: &mut Writer, anyway: bool, done: &m
         campaign.write_simulation(writer, event)
     })?;
     done.n_simulated += simulated.n_done;
-    if simulated.n_failed == simulated.n_done && !anyway && !went_on && campaign.simulated()?.is_empty() {
+    if simulated.failed.len() == simulated.n_done && !anyway && !went_on && campaign.simulated()?.is_empty() {
         let of = |cell: &Cell| campaign.memory.get(cell).map(|known| known.result.clone());
         let reason = match missing.first().and_then(|(cell, _)| of(cell)) {
             Some(Measured::Failed(reason)) => reason,
@@ -109,7 +109,7 @@ fn simulate(campaign: &mut Campaign, writer: &mut Writer, anyway: bool, done: &m
             simulated.n_done
         );
     }
-    done.notices.extend(failed_in_words(simulated.n_failed));
+    done.notices.extend(failed_in_words(&problem, simulated.n_done, simulated.failed));
     let values = campaign.simulated()?;
     if values.len() > 1 && !tells_designs_apart(&values) {
         done.notices.push(format!(

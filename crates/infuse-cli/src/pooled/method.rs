@@ -13,6 +13,7 @@ use serde_json::{Value, json};
 use super::bounds::as_json;
 use super::campaign::{Access, Campaign, Origin};
 use super::dry::dry_pick;
+use super::failures::FailedSimulations;
 use super::findings::{closed, known, lesson, none_better, promised, recommendation, set_aside, standing_in_words};
 use super::given_noise::contradiction;
 use super::reasons::reasons;
@@ -137,7 +138,9 @@ impl campaign::Campaign for Campaign {
 
     fn status(&self) -> Result<(Vec<Vec<Finding>>, Value)> {
         let Some(found) = self.assessment()? else {
-            return Ok((vec![nothing_but_failures(self)], json!({})));
+            let failed = FailedSimulations::of(self)?;
+            let blocks = vec![nothing_but_failures(self), failed.in_words(self).into_iter().collect()];
+            return Ok((blocks, json!({ "simulations": failed.as_json(self) })));
         };
         let mut blocks = known(self, &found)?;
         blocks.push(warnings(self, &found)?);
@@ -191,6 +194,7 @@ impl campaign::Campaign for Campaign {
             "simulation": found.simulation,
             "displacement": displaced::as_json(problem, &found),
             "registration": displaced::registration_as_json(problem, &found),
+            "simulations": FailedSimulations::of(self)?.as_json(self),
             "simulation_alone": simulation_alone.map(|point| problem.named(&point)),
             "best_measured": best_measured,
             "confirmed": self.confirmation()?,

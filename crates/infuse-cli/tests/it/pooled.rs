@@ -556,6 +556,59 @@ fn a_simulator_that_always_fails_is_said_and_can_be_done_without() {
     assert!(rig.infuse(&["ask", "--anyway"]).ok().contains("Batch 1: 10 experiments"));
 }
 
+/// Of a command: at `ask`, at `status` before any result and after; the reason once where all have the same, and long ones cut.
+#[test]
+fn simulations_that_failed_are_named_with_their_reasons() {
+    let rig = Rig::pooled();
+    let long = "x".repeat(100);
+    let script = format!(
+        "case {{spring}} in 10) echo '{{\"failed\": \"no equilibrium\"}}'; exit 0;; 34) echo '{{\"failed\": \"{long}\"}}'; exit 0;; esac; {}",
+        crate::campaigns::SHELL_SIMULATION
+    );
+    let command = |script: &str| format!("command = [\"sh\", \"-c\", {}]", Value::from(script));
+    rig.edit("table = \"simulation.csv\"", &command(&script));
+    rig.edit("experiments = 10", "experiments = 10\nsimulations = \"all\"");
+    let asked = rig.infuse(&["ask"]);
+    let all = rig.journal().iter().filter(|line| line["event"] == json!("simulated")).count();
+    let failed = rig.journal().iter().filter(|line| line["failed"].is_string()).count();
+    let said = format!("{failed} of {all} simulations failed: spring 10 N/mm, damper gain ");
+    assert!(failed > 3 && asked.stderr.contains(&said), "{said}\n{}", asked.stderr);
+    assert!(asked.stderr.contains(": no equilibrium; spring 10 N/mm"), "{}", asked.stderr);
+    for told in [false, true] {
+        let (text, status) = (rig.infuse(&["status"]).ok(), rig.status());
+        assert!(text.contains(&said) && text.contains(&format!("; and {} more, which", failed - 3)), "{told}: {text}");
+        let simulations = &status["simulations"];
+        assert_eq!((&simulations["failed"], &simulations["of"]), (&json!(failed), &json!(all)));
+        assert_eq!(simulations["first"][0]["settings"]["spring"], json!(10.0));
+        assert_eq!(simulations["first"][0]["reason"], json!("no equilibrium"));
+        rig.fill("sheet-1.csv", |_| true);
+        rig.infuse(&["tell", "sheet-1.csv"]).ok();
+    }
+    // Of a long reason the beginning; where there is one for all, it is said once.
+    rig.edit(&command(&script), &command(&script.replace("in 10) ", "in 1) ")));
+    let asked = rig.infuse(&["ask", "--anyway"]);
+    let said = format!("simulations failed, all for one reason, {}...: spring 34 N/mm, damper gain", "x".repeat(60));
+    assert!(asked.stderr.contains(&said), "{}", asked.stderr);
+}
+
+#[test]
+fn designs_that_a_table_of_most_does_not_have_are_named() {
+    let rig = rig_of(|a, b| a + b, "");
+    let without = |row: &&str| !["0,3,", "2,5,", "7,14,", "8,0,"].iter().any(|gone| row.starts_with(gone));
+    let table: String = rig.read("simulation.csv").lines().filter(without).map(|row| format!("{row}\n")).collect();
+    rig.write("simulation.csv", &table);
+    let said = "4 of 135 designs have no row in simulation.csv: a 0 mm, b 3 mm; a 2 mm, b 5 mm; a 7 mm, b 14 mm; and 1 more.";
+    assert!(rig.infuse(&["ask"]).is_success);
+    assert!(rig.infuse(&["status"]).ok().contains(said), "{}", rig.infuse(&["status"]).ok());
+    batch(&rig, |a, b, id| Ok(a + b + 0.1 * wobble(id)));
+    assert!(rig.infuse(&["status"]).ok().contains(said));
+    assert_eq!(rig.status()["simulations"]["first"][3]["settings"], json!({ "a": 8.0, "b": 0.0 }));
+    // Of a table with few designs the others are not missing.
+    let few: String = table.lines().take(30).map(|row| format!("{row}\n")).collect();
+    rig.write("simulation.csv", &few);
+    assert!(!rig.infuse(&["status"]).ok().contains("no row in"));
+}
+
 #[test]
 fn a_digit_that_was_changed_in_any_line_of_a_closed_batch_is_noticed() {
     let rig = Rig::pooled();
