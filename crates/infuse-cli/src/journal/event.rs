@@ -179,12 +179,24 @@ pub(crate) struct Assessed {
     /// The simulator at that time, empty if there was none; journals that do not have it go on without.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) by: Option<String>,
-    /// How far the simulation was taken to be displaced, in the unit of each parameter.
+    /// What the surface made of the simulation; none without one, and in journals of an earlier version.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) displacement: Option<Vec<f64>>,
+    pub(crate) simulation: Option<OfSimulation>,
     /// Of this line and all before it; see [`Checksum`](super::checksum::Checksum).
     #[serde(default)]
     pub(crate) check: String,
+}
+
+/// What a surface made of the simulation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OfSimulation {
+    pub(crate) factor: f64,
+    /// Probability that the response is better learnt without it.
+    pub(crate) ignored: f64,
+    /// How far it is displaced, in the unit of each parameter, if it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) displacement: Option<Vec<f64>>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -20,7 +20,7 @@ use anyhow::{Context as _, Result, anyhow};
 use checksum::Checksum;
 pub(crate) use deed::Deed;
 pub(crate) use event::{
-    Assessed, BY_ITSELF, Constrained, Event, FORMAT, Learned, Measured, Purpose, Submitted, Told, now,
+    Assessed, BY_ITSELF, Constrained, Event, FORMAT, Learned, Measured, OfSimulation, Purpose, Submitted, Told, now,
 };
 use lock::Lock;
 pub(crate) use name::JOURNAL;

@@ -11,7 +11,7 @@ use super::buildable::some_are_refused;
 use super::campaign::{Batch, Campaign, Checked, Remembered};
 use super::findings::promised;
 use crate::campaign::Imported;
-use crate::journal::{Assessed, Event, JOURNAL, Submitted, Writer};
+use crate::journal::{Assessed, Event, JOURNAL, OfSimulation, Submitted, Writer};
 use crate::problem::PROBLEM;
 use crate::simulator::identity;
 
@@ -81,7 +81,11 @@ impl Campaign {
                 noise: found.noise,
                 settings: serde_json::to_value(&self.settings).unwrap_or_default(),
                 by: Some(identity(&self.problem.simulator)),
-                displacement: found.displacement,
+                simulation: found.simulation.map(|worth| OfSimulation {
+                    factor: worth.factor,
+                    ignored: worth.ignored,
+                    displacement: found.displacement.clone(),
+                }),
                 check: String::new(),
             };
             (found.recommended.cell, assessed)

@@ -96,7 +96,8 @@ fn taken(found: &Assessment, told: &Registration, all: &[Along<'_>]) -> String {
 /// That it was taken to be displaced after the batch before, and is not any more.
 fn withdrawn(campaign: &Campaign, told: &Registration) -> Option<String> {
     let before = campaign.history.range(..campaign.batches.len()).next_back()?.1;
-    let was_displaced = before.displacement.as_ref().is_some_and(|by| by.iter().any(|by| by.abs() > 0.0));
+    let by = before.simulation.as_ref().and_then(|simulation| simulation.displacement.as_ref());
+    let was_displaced = by.is_some_and(|by| by.iter().any(|by| by.abs() > 0.0));
     (was_displaced && !told.is_sure()).then(|| {
         format!(
             "After batch {} it was taken to be displaced: what was measured since does not bear that out, and it is taken as it stands again.",

@@ -12,6 +12,7 @@ use super::campaign::{Campaign, Origin, tells_designs_apart};
 use super::displaced;
 use super::failures::{FailedSimulations, where_runs_fail};
 use super::given_noise::contradiction;
+use super::risen::risen;
 use super::warnings::{all_equal, suspects, warnings};
 use crate::findings::{WITHOUT_RESERVE, amount, on_bounds, value_to};
 use crate::number::{count, grouped, percent, plain, short};
@@ -344,31 +345,6 @@ fn beyond_any_forecast(campaign: &Campaign, found: &Assessment, worth: f64) -> S
 fn excepted(campaign: &Campaign, found: &Assessment) -> Option<f64> {
     let is_held = found.certificate.bound >= found.forecast.spread;
     if campaign.problem.smooth == Some(true) || is_held { None } else { found.unseen }
-}
-
-/// From so many times what it was on it is said that a bound has risen.
-const RISEN: f64 = 1.1;
-
-/// That the bound was narrower a batch ago, and why.
-fn risen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
-    let now = &found.certificate;
-    let (batch, before) = campaign.history.range(..campaign.batches.len()).next_back()?;
-    let is_same_promise = (before.probability - now.probability).abs() <= 0.0;
-    let bound = before.bound?;
-    (is_same_promise && now.bound > RISEN * bound).then(|| {
-        let response = &campaign.problem.response;
-        let well = response.well();
-        let why = if found.forecast.reserves_until().is_some() {
-            // What is held for a number of runs is a share of what their results differ by.
-            format!("since then results differ by more, so more is held for a narrow {well}.")
-        } else if found.find.is_some() && found.forecast.is_for_a_find() {
-            format!("what was found since may be a part of a narrow {well}.")
-        } else {
-            "what came since is not what was expected, so less is taken for sure.".to_owned()
-        };
-        let sentence = format!("After batch {batch} that was {}: {why}", amount(response, bound));
-        Finding::new(sentence).with("bound before", bound, &response.unit)
-    })
 }
 
 /// From this share of what runs of a plant share on it is said that it may be the plants' own.

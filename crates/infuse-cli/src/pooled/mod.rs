@@ -15,6 +15,7 @@ mod hand_out;
 mod method;
 mod reasons;
 mod report;
+mod risen;
 mod warnings;
 mod what_if;
 

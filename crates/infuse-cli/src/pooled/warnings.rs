@@ -161,7 +161,7 @@ fn outliers(campaign: &Campaign, found: &Assessment, is_meant: impl Fn(&Outlier)
 }
 
 /// "4.1 standard deviations above".
-fn far(campaign: &Campaign, outlier: &Outlier) -> String {
+pub(super) fn far(campaign: &Campaign, outlier: &Outlier) -> String {
     let worse = campaign.problem.response.worse_side();
     let side = if outlier.deviations > 0.0 { worse } else { better_side(worse) };
     format!("{} standard deviations {side}", short(outlier.deviations.abs()))
