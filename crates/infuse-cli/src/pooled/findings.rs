@@ -506,9 +506,10 @@ fn worth_in_words(worth: SimulationWorth) -> String {
         });
     }
     match (is_little, is_left_out) {
-        (true, true) => sentence.push_str(", and is mostly left out"),
+        (true, true) => sentence.push_str(", and hardly used: what is recommended rests on the experiments"),
         (false, true) => sentence.push_str(
-            ", but a surface through the experiments alone does at least as well: the simulation is mostly left out",
+            ". All the same it is hardly used: by now a surface through the experiments alone predicts them at least as well, so what \
+             is recommended rests on the experiments",
         ),
         (_, false) => {
             sentence.push_str(&if half < TAKEN_AS_GIVEN {
@@ -740,7 +741,7 @@ mod tests {
     }
 
     #[test]
-    fn a_simulation_is_said_to_be_left_out_only_where_it_is() {
+    fn a_simulation_is_said_to_be_hardly_used_only_where_it_is() {
         let said = |explained: f64, ignored: f64| {
             worth_in_words(SimulationWorth {
                 explained,
@@ -752,8 +753,8 @@ mod tests {
         };
         assert_eq!(
             said(0.81, 0.95),
-            "The simulation explains 81 % of the variance of what was measured, but a surface through the experiments alone does at \
-             least as well: the simulation is mostly left out."
+            "The simulation explains 81 % of the variance of what was measured. All the same it is hardly used: by now a surface through \
+             the experiments alone predicts them at least as well, so what is recommended rests on the experiments."
         );
         let inverted = |ignored: f64, factor: f64, factor_deviation: f64| {
             worth_in_words(SimulationWorth { explained: 0.8, is_inverted: true, ignored, factor, factor_deviation })
@@ -768,7 +769,9 @@ mod tests {
         ] {
             assert_eq!(inverted(ignored, factor, deviation).starts_with(wrong_way), is_said, "{factor}, {deviation}");
         }
-        assert!(said(0.05, 0.95).ends_with("measured: it is of little use, and is mostly left out."));
+        assert!(said(0.05, 0.95).ends_with(
+            "measured: it is of little use, and hardly used: what is recommended rests on the experiments."
+        ));
         assert!(said(0.05, 0.2).ends_with(
             "measured: little by itself, but what it is off by is easier to learn than the response; differences that it predicts are \
              taken as they are."
