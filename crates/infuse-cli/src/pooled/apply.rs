@@ -28,7 +28,8 @@ impl Campaign {
         for event in &events {
             next.apply(event.clone())?;
         }
-        while let Some((recommended, assessed)) = next.taught()? {
+        let n_before = self.n_closed_in_order();
+        while let Some((recommended, assessed)) = next.taught(n_before)? {
             // What nobody can build is not recommended.
             let checks = next.check(&[recommended])?;
             let is_refused = some_are_refused(&checks);
@@ -54,11 +55,18 @@ impl Campaign {
         self.apply(event)
     }
 
-    /// What the last batch taught, with the design that is recommended now, if it is complete and the journal does not have it as
-    /// it stands.
-    fn taught(&mut self) -> Result<Option<(Cell, Assessed)>> {
-        let batch = self.batches.len();
-        if batch == 0 || self.experiments.n_outstanding() > 0 || self.history.contains_key(&batch) {
+    /// So many batches from the first on are complete; a later one may be, too, that was asked for while others were waited for.
+    fn n_closed_in_order(&self) -> usize {
+        let first_open = self.experiments.open_batches().into_iter().min();
+        first_open.map_or(self.batches.len(), |batch| batch - 1)
+    }
+
+    /// What the last batch taught of those that are complete in order, with the design that is recommended now, if it has been completed
+    /// since there were so many, or is the last of all, and the journal does not have it as it stands.
+    fn taught(&mut self, n_before: usize) -> Result<Option<(Cell, Assessed)>> {
+        let batch = self.n_closed_in_order();
+        let is_due = batch > n_before || batch == self.batches.len();
+        if batch == 0 || !is_due || self.history.contains_key(&batch) {
             return Ok(None);
         }
         let assessment = match self.assessment() {

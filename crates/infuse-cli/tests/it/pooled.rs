@@ -550,6 +550,8 @@ fn more_experiments_can_be_had_while_others_are_waited_for() {
     tell(&rig, &experiments[..6], |a, b, id| Ok(wells(a, b, [30.0, 40.0]) + wobble(id)));
     let more: Value = serde_json::from_str(&rig.infuse(&["ask", "--more", "--json"]).ok()).unwrap();
     assert_eq!((&more["batch"], more["experiments"].as_array().unwrap().len()), (&json!(2), 10));
+    let keys = |asked: &Value| asked.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+    assert_eq!(keys(&more), keys(&first), "one answer, whichever way it was asked for");
     tell(&rig, more["experiments"].as_array().unwrap(), |a, b, id| Ok(wells(a, b, [30.0, 40.0]) + wobble(id)));
     assert_eq!(rig.status()["outstanding"], json!(4));
     let words = rig.infuse(&["status"]).ok();
@@ -557,6 +559,44 @@ fn more_experiments_can_be_had_while_others_are_waited_for() {
     assert!(words.contains("run what is left in") && words.contains("sheet-1.csv"), "{words}");
     tell(&rig, &experiments[6..], |a, b, id| Ok(wells(a, b, [30.0, 40.0]) + wobble(id)));
     assert_eq!((&rig.status()["outstanding"], &rig.status()["told"]), (&json!(0), &json!(20)));
+}
+
+/// A batch that is completed while a later one is waited for has its line in the journal as any other, in `log` and in `status --json`.
+#[test]
+fn what_was_learned_is_kept_of_a_batch_that_closes_while_more_is_waited_for() {
+    let rig = rig_of(|a, b| wells(a, b, [30.0, 40.0]), "");
+    let measure = |a: f64, b: f64, id: u64| Ok(wells(a, b, [30.0, 40.0]) + wobble(id));
+    let learned = || {
+        let log: Value = serde_json::from_str(&rig.infuse(&["log", "--json"]).ok()).unwrap();
+        let lines = log["log"].as_array().unwrap().iter().filter(|line| line["what"] == json!("learned"));
+        let said: Vec<String> = lines.map(|line| line["sentence"].as_str().unwrap()[..13].to_owned()).collect();
+        let batches = rig.status()["batches"].as_array().unwrap().len();
+        (said, batches)
+    };
+    let first = ask(&rig);
+    let first = first["experiments"].as_array().unwrap();
+    tell(&rig, &first[..6], measure);
+    let more: Value = serde_json::from_str(&rig.infuse(&["ask", "--more", "--json"]).ok()).unwrap();
+    let more = more["experiments"].as_array().unwrap();
+    tell(&rig, &more[..3], measure);
+    assert_eq!(learned(), (Vec::new(), 0), "no batch is complete");
+    tell(&rig, &first[6..], measure);
+    assert_eq!(learned(), (vec!["after batch 1".to_owned()], 1));
+    tell(&rig, &more[3..], measure);
+    assert_eq!(learned(), (vec!["after batch 1".to_owned(), "after batch 2".to_owned()], 2));
+    // What was told last can be taken back, with what it taught.
+    rig.infuse(&["undo"]).ok();
+    assert_eq!(rig.status()["batches"].as_array().unwrap().len(), 1);
+    tell(&rig, &more[9..], measure);
+    // Of batches that end in another order the last one says what is known.
+    let third = ask(&rig);
+    let fourth: Value = serde_json::from_str(&rig.infuse(&["ask", "--more", "--json"]).ok()).unwrap();
+    tell(&rig, fourth["experiments"].as_array().unwrap(), measure);
+    assert_eq!(learned().1, 2);
+    tell(&rig, third["experiments"].as_array().unwrap(), measure);
+    let batches: Vec<u64> =
+        rig.status()["batches"].as_array().unwrap().iter().map(|one| one["batch"].as_u64().unwrap()).collect();
+    assert_eq!(batches, [1, 2, 4]);
 }
 
 #[test]
