@@ -459,7 +459,8 @@ impl Campaign {
 
     /// The same of a response that has to stay within bounds.
     pub(super) fn runs_of(&self, constraint: &str) -> Vec<(Vec<f64>, f64)> {
-        let imported = self.imported.iter().filter_map(|one| Some((one.point.clone(), *one.constrained.get(constraint)?)));
+        let imported =
+            self.imported.iter().filter_map(|one| Some((one.point.clone(), *one.constrained.get(constraint)?)));
         let own = self.experiments.readings.iter().flat_map(|(&id, reading)| {
             let settings = self.experiments.settings_of(id);
             let values = reading.constrained.values().filter_map(|of_a_run| of_a_run.get(constraint));

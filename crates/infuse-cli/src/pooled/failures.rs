@@ -169,7 +169,11 @@ impl FailedSimulations {
                     more => format!("; and {} more", grouped(more as u64)),
                 };
                 let have = if n == 1 { "has" } else { "have" };
-                format!("{} of {} {have} no row in {table}: {named}{more}", grouped(n as u64), count(self.n_all, "design"))
+                format!(
+                    "{} of {} {have} no row in {table}: {named}{more}",
+                    grouped(n as u64),
+                    count(self.n_all, "design")
+                )
             }
             _ => failed_in_words(&campaign.problem, self.n_all, self.failed.clone())?,
         };

@@ -309,7 +309,9 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
                     },
                     grouped(batches)
                 ),
-                (false, None) => format!("That is more than {of_worth}: {}", beyond_any_forecast(campaign, found, worth)),
+                (false, None) => {
+                    format!("That is more than {of_worth}: {}", beyond_any_forecast(campaign, found, worth))
+                }
                 (false, _) if campaign.n_left() == 0 => {
                     format!("That is more than {of_worth}, and [loop] `batches` leaves none.")
                 }
@@ -323,10 +325,12 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
 /// That more batches may be needed than anyone makes, and whether the noise allows for so small a `worth` at all.
 fn beyond_any_forecast(campaign: &Campaign, found: &Assessment, worth: f64) -> String {
     let (response, most) = (&campaign.problem.response, Forecast::MOST_BATCHES);
-    let told_apart = found.forecast.told_apart(found.noise);
+    // Of what is taken for exact the surface keeps a little, so that it can be computed.
+    let told_apart = if found.is_exact { 0.0 } else { found.forecast.told_apart(found.noise) };
     let why = match worth < told_apart {
         true => format!(
-            "It is less than the noise lets anyone find: with {} (standard deviation of one run) even {most} batches of {}, all of two              designs, tell which is better only where they differ by {} or more",
+            "It is less than the noise lets anyone find: with {} (standard deviation of one run) even {most} batches of {}, all of two \
+             designs, tell which is better only where they differ by {} or more",
             amount(response, found.noise),
             count(found.forecast.n_experiments, "run"),
             amount(response, told_apart)

@@ -45,11 +45,12 @@ impl Contradiction {
             false => "Bands and bounds are wider than they need be",
         };
         let sentence = format!(
-            "Careful: {what} is {}, but {} of {} scatter by {} (standard deviation){by_chance}. {so}: take `noise` out, and it is learnt, or \
+            "Careful: {what} is {}, but {} of {} {} by {} (standard deviation){by_chance}. {so}: take `noise` out, and it is learnt, or \
              give what was measured.",
             shown(self.given),
             count(self.error.degrees_of_freedom, "repeat"),
             count(self.n_designs, "design"),
+            if self.error.degrees_of_freedom == 1 { "scatters" } else { "scatter" },
             shown(self.measured())
         );
         Finding::new(sentence).with("noise given", self.given, unit).with("noise of repeats", self.measured(), unit)
@@ -69,7 +70,8 @@ fn is_contradicted(given: f64, error: PureError) -> bool {
 
 /// Settings that come more than once, to the last bit but for the sign of zero.
 fn n_repeated(runs: &[(Vec<f64>, f64)]) -> usize {
-    let mut settings: Vec<Vec<u64>> = runs.iter().map(|(at, _)| at.iter().map(|x| (x + 0.0).to_bits()).collect()).collect();
+    let mut settings: Vec<Vec<u64>> =
+        runs.iter().map(|(at, _)| at.iter().map(|x| (x + 0.0).to_bits()).collect()).collect();
     settings.sort_unstable();
     settings.chunk_by(|a, b| a == b).filter(|same| same.len() > 1).count()
 }
@@ -116,9 +118,14 @@ mod tests {
     /// scipy: chi2.isf(1e-3, 1) = 10.828, chi2.isf(1e-3, 9) = 27.877, chi2.ppf(1e-3, 9) = 1.152.
     #[test]
     fn noise_is_contradicted_where_chance_would_do_it_one_time_in_a_thousand() {
-        for (n_runs, sum_of_squares, is_far) in
-            [(2, 10.8, false), (2, 10.9, true), (10, 27.8, false), (10, 27.9, true), (10, 1.16, false), (10, 1.14, true)]
-        {
+        for (n_runs, sum_of_squares, is_far) in [
+            (2, 10.8, false),
+            (2, 10.9, true),
+            (10, 27.8, false),
+            (10, 27.9, true),
+            (10, 1.16, false),
+            (10, 1.14, true),
+        ] {
             assert_eq!(is_contradicted(3.0, error(n_runs, 9.0 * sum_of_squares)), is_far, "{n_runs}, {sum_of_squares}");
         }
         assert!(is_contradicted(0.0, error(2, 1e-9)) && !is_contradicted(0.0, error(5, 0.0)));

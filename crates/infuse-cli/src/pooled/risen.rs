@@ -22,8 +22,7 @@ const IGNORED: f64 = 0.9;
 /// So many reasons are said.
 const MOST_SAID: usize = 3;
 /// Settings of the loop that the bound hangs on, but for the bounds of the response.
-const MATTER: [&str; 7] =
-    ["confidence", "noise", "smooth", "displaced", "constraints", "linear_constraints", "plants"];
+const MATTER: [&str; 7] = ["confidence", "noise", "smooth", "displaced", "constraints", "linear_constraints", "plants"];
 
 /// That the bound was narrower a batch ago, and why.
 pub(super) fn risen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
@@ -31,8 +30,12 @@ pub(super) fn risen(campaign: &Campaign, found: &Assessment) -> Option<Finding> 
     let bound = before.bound?;
     (found.certificate.bound > RISEN * bound).then(|| {
         let response = &campaign.problem.response;
-        let sentence =
-            format!("After batch {} that was {}. It has risen: {}.", before.batch, amount(response, bound), why(campaign, found, before));
+        let sentence = format!(
+            "After batch {} that was {}. It has risen: {}.",
+            before.batch,
+            amount(response, bound),
+            why(campaign, found, before)
+        );
         Finding::new(sentence).with("bound before", bound, &response.unit)
     })
 }
@@ -59,7 +62,8 @@ fn why(campaign: &Campaign, found: &Assessment, before: &Assessed) -> String {
             return format!("what was found since may be a part of a narrow {well}");
         }
         (forecast, None) if forecast.is_for_a_find() => {
-            return "a design was measured to be better than the recommended one, against what the surface expects".to_owned();
+            return "a design was measured to be better than the recommended one, against what the surface expects"
+                .to_owned();
         }
         _ => {}
     }
@@ -70,8 +74,8 @@ fn why(campaign: &Campaign, found: &Assessment, before: &Assessed) -> String {
     reasons.extend(of_the_simulation(found, before));
     reasons.truncate(MOST_SAID);
     match reasons.is_empty() {
-        true => "no single result stands out, and the recommended design, the noise and the settings are as they were; with all that came \
-                 since the surface's parameters were learnt anew, and less is taken for sure"
+        true => "no single result stands out, the recommended design is the same, and neither settings nor noise explain it; with all that \
+                 came since the surface's parameters were learnt anew, and less is taken for sure"
             .to_owned(),
         false => reasons.join("; "),
     }
@@ -102,7 +106,8 @@ fn changed(campaign: &Campaign, before: &Assessed) -> Vec<String> {
 fn worse_than_expected(campaign: &Campaign, found: &Assessment, before: &Assessed) -> Option<String> {
     let response = &campaign.problem.response;
     let (_, cell) = campaign.nearest(&before.recommended).ok()?;
-    let trials = campaign.experiments.trials.iter().filter(|(_, trial)| trial.batch > before.batch && trial.cell == cell);
+    let trials =
+        campaign.experiments.trials.iter().filter(|(_, trial)| trial.batch > before.batch && trial.cell == cell);
     let runs = trials.filter_map(|(&id, _)| Some((id, campaign.experiments.readings.get(&id)?)));
     let costs = runs.flat_map(|(id, reading)| reading.values().map(move |value| (id, response.cost(value))));
     let costs: Vec<(u64, f64)> = costs.collect();
@@ -143,14 +148,19 @@ fn stands_out(campaign: &Campaign, found: &Assessment, before: &Assessed) -> Opt
 fn another_is_recommended(campaign: &Campaign, found: &Assessment, before: &Assessed) -> Option<String> {
     let (_, cell) = campaign.nearest(&before.recommended).ok()?;
     let is_another = cell != found.recommended.cell;
-    is_another.then(|| format!("another design is recommended, then {}", campaign.problem.describe(&before.recommended)))
+    is_another
+        .then(|| format!("another design is recommended, then {}", campaign.problem.describe(&before.recommended)))
 }
 
 fn more_noise(campaign: &Campaign, found: &Assessment, before: &Assessed) -> Option<String> {
     let response = &campaign.problem.response;
     let is_more = campaign.settings.noise.is_none() && found.noise > OTHER * before.noise;
     is_more.then(|| {
-        format!("the noise of one run is taken for {}, {} then", amount(response, found.noise), amount(response, before.noise))
+        format!(
+            "the noise of one run is taken for {}, {} then",
+            amount(response, found.noise),
+            amount(response, before.noise)
+        )
     })
 }
 
@@ -169,6 +179,10 @@ fn of_the_simulation(found: &Assessment, before: &Assessed) -> Option<String> {
     let (least, most) = (now.factor.min(then.factor), now.factor.max(then.factor));
     let is_other = most - least > (OTHER - 1.0) * most.abs().max(least.abs());
     is_other.then(|| {
-        format!("differences that the simulation predicts count {} times, {} times then", short(now.factor), short(then.factor))
+        format!(
+            "differences that the simulation predicts count {} times, {} times then",
+            short(now.factor),
+            short(then.factor)
+        )
     })
 }

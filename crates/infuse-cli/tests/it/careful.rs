@@ -86,12 +86,14 @@ fn noise_that_repeats_contradict_is_said() {
     rig.infuse(&["import", "old.csv", "--source", "repeats"]).ok();
     let text = rig.infuse(&["status"]).ok();
     assert!(
-        text.contains("Careful: `noise` in [loop] is 0 N, but 7 repeats of 1 design scatter by 1.")
-            && text.contains("is too sure: take `noise` out, and it is learnt, or give what was measured."),
+        text.contains(
+            "Careful: `noise` in [loop] is 0 N, but 7 repeats of 1 design scatter by 0.663 N (standard deviation)."
+        ) && text.contains("is too sure: take `noise` out, and it is learnt, or give what was measured."),
         "{text}"
     );
     assert!(text.find("Careful") < text.find("Recommended"), "before anything that sounds good: {text}");
-    let said = "Noise of one run: 0 N (standard deviation), as `noise` in [loop] says. Repeats contradict that: 1.";
+    let said =
+        "Noise of one run: 0 N (standard deviation), as `noise` in [loop] says. Repeats contradict that: 0.663 N.";
     assert!(text.contains(said), "{text}");
     assert!(!text.contains("Nothing was run twice"), "{text}");
     for (noise, is_wrong) in [("0.8", false), ("0.01", true), ("50", true)] {
