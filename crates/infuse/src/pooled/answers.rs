@@ -37,7 +37,7 @@ impl Loop {
     ) -> Result<Option<Vec<Standing>>, Error> {
         self.with_knowledge(simulate, |knowledge, readings, settings, batch| {
             let pool = Pool::gather(knowledge, settings.seed, batch)?;
-            let recommended = lowest_mean(knowledge, &pool, &readings.kept, settings.seed, batch)?;
+            let recommended = lowest_mean(knowledge, &pool, readings.kept.len(), settings.seed, batch)?;
             let (kept, constrained) = (&readings.kept, &readings.constrained);
             let bands = Bands::of(kept, knowledge.designs.n_terms());
             let at = |&cell| {

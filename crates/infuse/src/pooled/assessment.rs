@@ -254,7 +254,7 @@ impl Look {
         let finds = Finds::of(readings, &open, settings, |cell| eligible.contains(&cell));
         let finds = finds.with_pockets(knowledge, settings, |cell| eligible.contains(&cell), &mut rng)?;
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
-        let cell = lowest_mean(knowledge, &pool, readings, settings.seed, batch)?;
+        let cell = lowest_mean(knowledge, &pool, readings.len(), settings.seed, batch)?;
         let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
         let coverage = Coverage::of(knowledge.designs, &pool, &runs)?;
         let n_even = coverage.even_runs(knowledge.designs, readings.len(), settings.seed)?;
