@@ -149,7 +149,7 @@ fn another_is_recommended(campaign: &Campaign, found: &Assessment, before: &Asse
     let (_, cell) = campaign.nearest(&before.recommended).ok()?;
     let is_another = cell != found.recommended.cell;
     is_another
-        .then(|| format!("another design is recommended, then {}", campaign.problem.describe(&before.recommended)))
+        .then(|| format!("another design is recommended than then, {}", campaign.problem.describe(&before.recommended)))
 }
 
 fn more_noise(campaign: &Campaign, found: &Assessment, before: &Assessed) -> Option<String> {
@@ -157,7 +157,7 @@ fn more_noise(campaign: &Campaign, found: &Assessment, before: &Assessed) -> Opt
     let is_more = campaign.settings.noise.is_none() && found.noise > OTHER * before.noise;
     is_more.then(|| {
         format!(
-            "the noise of one run is taken for {}, {} then",
+            "the noise of one run is taken for {}, and was for {}",
             amount(response, found.noise),
             amount(response, before.noise)
         )
@@ -180,7 +180,7 @@ fn of_the_simulation(found: &Assessment, before: &Assessed) -> Option<String> {
     let is_other = most - least > (OTHER - 1.0) * most.abs().max(least.abs());
     is_other.then(|| {
         format!(
-            "differences that the simulation predicts count {} times, {} times then",
+            "differences that the simulation predicts count {} times, and did {} times",
             short(now.factor),
             short(then.factor)
         )

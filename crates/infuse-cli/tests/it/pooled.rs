@@ -100,7 +100,11 @@ fn a_bound_that_rises_says_what_it_was() {
     let then: Value = rig.status()["batches"][1]["best"].clone();
     let (a, b) = (then["a"].as_f64().unwrap(), then["b"].as_f64().unwrap());
     let is_another = best(&rig) != (a, b);
-    assert_eq!(why.contains(&format!("another design is recommended, then a {a} mm, b {b} mm")), is_another, "{why}");
+    assert_eq!(
+        why.contains(&format!("another design is recommended than then, a {a} mm, b {b} mm")),
+        is_another,
+        "{why}"
+    );
     // It is said while the next batch is waited for, too.
     ask(&rig);
     assert!(rig.infuse(&["status"]).ok().contains(why));
