@@ -308,7 +308,7 @@ impl Source<'_> {
             simulated.run_aside(designs, &around.concat(), &mut **simulate)?;
         }
         let Some(here) = self.says(designs, &there, simulated, Column::Objective)? else {
-            return Ok(designs.places(cells)?);
+            return designs.places(cells);
         };
         let known = self.known(designs, cells);
         let about = if around.is_empty() { Vec::new() } else { self.about(designs, &there, simulated)? };
