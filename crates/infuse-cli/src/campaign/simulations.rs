@@ -123,7 +123,7 @@ pub(crate) fn failed_in_words(problem: &Problem, n_all: usize, mut failed: Vec<F
     let why = if is_one_reason { format!(", all for one reason, {}", echo(&first.reason)) } else { String::new() };
     let more = match n.saturating_sub(MOST_NAMED) {
         0 => String::new(),
-        more => format!("; and {} more, which `infuse report` and the journal name", grouped(more as u64)),
+        more => format!("; and {} more, which the journal names", grouped(more as u64)),
     };
     Some(format!("{} of {} failed{why}: {named}{more}", grouped(n as u64), count(n_all, "simulation")))
 }

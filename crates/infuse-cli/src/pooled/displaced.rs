@@ -17,7 +17,7 @@ const WORTH_SAYING: f64 = 0.5;
 /// What is said of it beside what the simulation is worth.
 pub(super) fn findings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
     let Some(told) = &found.registration else { return Vec::new() };
-    let along = along(&campaign.problem, told);
+    let along = along(campaign, told);
     let withdrawn = withdrawn(campaign, told).map(Finding::new);
     let finding = if told.is_sure() {
         taken(found, told, &along)
@@ -43,6 +43,7 @@ struct Along<'p> {
     parameter: &'p Parameter,
     by: f64,
     deviation: f64,
+    n_levels: u64,
 }
 
 impl Along<'_> {
@@ -52,17 +53,31 @@ impl Along<'_> {
     }
 }
 
-fn along<'p>(problem: &'p Problem, told: &Registration) -> Vec<Along<'p>> {
-    let all = problem.region.parameters().iter().zip(told.displacement.iter().zip(&told.deviations));
-    let all = all.map(|(parameter, (&by, &deviation))| Along { parameter, by, deviation });
+fn along<'p>(campaign: &'p Campaign, told: &Registration) -> Vec<Along<'p>> {
+    let parameters = campaign.problem.region.parameters().iter().zip(campaign.grid.combinations().counts());
+    let all = parameters.zip(told.displacement.iter().zip(&told.deviations));
+    let all = all.map(|((parameter, &n_levels), (&by, &deviation))| Along { parameter, by, deviation, n_levels });
     all.filter(|along| along.by.abs() > 0.0).collect()
+}
+
+/// As much of a band as anyone needs.
+fn two_digits(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
+}
+
+/// The share of the levels of a parameter, or of its range, that is left within the bounds.
+fn within(along: &Along<'_>) -> f64 {
+    let beyond = along.by.abs() / along.parameter.width();
+    let n = along.n_levels as f64;
+    (1.0 - beyond * (n - 1.0) / n).max(0.0)
 }
 
 /// "a higher by 1 mm, b lower by 2 mm".
 fn named(all: &[Along<'_>]) -> String {
     let one = |along: &Along<'_>| {
         let way = if along.by > 0.0 { "higher" } else { "lower" };
-        let [by, half] = [along.by.abs(), along.half()].map(|value| with_unit(&short(value), along.parameter.unit()));
+        let [by, half] = [along.by.abs(), two_digits(along.half())];
+        let [by, half] = [by, half].map(|value| with_unit(&short(value), along.parameter.unit()));
         format!("{} {way} by {by} (give or take {half})", along.parameter.name())
     };
     all.iter().map(one).collect::<Vec<_>>().join(", ")
@@ -79,7 +94,7 @@ fn taken(found: &Assessment, told: &Registration, all: &[Along<'_>]) -> String {
         };
         all.iter().map(one).collect::<Vec<_>>().join(", ")
     });
-    let within: f64 = all.iter().map(|along| (1.0 - along.by.abs() / along.parameter.width()).max(0.0)).product();
+    let within: f64 = all.iter().map(within).product();
     let explained = found.simulation.map_or_else(String::new, |worth| {
         let [there, here] = [worth.explained, told.explained_in_place].map(percent);
         format!(" It is taken from there, where it explains {there}; as it stands it explains {here}.")
@@ -100,7 +115,7 @@ fn withdrawn(campaign: &Campaign, told: &Registration) -> Option<String> {
     let was_displaced = by.is_some_and(|by| by.iter().any(|by| by.abs() > 0.0));
     (was_displaced && !told.is_sure()).then(|| {
         format!(
-            "After batch {} it was taken to be displaced: what was measured since does not bear that out, and it is taken as it stands again.",
+            "After batch {} it was taken to be displaced: by all that is known now it is not sure to be, and is taken as it stands again.",
             before.batch
         )
     })
