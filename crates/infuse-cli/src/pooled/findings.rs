@@ -6,7 +6,7 @@ use infuse::pooled::{Assessment, Certificate, Forecast, Needed, Standing};
 use page::Finding;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
-use super::bands::{NINE_IN_TEN, resolution};
+use super::bands::{IGNORED, NINE_IN_TEN, resolution};
 use super::bounds::{constrained_there, likely_to_keep, not_sure, unlikely_to_keep};
 use super::campaign::{Campaign, Origin, tells_designs_apart};
 use super::displaced;
@@ -18,9 +18,8 @@ use crate::findings::{WITHOUT_RESERVE, amount, on_bounds, value_to};
 use crate::number::{count, grouped, percent, plain, short};
 use crate::problem::Problem;
 
-/// Below this share of the variance explained, or from this probability that it is better ignored, a simulation is useless.
+/// Below this share of the variance explained a simulation is of little use.
 const EXPLAINS_LITTLE: f64 = 0.1;
-const IGNORED: f64 = 0.9;
 /// Repeats from which on the noise is known: fewer tell it to no better than a factor of two.
 const ENOUGH_REPEATS: usize = 5;
 

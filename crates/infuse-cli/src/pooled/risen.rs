@@ -4,7 +4,7 @@ use infuse::pooled::Assessment;
 use page::Finding;
 use serde_json::{Map, Value};
 
-use super::bands::{NINE_IN_TEN, resolution};
+use super::bands::{IGNORED, NINE_IN_TEN, resolution};
 use super::campaign::{Campaign, Origin};
 use super::warnings::far;
 use crate::campaign::changes;
@@ -17,8 +17,6 @@ use crate::simulator::identity;
 const RISEN: f64 = 1.02;
 /// From so many times what it was on it is said that the noise is larger, or the factor of the simulation another.
 const OTHER: f64 = 1.1;
-/// From this probability that it is better ignored a simulation is hardly used.
-const IGNORED: f64 = 0.9;
 /// So many reasons are said.
 const MOST_SAID: usize = 3;
 /// Settings of the loop that the bound hangs on, but for the bounds of the response.

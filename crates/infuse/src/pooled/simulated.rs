@@ -269,7 +269,8 @@ impl Source<'_> {
     ) -> Result<(), Error> {
         let columns = [Column::Objective].into_iter().chain((0..n_constraints).map(Column::Constrained));
         let of_it = |column| Ok(self.says(designs, measured, simulated, column)?.map(|said| mean_and_deviation(&said)));
-        let units = columns.map(of_it).collect::<Result<_, Error>>()?;
+        // Where it is in its place, nothing lies beyond.
+        let units = if by.is_none() { Vec::new() } else { columns.map(of_it).collect::<Result<_, Error>>()? };
         let new = Place { coded: by.coded(designs), displacement: by, units };
         match self {
             Self::Nothing => {}
@@ -593,9 +594,10 @@ mod tests {
         let cells = [(7, 2), (8, 2), (10, 0), (7, 1)].map(|(x, y)| cell(&designs, x, y));
         let found = source.places(&designs, &cells, &mut simulated).unwrap();
         let beyond = [0.0, 0.2, 0.6_f64.hypot(0.4), 0.2];
-        for (place, (beyond, there)) in beyond.into_iter().zip([[1.0, 0.0]; 4]).enumerate() {
+        // All of them end at the same corner, of which it says 40.
+        for (place, beyond) in beyond.into_iter().enumerate() {
             let known = (-0.5 * (beyond / 0.4_f64).powi(2)).exp();
-            let expected = mean + known * (40.0 * there[0] + there[1] - mean);
+            let expected = mean + known * (40.0 - mean);
             assert!((found.simulated().unwrap()[place] - expected).abs() < 1e-12, "{expected} at place {place}");
             let unknown = deviation * (1.0 - known * known).sqrt();
             assert!((found.unknown()[place] - unknown).abs() < 1e-9, "{unknown} at place {place}");
