@@ -221,6 +221,8 @@ class Registration:
     """From this on it is believed."""
     explained_in_place: float
     """Squared correlation of the readings with what the simulation says of their own designs."""
+    refused: Optional[str] = None
+    """Why it is not believed, however probable it is: `too_far`, `beyond_bounds` or `explains_less`."""
 
 
 @dataclass(frozen=True)

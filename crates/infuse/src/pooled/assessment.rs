@@ -105,7 +105,8 @@ pub struct Contradiction {
 /// What the simulation is worth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SimulationWorth {
-    /// Squared correlation of simulation and readings: the share of their variance that the simulation explains.
+    /// Squared correlation of simulation and readings: the share of their variance that the simulation explains. Where it is displaced, of
+    /// the readings of which it tells within the bounds.
     pub explained: f64,
     /// Whether that correlation is negative: what the simulation calls better is worse.
     #[serde(default)]
@@ -486,12 +487,15 @@ fn simulation_worth(knowledge: &mut Knowledge<'_, '_>, readings: &[Reading]) -> 
     let Some(simulated) = places.simulated().filter(|simulated| simulated.len() >= 3) else {
         return Ok(None);
     };
-    let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
+    let responses = readings.iter().map(|reading| reading.response);
+    let within = |place: usize| places.unknown().get(place).is_none_or(|unknown| *unknown <= 0.0);
+    let told = simulated.iter().copied().zip(responses).enumerate().filter(|(place, _)| within(*place));
+    let (told, responses): (Vec<f64>, Vec<f64>) = told.map(|(_, pair)| pair).unzip();
     let particles = knowledge.process.particles();
     let used = particles.iter().filter(|particle| particle.structure().simulation != SimulationUse::Ignored);
     // A difference has the factor 1, and no doubt about it.
     let factors: Vec<[f64; 2]> = used.map(|particle| particle.simulation_factor().unwrap_or([1.0, 0.0])).collect();
-    let correlation = correlation(simulated, &responses);
+    let correlation = correlation(&told, &responses);
     let n = factors.len().max(1) as f64;
     let factor = factors.iter().map(|[mean, _]| mean).sum::<f64>() / n;
     let variance = factors.iter().map(|[mean, variance]| variance + (mean - factor).powi(2)).sum::<f64>() / n;

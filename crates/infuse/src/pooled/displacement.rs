@@ -39,6 +39,30 @@ impl Displacement {
         self.moved(designs, cell, 1)
     }
 
+    /// The design as far within the bounds as the one of which a simulation would tell is beyond them, where that is so; else the design
+    /// whose simulation tells of this one.
+    pub(crate) fn inside(&self, designs: &Designs, cell: Cell) -> Cell {
+        let there = self.of(designs, cell);
+        if self.is_none() || !designs.allows(self.clamped(designs, cell, 1)) {
+            return there;
+        }
+        let combinations = designs.combinations();
+        let mut digits = combinations.digits(cell.index());
+        for ((digit, step), count) in digits.iter_mut().zip(&self.0).zip(combinations.counts()) {
+            let (moved, last) = (*digit as i64 + step, *count as i64 - 1);
+            let mirrored = if moved < 0 {
+                -moved
+            } else if moved > last {
+                2 * last - moved
+            } else {
+                moved
+            };
+            *digit = mirrored.clamp(0, last) as u64;
+        }
+        let inside = Cell::new(combinations.index(&digits));
+        if designs.allows(inside) { inside } else { there }
+    }
+
     /// The design of which the simulation of this one tells.
     pub(crate) fn back(&self, designs: &Designs, cell: Cell) -> Cell {
         self.moved(designs, cell, -1)
@@ -97,6 +121,12 @@ pub(crate) fn left_of(correlation: f64) -> f64 {
     (1.0 - correlation * correlation).max(0.0).sqrt()
 }
 
+/// What a simulation would say beyond the bounds if it went on as it came: as far from what it says at the bound as that is from what it
+/// says as far within.
+pub(crate) fn went_on(at_bound: f64, inside: f64) -> f64 {
+    2.0 * at_bound - inside
+}
+
 /// Axes along which a simulation may be displaced: not those of choices, which have no order.
 pub(crate) fn free(designs: &Designs) -> Vec<usize> {
     let counts = designs.combinations().counts();
@@ -128,4 +158,34 @@ pub(crate) fn next_to(designs: &Designs, cells: &[Cell]) -> Vec<Vec<Cell>> {
 /// Steps as a share of the range.
 pub(crate) fn share(step: i64, count: u64) -> f64 {
     step as f64 / (count - 1).max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use design_space::{Parameter, Region};
+    use rand::SeedableRng as _;
+
+    use super::*;
+
+    /// Of 11 levels along each of two axes.
+    #[test]
+    fn as_far_within_as_it_points_beyond() {
+        let number = |name: &str| Parameter::continuous(name, "1", 0.0, 1.0).unwrap().with_levels(11).unwrap();
+        let region = Region::new(vec![number("x"), number("y")]).unwrap();
+        let designs = Designs::of(&region, &[], &mut rand_chacha::ChaCha8Rng::seed_from_u64(1)).unwrap();
+        let cell = |x: u64, y: u64| Cell::new(designs.combinations().index(&[x, y]));
+        let by = Displacement(vec![3, -2]);
+        // Within the bounds along both axes; beyond one; beyond both; beyond by two of the ten steps along each.
+        for ((x, y), of, inside) in
+            [((4, 5), (7, 3), (7, 3)), ((9, 5), (10, 3), (8, 3)), ((10, 1), (10, 0), (7, 1)), ((9, 0), (10, 0), (8, 2))]
+        {
+            let here = cell(x, y);
+            assert_eq!(
+                (by.of(&designs, here), by.inside(&designs, here)),
+                (cell(of.0, of.1), cell(inside.0, inside.1))
+            );
+        }
+        assert_eq!(Displacement::default().inside(&designs, cell(10, 0)), cell(10, 0));
+        assert!((went_on(3.0, 2.5) - 3.5).abs() < 1e-15);
+    }
 }

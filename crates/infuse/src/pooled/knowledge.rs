@@ -138,6 +138,9 @@ impl<'a, 's> Knowledge<'a, 's> {
         let mut place = Places::new(self.designs.n_factors(), &one.coded)?;
         if let Some(simulated) = here.simulated() {
             place = place.with_simulated(simulated.to_vec())?.with_deviations(here.deviations().to_vec())?;
+            if !here.unknown().is_empty() {
+                place = place.with_unknown(here.unknown().to_vec())?;
+            }
         }
         let (marginals, noise) = (process.marginals(&place), process.noise());
         let variance = marginals.variances[0] + noise.powi(2) + process.assembly_deviation().powi(2);

@@ -81,6 +81,7 @@ mod scene;
 mod settings;
 mod shared;
 mod simulated;
+mod spread;
 mod streams;
 mod turn;
 
@@ -100,6 +101,6 @@ pub mod reported {
     pub use super::bands::NINE_IN_TEN;
     pub use super::held::FEASIBLE;
     pub use super::outliers::Outlier;
-    pub use super::registration::Registration;
+    pub use super::registration::{Refused, Registration};
     pub use super::run_means::OfMeans;
 }

@@ -4,20 +4,21 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use design_space::Cell;
-use faer::linalg::solvers::DenseSolveCore as _;
-use faer::{Mat, Side};
+use faer::Mat;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use surface::Data;
 use surface::process::RegressorEvidence;
 
 use crate::Error;
 use crate::pooled::designs::Designs;
-use crate::pooled::displacement::{Displacement, LEAST_STEP, WITHIN_A_STEP, correlation, free, left_of, share, steps};
+use crate::pooled::displacement::{
+    Displacement, LEAST_STEP, WITHIN_A_STEP, correlation, free, left_of, share, steps, went_on,
+};
 use crate::pooled::measurements::Reading;
 use crate::pooled::moments::{correlation as correlation_of, mean_and_deviation};
 use crate::pooled::simulated::{Column, Emulator, Simulate, Simulated};
+use crate::pooled::spread::{Normal, mean_squares_about};
 
 /// Prior standard deviation along each of one or two axes, as a share of its range; of more, so that the distance is as far as along two.
 const USUAL: f64 = 0.1;
@@ -31,6 +32,9 @@ const MOST: f64 = 0.3;
 /// So many displacements are drawn from the prior; the search goes on from the best of them.
 const DRAWN: usize = 128;
 const REFINED: usize = 4;
+/// So many are drawn near the most probable one, and at most so many times it gives way to a more probable one of those.
+const NEAR: usize = 64;
+const MOVES: usize = 3;
 /// The first steps of that, as a share of the range; never less than a level.
 const FIRST_STEP: f64 = 0.05;
 /// Beyond so many readings more than there are parameters it is looked for.
@@ -54,13 +58,29 @@ pub struct Registration {
     pub needed: f64,
     /// Squared correlation of the readings with what the simulation says of their own designs.
     pub explained_in_place: f64,
+    /// Why it is not believed, however probable it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refused: Option<Refused>,
+}
+
+/// Why a displacement is not believed: with several axes there are so many of them that one fits by chance where the simulation is wrong
+/// in another way, its best well that of another one, say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Refused {
+    /// It is farther along one axis than displacements are looked for.
+    TooFar,
+    /// For most of what was measured it points beyond the bounds, where nobody knows what the simulation would say.
+    BeyondBounds,
+    /// Of the designs of which it tells within the bounds the simulation explains less from there than as it stands.
+    ExplainsLess,
 }
 
 impl Registration {
     /// Whether the simulation is taken to be displaced.
     #[must_use]
     pub fn is_sure(&self) -> bool {
-        self.gain > self.needed
+        self.gain > self.needed && self.refused.is_none()
     }
 }
 
@@ -82,12 +102,20 @@ pub(crate) fn registered(
         return Ok(None);
     }
     let explained_in_place = search.explained_in_place(readings)?;
-    let (best, there) = search.best(rng)?;
+    let (best, there, deviations) = search.best(rng)?;
     let needed = 0.5 * search.free.len() as f64 * (readings.len() as f64).ln() + SURELY;
-    let (displacement, deviations) = (best.natural(designs), search.deviations(&best)?);
-    let registration = Registration { displacement, deviations, gain: there - without, needed, explained_in_place };
+    let (displacement, refused) = (best.natural(designs), search.refused(&best, readings)?);
+    let gain = there - without;
+    let registration = Registration { displacement, deviations, gain, needed, explained_in_place, refused };
     Ok(Some((best, registration)))
 }
+
+/// Farther along an axis than so many standard deviations of the prior none is believed,
+const FARTHEST: f64 = 3.5;
+/// nor one that tells of less than this share of the readings within the bounds.
+const LEAST_WITHIN: f64 = 0.4;
+/// Of fewer readings it says nothing whether the simulation explains more from there.
+const ENOUGH: usize = 5;
 
 /// What is known of a simulation.
 pub(crate) trait Simulation {
@@ -166,10 +194,15 @@ impl<'s> Search<'s> {
     /// Asks at once for what several displacements are told by.
     fn look_ahead<'d>(&mut self, all: impl Iterator<Item = &'d Displacement>) -> Result<(), Error> {
         let unknown = all.filter(|one| !self.known.contains_key(one));
-        let there = unknown.flat_map(|one| self.cells.iter().map(|&cell| one.of(self.designs, cell)));
+        let there = unknown.flat_map(|one| self.cells.iter().flat_map(|&cell| self.told_by(one, cell)));
         let there: Vec<Cell> = there.collect();
         self.simulation.says(self.designs, &there)?;
         Ok(())
+    }
+
+    /// The designs whose simulations tell of one.
+    fn told_by(&self, one: &Displacement, cell: Cell) -> [Cell; 2] {
+        [one.of(self.designs, cell), one.inside(self.designs, cell)]
     }
 
     /// The displacements next to one, so far along each axis.
@@ -188,16 +221,17 @@ impl<'s> Search<'s> {
         if let Some(known) = self.known.get(one) {
             return Ok(*known);
         }
-        let there: Vec<Cell> = self.cells.iter().map(|&cell| one.of(self.designs, cell)).collect();
-        let Some(mut said) = self.simulation.says(self.designs, &there)? else { return Ok(f64::NEG_INFINITY) };
+        let there: Vec<Cell> = self.cells.iter().flat_map(|&cell| self.told_by(one, cell)).collect();
+        let Some(said) = self.simulation.says(self.designs, &there)? else { return Ok(f64::NEG_INFINITY) };
+        let said: Vec<f64> = said.chunks_exact(2).map(|pair| went_on(pair[0], pair[1])).collect();
         let [mean, deviation] = *self.units.get_or_insert_with(|| mean_and_deviation(&said));
         if deviation <= 0.0 {
             return Ok(f64::NEG_INFINITY);
         }
+        let said: Vec<f64> = said.into_iter().map(|value| (value - mean) / deviation).collect();
         // Beyond the bounds nobody knows what it would say.
-        let known: Vec<f64> = self.cells.iter().map(|&cell| correlation(one.beyond(self.designs, cell))).collect();
-        said.iter_mut().zip(&known).for_each(|(value, known)| *value = known * (*value - mean) / deviation);
-        let unknown: Vec<f64> = known.into_iter().map(left_of).collect();
+        let unknown = self.cells.iter().map(|&cell| left_of(correlation(one.beyond(self.designs, cell))));
+        let unknown: Vec<f64> = unknown.collect();
         let counts = self.designs.combinations().counts();
         let far: f64 =
             one.0.iter().zip(counts).map(|(step, count)| (share(*step, *count) / usual(self.free.len())).powi(2)).sum();
@@ -206,10 +240,12 @@ impl<'s> Search<'s> {
         Ok(probability)
     }
 
-    /// The most probable one: by steps along each axis from the best of those that were drawn.
-    fn best(&mut self, rng: &mut ChaCha8Rng) -> Result<(Displacement, f64), Error> {
-        let mut drawn = vec![self.none()];
-        drawn.extend((0..DRAWN).map(|_| self.draw(rng)));
+    /// The most probable one, by steps along each axis from the best of those that were drawn, its probability and how far off it may be.
+    fn best(&mut self, rng: &mut ChaCha8Rng) -> Result<(Displacement, f64, Vec<f64>), Error> {
+        let prior = Normal::about_none(&vec![usual(self.free.len()); self.free.len()]);
+        let prior: Vec<Vec<f64>> = (0..DRAWN).map(|_| prior.draw(rng)).collect();
+        let drawn = [self.none()].into_iter().chain(prior.iter().map(|one| self.rounded(one)));
+        let drawn: Vec<Displacement> = drawn.collect();
         self.look_ahead(drawn.iter())?;
         let of_each = drawn.into_iter().map(|one| Ok((self.probability(&one)?, one)));
         let mut of_each = of_each.collect::<Result<Vec<_>, Error>>()?;
@@ -223,15 +259,16 @@ impl<'s> Search<'s> {
                 best = found;
             }
         }
-        Ok(best)
+        self.spread(best, &prior, rng)
     }
 
-    /// Standard deviations of the most probable one in the unit of each parameter, from how the logarithm of the probability bends around
-    /// it (Laplace's method), and because it is a whole number of steps.
-    fn deviations(&mut self, best: &Displacement) -> Result<Vec<f64>, Error> {
+    /// How the logarithm of the probability bends around the most probable one, in shares of the ranges (Laplace's method): the inverse of
+    /// a covariance.
+    fn precision(&mut self, best: &Displacement) -> Result<Mat<f64>, Error> {
         let counts = self.designs.combinations().counts().to_vec();
         let (free, n_free) = (self.free.clone(), self.free.len());
         let step = |axis: usize| steps(LEAST_STEP, counts[axis]).max(1);
+        let length = |axis: usize| share(step(axis), counts[axis]);
         let moved = |by: &[(usize, i64)]| {
             let mut other = best.clone();
             by.iter().for_each(|&(axis, sign)| other.0[axis] += sign * step(axis));
@@ -252,8 +289,7 @@ impl<'s> Search<'s> {
         let mut precision = Mat::<f64>::zeros(n_free, n_free);
         for (row, &a) in free.iter().enumerate() {
             // Never less than the prior's.
-            let least = (share(step(a), counts[a]) / usual(n_free)).powi(2);
-            precision[(row, row)] = bend((a, a))?.max(least);
+            precision[(row, row)] = bend((a, a))?.max((length(a) / usual(n_free)).powi(2));
         }
         for (row, &a) in free.iter().enumerate() {
             for (column, &b) in free.iter().enumerate().take(row) {
@@ -261,17 +297,83 @@ impl<'s> Search<'s> {
                 (precision[(row, column)], precision[(column, row)]) = (both, both);
             }
         }
-        let alone = |row: usize| 1.0 / precision[(row, row)];
-        // Where it bends up along some way between the axes, each is told alone.
-        let inverse = precision.llt(Side::Lower).ok().map(|factor| factor.inverse());
-        let variance = |row: usize| inverse.as_ref().map_or_else(|| alone(row), |inverse| inverse[(row, row)]);
-        let mut deviations = vec![0.0; counts.len()];
-        for (row, &axis) in free.iter().enumerate() {
-            let in_steps = (variance(row) + WITHIN_A_STEP.powi(2)).sqrt();
-            let width = self.designs.region().parameters()[axis].width();
-            deviations[axis] = in_steps * share(step(axis), counts[axis]) * width;
+        let in_shares = |row: usize, column: usize| length(free[row]) * length(free[column]);
+        Ok(Mat::from_fn(n_free, n_free, |row, column| precision[(row, column)] / in_shares(row, column)))
+    }
+
+    /// The most probable one of these and of those near it, with the standard deviations of what it is off by, in the unit of each parameter,
+    /// by importance sampling: beside the displacements that the search began with, which are drawn from the prior, some are drawn near the
+    /// most probable one, and each counts by its probability over the density that it was drawn with. One that is more probable takes
+    /// its place.
+    fn spread(
+        &mut self,
+        (mut best, mut there): (Displacement, f64),
+        prior: &[Vec<f64>],
+        rng: &mut ChaCha8Rng,
+    ) -> Result<(Displacement, f64, Vec<f64>), Error> {
+        let counts = self.designs.combinations().counts().to_vec();
+        let anywhere = Normal::about_none(&vec![usual(self.free.len()); self.free.len()]);
+        let mut n_moves = 0;
+        loop {
+            let precision = self.precision(&best)?;
+            let center: Vec<f64> = self.free.iter().map(|&axis| share(best.0[axis], counts[axis])).collect();
+            let step = |axis: usize| share(steps(LEAST_STEP, counts[axis]).max(1), counts[axis]);
+            let within: Vec<f64> = self.free.iter().map(|&axis| WITHIN_A_STEP * step(axis)).collect();
+            let near = Normal::near(center, &precision, &within);
+            let drawn: Vec<Vec<f64>> = prior.iter().cloned().chain((0..NEAR).map(|_| near.draw(rng))).collect();
+            let rounded: Vec<Displacement> = drawn.iter().map(|one| self.rounded(one)).collect();
+            self.look_ahead(rounded.iter())?;
+            let probabilities = rounded.iter().map(|one| self.probability(one)).collect::<Result<Vec<_>, _>>()?;
+            let most = (0..drawn.len()).max_by(|&a, &b| probabilities[a].total_cmp(&probabilities[b]));
+            if let Some(most) = most.filter(|&most| probabilities[most] > there && n_moves < MOVES) {
+                (best, there) = self.climb(rounded[most].clone(), probabilities[most])?;
+                n_moves += 1;
+                continue;
+            }
+            let densities = [(&anywhere, prior.len()), (&near, NEAR)];
+            let about = mean_squares_about(near.center(), &drawn, &probabilities, &densities);
+            let mut deviations = vec![0.0; counts.len()];
+            for (row, &axis) in self.free.iter().enumerate() {
+                // No less than it bends, where hardly any of those that were drawn count.
+                let share = about[row].max(near.variance(row)).sqrt();
+                deviations[axis] = share * self.designs.region().parameters()[axis].width();
+            }
+            return Ok((best, there, deviations));
         }
-        Ok(deviations)
+    }
+
+    /// Why one is not to be believed.
+    fn refused(&mut self, one: &Displacement, readings: &[Reading]) -> Result<Option<Refused>, Error> {
+        if one.is_none() {
+            return Ok(None);
+        }
+        let counts = self.designs.combinations().counts();
+        let farthest = FARTHEST * usual(self.free.len());
+        if self.free.iter().any(|&axis| share(one.0[axis], counts[axis]).abs() > farthest) {
+            return Ok(Some(Refused::TooFar));
+        }
+        let within = readings.iter().filter(|reading| one.beyond(self.designs, reading.cell) <= 0.0);
+        let within: Vec<&Reading> = within.collect();
+        if (within.len() as f64) < LEAST_WITHIN * readings.len() as f64 {
+            return Ok(Some(Refused::BeyondBounds));
+        }
+        let responses: Vec<f64> = within.iter().map(|reading| reading.response).collect();
+        let mut explained = |cells: Vec<Cell>| -> Result<f64, Error> {
+            let said = self.simulation.says(self.designs, &cells)?;
+            Ok(said.map_or(0.0, |said| correlation_of(&said, &responses).powi(2)))
+        };
+        let here = explained(within.iter().map(|reading| reading.cell).collect())?;
+        let there = explained(within.iter().map(|reading| one.of(self.designs, reading.cell)).collect())?;
+        Ok((within.len() >= ENOUGH && there < here).then_some(Refused::ExplainsLess))
+    }
+
+    /// In whole levels.
+    fn rounded(&self, shares: &[f64]) -> Displacement {
+        let (mut rounded, counts) = (self.none(), self.designs.combinations().counts());
+        for (&axis, share) in self.free.iter().zip(shares) {
+            rounded.0[axis] = steps(share.clamp(-MOST, MOST), counts[axis]);
+        }
+        rounded
     }
 
     /// Squared correlation of the readings with what the simulation says of their own designs.
@@ -279,15 +381,6 @@ impl<'s> Search<'s> {
         let Some(said) = self.simulation.says(self.designs, &self.cells)? else { return Ok(0.0) };
         let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
         Ok(correlation_of(&said, &responses).powi(2))
-    }
-
-    fn draw(&self, rng: &mut ChaCha8Rng) -> Displacement {
-        let (mut one, counts) = (self.none(), self.designs.combinations().counts());
-        for &axis in &self.free {
-            let normal: f64 = StandardNormal.sample(rng);
-            one.0[axis] = steps((usual(self.free.len()) * normal).clamp(-MOST, MOST), counts[axis]);
-        }
-        one
     }
 
     fn climb(&mut self, mut one: Displacement, mut probability: f64) -> Result<(Displacement, f64), Error> {
@@ -326,6 +419,7 @@ mod tests {
     use design_space::{Parameter, Region};
     use proptest::prelude::*;
     use rand::SeedableRng as _;
+    use rand_distr::{Distribution as _, StandardNormal};
 
     use super::*;
     use crate::pooled::bands::NINE_IN_TEN;
@@ -472,6 +566,119 @@ mod tests {
     fn a_simulation_that_says_nothing_is_not_displaced() {
         assert!(found([2, 2], 30, 0.01, 1, |_, _| 4.0).is_none(), "the same everywhere");
         assert!(found([2, 2], 6, 0.01, 1, |designs, cell| at(designs, cell, [0, 0])).is_none(), "too few runs");
+    }
+
+    type Landscape = fn(f64, f64) -> f64;
+
+    /// Landscapes, 0 to 20 along each axis, their values differing by about 1, and the least share of bands that hold.
+    const LANDSCAPES: [(&str, Landscape, f64); 5] = [
+        ("two wells", |x, y| 0.7 * height(x, 0, y), 0.9),
+        ("a bowl", |x, y| 0.4 * off(x, 8.0).powi(2) + 0.3 * off(y, 12.0).powi(2), 0.9),
+        (
+            "a steep bowl",
+            |x, y| {
+                let (u, v) = (off(x, 8.0).powi(2), off(y, 12.0).powi(2));
+                0.26 * (u * u + 0.5 * u) + 0.17 * (v * v + 0.4 * v)
+            },
+            0.87,
+        ),
+        (
+            "a ridge",
+            |x, y| {
+                let (u, v) = (off(x, 10.0), off(y, 10.0));
+                0.25 * (u + v).powi(2) + 0.01 * (u - v).powi(2) + 0.01 * u
+            },
+            0.75,
+        ),
+        (
+            "a bowl beyond the bounds",
+            |x, y| 0.08 * off(x, 22.0).powi(2) + 0.07 * off(y, -3.0).powi(2) + 0.03 * (0.4 * x).sin(),
+            0.75,
+        ),
+    ];
+
+    fn off(x: f64, center: f64) -> f64 {
+        (x - center) / 10.0
+    }
+
+    /// As many of the displacements that are believed as lie in the bands that are said; each is drawn from the prior, half of the runs lie
+    /// anywhere, half where the best is, and what is measured differs from what is simulated by a smooth part, too.
+    fn held(landscape: Landscape, n: usize, noise: f64, n_seeds: u64) -> (usize, usize) {
+        let [mut n_held, mut n_told] = [0; 2];
+        for seed in 0..n_seeds {
+            let (designs, mut rng) = (designs(), ChaCha8Rng::seed_from_u64(1000 + seed));
+            let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+            let by = [normal(), normal()].map(|normal| (2.0 * normal).round());
+            let bend = 0.025 * normal();
+            let truth = |x: f64, y: f64| 1.3 * landscape(x + by[0], y + by[1]) + bend * off(x, 10.0) * off(y, 10.0);
+            let digits = |cell: Cell| {
+                let digits = designs.combinations().digits(cell.index());
+                [digits[0] as f64, digits[1] as f64, digits[2] as f64]
+            };
+            let all = (0..LEVELS).flat_map(|x| (0..LEVELS).map(move |y| (x as f64, y as f64)));
+            let best = all.min_by(|a, b| truth(a.0, a.1).total_cmp(&truth(b.0, b.1))).unwrap();
+            let mut readings = Vec::new();
+            while readings.len() < n {
+                let cell = designs.random(&mut rng);
+                let [x, shape, y] = digits(cell);
+                if readings.len() >= n / 2 && (x - best.0).abs().max((y - best.1).abs()) > 3.0 {
+                    continue;
+                }
+                let normal: f64 = StandardNormal.sample(&mut rng);
+                let response = 3.0 + truth(x, y) + 0.2 * shape + noise * normal;
+                let (coded, number) = (designs.coded_of(cell).unwrap(), readings.len());
+                readings.push(Reading { coded, cell, response, number, assembly: None });
+            }
+            let mut simulate = |cell: Cell, _: &[f64]| {
+                let [x, shape, y] = digits(cell);
+                Ok::<f64, String>(landscape(x, y) + 0.2 * shape)
+            };
+            let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate };
+            let Some((_, told)) = registered(&readings, &designs, &mut rng, &mut runs).unwrap() else { continue };
+            if told.is_sure() {
+                for (axis, by) in [(0, by[0]), (2, by[1])] {
+                    let off = told.displacement[axis] - 0.5 * by;
+                    n_held += usize::from(off.abs() <= NINE_IN_TEN * told.deviations[axis]);
+                    n_told += 1;
+                }
+            }
+        }
+        (n_held, n_told)
+    }
+
+    /// By frequency, with 40 displacements drawn for each number of runs and noise. Along a ridge, and where a bowl lies beyond the bounds, a
+    /// slope looks like a displacement: there fewer hold.
+    #[test]
+    fn bands_of_displacements_hold_where_features_tell_and_where_none_do() {
+        let [mut n_held, mut n_told] = [0; 2];
+        for (name, landscape, least) in LANDSCAPES {
+            let of_each = [(24, 0.02), (48, 0.02), (48, 0.06)].map(|(n, noise)| held(landscape, n, noise, 40));
+            let [held, told] = of_each.into_iter().fold([0; 2], |sum, one| [sum[0] + one.0, sum[1] + one.1]);
+            assert!(told >= 25 && held as f64 >= least * told as f64, "{name}: {held} of {told}");
+            (n_held, n_told) = (n_held + held, n_told + told);
+        }
+        assert!(n_held as f64 >= 0.9 * n_told as f64, "{n_held} of {n_told}");
+    }
+
+    /// The true one is not refused; one that is farther than 3.5 standard deviations of the prior is, 8 of 20 steps, one by three levels where
+    /// only the four lowest were run, and one that has nothing to do with the readings.
+    #[test]
+    fn what_is_not_believed_however_well_it_fits() {
+        let (designs, mut rng) = (designs(), ChaCha8Rng::seed_from_u64(4));
+        let mut refused = |truth: [i64; 2], lowest: u64, by: [i64; 2]| {
+            let mut readings = readings(&designs, truth, 200, 0.02, &mut rng);
+            readings.retain(|reading| designs.combinations().digits(reading.cell.index())[0] < lowest);
+            let mut simulate = |cell: Cell, _: &[f64]| Ok::<f64, String>(at(&designs, cell, [0, 0]));
+            let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate };
+            let mut search = Search::of(&readings, &designs, free(&designs), &mut runs).unwrap();
+            let by = Displacement(vec![by[0], 0, by[1]]);
+            search.refused(&by, &readings).unwrap()
+        };
+        assert_eq!(refused([3, -2], 21, [3, -2]), None);
+        assert_eq!(refused([8, 0], 21, [8, 0]), Some(Refused::TooFar));
+        assert_eq!(refused([-3, 0], 4, [-3, 0]), Some(Refused::BeyondBounds));
+        assert_eq!(refused([0, 0], 21, [4, 4]), Some(Refused::ExplainsLess));
+        assert_eq!(refused([0, 0], 21, [0, 0]), None);
     }
 
     proptest! {

@@ -10,7 +10,7 @@ use surface::process::{AveragedProcess, Joint, Places, Residual, SamplerSettings
 
 use crate::Error;
 use crate::pooled::designs::Designs;
-use crate::pooled::displacement::{Displacement, WITHIN_A_STEP, correlation, left_of, next_to};
+use crate::pooled::displacement::{Displacement, WITHIN_A_STEP, correlation, left_of, next_to, went_on};
 use crate::pooled::moments::mean_and_deviation;
 use crate::pooled::settings::Settings;
 
@@ -213,13 +213,12 @@ pub(crate) struct Place {
     displacement: Displacement,
     /// and that in coded units.
     coded: Vec<f64>,
-    /// Mean and standard deviation of what it says of the designs that were measured: of the objective, then of each constrained
-    /// response.
-    units: Vec<Option<[f64; 2]>>,
+    /// Standard deviation of what it says of the designs that were measured: of the objective, then of each constrained response.
+    units: Vec<Option<f64>>,
 }
 
 impl Place {
-    fn units(&self, column: Column) -> [f64; 2] {
+    fn unit(&self, column: Column) -> f64 {
         let index = match column {
             Column::Objective => 0,
             Column::Constrained(index) => index + 1,
@@ -268,7 +267,8 @@ impl Source<'_> {
         n_constraints: usize,
     ) -> Result<(), Error> {
         let columns = [Column::Objective].into_iter().chain((0..n_constraints).map(Column::Constrained));
-        let of_it = |column| Ok(self.says(designs, measured, simulated, column)?.map(|said| mean_and_deviation(&said)));
+        let of_it =
+            |column| Ok(self.says(designs, measured, simulated, column)?.map(|said| mean_and_deviation(&said)[1]));
         // Where it is in its place, nothing lies beyond.
         let units = if by.is_none() { Vec::new() } else { columns.map(of_it).collect::<Result<_, Error>>()? };
         let new = Place { coded: by.coded(designs), displacement: by, units };
@@ -303,12 +303,16 @@ impl Source<'_> {
         simulated: &mut Simulated,
     ) -> Result<Places, Error> {
         let there = self.there(designs, cells);
-        let around = if self.displacement().is_some() { next_to(designs, &there) } else { Vec::new() };
+        let (around, inside) = match self.displacement() {
+            Some(by) => (next_to(designs, &there), cells.iter().map(|&cell| by.inside(designs, cell)).collect()),
+            None => (Vec::new(), Vec::new()),
+        };
         if let Self::Cheap { simulate, .. } = self {
             simulated.run(designs, &there, &mut **simulate)?;
-            simulated.run_aside(designs, &around.concat(), &mut **simulate)?;
+            let aside: Vec<Cell> = around.iter().flatten().chain(&inside).copied().collect();
+            simulated.run_aside(designs, &aside, &mut **simulate)?;
         }
-        let Some(here) = self.says(designs, &there, simulated, Column::Objective)? else {
+        let Some(said) = self.would_say(designs, cells, simulated, Column::Objective)? else {
             return designs.places(cells);
         };
         let known = self.known(designs, cells);
@@ -319,7 +323,7 @@ impl Source<'_> {
             Ok(off.enumerate().map(|(place, off)| known.get(place).map_or(off, |known| known * off)).collect())
         };
         let deviations = around.into_iter().map(deviations).collect::<Result<_, Error>>()?;
-        Ok(self.told(designs.places(cells)?, here, &known, Column::Objective)?.with_deviations(deviations)?)
+        Ok(self.told(designs.places(cells)?, said, &known, Column::Objective)?.with_deviations(deviations)?)
     }
 
     /// What the simulation says of cells as exactly as differences are asked for: of a surface one particle will do.
@@ -348,12 +352,29 @@ impl Source<'_> {
         self.displacement().map_or_else(Vec::new, known)
     }
 
+    /// What a simulation says of these cells from where it tells of them; beyond the bounds, what it would say if it went on as it came.
+    fn would_say(
+        &self,
+        designs: &Designs,
+        cells: &[Cell],
+        simulated: &Simulated,
+        column: Column,
+    ) -> Result<Option<Vec<f64>>, Error> {
+        let there = self.there(designs, cells);
+        let Some(mut said) = self.says(designs, &there, simulated, column)? else { return Ok(None) };
+        if let Some(displacement) = self.displacement() {
+            let inside: Vec<Cell> = cells.iter().map(|&cell| displacement.inside(designs, cell)).collect();
+            let Some(inside) = self.says(designs, &inside, simulated, column)? else { return Ok(None) };
+            said.iter_mut().zip(inside).for_each(|(said, inside)| *said = went_on(*said, inside));
+        }
+        Ok(Some(said))
+    }
+
     /// Places with what is said of each, as far as that is known.
-    fn told(&self, places: Places, mut said: Vec<f64>, known: &[f64], column: Column) -> Result<Places, Error> {
+    fn told(&self, places: Places, said: Vec<f64>, known: &[f64], column: Column) -> Result<Places, Error> {
         let Some(place) = self.place() else { return Ok(places.with_simulated(said)?) };
-        let [mean, deviation] = place.units(column);
-        said.iter_mut().zip(known).for_each(|(said, known)| *said = mean + known * (*said - mean));
-        let unknown = known.iter().map(|&known| deviation * left_of(known)).collect();
+        let unit = place.unit(column);
+        let unknown = known.iter().map(|&known| unit * left_of(known)).collect();
         Ok(places.with_simulated(said)?.with_unknown(unknown)?)
     }
 
@@ -366,7 +387,7 @@ impl Source<'_> {
         column: Column,
     ) -> Result<Places, Error> {
         let places = designs.places(cells)?;
-        match self.says(designs, &self.there(designs, cells), simulated, column)? {
+        match self.would_say(designs, cells, simulated, column)? {
             Some(said) => self.told(places, said, &self.known(designs, cells), column),
             None => Ok(places),
         }
@@ -578,8 +599,8 @@ mod tests {
         assert!(places([0, 0], &cells).0.deviations().is_empty(), "it is in its place");
     }
 
-    /// Of 11 levels one lies 0.2 coded units from the next. Three levels beyond the bounds, along both axes together, little is known of what would
-    /// be said, and no more than how much it varies over the designs that were measured.
+    /// Of 11 levels one lies 0.2 coded units from the next. A simulation that is a plane goes on as one; three levels beyond the bounds, along
+    /// both axes together, little is known of it, and no more than how much it varies over the designs that were measured.
     #[test]
     fn beyond_the_bounds_a_simulation_tells_the_less_the_farther() {
         let designs = designs();
@@ -591,14 +612,14 @@ mod tests {
         let mean = said.iter().sum::<f64>() / 4.0;
         let deviation = (said.iter().map(|said| said * said).sum::<f64>() / 4.0 - mean * mean).sqrt();
         source.displace(Displacement(vec![3, -2]), &designs, &measured, &simulated, 0).unwrap();
-        let cells = [(7, 2), (8, 2), (10, 0), (7, 1)].map(|(x, y)| cell(&designs, x, y));
+        let cells = [(7, 2), (8, 2), (10, 0), (7, 1)];
+        let of_each = cells.map(|(x, y)| 4.0 * (x + 3) as f64 + 0.1 * (y as f64 - 2.0));
+        let cells = cells.map(|(x, y)| cell(&designs, x, y));
         let found = source.places(&designs, &cells, &mut simulated).unwrap();
         let beyond = [0.0, 0.2, 0.6_f64.hypot(0.4), 0.2];
-        // All of them end at the same corner, of which it says 40.
-        for (place, beyond) in beyond.into_iter().enumerate() {
-            let known = (-0.5 * (beyond / 0.4_f64).powi(2)).exp();
-            let expected = mean + known * (40.0 - mean);
+        for (place, (beyond, expected)) in beyond.into_iter().zip(of_each).enumerate() {
             assert!((found.simulated().unwrap()[place] - expected).abs() < 1e-12, "{expected} at place {place}");
+            let known = (-0.5 * (beyond / 0.4_f64).powi(2)).exp();
             let unknown = deviation * (1.0 - known * known).sqrt();
             assert!((found.unknown()[place] - unknown).abs() < 1e-9, "{unknown} at place {place}");
         }
