@@ -2,7 +2,7 @@
 
 use design_space::Parameter;
 use infuse::pooled::Assessment;
-use infuse::pooled::reported::Registration;
+use infuse::pooled::reported::{Refused, Registration};
 use page::Finding;
 use serde_json::{Map, Value, json};
 
@@ -18,13 +18,23 @@ const WORTH_SAYING: f64 = 0.5;
 pub(super) fn findings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
     let Some(told) = &found.registration else { return Vec::new() };
     let along = along(campaign, told);
-    let withdrawn = withdrawn(campaign, told).map(Finding::new);
+    let withdrawn = changed(campaign, told).map(Finding::new);
     let finding = if told.is_sure() {
         taken(found, told, &along)
     } else if told.gain > WORTH_SAYING * told.needed && !along.is_empty() {
+        let why = match told.refused {
+            _ if told.gain <= told.needed => "The results are not sure of that",
+            Some(Refused::TooFar) => {
+                "That is farther than is believed: another feature of the simulation may lie there by chance"
+            }
+            Some(Refused::BeyondBounds) => {
+                "But of most of what was measured that is beyond the bounds, where it says nothing"
+            }
+            Some(Refused::ExplainsLess) => "But within the bounds it explains less from there",
+            None => "The results are not sure of that",
+        };
         format!(
-            "It may be displaced: it fits best that what is measured at a design it says of one with {}. The results are not sure of that, and \
-             it is taken as it stands.",
+            "It may be displaced: it fits best that what is measured at a design it says of one with {}. {why}, and it is taken as it stands.",
             named(&along)
         )
     } else {
@@ -75,12 +85,16 @@ fn within(along: &Along<'_>) -> f64 {
 /// "a higher by 1 mm, b lower by 2 mm".
 fn named(all: &[Along<'_>]) -> String {
     let one = |along: &Along<'_>| {
-        let way = if along.by > 0.0 { "higher" } else { "lower" };
-        let [by, half] = [along.by.abs(), two_digits(along.half())];
-        let [by, half] = [by, half].map(|value| with_unit(&short(value), along.parameter.unit()));
-        format!("{} {way} by {by} (give or take {half})", along.parameter.name())
+        let half = with_unit(&short(two_digits(along.half())), along.parameter.unit());
+        format!("{} (give or take {half})", one_way(along.parameter, along.by))
     };
     all.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// "a higher by 1 mm".
+fn one_way(parameter: &Parameter, by: f64) -> String {
+    let way = if by > 0.0 { "higher" } else { "lower" };
+    format!("{} {way} by {}", parameter.name(), with_unit(&short(by.abs()), parameter.unit()))
 }
 
 /// What is made of a displacement that the results are sure of.
@@ -108,17 +122,25 @@ fn taken(found: &Assessment, told: &Registration, all: &[Along<'_>]) -> String {
     )
 }
 
-/// That it was taken to be displaced after the batch before, and is not any more.
-fn withdrawn(campaign: &Campaign, told: &Registration) -> Option<String> {
+/// That it was taken to be displaced after the batch before, and is not any more, or by something else.
+fn changed(campaign: &Campaign, told: &Registration) -> Option<String> {
     let before = campaign.history.range(..campaign.batches.len()).next_back()?.1;
-    let by = before.simulation.as_ref().and_then(|simulation| simulation.displacement.as_ref());
-    let was_displaced = by.is_some_and(|by| by.iter().any(|by| by.abs() > 0.0));
-    (was_displaced && !told.is_sure()).then(|| {
-        format!(
-            "After batch {} it was taken to be displaced: by all that is known now it is not sure to be, and is taken as it stands again.",
-            before.batch
-        )
-    })
+    let by = before.simulation.as_ref().and_then(|simulation| simulation.displacement.as_ref())?;
+    if by.iter().all(|by| by.abs() <= 0.0) {
+        return None;
+    }
+    let since = format!("After batch {} it was taken to be displaced", before.batch);
+    if !told.is_sure() {
+        return Some(format!(
+            "{since}: by all that is known now it is not sure to be, and is taken as it stands again."
+        ));
+    }
+    let moves = by.iter().zip(&told.displacement).zip(&told.deviations);
+    let has_moved = moves.clone().any(|((then, now), deviation)| (now - then).abs() > NINE_IN_TEN * deviation);
+    let parameters = campaign.problem.region.parameters().iter().zip(by).filter(|(_, by)| by.abs() > 0.0);
+    let then = parameters.map(|(parameter, &by)| one_way(parameter, by)).collect::<Vec<_>>().join(", ");
+    has_moved
+        .then(|| format!("{since} elsewhere, to designs with {then}: what was made of it then does not hold any more."))
 }
 
 /// By the names of the parameters along which it is taken to be displaced; nothing where it is taken as it stands.
@@ -136,6 +158,7 @@ pub(super) fn registration_as_json(problem: &Problem, found: &Assessment) -> Opt
         "log_probability_above_none": told.gain,
         "believed_above": told.needed,
         "is_believed": told.is_sure(),
+        "refused": told.refused,
         "explained_as_it_stands": told.explained_in_place,
     }))
 }

@@ -1,5 +1,7 @@
 //! Where runs and simulations gave no value, in a sentence each.
 
+use std::collections::BTreeMap;
+
 use anyhow::Result;
 use design_space::Parameter;
 use page::Finding;
@@ -7,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::campaign::{Access, Campaign};
 use crate::campaign::{FailedSimulation, failed_in_words};
+use crate::echo::echo;
 use crate::journal::Measured;
 use crate::number::{count, grouped, plain, with_unit};
 use crate::problem::{Simulator, shown};
@@ -45,8 +48,32 @@ pub(super) fn where_runs_fail(campaign: &Campaign) -> Option<Finding> {
             }
         }
     };
-    let sentence = format!("No value from {n} of {}: {place}.", count(n_all, "run"));
+    let why = reasons(campaign).map_or_else(String::new, |why| format!(" {why}"));
+    let sentence = format!("No value from {n} of {}: {place}.{why}", count(n_all, "run"));
     Some(Finding::new(sentence).with("runs without a value", n as f64, "1"))
+}
+
+/// What was told as the reason why runs gave no value, the most frequent ones first.
+fn reasons(campaign: &Campaign) -> Option<String> {
+    let imported = campaign.imported.iter().map(|one| &one.result);
+    let own = campaign.experiments.readings.values().filter(|reading| reading.values().next().is_none());
+    let own = own.flat_map(|reading| reading.first.iter().chain(reading.again.values()));
+    let mut of_each: BTreeMap<&str, usize> = BTreeMap::new();
+    for result in imported.chain(own) {
+        if let Measured::Failed(reason) = result {
+            *of_each.entry(reason.trim()).or_default() += 1;
+        }
+    }
+    let mut told: Vec<(&str, usize)> = of_each.into_iter().filter(|(reason, _)| !reason.is_empty()).collect();
+    told.sort_by_key(|&(_, n)| std::cmp::Reverse(n));
+    let (head, n) = (if told.len() == 1 { "Reason told" } else { "Reasons told" }, told.len());
+    let named = told.iter().take(MOST_NAMED).map(|&(reason, n_runs)| match n {
+        1 => echo(reason),
+        _ => format!("{} ({})", echo(reason), count(n_runs, "run")),
+    });
+    let named = named.collect::<Vec<_>>().join("; ");
+    let more = if n > MOST_NAMED { format!("; and {} more", n - MOST_NAMED) } else { String::new() };
+    (n > 0).then(|| format!("{head}: {named}{more}."))
 }
 
 /// Settings of one parameter, which all runs have that failed, and how many of those that did not.

@@ -328,7 +328,7 @@ fn beyond_any_forecast(campaign: &Campaign, found: &Assessment, worth: f64) -> S
     let told_apart = if found.is_exact { 0.0 } else { found.forecast.told_apart(found.noise) };
     let why = match worth < told_apart {
         true => format!(
-            "It is less than the noise lets anyone find: with {} (standard deviation of one run) even {most} batches of {}, all of two \
+            "So small a `worth` is less than the noise lets anyone find: with {} (standard deviation of one run) even {most} batches of {}, all of two \
              designs, tell which is better only where they differ by {} or more",
             amount(response, found.noise),
             count(found.forecast.n_experiments, "run"),

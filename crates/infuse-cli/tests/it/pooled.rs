@@ -904,7 +904,9 @@ fn status_says_where_runs_gave_no_value() {
     };
     let (said, failed, [lowest, _], [n_beyond, _]) = of(|_, b| b > 10.0);
     assert!(failed > 1 && n_beyond == 0, "{failed}");
-    let expected = format!("No value from {failed} of 20 runs: all with b {lowest} mm or more, where no run gave one.");
+    let expected = format!(
+        "No value from {failed} of 20 runs: all with b {lowest} mm or more, where no run gave one. Reason told: it broke."
+    );
     assert!(said.contains(&expected), "{expected}\n{said}");
     let (said, failed, [lowest, highest], [_, n]) = of(|a, b| (a - 4.0).abs() < 2.5 && (b - 7.0).abs() < 3.5);
     assert!(failed > 1, "{said}");
