@@ -4,7 +4,7 @@ use page::{Column, Finding, Table};
 
 use super::families::{DISPLACED, Family};
 use super::methods::DEAR;
-use super::results::{Beside, Displaced, Results};
+use super::results::{Beside, Displaced, Results, Row};
 use super::summary::{Paired, paired, percent, promised, regret};
 use super::task::{BATCHES, DISPLACED_SEEDS};
 
@@ -28,7 +28,54 @@ pub(super) fn section(kept: &Displaced) -> String {
     text += &regrets(&kept.dear).markdown();
     text += "\nIts certificate there: in how many campaigns it was broken after each batch, and the median of c in % of the range.\n\n";
     text += &certificates(kept).markdown();
+    text += "\nHow far the simulation is displaced, where the results are sure of it: in how many of the batches they are, along how many axes together \
+             the true displacement lies in the band that is said (nine in ten), and the share.\n\n";
+    text += &bands(kept).markdown();
     text
+}
+
+fn bands(kept: &Displaced) -> Table {
+    let heads = ["family", "simulated", "batches", "sure", "axes", "in their band", "share, %"];
+    let mut table = Table::new(heads.map(Column::words).to_vec());
+    for (words, one) in [("all", &kept.cheap), ("few", &kept.dear)] {
+        for family in &DISPLACED {
+            let told = Told::of(one.ours.rows.iter().filter(|row| row.family == family.name));
+            table.push(vec![
+                family.name.to_owned(),
+                words.to_owned(),
+                told.batches.to_string(),
+                told.sure.to_string(),
+                told.axes.to_string(),
+                told.hold.to_string(),
+                told.share().map_or_else(|| "–".to_owned(), percent),
+            ]);
+        }
+    }
+    table
+}
+
+/// How often it is said how far a simulation is displaced, and how often that holds.
+#[derive(Debug, Clone, Copy, Default)]
+struct Told {
+    batches: usize,
+    sure: usize,
+    axes: usize,
+    hold: usize,
+}
+
+impl Told {
+    fn of<'r>(rows: impl Iterator<Item = &'r Row>) -> Self {
+        rows.fold(Self::default(), |sum, row| Self {
+            batches: sum.batches + 1,
+            sure: sum.sure + usize::from(row.bands.is_some()),
+            axes: sum.axes + row.bands.unwrap_or(0),
+            hold: sum.hold + row.bands_hold.unwrap_or(0),
+        })
+    }
+
+    fn share(self) -> Option<f64> {
+        (self.axes > 0).then(|| self.hold as f64 / self.axes as f64)
+    }
 }
 
 fn regrets(kept: &Beside) -> Table {
@@ -100,7 +147,21 @@ pub(super) fn finding(kept: &Displaced) -> Finding {
     });
     let [all, few] = certificate;
     let certificate = Finding::new(format!("Its certificate was broken {all}; where few are simulated {few}."));
-    of_all.chain(of_few).fold(Finding::new(head), Finding::detail).detail(certificate)
+    of_all.chain(of_few).fold(Finding::new(head), Finding::detail).detail(certificate).detail(told(kept))
+}
+
+/// How often the band of a displacement holds.
+fn told(kept: &Displaced) -> Finding {
+    let [all, few] = [&kept.cheap, &kept.dear].map(|one| Told::of(one.ours.rows.iter()));
+    let words = |told: Told| {
+        let share = told.share().map_or_else(|| "–".to_owned(), percent);
+        format!("{} % of {} axes, sure in {} of {} batches", share, told.axes, told.sure, told.batches)
+    };
+    Finding::new(format!(
+        "How far it is displaced lies in the band of nine in ten that is said along {}; where few are simulated along {}.",
+        words(all),
+        words(few)
+    ))
 }
 
 fn against(ours: &Results, words: &str, other: &Results, which: &str) -> Finding {

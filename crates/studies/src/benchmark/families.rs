@@ -16,6 +16,28 @@ pub(crate) struct Pair {
     pub(crate) simulation: Function,
     /// Standard deviation of a reading.
     pub(crate) noise: f64,
+    /// How far along each axis the simulation is displaced, where that is how it is wrong: the truth at a point is what it says so much farther
+    /// on.
+    pub(crate) displacement: Option<Vec<f64>>,
+}
+
+/// Truth and simulation, and how far that is displaced, if it is.
+struct Functions {
+    truth: Function,
+    simulation: Function,
+    displacement: Option<Vec<f64>>,
+}
+
+impl Functions {
+    /// Where what is simulated `from` a shift is measured `to` another.
+    fn displaced<T, S>(truth: T, simulation: S, from: &[f64], to: &[f64]) -> Self
+    where
+        T: Fn(&[f64]) -> f64 + Send + Sync + 'static,
+        S: Fn(&[f64]) -> f64 + Send + Sync + 'static,
+    {
+        let displacement = Some(to.iter().zip(from).map(|(to, from)| to - from).collect());
+        Self { truth: Box::new(truth), simulation: Box::new(simulation), displacement }
+    }
 }
 
 /// A kind of pair.
@@ -159,13 +181,21 @@ impl Family {
     pub(crate) fn pair(&self, seed: u64) -> Pair {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let k = self.n_factors;
-        let (truth, simulation) = self.kind.functions(k, &mut rng);
+        let Functions { truth, simulation, displacement } = self.kind.functions(k, &mut rng);
         // Axes are mirrored and exchanged.
         let mirrored: Vec<bool> = (0..k).map(|_| rng.random()).collect();
         let mut order: Vec<usize> = (0..k).collect();
         for i in (1..k).rev() {
             order.swap(i, rng.random_range(0..=i));
         }
+        let turned_back = |by: Vec<f64>| {
+            let mut back = vec![0.0; k];
+            for ((&axis, &mirrored), by) in order.iter().zip(&mirrored).zip(by) {
+                back[axis] = if mirrored { -by } else { by };
+            }
+            back
+        };
+        let displacement = displacement.map(turned_back);
         let turn = move |u: &[f64]| -> Vec<f64> {
             order
                 .iter()
@@ -188,13 +218,17 @@ impl Family {
             truth: Box::new(move |u| (truth(&turn(u)) - lowest) / range),
             simulation: Box::new(move |u| (simulation(&other(u)) - lowest) / range),
             noise: self.noise,
+            displacement,
         }
     }
 }
 
 impl Kind {
-    fn functions(self, k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
-        match self {
+    fn functions(self, k: usize, rng: &mut ChaCha8Rng) -> Functions {
+        let (truth, simulation): (Function, Function) = match self {
+            Self::Displaced(landscape) => return displaced(landscape, k, rng),
+            Self::Needles => return needles(rng),
+            Self::Edge => return edge(k, rng),
             Self::Bowl => bowl(k, rng),
             Self::Stall => stall(k, rng),
             Self::Wells => wells(k, rng, |[deep, shallow]| [shallow, deep]),
@@ -220,10 +254,8 @@ impl Kind {
             Self::Decoy => decoy(k, rng, 1.0),
             Self::Lacking => decoy(k, rng, 0.0),
             Self::Pit => pit(k, rng),
-            Self::Displaced(landscape) => displaced(landscape, k, rng),
-            Self::Needles => needles(rng),
-            Self::Edge => edge(k, rng),
-        }
+        };
+        Functions { truth, simulation, displacement: None }
     }
 }
 
@@ -275,26 +307,27 @@ fn moved(u: &[f64], by: &[f64]) -> Vec<f64> {
 }
 
 /// A landscape, and a simulation of it that is displaced, smaller and tilted.
-fn displaced(landscape: Landscape, k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
+fn displaced(landscape: Landscape, k: usize, rng: &mut ChaCha8Rng) -> Functions {
     let shift: Vec<f64> = (0..k).map(|_| between(rng, -0.1, 0.1)).collect();
     let (way, far) = (direction(k, rng), between(rng, 0.05, 0.15));
     let wrong: Vec<f64> = shift.iter().zip(&way).map(|(shift, way)| shift + far * way).collect();
     let tilt: Vec<f64> = (0..k).map(|_| between(rng, -0.15, 0.15)).collect();
+    let (from, to) = (wrong.clone(), shift.clone());
     let simulation = move |u: &[f64]| 0.8 * landscape.at(&moved(u, &wrong)) + dot(u, &tilt);
-    (Box::new(move |u| landscape.at(&moved(u, &shift))), Box::new(simulation))
+    Functions::displaced(move |u| landscape.at(&moved(u, &shift)), simulation, &from, &to)
 }
 
 /// Wells that a grid of 24 levels hardly meets, displaced by two of its levels.
-fn needles(rng: &mut ChaCha8Rng) -> (Function, Function) {
+fn needles(rng: &mut ChaCha8Rng) -> Functions {
     let shift = [between(rng, -0.05, 0.05), between(rng, -0.05, 0.05)];
     let angle = between(rng, 0.0, TAU);
     let wrong = [shift[0] + 2.0 / 23.0 * angle.cos(), shift[1] + 2.0 / 23.0 * angle.sin()];
     let at = |u: &[f64], by: [f64; 2]| (himmelblau(&moved(u, &by)) + 0.1).ln();
-    (Box::new(move |u| at(u, shift)), Box::new(move |u| at(u, wrong)))
+    Functions::displaced(move |u| at(u, shift), move |u| at(u, wrong), &wrong, &shift)
 }
 
 /// Two wells, the deeper at a bound; the simulation is displaced, smaller and tilted, and what it says of that bound lies beyond.
-fn edge(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
+fn edge(k: usize, rng: &mut ChaCha8Rng) -> Functions {
     let mut deep: Vec<f64> = (0..k).map(|_| between(rng, 0.25, 0.75)).collect();
     deep[0] = 0.02;
     let mut shallow: Vec<f64> = (0..k).map(|_| between(rng, 0.25, 0.75)).collect();
@@ -308,7 +341,9 @@ fn edge(k: usize, rng: &mut ChaCha8Rng) -> (Function, Function) {
         0.2 * dot(u, u) / u.len() as f64 - well(&deep) - depth * well(&shallow)
     };
     let displaced = truth.clone();
-    (Box::new(truth), Box::new(move |u| 0.8 * displaced(&moved(u, &wrong)) + dot(u, &tilt)))
+    let from = wrong.clone();
+    let simulation = move |u: &[f64]| 0.8 * displaced(&moved(u, &wrong)) + dot(u, &tilt);
+    Functions::displaced(truth, simulation, &from, &vec![0.0; k])
 }
 
 fn normals(k: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
@@ -568,4 +603,23 @@ fn borehole(rng: &mut ChaCha8Rng) -> (Function, Function) {
     let bowl = move |u: &[f64]| 250.0 * u.iter().zip(&center).map(|(u, c)| (u - c) * (u - c)).sum::<f64>();
     let other = bowl.clone();
     (Box::new(move |u| flow(u, TAU, 1.0) + bowl(u)), Box::new(move |u| flow(u, 5.0, 1.5) + 0.8 * other(u)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where nothing is tilted or smaller: what is measured at a point is what is simulated so much farther on.
+    #[test]
+    fn a_displaced_simulation_says_the_truth_so_much_farther_on() {
+        for seed in 0..20 {
+            let pair = family("needles-2", 2, Kind::Needles, 0.01).pair(seed);
+            let by = pair.displacement.as_ref().expect("it is displaced");
+            assert!((by.iter().map(|by| by * by).sum::<f64>().sqrt() - 2.0 / 23.0).abs() < 1e-12);
+            for u in [[0.3, 0.6], [0.5, 0.5], [0.71, 0.22]] {
+                assert!(((pair.truth)(&u) - (pair.simulation)(&moved(&u, by))).abs() < 1e-9, "seed {seed} at {u:?}");
+            }
+        }
+        assert!(family("bowl-2", 2, Kind::Bowl, 0.01).pair(1).displacement.is_none());
+    }
 }

@@ -5,6 +5,7 @@ use std::time::Instant;
 use anyhow::{Result, bail};
 use design_space::{Cell, Model};
 use infuse::pooled::Forecast;
+use infuse::pooled::reported::Registration;
 use infuse::{Outcome, global, pooled};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -25,14 +26,16 @@ pub(super) struct Step {
     pub(super) forecast: Option<Forecast>,
     /// The response that is expected at the recommended cell, and the standard deviation of that.
     pub(super) expected: Option<[f64; 2]>,
+    /// How far the simulation is taken to be displaced, if it is.
+    pub(super) registration: Option<Registration>,
     pub(super) ask_seconds: f64,
     pub(super) tell_seconds: f64,
 }
 
 impl Step {
     fn of(recommended: Cell) -> Self {
-        let (bound, quantile, forecast, expected) = (None, None, None, None);
-        Self { recommended, bound, quantile, forecast, expected, ask_seconds: 0.0, tell_seconds: 0.0 }
+        let (bound, quantile, forecast, expected, registration) = (None, None, None, None, None);
+        Self { recommended, bound, quantile, forecast, expected, registration, ask_seconds: 0.0, tell_seconds: 0.0 }
     }
 }
 
@@ -156,7 +159,8 @@ fn pooled_campaign(task: &Task<'_>, mut settings: pooled::Settings, told: Told) 
         let (bound, quantile) = (Some(assessment.certificate.bound), Some(assessment.certificate.quantile));
         let (standing, forecast) = (assessment.recommended, Some(assessment.forecast));
         let (recommended, expected) = (standing.cell, Some([standing.mean, standing.deviation]));
-        steps.push(Step { recommended, bound, quantile, forecast, expected, ask_seconds, tell_seconds });
+        let registration = assessment.registration.filter(Registration::is_sure);
+        steps.push(Step { recommended, bound, quantile, forecast, expected, registration, ask_seconds, tell_seconds });
         ask_seconds = 0.0;
     }
     Ok(steps)

@@ -17,6 +17,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result, bail, ensure};
 use design_space::{Cell, Grid};
+use infuse::pooled::reported::{NINE_IN_TEN, Registration};
 use rayon::prelude::*;
 
 use crate::reproduction::progress;
@@ -157,7 +158,8 @@ fn campaign(method: &Method, family: &Family, seed: u64) -> Result<Vec<Row>> {
         let point = task.grid.point(step.recommended)?;
         let truth = (pair.truth)(&point);
         let regret = truth - best;
-        let methods::Step { bound, quantile, forecast, expected, ask_seconds, tell_seconds, .. } = step;
+        let methods::Step { bound, quantile, forecast, expected, registration, ask_seconds, tell_seconds, .. } = step;
+        let bands = registration.as_ref().zip(pair.displacement.as_ref()).map(|(told, truth)| bands_of(told, truth));
         Ok(Row {
             family: family.name.to_owned(),
             seed,
@@ -171,11 +173,21 @@ fn campaign(method: &Method, family: &Family, seed: u64) -> Result<Vec<Row>> {
             narrow: forecast.and_then(|forecast| forecast.narrow),
             off: expected.map(|[mean, _]| mean - truth),
             deviation: expected.map(|[_, deviation]| deviation),
+            bands: bands.map(|[all, _]| all),
+            bands_hold: bands.map(|[_, hold]| hold),
             ask_seconds,
             tell_seconds,
         })
     };
     steps.into_iter().enumerate().map(row).collect()
+}
+
+/// Along how many axes it is said how far a simulation is displaced, and along how many of those that is as near as is said.
+fn bands_of(told: &Registration, truth: &[f64]) -> [usize; 2] {
+    let axes =
+        told.displacement.iter().zip(&told.deviations).zip(truth).filter(|((_, deviation), _)| **deviation > 0.0);
+    let holds = axes.clone().filter(|((said, deviation), by)| (*said - *by).abs() <= NINE_IN_TEN * **deviation);
+    [axes.count(), holds.count()]
 }
 
 /// The lowest value on a grid: of all cells, or by descent from the best of many where there are too many.

@@ -55,6 +55,11 @@ pub(super) struct Row {
     pub(super) off: Option<f64>,
     #[serde(default)]
     pub(super) deviation: Option<f64>,
+    /// Where the simulation is taken to be displaced, and is: of how many axes the band of nine in ten is said, and how many of them hold.
+    #[serde(default)]
+    pub(super) bands: Option<usize>,
+    #[serde(default)]
+    pub(super) bands_hold: Option<usize>,
     /// To choose the batch.
     pub(super) ask_seconds: f64,
     /// To take its results.
@@ -104,6 +109,7 @@ impl Row {
             && both((self.narrow, other.narrow))
             && both((self.off, other.off))
             && both((self.deviation, other.deviation))
+            && (self.bands, self.bands_hold) == (other.bands, other.bands_hold)
             && close(self.regret, other.regret)
     }
 }
