@@ -56,7 +56,8 @@ pub struct Registration {
     pub gain: f64,
     /// From this on it is believed.
     pub needed: f64,
-    /// Squared correlation of the readings with what the simulation says of their own designs.
+    /// Squared correlation of the readings with what the simulation says of their own designs, over those readings of which it tells within
+    /// the bounds from there, as [`SimulationWorth::explained`](crate::pooled::reported::SimulationWorth::explained) is.
     pub explained_in_place: f64,
     /// Why it is not believed, however probable it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -101,10 +102,10 @@ pub(crate) fn registered(
     if without.is_infinite() {
         return Ok(None);
     }
-    let explained_in_place = search.explained_in_place(readings)?;
     let (best, there, deviations) = search.best(rng)?;
     let needed = 0.5 * search.free.len() as f64 * (readings.len() as f64).ln() + SURELY;
-    let (displacement, refused) = (best.natural(designs), search.refused(&best, readings)?);
+    let (refused, explained_in_place) = search.refused(&best, readings)?;
+    let displacement = best.natural(designs);
     let gain = there - without;
     let registration = Registration { displacement, deviations, gain, needed, explained_in_place, refused };
     Ok(Some((best, registration)))
@@ -342,21 +343,10 @@ impl<'s> Search<'s> {
         }
     }
 
-    /// Why one is not to be believed.
-    fn refused(&mut self, one: &Displacement, readings: &[Reading]) -> Result<Option<Refused>, Error> {
-        if one.is_none() {
-            return Ok(None);
-        }
-        let counts = self.designs.combinations().counts();
-        let farthest = FARTHEST * usual(self.free.len());
-        if self.free.iter().any(|&axis| share(one.0[axis], counts[axis]).abs() > farthest) {
-            return Ok(Some(Refused::TooFar));
-        }
+    /// Why one is not to be believed, and how much the simulation explains as it stands of the readings of which it tells within the bounds.
+    fn refused(&mut self, one: &Displacement, readings: &[Reading]) -> Result<(Option<Refused>, f64), Error> {
         let within = readings.iter().filter(|reading| one.beyond(self.designs, reading.cell) <= 0.0);
         let within: Vec<&Reading> = within.collect();
-        if (within.len() as f64) < LEAST_WITHIN * readings.len() as f64 {
-            return Ok(Some(Refused::BeyondBounds));
-        }
         let responses: Vec<f64> = within.iter().map(|reading| reading.response).collect();
         let mut explained = |cells: Vec<Cell>| -> Result<f64, Error> {
             let said = self.simulation.says(self.designs, &cells)?;
@@ -364,7 +354,15 @@ impl<'s> Search<'s> {
         };
         let here = explained(within.iter().map(|reading| reading.cell).collect())?;
         let there = explained(within.iter().map(|reading| one.of(self.designs, reading.cell)).collect())?;
-        Ok((within.len() >= ENOUGH && there < here).then_some(Refused::ExplainsLess))
+        let (counts, farthest) = (self.designs.combinations().counts(), FARTHEST * usual(self.free.len()));
+        let is_too_far = self.free.iter().any(|&axis| share(one.0[axis], counts[axis]).abs() > farthest);
+        let are_few = (within.len() as f64) < LEAST_WITHIN * readings.len() as f64;
+        let refused = match () {
+            () if is_too_far => Some(Refused::TooFar),
+            () if are_few => Some(Refused::BeyondBounds),
+            () => (within.len() >= ENOUGH && there < here).then_some(Refused::ExplainsLess),
+        };
+        Ok((refused, here))
     }
 
     /// In whole levels.
@@ -374,13 +372,6 @@ impl<'s> Search<'s> {
             rounded.0[axis] = steps(share.clamp(-MOST, MOST), counts[axis]);
         }
         rounded
-    }
-
-    /// Squared correlation of the readings with what the simulation says of their own designs.
-    fn explained_in_place(&mut self, readings: &[Reading]) -> Result<f64, Error> {
-        let Some(said) = self.simulation.says(self.designs, &self.cells)? else { return Ok(0.0) };
-        let responses: Vec<f64> = readings.iter().map(|reading| reading.response).collect();
-        Ok(correlation_of(&said, &responses).powi(2))
     }
 
     fn climb(&mut self, mut one: Displacement, mut probability: f64) -> Result<(Displacement, f64), Error> {
@@ -672,7 +663,7 @@ mod tests {
             let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate };
             let mut search = Search::of(&readings, &designs, free(&designs), &mut runs).unwrap();
             let by = Displacement(vec![by[0], 0, by[1]]);
-            search.refused(&by, &readings).unwrap()
+            search.refused(&by, &readings).unwrap().0
         };
         assert_eq!(refused([3, -2], 21, [3, -2]), None);
         assert_eq!(refused([8, 0], 21, [8, 0]), Some(Refused::TooFar));
