@@ -197,6 +197,9 @@ pub(crate) struct OfSimulation {
     /// How far it is displaced, in the unit of each parameter, if it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) displacement: Option<Vec<f64>>,
+    /// Standard deviations of that; journals of before have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) deviations: Option<Vec<f64>>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -93,6 +93,11 @@ impl Campaign {
                     factor: worth.factor,
                     ignored: worth.ignored,
                     displacement: found.displacement.clone(),
+                    deviations: found
+                        .registration
+                        .as_ref()
+                        .filter(|told| told.is_sure())
+                        .map(|told| told.deviations.clone()),
                 }),
                 check: String::new(),
             };

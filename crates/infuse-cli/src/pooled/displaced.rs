@@ -20,22 +20,12 @@ pub(super) fn findings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
     let along = along(campaign, told);
     let withdrawn = changed(campaign, told).map(Finding::new);
     let finding = if told.is_sure() {
-        taken(found, told, &along)
+        taken(campaign, found, told, &along)
     } else if told.gain > WORTH_SAYING * told.needed && !along.is_empty() {
-        let why = match told.refused {
-            _ if told.gain <= told.needed => "The results are not sure of that",
-            Some(Refused::TooFar) => {
-                "That is farther than is believed: another feature of the simulation may lie there by chance"
-            }
-            Some(Refused::BeyondBounds) => {
-                "But of most of what was measured that is beyond the bounds, where it says nothing"
-            }
-            Some(Refused::ExplainsLess) => "But within the bounds it explains less from there",
-            None => "The results are not sure of that",
-        };
         format!(
-            "It may be displaced: it fits best that what is measured at a design it says of one with {}. {why}, and it is taken as it stands.",
-            named(&along)
+            "It may be displaced: it fits best that what is measured at a design it says of one with {}. But {}, so it is taken as it stands.",
+            named(&along),
+            why_not(told)
         )
     } else {
         return withdrawn.into_iter().collect();
@@ -46,6 +36,20 @@ pub(super) fn findings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
         finding.with(&format!("displaced along {name}, give or take"), along.half(), unit)
     });
     withdrawn.into_iter().chain([finding]).collect()
+}
+
+/// Why a displacement is not believed.
+fn why_not(told: &Registration) -> &'static str {
+    match told.refused.filter(|_| told.gain > told.needed) {
+        Some(Refused::TooFar) => "that is farther than is believed: something else that it has may lie there by chance",
+        Some(Refused::BeyondBounds) => {
+            "for most of the results that place is beyond the bounds, where it tells little or nothing"
+        }
+        Some(Refused::ExplainsLess) => {
+            "of the results for which that place is within the bounds it explains less from there"
+        }
+        None => "the results are not sure of it",
+    }
 }
 
 /// How far along a parameter.
@@ -85,10 +89,24 @@ fn within(along: &Along<'_>) -> f64 {
 /// "a higher by 1 mm, b lower by 2 mm".
 fn named(all: &[Along<'_>]) -> String {
     let one = |along: &Along<'_>| {
-        let half = with_unit(&short(two_digits(along.half())), along.parameter.unit());
-        format!("{} (give or take {half})", one_way(along.parameter, along.by))
+        format!("{} {}", one_way(along.parameter, along.by), give_or_take(along.parameter, along.deviation))
     };
     all.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// "(give or take 0.5 mm)".
+fn give_or_take(parameter: &Parameter, deviation: f64) -> String {
+    format!("(give or take {})", with_unit(&short(two_digits(NINE_IN_TEN * deviation)), parameter.unit()))
+}
+
+/// "; tilt in its place (give or take 2 deg)", of parameters along which it was looked for, and is not displaced.
+fn in_place(campaign: &Campaign, told: &Registration) -> String {
+    let all = campaign.problem.region.parameters().iter().zip(told.displacement.iter().zip(&told.deviations));
+    let here = all.filter(|(_, (by, deviation))| by.abs() <= 0.0 && **deviation > 0.0);
+    let named = here.map(|(parameter, (_, &deviation))| {
+        format!("; {} in its place {}", parameter.name(), give_or_take(parameter, deviation))
+    });
+    named.collect()
 }
 
 /// "a higher by 1 mm".
@@ -98,7 +116,7 @@ fn one_way(parameter: &Parameter, by: f64) -> String {
 }
 
 /// What is made of a displacement that the results are sure of.
-fn taken(found: &Assessment, told: &Registration, all: &[Along<'_>]) -> String {
+fn taken(campaign: &Campaign, found: &Assessment, told: &Registration, all: &[Along<'_>]) -> String {
     let [here, there] = [0.0, 1.0].map(|share| {
         let one = |along: &Along<'_>| {
             let parameter = along.parameter;
@@ -111,13 +129,16 @@ fn taken(found: &Assessment, told: &Registration, all: &[Along<'_>]) -> String {
     let within: f64 = all.iter().map(within).product();
     let explained = found.simulation.map_or_else(String::new, |worth| {
         let [there, here] = [worth.explained, told.explained_in_place].map(percent);
-        format!(" It is taken from there, where it explains {there}; as it stands it explains {here}.")
+        format!(
+            " It is taken from there, where it explains {there}; of the same results it explains {here} as it stands."
+        )
     });
     format!(
-        "It is displaced: what is measured at a design it says of one with {}. So what is measured at {here}, it says of {there}.{explained} Of \
-         {} of the designs that is beyond the bounds: there it tells little or nothing, and experiments have to. Is a parameter of the model, \
-         or the zero of a sensor, off by as much?",
+        "It is displaced: what is measured at {here}, it says of {there}: {}{}.{explained} Of {} of the designs that is beyond the bounds: there \
+         it tells little or nothing, and experiments have to. Is a parameter of the model, or the zero of a sensor, off by as much? Where the \
+         response is one smooth bowl, a slope that the simulation lacks looks the same.",
         named(all),
+        in_place(campaign, told),
         percent(1.0 - within)
     )
 }
@@ -132,15 +153,25 @@ fn changed(campaign: &Campaign, told: &Registration) -> Option<String> {
     let since = format!("After batch {} it was taken to be displaced", before.batch);
     if !told.is_sure() {
         return Some(format!(
-            "{since}: by all that is known now it is not sure to be, and is taken as it stands again."
+            "{since}: by all that is known now {}, so it is taken as it stands again.",
+            why_not(told)
         ));
     }
-    let moves = by.iter().zip(&told.displacement).zip(&told.deviations);
-    let has_moved = moves.clone().any(|((then, now), deviation)| (now - then).abs() > NINE_IN_TEN * deviation);
-    let parameters = campaign.problem.region.parameters().iter().zip(by).filter(|(_, by)| by.abs() > 0.0);
-    let then = parameters.map(|(parameter, &by)| one_way(parameter, by)).collect::<Vec<_>>().join(", ");
-    has_moved
-        .then(|| format!("{since} elsewhere, to designs with {then}: what was made of it then does not hold any more."))
+    let none = vec![0.0; by.len()];
+    let deviations = before.simulation.as_ref().and_then(|simulation| simulation.deviations.as_ref()).unwrap_or(&none);
+    let mut moves = by.iter().zip(deviations).zip(told.displacement.iter().zip(&told.deviations));
+    let has_moved =
+        moves.any(|((then, of_then), (now, of_now))| (now - then).abs() > NINE_IN_TEN * of_then.hypot(*of_now));
+    let parameters = campaign.problem.region.parameters().iter().zip(by.iter().zip(deviations));
+    let then = parameters.filter(|(_, (by, _))| by.abs() > 0.0);
+    let then = then.map(|(parameter, (&by, &deviation))| match deviation > 0.0 {
+        true => format!("{} {}", one_way(parameter, by), give_or_take(parameter, deviation)),
+        false => one_way(parameter, by),
+    });
+    let then = then.collect::<Vec<_>>().join(", ");
+    has_moved.then(|| {
+        format!("{since} otherwise: {then}. It is farther from that now than both bands: what was made of it then does not hold.")
+    })
 }
 
 /// By the names of the parameters along which it is taken to be displaced; nothing where it is taken as it stands.

@@ -1020,8 +1020,8 @@ fn a_displaced_simulation_is_said_and_made_up_for() {
     let text = rig.infuse(&["status"]).ok();
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     for said in [
-        "It is displaced: what is measured at a design it says of one with a higher by 1 mm (give or take",
-        "So what is measured at a 4 mm, b 7 mm, it says of a 5 mm, b 5 mm. It is taken from there, where it explains",
+        "It is displaced: what is measured at a 4 mm, b 7 mm, it says of a 5 mm, b 5 mm: a higher by 1 mm (give or take",
+        "It is taken from there, where it explains",
         "of the designs that is beyond the bounds",
         "The simulation alone, taken as it stands, would have chosen",
     ] {

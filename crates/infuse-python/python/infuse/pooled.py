@@ -220,7 +220,7 @@ class Registration:
     needed: float
     """From this on it is believed."""
     explained_in_place: float
-    """Squared correlation of the readings with what the simulation says of their own designs."""
+    """Squared correlation of the readings of which it tells within the bounds with what the simulation says of their own designs."""
     refused: Optional[str] = None
     """Why it is not believed, however probable it is: `too_far`, `beyond_bounds` or `explains_less`."""
 
