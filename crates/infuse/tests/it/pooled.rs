@@ -133,8 +133,8 @@ fn failure_counts_where_it_was_made() {
 #[test]
 fn failed_designs_are_neither_asked_for_again_nor_recommended() {
     let fails = |point: &[f64]| point[0] + point[1] > 0.5;
-    let mut n_failures = 0;
-    for seed in 1..=3 {
+    let [mut n_failures, mut n_best] = [0; 2];
+    for seed in 1..=6 {
         let mut campaign = campaign(2, 21, batches(10, 4, seed));
         let mut failed = BTreeSet::new();
         let mut failures = Vec::new();
@@ -155,12 +155,14 @@ fn failed_designs_are_neither_asked_for_again_nor_recommended() {
         }
         let found = assessed(&mut campaign).recommended;
         assert!(!fails(&found.point), "seed {seed}: {found:?}");
-        // The best feasible one, 0.06, lies on the line, where half of the neighbors fail.
-        assert!(truth(&found.point) < 0.12, "seed {seed}: {found:?}");
+        // The best feasible one, 0.0633, lies on the line, where half of the neighbors fail; two steps along it is 0.1236.
+        assert!(truth(&found.point) < 0.13, "seed {seed}: {found:?}");
+        n_best += usize::from(truth(&found.point) < 0.07);
         n_failures += failures.iter().skip(1).sum::<usize>();
     }
     // The best of all is beyond the line, so that half of what is promising fails.
-    assert!(n_failures <= 54, "{n_failures} of 90 failed");
+    assert!(n_failures <= 108, "{n_failures} of 180 failed");
+    assert!(n_best >= 4, "the best of all that work in {n_best} of 6");
 }
 
 #[test]
