@@ -42,9 +42,12 @@ impl Displacement {
     /// The design as far within the bounds as the one of which a simulation would tell is beyond them, where that is so; else the design
     /// whose simulation tells of this one.
     pub(crate) fn inside(&self, designs: &Designs, cell: Cell) -> Cell {
-        let there = self.of(designs, cell);
-        if self.is_none() || !designs.allows(self.clamped(designs, cell, 1)) {
-            return there;
+        if self.is_none() {
+            return cell;
+        }
+        let there = self.clamped(designs, cell, 1);
+        if !designs.allows(there) {
+            return cell;
         }
         let combinations = designs.combinations();
         let mut digits = combinations.digits(cell.index());

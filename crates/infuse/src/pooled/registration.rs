@@ -69,7 +69,7 @@ pub struct Registration {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Refused {
-    /// It is farther along one axis than displacements are looked for.
+    /// It is so far along one axis that next to no displacement is, before there are results.
     TooFar,
     /// For most of what was measured it points beyond the bounds, where nobody knows what the simulation would say.
     BeyondBounds,
@@ -244,8 +244,8 @@ impl<'s> Search<'s> {
     /// The most probable one, by steps along each axis from the best of those that were drawn, its probability and how far off it may be.
     fn best(&mut self, rng: &mut ChaCha8Rng) -> Result<(Displacement, f64, Vec<f64>), Error> {
         let prior = Normal::about_none(&vec![usual(self.free.len()); self.free.len()]);
-        let prior: Vec<Vec<f64>> = (0..DRAWN).map(|_| prior.draw(rng)).collect();
-        let drawn = [self.none()].into_iter().chain(prior.iter().map(|one| self.rounded(one)));
+        let of_prior: Vec<Vec<f64>> = (0..DRAWN).map(|_| prior.draw(rng)).collect();
+        let drawn = [self.none()].into_iter().chain(of_prior.iter().map(|one| self.rounded(one)));
         let drawn: Vec<Displacement> = drawn.collect();
         self.look_ahead(drawn.iter())?;
         let of_each = drawn.into_iter().map(|one| Ok((self.probability(&one)?, one)));
@@ -260,7 +260,7 @@ impl<'s> Search<'s> {
                 best = found;
             }
         }
-        self.spread(best, &prior, rng)
+        self.spread(best, (&prior, &of_prior), rng)
     }
 
     /// How the logarithm of the probability bends around the most probable one, in shares of the ranges (Laplace's method): the inverse of
@@ -309,11 +309,10 @@ impl<'s> Search<'s> {
     fn spread(
         &mut self,
         (mut best, mut there): (Displacement, f64),
-        prior: &[Vec<f64>],
+        (prior, of_prior): (&Normal, &[Vec<f64>]),
         rng: &mut ChaCha8Rng,
     ) -> Result<(Displacement, f64, Vec<f64>), Error> {
         let counts = self.designs.combinations().counts().to_vec();
-        let anywhere = Normal::about_none(&vec![usual(self.free.len()); self.free.len()]);
         let mut n_moves = 0;
         loop {
             let precision = self.precision(&best)?;
@@ -321,7 +320,7 @@ impl<'s> Search<'s> {
             let step = |axis: usize| share(steps(LEAST_STEP, counts[axis]).max(1), counts[axis]);
             let within: Vec<f64> = self.free.iter().map(|&axis| WITHIN_A_STEP * step(axis)).collect();
             let near = Normal::near(center, &precision, &within);
-            let drawn: Vec<Vec<f64>> = prior.iter().cloned().chain((0..NEAR).map(|_| near.draw(rng))).collect();
+            let drawn: Vec<Vec<f64>> = of_prior.iter().cloned().chain((0..NEAR).map(|_| near.draw(rng))).collect();
             let rounded: Vec<Displacement> = drawn.iter().map(|one| self.rounded(one)).collect();
             self.look_ahead(rounded.iter())?;
             let probabilities = rounded.iter().map(|one| self.probability(one)).collect::<Result<Vec<_>, _>>()?;
@@ -331,7 +330,7 @@ impl<'s> Search<'s> {
                 n_moves += 1;
                 continue;
             }
-            let densities = [(&anywhere, prior.len()), (&near, NEAR)];
+            let densities = [(prior, of_prior.len()), (&near, NEAR)];
             let about = mean_squares_about(near.center(), &drawn, &probabilities, &densities);
             let mut deviations = vec![0.0; counts.len()];
             for (row, &axis) in self.free.iter().enumerate() {

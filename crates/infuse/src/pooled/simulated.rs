@@ -302,17 +302,14 @@ impl Source<'_> {
         cells: &[Cell],
         simulated: &mut Simulated,
     ) -> Result<Places, Error> {
-        let there = self.there(designs, cells);
-        let (around, inside) = match self.displacement() {
-            Some(by) => (next_to(designs, &there), cells.iter().map(|&cell| by.inside(designs, cell)).collect()),
-            None => (Vec::new(), Vec::new()),
-        };
+        let [there, inside] = self.told_by(designs, cells);
+        let around = if self.displacement().is_some() { next_to(designs, &there) } else { Vec::new() };
         if let Self::Cheap { simulate, .. } = self {
             simulated.run(designs, &there, &mut **simulate)?;
             let aside: Vec<Cell> = around.iter().flatten().chain(&inside).copied().collect();
             simulated.run_aside(designs, &aside, &mut **simulate)?;
         }
-        let Some(said) = self.would_say(designs, cells, simulated, Column::Objective)? else {
+        let Some(said) = self.would_say(designs, [&there, &inside], simulated, Column::Objective)? else {
             return designs.places(cells);
         };
         let known = self.known(designs, cells);
@@ -338,10 +335,12 @@ impl Source<'_> {
         }
     }
 
-    /// The designs whose simulations tell of these.
-    fn there(&self, designs: &Designs, cells: &[Cell]) -> Vec<Cell> {
-        let there = |displacement: &Displacement| cells.iter().map(|&cell| displacement.of(designs, cell)).collect();
-        self.displacement().map_or_else(|| cells.to_vec(), there)
+    /// The designs whose simulations tell of these: at most at the bounds, and as far within as that is from the place beyond. Where nothing
+    /// is displaced the latter are the same, and left out.
+    fn told_by(&self, designs: &Designs, cells: &[Cell]) -> [Vec<Cell>; 2] {
+        let Some(by) = self.displacement() else { return [cells.to_vec(), Vec::new()] };
+        let there = cells.iter().map(|&cell| by.of(designs, cell)).collect();
+        [there, cells.iter().map(|&cell| by.inside(designs, cell)).collect()]
     }
 
     /// How what is said of each of these cells goes with what would be said if there were no bounds; nothing where all is the same.
@@ -352,21 +351,23 @@ impl Source<'_> {
         self.displacement().map_or_else(Vec::new, known)
     }
 
-    /// What a simulation says of these cells from where it tells of them; beyond the bounds, what it would say if it went on as it came.
+    /// What a simulation says of cells by those that tell of them; beyond the bounds, what it would say if it went on as it came.
     fn would_say(
         &self,
         designs: &Designs,
-        cells: &[Cell],
+        [there, inside]: [&[Cell]; 2],
         simulated: &Simulated,
         column: Column,
     ) -> Result<Option<Vec<f64>>, Error> {
-        let there = self.there(designs, cells);
-        let Some(mut said) = self.says(designs, &there, simulated, column)? else { return Ok(None) };
-        if let Some(displacement) = self.displacement() {
-            let inside: Vec<Cell> = cells.iter().map(|&cell| displacement.inside(designs, cell)).collect();
-            let Some(inside) = self.says(designs, &inside, simulated, column)? else { return Ok(None) };
-            said.iter_mut().zip(inside).for_each(|(said, inside)| *said = went_on(*said, inside));
+        let Some(mut said) = self.says(designs, there, simulated, column)? else { return Ok(None) };
+        // Within the bounds both are the same design.
+        let beyond: Vec<usize> = (0..inside.len()).filter(|&place| inside[place] != there[place]).collect();
+        if beyond.is_empty() {
+            return Ok(Some(said));
         }
+        let inside: Vec<Cell> = beyond.iter().map(|&place| inside[place]).collect();
+        let Some(inside) = self.says(designs, &inside, simulated, column)? else { return Ok(None) };
+        beyond.into_iter().zip(inside).for_each(|(place, inside)| said[place] = went_on(said[place], inside));
         Ok(Some(said))
     }
 
@@ -387,7 +388,8 @@ impl Source<'_> {
         column: Column,
     ) -> Result<Places, Error> {
         let places = designs.places(cells)?;
-        match self.would_say(designs, cells, simulated, column)? {
+        let [there, inside] = self.told_by(designs, cells);
+        match self.would_say(designs, [&there, &inside], simulated, column)? {
             Some(said) => self.told(places, said, &self.known(designs, cells), column),
             None => Ok(places),
         }
