@@ -10,6 +10,7 @@ use super::output::Output;
 use super::undo::{in_words, told};
 use crate::campaign::{Campaign, Stage, changes};
 use crate::echo::echo;
+use crate::findings::displaced_by;
 use crate::folder;
 use crate::journal::{Assessed, Deed, Event, Journal, Last, Learned, Measured, Submitted, Told};
 use crate::number::{count, percent, resolved, short, with_unit};
@@ -58,6 +59,7 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
     let events = &journal.all;
     let (mut at, mut settings, mut core): (&str, Option<&Value>, Option<&Value>) = ("", None, None);
     let mut simulator: Option<&str> = None;
+    let mut displacement: Option<&[f64]> = None;
     let mut index = 0;
     while let Some((line, event)) = events.get(index) {
         // What was written at once is one thing, and so are simulations one after the other.
@@ -116,6 +118,14 @@ fn entries(campaign: &dyn Campaign, journal: &Journal) -> Vec<Entry> {
         if let Some((what, sentence)) = said(campaign, event, group) {
             add(what, sentence);
         }
+        if let Event::Assessed(found) = event {
+            let now = found.simulation.as_ref();
+            let by = now.and_then(|simulation| simulation.displacement.as_deref());
+            if std::mem::replace(&mut displacement, by) != by {
+                let deviations = now.and_then(|simulation| simulation.deviations.as_deref());
+                add("learned", displaced(campaign, found.batch, by, deviations));
+            }
+        }
     }
     entries
 }
@@ -130,6 +140,17 @@ fn another<'a>(simulator: &mut Option<&'a str>, by: &'a str) -> Option<String> {
 /// Whether this is the first submission of the same batch.
 fn is_first_of(event: &Event, submitted: &Submitted) -> bool {
     matches!(event, Event::Submitted(first) if first.name.batch == submitted.name.batch)
+}
+
+/// What is said where the simulation is taken to be displaced, and was not before, or otherwise, or no more.
+fn displaced(campaign: &dyn Campaign, batch: usize, by: Option<&[f64]>, deviations: Option<&[f64]>) -> String {
+    let parameters = campaign.problem().region.parameters();
+    match by {
+        Some(by) => {
+            format!("after batch {batch}: the simulation is displaced: {}.", displaced_by(parameters, by, deviations))
+        }
+        None => format!("after batch {batch}: the simulation is taken as it stands again."),
+    }
 }
 
 fn begun(campaign: &dyn Campaign) -> String {

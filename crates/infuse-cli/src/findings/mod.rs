@@ -4,6 +4,7 @@
 mod amount;
 mod batch;
 mod bounds;
+mod displacement;
 mod next;
 mod standing;
 mod taken;
@@ -11,6 +12,7 @@ mod taken;
 pub(crate) use amount::{amount, gain, value, value_to};
 pub(crate) use batch::handed_out;
 pub(crate) use bounds::on_bounds;
+pub(crate) use displacement::{displaced_by, give_or_take};
 pub(crate) use next::{after_the_end, all_batches_made, ended, next};
 pub(crate) use standing::standing;
 pub(crate) use taken::{as_from_elsewhere, imported, outstanding, taken, there_twice, withdrawn, without_columns};

@@ -147,18 +147,22 @@ struct Names {
     /// The simulation's own choice, and whether it is the best of some only.
     alone: Option<Cell>,
     is_of_some: bool,
+    /// Whether the simulation is taken to be displaced, so that its own choice is that of nobody who knows.
+    is_displaced: bool,
 }
 
 impl Names {
     fn of(campaign: &Campaign) -> Self {
         let alone = campaign.choice_of_the_simulation().ok().flatten();
-        Self { alone, is_of_some: campaign.n_simulated_of_many().ok().flatten().is_some() }
+        let is_displaced = campaign.assessment().ok().flatten().is_some_and(|found| found.displacement.is_some());
+        Self { alone, is_of_some: campaign.n_simulated_of_many().ok().flatten().is_some(), is_displaced }
     }
 
     fn name(&self, place: usize, cell: Cell) -> &'static str {
         match place {
             0 => "what was recommended",
             _ if self.alone == Some(cell) && self.is_of_some => "the best of the designs simulated",
+            _ if self.alone == Some(cell) && self.is_displaced => "the simulation's own choice, taken as it stands",
             _ if self.alone == Some(cell) => "the simulation's own choice",
             _ => "what had measured best",
         }

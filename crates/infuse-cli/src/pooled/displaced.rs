@@ -6,10 +6,12 @@ use infuse::pooled::reported::{Refused, Registration};
 use page::Finding;
 use serde_json::{Map, Value, json};
 
-use super::bands::NINE_IN_TEN;
+use super::bands::{IGNORED, NINE_IN_TEN};
 use super::campaign::Campaign;
+use crate::findings::{displaced_by, give_or_take};
 use crate::number::{percent, short, with_unit};
 use crate::problem::{Problem, shown};
+use crate::simulator::identity;
 
 /// It is said that a simulation may be displaced from this share of what it takes to be sure on.
 const WORTH_SAYING: f64 = 0.5;
@@ -24,7 +26,7 @@ pub(super) fn findings(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
     } else if told.gain > WORTH_SAYING * told.needed && !along.is_empty() {
         format!(
             "It may be displaced: it fits best that what is measured at a design it says of one with {}. But {}, so it is taken as it stands.",
-            named(&along),
+            named(campaign, told),
             why_not(told)
         )
     } else {
@@ -44,9 +46,6 @@ fn why_not(told: &Registration) -> &'static str {
         Some(Refused::TooFar) => "that is farther than is believed: something else that it has may lie there by chance",
         Some(Refused::BeyondBounds) => {
             "for most of the results that place is beyond the bounds, where it tells little or nothing"
-        }
-        Some(Refused::ExplainsLess) => {
-            "of the results for which that place is within the bounds it explains less from there"
         }
         None => "the results are not sure of it",
     }
@@ -74,11 +73,6 @@ fn along<'p>(campaign: &'p Campaign, told: &Registration) -> Vec<Along<'p>> {
     all.filter(|along| along.by.abs() > 0.0).collect()
 }
 
-/// As much of a band as anyone needs.
-fn two_digits(value: f64) -> f64 {
-    format!("{value:.1e}").parse().unwrap_or(value)
-}
-
 /// The share of the levels of a parameter, or of its range, that is left within the bounds.
 fn within(along: &Along<'_>) -> f64 {
     let beyond = along.by.abs() / along.parameter.width();
@@ -86,17 +80,9 @@ fn within(along: &Along<'_>) -> f64 {
     (1.0 - beyond * (n - 1.0) / n).max(0.0)
 }
 
-/// "a higher by 1 mm, b lower by 2 mm".
-fn named(all: &[Along<'_>]) -> String {
-    let one = |along: &Along<'_>| {
-        format!("{} {}", one_way(along.parameter, along.by), give_or_take(along.parameter, along.deviation))
-    };
-    all.iter().map(one).collect::<Vec<_>>().join(", ")
-}
-
-/// "(give or take 0.5 mm)".
-fn give_or_take(parameter: &Parameter, deviation: f64) -> String {
-    format!("(give or take {})", with_unit(&short(two_digits(NINE_IN_TEN * deviation)), parameter.unit()))
+/// "a higher by 1 mm (give or take 0.5 mm)", along all that it is displaced along.
+fn named(campaign: &Campaign, told: &Registration) -> String {
+    displaced_by(campaign.problem.region.parameters(), &told.displacement, Some(&told.deviations))
 }
 
 /// "; tilt in its place (give or take 2 deg)", of parameters along which it was looked for, and is not displaced.
@@ -107,12 +93,6 @@ fn in_place(campaign: &Campaign, told: &Registration) -> String {
         format!("; {} in its place {}", parameter.name(), give_or_take(parameter, deviation))
     });
     named.collect()
-}
-
-/// "a higher by 1 mm".
-fn one_way(parameter: &Parameter, by: f64) -> String {
-    let way = if by > 0.0 { "higher" } else { "lower" };
-    format!("{} {way} by {}", parameter.name(), with_unit(&short(by.abs()), parameter.unit()))
 }
 
 /// What is made of a displacement that the results are sure of.
@@ -129,15 +109,20 @@ fn taken(campaign: &Campaign, found: &Assessment, told: &Registration, all: &[Al
     let within: f64 = all.iter().map(within).product();
     let explained = found.simulation.map_or_else(String::new, |worth| {
         let [there, here] = [worth.explained, told.explained_in_place].map(percent);
-        format!(
-            " It is taken from there, where it explains {there}; of the same results it explains {here} as it stands."
-        )
+        match worth.ignored >= IGNORED {
+            true => format!(
+                " From there it explains {there}, and of the same results {here} as it stands; it is hardly used either way."
+            ),
+            false => format!(
+                " It is taken from there, where it explains {there}; of the same results it explains {here} as it stands."
+            ),
+        }
     });
     format!(
         "It is displaced: what is measured at {here}, it says of {there}: {}{}.{explained} Of {} of the designs that is beyond the bounds: there \
          it tells little or nothing, and experiments have to. Is a parameter of the model, or the zero of a sensor, off by as much? Where the \
          response is one smooth bowl, a slope that the simulation lacks looks the same.",
-        named(all),
+        named(campaign, told),
         in_place(campaign, told),
         percent(1.0 - within)
     )
@@ -151,27 +136,48 @@ fn changed(campaign: &Campaign, told: &Registration) -> Option<String> {
         return None;
     }
     let since = format!("After batch {} it was taken to be displaced", before.batch);
+    if before.by.as_ref().is_some_and(|then| *then != identity(&campaign.problem.simulator)) {
+        let now =
+            if told.is_sure() { "what is said of it now is of this one" } else { "this one is taken as it stands" };
+        return Some(format!("{since}; but that was another simulator: {now}."));
+    }
     if !told.is_sure() {
         return Some(format!(
             "{since}: by all that is known now {}, so it is taken as it stands again.",
             why_not(told)
         ));
     }
+    let then = before.simulation.as_ref().and_then(|simulation| simulation.deviations.as_deref());
     let none = vec![0.0; by.len()];
-    let deviations = before.simulation.as_ref().and_then(|simulation| simulation.deviations.as_ref()).unwrap_or(&none);
-    let mut moves = by.iter().zip(deviations).zip(told.displacement.iter().zip(&told.deviations));
+    let mut moves = by.iter().zip(then.unwrap_or(&none)).zip(told.displacement.iter().zip(&told.deviations));
     let has_moved =
         moves.any(|((then, of_then), (now, of_now))| (now - then).abs() > NINE_IN_TEN * of_then.hypot(*of_now));
-    let parameters = campaign.problem.region.parameters().iter().zip(by.iter().zip(deviations));
-    let then = parameters.filter(|(_, (by, _))| by.abs() > 0.0);
-    let then = then.map(|(parameter, (&by, &deviation))| match deviation > 0.0 {
-        true => format!("{} {}", one_way(parameter, by), give_or_take(parameter, deviation)),
-        false => one_way(parameter, by),
-    });
-    let then = then.collect::<Vec<_>>().join(", ");
     has_moved.then(|| {
+        let then = displaced_by(campaign.problem.region.parameters(), by, then);
         format!("{since} otherwise: {then}. It is farther from that now than both bands: what was made of it then does not hold.")
     })
+}
+
+/// Of a design of which a displaced simulation would tell from beyond the bounds: that it tells little there.
+pub(super) fn beyond(campaign: &Campaign, found: &Assessment, point: &[f64]) -> Option<Finding> {
+    let by = found.displacement.as_ref()?;
+    let parameters = campaign.problem.region.parameters().iter();
+    let there = parameters.zip(point.iter().zip(by)).filter(|(_, (_, by))| by.abs() > 0.0);
+    let there = there.map(|(parameter, (&setting, &by))| (parameter, setting + by));
+    let is_beyond = |(parameter, there): &(&Parameter, f64)| {
+        let rounding = 1e-9 * parameter.width();
+        *there < parameter.lower() - rounding || *there > parameter.upper() + rounding
+    };
+    let over = there.filter(is_beyond).map(|(parameter, there)| {
+        let (low, high) = (shown(parameter, parameter.lower()), shown(parameter, parameter.upper()));
+        let there = with_unit(&short(there), parameter.unit());
+        format!("{} {there}, beyond {low} to {high}", parameter.name())
+    });
+    let over = over.collect::<Vec<_>>().join("; ");
+    let sentence = format!(
+        "The simulation is displaced, and would tell of it what it says of {over}: it tells little or nothing there, and experiments have to."
+    );
+    (!over.is_empty()).then(|| Finding::new(sentence))
 }
 
 /// By the names of the parameters along which it is taken to be displaced; nothing where it is taken as it stands.

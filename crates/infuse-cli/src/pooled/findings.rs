@@ -708,6 +708,7 @@ pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Fi
         finding = finding.detail(expected(campaign, &found, &there));
     }
     finding = constrained_there(campaign, &there).into_iter().fold(finding, Finding::detail);
+    finding = displaced::beyond(campaign, &found, &there.point).into_iter().fold(finding, Finding::detail);
     if let Some(why_not) = campaign.why_not(cell) {
         finding = finding.detail(Finding::new(format!("It is not to be had: {why_not}.")));
     }

@@ -1027,6 +1027,27 @@ fn a_displaced_simulation_is_said_and_made_up_for() {
     ] {
         assert!(text.contains(said), "{said} is not in:\n{text}");
     }
+    let log = rig.infuse(&["log"]).ok();
+    let said = "after batch 1: the simulation is displaced: a higher by 1 mm (give or take";
+    assert!(log.contains(said), "{log}");
+    // At a 8 mm, b 0 mm it would tell of what is beyond both bounds; in the middle of neither.
+    let there = rig.infuse(&["what-if", "a=8,b=0"]).ok();
+    let said =
+        "would tell of it what it says of a 9 mm, beyond 0 to 8; b -2 mm, beyond 0 to 14: it tells little or nothing";
+    assert!(there.split_whitespace().collect::<Vec<_>>().join(" ").contains(said), "{there}");
+    assert!(!rig.infuse(&["what-if", "a=4,b=7"]).ok().contains("would tell of it"));
+    let confirmed = rig.infuse(&["confirm"]).ok();
+    assert!(confirmed.contains("the simulation's own choice, taken as it stands"), "{confirmed}");
+    rig.infuse(&["undo"]).ok();
+    // A model that was put right has nothing to do with where the other one was.
+    let row = |index: u32| (f64::from(index / 15), f64::from(index % 15));
+    let rows = (0..135).map(row).map(|(a, b)| format!("{a},{b},{:.6}\n", model(a + 1.0, b - 2.0)));
+    rig.write("right.csv", &format!("a [mm],b [mm],y [N]\n{}", rows.collect::<String>()));
+    rig.edit("simulation.csv", "right.csv");
+    let said = rig.infuse(&["status"]).ok().split_whitespace().collect::<Vec<_>>().join(" ");
+    let expected = "it was taken to be displaced; but that was another simulator: this one is taken as it stands.";
+    assert!(said.contains(expected), "{said}");
+    rig.edit("right.csv", "simulation.csv");
     // Who knows better takes it as it stands.
     rig.edit("[loop]", "[loop]\ndisplaced = false");
     assert!(rig.status()["displacement"].is_null(), "{}", rig.status());
