@@ -66,8 +66,6 @@ impl PooledCampaign {
         let mut settings = Settings::new(budget.n_experiments);
         (settings.max_batches, settings.seed) = (budget.max_batches, seed);
         settings.simulations = Some(budget.n_simulations);
-        // The campaigns that are kept were run so.
-        settings.displaced = false;
         settings
     }
 
