@@ -59,8 +59,6 @@ mod tests {
     /// so many were run, beside eight elsewhere.
     fn share(n: usize, n_run: usize) -> Option<f64> {
         let mut scene = Scene::new(&[21, 21]);
-        // A well of one design at a corner, which one run has met, may be taken for one of two designs that is displaced.
-        scene.settings.displaced = false;
         let mut order: Vec<[u64; 2]> = (0..21).flat_map(|x| (0..21).map(move |y| [x, y])).collect();
         order.sort_by_key(|[x, y]| x * x + y * y);
         let well: BTreeSet<Cell> = order[..n].iter().map(|digits| scene.cell(digits)).collect();

@@ -163,8 +163,6 @@ struct Search<'s> {
     free: Vec<usize>,
     cells: Vec<Cell>,
     evidence: RegressorEvidence,
-    /// Mean and standard deviation of what the simulation says of the readings' own designs.
-    units: Option<[f64; 2]>,
     /// The logarithm of each probability.
     known: BTreeMap<Displacement, f64>,
     simulation: &'s mut dyn Simulation,
@@ -181,7 +179,7 @@ impl<'s> Search<'s> {
         let responses = readings.iter().map(|reading| reading.response).collect();
         let evidence = RegressorEvidence::of(&Data::new(designs.n_factors(), coordinates, responses)?)?;
         let cells = readings.iter().map(|reading| reading.cell).collect();
-        Ok(Self { designs, free, cells, evidence, units: None, known: BTreeMap::new(), simulation })
+        Ok(Self { designs, free, cells, evidence, known: BTreeMap::new(), simulation })
     }
 
     fn none(&self) -> Displacement {
@@ -221,7 +219,8 @@ impl<'s> Search<'s> {
         let there: Vec<Cell> = self.cells.iter().flat_map(|&cell| self.told_by(one, cell)).collect();
         let Some(said) = self.simulation.says(self.designs, &there)? else { return Ok(f64::NEG_INFINITY) };
         let said: Vec<f64> = said.chunks_exact(2).map(|pair| went_on(pair[0], pair[1])).collect();
-        let [mean, deviation] = *self.units.get_or_insert_with(|| mean_and_deviation(&said));
+        // In units of its own: what goes on steeply beyond the bounds would count for its size alone where two explain as much.
+        let [mean, deviation] = mean_and_deviation(&said);
         if deviation <= 0.0 {
             return Ok(f64::NEG_INFINITY);
         }
@@ -542,6 +541,31 @@ mod tests {
             n_moved_noise += usize::from(!noise.is_none());
         }
         assert!(n_moved <= 2 && n_moved_noise < 8, "{n_moved} in place, {n_moved_noise} of noise");
+    }
+
+    /// Without noise, of few results. At the corner of a slope there is a well of a single design, which a displacement would go on with beyond the bounds,
+    /// twice as deep, and explain as much.
+    #[test]
+    fn a_simulation_that_is_right_of_every_result_is_in_its_place() {
+        let needle = |designs: &Designs, cell: Cell| {
+            let digits = designs.combinations().digits(cell.index());
+            if [digits[0], digits[2]] == [0, 0] { -3.0 } else { 0.005 * (digits[0] + digits[2]) as f64 }
+        };
+        for seed in 0..10 {
+            let (designs, mut rng) = (designs(), ChaCha8Rng::seed_from_u64(seed));
+            let corner = Cell::new(0);
+            let cells = [corner].into_iter().chain((0..8).map(|_| designs.random(&mut rng)));
+            let cells: Vec<Cell> = cells.collect();
+            let one = |(number, cell): (usize, &Cell)| {
+                let (coded, response) = (designs.coded_of(*cell).unwrap(), needle(&designs, *cell));
+                Reading { coded, cell: *cell, response, number, assembly: None }
+            };
+            let readings: Vec<Reading> = cells.iter().enumerate().map(one).collect();
+            let mut simulate = |cell: Cell, _: &[f64]| Ok::<f64, String>(needle(&designs, cell));
+            let mut runs = Runs { simulated: &mut Simulated::default(), simulate: &mut simulate };
+            let found = registered(&readings, &designs, &mut rng, &mut runs).unwrap();
+            assert!(believed(found).is_none(), "seed {seed}");
+        }
     }
 
     #[test]
