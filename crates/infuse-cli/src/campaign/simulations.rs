@@ -17,6 +17,7 @@ use crate::simulator::{Job, identity, simulate};
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Simulations {
     pub(crate) n_done: usize,
+    /// In the order of the designs.
     pub(crate) failed: Vec<FailedSimulation>,
 }
 
@@ -81,6 +82,7 @@ pub(crate) fn simulate_missing(
     };
     bar.finish_and_clear();
     outcome?;
+    done.failed.sort_by_key(|one| one.cell);
     if program::is_interrupted() {
         let rest = match queue {
             Some((_, queue)) if queue.cancel.is_empty() => "what is in the queue goes on; ask again to wait for it",
@@ -109,10 +111,9 @@ pub(crate) fn checked(problem: &Problem, result: Measured, mut others: Constrain
 /// So many are named.
 const MOST_NAMED: usize = 3;
 
-/// "3 of 40 simulations failed: a 4 mm, b 7 mm: out of memory; ...", if some gave no value: in the order of the designs, the first few
-/// each with its reason, or the reason once where all have the same.
-pub(crate) fn failed_in_words(problem: &Problem, n_all: usize, mut failed: Vec<FailedSimulation>) -> Option<String> {
-    failed.sort_by_key(|one| one.cell);
+/// "3 of 40 simulations failed: a 4 mm, b 7 mm: out of memory; ...", if some gave no value: the first few each with its reason, or the
+/// reason once where all have the same.
+pub(crate) fn failed_in_words(problem: &Problem, n_all: usize, failed: &[FailedSimulation]) -> Option<String> {
     let (first, n) = (failed.first()?, failed.len());
     let is_one_reason = n > 1 && failed.iter().all(|one| one.reason == first.reason);
     let named = failed.iter().take(MOST_NAMED).map(|one| match is_one_reason {

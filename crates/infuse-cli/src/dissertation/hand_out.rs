@@ -34,7 +34,7 @@ pub(super) fn hand_out(campaign: &mut Campaign, writer: &mut Writer, anyway: boo
             campaign.record_simulation(writer, event)
         })?;
         done.n_simulated += simulated.n_done;
-        done.notices.extend(failed_in_words(&problem, simulated.n_done, simulated.failed));
+        done.notices.extend(failed_in_words(&problem, simulated.n_done, &simulated.failed));
         let batch = campaign.batch();
         campaign.failed_opening = None;
         campaign.write_down(writer, vec![Event::Opened { batch, at: now() }])?;

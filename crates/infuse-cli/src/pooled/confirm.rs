@@ -1,5 +1,7 @@
 //! A few runs at the recommended design, the best measured and the simulation's own choice, which measure what was gained.
 
+use std::borrow::Cow;
+
 use anyhow::{Context as _, Result, ensure};
 use design_space::Cell;
 use infuse::global::PureError;
@@ -8,7 +10,7 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 use super::campaign::{Batch, Campaign, Origin};
-use super::findings::set_aside;
+use super::findings::{as_it_stands, set_aside};
 use super::hand_out::plan;
 use crate::findings::{amount, value};
 use crate::journal::{Measured, Purpose, Writer};
@@ -147,24 +149,24 @@ struct Names {
     /// The simulation's own choice, and whether it is the best of some only.
     alone: Option<Cell>,
     is_of_some: bool,
-    /// Whether the simulation is taken to be displaced, so that its own choice is that of nobody who knows.
-    is_displaced: bool,
+    /// What is to be said of that choice.
+    stands: Option<&'static str>,
 }
 
 impl Names {
     fn of(campaign: &Campaign) -> Self {
         let alone = campaign.choice_of_the_simulation().ok().flatten();
-        let is_displaced = campaign.assessment().ok().flatten().is_some_and(|found| found.displacement.is_some());
-        Self { alone, is_of_some: campaign.n_simulated_of_many().ok().flatten().is_some(), is_displaced }
+        let stands = campaign.assessment().ok().flatten().and_then(|found| as_it_stands(&found));
+        Self { alone, is_of_some: campaign.n_simulated_of_many().ok().flatten().is_some(), stands }
     }
 
-    fn name(&self, place: usize, cell: Cell) -> &'static str {
-        match place {
-            0 => "what was recommended",
-            _ if self.alone == Some(cell) && self.is_of_some => "the best of the designs simulated",
-            _ if self.alone == Some(cell) && self.is_displaced => "the simulation's own choice, taken as it stands",
-            _ if self.alone == Some(cell) => "the simulation's own choice",
-            _ => "what had measured best",
+    fn name(&self, place: usize, cell: Cell) -> Cow<'static, str> {
+        match (place, self.stands) {
+            (0, _) => "what was recommended".into(),
+            _ if self.alone != Some(cell) => "what had measured best".into(),
+            _ if self.is_of_some => "the best of the designs simulated".into(),
+            (_, Some(stands)) => format!("the simulation's own choice, {stands}").into(),
+            _ => "the simulation's own choice".into(),
         }
     }
 }

@@ -179,9 +179,9 @@ impl FailedSimulations {
                         failed.push(FailedSimulation { cell, point, reason });
                     }
                 }
+                failed.sort_by_key(|one| one.cell);
             }
         }
-        failed.sort_by_key(|one| one.cell);
         Ok(Self { failed, n_all, table })
     }
 
@@ -202,7 +202,7 @@ impl FailedSimulations {
                     count(self.n_all, "design")
                 )
             }
-            _ => failed_in_words(&campaign.problem, self.n_all, self.failed.clone())?,
+            _ => failed_in_words(&campaign.problem, self.n_all, &self.failed)?,
         };
         Some(Finding::new(format!("{sentence}.")).with("simulations that failed", n as f64, "1"))
     }

@@ -86,13 +86,13 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
             let known_to = resolution(found).max(there.deviation);
             format!(", where {} is expected{chance}", value_to(response, there.mean, known_to))
         });
+        let stands = as_it_stands(found).map_or_else(String::new, |stands| format!(", {stands},"));
         let sentence = match campaign.n_simulated_of_many()? {
             Some(n) => {
                 let n = count(n, "design");
-                let stands = as_it_stands(found);
                 format!("Of the {n} simulated so far, the simulation alone{stands} would choose {design}{there}.")
             }
-            None => format!("The simulation alone{} would have chosen {design}{there}.", as_it_stands(found)),
+            None => format!("The simulation alone{stands} would have chosen {design}{there}."),
         };
         best = best.detail(Finding::new(sentence));
     }
@@ -100,8 +100,8 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
 }
 
 /// Where the simulation is displaced, its own choice is that of nobody who knows.
-fn as_it_stands(found: &Assessment) -> &'static str {
-    if found.displacement.is_some() { ", taken as it stands," } else { "" }
+pub(super) fn as_it_stands(found: &Assessment) -> Option<&'static str> {
+    found.displacement.as_ref().map(|_| "taken as it stands")
 }
 
 /// The readings that the surface does without.

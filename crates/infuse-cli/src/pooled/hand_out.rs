@@ -109,7 +109,7 @@ fn simulate(campaign: &mut Campaign, writer: &mut Writer, anyway: bool, done: &m
             simulated.n_done
         );
     }
-    done.notices.extend(failed_in_words(&problem, simulated.n_done, simulated.failed));
+    done.notices.extend(failed_in_words(&problem, simulated.n_done, &simulated.failed));
     let values = campaign.simulated()?;
     if values.len() > 1 && !tells_designs_apart(&values) {
         done.notices.push(format!(
