@@ -1,9 +1,10 @@
 //! `docs/results-constraints.md`: how often what was promised of a constraint held, or of a run to give a value, and how good the
 //! recommended designs are.
 
-use page::{Axis, Column, Finding, LineFigure, Panel, Series, Table, line_figure, quantile};
+use page::{Column, Finding, Table, quantile};
 
 use super::constrained::{ALLOWED, BATCHES, CASES, Case, EDGE, RESPONDING, Row, SEEDS, WAYS, Way};
+use super::figure::Regrets;
 use crate::first_screen::around;
 use crate::words::number;
 
@@ -215,7 +216,6 @@ fn table(rows: &[Row], part: Part, by_batch: bool) -> Table {
 }
 
 fn picture(rows: &[Row]) -> String {
-    let batches: Vec<f64> = (1..=BATCHES).map(|batch| batch as f64).collect();
     let curve = |way: &Way, part: Part, n_factors: usize| -> Vec<f64> {
         let has = |case: &Case| case.family().is_ok_and(|family| family.n_factors == n_factors);
         let is_one = |name: &str| part.cases().any(|case| case.name == name && has(case));
@@ -228,23 +228,14 @@ fn picture(rows: &[Row]) -> String {
             .collect()
     };
     let panel = |(part, n_factors): (Part, usize)| {
-        let curves: Vec<(&Way, Vec<f64>)> = WAYS.iter().map(|way| (way, curve(way, part, n_factors))).collect();
-        let heights: Vec<f64> = curves.iter().flat_map(|(_, y)| y).flat_map(|y| [0.85 * y, 1.18 * y]).collect();
-        let series = curves.iter().map(|(way, y)| {
-            let line = Series::line(way.words, &batches, y);
-            if way.name == WAYS[0].name { line } else { line.dashed() }
-        });
         let what = if part == Part::Bound { "regret" } else { "runs fail: regret" };
-        Panel {
-            x_axis: Some(Axis::new("batches of experiments", "1").counting_to(BATCHES)),
-            y_axis: Axis::new(&format!("{what}, {n_factors} parameters"), "% of range").in_ratios(heights),
-            series: series.collect(),
-        }
+        let curves = WAYS.iter().map(|way| (way.words, curve(way, part, n_factors))).collect();
+        (format!("{what}, {n_factors} parameters"), curves)
     };
-    line_figure(&LineFigure {
-        title: "How much worse the recommended design is than the best that keeps to the bound".to_owned(),
-        x_axis: Axis::new("batches of experiments", "1").counting_to(BATCHES),
+    Regrets {
+        title: "How much worse the recommended design is than the best that keeps to the bound",
         panels: [Part::Bound, Part::Failing].into_iter().flat_map(|part| [(part, 2), (part, 4)]).map(panel).collect(),
-        shaded: None,
-    })
+        is_one_scale: false,
+    }
+    .picture()
 }

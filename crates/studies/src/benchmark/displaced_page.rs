@@ -1,13 +1,17 @@
 //! The part of the page on simulations that are right of another design.
 
+use std::ops::RangeInclusive;
+
 use page::{Column, Finding, Table};
 
-use super::families::{DISPLACED, Family};
-use super::methods::DEAR;
+use super::families::{DISPLACED, Family, names};
+use super::figure::{PICTURED, Regrets};
+use super::methods::{DEAR, METHODS};
 use super::results::{Beside, Displaced, Results, Row};
-use super::summary::{Paired, paired, percent, promised, regret};
+use super::summary::{FLOOR, Paired, paired, percent, promised, regret, typical};
 use super::task::{BATCHES, DISPLACED_SEEDS};
 
+pub(super) const PICTURE: &str = "docs/results-displaced.svg";
 /// Batches after which is compared.
 const AFTER: [usize; 3] = [1, 3, BATCHES];
 
@@ -19,6 +23,13 @@ pub(super) fn section(kept: &Displaced) -> String {
          regret of the other) with its standard error, and how many seeds both ran. BoTorch knows experiments only.\n\n",
         DISPLACED_SEEDS.start(),
         DISPLACED_SEEDS.end()
+    );
+    text += &format!(
+        "![Regret where the simulation is displaced](results-displaced.svg)\n\nGeometric mean over families of the mean over the seeds that all ran, \
+         {} % added to each: {}; {}.\n\n",
+        percent(FLOOR),
+        Pictured::of(kept, PICTURED[0]).words(),
+        Pictured::of(kept, PICTURED[1]).words(),
     );
     text += &regrets(&kept.cheap).markdown();
     text += &format!(
@@ -32,6 +43,44 @@ pub(super) fn section(kept: &Displaced) -> String {
              the true displacement lies in the band that is said (nine in ten), and the share.\n\n";
     text += &bands(kept).markdown();
     text
+}
+
+/// Families of a number of parameters, and the seeds from the first on that all ran.
+struct Pictured {
+    families: Vec<&'static Family>,
+    seeds: RangeInclusive<u64>,
+}
+
+impl Pictured {
+    fn of(kept: &Displaced, n_factors: usize) -> Self {
+        let families: Vec<&Family> = DISPLACED.iter().filter(|family| family.n_factors == n_factors).collect();
+        let of_each = [&kept.cheap, &kept.dear];
+        let all =
+            || of_each.iter().flat_map(|one| [&one.ours].into_iter().chain(one.others.iter().map(|(_, other)| other)));
+        let ran = |seed: &u64| all().all(|results| families.iter().all(|family| results.has(family.name, *seed)));
+        let n = DISPLACED_SEEDS.take_while(ran).count() as u64;
+        Self { families, seeds: *DISPLACED_SEEDS.start()..=DISPLACED_SEEDS.start() + n - 1 }
+    }
+
+    fn words(&self) -> String {
+        format!("{}, seeds {} to {}", names(&self.families), self.seeds.start(), self.seeds.end())
+    }
+}
+
+pub(super) fn picture(kept: &Displaced) -> String {
+    let ways = [(&kept.cheap, "all simulated"), (&kept.dear, "few simulated")];
+    let panels = PICTURED.into_iter().flat_map(|n_factors| {
+        ways.map(|(one, which)| {
+            let Pictured { families, seeds } = Pictured::of(kept, n_factors);
+            let ours = [(METHODS[0].words, &one.ours)].into_iter();
+            let all = ours.chain(one.others.iter().map(|(words, results)| (*words, results)));
+            let curves =
+                all.filter_map(|(words, results)| Some((words, typical(results, &families, &seeds)?))).collect();
+            (format!("{n_factors} parameters, {which}"), curves)
+        })
+    });
+    let title = "How much worse the recommended design is than the best, where the simulation is displaced";
+    Regrets { title, panels: panels.collect(), is_one_scale: true }.picture()
 }
 
 fn bands(kept: &Displaced) -> Table {

@@ -605,6 +605,11 @@ fn borehole(rng: &mut ChaCha8Rng) -> (Function, Function) {
     (Box::new(move |u| flow(u, TAU, 1.0) + bowl(u)), Box::new(move |u| flow(u, 5.0, 1.5) + 0.8 * other(u)))
 }
 
+/// Their names, as they are on pages.
+pub(super) fn names(families: &[&Family]) -> String {
+    families.iter().map(|family| format!("`{}`", family.name)).collect::<Vec<_>>().join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

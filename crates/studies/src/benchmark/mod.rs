@@ -6,6 +6,7 @@ mod constrained_page;
 pub(crate) mod constrained_run;
 mod displaced_page;
 mod families;
+mod figure;
 mod methods;
 mod page;
 mod results;

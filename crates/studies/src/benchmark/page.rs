@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use anyhow::{Result, ensure};
-use page::{Axis, Column, Finding, LineFigure, Panel, Series, Table, line_figure, quantile};
+use page::{Column, Finding, Table, quantile};
 
 use super::bands::{self, Kind};
 use super::displaced_page;
-use super::families::{DECOYS, DISPLACED, FAMILIES, Family};
+use super::families::{DECOYS, DISPLACED, FAMILIES, Family, names};
+use super::figure::{Curve, PICTURED, Regrets};
 use super::methods::{METHODS, UNTOLD};
 use super::results::{Fresh, PEERS, Results};
 use super::summary::{
@@ -52,8 +53,9 @@ pub(super) fn check(root: &Path, kept: &[Results], fresh: &Fresh) -> Result<()> 
     )
 }
 
-fn texts(kept: &[Results], fresh: &Fresh) -> Result<[(&'static str, String); 2]> {
-    Ok([(PAGE, markdown(kept, fresh)?), (PICTURE, picture(kept))])
+fn texts(kept: &[Results], fresh: &Fresh) -> Result<[(&'static str, String); 3]> {
+    let displaced = (displaced_page::PICTURE, displaced_page::picture(&fresh.displaced));
+    Ok([(PAGE, markdown(kept, fresh)?), (PICTURE, picture(kept)), displaced])
 }
 
 /// A method that has rows.
@@ -97,53 +99,20 @@ impl Common {
     }
 }
 
-const PICTURED: [usize; 2] = [2, 4];
-
-/// A method in words, and its regret after each batch.
-type Curve<'a> = (&'a str, Vec<f64>);
-
 fn picture(kept: &[Results]) -> String {
-    let batches: Vec<f64> = (1..=BATCHES).map(|batch| batch as f64).collect();
     let methods = present(kept);
     let curves = |n_factors: usize| -> Vec<Curve<'_>> {
         let Common { families, seeds } = Common::of(kept, n_factors);
-        let curve = |method: &Kept<'_>| {
-            let of = |batch| Some(100.0 * typical(method.results, &families, seeds, batch)?);
-            Some((method.words, (1..=BATCHES).map(of).collect::<Option<Vec<f64>>>()?))
-        };
+        let curve = |method: &Kept<'_>| Some((method.words, typical(method.results, &families, &(1..=seeds))?));
         methods
             .iter()
             .filter(|method| !method.is_blind && method.results.method() != NOT_DRAWN)
             .filter_map(curve)
             .collect()
     };
-    let panels: Vec<(usize, Vec<Curve<'_>>)> =
-        PICTURED.into_iter().map(|n_factors| (n_factors, curves(n_factors))).collect();
-    let values = panels.iter().flat_map(|(_, curves)| curves).flat_map(|(_, curve)| curve);
-    // Both panels on one scale, with room for the dots.
-    let all: Vec<f64> = values.flat_map(|value| [0.85 * value, 1.18 * value]).collect();
-    let panel = |(n_factors, curves): (usize, Vec<Curve<'_>>)| {
-        let y_axis = Axis::new(&format!("regret, {n_factors} parameters"), "% of range").in_ratios(all.clone());
-        let series = curves.iter().map(|(words, curve)| {
-            let line = Series::line(words, &batches, curve);
-            if *words == METHODS[0].words { line } else { line.dashed() }
-        });
-        Panel {
-            x_axis: Some(Axis::new("batches of experiments", "1").counting_to(BATCHES)),
-            y_axis,
-            series: series.collect(),
-        }
-    };
-    line_figure(&LineFigure {
-        title: "How much worse the recommended design is than the best".to_owned(),
-        x_axis: Axis::new("batches of experiments", "1").counting_to(BATCHES),
-        panels: panels.into_iter().map(panel).collect(),
-        shaded: None,
-    })
-}
-
-fn names(families: &[&Family]) -> String {
-    families.iter().map(|family| format!("`{}`", family.name)).collect::<Vec<_>>().join(", ")
+    let panel = |n_factors: usize| (format!("regret, {n_factors} parameters"), curves(n_factors));
+    let panels = PICTURED.map(panel).to_vec();
+    Regrets { title: "How much worse the recommended design is than the best", panels, is_one_scale: true }.picture()
 }
 
 fn names_or_none(families: &[&Family]) -> String {

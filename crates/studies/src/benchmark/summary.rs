@@ -1,5 +1,7 @@
 //! What the rows of a method come to.
 
+use std::ops::RangeInclusive;
+
 use page::quantile;
 
 use super::families::{FAMILIES, Family};
@@ -248,18 +250,20 @@ pub(super) fn forecasts<'a>(
     found
 }
 
-/// Geometric mean over families of the mean regret over the seeds, the floor added to each; none where a campaign is missing.
-pub(super) fn typical(results: &Results, families: &[&Family], seeds: u64, batch: usize) -> Option<f64> {
-    let mut logs = 0.0;
-    for family in families {
-        let regrets: Vec<f64> =
-            rows_of(results, family, batch).iter().filter(|row| row.seed <= seeds).map(|row| row.regret).collect();
-        if regrets.len() as u64 != seeds {
-            return None;
-        }
-        logs += (regrets.iter().sum::<f64>() / seeds as f64 + FLOOR).ln();
-    }
-    (!families.is_empty()).then(|| (logs / families.len() as f64).exp())
+/// After each batch, in percent, the geometric mean over families of the mean regret over the seeds, the floor added to each; none where a
+/// campaign is missing.
+pub(super) fn typical(results: &Results, families: &[&Family], seeds: &RangeInclusive<u64>) -> Option<Vec<f64>> {
+    let log_mean = |family: &Family, batch: usize| {
+        let rows = rows_of(results, family, batch);
+        let regrets: Vec<f64> = rows.iter().filter(|row| seeds.contains(&row.seed)).map(|row| row.regret).collect();
+        let is_whole = regrets.len() == seeds.clone().count() && !regrets.is_empty();
+        is_whole.then(|| (regrets.iter().sum::<f64>() / regrets.len() as f64 + FLOOR).ln())
+    };
+    let after = |batch: usize| {
+        let logs = families.iter().map(|family| log_mean(family, batch)).collect::<Option<Vec<f64>>>()?;
+        (!logs.is_empty()).then(|| 100.0 * (logs.iter().sum::<f64>() / logs.len() as f64).exp())
+    };
+    (1..=BATCHES).map(after).collect()
 }
 
 #[cfg(test)]
