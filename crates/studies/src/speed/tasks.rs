@@ -142,10 +142,14 @@ struct Fitted {
 
 fn surfaces() -> Result<[Fitted; 3]> {
     let model = Model::quadratic(K)?;
-    let along_one_axis = Part {
-        words: "the same with distances along one axis alone",
-        run: over_points_of(1, Arc::new(SquaredExponential::fit(data_of(1, N_DATA)?, SCALE)?))?,
+    let along_one_axis = |surface: Arc<dyn Surface>| -> Result<Option<Part>> {
+        let run = over_points_of(1, surface)?;
+        Ok(Some(Part { words: "the same with distances along one axis alone", run }))
     };
+    let of_one = |data: Data| -> Result<[Arc<dyn Surface>; 2]> {
+        Ok([Arc::new(InverseDistance::fit(data.clone(), 2.0)?), Arc::new(SquaredExponential::fit(data, SCALE)?)])
+    };
+    let [inverse_distance_of_one, squared_exponential_of_one] = of_one(data_of(1, N_DATA)?)?;
     Ok([
         Fitted {
             words: ["regression, 15 terms, on the grid", "regression, 15 terms, at points in memory"],
@@ -157,13 +161,13 @@ fn surfaces() -> Result<[Fitted; 3]> {
             words: ["inverse distance, 54 data, on the grid", "inverse distance, 54 data, at points in memory"],
             surface: Arc::new(InverseDistance::fit(data(N_DATA)?, 2.0)?),
             reference: "inverse distance",
-            parts: [None, None],
+            parts: [None, along_one_axis(inverse_distance_of_one)?],
         },
         Fitted {
             words: ["squared exponential, 54 data, on the grid", "squared exponential, 54 data, at points in memory"],
             surface: Arc::new(SquaredExponential::fit(data(N_DATA)?, SCALE)?),
             reference: "squared exponential",
-            parts: [None, Some(along_one_axis)],
+            parts: [None, along_one_axis(squared_exponential_of_one)?],
         },
     ])
 }
