@@ -1,25 +1,27 @@
-//! Σ w J/q and Σ w/q over many data with few divisions: four fractions are brought to one denominator, because a division costs
-//! as much as ten products.
+//! Σ w J/q and Σ w/q over many data with few divisions: eight fractions are brought to one denominator, because a division costs
+//! as much as thirty products.
 
 use crate::weighted_average::{GROUP, Packed, Row};
 
-/// Where a product of four squared distances is below this, an estimate is computed in another way.
+/// Where a product of eight squared distances is below this, an estimate is computed in another way.
 const LEAST_PRODUCT: f64 = 1e-150;
-/// The largest coordinate for which no product of four squared distances, times a value, comes near an overflow.
-const LARGEST_COORDINATE: f64 = 1e20;
+/// The largest coordinate for which no product of eight squared distances, times a value, comes near an overflow.
+const LARGEST_COORDINATE: f64 = 1e8;
 
-/// The places of an average in groups of four. The last group is filled up by its last place with a weight of zero, which
+/// The places of an average in groups of eight. The last group is filled up by its last place with a weight of zero, which
 /// multiplies both sums of it by the same.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Groups {
     n_factors: usize,
     /// Point by point.
     coordinates: Vec<f64>,
+    /// Group by group, axis by axis.
+    by_axis: Vec<[f64; GROUP]>,
     groups: Vec<Group>,
     is_plain: bool,
 }
 
-/// Weights, and weights times values, of four places.
+/// Weights, and weights times values, of eight places.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Group {
     weights: [f64; GROUP],
@@ -37,8 +39,11 @@ impl Groups {
             Group { weights: number(|row| row.weight), weighted_values: number(|row| row.weighted_value) }
         };
         let groups = (0..padded).step_by(GROUP).map(group).collect();
+        let along = |points: &[f64], axis: usize| std::array::from_fn(|place| points[place * n_factors + axis]);
+        let of_groups = coordinates.chunks_exact(GROUP * n_factors);
+        let by_axis = of_groups.flat_map(|points| (0..n_factors).map(move |axis| along(points, axis))).collect();
         let is_plain = coordinates.iter().all(|&x| Self::is_plain_coordinate(x));
-        Self { n_factors, coordinates, groups, is_plain }
+        Self { n_factors, coordinates, by_axis, groups, is_plain }
     }
 
     /// Whether all coordinates are small enough for products of squared distances.
@@ -52,21 +57,20 @@ impl Groups {
         x.abs() <= LARGEST_COORDINATE
     }
 
-    /// The points, four for each group.
+    /// The points, eight for each group.
     pub(crate) fn points(&self) -> std::slice::ChunksExact<'_, f64> {
         self.coordinates.chunks_exact(self.n_factors)
     }
 
     #[inline(always)]
-    pub(crate) fn of_four(&self) -> &[Group] {
+    pub(crate) fn of_eight(&self) -> &[Group] {
         &self.groups
     }
 
-    /// Each group with the coordinates of its points.
+    /// Each group with the coordinates of its points, axis by axis.
     #[inline(always)]
-    pub(crate) fn with_points(&self) -> impl Iterator<Item = (&Group, std::slice::ChunksExact<'_, f64>)> {
-        let of_group = self.coordinates.chunks_exact(GROUP * self.n_factors);
-        self.groups.iter().zip(of_group.map(|points| points.chunks_exact(self.n_factors)))
+    pub(crate) fn with_coordinates(&self) -> impl Iterator<Item = (&Group, &[[f64; GROUP]])> {
+        self.groups.iter().zip(self.by_axis.chunks_exact(self.n_factors))
     }
 }
 
@@ -85,18 +89,21 @@ impl<const L: usize> Quotients<L> {
         Self { totals: [0.0; L], sums: [0.0; L], least: [f64::INFINITY; L] }
     }
 
-    /// Adds w/q and w J/q of four places; `squares` are q.
+    /// Adds w/q and w J/q of eight places; `square` is q of a place and a lane. Kept in an array before, they would be packed lane by lane.
     #[inline(always)]
-    pub(crate) fn add(&mut self, squares: &[[f64; L]; GROUP], group: &Group) {
-        let ([wa, wb, wc, wd], [va, vb, vc, vd]) = (group.weights, group.weighted_values);
-        let [of_a, of_b, of_c, of_d] = squares;
+    pub(crate) fn add(&mut self, square: impl Fn(usize, usize) -> f64, group: &Group) {
+        let ([weights, other_weights], []) = group.weights.as_chunks() else { return };
+        let ([values, other_values], []) = group.weighted_values.as_chunks() else { return };
         for lane in 0..L {
-            let [a, b, c, d] = [of_a[lane], of_b[lane], of_c[lane], of_d[lane]];
-            let (ab, cd) = (a * b, c * d);
-            let denominator = ab * cd;
+            let [a, b, c, d, e, f, g, h] = std::array::from_fn(|place| square(place, lane));
+            let (one, other) =
+                (Four::of([a, b, c, d], weights, values), Four::of([e, f, g, h], other_weights, other_values));
+            let denominator = one.denominator * other.denominator;
             let inverse = 1.0 / denominator;
-            self.totals[lane] += inverse * ((wa * b + wb * a) * cd + (wc * d + wd * c) * ab);
-            self.sums[lane] += inverse * ((va * b + vb * a) * cd + (vc * d + vd * c) * ab);
+            let total = one.total.mul_add(other.denominator, other.total * one.denominator);
+            let sum = one.sum.mul_add(other.denominator, other.sum * one.denominator);
+            self.totals[lane] = inverse.mul_add(total, self.totals[lane]);
+            self.sums[lane] = inverse.mul_add(sum, self.sums[lane]);
             self.least[lane] = if denominator < self.least[lane] { denominator } else { self.least[lane] };
         }
     }
@@ -108,5 +115,22 @@ impl<const L: usize> Quotients<L> {
             let average = self.sums[lane] / self.totals[lane];
             if self.least[lane] >= LEAST_PRODUCT { average } else { f64::NAN }
         })
+    }
+}
+
+/// Σ w/q and Σ w J/q of four places over one denominator, that is to say without a division.
+#[derive(Clone, Copy)]
+struct Four {
+    denominator: f64,
+    total: f64,
+    sum: f64,
+}
+
+impl Four {
+    #[inline(always)]
+    fn of([a, b, c, d]: [f64; 4], weights: &[f64; 4], values: &[f64; 4]) -> Self {
+        let (ab, cd) = (a * b, c * d);
+        let numerator = |of: &[f64; 4]| of[0].mul_add(b, of[1] * a).mul_add(cd, of[2].mul_add(d, of[3] * c) * ab);
+        Self { denominator: ab * cd, total: numerator(weights), sum: numerator(values) }
     }
 }

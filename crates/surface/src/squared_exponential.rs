@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
-use crate::exponential::exp_of_minus;
+use crate::exponential::fused_exp_of_minus;
 use crate::lanes::{is_usable, one_lane};
 use crate::over_grid::Exponentials;
 use crate::relative_average::{average, nearest, relative_weight};
@@ -181,7 +181,7 @@ impl<const L: usize> Sums<L> {
                 let coordinate = row.point[axis];
                 for lane in 0..L {
                     let difference = x[lane] - coordinate;
-                    of_row[lane] += difference * difference;
+                    of_row[lane] = difference.mul_add(difference, of_row[lane]);
                 }
             }
         }
@@ -191,19 +191,25 @@ impl<const L: usize> Sums<L> {
                 *nearest = if *exponent < *nearest { *exponent } else { *nearest };
             }
         }
-        let omegas = exp_of_minus(&exponents);
+        let omegas = fused_exp_of_minus(&exponents);
         for (of_row, row) in omegas.iter().zip(rows) {
             for (omega, (total, sum)) in of_row.iter().zip(self.totals.iter_mut().zip(&mut self.sums)) {
-                *total += omega * row.weight;
-                *sum += omega * row.weighted_value;
+                *total = omega.mul_add(row.weight, *total);
+                *sum = omega.mul_add(row.weighted_value, *sum);
             }
         }
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx+avx2+fma"))]
 fn estimate_lanes(surface: &SquaredExponential, block: &[Lanes], estimates: &mut Lanes) {
     *estimates = surface.estimate::<LANES>(block);
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx+avx2+fma"))]
+fn estimate_alone(surface: &SquaredExponential, block: &[[f64; 1]]) -> f64 {
+    let [estimate] = surface.estimate::<1>(block);
+    estimate
 }
 
 impl Surface for SquaredExponential {
@@ -213,7 +219,7 @@ impl Surface for SquaredExponential {
 
     fn predict(&self, point: &[f64]) -> f64 {
         match one_lane(point, self.n_factors()) {
-            Some(block) => self.estimate::<1>(&block[..point.len()])[0],
+            Some(block) => estimate_alone(self, &block[..point.len()]),
             None => f64::NAN,
         }
     }
@@ -270,5 +276,31 @@ impl TryFrom<Unchecked> for SquaredExponential {
 impl From<SquaredExponential> for Unchecked {
     fn from(surface: SquaredExponential) -> Self {
         Self { data: surface.data, scale: surface.scale, choice: surface.choice }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Here they are compiled without an instruction for a product and a sum, which a function then makes up for.
+        #[test]
+        fn a_machine_without_fused_instructions_gives_the_same_bits(
+            numbers in prop::collection::vec(-1.0..1.0, 4 * 13),
+            point in prop::collection::vec(-1.2..1.2, 3),
+        ) {
+            let (points, values) = numbers.split_at(3 * 13);
+            let data = Data::new(3, points.to_vec(), values.to_vec()).unwrap();
+            let surface = SquaredExponential::fit(data, 1.5).unwrap();
+            let block: Vec<Lanes> = point.iter().map(|&x| [x; LANES]).collect();
+            let [plain] = surface.estimate::<1>(&block.iter().map(|of_axis| [of_axis[0]]).collect::<Vec<_>>());
+            let mut estimates = [0.0; LANES];
+            surface.predict_lanes(&block, &mut estimates);
+            prop_assert_eq!(plain.to_bits(), estimates[0].to_bits());
+            prop_assert_eq!(plain.to_bits(), surface.predict(&point).to_bits());
+        }
     }
 }

@@ -3,7 +3,7 @@
 use crate::Data;
 
 /// Places that are summed before they are added to what others have summed, so that one sum need not wait for the last.
-pub(crate) const GROUP: usize = 4;
+pub(crate) const GROUP: usize = 8;
 
 /// One point that takes part in an average.
 #[derive(Debug, Clone, Copy)]
@@ -117,7 +117,7 @@ pub(crate) fn squared_distances<const L: usize>(block: &[[f64; L]], point: &[f64
     for (x, &coordinate) in block.iter().zip(point) {
         for lane in 0..L {
             let difference = x[lane] - coordinate;
-            squares[lane] += difference * difference;
+            squares[lane] = difference.mul_add(difference, squares[lane]);
         }
     }
     squares

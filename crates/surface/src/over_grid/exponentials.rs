@@ -108,12 +108,14 @@ impl ExponentialsRun<'_> {
         let numbers = self.weights.as_chunks::<GROUP>().0.iter().zip(self.weighted_values.as_chunks::<GROUP>().0);
         for (group, (weights, values)) in numbers.enumerate() {
             for block in 0..N {
-                let factors = &of_blocks[block][group];
-                for lane in 0..WIDTH {
-                    let [a, b, c, d] =
-                        [factors[lane], factors[WIDTH + lane], factors[2 * WIDTH + lane], factors[3 * WIDTH + lane]];
-                    totals[block][lane] += (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
-                    sums[block][lane] += (values[0] * a + values[1] * b) + (values[2] * c + values[3] * d);
+                let of_fours = of_blocks[block][group].as_chunks::<{ 4 * WIDTH }>().0;
+                let numbers = weights.as_chunks::<4>().0.iter().zip(values.as_chunks::<4>().0);
+                for (factors, (weights, values)) in of_fours.iter().zip(numbers) {
+                    for lane in 0..WIDTH {
+                        let [a, b, c, d] = std::array::from_fn(|place| factors[place * WIDTH + lane]);
+                        totals[block][lane] += (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
+                        sums[block][lane] += (values[0] * a + values[1] * b) + (values[2] * c + values[3] * d);
+                    }
                 }
             }
         }

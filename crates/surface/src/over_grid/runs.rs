@@ -149,7 +149,7 @@ fn fill_run(run: &impl Run, from: usize, estimates: &mut [f64]) {
     }
 }
 
-/// For each datum a number at each point of a run, and one at each level of each axis in front; data in groups of four.
+/// For each datum a number at each point of a run, and one at each level of each axis in front; data in groups of eight.
 #[derive(Debug)]
 pub(crate) struct AxisTables {
     /// For each axis in front, level by level, one number per datum.
@@ -161,7 +161,7 @@ pub(crate) struct AxisTables {
 
 impl AxisTables {
     /// With `entry` of a level and a coordinate of a datum, and `both` of the numbers of two axes; `data` are given by their
-    /// points, as many as a multiple of four.
+    /// points, as many as a multiple of eight.
     pub(crate) fn new(
         runs: &Runs<'_>,
         data: &[&[f64]],
@@ -195,7 +195,7 @@ impl AxisTables {
         &self.leading[axis][level as usize * self.n_data..][..self.n_data]
     }
 
-    /// For each group of four data their numbers at [`WIDTH`] points of a run from `at` on, a multiple of it.
+    /// For each group of eight data their numbers at [`WIDTH`] points of a run from `at` on, a multiple of it.
     #[inline(always)]
     pub(crate) fn of_run(&self, at: usize) -> &[[f64; GROUP * WIDTH]] {
         self.of_run[at * self.n_data..][..WIDTH * self.n_data].as_chunks().0

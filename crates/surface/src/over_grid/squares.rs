@@ -37,7 +37,7 @@ impl OverGrid for Squares<'_> {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx+avx2+fma"))]
 fn fill(squares: &Squares<'_>, first: u64, estimates: &mut [f64]) {
     let run = SquaresRun { squares, of_run: vec![0.0; squares.tables.n_data()] };
     squares.runs.fill(run, first, estimates, &squares.alone);
@@ -65,15 +65,9 @@ impl Run for SquaresRun<'_> {
     fn block(&self, at: usize) -> [f64; WIDTH] {
         let Squares { packed, groups, tables, .. } = self.squares;
         let mut quotients = Quotients::<WIDTH>::new();
-        let numbers = groups.of_four().iter().zip(self.of_run.as_chunks::<GROUP>().0);
+        let numbers = groups.of_eight().iter().zip(self.of_run.as_chunks::<GROUP>().0);
         for (along_run, (group, of_run)) in tables.of_run(at).iter().zip(numbers) {
-            let mut squares = [[0.0; WIDTH]; GROUP];
-            for (datum, square) in squares.iter_mut().enumerate() {
-                for lane in 0..WIDTH {
-                    square[lane] = of_run[datum] + along_run[datum * WIDTH + lane];
-                }
-            }
-            quotients.add(&squares, group);
+            quotients.add(|place, lane| of_run[place] + along_run[place * WIDTH + lane], group);
         }
         quotients.averages().map(|average| packed.within(average))
     }
