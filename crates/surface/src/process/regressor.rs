@@ -27,6 +27,8 @@ pub struct RegressorEvidence {
     alternatives: Vec<Alternative>,
     /// Correlations of the unknown parts of regressors.
     correlations: Mat<f64>,
+    /// Less their mean.
+    responses: Vec<f64>,
     n_points: usize,
 }
 
@@ -57,6 +59,7 @@ impl RegressorEvidence {
         }
         let points: Vec<&[f64]> = data.points().collect();
         let mean = data.values().iter().sum::<f64>() / n_points as f64;
+        let centered: Vec<f64> = data.values().iter().map(|value| value - mean).collect();
         let square = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(a, b)| (a - b).powi(2)).sum() };
         let correlations = Mat::from_fn(n_points, n_points, |i, j| smooth_correlation(square(points[i], points[j])));
         let pairs = RESIDUALS.into_iter().flat_map(|residual| NOISES.map(|noise| [residual, noise]));
@@ -70,14 +73,13 @@ impl RegressorEvidence {
             let llt = matrix.llt(Side::Lower).ok()?;
             let (factor, inverse) = (llt.L().to_owned(), llt.inverse());
             let log_determinant = (0..n_points).map(|i| 2.0 * factor[(i, i)].ln()).sum();
-            let responses = solved(&factor, data.values().iter().map(|value| value - mean));
-            let weighted =
-                (0..n_points).map(|i| (0..n_points).map(|j| inverse[(i, j)] * (data.values()[j] - mean)).sum());
+            let responses = solved(&factor, centered.iter().copied());
+            let weighted = (0..n_points).map(|i| (0..n_points).map(|j| inverse[(i, j)] * centered[j]).sum());
             let weighted = weighted.collect();
             Some(Alternative { factor, log_determinant, responses, inverse, weighted })
         });
         let alternatives = alternatives.collect();
-        Ok(Self { alternatives, correlations, n_points })
+        Ok(Self { alternatives, correlations, responses: centered, n_points })
     }
 
     /// Logarithm of the marginal likelihood with this regressor, up to a constant of the responses. It is to be of order one: the prior
@@ -101,13 +103,7 @@ impl RegressorEvidence {
     /// [`Error::Length`] unless there is one value, and one deviation, per response; [`Error::Value`] for a deviation that is negative or no
     /// number.
     pub fn log_likelihood_in_part(&self, regressor: &[f64], unknown: &[f64]) -> Result<f64, Error> {
-        let most = Data::LARGEST;
-        if let Some(point) = unknown.iter().position(|deviation| !(0.0..=most).contains(deviation)) {
-            return Err(Error::Value { point, value: unknown[point], most });
-        }
-        if unknown.len() != self.n_points {
-            return Err(Error::Length { name: "deviations", expected: self.n_points, found: unknown.len() });
-        }
+        self.check_unknown(unknown)?;
         let points: Vec<usize> = (0..self.n_points).filter(|&point| unknown[point] > 0.0).collect();
         if points.is_empty() || regressor.len() != self.n_points {
             return self.log_likelihood(regressor);
@@ -122,6 +118,55 @@ impl RegressorEvidence {
         };
         let parts = UnknownParts { points, factor: factor.L().to_owned() };
         Ok(of_all(self.alternatives.iter().map(|one| one.log_likelihood(regressor, Some(&parts)))))
+    }
+
+    /// The same without each of the responses in turn: what stands and falls with one of them is seen by that. The mean that all are less
+    /// by stays that of all.
+    ///
+    /// # Errors
+    ///
+    /// As [`log_likelihood_in_part`](Self::log_likelihood_in_part).
+    pub fn log_likelihoods_without_each(&self, regressor: &[f64], unknown: &[f64]) -> Result<Vec<f64>, Error> {
+        self.check_unknown(unknown)?;
+        if regressor.len() != self.n_points {
+            return Err(Error::Length { name: "values", expected: self.n_points, found: regressor.len() });
+        }
+        let of_each = self.alternatives.iter().filter_map(|one| self.without_each(one, regressor, unknown));
+        let of_each: Vec<Vec<f64>> = of_each.collect();
+        Ok((0..self.n_points).map(|left_out| of_all(of_each.iter().map(|one| one[left_out]))).collect())
+    }
+
+    /// By one pair of sizes. Without response i the determinant is that of all times the entry P_ii of the inverse, and the square of the
+    /// responses less by (P y)_i²/P_ii (Rasmussen and Williams 2006, section 5.4.2).
+    fn without_each(&self, one: &Alternative, regressor: &[f64], unknown: &[f64]) -> Option<Vec<f64>> {
+        let n = self.n_points;
+        let base = &one.factor * one.factor.transpose();
+        let matrix = Mat::from_fn(n, n, |i, j| {
+            base[(i, j)] + regressor[i] * regressor[j] + unknown[i] * unknown[j] * self.correlations[(i, j)]
+        });
+        let llt = matrix.llt(Side::Lower).ok()?;
+        let (factor, inverse) = (llt.L(), llt.inverse());
+        let log_determinant: f64 = (0..n).map(|i| 2.0 * factor[(i, i)].ln()).sum();
+        let weighted = |i: usize| -> f64 { (0..n).map(|j| inverse[(i, j)] * self.responses[j]).sum() };
+        let weighted: Vec<f64> = (0..n).map(weighted).collect();
+        let square: f64 = weighted.iter().zip(&self.responses).map(|(weighted, response)| weighted * response).sum();
+        let without = |i: usize| {
+            let left = square - weighted[i].powi(2) / inverse[(i, i)];
+            let left = left.max(f64::EPSILON * square).max(f64::MIN_POSITIVE);
+            -0.5 * (log_determinant + inverse[(i, i)].ln() + (n - 1) as f64 * left.ln())
+        };
+        Some((0..n).map(without).collect())
+    }
+
+    fn check_unknown(&self, unknown: &[f64]) -> Result<(), Error> {
+        let most = Data::LARGEST;
+        if let Some(point) = unknown.iter().position(|deviation| !(0.0..=most).contains(deviation)) {
+            return Err(Error::Value { point, value: unknown[point], most });
+        }
+        if unknown.len() != self.n_points {
+            return Err(Error::Length { name: "deviations", expected: self.n_points, found: unknown.len() });
+        }
+        Ok(())
     }
 }
 

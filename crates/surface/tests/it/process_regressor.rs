@@ -11,7 +11,7 @@ struct Fixture {
     cases: Vec<Case>,
 }
 
-#[derive(Deserialize)]
+#[derive(Clone, Deserialize)]
 struct Case {
     points: Vec<Vec<f64>>,
     values: Vec<f64>,
@@ -114,4 +114,31 @@ fn errors_say_what_was_allowed() {
     let same = Data::new(1, vec![-1.0, 0.0, 1.0], vec![2.0; 3]).unwrap();
     let evidence = RegressorEvidence::of(&same).unwrap();
     assert!(evidence.log_likelihood(&[1.0, -2.0, 1.0]).unwrap().is_finite());
+}
+
+/// As if it had never been there: shown where the response that is left out is the mean of the others, so that the mean stays what it was.
+#[test]
+fn likelihoods_without_each_are_those_of_all_others() {
+    for case in cases().into_iter().filter(|case| case.values.len() > 2) {
+        let n = case.values.len();
+        for left_out in 0..n {
+            let of_others = |all: &[f64]| -> Vec<f64> {
+                all.iter().enumerate().filter(|(place, _)| *place != left_out).map(|(_, value)| *value).collect()
+            };
+            let others = of_others(&case.values);
+            let mut values = case.values.clone();
+            values[left_out] = others.iter().sum::<f64>() / others.len() as f64;
+            let all = Case { values, ..case.clone() };
+            let mut points = case.points.clone();
+            points.remove(left_out);
+            let fewer = Case { points, values: others, ..case.clone() };
+            let [all, fewer] = [all.evidence(), fewer.evidence()];
+            for regressor in &case.regressors {
+                let found = all.log_likelihoods_without_each(regressor, &case.unknown).expect("one value per response");
+                let expected =
+                    fewer.log_likelihood_in_part(&of_others(regressor), &of_others(&case.unknown)).expect("as many");
+                check_close(found[left_out], expected, 1e-7 * (1.0 + expected.abs()), "log likelihood without one");
+            }
+        }
+    }
 }
