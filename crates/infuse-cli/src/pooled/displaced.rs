@@ -47,6 +47,7 @@ fn why_not(told: &Registration) -> &'static str {
         Some(Refused::BeyondBounds) => {
             "for most of the results that place is beyond the bounds, where it tells little or nothing"
         }
+        Some(Refused::OneResult) => "that rests on a single result, which may be a slip",
         None => "the results are not sure of it",
     }
 }

@@ -222,7 +222,7 @@ class Registration:
     explained_in_place: float
     """Squared correlation of the readings of which it tells within the bounds with what the simulation says of their own designs."""
     refused: Optional[str] = None
-    """Why it is not believed, however probable it is: `too_far` or `beyond_bounds`."""
+    """Why it is not believed, however probable it is: `too_far`, `beyond_bounds` or `one_result`."""
 
 
 @dataclass(frozen=True)
