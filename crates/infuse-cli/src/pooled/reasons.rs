@@ -9,13 +9,18 @@ pub(super) fn reasons(of_each: &[Reason], has_simulation: bool) -> Finding {
         true => "where least is known of what may be best, should the simulation be wrong",
         false => "where least is known of what may be best, should there be no trend",
     };
-    let all: [(Reason, &str, &str); 6] = [
+    let all: [(Reason, &str, &str); 7] = [
         (Reason::Again, "for again", "again where what was measured is far from what all others say"),
         (Reason::Around, "for around", "around a design that was measured to be far better than runs elsewhere say"),
         (
             Reason::Gain,
             "for gain",
             "where one more run is expected to improve the best response most, repeats included",
+        ),
+        (
+            Reason::Little,
+            "for little",
+            "where one more run is expected to improve the best response most, but by next to nothing, as anywhere",
         ),
         (Reason::Doubt, "for doubt", doubt),
         (Reason::Coverage, "for coverage", "where most of what can be set is far from any run"),

@@ -169,9 +169,10 @@ impl Finds {
         let taken: Vec<Cell> = pending.iter().copied().chain(Pick::cells(picks)).collect();
         let count = (picks.len() / ONE_IN).max(1);
         let cells = self.around(designs, &taken, count, rng)?.map_or_else(Vec::new, |(_, cells)| cells);
-        let n_of = |reason: Reason| picks.iter().filter(|pick| pick.reason == reason).count();
-        let commonest = if n_of(Reason::Gain) >= n_of(Reason::Coverage) { Reason::Gain } else { Reason::Coverage };
-        let common = picks.iter_mut().rev().filter(|pick| pick.reason == commonest);
+        let n_of = |is_of: fn(Reason) -> bool| picks.iter().filter(|pick| is_of(pick.reason)).count();
+        let covers: fn(Reason) -> bool = |reason| reason == Reason::Coverage;
+        let is_commonest = if n_of(Reason::is_gain) >= n_of(covers) { Reason::is_gain } else { covers };
+        let common = picks.iter_mut().rev().filter(|pick| is_commonest(pick.reason));
         for (pick, cell) in common.zip(cells.into_iter().filter(|&cell| may_be_picked(cell))) {
             *pick = Pick { cell, reason: Reason::Around };
         }

@@ -98,6 +98,7 @@ pub(crate) fn pick(
                         n_spared += 1;
                         (doubted.widest(&coverage, &coded, &economy), Reason::Coverage)
                     }
+                    _ if gain <= NEGLIGIBLE * believed.range() => (row, Reason::Little),
                     _ => (row, Reason::Gain),
                 }
             }

@@ -11,6 +11,8 @@ pub enum Reason {
     Start,
     /// It is expected to lower the best response most.
     Gain,
+    /// It is expected to lower it most, but by next to nothing, as every other.
+    Little,
     /// One who believes neither the simulation nor a trend knows least there of what may be best.
     Doubt,
     /// No run is near.
@@ -19,6 +21,13 @@ pub enum Reason {
     Again,
     /// What was measured near it is far better than runs elsewhere say.
     Around,
+}
+
+impl Reason {
+    /// Whether it is the one that is expected to gain most.
+    pub(crate) fn is_gain(self) -> bool {
+        matches!(self, Self::Gain | Self::Little)
+    }
 }
 
 /// An experiment that is asked for.
