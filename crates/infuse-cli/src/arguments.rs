@@ -215,7 +215,7 @@ pub(crate) struct Tell {
     /// A remark for the journal
     #[arg(long)]
     pub(crate) note: Option<String>,
-    /// Replace the results known of the same experiments, as long as no later batch rests on them
+    /// Replace the results known of the same experiments; with the dissertation's loop as long as no later batch rests on them
     #[arg(long)]
     pub(crate) correct: bool,
     /// With --id and --correct: which of several runs of the experiment to replace, 1 for the first

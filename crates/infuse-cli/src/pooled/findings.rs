@@ -81,11 +81,15 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     }
     if let Some(cell) = campaign.choice_of_the_simulation()? {
         let design = problem.describe(&campaign.grid.point(cell)?);
-        let there = campaign.standing(cell)?.map_or_else(String::new, |there| {
-            let chance = likely_to_keep(campaign, &there);
-            let known_to = resolution(found).max(there.deviation);
-            format!(", where {} is expected{chance}", value_to(response, there.mean, known_to))
-        });
+        let there = match (campaign.failure_at(cell), campaign.standing(cell)?) {
+            (Some(reason), _) => format!(", where a run failed ({reason})"),
+            (None, Some(there)) => {
+                let chance = likely_to_keep(campaign, &there);
+                let known_to = resolution(found).max(there.deviation);
+                format!(", where {} is expected{chance}", value_to(response, there.mean, known_to))
+            }
+            (None, None) => String::new(),
+        };
         let stands = as_it_stands(found).map_or_else(String::new, |stands| format!(", {stands},"));
         let sentence = match campaign.n_simulated_of_many()? {
             Some(n) => {

@@ -101,8 +101,8 @@ fn try_simulator(folder: &Path, problem: &Problem, grid: &Grid, designs: &[Vec<f
 /// A second simulation is tried if the first one took no longer.
 const QUICK: Duration = Duration::from_secs(5);
 
-/// That another design gives the very same value, if it does.
-fn same_elsewhere(
+/// What another design gives: the very same value, another or none.
+fn elsewhere(
     folder: &Path,
     problem: &Problem,
     program: &Program,
@@ -117,7 +117,13 @@ fn same_elsewhere(
             Some(Finding::new(format!("Careful: {at} gives exactly the same: does the simulation take its settings?")))
         }
         Ran::Interrupted => bail!("interrupted: nothing was written down"),
-        _ => None,
+        Ran::Value { .. } => {
+            Some(Finding::new("A second one, elsewhere, gives another value: it takes its settings. Neither is kept."))
+        }
+        Ran::Failed(reason) => {
+            let at = problem.describe(other);
+            Some(Finding::new(format!("A second one, at {at}, gives no value: {reason}. Neither is kept.")))
+        }
     })
 }
 
@@ -149,7 +155,7 @@ fn run_one(folder: &Path, problem: &Problem, program: &Program, designs: &[Vec<f
                     let sentence = format!("It says nothing of {}: experiments alone will.", held.name());
                     finding = finding.detail(Finding::new(sentence));
                 }
-                finding = same_elsewhere(folder, problem, program, &designs[tried + 1..], value, took)?
+                finding = elsewhere(folder, problem, program, &designs[tried + 1..], value, took)?
                     .into_iter()
                     .fold(finding, Finding::detail);
                 findings.push(finding);
