@@ -9,7 +9,7 @@ pub(super) fn reasons(of_each: &[Reason], has_simulation: bool) -> Finding {
         true => "where least is known of what may be best, should the simulation be wrong",
         false => "where least is known of what may be best, should there be no trend",
     };
-    let all: [(Reason, &str, &str); 7] = [
+    let all: [(Reason, &str, &str); 8] = [
         (Reason::Again, "for again", "again where what was measured is far from what all others say"),
         (Reason::Around, "for around", "around a design that was measured to be far better than runs elsewhere say"),
         (
@@ -21,6 +21,11 @@ pub(super) fn reasons(of_each: &[Reason], has_simulation: bool) -> Finding {
             Reason::Little,
             "for little",
             "where one more run is expected to improve the best response most, but by next to nothing, as anywhere",
+        ),
+        (
+            Reason::Noise,
+            "for noise",
+            "again where the best was measured, which puts the noise that was given to the test",
         ),
         (Reason::Doubt, "for doubt", doubt),
         (Reason::Coverage, "for coverage", "where most of what can be set is far from any run"),

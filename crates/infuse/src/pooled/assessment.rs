@@ -227,6 +227,8 @@ pub(crate) struct Look {
     /// Cells of outliers that another run may explain.
     again: Vec<Cell>,
     finds: Finds,
+    /// Where the lowest response was measured.
+    best_read: Cell,
 }
 
 /// So many promising cells are looked at on each plant of a batch.
@@ -297,6 +299,9 @@ impl Look {
         let certificate = draws.certificate(settings.confidence);
         let forecast = draws.forecast(settings.confidence, settings.n_experiments);
         let (left, n_left) = left(knowledge, &pool, cell, settings.confidence)?;
+        let lowest = readings.iter().filter(|reading| designs.allows(reading.cell));
+        let lowest = lowest.min_by(|a, b| a.response.total_cmp(&b.response).then(a.number.cmp(&b.number)));
+        let best_read = lowest.map_or(cell, |reading| reading.cell);
         let n_repeats = knowledge.process.sites().n_repeats();
         let needed = Needed::of(&evidence, designs, settings, n_repeats);
         let bands = Bands::of(readings, designs.n_terms());
@@ -327,7 +332,14 @@ impl Look {
             forecast,
         };
         let doubted = knowledge.sceptic.as_ref().map(|sceptic| sceptic.marginals(&pool.places));
-        Ok(Self { assessment, pool: pool.reduced(doubted.as_ref(), settings.seed, batch), coverage, again, finds })
+        Ok(Self {
+            assessment,
+            pool: pool.reduced(doubted.as_ref(), settings.seed, batch),
+            coverage,
+            again,
+            finds,
+            best_read,
+        })
     }
 
     /// The cells of the next batch.
@@ -361,11 +373,40 @@ impl Look {
         for (pick, again) in picks.iter_mut().zip(&self.again) {
             *pick = Pick { cell: *again, reason: Reason::Again };
         }
+        if let Some(cell) = self.to_test_noise(knowledge, settings, pending, &picks) {
+            let last = picks.iter().rposition(|pick| pick.reason.is_gain()).unwrap_or(picks.len() - 1);
+            picks[last] = Pick { cell, reason: Reason::Noise };
+        }
         // No other plant is built for what lies around a find.
         let allowed = Economy::of(settings.plants.as_ref(), knowledge.designs).confined_to(economy.built());
         let mut rng = stream(settings.seed, Purpose::Finds, batch);
         self.finds.look_around(knowledge.designs, &mut picks, pending, |cell| allowed.allows(cell), &mut rng)?;
         Ok(picks)
+    }
+}
+
+/// Of fewer experiments a batch none is given away to test the noise.
+const FEWEST_TO_TEST: usize = 4;
+/// So many repeats are a test: where the noise is ten times what was given, one agrees by chance one time in five.
+const ENOUGH_TO_TEST: usize = 2;
+
+impl Look {
+    /// A design to be run again where the noise was given, and hardly anything has been run twice: too little noise would make of every band and
+    /// promise less than it is, and nothing else shows it. The one of the best reading, which is of use anyway; none where plants are
+    /// dear.
+    fn to_test_noise(
+        &self,
+        knowledge: &Knowledge<'_, '_>,
+        settings: &Settings,
+        pending: &[Cell],
+        picks: &[Pick],
+    ) -> Option<Cell> {
+        let is_given = settings.noise.is_some_and(|noise| noise > 0.0) && settings.plants.is_none();
+        let measured = |cell: &Cell| knowledge.measured.contains(cell);
+        let is_tested = self.assessment.n_repeats >= ENOUGH_TO_TEST
+            || pending.iter().any(measured)
+            || picks.iter().any(|pick| measured(&pick.cell));
+        (is_given && !is_tested && picks.len() >= FEWEST_TO_TEST).then_some(self.best_read)
     }
 }
 

@@ -21,6 +21,8 @@ pub enum Reason {
     Again,
     /// What was measured near it is far better than runs elsewhere say.
     Around,
+    /// The noise was given, and hardly anything was run twice.
+    Noise,
 }
 
 impl Reason {

@@ -301,6 +301,36 @@ fn responses_of_another_size_than_the_simulation_and_all_equal_ones_are_taken() 
     assert!((found.recommended.mean - 5.0).abs() < 1e-3 && found.certificate.bound < 0.3, "{found:?}");
 }
 
+/// One run of the best that was measured in the second batch and in the third, where nothing else is run twice, and no more.
+#[test]
+fn noise_that_is_given_is_put_to_the_test() {
+    for seed in 1..=6 {
+        let mut settings = batches(8, 4, seed);
+        settings.noise = Some(0.02);
+        let mut campaign = campaign(2, 21, settings);
+        let mut lowest = (f64::INFINITY, None);
+        let mut n_tested = 0;
+        while let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("no fault") {
+            let cells: BTreeSet<Cell> = trials.iter().map(|trial| trial.cell).collect();
+            let asked_for_that = trials.iter().filter(|trial| campaign.reason(trial.id) == Some(Reason::Noise));
+            for trial in asked_for_that {
+                assert_eq!((Some(trial.cell), cells.len()), (lowest.1, 8), "seed {seed}");
+                assert!([2, 3].contains(&trial.batch), "seed {seed}");
+                n_tested += 1;
+            }
+            for trial in trials {
+                let response = noisy(seed, 0.02, truth)(&trial).expect("a response");
+                lowest = if response < lowest.0 { (response, Some(trial.cell)) } else { lowest };
+                campaign.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
+            }
+            if campaign.batch() >= 2 {
+                assert!(assessed(&mut campaign).n_repeats > 0, "seed {seed}");
+            }
+        }
+        assert!(n_tested <= 2 && assessed(&mut campaign).n_repeats >= 2, "{n_tested}, seed {seed}");
+    }
+}
+
 /// A noise of zero is a promise: kept, it is believed; broken by repeats that differ, the campaign goes on.
 #[test]
 fn noise_of_zero_is_taken_whether_or_not_repeats_agree() {
