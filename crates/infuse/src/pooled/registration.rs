@@ -164,6 +164,14 @@ impl Simulation for Emulation<'_> {
     }
 }
 
+/// What a simulation says of each reading.
+struct Said {
+    /// With the mean 0 and the standard deviation 1.
+    said: Vec<f64>,
+    /// The standard deviation of what is unknown of that.
+    unknown: Vec<f64>,
+}
+
 struct Search<'s> {
     designs: &'s Designs,
     free: Vec<usize>,
@@ -223,7 +231,9 @@ impl<'s> Search<'s> {
             return Ok(*known);
         }
         let probability = match self.regressor(one)? {
-            Some((said, unknown)) => self.evidence.log_likelihood_in_part(&said, &unknown)? + self.log_prior(one),
+            Some(Said { said, unknown }) => {
+                self.evidence.log_likelihood_in_part(&said, &unknown)? + self.log_prior(one)
+            }
             None => f64::NEG_INFINITY,
         };
         self.known.insert(one.clone(), probability);
@@ -231,7 +241,7 @@ impl<'s> Search<'s> {
     }
 
     /// What the simulation says from there of each reading, and how far that is unknown; nothing where it says nothing, or the same everywhere.
-    fn regressor(&mut self, one: &Displacement) -> Result<Option<(Vec<f64>, Vec<f64>)>, Error> {
+    fn regressor(&mut self, one: &Displacement) -> Result<Option<Said>, Error> {
         let there: Vec<Cell> = self.cells.iter().flat_map(|&cell| self.told_by(one, cell)).collect();
         let Some(said) = self.simulation.says(self.designs, &there)? else { return Ok(None) };
         let said: Vec<f64> = said.chunks_exact(2).map(|pair| went_on(pair[0], pair[1])).collect();
@@ -243,7 +253,7 @@ impl<'s> Search<'s> {
         let said: Vec<f64> = said.into_iter().map(|value| (value - mean) / deviation).collect();
         // Beyond the bounds nobody knows what it would say.
         let unknown = self.cells.iter().map(|&cell| left_of(correlation(one.beyond(self.designs, cell))));
-        Ok(Some((said, unknown.collect())))
+        Ok(Some(Said { said, unknown: unknown.collect() }))
     }
 
     fn log_prior(&self, one: &Displacement) -> f64 {
@@ -257,8 +267,7 @@ impl<'s> Search<'s> {
         let (Some(there), Some(in_place)) = (self.regressor(one)?, self.regressor(&self.none())?) else {
             return Ok(false);
         };
-        let without_each =
-            |(said, unknown): (Vec<f64>, Vec<f64>)| self.evidence.log_likelihoods_without_each(&said, &unknown);
+        let without_each = |one: Said| self.evidence.log_likelihoods_without_each(&one.said, &one.unknown);
         let (there, in_place) = (without_each(there)?, without_each(in_place)?);
         let prior = self.log_prior(one);
         Ok(there.into_iter().zip(in_place).any(|(there, in_place)| there + prior <= in_place))
