@@ -188,3 +188,12 @@ fn check_source(expected: usize, source: &dyn PointSource) -> Result<(), Error> 
         Err(Error::FactorMismatch { what: "the source of points", expected, found })
     }
 }
+
+/// What a surface gives in lanes, and at the point alone, bit by bit.
+#[cfg(test)]
+pub(crate) fn bits_at(surface: &impl Surface, point: &[f64]) -> [u64; 2] {
+    let block: Vec<Lanes> = point.iter().map(|&x| [x; LANES]).collect();
+    let mut estimates = [0.0; LANES];
+    surface.predict_lanes(&block, &mut estimates);
+    [estimates[0].to_bits(), surface.predict(point).to_bits()]
+}

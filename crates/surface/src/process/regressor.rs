@@ -152,8 +152,7 @@ impl RegressorEvidence {
         let square: f64 = weighted.iter().zip(&self.responses).map(|(weighted, response)| weighted * response).sum();
         let without = |i: usize| {
             let left = square - weighted[i].powi(2) / inverse[(i, i)];
-            let left = left.max(f64::EPSILON * square).max(f64::MIN_POSITIVE);
-            -0.5 * (log_determinant + inverse[(i, i)].ln() + (n - 1) as f64 * left.ln())
+            of_scale(log_determinant + inverse[(i, i)].ln(), [left, square], n - 1)
         };
         Some((0..n).map(without).collect())
     }
@@ -168,6 +167,13 @@ impl RegressorEvidence {
         }
         Ok(())
     }
+}
+
+/// The logarithm of the marginal likelihood of so many responses, of whose `square` so much is left: the scale is integrated out.
+fn of_scale(log_determinant: f64, [left, square]: [f64; 2], n: usize) -> f64 {
+    // Responses that are all the same leave nothing to explain.
+    let left = left.max(f64::EPSILON * square).max(f64::MIN_POSITIVE);
+    -0.5 * (log_determinant + n as f64 * left.ln())
 }
 
 /// The logarithm of the sum of what these are the logarithms of.
@@ -211,9 +217,7 @@ impl Alternative {
             square = (square - of_responses).max(0.0);
         }
         let left = square - common.powi(2) / grown;
-        // Responses that are all the same leave nothing to explain.
-        let left = left.max(f64::EPSILON * square).max(f64::MIN_POSITIVE);
-        -0.5 * (log_determinant + grown.ln() + self.responses.len() as f64 * left.ln())
+        of_scale(log_determinant + grown.ln(), [left, square], self.responses.len())
     }
 
     /// By how much unknown parts, A + UVUᵀ, change the logarithm of the determinant and, of regressor s and responses y, sᵀA⁻¹y, sᵀA⁻¹s and yᵀA⁻¹y
