@@ -21,11 +21,13 @@ pub(crate) struct Groups {
     is_plain: bool,
 }
 
-/// Weights, and weights times values, of eight places.
+/// Weights, and weights times values, of eight places, four and four.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Group {
-    weights: [f64; GROUP],
-    weighted_values: [f64; GROUP],
+    weights: [[f64; GROUP / 2]; 2],
+    weighted_values: [[f64; GROUP / 2]; 2],
+    /// All weights are 1, as those of places with a datum each: they need no product.
+    is_even: bool,
 }
 
 impl Groups {
@@ -35,8 +37,12 @@ impl Groups {
         let row = |place: usize| rows.get(place).or(rows.last());
         let coordinates: Vec<f64> = (0..padded).filter_map(row).flat_map(|row| row.point).copied().collect();
         let group = |first: usize| {
-            let number = |of: fn(&Row<'_>) -> f64| std::array::from_fn(|place| rows.get(first + place).map_or(0.0, of));
-            Group { weights: number(|row| row.weight), weighted_values: number(|row| row.weighted_value) }
+            let number = |place: usize, of: fn(&Row<'_>) -> f64| rows.get(first + place).map_or(0.0, of);
+            let numbers = |of: fn(&Row<'_>) -> f64| {
+                std::array::from_fn(|half| std::array::from_fn(|place| number(half * (GROUP / 2) + place, of)))
+            };
+            let (weights, weighted_values) = (numbers(|row| row.weight), numbers(|row| row.weighted_value));
+            Group { weights, weighted_values, is_even: weights == [[1.0; GROUP / 2]; 2] }
         };
         let groups = (0..padded).step_by(GROUP).map(group).collect();
         let along = |points: &[f64], axis: usize| std::array::from_fn(|place| points[place * n_factors + axis]);
@@ -92,12 +98,24 @@ impl<const L: usize> Quotients<L> {
     /// Adds w/q and w J/q of eight places; `square` is q of a place and a lane. Kept in an array before, they would be packed lane by lane.
     #[inline(always)]
     pub(crate) fn add(&mut self, square: impl Fn(usize, usize) -> f64, group: &Group) {
-        let ([weights, other_weights], []) = group.weights.as_chunks() else { return };
-        let ([values, other_values], []) = group.weighted_values.as_chunks() else { return };
+        let ([weights, other_weights], [values, other_values]) = (&group.weights, &group.weighted_values);
+        if group.is_even {
+            self.add_fours(square, |q| Four::even(q, values), |q| Four::even(q, other_values));
+        } else {
+            self.add_fours(square, |q| Four::of(q, weights, values), |q| Four::of(q, other_weights, other_values));
+        }
+    }
+
+    #[inline(always)]
+    fn add_fours(
+        &mut self,
+        square: impl Fn(usize, usize) -> f64,
+        first: impl Fn([f64; 4]) -> Four,
+        second: impl Fn([f64; 4]) -> Four,
+    ) {
         for lane in 0..L {
             let [a, b, c, d, e, f, g, h] = std::array::from_fn(|place| square(place, lane));
-            let (one, other) =
-                (Four::of([a, b, c, d], weights, values), Four::of([e, f, g, h], other_weights, other_values));
+            let (one, other) = (first([a, b, c, d]), second([e, f, g, h]));
             let denominator = one.denominator * other.denominator;
             let inverse = 1.0 / denominator;
             let total = one.total.mul_add(other.denominator, other.total * one.denominator);
@@ -128,9 +146,46 @@ struct Four {
 
 impl Four {
     #[inline(always)]
-    fn of([a, b, c, d]: [f64; 4], weights: &[f64; 4], values: &[f64; 4]) -> Self {
+    fn of(q: [f64; 4], weights: &[f64; 4], values: &[f64; 4]) -> Self {
+        let [a, b, c, d] = q;
+        let pairs = [weights[0].mul_add(b, weights[1] * a), weights[2].mul_add(d, weights[3] * c)];
+        Self::with_pairs(q, pairs, values)
+    }
+
+    /// Those of weight 1, with the same bits.
+    #[inline(always)]
+    fn even(q: [f64; 4], values: &[f64; 4]) -> Self {
+        let [a, b, c, d] = q;
+        Self::with_pairs(q, [b + a, d + c], values)
+    }
+
+    /// With the numerators of w_1/a + w_2/b and w_3/c + w_4/d.
+    #[inline(always)]
+    fn with_pairs([a, b, c, d]: [f64; 4], [first, second]: [f64; 2], values: &[f64; 4]) -> Self {
         let (ab, cd) = (a * b, c * d);
-        let numerator = |of: &[f64; 4]| of[0].mul_add(b, of[1] * a).mul_add(cd, of[2].mul_add(d, of[3] * c) * ab);
-        Self { denominator: ab * cd, total: numerator(weights), sum: numerator(values) }
+        let (one, other) = (values[0].mul_add(b, values[1] * a), values[2].mul_add(d, values[3] * c));
+        let over_both = |first: f64, second: f64| first.mul_add(cd, second * ab);
+        Self { denominator: ab * cd, total: over_both(first, second), sum: over_both(one, other) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Places with a datum each take fewer products, and nothing else is otherwise.
+        #[test]
+        fn weights_of_one_need_no_product(
+            q in prop::array::uniform4(1e-9..1e3), values in prop::array::uniform4(-1e3..1e3),
+        ) {
+            let (even, weighted) = (Four::even(q, &values), Four::of(q, &[1.0; 4], &values));
+            prop_assert_eq!(
+                [even.denominator, even.total, even.sum].map(f64::to_bits),
+                [weighted.denominator, weighted.total, weighted.sum].map(f64::to_bits)
+            );
+        }
     }
 }

@@ -89,9 +89,7 @@ impl RegressorEvidence {
     ///
     /// [`Error::Length`] unless there is one value per response.
     pub fn log_likelihood(&self, regressor: &[f64]) -> Result<f64, Error> {
-        if regressor.len() != self.n_points {
-            return Err(Error::Length { name: "values", expected: self.n_points, found: regressor.len() });
-        }
+        self.check_length(regressor)?;
         Ok(of_all(self.alternatives.iter().map(|one| one.log_likelihood(regressor, None))))
     }
 
@@ -128,9 +126,7 @@ impl RegressorEvidence {
     /// As [`log_likelihood_in_part`](Self::log_likelihood_in_part).
     pub fn log_likelihoods_without_each(&self, regressor: &[f64], unknown: &[f64]) -> Result<Vec<f64>, Error> {
         self.check_unknown(unknown)?;
-        if regressor.len() != self.n_points {
-            return Err(Error::Length { name: "values", expected: self.n_points, found: regressor.len() });
-        }
+        self.check_length(regressor)?;
         let of_each = self.alternatives.iter().filter_map(|one| self.without_each(one, regressor, unknown));
         let of_each: Vec<Vec<f64>> = of_each.collect();
         Ok((0..self.n_points).map(|left_out| of_all(of_each.iter().map(|one| one[left_out]))).collect())
@@ -155,6 +151,13 @@ impl RegressorEvidence {
             of_scale(log_determinant + inverse[(i, i)].ln(), [left, square], n - 1)
         };
         Some((0..n).map(without).collect())
+    }
+
+    fn check_length(&self, regressor: &[f64]) -> Result<(), Error> {
+        if regressor.len() != self.n_points {
+            return Err(Error::Length { name: "values", expected: self.n_points, found: regressor.len() });
+        }
+        Ok(())
     }
 
     fn check_unknown(&self, unknown: &[f64]) -> Result<(), Error> {
