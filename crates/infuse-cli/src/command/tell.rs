@@ -23,14 +23,15 @@ use crate::shell::infuse;
 
 pub(crate) fn tell(folder: &Path, wait: Duration, tell: &Tell) -> Result<Output> {
     let (mut campaign, mut writer) = folder::open(folder, wait)?;
-    let notices = campaign.take_notices();
-    let (Answers { filled, n_empty, lacks }, from) = match &tell.sheet {
+    let mut notices = campaign.take_notices();
+    let (Answers { filled, n_empty, said_twice, lacks }, from) = match &tell.sheet {
         Some(path) => (answers(path, campaign.problem(), &campaign.experiments().trials)?, path.display().to_string()),
         None => {
             let filled = vec![single(tell, &*campaign)?];
-            (Answers { filled, n_empty: 0, lacks: Vec::new() }, "the command line".to_owned())
+            (Answers { filled, n_empty: 0, said_twice: Vec::new(), lacks: Vec::new() }, "the command line".to_owned())
         }
     };
+    notices.extend(said_twice);
     let (fresh, n_known) = fresh(&*campaign, filled, &from, tell.correct)?;
     let (n, infuse) = (fresh.len(), infuse(campaign.folder()));
     let (mut findings, json) = take(&mut *campaign, &mut writer, fresh, &from, (n_known, n_empty))?;

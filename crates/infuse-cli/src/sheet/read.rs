@@ -35,6 +35,8 @@ pub(crate) struct Answers {
     pub(crate) filled: Vec<Answer>,
     /// How many rows have neither a value nor a reason.
     pub(crate) n_empty: usize,
+    /// Of each row that says once more what another says of the same experiment, that it does.
+    pub(crate) said_twice: Vec<String>,
     /// Headings of constraints that the sheet has no column for, as one that was written before they came.
     pub(crate) lacks: Vec<String>,
 }
@@ -76,12 +78,22 @@ pub(crate) fn answers(path: &Path, problem: &Problem, trials: &BTreeMap<u64, Tri
     }
     none_of(&path.display().to_string(), &faults)?;
     // A row that comes twice and says the same is said once.
-    let mut seen = std::collections::BTreeSet::new();
-    filled.retain(|answer| answer.repeat > 0 || seen.insert(answer.id));
+    let (mut seen, mut said_twice) = (BTreeMap::new(), Vec::new());
+    filled.retain(|answer| {
+        let first = if answer.repeat > 0 { answer.row } else { *seen.entry(answer.id).or_insert(answer.row) };
+        if first != answer.row {
+            let Answer { id, row, .. } = answer;
+            said_twice.push(format!(
+                "row {row} says of experiment {id} what row {first} says, and was not counted; one more run of {id} gets a row with \
+                 an empty `id` and `repeats` = {id}"
+            ));
+        }
+        first == answer.row
+    });
     let held = (0..problem.constraints.len()).map(|index| reader.columns.constrained(index));
     let lacking = held.filter(|&column| !reader.table.has(column));
     let lacks = lacking.map(|column| reader.columns.all[column].heading()).collect();
-    Ok(Answers { filled, n_empty, lacks })
+    Ok(Answers { filled, n_empty, said_twice, lacks })
 }
 
 /// What a row of a form says about a trial: its cells from the response to the note, as a sheet has them; nothing if all

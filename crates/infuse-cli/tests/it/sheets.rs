@@ -88,7 +88,9 @@ fn an_id_that_comes_twice_with_different_values_is_refused_and_with_the_same_is_
         "{error}"
     );
     rig.write("two.csv", &format!("{headings}\n3,7.5\n4,8\n3,7.5\n"));
-    assert!(rig.infuse(&["tell", "two.csv"]).ok().contains("Taken: 2 results."));
+    let said = rig.infuse(&["tell", "two.csv"]);
+    assert!(said.stderr.contains("row 4 says of experiment 3 what row 2 says, and was not counted"), "{}", said.stderr);
+    assert!(said.ok().contains("Taken: 2 results."));
     rig.write("two.csv", &format!("{headings}\n3,7.6\n5,9\n"));
     let error = rig.infuse(&["tell", "two.csv"]).error();
     assert!(error.contains("expected the result known before, 7.5 mm/s"), "{error}");
