@@ -147,9 +147,7 @@ struct Four {
 impl Four {
     #[inline(always)]
     fn of(q: [f64; 4], weights: &[f64; 4], values: &[f64; 4]) -> Self {
-        let [a, b, c, d] = q;
-        let pairs = [weights[0].mul_add(b, weights[1] * a), weights[2].mul_add(d, weights[3] * c)];
-        Self::with_pairs(q, pairs, values)
+        Self::with_pairs(q, Self::pairs(q, weights), values)
     }
 
     /// Those of weight 1, with the same bits.
@@ -159,13 +157,19 @@ impl Four {
         Self::with_pairs(q, [b + a, d + c], values)
     }
 
-    /// With the numerators of w_1/a + w_2/b and w_3/c + w_4/d.
+    /// The numerators of w_1/a + w_2/b and w_3/c + w_4/d.
     #[inline(always)]
-    fn with_pairs([a, b, c, d]: [f64; 4], [first, second]: [f64; 2], values: &[f64; 4]) -> Self {
+    fn pairs([a, b, c, d]: [f64; 4], of: &[f64; 4]) -> [f64; 2] {
+        [of[0].mul_add(b, of[1] * a), of[2].mul_add(d, of[3] * c)]
+    }
+
+    /// With those of the weights.
+    #[inline(always)]
+    fn with_pairs(q: [f64; 4], of_weights: [f64; 2], values: &[f64; 4]) -> Self {
+        let [a, b, c, d] = q;
         let (ab, cd) = (a * b, c * d);
-        let (one, other) = (values[0].mul_add(b, values[1] * a), values[2].mul_add(d, values[3] * c));
-        let over_both = |first: f64, second: f64| first.mul_add(cd, second * ab);
-        Self { denominator: ab * cd, total: over_both(first, second), sum: over_both(one, other) }
+        let over_both = |[first, second]: [f64; 2]| first.mul_add(cd, second * ab);
+        Self { denominator: ab * cd, total: over_both(of_weights), sum: over_both(Self::pairs(q, values)) }
     }
 }
 
