@@ -59,6 +59,7 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     let mut best = recommendation(campaign, found).detail(expected(campaign, found, here));
     best = constrained_there(campaign, here).into_iter().fold(best, Finding::detail);
     best = best.detail(run_there(campaign, found, here));
+    best = stands_on(campaign, found).into_iter().fold(best, Finding::detail);
     if campaign.is_to_be_asked(here.cell) {
         let sentence = "Whether it can be built is not known: the command of [can_be_built], as it is now, is asked by the next \
                         `infuse ask` or `infuse confirm`.";
@@ -185,6 +186,21 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
         },
     };
     Finding::new(sentence).with("runs there", here.n_readings as f64, "1")
+}
+
+/// That the recommended design stands on a single run, which the others do not expect, and what it would be without it.
+fn stands_on(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
+    let (doubted, response) = (found.doubted?, &campaign.problem.response);
+    let (_, cost) = *campaign.readings().get(doubted.reading)?;
+    let name = campaign.full_name_of(*campaign.origins().get(doubted.reading)?);
+    let sentence = format!(
+        "It stands on {name} alone ({}), which the others do not expect: without that {} would be expected there. Until it was run \
+         again, nobody knows whether it is a slip.",
+        value_to(response, cost, resolution(found)),
+        value_to(response, doubted.mean_without, resolution(found))
+    );
+    let finding = Finding::new(sentence);
+    Some(finding.with("expected without it", response.of_cost(doubted.mean_without), &response.unit))
 }
 
 /// Settings are near if none of them differs by more than this share of its range.

@@ -77,6 +77,23 @@ fn a_value_beyond_all_sense_is_remarked_on_when_it_is_told() {
     assert!(!rig.infuse(&["status"]).ok().contains("Careful"));
 }
 
+/// A value ten times too low is recommended until it was run again; what the others say is said beside it, in their unit.
+#[test]
+fn a_recommendation_that_stands_on_a_slip_says_what_is_expected_without_it() {
+    let rig = Rig::pooled();
+    rig.infuse(&["ask"]).ok();
+    for id in 1..=9 {
+        rig.infuse(&["tell", "--id", &id.to_string(), "--value", &format!("70.{id}")]).ok();
+    }
+    assert!(!rig.infuse(&["status"]).ok().contains("It stands on"));
+    rig.infuse(&["tell", "--id", "10", "--value", "7.04"]).ok();
+    let said = rig.infuse(&["status"]).ok();
+    let from = said.find("It stands on experiment 10 alone (7.0").unwrap_or_else(|| panic!("{said}"));
+    let without = said[from..].split("without that ").nth(1).expect("what would be expected");
+    assert!(without.starts_with("70."), "the others lie between 70.1 and 70.9: {said}");
+    assert!(rig.infuse(&["status", "--json"]).ok().contains("\"expected without it\""));
+}
+
 #[test]
 fn a_simulation_that_is_the_same_everywhere_is_remarked_on() {
     let rig = Rig::pooled();

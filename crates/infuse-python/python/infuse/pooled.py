@@ -189,6 +189,14 @@ class Outlier:
 
 
 @dataclass(frozen=True)
+class Doubted:
+    """A reading, run once, on which the recommended design stands though the others do not expect it: its position, and what they expect there."""
+
+    reading: int
+    mean_without: float
+
+
+@dataclass(frozen=True)
 class Needed:
     """What a certificate waits for: so many `readings`, readings of so many different `designs`, or a design that is run again."""
 
@@ -257,6 +265,8 @@ class Assessment:
     """Whether readings are taken to have no noise, because that was said or because repeats do not differ at all."""
     n_left: Optional[int] = None
     """Number of designs that may still be the best, where all were looked at: of many, `left` is told from a sample."""
+    doubted: Optional[Doubted] = None
+    """The outlier on which the recommended design stands, if its settings were run but once: a slip, it may be."""
     needed: Optional[Needed] = None
     """What the certificate waits for before it says anything."""
     displacement: Optional[Dict[str, float]] = None
@@ -717,6 +727,7 @@ class PooledLoop:
             simulation=worth and _of(SimulationWorth, worth),
             contradiction=against,
             outliers=[_of(Outlier, outlier) for outlier in found["outliers"]],
+            doubted=_of(Doubted, found["doubted"]) if "doubted" in found else None,
             needed=_needed(found.get("needed")),
             find=named(self._names, found["find"]) if "find" in found else None,
             displacement=self._displacement(found.get("displacement")),

@@ -20,7 +20,7 @@ use crate::pooled::knowledge_gradient::pick;
 use crate::pooled::measurements::Reading;
 use crate::pooled::moments::correlation;
 use crate::pooled::narrow::narrow_well;
-use crate::pooled::outliers::{Outlier, Readings, outliers};
+use crate::pooled::outliers::{Doubted, Outlier, Readings, doubted, outliers};
 use crate::pooled::pool::Pool;
 use crate::pooled::reason::{Pick, Reason};
 use crate::pooled::recommendation::lowest_mean;
@@ -202,6 +202,10 @@ pub struct Assessment {
     pub find: Option<Vec<f64>>,
     /// Readings more than four standard deviations off, and those that are set aside.
     pub outliers: Vec<Outlier>,
+    /// The one of them on which the recommended design stands, if its settings were run but once: what is expected there holds unless that
+    /// reading is a slip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub doubted: Option<Doubted>,
     /// [Further batches](Forecast::further_batches) until the certificate is expected to be as small as the campaign's `worth`,
     /// open ones among them: 0 if it is. None without `worth`, and where there is no forecast.
     pub further_batches: Option<u64>,
@@ -322,6 +326,7 @@ impl Look {
             displacement: knowledge.displacement().map(|displacement| displacement.natural(designs)),
             contradiction: contradiction.map(|one| Contradiction { standing: one.standing.widened(bands), ..one }),
             find: find.map(|open| designs.grid().point(open.find)).transpose()?,
+            doubted: doubted(knowledge, readings, &open, (cell, recommended.mean), settings)?,
             outliers: set_aside.iter().copied().chain(open).collect(),
             recommended: recommended.widened(bands),
             further_batches: settings

@@ -24,7 +24,7 @@ use crate::pooled::streams::{Purpose, stream};
 pub(crate) struct View {
     pub(crate) mean: f64,
     /// Standard deviation of a reading there.
-    deviation: f64,
+    pub(crate) deviation: f64,
     /// Standard deviation of the noise alone.
     pub(crate) noise: f64,
 }

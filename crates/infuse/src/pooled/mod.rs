@@ -100,7 +100,7 @@ pub mod reported {
     pub use super::assessment::{Constrained, Contradiction, SimulationWorth};
     pub use super::bands::NINE_IN_TEN;
     pub use super::held::FEASIBLE;
-    pub use super::outliers::Outlier;
+    pub use super::outliers::{Doubted, Outlier};
     pub use super::registration::{Refused, Registration};
     pub use super::run_means::OfMeans;
 }

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use design_space::Cell;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::designs::Designs;
 use crate::pooled::knowledge::Knowledge;
 use crate::pooled::measurements::{Measurements, Reading};
@@ -20,6 +22,16 @@ pub struct Outlier {
     pub deviations: f64,
     /// Whether it is left out of the surface: other runs of its settings gave something else, which the others do expect.
     pub set_aside: bool,
+}
+
+/// A reading, run once, on which the recommended design stands though the others do not expect it: a slip, it may be, or a well that
+/// nobody knew of.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Doubted {
+    /// Position among the readings.
+    pub reading: usize,
+    /// The response that the others expect at the recommended design.
+    pub mean_without: f64,
 }
 
 /// The readings that make the surface, and those that do not.
@@ -96,6 +108,28 @@ pub(crate) fn outliers(
         }
     }
     Ok(worst.into_iter().collect())
+}
+
+/// The lowest of the readings that the others do not expect, if its settings were run but once and more would be expected of the
+/// recommended cell, of which this mean is, without it, beyond what a reading there may differ by.
+pub(crate) fn doubted(
+    knowledge: &mut Knowledge<'_, '_>,
+    readings: &[Reading],
+    unexpected: &[Outlier],
+    (cell, mean): (Cell, f64),
+    settings: &Settings,
+) -> Result<Option<Doubted>, Error> {
+    let is_low = |one: &&Reading| {
+        let mut of_it = unexpected.iter().filter(|outlier| outlier.reading == one.number);
+        of_it.any(|outlier| outlier.deviations < 0.0)
+            && readings.iter().filter(|other| other.cell == one.cell).count() == 1
+    };
+    let lowest = readings.iter().filter(is_low).min_by(|a, b| a.response.total_cmp(&b.response));
+    let Some(lowest) = lowest.filter(|_| readings.len() > 1) else { return Ok(None) };
+    let there = Reading { coded: knowledge.designs.coded_of(cell)?, cell, ..lowest.clone() };
+    let others = knowledge.seen_from(readings, |other| other.number == lowest.number, &there, settings)?;
+    let is_carried = others.mean - mean > NINE_IN_TEN * others.deviation;
+    Ok(is_carried.then_some(Doubted { reading: lowest.number, mean_without: others.mean }))
 }
 
 /// What follows from readings, but for those that are set aside.
