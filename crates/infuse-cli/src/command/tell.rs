@@ -92,6 +92,10 @@ pub(crate) fn take(
         findings.extend(
             experiments.open_batches().into_iter().map(|open| outstanding(open, experiments.n_outstanding_of(open))),
         );
+    } else if rows > 0 {
+        // A result put right, or one more run, may change what a whole sheet taught.
+        findings.extend(campaign.lesson()?);
+        findings.push(Finding::new(format!("Next: {} status", infuse(campaign.folder()))));
     }
     let json = json!({
         "taken": rows, "known": n_known, "empty": n_empty, "batch": batch, "outstanding": n_outstanding,

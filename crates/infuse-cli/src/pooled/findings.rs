@@ -221,7 +221,7 @@ fn near(campaign: &Campaign, point: &[f64]) -> Vec<f64> {
 /// How large a well may be that no run has met.
 fn unseen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
     // Where `smooth` says that there is none.
-    if campaign.problem.smooth == Some(true) {
+    if campaign.problem.smooth == Some(true) && !found.smooth_refuted {
         return None;
     }
     let share = found.unseen?;
@@ -273,7 +273,9 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
     };
     let excepted = excepted(campaign, found);
     let wells = match (campaign.problem.smooth, excepted) {
-        (Some(true), _) => format!(", without narrow {}s as `smooth` says", response.well()),
+        (Some(true), _) if !found.smooth_refuted => {
+            format!(", without narrow {}s as `smooth` says", response.well())
+        }
         (_, Some(share)) => {
             format!(
                 ", without a {} of less than {} of all designs that no run has met",
@@ -367,7 +369,8 @@ fn beyond_any_forecast(campaign: &Campaign, found: &Assessment, worth: f64) -> S
 /// differ by. Such a well may be as deep as that.
 fn excepted(campaign: &Campaign, found: &Assessment) -> Option<f64> {
     let is_held = found.certificate.bound >= found.forecast.spread;
-    if campaign.problem.smooth == Some(true) || is_held { None } else { found.unseen }
+    let is_smooth = campaign.problem.smooth == Some(true) && !found.smooth_refuted;
+    if is_smooth || is_held { None } else { found.unseen }
 }
 
 /// From this share of what runs of a plant share on it is said that it may be the plants' own.
@@ -390,10 +393,11 @@ fn even_more(campaign: &Campaign, found: &Assessment) -> String {
     let Some(enough) = forecast.reserves_until() else { return String::new() };
     format!(
         " {}; even more than that is held for a narrow {} that no run may have met, until {enough} designs were run ({} so far, a repeat \
-         counting half), or `smooth` in [stop] says that there surely is none.",
+         counting half){}.",
         by_the_surface_alone(campaign, found),
         response.well(),
-        plain(forecast.n_counted())
+        plain(forecast.n_counted()),
+        if found.smooth_refuted { "" } else { ", or `smooth` in [stop] says that there surely is none" }
     )
 }
 
@@ -428,9 +432,13 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
             let shown = forecast.narrow.map_or_else(String::new, |share| {
                 format!(" The simulation has one of {} of all designs, so that there may be others.", percent(share))
             });
+            let or_smooth = match found.smooth_refuted {
+                true => "",
+                false => ", or by `smooth` in [stop] if there surely is none",
+            };
             format!(
                 "{alone}{widened}; the rest is held for a narrow {well} that no run may have met. It falls away \
-                 at {enough} designs run ({n} so far, a repeat counting half), or by `smooth` in [stop] if there surely is none.{shown}"
+                 at {enough} designs run ({n} so far, a repeat counting half){or_smooth}.{shown}"
             )
         }
         None if forecast.is_for_a_find() => match &found.find {
@@ -564,7 +572,7 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
     let sentence = match (campaign.settings.noise, found.n_repeats) {
         (Some(given), _) => {
             let given = amount(&campaign.problem.response, given);
-            let untested = match (found.n_repeats, contradiction(campaign)) {
+            let untested = match (found.n_repeats, contradiction(campaign, found)) {
                 (0, _) => " Nothing was run twice, so nothing has put it to the test.".to_owned(),
                 (_, Some(repeats)) => {
                     format!(" Repeats contradict that: {}.", amount(&campaign.problem.response, repeats.measured()))

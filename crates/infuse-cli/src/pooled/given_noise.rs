@@ -1,6 +1,7 @@
 //! Whether repeats contradict the noise that the file gives: of the response, and of each constraint.
 
 use infuse::global::PureError;
+use infuse::pooled::Assessment;
 use page::Finding;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
@@ -76,24 +77,27 @@ fn n_repeated(runs: &[(Vec<f64>, f64)]) -> usize {
     settings.chunk_by(|a, b| a == b).filter(|same| same.len() > 1).count()
 }
 
-/// What repeats say against the noise of the response.
-pub(super) fn contradiction(campaign: &Campaign) -> Option<Contradiction> {
-    Contradiction::of(campaign.settings.noise, &campaign.runs())
+/// What repeats say against the noise of the response. A run that is set aside is a slip, and says nothing of it.
+pub(super) fn contradiction(campaign: &Campaign, found: &Assessment) -> Option<Contradiction> {
+    let is_set_aside = |at: usize| found.outliers.iter().any(|outlier| outlier.set_aside && outlier.reading == at);
+    let counted = campaign.readings().into_iter().enumerate().filter(|(at, _)| !is_set_aside(*at));
+    let runs: Vec<_> = counted.map(|(_, (origin, cost))| (campaign.settings_of(origin), cost)).collect();
+    Contradiction::of(campaign.settings.noise, &runs)
 }
 
 /// Noise that was given too small: what is said is too sure.
-pub(super) fn too_small(campaign: &Campaign) -> Vec<Finding> {
-    said(campaign, Contradiction::is_too_small)
+pub(super) fn too_small(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
+    said(campaign, found, Contradiction::is_too_small)
 }
 
 /// Noise that was given too large.
-pub(super) fn too_large(campaign: &Campaign) -> Vec<Finding> {
-    said(campaign, |contradiction| !contradiction.is_too_small())
+pub(super) fn too_large(campaign: &Campaign, found: &Assessment) -> Vec<Finding> {
+    said(campaign, found, |contradiction| !contradiction.is_too_small())
 }
 
-fn said(campaign: &Campaign, is_meant: impl Fn(&Contradiction) -> bool) -> Vec<Finding> {
+fn said(campaign: &Campaign, found: &Assessment, is_meant: impl Fn(&Contradiction) -> bool) -> Vec<Finding> {
     let unit = &campaign.problem.response.unit;
-    let of_response = contradiction(campaign).filter(&is_meant);
+    let of_response = contradiction(campaign, found).filter(&is_meant);
     let of_response = of_response.map(|contradiction| contradiction.in_words("`noise` in [loop]", unit));
     let of_constraints = campaign.problem.constraints.iter().filter_map(|held| {
         let runs = campaign.runs_of(held.name());

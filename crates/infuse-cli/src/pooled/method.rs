@@ -184,7 +184,7 @@ impl campaign::Campaign for Campaign {
             "noise": json!({
                 "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats, "is_exact": found.is_exact,
                 "of_repeats": self.repeats().map(|repeats| repeats.standard_deviation()),
-                "is_contradicted": contradiction(self).is_some(),
+                "is_contradicted": contradiction(self, &found).is_some(),
             }),
             "constraints": as_json(self, &found.recommended.constrained),
             "spent": self.spent_until(self.batches.len()).map(|(cost, plants)| json!({ "cost": cost, "plants": plants })),
@@ -248,7 +248,7 @@ impl Campaign {
             let enough = amount(response, worth);
             let than_enough = match found.certificate.bound > 0.0 {
                 true => format!("less than the {enough} that would be worth another batch"),
-                false => format!("and another batch would have to be worth {enough}"),
+                false => format!("and a gain of {enough} would be worth another batch"),
             };
             format!("with {}, {than_enough}", none_better(&self.problem, &found.certificate))
         }))

@@ -42,7 +42,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
     warnings.extend(set_aside(campaign, found));
     warnings.extend(beyond_the_bounds(campaign));
     warnings.extend(another_unit(campaign));
-    warnings.extend(too_large(campaign));
+    warnings.extend(too_large(campaign, found));
     warnings.extend(all_equal(campaign));
     warnings.extend(imported_twice(campaign));
     Ok(warnings)
@@ -59,6 +59,34 @@ pub(super) fn nothing_but_failures(campaign: &Campaign) -> Vec<Finding> {
         Finding::new(sentence).with("runs without a value", n as f64, "1")
     });
     said.into_iter().collect()
+}
+
+/// Where the upper quartile of the results is more than so many times the lower one, and the largest more than so many times the
+/// smallest, they span powers of ten.
+const QUARTILES_APART: f64 = 10.0;
+const ENDS_APART: f64 = 1000.0;
+/// Of so many results at least.
+const FEWEST_TO_SPAN: usize = 8;
+
+/// That results, all of one sign, span powers of ten: in their own unit a surface sees the largest of them alone.
+fn powers_of_ten(campaign: &Campaign) -> Option<Finding> {
+    let (response, costs) = (&campaign.problem.response, campaign.costs());
+    let is_of_one_sign = costs.iter().all(|cost| *cost > 0.0) || costs.iter().all(|cost| *cost < 0.0);
+    let mut sizes: Vec<f64> = costs.iter().map(|cost| cost.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let quarter = sizes.len() / 4;
+    let (low, high) = (*sizes.get(quarter)?, *sizes.get(sizes.len().checked_sub(quarter + 1)?)?);
+    let (least, most) = (*sizes.first()?, *sizes.last()?);
+    let is_spanning = high > QUARTILES_APART * low && most > ENDS_APART * least;
+    (is_of_one_sign && sizes.len() >= FEWEST_TO_SPAN && is_spanning).then(|| {
+        let [least, most] = [least, most].map(|size| value_to(response, costs[0].signum() * size, f64::NAN));
+        let sentence = format!(
+            "Results span powers of ten, {least} to {most}. In that unit the surface sees the largest alone and takes all others for \
+             equal. If they are so by nature, as a leak rate or a life is, begin a campaign whose response, `worth`, `noise` and \
+             simulation are logarithms, and import the logarithms of these results into it."
+        );
+        Finding::new(sentence).with("upper quartile by lower", high / low, "1")
+    })
 }
 
 /// That all results are the same number.
@@ -104,7 +132,7 @@ pub(super) fn suspects(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
     });
     let again = found.outliers.iter().filter(|one| !one.set_aside && is_seen_again(one));
     let again = seen_again(campaign, found, &again.copied().collect::<Vec<_>>());
-    too_small(campaign).into_iter().chain(once).chain(again).collect()
+    too_small(campaign, found).into_iter().chain(powers_of_ten(campaign)).chain(once).chain(again).collect()
 }
 
 /// Settings whose runs, more than one, are far from what runs of other settings say: named once, with their number and their mean.
@@ -126,7 +154,11 @@ fn seen_again(campaign: &Campaign, found: &Assessment, outliers: &[Outlier]) -> 
     });
     let named = named.collect::<Vec<_>>().join("; ");
     let more = if n_settings > MOST_NAMED { format!("; and {} more", n_settings - MOST_NAMED) } else { String::new() };
-    let smooth = if campaign.settings.smooth { ": `smooth` in [stop] may be wrong" } else { "" };
+    let smooth = match (campaign.settings.smooth, found.smooth_refuted) {
+        (_, true) => ": `smooth` in [stop] is not believed while that stands",
+        (true, false) => ": `smooth` in [stop] may be wrong",
+        (false, false) => "",
+    };
     (n_runs > 0).then(|| {
         let sentence = format!(
             "Seen more than once, though far from what runs of other settings say: {named}{more}. The response is steeper or \

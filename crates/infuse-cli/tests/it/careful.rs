@@ -40,6 +40,18 @@ fn a_spoilt_run_is_set_aside_once_it_was_run_again() {
     assert!(!asked["experiments"].as_array().unwrap().iter().any(is_there), "{asked}");
 }
 
+/// A spoilt run that was run again differs from its repeat by far more than the noise that was given, which is right all the same.
+#[test]
+fn a_run_that_is_set_aside_says_nothing_of_the_noise() {
+    let rig = rig_of(|a, b| wells(a, b, DEPTHS), "noise = 0.2\n");
+    for _ in 0..3 {
+        batch(&rig, |a, b, id| if id == 4 { Ok(5.0) } else { measure(a, b, id) });
+    }
+    let text = rig.infuse(&["status"]).ok();
+    assert!(text.contains("Set aside, because") && !text.contains("`noise` in [loop] is"), "{text}");
+    assert_eq!(rig.status()["noise"]["is_contradicted"], json!(false));
+}
+
 #[test]
 fn earlier_experiments_may_be_the_best_or_spoilt_or_failed() {
     let rig = rig_of(|a, b| wells(a, b, DEPTHS), "");

@@ -94,6 +94,35 @@ fn a_recommendation_that_stands_on_a_slip_says_what_is_expected_without_it() {
     assert!(rig.infuse(&["status", "--json"]).ok().contains("\"expected without it\""));
 }
 
+/// What a whole sheet would have said is said of one result that is put right, and of one more run, too.
+#[test]
+fn a_result_that_is_put_right_is_remarked_on() {
+    let rig = Rig::pooled();
+    rig.infuse(&["ask"]).ok();
+    for id in 1..=10 {
+        rig.infuse(&["tell", "--id", &id.to_string(), "--value", &format!("7.{id}")]).ok();
+    }
+    let said = rig.infuse(&["tell", "--id", "2", "--value", "1e9", "--correct"]).ok();
+    assert!(said.contains("Careful: far from what all others say: experiment 2"), "{said}");
+    let said = rig.infuse(&["tell", "--id", "2", "--value", "7.2", "--correct"]).ok();
+    assert!(said.contains("Recommended: ") && !said.contains("Careful"), "{said}");
+    assert!(rig.infuse(&["tell", "--id", "3", "--value", "7.31", "--again"]).ok().contains("Recommended: "));
+}
+
+#[test]
+fn results_that_span_powers_of_ten_are_remarked_on() {
+    let values: [(fn(i32) -> f64, bool); 2] = [(|id| 10.0_f64.powi(-id), true), (|id| 5.0 + f64::from(id), false)];
+    for (value, is_remarked_on) in values {
+        let rig = Rig::pooled();
+        rig.infuse(&["ask"]).ok();
+        for id in 1..=10 {
+            rig.infuse(&["tell", "--id", &id.to_string(), "--value", &value(id).to_string()]).ok();
+        }
+        let said = rig.infuse(&["status"]).ok();
+        assert_eq!(said.contains("Results span powers of ten, 1e-10 mm/s to 0.1 mm/s"), is_remarked_on, "{said}");
+    }
+}
+
 #[test]
 fn a_simulation_that_is_the_same_everywhere_is_remarked_on() {
     let rig = Rig::pooled();

@@ -267,6 +267,8 @@ class Assessment:
     """Number of designs that may still be the best, where all were looked at: of many, `left` is told from a sample."""
     doubted: Optional[Doubted] = None
     """The outlier on which the recommended design stands, if its settings were run but once: a slip, it may be."""
+    smooth_refuted: bool = False
+    """Whether the response is said to have no narrow well, and is not believed to: several runs of one design are far better than all others say."""
     needed: Optional[Needed] = None
     """What the certificate waits for before it says anything."""
     displacement: Optional[Dict[str, float]] = None

@@ -20,10 +20,10 @@ use crate::pooled::knowledge_gradient::pick;
 use crate::pooled::measurements::Reading;
 use crate::pooled::moments::correlation;
 use crate::pooled::narrow::narrow_well;
-use crate::pooled::outliers::{Doubted, Outlier, Readings, doubted, outliers};
+use crate::pooled::outliers::{Doubted, Outlier, Readings, doubted, is_seen_again, outliers};
 use crate::pooled::pool::Pool;
 use crate::pooled::reason::{Pick, Reason};
-use crate::pooled::recommendation::lowest_mean;
+use crate::pooled::recommendation::{lowest_mean, possible};
 use crate::pooled::registration::Registration;
 use crate::pooled::run_means::RunMeans;
 use crate::pooled::settings::Settings;
@@ -202,6 +202,10 @@ pub struct Assessment {
     pub find: Option<Vec<f64>>,
     /// Readings more than four standard deviations off, and those that are set aside.
     pub outliers: Vec<Outlier>,
+    /// Whether the response is [said](Settings::smooth) to have no narrow well, and is not believed to: runs of one design, more than one, are
+    /// far better than all others say.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub smooth_refuted: bool,
     /// The one of them on which the recommended design stands, if its settings were run but once: what is expected there holds unless that
     /// reading is a slip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -255,13 +259,20 @@ impl Look {
         let open = outliers(knowledge, readings, settings)?;
         let again = to_run_again(readings, &open, knowledge.process.noise());
         let tried: BTreeSet<Cell> = readings.iter().map(|reading| reading.cell).collect();
+        let refuted = settings.smooth && is_seen_again(readings, &open);
+        let unsmooth = Settings { smooth: false, ..settings.clone() };
+        let settings = if refuted { &unsmooth } else { settings };
         let may_be_recommended = |cell: &Cell| knowledge.designs.allows(*cell) && keeps(knowledge, constrained, *cell);
         let eligible: BTreeSet<Cell> = tried.iter().copied().filter(may_be_recommended).collect();
         let mut rng = stream(settings.seed, Purpose::Finds, batch);
         let finds = Finds::of(readings, &open, settings, |cell| eligible.contains(&cell));
         let finds = finds.with_pockets(knowledge, settings, |cell| eligible.contains(&cell), &mut rng)?;
         let pool = Pool::gather(knowledge, settings.seed, batch)?;
-        let cell = lowest_mean(knowledge, &pool, readings.len(), settings.seed, batch)?;
+        let lowest = lowest_mean(knowledge, &pool, readings.len(), settings.seed, batch)?;
+        let cell = match least(readings, settings) {
+            Some(least) => possible(knowledge, lowest, least, readings, &eligible)?,
+            None => lowest,
+        };
         let runs: Vec<&[f64]> = readings.iter().map(|reading| &reading.coded[..]).collect();
         let coverage = Coverage::of(knowledge.designs, &pool, &runs)?;
         let n_even = coverage.even_runs(knowledge.designs, readings.len(), settings.seed)?;
@@ -326,6 +337,7 @@ impl Look {
             displacement: knowledge.displacement().map(|displacement| displacement.natural(designs)),
             contradiction: contradiction.map(|one| Contradiction { standing: one.standing.widened(bands), ..one }),
             find: find.map(|open| designs.grid().point(open.find)).transpose()?,
+            smooth_refuted: refuted,
             doubted: doubted(knowledge, readings, &open, (cell, recommended.mean), settings)?,
             outliers: set_aside.iter().copied().chain(open).collect(),
             recommended: recommended.widened(bands),
@@ -472,10 +484,15 @@ pub(crate) fn standing(
     })
 }
 
+/// The least that a response can be, where that is known and no reading is less: nobody knows then what it is.
+fn least(readings: &[Reading], settings: &Settings) -> Option<f64> {
+    settings.least.filter(|least| readings.iter().all(|reading| reading.response >= *least))
+}
+
 /// How far a design is above the least that a response can be, the worse of what is expected there and what was measured, and the standard
-/// deviation of the former. None where a reading is less: nobody knows then what the least is.
+/// deviation of the former.
 fn above_the_least(here: &Standing, readings: &[Reading], settings: &Settings) -> Option<(f64, f64)> {
-    let least = settings.least.filter(|least| readings.iter().all(|reading| reading.response >= *least))?;
+    let least = least(readings, settings)?;
     Some((here.mean.max(here.measured.unwrap_or(here.mean)) - least, here.deviation))
 }
 

@@ -110,6 +110,13 @@ pub(crate) fn outliers(
     Ok(worst.into_iter().collect())
 }
 
+/// Whether a design that is far better than the others expect was run more than once.
+pub(crate) fn is_seen_again(readings: &[Reading], unexpected: &[Outlier]) -> bool {
+    let low = unexpected.iter().filter(|outlier| outlier.deviations < 0.0);
+    let mut cells = low.filter_map(|low| readings.iter().find(|one| one.number == low.reading)).map(|one| one.cell);
+    cells.any(|cell| readings.iter().filter(|other| other.cell == cell).count() > 1)
+}
+
 /// The lowest of the readings that the others do not expect, if its settings were run but once and more would be expected of the
 /// recommended cell, of which this mean is, without it, beyond what a reading there may differ by.
 pub(crate) fn doubted(

@@ -1,12 +1,14 @@
 //! The design with the lowest mean, of those that may be recommended.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use design_space::Cell;
 
 use crate::Error;
+use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::held::Chances;
 use crate::pooled::knowledge::Knowledge;
+use crate::pooled::measurements::Reading;
 use crate::pooled::pool::Pool;
 use crate::pooled::streams::{Purpose, stream};
 
@@ -100,4 +102,33 @@ pub(crate) fn lowest_mean(
     }
     let best = known.iter().min_by(|a, b| a.1.total_cmp(b.1).then(a.0.cmp(b.0)));
     Ok(best.map_or(Cell::new(0), |(&cell, _)| cell))
+}
+
+/// The cell of the lowest mean, unless that is less than a response can be, so that the surface is wrong there: then one of those that
+/// were run and may be recommended. Of these the one of the lowest readings, of all that may be as low as the least by their bands,
+/// or else the one whose band begins lowest.
+pub(crate) fn possible(
+    knowledge: &mut Knowledge<'_, '_>,
+    lowest: Cell,
+    least: f64,
+    readings: &[Reading],
+    eligible: &BTreeSet<Cell>,
+) -> Result<Cell, Error> {
+    let cells: Vec<Cell> = std::iter::once(lowest).chain(eligible.iter().copied()).collect();
+    let places = knowledge.places(&cells)?;
+    let marginals = knowledge.marginals(&places);
+    if marginals.means[0] >= least {
+        return Ok(lowest);
+    }
+    let low_end = |row: usize| marginals.means[row] - NINE_IN_TEN * marginals.variances[row].sqrt();
+    let chances = knowledge.chances(&cells, &places)?;
+    let read = |cell: Cell| {
+        let here = readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response);
+        let n = here.clone().count().max(1) as f64;
+        here.sum::<f64>() / n
+    };
+    let rank = |row: usize| (Rank::of(&chances, row, low_end(row).max(least)), read(cells[row]));
+    let order = |a: &(Rank, f64), b: &(Rank, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1));
+    let best = (1..cells.len()).min_by(|&a, &b| order(&rank(a), &rank(b)).then(cells[a].cmp(&cells[b])));
+    Ok(best.map_or(lowest, |row| cells[row]))
 }

@@ -959,6 +959,62 @@ fn what_a_recommendation_stands_on_is_said_with_what_is_expected_without_it() {
     assert!(n_doubted >= 10, "{n_doubted} of 12");
 }
 
+/// A response over six powers of ten, which no surface in its own unit follows: it has less than nothing where nobody looked. Where it is
+/// known that nothing is the least, the best that was run is recommended instead, and what is promised of it holds.
+#[test]
+fn what_cannot_be_is_not_recommended() {
+    let [mut n_promised, mut n_broken] = [0, 0];
+    for seed in 1..=6 {
+        let mut settings = batches(10, 4, seed);
+        settings.least = Some(0.0);
+        let mut campaign = campaign(3, 21, settings);
+        let leak =
+            |p: &[f64]| 10.0_f64.powf(-8.2 + 2.2 * (p[0] * p[0] + p[1] * p[1]) + 0.5 * p[2] * p[2] + 0.7 * p[0] * p[1]);
+        let mut experiment = noisy(seed, 0.15, |_| 0.0);
+        loop {
+            let Ask::Run { trials, .. } = campaign.ask(None::<&mut dyn Simulate>).expect("a batch") else { break };
+            for trial in &trials {
+                let response = leak(&trial.point) * experiment(trial).expect("an error").exp();
+                campaign.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
+            }
+            let found = campaign.assess(None::<&mut dyn Simulate>).expect("a state").expect("responses");
+            let here = &found.recommended;
+            assert!(here.mean >= 0.0 || here.n_readings > 0, "seed {seed}: {here:?}");
+            if let Some(bound) = found.bound() {
+                let best = 10.0_f64.powf(-8.2);
+                (n_promised, n_broken) = (n_promised + 1, n_broken + usize::from(leak(&here.point) - best > bound));
+            }
+        }
+    }
+    assert!(n_promised >= 12 && n_broken * 10 <= n_promised, "{n_broken} of {n_promised} broken");
+}
+
+/// Two runs of one design that agree, far below what all others say, are a narrow well, whatever was said of it; a single one may be a slip.
+#[test]
+fn what_is_seen_twice_refutes_that_there_is_no_narrow_well() {
+    for seed in 1..=3 {
+        let mut settings = batches(12, 2, seed);
+        settings.smooth = true;
+        let mut campaign = campaign(2, 21, settings);
+        let mut experiment = noisy(seed, 0.02, truth);
+        let Ask::Run { trials, .. } = campaign.ask(Some(&mut simulation)).expect("a first batch") else {
+            panic!("there is something to run");
+        };
+        for trial in &trials {
+            campaign
+                .tell(trial.id, Outcome::Value(experiment(trial).expect("a response")))
+                .expect("an outstanding trial");
+        }
+        let well = [-0.7, 0.9];
+        for (run, is_refuted) in [false, true].into_iter().enumerate() {
+            campaign.add_earlier(&well, -3.0 + 0.01 * run as f64, "by hand").expect("a run of the well");
+            let found = assessed(&mut campaign);
+            assert_eq!(found.smooth_refuted, is_refuted, "seed {seed}, {} of the well", run + 1);
+            assert_eq!(found.forecast.spread > 0.0, is_refuted, "nothing is held where there is no well");
+        }
+    }
+}
+
 /// No reading of a smooth response is taken for a wrong one.
 #[test]
 fn readings_without_a_slip_are_no_outliers() {
