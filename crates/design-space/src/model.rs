@@ -169,12 +169,6 @@ impl Model {
         })
     }
 
-    /// The largest exponent of one factor in any term.
-    #[must_use]
-    pub fn largest_exponent(&self, factor: usize) -> u8 {
-        self.terms.iter().filter_map(|term| term.exponents().get(factor).copied()).max().unwrap_or(0)
-    }
-
     /// Names of the terms, in order, from names of the factors; missing names are `x1`, `x2`, ….
     #[must_use]
     pub fn term_names(&self, factors: &[&str]) -> Vec<String> {

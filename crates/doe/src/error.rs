@@ -91,6 +91,12 @@ pub enum Error {
         /// Upper end given.
         upper: f64,
     },
+    /// A forbidden box in which a parameter comes twice: only one of the ranges could hold.
+    #[error("parameter `{parameter}` of a forbidden box comes twice, expected one range; two ranges are two boxes")]
+    ForbiddenTwice {
+        /// Its name.
+        parameter: String,
+    },
     /// A forbidden range of a parameter that is NaN or inverted, in its unit.
     #[error(
         "parameter `{parameter}`: the forbidden range {lower:?} to {upper:?} is not a range, expected lower <= upper"

@@ -46,6 +46,9 @@ impl Forbidden {
         let mut coded = vec![None; region.n_parameters()];
         for &(name, lower, upper) in ranges {
             let index = region.index_of(name).ok_or_else(|| Error::NoSuchParameter { name: name.to_owned() })?;
+            if coded[index].is_some() {
+                return Err(Error::ForbiddenTwice { parameter: name.to_owned() });
+            }
             let parameter = &region.parameters()[index];
             // NaN is not at most anything.
             if lower.is_nan() || upper.is_nan() || lower > upper {

@@ -94,7 +94,7 @@ def test_what_was_not_meant_is_refused_with_its_row_and_column() -> None:
         (lambda: loop.tell_frame(table.assign(value=1.0, spring=[1.0, np.nan, 3.0, 4.0])), "row 1: `spring` is nan"),
         (lambda: loop.tell_frame(table.assign(value=1.0).drop(columns="damper")), "no column `damper`, expected one for each"),
         (lambda: loop.tell_frame(table.drop(columns="id")), "no column `id`"),
-        (lambda: loop.tell_frame(table.assign(value=np.inf)), "the outcome of trial 1 is inf, expected a finite response"),
+        (lambda: loop.tell_frame(table.assign(value=np.inf)), "the outcome of trial 1 is inf, expected a number of magnitude at most 1e100"),
         (lambda: loop.tell_frame(pandas.concat([table, table[["spring"]]], axis=1)), "column `spring` comes twice"),
         (lambda: loop.tell_frame({"id": 1}), "a dict, expected a data frame"),  # type: ignore[arg-type]
         (lambda: loop.tell_frame(table.assign(value=1.0, cost=2.0), "cost"), "row 0: `value` and `cost` differ"),

@@ -92,14 +92,22 @@ pub enum Error {
         /// The id given.
         id: TrialId,
     },
+    /// An outcome to put right of a trial that has none yet.
+    #[error("trial {id} has no outcome yet, expected one that has: tell it instead")]
+    NothingToCorrect {
+        /// The id given.
+        id: TrialId,
+    },
     /// A second reply to the same trial.
     #[error("trial {id} has an outcome already, and it stands")]
     SecondOutcome {
         /// The id given.
         id: TrialId,
     },
-    /// A response that is NaN or infinite. A trial without a usable response is reported as failed.
-    #[error("the outcome of trial {id} is {value:?}, expected a finite response, or a failure with its reason")]
+    /// A response that is NaN, infinite or beyond what can be squared. A trial without a usable response is reported as failed.
+    #[error(
+        "the outcome of trial {id} is {value:?}, expected a number of magnitude at most 1e100, or a failure with its reason"
+    )]
     NonFiniteOutcome {
         /// The id given.
         id: TrialId,

@@ -92,7 +92,7 @@ impl<T: Numbered + Clone, A: Clone> Ledger<T, A> {
         if record.outcome.is_some() {
             return Err(Error::SecondOutcome { id });
         }
-        if let Some(value) = outcome.cost().filter(|cost| !cost.is_finite()) {
+        if let Some(value) = outcome.cost().filter(|cost| cost.is_nan() || cost.abs() > surface::Data::LARGEST) {
             return Err(Error::NonFiniteOutcome { id, value });
         }
         if let Some(actual) = &actual {

@@ -99,7 +99,7 @@ impl SetUp {
     /// By what fraction of itself a value may be off because of its printed digits.
     pub(crate) fn relative_rounding(&self, variable: &str) -> f64 {
         match self.values.get(variable) {
-            Some(value) if value.half_unit > 0.0 => value.half_unit / value.value.abs(),
+            Some(value) if value.half_unit > 0.0 && value.value != 0.0 => value.half_unit / value.value.abs(),
             _ => 0.0,
         }
     }

@@ -276,7 +276,7 @@ impl Regression {
     #[must_use]
     pub fn r_squared(&self) -> Option<f64> {
         let total = self.total_sum_of_squares();
-        (total > 0.0).then(|| 1.0 - self.residual_sum_of_squares() / total)
+        self.is_variation(total).then(|| 1.0 - self.residual_sum_of_squares() / total)
     }
 
     /// [`r_squared`](Self::r_squared) with mean squares in place of sums. None without degrees of freedom too.
@@ -285,7 +285,7 @@ impl Regression {
         let total = self.total_sum_of_squares();
         let degrees = self.data.n_used() - usize::from(self.has_constant());
         let sigma_squared = self.sigma_squared()?;
-        (total > 0.0).then(|| 1.0 - sigma_squared / (total / degrees as f64))
+        self.is_variation(total).then(|| 1.0 - sigma_squared / (total / degrees as f64))
     }
 
     /// Leave-one-out residuals e_i/(1 − h_i), as if the regression had been repeated without each point.
@@ -304,6 +304,13 @@ impl Regression {
 
     fn has_constant(&self) -> bool {
         self.model.terms().iter().any(|term| term.degree() == 0)
+    }
+
+    /// Whether a sum of squares is more than what rounding leaves of values that are all equal.
+    fn is_variation(&self, total: f64) -> bool {
+        const ROUNDING: f64 = 1e-28;
+        let of_values = self.data.values().iter().zip(self.data.weights()).map(|(value, w)| w * value * value);
+        total > ROUNDING * of_values.sum::<f64>()
     }
 
     fn total_sum_of_squares(&self) -> f64 {

@@ -73,8 +73,13 @@ impl FilteredPd {
     /// ```text
     /// y(t) = k_p + (k_d/τ − k_p) exp(−t/τ)
     /// ```
+    ///
+    /// 0 before the step.
     #[must_use]
     pub fn step_response(&self, time_s: f64) -> f64 {
+        if time_s < 0.0 {
+            return 0.0;
+        }
         let initial = self.derivative / self.time_constant_s;
         let left = (-time_s / self.time_constant_s).exp();
         self.proportional + (initial - self.proportional) * left

@@ -119,6 +119,14 @@ fn refuses_spaces_that_are_none() {
     assert_eq!(error.to_string(), "factor 1: the forbidden range 0.5 to NaN is not a range, expected lower <= upper");
 }
 
+/// Only one of two ranges of one parameter could hold, and the other would be allowed in silence.
+#[test]
+fn a_parameter_comes_once_in_a_forbidden_box() {
+    let region = Region::new(vec![Parameter::continuous("mass", "kg", 1.0, 3.0).unwrap()]).unwrap();
+    let error = Forbidden::in_region(&region, &[("mass", 1.0, 1.5), ("mass", 2.5, 3.0)]).unwrap_err();
+    assert!(error.to_string().contains("parameter `mass` of a forbidden box comes twice"), "{error}");
+}
+
 /// A unit that slipped must not plan the runs that were to be excluded.
 #[test]
 fn a_forbidden_range_outside_the_bounds_is_refused_because_it_forbids_nothing() {

@@ -251,10 +251,11 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
         let sentence = "How far it is from the best is not said: where no design is known to keep to the bounds, there is no best.";
         return Finding::new(sentence);
     }
-    if let Some(needed) = found.needed {
+    if let Some(needed) = found.needed.filter(|needed| *needed != Needed::Difference || all_equal(campaign).is_none()) {
         let until = match needed {
             Needed::Readings(n) => format!("before there are {n} results: {} so far", found.forecast.n_readings),
             Needed::Designs(n) => format!("before {n} different designs were run: {} so far", found.forecast.n_tried),
+            Needed::Difference => "before results differ".to_owned(),
             Needed::Repeat => {
                 "before a design is run again, or `noise` in [loop] is given: what they differ by may be noise"
                     .to_owned()

@@ -198,10 +198,10 @@ class Doubted:
 
 @dataclass(frozen=True)
 class Needed:
-    """What a certificate waits for: so many `readings`, readings of so many different `designs`, or a design that is run again."""
+    """What a certificate waits for: so many `readings`, readings of so many different `designs`, a design that is run again, or a reading that differs."""
 
     what: str
-    """`readings`, `designs` or `repeat`."""
+    """`readings`, `designs`, `repeat` or `difference`: all readings so far are equal."""
     count: Optional[int] = None
     """How many there have to be."""
 

@@ -276,7 +276,7 @@ impl Loop {
         let position =
             self.records.iter().position(|record| record.trial.id == id).ok_or(Error::UnknownTrial { id })?;
         if self.records[position].outcome.is_some() != again {
-            return Err(if again { Error::UnknownTrial { id } } else { Error::SecondOutcome { id } });
+            return Err(if again { Error::NothingToCorrect { id } } else { Error::SecondOutcome { id } });
         }
         if let Some(value) = outcome.cost().filter(|value| value.is_nan() || value.abs() > surface::Data::LARGEST) {
             return Err(Error::NonFiniteOutcome { id, value });

@@ -130,11 +130,14 @@ pub enum Needed {
     /// A design that is run again: where there are no more designs than a quadratic has terms, it fits whatever they read, and nothing else
     /// tells the noise.
     Repeat,
+    /// A reading that differs: where all are equal, to the last bit, they tell neither what designs differ by nor the noise.
+    Difference,
 }
 
 impl Needed {
     /// The first of them.
-    fn of(evidence: &Evidence, designs: &Designs, settings: &Settings, n_repeats: usize) -> Option<Self> {
+    fn of(evidence: &Evidence, designs: &Designs, settings: &Settings, repeats: (usize, bool)) -> Option<Self> {
+        let (n_repeats, are_equal) = repeats;
         let n_designs = usize::try_from(evidence.n_designs).unwrap_or(usize::MAX);
         let (readings, different) = (designs.n_to_promise(), designs.n_to_tell().min(n_designs));
         let is_noise_unknown = settings.noise.is_none() && n_repeats == 0;
@@ -142,6 +145,7 @@ impl Needed {
             few if few.n_readings < readings => Some(Self::Readings(readings)),
             few if few.n_tried < different => Some(Self::Designs(different)),
             _ if is_noise_unknown && designs.are_few() => Some(Self::Repeat),
+            _ if are_equal && n_designs > 1 => Some(Self::Difference),
             _ => None,
         }
     }
@@ -318,7 +322,8 @@ impl Look {
         let lowest = lowest.min_by(|a, b| a.response.total_cmp(&b.response).then(a.number.cmp(&b.number)));
         let best_read = lowest.map_or(cell, |reading| reading.cell);
         let n_repeats = knowledge.process.sites().n_repeats();
-        let needed = Needed::of(&evidence, designs, settings, n_repeats);
+        let are_equal = readings.windows(2).all(|two| two[0].response.to_bits() == two[1].response.to_bits());
+        let needed = Needed::of(&evidence, designs, settings, (n_repeats, are_equal));
         let bands = Bands::of(readings, designs.n_terms());
         let assessment = Assessment {
             noise: knowledge.process.noise(),

@@ -223,7 +223,10 @@ fn impossible_replies_are_refused_and_change_nothing() {
     };
     let value = || Outcome::Value(1.0);
     assert!(refused(TrialId::new(13), None, value()).contains("never handed out"));
-    assert!(refused(id, None, Outcome::Value(f64::INFINITY)).contains("is inf, expected a finite response"));
+    assert!(
+        refused(id, None, Outcome::Value(f64::INFINITY))
+            .contains("is inf, expected a number of magnitude at most 1e100")
+    );
     assert!(refused(id, Some(&[12.0]), value()).contains("coordinates of a point: 1, expected 2"));
     assert!(refused(id, Some(&[12.0, 17.0]), value()).contains("of parameter `p1` is 17.0"));
     assert!(refused(id, Some(&[f64::NAN, 12.0]), value()).contains("of parameter `p0` is NaN"));

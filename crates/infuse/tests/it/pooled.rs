@@ -299,6 +299,17 @@ fn responses_of_another_size_than_the_simulation_and_all_equal_ones_are_taken() 
     flat.run(&mut simulation, &mut |_| Ok(5.0)).expect("it ends");
     let found = assessed(&mut flat);
     assert!((found.recommended.mean - 5.0).abs() < 1e-3 && found.certificate.bound < 0.3, "{found:?}");
+    // A sensor that is stuck, at whatever value, ends no campaign.
+    for stuck in [0.0, 3.0] {
+        let mut settings = batches(6, 3, 1);
+        settings.worth = Some(1e-3);
+        let mut campaign = campaign(2, 21, settings);
+        let Ask::Run { trials, .. } = campaign.ask(None).expect("a batch") else { panic!("the campaign goes on") };
+        trials.iter().for_each(|trial| campaign.tell(trial.id, Outcome::Value(stuck)).expect("an outstanding trial"));
+        let found = campaign.assess(None).expect("a fit").expect("responses");
+        assert_eq!((found.needed, found.bound()), (Some(Needed::Difference), None), "stuck at {stuck}");
+        assert!(matches!(campaign.ask(None).expect("a batch"), Ask::Run { .. }), "stuck at {stuck}");
+    }
 }
 
 /// One run of the best that was measured in the second batch and in the third, where nothing else is run twice, and no more.
@@ -674,7 +685,8 @@ fn surprises_are_told_reading_by_reading() {
     assert!(found[0] > 1.0 && found[1..].iter().all(|other| other.abs() < found[0]), "{found:?}");
 }
 
-/// Of up to five readings of two parameters none tells how large the noise beside a plane is: whatever they say, the campaign goes on.
+/// Of up to five readings of two parameters none tells how large the noise beside a plane is: whatever they say, the campaign goes on;
+/// and of any number that are all equal.
 #[test]
 fn a_certificate_needs_as_many_readings_as_tell_a_plane_from_its_noise() {
     for alike in [false, true] {
@@ -690,10 +702,12 @@ fn a_certificate_needs_as_many_readings_as_tell_a_plane_from_its_noise() {
                 campaign.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
             }
             let found = assessed(&mut campaign);
-            assert_eq!(found.needed, (n < 6).then_some(Needed::Readings(6)), "{n}");
-            assert_eq!(found.further_batches == Some(0), n == 6, "{n}");
+            let when_enough = alike.then_some(Needed::Difference);
+            assert_eq!(found.needed, if n < 6 { Some(Needed::Readings(6)) } else { when_enough }, "{n}");
+            assert_eq!(found.further_batches == Some(0), n == 6 && !alike, "{n}");
         }
-        assert_eq!(campaign.ask(Some(&mut simulation)).expect("an answer"), Ask::Stopped(StopReason::NotWorthIt));
+        let next = campaign.ask(Some(&mut simulation)).expect("an answer");
+        assert_eq!(next == Ask::Stopped(StopReason::NotWorthIt), !alike, "readings that are all equal tell nothing");
     }
 }
 
@@ -971,13 +985,12 @@ fn what_cannot_be_is_not_recommended() {
         let leak =
             |p: &[f64]| 10.0_f64.powf(-8.2 + 2.2 * (p[0] * p[0] + p[1] * p[1]) + 0.5 * p[2] * p[2] + 0.7 * p[0] * p[1]);
         let mut experiment = noisy(seed, 0.15, |_| 0.0);
-        loop {
-            let Ask::Run { trials, .. } = campaign.ask(None::<&mut dyn Simulate>).expect("a batch") else { break };
+        while let Ask::Run { trials, .. } = campaign.ask(None).expect("a batch") {
             for trial in &trials {
                 let response = leak(&trial.point) * experiment(trial).expect("an error").exp();
                 campaign.tell(trial.id, Outcome::Value(response)).expect("an outstanding trial");
             }
-            let found = campaign.assess(None::<&mut dyn Simulate>).expect("a state").expect("responses");
+            let found = campaign.assess(None).expect("a state").expect("responses");
             let here = &found.recommended;
             assert!(here.mean >= 0.0 || here.n_readings > 0, "seed {seed}: {here:?}");
             if let Some(bound) = found.bound() {
@@ -993,7 +1006,7 @@ fn what_cannot_be_is_not_recommended() {
 #[test]
 fn what_is_seen_twice_refutes_that_there_is_no_narrow_well() {
     for seed in 1..=3 {
-        let mut settings = batches(12, 2, seed);
+        let mut settings = batches(30, 2, seed);
         settings.smooth = true;
         let mut campaign = campaign(2, 21, settings);
         let mut experiment = noisy(seed, 0.02, truth);

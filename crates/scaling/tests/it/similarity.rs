@@ -60,6 +60,19 @@ fn mass_of_table_2_does_not_match_and_everything_else_does() {
     assert!(!check.is_similar());
 }
 
+/// Half a unit of 0.0 Pa does not explain 500 Pa.
+#[test]
+fn a_value_that_is_printed_as_zero_does_not_match_everything() {
+    let units = Units::si();
+    let at = |name: &str, speed: &str| {
+        let printed = SetUp::new(name).printed(&units, "L_c", "7.5", "cm")?.printed(&units, "L_t", "61", "cm")?;
+        let printed = printed.printed(&units, "M_a", "180", "g")?.printed(&units, "V", speed, "cm/s")?;
+        printed.with_unit(&units, "rho", 1000.0, "kg/m^3")?.with_unit(&units, "g", 9.81, "m/s^2")
+    };
+    let set_ups = [at("in the stream", "30").unwrap(), at("at rest", "0.0").unwrap()];
+    assert!(!Similarity::check(&groups(&["L_t", "M_a", "g"]), &set_ups, 0.01).unwrap().is_similar());
+}
+
 #[test]
 fn remedy_of_table_2_is_the_mass_by_the_cube_of_the_length() {
     let grams = |repeating: &[&str]| {

@@ -25,8 +25,15 @@ impl AveragedProcess {
     ///
     /// # Errors
     ///
-    /// [`Error::Count`] for no structure, or structures with a simulation where there is none; [`Error::IllConditioned`].
+    /// [`Error::Count`] for no structure, or structures with a simulation where there is none, and for fewer than two particles;
+    /// [`Error::Parameter`] for a noise that is negative or not finite; [`Error::IllConditioned`].
     pub fn new(sites: Sites, settings: &SamplerSettings) -> Result<Self, Error> {
+        if let Some(value) = settings.noise.filter(|noise| !(*noise >= 0.0 && noise.is_finite())) {
+            return Err(Error::Parameter { name: "noise", value, allowed: "a finite number from 0 on" });
+        }
+        if settings.particles < 2 {
+            return Err(Error::Count { name: "particles", found: settings.particles, least: 2, most: usize::MAX });
+        }
         let has_simulation = sites.places().simulated().is_some();
         let possible = |structure: &Structure| has_simulation || structure.simulation == SimulationUse::Ignored;
         let structures: Vec<Structure> = settings.structures.iter().copied().filter(possible).collect();

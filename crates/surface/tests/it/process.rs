@@ -270,6 +270,21 @@ fn process_of(points: &[f64], values: &[f64], seed: u64) -> AveragedProcess {
     AveragedProcess::new(Sites::new(&data, None).expect("valid sites"), &settings(seed)).expect("a valid process")
 }
 
+#[test]
+fn settings_of_the_sampler_are_refused_by_name() {
+    let refused = |noise: Option<f64>, particles: usize| {
+        let data = Data::new(1, vec![-1.0, 0.0, 1.0], vec![1.0, 0.0, 2.0]).expect("valid data");
+        let sites = Sites::new(&data, None).expect("valid sites");
+        let settings = SamplerSettings { noise, particles, ..SamplerSettings::default() };
+        AveragedProcess::new(sites, &settings).map(drop).unwrap_err().to_string()
+    };
+    for noise in [-1.0, f64::NAN, f64::INFINITY] {
+        let said = refused(Some(noise), 8);
+        assert_eq!(said, format!("`noise` is {noise:?}, expected a finite number from 0 on"));
+    }
+    assert!(refused(None, 1).contains("number of particles: 1, expected at least 2"));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 

@@ -58,6 +58,18 @@ fn no_degrees_of_freedom_means_no_variance() {
 }
 
 #[test]
+fn constants_of_any_size_leave_nothing_to_explain_whatever_rounding_says() {
+    for index in 0..500 {
+        let constant = 1e3 * (f64::from(index) * 0.7).sin();
+        let points: Vec<f64> = (0..5 + index % 8).map(|at| f64::from(at) / 6.0 - 1.0).collect();
+        let values = vec![constant; points.len()];
+        let fit =
+            Regression::fit(&quadratic(1), &Data::new(1, points, values).expect("valid data")).expect("enough data");
+        assert_eq!((fit.r_squared(), fit.adjusted_r_squared()), (None, None), "{constant}");
+    }
+}
+
+#[test]
 fn constant_values_leave_nothing_to_explain() {
     let data = Data::new(1, vec![-1.0, 0.0, 1.0], vec![0.0; 3]).expect("valid data");
     let fit = Regression::fit(&Model::linear(1).expect("a valid model"), &data).expect("enough data");

@@ -26,6 +26,7 @@ fn check_step(proportional: f64, derivative: f64, time_constant_s: f64, sample_t
             "the closed form of the crate, at {time_s} s"
         );
     }
+    assert_eq!(pd.step_response(-sample_time_s).to_bits(), 0.0_f64.to_bits(), "before the step");
 }
 
 #[test]
