@@ -93,9 +93,7 @@ fn batches(setup: &Setup, study: Study) -> [usize; 2] {
 const HOW: &str = "Written by `cargo xtask reproduce-all --ensemble` from what is kept in `fixtures/bat/ensemble`: a row for each design that \
     somebody chose, with what it truly shows. A run that is killed goes on where it was, `--page` writes this page alone, and `--check`, a \
     part of `cargo xtask ci`, holds it against what is kept, and flies the center of the box again on two plants and Figures 14 and 26 on one; `--check --all`, \
-    a part of `cargo xtask proofs`, runs a unit of each kind anew on the last plant. What is kept was made before the surfaces rounded a \
-    product and a sum once together: with four parameters of Chapter 7 a last bit decides between two designs on that plant, and that part fails until \
-    all is run anew.";
+    a part of `cargo xtask proofs`, runs a unit of each kind anew on the last plant.";
 
 const WORLDS: &str = "**Still water**: the stand-in as it was calibrated, its state known, and bounded noise added to the cost as the files of \
     the chapters say. **Moving water**: turbulence, vortex shedding and a hull whose sides differ, drawn plant by plant, lines of unequal length among them: by the number of the start that a plant came of, so that plants of \
