@@ -4,6 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Error, Outcome, TrialId};
 
+/// The largest magnitude of a response, that of a surface's data: what is larger was not measured.
+const LARGEST: f64 = 1e100;
+#[cfg(feature = "global")]
+const _: () = assert!(LARGEST == surface::Data::LARGEST, "a response that is taken can be a datum");
+
 /// An experiment that is handed out under a number.
 pub(crate) trait Numbered {
     /// Its number.
@@ -92,7 +97,7 @@ impl<T: Numbered + Clone, A: Clone> Ledger<T, A> {
         if record.outcome.is_some() {
             return Err(Error::SecondOutcome { id });
         }
-        if let Some(value) = outcome.cost().filter(|cost| cost.is_nan() || cost.abs() > surface::Data::LARGEST) {
+        if let Some(value) = outcome.cost().filter(|cost| cost.is_nan() || cost.abs() > LARGEST) {
             return Err(Error::NonFiniteOutcome { id, value });
         }
         if let Some(actual) = &actual {
