@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Result, ensure};
+use design_space::{Parameter, Region};
 use page::Finding;
 use serde_json::json;
 
@@ -12,7 +13,7 @@ use crate::campaign::Imported;
 use crate::findings::{as_from_elsewhere, imported, withdrawn};
 use crate::folder;
 use crate::journal::{Event, now};
-use crate::number::plain;
+use crate::number::{plain, with_unit};
 use crate::sheet;
 
 pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -> Result<Output> {
@@ -32,6 +33,7 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     }
     let twice = |one| alike(&in_use, one).next().map(|earlier| (earlier.source.clone(), source_of(one, source)));
     let elsewhere: Vec<(String, String)> = found.iter().filter_map(twice).collect();
+    let beyond = beyond_the_region(&found, &campaign.problem().region, source);
     let (rows, at, from) = (found.len(), now(), file.display().to_string());
     let events = found.into_iter().enumerate().map(|(index, one)| {
         let source = source_of(&one, source);
@@ -52,8 +54,32 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     let events: Vec<Event> = events.collect();
     campaign.record(&mut writer, events)?;
     let also = elsewhere.first().map(|(earlier, source)| as_from_elsewhere(elsewhere.len(), earlier, source));
-    let findings: Vec<Finding> = std::iter::once(imported(rows, &campaign.use_of_imports())).chain(also).collect();
+    let findings: Vec<Finding> =
+        std::iter::once(imported(rows, &campaign.use_of_imports())).chain(beyond).chain(also).collect();
     Ok(Output::new(&findings, json!({ "imported": rows, "as_from_elsewhere": elsewhere.len() }), notices))
+}
+
+/// That settings lie somewhat outside of the bounds; those that lie far outside are refused with the table.
+fn beyond_the_region(found: &[sheet::Imported], region: &Region, source: &str) -> Option<Finding> {
+    let is_beyond = |(parameter, value): &(&Parameter, &f64)| {
+        parameter.choices().is_none() && !(parameter.lower()..=parameter.upper()).contains(*value)
+    };
+    let beyond = |one: &&sheet::Imported| region.parameters().iter().zip(&one.point).any(|pair| is_beyond(&pair));
+    let first = found.iter().find(beyond)?;
+    let n = found.iter().filter(beyond).count();
+    let (parameter, value) = region.parameters().iter().zip(&first.point).find(is_beyond)?;
+    let (name, unit) = (parameter.name(), parameter.unit());
+    let sentence = format!(
+        "{} outside of the bounds of the parameters; the first: {name} {}, and it is set from {} to {}. {} all the same. If that is a \
+         slip: `infuse import --withdraw \"{}\"`, put it right, and import it again.",
+        if n == 1 { "1 row lies".to_owned() } else { format!("{n} rows lie") },
+        with_unit(&plain(*value), unit),
+        plain(parameter.lower()),
+        with_unit(&plain(parameter.upper()), unit),
+        if n == 1 { "It counts" } else { "They count" },
+        source_of(first, source)
+    );
+    Some(Finding::new(sentence).with("rows outside of the bounds", n as f64, "1"))
 }
 
 /// Stops using what was imported from a source.

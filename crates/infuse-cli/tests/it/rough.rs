@@ -110,6 +110,18 @@ fn a_result_that_is_put_right_is_remarked_on() {
 }
 
 #[test]
+fn what_is_imported_from_beyond_the_bounds_is_named() {
+    let rig = Rig::pooled();
+    let rows = "spring [N/mm],damper gain [N s/mm],vibration [mm/s]\n36,0.5,7\n34,0.5,7.1\n";
+    rig.write("old.csv", rows);
+    let said = rig.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    assert!(said.contains("1 row lies outside of the bounds of the parameters; the first: spring 36 N/mm"), "{said}");
+    rig.write("new.csv", &rows.replace("36,", "33,"));
+    let said = rig.infuse(&["import", "new.csv", "--source", "another"]).ok();
+    assert!(!said.contains("outside of the bounds"), "{said}");
+}
+
+#[test]
 fn results_that_span_powers_of_ten_are_remarked_on() {
     for is_remarked_on in [true, false] {
         let rig = Rig::pooled();
