@@ -40,13 +40,14 @@ impl Reading {
         })
     }
 
-    /// What the loop is told: the mean of all values, or the failure if there is none. Nothing while the run that was asked
+    /// What the loop is told: the mean cost of all values, or the failure if there is none. Nothing while the run that was asked
     /// for has not been told.
     pub(crate) fn outcome(&self, response: &Response) -> Option<Outcome> {
         let first = self.first.as_ref()?;
-        let (sum, n) = self.values().fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
+        let costs = self.values().map(|value| response.cost(value));
+        let (sum, n) = costs.fold((0.0, 0), |(sum, n), cost| (sum + cost, n + 1));
         Some(match first {
-            _ if n > 0 => Outcome::Value(response.cost(sum / f64::from(n))),
+            _ if n > 0 => Outcome::Value(sum / f64::from(n)),
             Measured::Failed(reason) => Outcome::Failed { reason: reason.clone() },
             // No value among the values cannot be.
             Measured::Value(value) => Outcome::Value(response.cost(*value)),

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::progress::Progress;
 use crate::echo::echo;
 use crate::journal::{Constrained, Event, Measured, Submitted};
-use crate::number::{self, count, grouped, rounded};
+use crate::number::{self, count, grouped, plain, rounded};
 use crate::problem::Problem;
 use crate::program;
 use crate::queue::{self, Happened, Key, Queued, Task};
@@ -97,7 +97,10 @@ pub(crate) fn simulate_missing(
 /// What a run gave, with every number beside the value: a constraint may be added when it has been run. One whose value of a
 /// constraint is no number has failed.
 pub(crate) fn checked(problem: &Problem, result: Measured, mut others: Constrained) -> (Measured, Constrained) {
-    let Measured::Value(_) = result else { return (result, Constrained::new()) };
+    let Measured::Value(value) = result else { return (result, Constrained::new()) };
+    if let Some(expected) = problem.response.without_logarithm(value) {
+        return (Measured::Failed(format!("it returned {}, expected {expected}", plain(value))), Constrained::new());
+    }
     let is_fault = |name: &str| others.get(name).is_some_and(|value| number::fault(*value).is_some());
     if let Some(held) = problem.constraints.iter().find(|held| is_fault(held.name())) {
         let reason =

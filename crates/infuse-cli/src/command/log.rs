@@ -13,8 +13,8 @@ use crate::echo::echo;
 use crate::findings::displaced_by;
 use crate::folder;
 use crate::journal::{Assessed, Deed, Event, Journal, Last, Learned, Measured, Submitted, Told};
-use crate::number::{count, percent, resolved, short, with_unit};
-use crate::problem::by_key;
+use crate::number::{count, percent, short, with_unit};
+use crate::problem::{Response, by_key};
 
 /// One line of the log.
 #[derive(Debug)]
@@ -217,7 +217,10 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
             ),
         ),
         Event::Assessed(found) => {
-            let expected = with_unit(&resolved(found.expected, found.bound.unwrap_or(found.deviation)), unit);
+            // On the scale that it was said on.
+            let response = &Response { scale: found.scale, ..problem.response.clone() };
+            let known_to = found.bound.unwrap_or(found.deviation);
+            let expected = with_unit(&response.number_to(response.cost(found.expected), known_to), unit);
             let at = problem.describe(&found.recommended);
             (
                 "learned",
@@ -226,7 +229,7 @@ fn said(campaign: &dyn Campaign, event: &Event, group: &[(usize, Event)]) -> Opt
                         "after batch {}: {at} is best, with {expected}; with {} probability none is better by more than {}.",
                         found.batch,
                         percent(found.probability),
-                        with_unit(&short(bound), unit)
+                        response.amount(bound)
                     ),
                     None => format!(
                         "after batch {}: {at} is best, with {expected}; by how much others may be better cannot be said yet.",

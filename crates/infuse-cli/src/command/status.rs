@@ -130,7 +130,7 @@ fn for_every_method(campaign: &dyn Campaign, stage: &Stage) -> Value {
     };
     json!({
         "title": problem.title,
-        "response": { "name": response.name, "unit": response.unit, "better": response.better() },
+        "response": { "name": response.name, "unit": response.unit, "better": response.better(), "scale": response.scale },
         "stage": name,
         "stopped": stopped,
         "best_measured": experiments.best_measured(response).map(|(id, value)| json!({ "id": id, "value": value })),

@@ -1,6 +1,6 @@
 //! Values and differences of the response, with their unit.
 
-use crate::number::{resolved, short, with_unit};
+use crate::number::{short, with_unit};
 use crate::problem::Response;
 
 /// The value of a computed cost.
@@ -10,12 +10,12 @@ pub(crate) fn value(response: &Response, cost: f64) -> String {
 
 /// The same, known to about `resolution`.
 pub(crate) fn value_to(response: &Response, cost: f64, resolution: f64) -> String {
-    with_unit(&resolved(response.of_cost(cost), resolution), &response.unit)
+    with_unit(&response.number_to(cost, resolution), &response.unit)
 }
 
 /// A difference of costs.
 pub(crate) fn amount(response: &Response, difference: f64) -> String {
-    with_unit(&short(difference), &response.unit)
+    response.amount(difference)
 }
 
 /// What can be gained, in words if it is nothing.

@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use super::deed::Deed;
 use super::submission::SubmissionName;
+use crate::problem::Scale;
 
 /// Where results come from that nobody typed.
 pub(crate) const BY_ITSELF: &str = "infuse run";
@@ -174,6 +175,9 @@ pub(crate) struct Assessed {
     /// Share of the designs that may still be the best.
     pub(crate) left: f64,
     pub(crate) noise: f64,
+    /// On a logarithmic one `deviation`, `bound` and `noise` are differences of natural logarithms.
+    #[serde(default, skip_serializing_if = "Scale::is_linear")]
+    pub(crate) scale: Scale,
     /// The settings of the loop at that time.
     pub(crate) settings: Value,
     /// The simulator at that time, empty if there was none; journals that do not have it go on without.

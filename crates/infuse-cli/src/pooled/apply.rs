@@ -10,7 +10,7 @@ use infuse::pooled::Trial;
 use super::buildable::some_are_refused;
 use super::campaign::{Batch, Campaign, Checked, Remembered};
 use super::findings::promised;
-use crate::campaign::Imported;
+use crate::campaign::{Imported, checked};
 use crate::journal::{Assessed, Event, JOURNAL, OfSimulation, Submitted, Writer};
 use crate::problem::PROBLEM;
 use crate::simulator::identity;
@@ -87,6 +87,7 @@ impl Campaign {
                 probability: found.certificate.probability,
                 left: found.left,
                 noise: found.noise,
+                scale: self.problem.response.scale,
                 settings: serde_json::to_value(&self.settings).unwrap_or_default(),
                 by: Some(identity(&self.problem.simulator)),
                 simulation: found.simulation.map(|worth| OfSimulation {
@@ -115,6 +116,8 @@ impl Campaign {
                 self.plan(batch, &simulations, Batch { cells: experiments, purpose, reasons })?;
             }
             Event::Simulated { cell, result, constrained, by, .. } => {
+                // The scale may be another than when it was simulated.
+                let (result, constrained) = checked(&self.problem, result, constrained);
                 self.memory.insert(cell, Remembered { by, result, constrained });
             }
             Event::Checked { cell, can_be_built, by, .. } => {
@@ -148,7 +151,10 @@ impl Campaign {
                     "batch {} is assessed, which was never planned",
                     assessed.batch
                 );
-                self.history.insert(assessed.batch, assessed);
+                // What was said on another scale cannot be compared.
+                if assessed.scale == self.problem.response.scale {
+                    self.history.insert(assessed.batch, assessed);
+                }
             }
             Event::Undone { .. } => bail!("what was taken back is left out before"),
             Event::Campaign { .. } => bail!("expected the event `campaign` on the first line only"),

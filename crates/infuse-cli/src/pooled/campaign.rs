@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Duration;
 
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Result, anyhow, bail, ensure};
 use design_space::{Cell, Grid};
 use indicatif::ProgressBar;
 use infuse::global::PureError;
@@ -16,7 +16,7 @@ use infuse::{Error, Outcome, TrialId};
 
 use crate::campaign::{Experiments, Imported, Reading};
 use crate::journal::{Assessed, BY_ITSELF, Constrained, Event, Journal, Measured, Purpose, Submitted, Told};
-use crate::number::count;
+use crate::number::{count, plain};
 use crate::problem::{PROBLEM, Problem, Simulator, linear_in_words};
 use crate::simulator::{Job, Rows, identity, looked_up};
 
@@ -166,9 +166,29 @@ impl Campaign {
         for (line, event) in journal.events {
             campaign.apply_line(line, event)?;
         }
+        campaign.check_the_scale()?;
         campaign.notice_unknown_constraints(by_people);
         campaign.notice_what_is_not_allowed();
         Ok(campaign)
+    }
+
+    /// What was measured before the scale became logarithmic may have no logarithm.
+    fn check_the_scale(&self) -> Result<()> {
+        let imported = self.imported.iter().enumerate();
+        let imported = imported.filter_map(|(index, one)| Some((Origin::Imported(index), one.result.value()?)));
+        let own = self.experiments.readings.iter();
+        let own = own.flat_map(|(&id, reading)| reading.values().map(move |value| (Origin::Own(id), value)));
+        for (origin, value) in imported.chain(own) {
+            if let Some(expected) = self.problem.response.without_logarithm(value) {
+                bail!(
+                    "{} gave {}, expected {expected}; take `scale` out, put the result right with `infuse tell --correct`, or take \
+                     it back, and set `scale` then",
+                    self.full_name_of(origin),
+                    plain(value)
+                );
+            }
+        }
+        Ok(())
     }
 
     /// Says of which responses there are measurements that no constraint of the file uses.
@@ -447,12 +467,14 @@ impl Campaign {
         PureError::of_readings(self.runs())
     }
 
-    /// All runs that gave a value: their settings, as they were made, and that.
+    /// All runs that gave a value: their settings, as they were made, and their cost.
     pub(super) fn runs(&self) -> Vec<(Vec<f64>, f64)> {
-        let imported = self.imported.iter().filter_map(|one| Some((one.point.clone(), one.result.value()?)));
+        let response = &self.problem.response;
+        let cost = |one: &Imported| Some((one.point.clone(), response.cost(one.result.value()?)));
+        let imported = self.imported.iter().filter_map(cost);
         let own = self.experiments.readings.iter().flat_map(|(&id, reading)| {
             let settings = self.experiments.settings_of(id);
-            reading.values().map(move |value| (settings.clone(), value))
+            reading.values().map(move |value| (settings.clone(), response.cost(value)))
         });
         imported.chain(own).collect()
     }

@@ -15,6 +15,7 @@ use super::hand_out::plan;
 use crate::findings::{amount, value};
 use crate::journal::{Measured, Purpose, Writer};
 use crate::number::count;
+use crate::problem::Response;
 
 /// Probability that the interval of a difference covers it.
 const PROBABILITY: f64 = 0.9;
@@ -172,6 +173,16 @@ impl Names {
 }
 
 impl Confirmation {
+    /// With differences as people have them.
+    pub(super) fn shown(mut self, response: &Response) -> Self {
+        for design in &mut self.designs {
+            for difference in [&mut design.mean_give_or_take, &mut design.gain, &mut design.give_or_take] {
+                *difference = difference.map(|difference| response.of_difference(difference));
+            }
+        }
+        self
+    }
+
     pub(super) fn in_words(&self, campaign: &Campaign) -> Finding {
         let (problem, response) = (&campaign.problem, &campaign.problem.response);
         let n_runs: usize = self.designs.iter().map(|design| design.n_runs).sum();
@@ -205,7 +216,9 @@ impl Confirmation {
             let sentence = format!("{who}, {settings}: {measured}{gain}.");
             let detail = Finding::new(sentence);
             let detail = match design.gain {
-                Some(gain) => detail.with("measured gain", gain, &response.unit),
+                Some(gain) => {
+                    detail.with("measured gain", response.of_difference(gain), response.unit_of_differences())
+                }
                 None => detail,
             };
             finding = finding.detail(detail);

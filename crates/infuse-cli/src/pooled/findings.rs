@@ -143,8 +143,8 @@ fn expected(campaign: &Campaign, found: &Assessment, here: &Standing) -> Finding
     );
     Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit).with(
         "give or take",
-        NINE_IN_TEN * here.deviation,
-        &response.unit,
+        response.of_difference(NINE_IN_TEN * here.deviation),
+        response.unit_of_differences(),
     )
 }
 
@@ -296,7 +296,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
     };
     let finding = Finding::new(sentence)
         .with("probability", certificate.probability, "1")
-        .with("bound", certificate.bound, &response.unit)
+        .with("bound", response.of_difference(certificate.bound), response.unit_of_differences())
         .detail(Finding::new(rests));
     let finding = risen(campaign, found).into_iter().fold(finding, Finding::detail);
     let finding = held_for_the_unseen(campaign, found).into_iter().fold(finding, Finding::detail);
@@ -306,7 +306,7 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
             finding.detail(Finding::new("`worth` in [stop] says from what gain on another batch is worth its cost."))
         }
         Some(worth) => {
-            let of_worth = format!("the {} of `worth`", amount(response, worth));
+            let of_worth = format!("{} of `worth`", response.the_amount(worth));
             let sentence = match (certificate.bound <= worth, found.further_batches) {
                 (true, _) if found.contradiction.is_some() => {
                     format!("That is no more than {of_worth}, but a measurement speaks against it: go on.")
@@ -339,7 +339,8 @@ fn certificate(campaign: &Campaign, found: &Assessment) -> Finding {
                 }
                 (false, _) => format!("That is more than {of_worth}: go on."),
             };
-            finding.detail(Finding::new(sentence).with("worth", worth, &response.unit))
+            let (worth, unit) = (response.of_difference(worth), response.unit_of_differences());
+            finding.detail(Finding::new(sentence).with("worth", worth, unit))
         }
     }
 }
@@ -454,7 +455,8 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
         },
         None => format!("{alone}; the rest is held for {few}."),
     };
-    let finding = Finding::new(sentence).with("the surface alone", quantile, &response.unit);
+    let (quantile, unit) = (response.of_difference(quantile), response.unit_of_differences());
+    let finding = Finding::new(sentence).with("the surface alone", quantile, unit);
     Some(match until {
         Some(enough) => finding.with(WITHOUT_RESERVE, enough as f64, "1"),
         None => finding,
@@ -568,15 +570,15 @@ fn times(n: usize) -> String {
 }
 
 fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
-    let unit = &campaign.problem.response.unit;
-    let deviation = amount(&campaign.problem.response, found.noise);
+    let response = &campaign.problem.response;
+    let deviation = amount(response, found.noise);
     let sentence = match (campaign.settings.noise, found.n_repeats) {
         (Some(given), _) => {
-            let given = amount(&campaign.problem.response, given);
+            let given = amount(response, given);
             let untested = match (found.n_repeats, contradiction(campaign, found)) {
                 (0, _) => " Nothing was run twice, so nothing has put it to the test.".to_owned(),
                 (_, Some(repeats)) => {
-                    format!(" Repeats contradict that: {}.", amount(&campaign.problem.response, repeats.measured()))
+                    format!(" Repeats contradict that: {}.", amount(response, repeats.measured()))
                 }
                 _ => String::new(),
             };
@@ -604,7 +606,7 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
             Some(repeats) => format!(
                 "Noise of one run: {deviation} (standard deviation) by the surface, though the {n} repeats say {}: the rest is what the \
                  surface misses, as a well or an edge that is narrower than it expects.",
-                amount(&campaign.problem.response, repeats.standard_deviation())
+                amount(response, repeats.standard_deviation())
             ),
             None => {
                 format!(
@@ -614,7 +616,8 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
             }
         },
     };
-    Finding::new(sentence).with("noise", found.noise, unit).with("repeats", found.n_repeats as f64, "1")
+    let (noise, unit) = (response.of_difference(found.noise), response.unit_of_differences());
+    Finding::new(sentence).with("noise", noise, unit).with("repeats", found.n_repeats as f64, "1")
 }
 
 /// Repeats that scatter as little are less likely than this, if what the surface takes for noise were noise.
@@ -638,12 +641,13 @@ fn plants(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
         Finding::new(sentence).with("spent", spent, costs.unit()).with("plants assembled", n_plants as f64, "1");
     if let Some(shared) = found.assembly {
         let response = &campaign.problem.response;
+        let unit = response.unit_of_differences();
         let sentence = format!(
             "All runs of a plant, as it was put together for a batch, share an error: {} (standard deviation), as far as the \
              runs tell it from the noise.",
             amount(response, shared)
         );
-        finding = finding.detail(Finding::new(sentence).with("shared error", shared, &response.unit));
+        finding = finding.detail(Finding::new(sentence).with("shared error", response.of_difference(shared), unit));
         let (own, n_again) = (found.own.unwrap_or(0.0), found.n_again.unwrap_or(0));
         if own > MUCH_IS_OWN * shared {
             let why = match n_again {
@@ -654,7 +658,7 @@ fn plants(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
                 "As much as {} of that may be the plants' own, and no error: {why}. The bound allows for it.",
                 amount(response, own)
             );
-            finding = finding.detail(Finding::new(sentence).with("the plants' own", own, &response.unit));
+            finding = finding.detail(Finding::new(sentence).with("the plants' own", response.of_difference(own), unit));
         }
     }
     Some(finding)
@@ -692,7 +696,9 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
         value_to(response, here.mean, resolution(found).max(here.deviation)),
     );
     let finding = Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit);
-    promised(campaign, found).into_iter().fold(finding, |finding, bound| finding.with("bound", bound, &response.unit))
+    let unit = response.unit_of_differences();
+    let bounds = promised(campaign, found).map(|bound| response.of_difference(bound));
+    bounds.into_iter().fold(finding, |finding, bound| finding.with("bound", bound, unit))
 }
 
 /// What is known of one design, and whether it may still be the best; it may lie between those that can be set.

@@ -35,8 +35,8 @@ impl Contradiction {
         self.measured() > self.given
     }
 
-    fn in_words(&self, what: &str, unit: &str) -> Finding {
-        let shown = |value: f64| with_unit(&short(value), unit);
+    /// `shown` says a standard deviation in words.
+    fn in_words(&self, what: &str, shown: impl Fn(f64) -> String) -> Finding {
         let by_chance = match self.given > 0.0 {
             true => ", which by chance would happen less than one time in a thousand",
             false => "",
@@ -54,7 +54,7 @@ impl Contradiction {
             if self.error.degrees_of_freedom == 1 { "scatters" } else { "scatter" },
             shown(self.measured())
         );
-        Finding::new(sentence).with("noise given", self.given, unit).with("noise of repeats", self.measured(), unit)
+        Finding::new(sentence)
     }
 }
 
@@ -96,15 +96,25 @@ pub(super) fn too_large(campaign: &Campaign, found: &Assessment) -> Vec<Finding>
 }
 
 fn said(campaign: &Campaign, found: &Assessment, is_meant: impl Fn(&Contradiction) -> bool) -> Vec<Finding> {
-    let unit = &campaign.problem.response.unit;
-    let of_response = contradiction(campaign, found).filter(&is_meant);
-    let of_response = of_response.map(|contradiction| contradiction.in_words("`noise` in [loop]", unit));
+    let response = &campaign.problem.response;
+    let of_response = contradiction(campaign, found).filter(&is_meant).map(|contradiction| {
+        let [given, measured] =
+            [contradiction.given, contradiction.measured()].map(|noise| response.of_difference(noise));
+        let finding = contradiction.in_words("`noise` in [loop]", |noise| response.amount(noise));
+        with_both(finding, given, measured, response.unit_of_differences())
+    });
     let of_constraints = campaign.problem.constraints.iter().filter_map(|held| {
         let runs = campaign.runs_of(held.name());
         let contradiction = Contradiction::of(held.constraint.noise, &runs).filter(&is_meant)?;
-        Some(contradiction.in_words(&format!("`noise` in [[constraint]] `{}`", held.name()), &held.unit))
+        let what = format!("`noise` in [[constraint]] `{}`", held.name());
+        let finding = contradiction.in_words(&what, |noise| with_unit(&short(noise), &held.unit));
+        Some(with_both(finding, contradiction.given, contradiction.measured(), &held.unit))
     });
     of_response.into_iter().chain(of_constraints).collect()
+}
+
+fn with_both(finding: Finding, given: f64, measured: f64, unit: &str) -> Finding {
+    finding.with("noise given", given, unit).with("noise of repeats", measured, unit)
 }
 
 #[cfg(test)]

@@ -149,8 +149,9 @@ impl campaign::Campaign for Campaign {
         let batches = self.history.values().map(|assessed| {
             json!({
                 "batch": assessed.batch, "best": problem.named(&assessed.recommended), "expected": assessed.expected,
-                "deviation": assessed.deviation, "bound": assessed.bound, "left_share": assessed.left,
-                "noise": assessed.noise,
+                "deviation": response.of_difference(assessed.deviation),
+                "bound": assessed.bound.map(|bound| response.of_difference(bound)), "left_share": assessed.left,
+                "noise": response.of_difference(assessed.noise),
             })
         });
         let best_measured = self.best_measured(&set_aside(self, &found)).map(|best| {
@@ -162,16 +163,16 @@ impl campaign::Campaign for Campaign {
                 "id": id, "value": response.of_cost(best.cost), "runs": best.n_runs, "settings": problem.named(&best.settings),
             })
         });
-        let bound = promised(self, &found);
+        let bound = promised(self, &found).map(|bound| response.of_difference(bound));
         let json = json!({
             "batches": batches.collect::<Vec<_>>(),
             "best": problem.named(&found.recommended.point),
             "predicted": response.of_cost(found.recommended.mean),
-            "deviation": found.needed.is_none().then_some(found.recommended.deviation),
+            "deviation": found.needed.is_none().then(|| response.of_difference(found.recommended.deviation)),
             "runs_there": found.recommended.n_readings,
             "bound": bound,
             "needed": found.needed,
-            "bound_by_the_surface_alone": bound.map(|_| found.certificate.quantile),
+            "bound_by_the_surface_alone": bound.map(|_| response.of_difference(found.certificate.quantile)),
             "probability": found.certificate.probability,
             "further_batches": found.further_batches.filter(|_| bound.is_some()),
             "designs_without_reserve": found.forecast.reserves_until(),
@@ -182,14 +183,14 @@ impl campaign::Campaign for Campaign {
             "left_share": found.left,
             "unseen_share": found.unseen,
             "noise": json!({
-                "standard_deviation": found.noise, "degrees_of_freedom": found.n_repeats, "is_exact": found.is_exact,
-                "of_repeats": self.repeats().map(|repeats| repeats.standard_deviation()),
+                "standard_deviation": response.of_difference(found.noise), "degrees_of_freedom": found.n_repeats, "is_exact": found.is_exact,
+                "of_repeats": self.repeats().map(|repeats| response.of_difference(repeats.standard_deviation())),
                 "is_contradicted": contradiction(self, &found).is_some(),
             }),
             "constraints": as_json(self, &found.recommended.constrained),
             "spent": self.spent_until(self.batches.len()).map(|(cost, plants)| json!({ "cost": cost, "plants": plants })),
-            "shared_error_of_a_plant": found.assembly,
-            "own_of_a_plant": found.own,
+            "shared_error_of_a_plant": found.assembly.map(|shared| response.of_difference(shared)),
+            "own_of_a_plant": found.own.map(|own| response.of_difference(own)),
             "keeps_to_the_constraints": found.recommended.suffices,
             "simulation": found.simulation,
             "displacement": displaced::as_json(problem, &found),
@@ -197,7 +198,7 @@ impl campaign::Campaign for Campaign {
             "simulations": FailedSimulations::of(self)?.as_json(self),
             "simulation_alone": simulation_alone.map(|point| problem.named(&point)),
             "best_measured": best_measured,
-            "confirmed": self.confirmation()?,
+            "confirmed": self.confirmation()?.map(|confirmation| confirmation.shown(response)),
         });
         Ok((blocks, json))
     }
@@ -245,10 +246,9 @@ impl Campaign {
         let is_reached = found.bound().is_some_and(|bound| bound <= worth) && !speaks_against;
         Ok(is_reached.then(|| {
             let response = &self.problem.response;
-            let enough = amount(response, worth);
             let than_enough = match found.certificate.bound > 0.0 {
-                true => format!("less than the {enough} that would be worth another batch"),
-                false => format!("and a gain of {enough} would be worth another batch"),
+                true => format!("less than {} that would be worth another batch", response.the_amount(worth)),
+                false => format!("and a gain of {} would be worth another batch", amount(response, worth)),
             };
             format!("with {}, {than_enough}", none_better(&self.problem, &found.certificate))
         }))

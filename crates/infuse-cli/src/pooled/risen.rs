@@ -34,7 +34,7 @@ pub(super) fn risen(campaign: &Campaign, found: &Assessment) -> Option<Finding> 
             amount(response, bound),
             why(campaign, found, before)
         );
-        Finding::new(sentence).with("bound before", bound, &response.unit)
+        Finding::new(sentence).with("bound before", response.of_difference(bound), response.unit_of_differences())
     })
 }
 

@@ -10,7 +10,7 @@ use super::campaign::{Campaign, Origin};
 use super::given_noise::{too_large, too_small};
 use crate::campaign::{Campaign as _, Imported};
 use crate::findings::{there_twice, value_to};
-use crate::number::{count, short};
+use crate::number::{count, short, with_unit};
 
 /// Outliers that are named.
 const MOST_NAMED: usize = 5;
@@ -70,20 +70,31 @@ const FEWEST_TO_SPAN: usize = 8;
 
 /// That results, all of one sign, span powers of ten: in their own unit a surface sees the largest of them alone.
 fn powers_of_ten(campaign: &Campaign) -> Option<Finding> {
-    let (response, costs) = (&campaign.problem.response, campaign.costs());
-    let is_of_one_sign = costs.iter().all(|cost| *cost > 0.0) || costs.iter().all(|cost| *cost < 0.0);
-    let mut sizes: Vec<f64> = costs.iter().map(|cost| cost.abs()).collect();
+    let response = &campaign.problem.response;
+    let values: Vec<f64> = campaign.costs().into_iter().map(|cost| response.of_cost(cost)).collect();
+    let is_positive = values.iter().all(|value| *value > 0.0);
+    let is_of_one_sign = is_positive || values.iter().all(|value| *value < 0.0);
+    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let quarter = sizes.len() / 4;
     let (low, high) = (*sizes.get(quarter)?, *sizes.get(sizes.len().checked_sub(quarter + 1)?)?);
     let (least, most) = (*sizes.first()?, *sizes.last()?);
-    let is_spanning = high > QUARTILES_APART * low && most > ENDS_APART * least;
+    let is_spanning = high > QUARTILES_APART * low && most > ENDS_APART * least && response.scale.is_linear();
     (is_of_one_sign && sizes.len() >= FEWEST_TO_SPAN && is_spanning).then(|| {
-        let [least, most] = [least, most].map(|size| value_to(response, costs[0].signum() * size, f64::NAN));
+        let sign = if is_positive { 1.0 } else { -1.0 };
+        let [least, most] = [least, most].map(|size| with_unit(&short(sign * size), &response.unit));
+        let remedy = match is_positive {
+            true => {
+                "set `scale` = \"log\" in [response]: at once, for all that was told. Then `worth` in [stop] and `noise` in [loop] are factors"
+            }
+            false => {
+                "begin a campaign with the other sign, the other `goal` and `scale` = \"log\" in [response], and import these results \
+                 into it"
+            }
+        };
         let sentence = format!(
             "Results span powers of ten, {least} to {most}. In that unit the surface sees the largest alone and takes all others for \
-             equal. If they are so by nature, as a leak rate or a life is, begin a campaign whose response, `worth`, `noise` and \
-             simulation are logarithms, and import the logarithms of these results into it."
+             equal. If they are so by nature, as a leak rate or a life is, {remedy}."
         );
         Finding::new(sentence).with("upper quartile by lower", high / low, "1")
     })
@@ -246,7 +257,7 @@ fn another_unit(campaign: &Campaign) -> Option<Finding> {
         return None;
     }
     let sizes = |readings: &[(Origin, f64)]| {
-        let sizes = readings.iter().map(|(_, cost)| cost.abs());
+        let sizes = readings.iter().map(|(_, cost)| campaign.problem.response.of_cost(*cost).abs());
         sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| (least.min(size), most.max(size)))
     };
     let ((least, most), (least_before, most_before)) = (sizes(&now), sizes(&before));

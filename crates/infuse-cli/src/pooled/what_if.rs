@@ -82,10 +82,11 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
         value_to(response, costs[0], half),
         value_to(response, costs[1], half)
     );
-    let one_run = Finding::new(sentence).with("give or take", half, &response.unit);
+    let (half, unit) = (response.of_difference(half), response.unit_of_differences());
+    let one_run = Finding::new(sentence).with("give or take", half, unit);
     let json = json!({
         "settings": problem.named(&standing.point), "expected": response.of_cost(standing.mean),
-        "deviation": has_band.then_some(standing.deviation), "one_run": has_band.then_some(low_and_high), "probability_better": standing.probability_better,
+        "deviation": has_band.then(|| response.of_difference(standing.deviation)), "one_run": has_band.then_some(low_and_high), "probability_better": standing.probability_better,
         "probability_of_a_value": standing.feasible, "constraints": as_json(campaign, &standing.constrained), "runs": standing.n_readings,
         "measured": standing.measured.map(|cost| response.of_cost(cost)),
     });
@@ -118,12 +119,15 @@ pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Fin
         let settings = problem.region.parameters().iter().zip(&point);
         let mut row: Vec<String> = settings.map(|(parameter, &value)| written(parameter, value)).collect();
         let half = NINE_IN_TEN * expectation.deviation;
-        let ends = [-half, half].map(|by| response.of_cost(expectation.mean + by));
+        let mut ends = [expectation.mean - half, expectation.mean + half];
+        if response.goal == Goal::Maximize {
+            ends.reverse();
+        }
         // A tenth of the band and less says nothing.
         let known_to = half / 10.0;
-        row.push(resolved(response.of_cost(expectation.mean), known_to));
-        for end in [ends[0].min(ends[1]), ends[0].max(ends[1])] {
-            row.push(if has_band { resolved(end, known_to) } else { String::new() });
+        row.push(response.number_to(expectation.mean, known_to));
+        for end in ends {
+            row.push(if has_band { response.number_to(end, known_to) } else { String::new() });
         }
         row.push(short(expectation.feasible));
         for there in &expectation.constrained {

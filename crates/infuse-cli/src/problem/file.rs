@@ -10,6 +10,9 @@ use infuse::{
 };
 use serde::{Deserialize, Serialize};
 
+/// The name of the file in the folder of a campaign.
+pub(crate) const PROBLEM: &str = "campaign.toml";
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ProblemFile {
@@ -93,12 +96,30 @@ pub(crate) enum Goal {
     Maximize,
 }
 
+/// On what scale differences of the response count alike.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Scale {
+    #[default]
+    Linear,
+    /// Of what spans powers of ten: twice as much is as far everywhere, and differences are factors.
+    Log,
+}
+
+impl Scale {
+    pub(crate) fn is_linear(&self) -> bool {
+        *self == Self::Linear
+    }
+}
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ResponseEntry {
     pub(crate) name: String,
     pub(crate) unit: String,
     pub(crate) goal: Goal,
+    #[serde(default)]
+    pub(crate) scale: Scale,
     pub(crate) lower: Option<f64>,
     pub(crate) upper: Option<f64>,
 }

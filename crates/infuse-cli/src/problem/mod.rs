@@ -8,6 +8,7 @@ mod levels;
 mod queue;
 mod read;
 mod reserved;
+mod response;
 mod setting;
 mod settings;
 
@@ -23,15 +24,13 @@ use serde_json::{Value, json};
 pub(crate) use constraints::{Held, linear_in_words};
 pub(crate) use costs::Costs;
 use file::LoopEntry;
-pub(crate) use file::{Goal, Input, Method, SheetFormat};
+pub(crate) use file::{Goal, Input, Method, PROBLEM, Scale, SheetFormat};
 pub(crate) use keys::by_key;
 pub(crate) use queue::Queue;
+pub(crate) use response::{Response, heading};
 pub(crate) use setting::{parse_setting, said, shown, step, written};
 
-use crate::number::{plain, with_unit};
-
-/// The name of the file in the folder of a campaign.
-pub(crate) const PROBLEM: &str = "campaign.toml";
+use crate::number::with_unit;
 
 /// What a campaign is about.
 #[derive(Debug, Clone)]
@@ -58,81 +57,6 @@ pub(crate) struct Problem {
     pub(crate) worth: Option<f64>,
     /// Whether it is known to have no narrow well.
     pub(crate) smooth: Option<bool>,
-}
-
-/// What is measured.
-#[derive(Debug, Clone)]
-pub(crate) struct Response {
-    pub(crate) name: String,
-    pub(crate) unit: String,
-    pub(crate) goal: Goal,
-    pub(crate) lower: Option<f64>,
-    pub(crate) upper: Option<f64>,
-}
-
-impl Response {
-    /// From what is measured to what is minimized.
-    pub(crate) fn cost(&self, response: f64) -> f64 {
-        match self.goal {
-            Goal::Minimize => response,
-            Goal::Maximize => -response,
-        }
-    }
-
-    /// What a narrow region is called where the response is far better than around it.
-    pub(crate) fn well(&self) -> &'static str {
-        match self.goal {
-            Goal::Minimize => "well",
-            Goal::Maximize => "peak",
-        }
-    }
-
-    /// From what is minimized back to what is measured.
-    pub(crate) fn of_cost(&self, cost: f64) -> f64 {
-        self.cost(cost)
-    }
-
-    /// The heading of its column in a sheet.
-    pub(crate) fn heading(&self) -> String {
-        heading(&self.name, &self.unit)
-    }
-
-    /// What is allowed, unless this is.
-    pub(crate) fn fault(&self, value: f64) -> Option<String> {
-        let at_least = self.lower.filter(|&lower| value < lower).map(|lower| ("at least", lower));
-        let at_most = self.upper.filter(|&upper| value > upper).map(|upper| ("at most", upper));
-        let (word, bound) = at_least.or(at_most)?;
-        Some(format!("{word} {}, the bound of the response in {PROBLEM}", with_unit(&plain(bound), &self.unit)))
-    }
-
-    /// The least cost that there can be.
-    pub(crate) fn least(&self) -> Option<f64> {
-        match self.goal {
-            Goal::Minimize => self.lower,
-            Goal::Maximize => self.upper.map(|upper| -upper),
-        }
-    }
-
-    /// "lower" or "higher", whichever is better.
-    pub(crate) fn better(&self) -> &'static str {
-        match self.goal {
-            Goal::Minimize => "lower",
-            Goal::Maximize => "higher",
-        }
-    }
-
-    /// "above" or "below", where what is worse lies.
-    pub(crate) fn worse_side(&self) -> &'static str {
-        match self.goal {
-            Goal::Minimize => "above",
-            Goal::Maximize => "below",
-        }
-    }
-}
-
-/// `name [unit]`, or the name alone.
-pub(crate) fn heading(name: &str, unit: &str) -> String {
-    if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
 }
 
 /// Where simulated values come from.

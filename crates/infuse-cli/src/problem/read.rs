@@ -11,7 +11,7 @@ use super::costs::Costs;
 use super::file::{ExperimentEntry, Input, ProblemFile, ResponseEntry, SimulationsEntry, SimulatorEntry};
 use super::levels::parameter;
 use super::reserved::is_reserved;
-use super::{Experiment, PROBLEM, Problem, Program, Queue, Response, Simulator};
+use super::{Experiment, PROBLEM, Problem, Program, Queue, Response, Scale, Simulator};
 use crate::disk::unusable;
 use crate::job_numbers::submits_a_job;
 use crate::wording::{Entry, in_plain_words};
@@ -87,8 +87,13 @@ impl Problem {
         let costs = Costs::of(&file.parameters, &file.rule)?;
         let worth = file.stop.worth;
         if let Some(worth) = worth {
-            let is_usable = worth > 0.0 && worth.is_finite();
-            ensure!(is_usable, "[stop]: `worth` is {worth:?}, expected a positive number in the unit of the response");
+            let (least, expected) = match response.scale {
+                Scale::Linear => (0.0, "a positive number in the unit of the response"),
+                Scale::Log => {
+                    (1.0, "a factor above 1, as 1.2 for a fifth more, where `scale` of [response] is \"log\"")
+                }
+            };
+            ensure!(worth > least && worth.is_finite(), "[stop]: `worth` is {worth:?}, expected {expected}");
         }
         Ok(Self {
             title: file.title,
@@ -196,7 +201,7 @@ const SECTIONS: [(&str, &[&str]); 6] = [
         ],
     ),
     ("[stop]", &["worth", "smooth"]),
-    ("[response]", &["goal"]),
+    ("[response]", &["goal", "scale"]),
     ("[simulator]", &["table", "command", "jobs", "input", "timeout_seconds"]),
     ("[[constraint]]", &["probability"]),
     ("[[parameter]]", &["levels", "step", "choices", "change_cost", "role"]),
@@ -209,7 +214,7 @@ fn section_of_unknown(message: &str) -> Option<(&str, &'static str)> {
 }
 
 fn response(entry: ResponseEntry) -> Result<Response> {
-    let ResponseEntry { name, unit, goal, lower, upper } = entry;
+    let ResponseEntry { name, unit, goal, scale, lower, upper } = entry;
     let is_plain = !name.trim().is_empty() && name.trim() == name && !name.contains(['[', ']', ',', ';', '"', '\n']);
     ensure!(is_plain, "response: `name` is {name:?}, expected words without brackets, quotes, commas or semicolons");
     let is_plain = unit.trim() == unit && !unit.contains(['[', ']', ',', ';', '"', '\n']);
@@ -222,7 +227,11 @@ fn response(entry: ResponseEntry) -> Result<Response> {
     if let Some((lower, upper)) = lower.zip(upper) {
         ensure!(lower < upper, "response: `lower` is {lower:?}, expected less than `upper`, which is {upper:?}");
     }
-    Ok(Response { name, unit, goal, lower, upper })
+    let response = Response { name, unit, goal, scale, lower, upper };
+    if let Some((upper, expected)) = upper.and_then(|upper| Some((upper, response.without_logarithm(upper)?))) {
+        bail!("response: `upper` is {upper:?}, expected {expected}");
+    }
+    Ok(response)
 }
 
 fn simulator(entry: SimulatorEntry, region: &Region) -> Result<Simulator> {

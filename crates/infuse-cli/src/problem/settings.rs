@@ -10,7 +10,7 @@ use infuse::{
 
 use super::file::{LoopEntry, ModelEntry, SimulationsEntry};
 use super::keys::key_of;
-use super::{Costs, Problem, Simulator};
+use super::{Costs, Problem, Response, Scale, Simulator};
 
 impl Problem {
     /// The settings of the dissertation's loop.
@@ -23,6 +23,7 @@ impl Problem {
             ("experiment_cost", self.rule.experiment_cost.is_some()),
             ("cost_unit", self.rule.cost_unit.is_some()),
             ("smooth", self.smooth.is_some()),
+            ("scale", !self.response.scale.is_linear()),
         ];
         ensure!(
             self.simulator.is_there(),
@@ -64,9 +65,9 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
     };
     settings.max_batches = entry.batches.unwrap_or(settings.max_batches);
     settings.confidence = entry.confidence.unwrap_or(settings.confidence);
-    settings.noise = entry.noise;
+    settings.noise = entry.noise.map(|noise| noise_of_costs(&problem.response, noise)).transpose()?;
     settings.displaced = entry.displaced.unwrap_or(settings.displaced);
-    settings.worth = problem.worth;
+    settings.worth = problem.worth.map(|worth| problem.response.difference(worth));
     settings.smooth = problem.smooth.unwrap_or(false);
     settings.least = problem.response.least();
     settings.constraints = problem.constraints.iter().map(|held| held.constraint.clone()).collect();
@@ -75,6 +76,19 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
     settings.seed = problem.seed;
     settings.validate()?;
     Ok(settings)
+}
+
+/// The noise of the cost: of a logarithm the file has a factor.
+fn noise_of_costs(response: &Response, given: f64) -> Result<f64, Error> {
+    let is_no_factor = response.scale == Scale::Log && (given.is_nan() || given < 1.0);
+    match is_no_factor {
+        true => Err(Error::Setting {
+            name: "noise",
+            value: given,
+            expected: "a factor of at least 1, as 1.05 for 5 %, where `scale` of [response] is \"log\"",
+        }),
+        false => Ok(response.difference(given)),
+    }
 }
 
 /// Keys of the dissertation's loop that are set.

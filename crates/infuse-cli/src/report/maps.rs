@@ -8,7 +8,7 @@ use page::palette::{INK, VERMILION};
 use page::{Axis, Bands, Chart, ColorScale, MapCell, Mark};
 
 use crate::number::{count, setting, short, with_unit};
-use crate::problem::{Goal, Problem, step};
+use crate::problem::{Goal, Problem, Scale, step};
 
 const SIZE_PX: (f64, f64) = (448.0, 380.0);
 /// Maps on a page.
@@ -117,9 +117,11 @@ impl Maps<'_> {
     /// The maps, with one scale of colors: that of the cells that are not set off.
     pub(crate) fn charts(&self, maps: &[Map]) -> Vec<Chart> {
         let response = &self.problem.response;
-        let colors = match response.goal {
-            Goal::Minimize => ColorScale::NearLowest,
-            Goal::Maximize => ColorScale::NearHighest,
+        let colors = match (response.goal, response.scale) {
+            (Goal::Minimize, Scale::Linear) => ColorScale::NearLowest,
+            (Goal::Maximize, Scale::Linear) => ColorScale::NearHighest,
+            (Goal::Minimize, Scale::Log) => ColorScale::RatiosFromLowest,
+            (Goal::Maximize, Scale::Log) => ColorScale::RatiosFromHighest,
         };
         let axis = Axis::new(&response.name, &response.unit).with_colors(colors);
         let shown = maps.iter().flat_map(|map| &map.cells).filter(|cell| cell.apart.is_none());

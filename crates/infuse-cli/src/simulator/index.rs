@@ -42,6 +42,8 @@ pub(super) fn key(table: &[u8], problem: &Problem) -> [u8; 32] {
         part(&mut digest, &column.unit);
         part(&mut digest, [u8::from(column.is_required)]);
     }
+    // On this scale some values are faults.
+    part(&mut digest, [u8::from(problem.response.scale.is_linear())]);
     part(&mut digest, table);
     digest.finalize().into()
 }

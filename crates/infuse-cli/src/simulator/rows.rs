@@ -142,6 +142,9 @@ pub(super) fn read(bytes: &[u8], name: &str, problem: &Problem, grid: &Grid) -> 
         let constrained: Vec<f64> = constrained.collect();
         match table.number(row, k) {
             Err(expected) => faults.push(table.fault(row, k, expected)),
+            Ok(value) if let Some(expected) = problem.response.without_logarithm(value) => {
+                faults.push(table.fault(row, k, expected));
+            }
             Ok(value) if point.len() == k => {
                 found.push(Found { row: index, cell: grid.nearest(&point)?, value, constrained });
             }

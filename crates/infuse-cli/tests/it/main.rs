@@ -11,6 +11,7 @@ mod faults;
 mod interruptions;
 mod journals;
 mod kills;
+mod logarithms;
 mod long_tables;
 mod memory;
 mod mixed;

@@ -49,6 +49,11 @@ pub enum ColorScale {
     NearHighest,
     /// Bands that hold equally many values.
     EqualShares,
+    /// Bands of the same ratio everywhere, with borders at powers of ten, or within them where they are few; the lowest value has the
+    /// darkest color. As `NearLowest` if a value is not positive or all are nearly the same.
+    RatiosFromLowest,
+    /// The same, with the darkest color for the highest value.
+    RatiosFromHighest,
 }
 
 impl Axis {
@@ -225,6 +230,9 @@ mod tests {
         let small = Axis::new("cost", "s").in_ratios([0.29, 0.8]).scale(std::iter::empty(), 4);
         let texts: Vec<String> = small.ticks().into_iter().map(|tick| small.text(tick)).collect();
         assert_eq!(texts, ["0.3", "0.5"]);
+        let narrow = Axis::new("cost", "s").in_ratios([0.9, 1.2]).scale(std::iter::empty(), 4);
+        let texts: Vec<String> = narrow.ticks().into_iter().map(|tick| narrow.text(tick)).collect();
+        assert_eq!(texts, ["0.9", "1", "1.1", "1.2"]);
     }
 
     #[test]

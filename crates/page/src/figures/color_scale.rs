@@ -3,7 +3,7 @@
 use super::axis::{Axis, ColorScale};
 use super::canvas::{Anchor, Canvas, INK, LABEL_SIZE, TEXT_SIZE, TITLE_PX, WIDTH_PX, text_width_px};
 use super::panels::RIGHT_PX;
-use super::scale::{number_text, step_text};
+use super::scale::{Scale, number_text, step_text};
 
 /// About as many bands.
 const BANDS: usize = 10;
@@ -30,12 +30,25 @@ pub struct Bands {
 impl Bands {
     /// The bands of these values, of which those that are not finite are left out.
     pub fn of(axis: &Axis, values: impl IntoIterator<Item = f64>) -> Self {
-        let sign = if axis.colors() == ColorScale::NearHighest { -1.0 } else { 1.0 };
+        let is_from_highest = matches!(axis.colors(), ColorScale::NearHighest | ColorScale::RatiosFromHighest);
+        let sign = if is_from_highest { -1.0 } else { 1.0 };
         let mut ranked: Vec<f64> = values.into_iter().filter(|z| z.is_finite()).map(|z| sign * z).collect();
         ranked.sort_by(f64::total_cmp);
         let is_flat = ranked.first() == ranked.last();
         match axis.colors() {
-            ColorScale::NearLowest | ColorScale::NearHighest if !is_flat => Self::near_first(axis, &ranked, sign),
+            ColorScale::RatiosFromLowest | ColorScale::RatiosFromHighest
+                if let Some(borders) = round_ratios(&ranked, sign) =>
+            {
+                Self::ratios(axis, borders, sign)
+            }
+            ColorScale::NearLowest
+            | ColorScale::NearHighest
+            | ColorScale::RatiosFromLowest
+            | ColorScale::RatiosFromHighest
+                if !is_flat =>
+            {
+                Self::near_first(axis, &ranked, sign)
+            }
             ColorScale::EqualShares if !is_flat => Self::equal_shares(axis, &ranked),
             _ => Self::linear(axis, &ranked, sign),
         }
@@ -70,6 +83,17 @@ impl Bands {
         let borders: Vec<f64> = std::iter::once(first).chain(steps.iter().map(|step| first + step)).collect();
         let texts = std::iter::once(end.to_owned()).chain(texts).collect();
         Self { exceeded: exceeds(ranked, &borders), borders, texts, label, sign }
+    }
+
+    /// Borders from the lowest value to the highest.
+    fn ratios(axis: &Axis, mut borders: Vec<f64>, sign: f64) -> Self {
+        let shown = Scale::in_ratios(1.0, 10.0);
+        if sign < 0.0 {
+            borders.reverse();
+        }
+        let texts = borders.iter().map(|border| shown.text(*border)).collect();
+        let borders = borders.into_iter().map(|border| sign * border).collect();
+        Self { borders, texts, label: axis.label().to_string(), exceeded: false, sign }
     }
 
     fn equal_shares(axis: &Axis, ranked: &[f64]) -> Self {
@@ -170,6 +194,31 @@ fn round_distances(distances: &[f64]) -> Vec<f64> {
     steps
 }
 
+/// Below this ratio of the highest to the lowest value differences tell as much.
+const LEAST_RATIO: f64 = 3.0;
+
+/// Round numbers of about the same ratio from below the lowest of these values to above the highest, at most some twelve: 1, 2 and 5
+/// times powers of ten, powers of ten, or one in a few of these. None where a value is not positive, or they span too little.
+fn round_ratios(ranked: &[f64], sign: f64) -> Option<Vec<f64>> {
+    let (first, last) = (sign * ranked.first()?, sign * ranked.last()?);
+    let (lowest, highest) = (first.min(last), first.max(last));
+    if lowest <= 0.0 || highest < LEAST_RATIO * lowest {
+        return None;
+    }
+    let (from, to) = ((lowest.log10() + 1e-9).floor() as i32, (highest.log10() - 1e-9).ceil() as i32);
+    let decades = usize::try_from(to - from).ok()?;
+    if decades <= BANDS / 3 {
+        let powers = (from..=to).map(|exponent| 10_f64.powi(exponent));
+        let all: Vec<f64> = powers.flat_map(|power| ROUND.map(|times| times * power)).collect();
+        let begin = all.iter().rposition(|border| *border <= lowest * (1.0 + 1e-9))?;
+        let end = all.iter().position(|border| *border >= highest * (1.0 - 1e-9))?;
+        return Some(all[begin..=end].to_vec());
+    }
+    let stride = decades.div_ceil(BANDS);
+    let n = decades.div_ceil(stride);
+    (0..=n).map(|step| Some(10_f64.powi(from + i32::try_from(step * stride).ok()?))).collect()
+}
+
 /// The bar beside the frame of a whole figure.
 pub(super) fn draw_color_bar(canvas: &mut Canvas, bands: &Bands, frame_bottom: f64) {
     let bar =
@@ -266,6 +315,19 @@ mod tests {
     }
 
     #[test]
+    fn the_same_ratio_is_as_many_colors_everywhere() {
+        let decades = bands(ColorScale::RatiosFromLowest, &[3e-9, 1e-6, 2e-3]);
+        assert_eq!(decades.texts.first().zip(decades.texts.last()), Some((&"1e\u{2212}9".into(), &"0.01".into())));
+        let band = |value: f64| (0..decades.count()).find(|&band| decades.color(band) == decades.color_of(value));
+        assert_eq!((band(3e-9), band(3e-8), band(3e-4)), (Some(0), Some(1), Some(5)));
+        let mirrored = bands(ColorScale::RatiosFromHighest, &[3e-9, 1e-6, 2e-3]);
+        assert_eq!((mirrored.text(0), mirrored.color_of(2e-3)), ("0.01", mirrored.color(0)));
+        assert_eq!(bands(ColorScale::RatiosFromLowest, &[3.0, 45.0]).texts, ["2", "5", "10", "20", "50"]);
+        assert!(bands(ColorScale::RatiosFromLowest, &[1e-90, 1e90]).count() <= 12);
+        assert_eq!(bands(ColorScale::RatiosFromLowest, &[-1.0, 45.0]).text(0), "lowest");
+    }
+
+    #[test]
     fn long_labels_are_broken_between_words() {
         let name = "power of the whole drive train at full load";
         let axis = Axis::new(name, "kg m2/s3").with_colors(ColorScale::NearLowest);
@@ -276,7 +338,14 @@ mod tests {
 
     #[test]
     fn values_that_are_few_equal_or_none_are_colored() {
-        for colors in [ColorScale::Linear, ColorScale::NearLowest, ColorScale::NearHighest, ColorScale::EqualShares] {
+        for colors in [
+            ColorScale::Linear,
+            ColorScale::NearLowest,
+            ColorScale::NearHighest,
+            ColorScale::EqualShares,
+            ColorScale::RatiosFromLowest,
+            ColorScale::RatiosFromHighest,
+        ] {
             for values in [vec![], vec![f64::NAN], vec![3.0], vec![3.0; 9], vec![0.0, 1e-9], vec![1.0, 1e9, f64::NAN]] {
                 let bands = bands(colors, &values);
                 assert!(bands.count() >= 1, "{colors:?} of {values:?}");

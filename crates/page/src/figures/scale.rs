@@ -11,6 +11,9 @@ pub(super) enum Spacing {
     Ratios,
 }
 
+/// Ticks of an axis of ratios that spans too little for round ratios, about.
+const EVEN_TICKS: usize = 4;
+
 /// An axis with its ticks: the multiples of `step` from `min` to `max`, or one power of ten in `step`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
@@ -81,7 +84,10 @@ impl Scale {
                 let exponents = self.min.log10().floor() as i32..=self.max.log10().floor() as i32;
                 let powers = exponents.map(|exponent| 10_f64.powi(exponent));
                 let ticks = powers.flat_map(|power| [1.0, 2.0, 3.0, 5.0].map(|times| times * power));
-                ticks.filter(|tick| (self.min..=self.max).contains(tick)).collect()
+                let ticks: Vec<f64> = ticks.filter(|tick| (self.min..=self.max).contains(tick)).collect();
+                // Between neighbors of those even steps are as good.
+                let step = round_step(self.max - self.min, EVEN_TICKS);
+                if ticks.len() > 1 { ticks } else { multiples(self.min, self.max, step) }
             }
         }
     }

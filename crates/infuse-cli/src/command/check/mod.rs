@@ -15,7 +15,7 @@ use crate::campaign::Campaign;
 use crate::folder;
 use crate::journal::JOURNAL;
 use crate::number::{count, plain, with_unit};
-use crate::problem::{PROBLEM, Problem, linear_in_words};
+use crate::problem::{PROBLEM, Problem, Scale, linear_in_words};
 use crate::shell::{infuse, sheet_path};
 
 pub(crate) fn check(folder: &Path) -> Result<Output> {
@@ -51,7 +51,11 @@ fn right(problem: &Problem) -> Finding {
         Finding::new(format!("{}: {bounds}, {levels}.", parameter.name()))
     });
     let response = &problem.response;
-    let sentence = format!("{PROBLEM} is right. {} is better of {}.", response.better(), response.heading());
+    let scale = match response.scale {
+        Scale::Linear => "",
+        Scale::Log => ", on a logarithmic scale",
+    };
+    let sentence = format!("{PROBLEM} is right. {} is better of {}{scale}.", response.better(), response.heading());
     let sentence = sentence.replace("right. lower", "right. Lower").replace("right. higher", "right. Higher");
     let held = problem.constraints.iter().map(|held| Finding::new(format!("{}.", held.in_words())));
     let linear = problem.linear_constraints.iter();

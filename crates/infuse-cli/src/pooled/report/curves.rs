@@ -43,7 +43,7 @@ impl Drawn {
         let places: Vec<(f64, Cell)> = view.lines[parameter].iter().map(|&cell| (setting(cell), cell)).collect();
         let band = |&(x, cell): &(f64, Cell)| {
             let band = view.band(cell)?;
-            Some((x, band.mean - band.half, band.mean, band.mean + band.half))
+            Some((x, band.low, band.mean, band.high))
         };
         let mut drawn = Self {
             curve: places.iter().filter_map(band).collect(),
@@ -60,7 +60,9 @@ impl Drawn {
         let cells: Vec<Cell> = places.iter().map(|place| place.1).collect();
         let refused = places.iter().zip(view.campaign.not_to_be_had(&cells)?);
         drawn.refused = refused.filter(|(_, is_refused)| *is_refused).map(|((x, _), _)| *x).collect();
-        let (without, with) = (width(drawn.values()), width(drawn.values().chain(drawn.simulated())));
+        let scaled = |value: f64| view.response().scaled(value);
+        let without = width(drawn.values().map(scaled));
+        let with = width(drawn.values().chain(drawn.simulated()).map(scaled));
         if with > FAR * without {
             drawn.is_far = true;
             drawn.simulation.clear();
@@ -83,7 +85,7 @@ impl Drawn {
         let room = view.room(parameter);
         let run_at = self.runs.iter().map(|((x, _), _)| *x).chain(self.failed.iter().copied());
         let x = view.axis(parameter).covering(bounds.lower() - room, bounds.upper() + room, run_at);
-        let y = view.response_axis().around(self.values().chain(self.simulated()));
+        let y = view.response_axis(self.values().chain(self.simulated()));
         let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Hidden);
         let is_choice = view.is_choice(parameter);
         let band: Vec<(f64, f64, f64)> = self.curve.iter().map(|&(x, low, _, high)| (x, low, high)).collect();
@@ -152,7 +154,7 @@ fn place(view: &View, parameter: usize, run: &Run) -> Option<((f64, f64), Mark)>
         return Some(((x, run.value), Mark::Dot));
     }
     let on_the_line = view.on_the_line(parameter, run.cell).ok()?;
-    let moved = view.expected(on_the_line)? + run.value - view.expected(run.cell)?;
+    let moved = view.response().moved(view.expected(on_the_line)?, run.value, view.expected(run.cell)?);
     Some(((x, moved), Mark::Ring))
 }
 

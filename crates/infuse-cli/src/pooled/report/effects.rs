@@ -7,7 +7,7 @@ use page::{Column, Page, Table};
 use super::nothing::NOTHING;
 use super::view::View;
 use crate::number::{percent, short};
-use crate::problem::shown;
+use crate::problem::{Scale, shown};
 use crate::spread::spread;
 
 /// Designs all over the grid of which the surface is asked, at most.
@@ -21,12 +21,16 @@ const FEWEST: usize = 50;
 pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
     let shares = shares(view)?;
     let unit = &view.response().unit;
+    let range = match view.response().scale {
+        Scale::Linear => "range along it",
+        Scale::Log => "highest by lowest",
+    };
     let columns = vec![
         Column::words("parameter"),
         Column::words("recommended"),
         Column::number("lowest along it", unit),
         Column::number("highest along it", unit),
-        Column::number("range along it", unit),
+        Column::number(range, view.response().unit_of_differences()),
         Column::number("alone explains", ""),
     ];
     let row = |at: usize| {
@@ -37,7 +41,7 @@ pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
         let share =
             shares.as_ref().and_then(|shares| shares.get(at)).map_or_else(|| NOTHING.to_owned(), |&s| percent(s));
         let best = crate::number::with_unit(&shown(parameter, view.best()[at]), parameter.unit());
-        vec![parameter.name().to_owned(), best, short(low), short(high), short(high - low), share]
+        vec![parameter.name().to_owned(), best, short(low), short(high), short(view.response().less(high, low)), share]
     };
     let table = Table { columns, rows: (0..view.parameters().len()).map(row).collect() };
     let mut caption = "What is expected where one parameter is moved and the others are as recommended.".to_owned();

@@ -8,6 +8,7 @@ use crate::findings::amount;
 use crate::number::percent;
 use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::Origin;
+use crate::report::axes;
 
 const SIZE_PX: (f64, f64) = (292.0, 260.0);
 /// Ranges that differ by more than this share no line of equals.
@@ -50,17 +51,17 @@ fn residuals_against_expected(view: &View) -> Chart {
     let response = view.response();
     let residual = |run: &Run| {
         let expected = view.expected(run.cell)?;
-        Some(((expected, run.value - expected), mark(run)))
+        Some(((expected, response.less(run.value, expected)), mark(run)))
     };
     let points: Points = view.runs.iter().filter_map(residual).collect();
     let xs = || points.iter().map(|((x, _), _)| *x);
-    let band = NINE_IN_TEN * view.found.noise;
-    let x = Axis::new(&format!("{} expected", response.name), &response.unit).around(xs());
-    let y = residual_axis(view).around(points.iter().map(|((_, y), _)| *y).chain([-band, band]));
+    let (none, (least, most)) = of_noise(view);
+    let x = axes::of_response(response, &format!("{} expected", response.name), xs());
+    let y = residual_axis(view, points.iter().map(|((_, y), _)| *y).chain([least, most]));
     let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Hidden);
     let (low, high) = ends(xs());
-    chart.ribbon(&[(low, -band, band), (high, -band, band)], LIGHT_BLUE);
-    chart.line(&[(low, 0.0), (high, 0.0)], Stroke::Solid, BLUE);
+    chart.ribbon(&[(low, least, most), (high, least, most)], LIGHT_BLUE);
+    chart.line(&[(low, none), (high, none)], Stroke::Solid, BLUE);
     chart.outline();
     for &(point, mark) in &points {
         chart.mark(point, mark, INK);
@@ -68,8 +69,14 @@ fn residuals_against_expected(view: &View) -> Chart {
     chart
 }
 
-fn residual_axis(view: &View) -> Axis {
-    Axis::new("measured less expected", &view.response().unit)
+/// No residual at all, and the residuals that the noise alone makes nine times in ten.
+fn of_noise(view: &View) -> (f64, (f64, f64)) {
+    let none = view.response().no_difference();
+    (none, view.response().band(none, NINE_IN_TEN * view.found.noise))
+}
+
+fn residual_axis(view: &View, values: impl IntoIterator<Item = f64>) -> Axis {
+    axes::of_differences(view.response(), &view.response().less_in_words("expected"), values)
 }
 
 /// What was measured against what was expected or simulated; with the line on which both are equal, unless they are far apart.
@@ -77,14 +84,14 @@ fn against(view: &View, what: &str, points: &Points) -> Chart {
     let response = view.response();
     let xs = || points.iter().map(|((x, _), _)| *x);
     let ys = || points.iter().map(|((_, y), _)| *y);
-    let (x, y) = (Axis::new(&format!("{} {what}", response.name), &response.unit), measured_axis(view));
-    let both = width(xs().chain(ys()));
-    let are_near = both <= FAR * width(xs()).max(width(ys())) || both <= 0.0;
+    let names = [what, "measured"].map(|what| format!("{} {what}", response.name));
+    let width = |values: &mut dyn Iterator<Item = f64>| width(values.map(|value| response.scaled(value)));
+    let both = width(&mut xs().chain(ys()));
+    let are_near = both <= FAR * width(&mut xs()).max(width(&mut ys())) || both <= 0.0;
     let (low, high) = ends(xs().chain(ys()));
-    let (x, y) = if are_near {
-        (x.around(xs().chain(ys())), y.around(xs().chain(ys())))
-    } else {
-        (x.around(xs()), y.around(ys()))
+    let [x, y] = match are_near {
+        true => [0, 1].map(|side| axes::of_response(response, &names[side], xs().chain(ys()))),
+        false => [axes::of_response(response, &names[0], xs()), axes::of_response(response, &names[1], ys())],
     };
     let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Shown);
     if are_near {
@@ -94,10 +101,6 @@ fn against(view: &View, what: &str, points: &Points) -> Chart {
         chart.mark(point, mark, INK);
     }
     chart
-}
-
-fn measured_axis(view: &View) -> Axis {
-    Axis::new(&format!("{} measured", view.response().name), &view.response().unit)
 }
 
 /// What was measured less what is expected, in the order in which the experiments were to be run.
@@ -111,20 +114,21 @@ fn residuals_over_runs(view: &View) -> Option<Chart> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     for (place, (id, _)) in order.iter().enumerate() {
         for run in view.runs.iter().filter(|run| run.origin == Origin::Own(*id)) {
-            points.extend(view.expected(run.cell).map(|expected| ((place + 1) as f64, run.value - expected)));
+            let residual = |expected: f64| view.response().less(run.value, expected);
+            points.extend(view.expected(run.cell).map(|expected| ((place + 1) as f64, residual(expected))));
         }
     }
-    let band = NINE_IN_TEN * view.found.noise;
-    let y = residual_axis(view).around(points.iter().map(|point| point.1).chain([-band, band]));
+    let (none, (least, most)) = of_noise(view);
+    let y = residual_axis(view, points.iter().map(|point| point.1).chain([least, most]));
     let x = Axis::new("experiment, in the order of the runs", "1").counting(1, order.len());
     let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Hidden);
     let (first, last) = (0.5, order.len() as f64 + 0.5);
-    chart.ribbon(&[(first, -band, band), (last, -band, band)], LIGHT_BLUE);
+    chart.ribbon(&[(first, least, most), (last, least, most)], LIGHT_BLUE);
     let begins = order.windows(2).enumerate().filter(|(_, pair)| pair[0].1 != pair[1].1);
     for (index, _) in begins {
         chart.divider(index as f64 + 1.5, GRID);
     }
-    chart.line(&[(first, 0.0), (last, 0.0)], Stroke::Solid, BLUE);
+    chart.line(&[(first, none), (last, none)], Stroke::Solid, BLUE);
     chart.outline();
     for &point in &points {
         chart.mark(point, Mark::Ring, INK);

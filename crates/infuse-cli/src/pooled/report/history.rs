@@ -11,6 +11,8 @@ use crate::journal::Assessed;
 use crate::number::{percent, short};
 use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::Campaign;
+use crate::problem::{Response, Scale};
+use crate::report::axes;
 
 const SIZE_PX: (f64, f64) = (292.0, 220.0);
 /// Below this share, in per cent, powers of ten tell more.
@@ -82,13 +84,14 @@ fn expected(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Chart {
     let halves: Vec<f64> = campaign.history.values().map(|known| half(known).unwrap_or(0.0)).collect();
     let beside = (BESIDE * campaign.batches.len() as f64).min(0.3);
     let measured: Line = of_batches.iter().map(|(&batch, &value)| (batch as f64 + beside, value)).collect();
-    let ends = expected.iter().zip(&halves).flat_map(|(point, half)| [point.1 - half, point.1 + half]);
-    let y = Axis::new(&response.name, &response.unit).around(ends.chain(measured.iter().map(|point| point.1)));
+    let bands: Line = expected.iter().zip(&halves).map(|(point, &half)| response.band(point.1, half)).collect();
+    let ends = bands.iter().flat_map(|&(low, high)| [low, high]);
+    let y = axes::of_response(response, &response.name, ends.chain(measured.iter().map(|point| point.1)));
     let mut chart = Chart::new(SIZE_PX, &batches("batch", 1, campaign), &y, Grid::Shown);
     chart.line(&expected, Stroke::Solid, BLUE);
-    for (point, &half) in expected.iter().zip(&halves) {
-        if half > 0.0 {
-            chart.whisker(point.0, point.1 - half, point.1 + half, BLUE);
+    for (point, &(low, high)) in expected.iter().zip(&bands) {
+        if low < high {
+            chart.whisker(point.0, low, high, BLUE);
         }
         chart.mark(*point, Mark::Dot, BLUE);
     }
@@ -102,12 +105,16 @@ fn expected(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Chart {
 }
 
 fn bound(campaign: &Campaign) -> Chart {
-    let bounds: Line = campaign.history.values().filter_map(|known| Some((batch(known), known.bound?))).collect();
-    let worth = campaign.settings.worth;
+    let response = &campaign.problem.response;
+    let bound = |known: &Assessed| Some((batch(known), response.of_difference(known.bound?)));
+    let bounds: Line = campaign.history.values().filter_map(bound).collect();
+    let worth = campaign.settings.worth.map(|worth| response.of_difference(worth));
     let values = || bounds.iter().map(|point| point.1).chain(worth);
     let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
-    let y = Axis::new("bound", &campaign.problem.response.unit);
-    let y = if least > 0.0 && most > MANY * least { y.in_decades(values()) } else { y.around(values().chain([0.0])) };
+    let y = match response.scale {
+        Scale::Linear if least > 0.0 && most > MANY * least => Axis::new("bound", &response.unit).in_decades(values()),
+        _ => axes::of_differences(response, bound_in_words(response), values()),
+    };
     let x = batches("batch", 1, campaign);
     let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Shown);
     if let Some(worth) = worth {
@@ -143,7 +150,7 @@ fn best_so_far(campaign: &Campaign) -> Chart {
         }
     }
     stairs.extend(best.map(|best| (n as f64 + 0.5, response.of_cost(best))));
-    let y = Axis::new(&response.name, &response.unit).around(measured.iter().map(|point| point.1));
+    let y = axes::of_response(response, &response.name, measured.iter().map(|point| point.1));
     let x = Axis::new("experiment, in the order of the runs", "1").counting(1, n.max(1));
     let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Shown);
     for &point in &measured {
@@ -155,13 +162,21 @@ fn best_so_far(campaign: &Campaign) -> Chart {
     chart
 }
 
+/// What stands along an axis of bounds.
+fn bound_in_words(response: &Response) -> &'static str {
+    match response.scale {
+        Scale::Linear => "bound",
+        Scale::Log => "bound, as a factor",
+    }
+}
+
 /// The bound against what was spent for it.
 fn spent(campaign: &Campaign) -> Option<Chart> {
     let costs = campaign.problem.costs.as_ref()?;
-    let spent = |known: &Assessed| Some((campaign.spent_until(known.batch)?.0, known.bound?));
-    let points: Line = campaign.history.values().filter_map(spent).collect();
     let response = &campaign.problem.response;
-    let y = Axis::new("bound", &response.unit).around(points.iter().map(|point| point.1).chain([0.0]));
+    let spent = |known: &Assessed| Some((campaign.spent_until(known.batch)?.0, response.of_difference(known.bound?)));
+    let points: Line = campaign.history.values().filter_map(spent).collect();
+    let y = axes::of_differences(response, bound_in_words(response), points.iter().map(|point| point.1));
     let x = Axis::new("cost", costs.unit()).around(points.iter().map(|point| point.0).chain([0.0]));
     let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Shown);
     draw(&mut chart, &points);
@@ -196,23 +211,29 @@ fn write_table(page: &mut Page, campaign: &Campaign, of_batches: &BTreeMap<usize
     };
     let caption = format!(
         "What was known after each batch. Bound: no design is better by more{with}. Left: the share of designs that may still \
-         be the best. Noise: standard deviation of one run, as the surface has it. Best measured: in the batch."
+         be the best. Noise: standard deviation of one run, as the surface has it. Best measured: in the batch.{}",
+        match campaign.problem.response.scale {
+            Scale::Linear => "",
+            Scale::Log => " Bands, bounds and noise are factors.",
+        }
     );
     page.table(&table, &caption);
 }
 
 fn table(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Table {
-    let unit = &campaign.problem.response.unit;
+    let response = &campaign.problem.response;
+    let (unit, of_differences) = (&response.unit, response.unit_of_differences());
+    let difference = |difference: f64| short(response.of_difference(difference));
     let row = |known: &Assessed| {
         vec![
             known.batch.to_string(),
             campaign.problem.describe(&known.recommended),
             short(known.expected),
-            half(known).map_or_else(|| NOTHING.to_owned(), short),
-            known.bound.map_or_else(|| NOTHING.to_owned(), short),
+            half(known).map_or_else(|| NOTHING.to_owned(), difference),
+            known.bound.map_or_else(|| NOTHING.to_owned(), difference),
             percent(known.probability),
             percent(known.left),
-            short(known.noise),
+            difference(known.noise),
             of_batches.get(&known.batch).map_or_else(|| NOTHING.to_owned(), |&value| short(value)),
         ]
     };
@@ -221,11 +242,11 @@ fn table(campaign: &Campaign, of_batches: &BTreeMap<usize, f64>) -> Table {
             Column::number("batch", ""),
             Column::words("recommended design"),
             Column::number("expected", unit),
-            Column::number("± (90 %)", unit),
-            Column::number("bound", unit),
+            Column::number(response.band_heading(), of_differences),
+            Column::number("bound", of_differences),
             Column::number("probability", ""),
             Column::number("left", ""),
-            Column::number("noise", unit),
+            Column::number("noise", of_differences),
             Column::number("best measured", unit),
         ],
         rows: campaign.history.values().map(row).collect(),

@@ -60,7 +60,7 @@ fn best_table(view: &View, best: &[Standing]) -> Table {
         Column::number("measured", unit),
         Column::number("runs", ""),
         Column::number("expected", unit),
-        Column::number("± (90 %)", unit),
+        Column::number(response.band_heading(), response.unit_of_differences()),
     ]);
     let constraints = &view.campaign.problem.constraints;
     columns.extend(constraints.iter().map(|held| Column::number(held.name(), &held.unit)));
@@ -69,10 +69,13 @@ fn best_table(view: &View, best: &[Standing]) -> Table {
     let row = |there: &Standing| {
         let mut cells = written(view, &there.point);
         cells.extend([
-            there.measured.map_or_else(|| NOTHING.to_owned(), |cost| resolved(response.of_cost(cost), known_to)),
+            there.measured.map_or_else(|| NOTHING.to_owned(), |cost| response.number_to(cost, known_to)),
             there.n_readings.to_string(),
-            resolved(response.of_cost(there.mean), known_to),
-            if has_band { short(NINE_IN_TEN * there.deviation) } else { NOTHING.to_owned() },
+            response.number_to(there.mean, known_to),
+            match has_band {
+                true => short(response.of_difference(NINE_IN_TEN * there.deviation)),
+                false => NOTHING.to_owned(),
+            },
         ]);
         cells.extend(there.constrained.iter().map(constrained_in_short));
         cells.push(verdict(view, there));
@@ -131,7 +134,7 @@ fn telling<'a>(view: &'a View) -> Result<Vec<Telling<'a>>> {
     let mut by_settings: BTreeMap<Vec<u64>, Telling> = BTreeMap::new();
     for (run, &surprise) in view.runs.iter().zip(&surprises) {
         let place = run.settings.iter().map(|setting| (setting + 0.0).to_bits()).collect();
-        let deviations = view.response().of_cost(surprise);
+        let deviations = view.response().of_deviations(surprise);
         by_settings.entry(place).or_insert_with(|| Telling { runs: Vec::new(), deviations }).runs.push(run);
     }
     let mut telling: Vec<Telling> = by_settings.into_values().filter(|one| one.deviations.abs() > 0.0).collect();

@@ -1,10 +1,12 @@
 //! What the simulation misses, along one parameter after the other.
 
 use page::palette::{BLUE, INK};
-use page::{Axis, Chart, Grid, Key, Mark, Page, Stroke};
+use page::{Chart, Grid, Key, Mark, Page, Stroke};
 
 use super::view::View;
 use crate::pooled::campaign::Origin;
+use crate::problem::Scale;
+use crate::report::axes;
 
 const SIZE_PX: (f64, f64) = (292.0, 220.0);
 /// With fewer runs nothing is seen.
@@ -18,7 +20,7 @@ pub(super) fn write(page: &mut Page, view: &View) {
         .filter_map(|run| {
             let simulated = view.simulated.get(&run.cell)?;
             let mark = if matches!(run.origin, Origin::Imported(_)) { Mark::Square } else { Mark::Ring };
-            Some((&*run.settings, run.value - simulated, mark))
+            Some((&*run.settings, view.response().less(run.value, *simulated), mark))
         })
         .collect();
     if runs.len() < FEWEST {
@@ -28,10 +30,11 @@ pub(super) fn write(page: &mut Page, view: &View) {
         let (parameter, room) = (&view.parameters()[at], view.room(at));
         let (low, high) = (parameter.lower() - room, parameter.upper() + room);
         let x = view.axis(at).covering(low, high, runs.iter().map(|run| run.0[at]));
-        let y = Axis::new("measured less simulated", &view.response().unit);
-        let y = y.around(runs.iter().map(|run| run.1).chain([0.0]));
+        let (response, misses) = (view.response(), runs.iter().map(|run| run.1));
+        let y = axes::of_differences(response, &response.less_in_words("simulated"), misses);
+        let none = response.no_difference();
         let mut chart = Chart::new(SIZE_PX, &x, &y, Grid::Shown);
-        chart.line(&[(low, 0.0), (high, 0.0)], Stroke::Solid, BLUE);
+        chart.line(&[(low, none), (high, none)], Stroke::Solid, BLUE);
         for &(settings, miss, mark) in &runs {
             chart.mark((settings[at], miss), mark, INK);
         }
@@ -45,10 +48,14 @@ pub(super) fn write(page: &mut Page, view: &View) {
         }
     }
     page.subheading("What the simulation misses");
-    let mut caption = "What was measured less what the simulation says of the same design, whatever the other parameters. A level \
-                       away from zero does no harm, as the surface learns it; a slope or a bend along a parameter is what the \
-                       simulation has wrong."
-        .to_owned();
+    let (less, zero) = match view.response().scale {
+        Scale::Linear => ("less", "zero"),
+        Scale::Log => ("divided by", "1"),
+    };
+    let mut caption = format!(
+        "What was measured {less} what the simulation says of the same design, whatever the other parameters. A level away from {zero} \
+         does no harm, as the surface learns it; a slope or a bend along a parameter is what the simulation has wrong."
+    );
     if view.found.displacement.is_some() {
         caption.push_str(
             " The simulation is taken as it stands here; a part of what it misses is its displacement, which the surface makes up for.",

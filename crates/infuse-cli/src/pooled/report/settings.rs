@@ -4,11 +4,13 @@ use anyhow::Result;
 
 use crate::number::{grouped, plain, with_unit};
 use crate::pooled::campaign::{Access, Campaign};
+use crate::problem::Scale;
 use crate::report::provenance::Row;
 
 /// By their keys in the problem.
 pub(super) fn rows(campaign: &Campaign) -> Result<Vec<Row>> {
-    let (settings, unit) = (&campaign.settings, &campaign.problem.response.unit);
+    let settings = &campaign.settings;
+    let (given, response) = (campaign.problem.rule.noise, &campaign.problem.response);
     let simulations = match (campaign.access()?, settings.simulations) {
         (Access::Nothing, _) => "none".to_owned(),
         (Access::LookedUp, _) => "looked up where they are needed".to_owned(),
@@ -16,7 +18,11 @@ pub(super) fn rows(campaign: &Campaign) -> Result<Vec<Row>> {
         (Access::Budget, Some(budget)) => format!("{budget} per batch"),
         (Access::Budget, None) => "the rows of the table, and a surface through some of them".to_owned(),
     };
-    let noise = settings.noise.map_or_else(|| "learnt".to_owned(), |noise| with_unit(&plain(noise), unit));
+    let noise = match (given, response.scale) {
+        (None, _) => "learnt".to_owned(),
+        (Some(noise), Scale::Linear) => with_unit(&plain(noise), &response.unit),
+        (Some(noise), Scale::Log) => format!("a factor of {}", plain(noise)),
+    };
     let mut rows = vec![
         ("`method`", "pooled".to_owned()),
         ("`experiments`", format!("{} per batch", settings.n_experiments)),

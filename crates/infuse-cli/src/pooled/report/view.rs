@@ -12,6 +12,7 @@ use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::{Access, Campaign, Origin};
 use crate::pooled::failures::settings_that_failed;
 use crate::problem::{Held, Response};
+use crate::report::axes;
 use crate::report::maps::{Maps, Plane, Thinned, axis_of, thinned};
 
 /// Levels at which a curve is evaluated, at most.
@@ -47,11 +48,12 @@ pub(super) struct Run {
     pub(super) value: f64,
 }
 
-/// What is expected of a design, as it would be measured, and half the width of the band of 90 %.
+/// What is expected of a design, as it would be measured, and the ends of the band of 90 %.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Band {
     pub(super) mean: f64,
-    pub(super) half: f64,
+    pub(super) low: f64,
+    pub(super) high: f64,
     /// Probability that a run gives a value.
     pub(super) feasible: f64,
 }
@@ -133,9 +135,9 @@ impl<'a> View<'a> {
         self.parameters()[parameter].choices().is_some()
     }
 
-    /// An axis of the response.
-    pub(super) fn response_axis(&self) -> Axis {
-        Axis::new(&self.response().name, &self.response().unit)
+    /// An axis of the response around these values.
+    pub(super) fn response_axis(&self, values: impl IntoIterator<Item = f64>) -> Axis {
+        axes::of_response(self.response(), &self.response().name, values)
     }
 
     /// The recommended design with this parameter as another design has it.
@@ -156,11 +158,10 @@ impl<'a> View<'a> {
 
     /// What is expected of a design that appears on the page.
     pub(super) fn band(&self, cell: Cell) -> Option<Band> {
-        self.expected.get(&cell).map(|expected| Band {
-            mean: self.response().of_cost(expected.mean),
-            half: NINE_IN_TEN * expected.deviation,
-            feasible: expected.feasible,
-        })
+        let expected = self.expected.get(&cell)?;
+        let mean = self.response().of_cost(expected.mean);
+        let (low, high) = self.response().band(mean, NINE_IN_TEN * expected.deviation);
+        Some(Band { mean, low, high, feasible: expected.feasible })
     }
 
     /// What is expected of a constrained response at a design that appears on the page, and the standard deviation of that.
