@@ -69,7 +69,7 @@ fn surfaces() -> Result<Value, Failure> {
         ..surface::process::SamplerSettings::default()
     };
     let process = surface::process::AveragedProcess::new(surface::process::Sites::new(&data, None)?, &settings)?;
-    let marginals = process.marginals(&surface::process::Places::new(2, &point)?);
+    let marginals = process.marginals(&surface::process::Places::new(2, &point)?)?;
     Ok(json!({
         "inverse distance": surface::InverseDistance::fit(data.clone(), 3.0)?.predict(&point),
         "squared exponential": surface::SquaredExponential::fit_scale(data)?.predict(&point),

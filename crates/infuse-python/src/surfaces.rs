@@ -303,10 +303,11 @@ impl GaussianProcess {
         if let Some(simulated) = simulated {
             places = places.with_simulated(simulated).map_err(refusal)?;
         }
-        let Marginals { means, variances } = py.detach(|| match &self.0 {
+        let marginals = py.detach(|| match &self.0 {
             Process::Given(process) => process.marginals(&places),
             Process::Averaged(process) => process.marginals(&places),
         });
+        let Marginals { means, variances } = marginals.map_err(refusal)?;
         matrix(py, 2, means.into_iter().zip(variances).flat_map(|(mean, variance)| [mean, variance]).collect())
     }
 

@@ -110,7 +110,9 @@ mod tests {
         let sites = surface::process::Sites::new(&data, None).expect("valid data");
         let settings = surface::process::SamplerSettings { particles: 4, ..Default::default() };
         let process = surface::process::AveragedProcess::new(sites, &settings).expect("a process");
-        process.joint(&surface::process::Places::new(1, &[-0.6, 0.1, 0.8]).expect("places"))
+        process
+            .joint(&surface::process::Places::new(1, &[-0.6, 0.1, 0.8]).expect("places"))
+            .expect("places of the process")
     }
 
     #[test]

@@ -61,7 +61,7 @@ impl Loop {
         self.with_knowledge(simulate, |knowledge, readings, _, _| {
             let bands = Bands::of(&readings.kept, knowledge.designs.n_terms());
             let places = knowledge.places(cells)?;
-            let (marginals, chances) = (knowledge.marginals(&places), knowledge.chances(cells, &places)?);
+            let (marginals, chances) = (knowledge.marginals(&places)?, knowledge.chances(cells, &places)?);
             let pairs = marginals.means.into_iter().zip(marginals.variances).zip(chances.responding);
             let pairs = pairs.zip(constrained_at(knowledge, cells)?);
             let expectation = |(((mean, variance), feasible), constrained): (((f64, f64), f64), Vec<Constrained>)| {

@@ -353,7 +353,7 @@ impl Look {
             certificate,
             forecast,
         };
-        let doubted = knowledge.sceptic.as_ref().map(|sceptic| sceptic.marginals(&pool.places));
+        let doubted = knowledge.sceptic.as_ref().map(|sceptic| sceptic.marginals(&pool.places)).transpose()?;
         Ok(Self {
             assessment,
             pool: pool.reduced(doubted.as_ref(), settings.seed, batch),
@@ -459,11 +459,13 @@ pub(crate) fn standing(
 ) -> Result<Standing, Error> {
     let cells = [recommended, cell];
     let places = knowledge.places(&cells)?;
-    let marginals = knowledge.marginals(&places);
+    let marginals = knowledge.marginals(&places)?;
     let chances = knowledge.chances(&cells, &places)?;
     let feasible = chances.responding[1];
-    let better = || better(knowledge, &places)[1] * chances.within[1];
-    let probability_better = if cell == recommended { 0.0 } else { better() };
+    let probability_better = match cell == recommended {
+        true => 0.0,
+        false => better(knowledge, &places)?[1] * chances.within[1],
+    };
     let here: Vec<f64> =
         readings.iter().filter(|reading| reading.cell == cell).map(|reading| reading.response).collect();
     let n_readings = here.len();
@@ -516,10 +518,11 @@ pub(crate) fn constrained_at(knowledge: &Knowledge<'_, '_>, cells: &[Cell]) -> R
 }
 
 /// Probability of each place to be better than the first, over all particles.
-fn better(knowledge: &Knowledge<'_, '_>, places: &surface::process::Places) -> Vec<f64> {
-    let of_each = knowledge.contrasts(places);
+fn better(knowledge: &Knowledge<'_, '_>, places: &surface::process::Places) -> Result<Vec<f64>, Error> {
+    let of_each = knowledge.contrasts(places)?;
     let n = of_each.len() as f64;
-    (0..places.n_places()).map(|place| of_each.iter().map(|each| each.probability_below(place) / n).sum()).collect()
+    let below = |place: usize| of_each.iter().map(|each| each.probability_below(place) / n).sum();
+    Ok((0..places.n_places()).map(below).collect())
 }
 
 /// Cells of which the share of designs left is counted, at most.
@@ -539,7 +542,7 @@ fn left(
     let with_recommended: Vec<Cell> = std::iter::once(recommended).chain(cells).collect();
     let places = knowledge.places(&with_recommended)?;
     let chances = knowledge.chances(&with_recommended, &places)?;
-    let better = better(knowledge, &places);
+    let better = better(knowledge, &places)?;
     let left = |row: &usize| {
         let is_better = better[*row] * chances.within[*row] >= 1.0 - confidence;
         with_recommended[*row] == recommended || (is_better && chances.responding[*row] >= MAY_RESPOND)

@@ -325,7 +325,7 @@ impl Draws {
         let mut order = pool.by_lower_bound(2.0);
         order.truncate(CELLS);
         let mut doubted = match &knowledge.sceptic {
-            Some(sceptic) => pool.by_lower_bound_of(&sceptic.marginals(&pool.places), 2.0),
+            Some(sceptic) => pool.by_lower_bound_of(&sceptic.marginals(&pool.places)?, 2.0),
             None => Vec::new(),
         };
         doubted.truncate(CELLS / 2);
@@ -337,8 +337,9 @@ impl Draws {
         cells.insert(0, recommended);
         let places = knowledge.places(&cells)?;
         let kept = Kept::of(knowledge, &cells, seed, batch)?;
-        let of_each = knowledge.joint_of_each(&places);
-        let doubts = knowledge.sceptic.as_ref().map(|sceptic| sceptic.joint_of_each(&places)).unwrap_or_default();
+        let of_each = knowledge.joint_of_each(&places)?;
+        let doubts = knowledge.sceptic.as_ref().map(|sceptic| sceptic.joint_of_each(&places));
+        let doubts = doubts.transpose()?.unwrap_or_default();
         let trust = Trust::after(&evidence);
         let first = of_each.len() as u128;
         let believed = gains(&of_each, DRAWS, seed, batch, 0, &kept);
@@ -686,7 +687,7 @@ mod tests {
         let sites = surface::process::Sites::new(&data, None).unwrap();
         let settings = surface::process::SamplerSettings { particles: 4, ..Default::default() };
         let process = surface::process::AveragedProcess::new(sites, &settings).unwrap();
-        let joints = process.joint_of_each(&surface::process::Places::new(1, &[-0.6, 0.1, 0.8]).unwrap());
+        let joints = process.joint_of_each(&surface::process::Places::new(1, &[-0.6, 0.1, 0.8]).unwrap()).unwrap();
         let found = gains(&joints, 100, 1, 1, 0, &Kept { draws: Vec::new() });
         assert_eq!(found.len(), 100);
         assert!(found.iter().all(|&gain| gain >= 0.0) && found.iter().filter(|&&gain| gain > 0.0).count() > 20);

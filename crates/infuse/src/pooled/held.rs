@@ -72,22 +72,19 @@ impl Held {
     }
 
     /// What is expected at places of this response, each particle asked.
-    pub(crate) fn expected(&self, places: &Places, source: &Source<'_>) -> Option<Expected> {
-        let process = self.process.as_ref()?;
-        let simulated = source.variances(places, self.column);
+    pub(crate) fn expected(&self, places: &Places, source: &Source<'_>) -> Result<Option<Expected>, Error> {
+        let Some(process) = self.process.as_ref() else { return Ok(None) };
+        let simulated = source.variances(places, self.column)?;
         let own = |place: usize| simulated.as_ref().map_or(0.0, |variances| variances[place]);
-        let of_each: Vec<Marginals> = process
-            .particles()
-            .par_iter()
-            .map(|particle| {
-                let mut marginals = particle.marginals(places);
-                let factor = particle.squared_simulation_factor();
-                for (place, variance) in marginals.variances.iter_mut().enumerate() {
-                    *variance = (*variance + factor * own(place)).max(0.0);
-                }
-                marginals
-            })
-            .collect();
+        let of_each = process.particles().par_iter().map(|particle| {
+            let mut marginals = particle.marginals(places)?;
+            let factor = particle.squared_simulation_factor();
+            for (place, variance) in marginals.variances.iter_mut().enumerate() {
+                *variance = (*variance + factor * own(place)).max(0.0);
+            }
+            Ok(marginals)
+        });
+        let of_each = of_each.collect::<Result<Vec<Marginals>, Error>>()?;
         let (n, count) = (places.n_places(), of_each.len() as f64);
         let (mut means, mut deviations, mut within) =
             (Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n));
@@ -100,24 +97,25 @@ impl Held {
             means.push(mean);
             deviations.push(variance.sqrt());
         }
-        Some(Expected { means, deviations, within })
+        Ok(Some(Expected { means, deviations, within }))
     }
 
     /// Probability to keep to the bounds, at each place.
-    pub(crate) fn within(&self, places: &Places, source: &Source<'_>) -> Vec<f64> {
-        self.expected(places, source).map_or_else(|| vec![UNKNOWN; places.n_places()], |expected| expected.within)
+    pub(crate) fn within(&self, places: &Places, source: &Source<'_>) -> Result<Vec<f64>, Error> {
+        let expected = self.expected(places, source)?;
+        Ok(expected.map_or_else(|| vec![UNKNOWN; places.n_places()], |expected| expected.within))
     }
 
     /// What each particle says of places together; nothing before readings tell of them.
-    pub(crate) fn joint_of_each(&self, places: &Places, source: &Source<'_>) -> Option<Vec<Joint>> {
-        let process = self.process.as_ref()?;
-        let mut of_each = process.joint_of_each(places);
-        if let Some(simulated) = source.joint(places, self.column) {
+    pub(crate) fn joint_of_each(&self, places: &Places, source: &Source<'_>) -> Result<Option<Vec<Joint>>, Error> {
+        let Some(process) = self.process.as_ref() else { return Ok(None) };
+        let mut of_each = process.joint_of_each(places)?;
+        if let Some(simulated) = source.joint(places, self.column)? {
             for (joint, particle) in of_each.iter_mut().zip(process.particles()) {
                 joint.add_covariance(&simulated, particle.squared_simulation_factor());
             }
         }
-        Some(of_each)
+        Ok(Some(of_each))
     }
 }
 
@@ -204,8 +202,8 @@ mod tests {
         let held = Held::of(0, &scene.readings, designs, &scene.settings, &simulated, &source).unwrap();
         let cells: Vec<Cell> = (0..21).map(|x| scene.cell(&[x])).collect();
         let places = held.places(designs, &cells, &simulated, &source).unwrap();
-        let expected = held.expected(&places, &source).unwrap();
-        let together = Joint::of_mixture(&held.joint_of_each(&places, &source).unwrap());
+        let expected = held.expected(&places, &source).unwrap().unwrap();
+        let together = Joint::of_mixture(&held.joint_of_each(&places, &source).unwrap().unwrap());
         for place in 0..cells.len() {
             let (mean, deviation) = (together.means()[place], together.variance(place).max(0.0).sqrt());
             assert!((expected.means[place] - mean).abs() < 1e-9, "{mean} at {place}");

@@ -142,7 +142,7 @@ impl<'a, 's> Knowledge<'a, 's> {
                 place = place.with_unknown(here.unknown().to_vec())?;
             }
         }
-        let (marginals, noise) = (process.marginals(&place), process.noise());
+        let (marginals, noise) = (process.marginals(&place)?, process.noise());
         let variance = marginals.variances[0] + noise.powi(2) + process.assembly_deviation().powi(2);
         Ok(View { mean: marginals.means[0], deviation: variance.sqrt(), noise })
     }
@@ -207,42 +207,42 @@ impl<'a, 's> Knowledge<'a, 's> {
     }
 
     /// Mean and variance of the response, that of an uncertain simulation included.
-    pub(crate) fn marginals(&self, places: &Places) -> Marginals {
-        let mut marginals = self.process.marginals(places);
-        if let Some(simulated) = self.source.variances(places, Column::Objective) {
+    pub(crate) fn marginals(&self, places: &Places) -> Result<Marginals, Error> {
+        let mut marginals = self.process.marginals(places)?;
+        if let Some(simulated) = self.source.variances(places, Column::Objective)? {
             let factor = self.process.squared_simulation_factor();
             marginals.variances.iter_mut().zip(simulated).for_each(|(variance, own)| *variance += factor * own);
         }
-        marginals
+        Ok(marginals)
     }
 
     /// What each particle says of places together, an uncertain simulation included.
-    pub(crate) fn joint_of_each(&self, places: &Places) -> Vec<Joint> {
-        let mut of_each = self.process.joint_of_each(places);
-        if let Some(simulated) = self.source.joint(places, Column::Objective) {
+    pub(crate) fn joint_of_each(&self, places: &Places) -> Result<Vec<Joint>, Error> {
+        let mut of_each = self.process.joint_of_each(places)?;
+        if let Some(simulated) = self.source.joint(places, Column::Objective)? {
             for (joint, particle) in of_each.iter_mut().zip(self.process.particles()) {
                 joint.add_covariance(&simulated, particle.squared_simulation_factor());
             }
         }
-        of_each
+        Ok(of_each)
     }
 
     /// How each particle sees the differences of places to the first of them.
-    pub(crate) fn contrasts(&self, places: &Places) -> Vec<Contrast> {
-        let mut of_each = self.process.contrasts(places);
-        if let Some(simulated) = self.source.variances_from_first(places) {
+    pub(crate) fn contrasts(&self, places: &Places) -> Result<Vec<Contrast>, Error> {
+        let mut of_each = self.process.contrasts(places)?;
+        if let Some(simulated) = self.source.variances_from_first(places)? {
             for (contrast, particle) in of_each.iter_mut().zip(self.process.particles()) {
                 let factor = particle.squared_simulation_factor();
                 contrast.variances.iter_mut().zip(&simulated).for_each(|(variance, own)| *variance += factor * own);
             }
         }
-        of_each
+        Ok(of_each)
     }
 
     /// Probability that an experiment gives a response; 0 where it was seen to fail.
-    fn responding(&self, cells: &[Cell], places: &Places) -> Vec<f64> {
+    fn responding(&self, cells: &[Cell], places: &Places) -> Result<Vec<f64>, Error> {
         let mut probabilities = match &self.feasibility {
-            Some(feasibility) => feasibility.probabilities(places),
+            Some(feasibility) => feasibility.probabilities(places)?,
             None => vec![1.0; cells.len()],
         };
         for (probability, cell) in probabilities.iter_mut().zip(cells) {
@@ -252,7 +252,7 @@ impl<'a, 's> Knowledge<'a, 's> {
                 *probability = 1.0;
             }
         }
-        probabilities
+        Ok(probabilities)
     }
 
     /// How likely the designs are to be of use; `places` are theirs.
@@ -260,16 +260,16 @@ impl<'a, 's> Knowledge<'a, 's> {
         let mut within: Vec<(&Constraint, Vec<f64>)> = Vec::with_capacity(self.held.len());
         for held in &self.held {
             let places = held.places(self.designs, cells, self.simulated, &self.source)?;
-            within.push((&held.constraint, held.within(&places, &self.source)));
+            within.push((&held.constraint, held.within(&places, &self.source)?));
         }
-        Ok(Chances::of(self.responding(cells, places), &within))
+        Ok(Chances::of(self.responding(cells, places)?, &within))
     }
 
     /// What is expected of each constrained response at the cells; nothing before its first reading.
     pub(crate) fn expected_of_each(&self, cells: &[Cell]) -> Result<Vec<Option<Expected>>, Error> {
         let expected = |held: &Held| {
             let places = held.places(self.designs, cells, self.simulated, &self.source)?;
-            Ok(held.expected(&places, &self.source))
+            held.expected(&places, &self.source)
         };
         self.held.iter().map(expected).collect()
     }
@@ -278,7 +278,7 @@ impl<'a, 's> Knowledge<'a, 's> {
     pub(crate) fn constrained_joints(&self, cells: &[Cell]) -> Result<Vec<Option<Vec<Joint>>>, Error> {
         let joints = |held: &Held| {
             let places = held.places(self.designs, cells, self.simulated, &self.source)?;
-            Ok(held.joint_of_each(&places, &self.source))
+            held.joint_of_each(&places, &self.source)
         };
         self.held.iter().map(joints).collect()
     }

@@ -63,12 +63,14 @@ pub(crate) fn pick(
     mut economy: Economy<'_>,
 ) -> Result<Vec<Pick>, Error> {
     let noise = knowledge.reading_variance();
-    let mut believed = Gradient::of(&knowledge.joint_of_each(&pool.places), pool, noise);
+    let mut believed = Gradient::of(&knowledge.joint_of_each(&pool.places)?, pool, noise);
     believed.admissions = admissions(knowledge, pool, scramble)?;
-    let mut doubted = knowledge.sceptic.as_ref().map(|sceptic| {
+    let doubted = knowledge.sceptic.as_ref().map(|sceptic| {
         let noise = sceptic.noise().powi(2) + sceptic.assembly_deviation().powi(2);
-        Gradient { least_feasible: FEASIBLE, ..Gradient::of(&sceptic.joint_of_each(&pool.places), pool, noise) }
+        let joints = sceptic.joint_of_each(&pool.places)?;
+        Ok::<_, Error>(Gradient { least_feasible: FEASIBLE, ..Gradient::of(&joints, pool, noise) })
     });
+    let mut doubted = doubted.transpose()?;
     let pending: Vec<usize> =
         pending.iter().filter_map(|cell| pool.cells.iter().position(|candidate| candidate == cell)).collect();
     let sites = knowledge.process.sites();
@@ -618,12 +620,12 @@ mod tests {
         };
         let pool = Pool {
             cells: (0..n as u64).map(Cell::new).collect(),
-            marginals: process.marginals(&places),
+            marginals: process.marginals(&places).unwrap(),
             chances,
             random: Vec::new(),
             places: places.clone(),
         };
-        (pool, process.joint(&places))
+        (pool, process.joint(&places).unwrap())
     }
 
     /// Of two designs: E min(m₁ + b₁ Z, m₂ + b₂ Z) is below the lower mean by s (φ(d/s) − d/s Φ(−d/s)), with s = |b₁ − b₂| and

@@ -37,7 +37,7 @@ pub(crate) struct Pool {
 impl Pool {
     fn of(knowledge: &mut Knowledge<'_, '_>, cells: Vec<Cell>) -> Result<Self, Error> {
         let places = knowledge.places(&cells)?;
-        let marginals = knowledge.marginals(&places);
+        let marginals = knowledge.marginals(&places)?;
         let chances = knowledge.chances(&cells, &places)?;
         Ok(Self { cells, places, marginals, chances, random: Vec::new() })
     }

@@ -51,7 +51,7 @@ pub(crate) fn lowest_mean(
     if designs.n_cells() <= FULL || !few.is_empty() {
         let cells: Vec<Cell> = if few.is_empty() { designs.cells().collect() } else { few };
         let places = knowledge.places(&cells)?;
-        let means = knowledge.process.means(&places);
+        let means = knowledge.process.means(&places)?;
         let chances = knowledge.chances(&cells, &places)?;
         let rank = |row: usize| Rank::of(&chances, row, means[row]);
         let best = (0..cells.len()).min_by(|&a, &b| rank(a).total_cmp(&rank(b)).then(a.cmp(&b)));
@@ -80,7 +80,7 @@ pub(crate) fn lowest_mean(
             new.dedup();
             let places = knowledge.places(&new)?;
             let chances = knowledge.chances(&new, &places)?;
-            let ranks = knowledge.process.means(&places).into_iter().enumerate();
+            let ranks = knowledge.process.means(&places)?.into_iter().enumerate();
             let ranks = ranks.map(|(row, mean)| Rank::of(&chances, row, mean));
             known.extend(new.iter().copied().zip(ranks));
             let mut moved = false;
@@ -116,7 +116,7 @@ pub(crate) fn possible(
 ) -> Result<Cell, Error> {
     let cells: Vec<Cell> = std::iter::once(lowest).chain(eligible.iter().copied()).collect();
     let places = knowledge.places(&cells)?;
-    let marginals = knowledge.marginals(&places);
+    let marginals = knowledge.marginals(&places)?;
     if marginals.means[0] >= least {
         return Ok(lowest);
     }

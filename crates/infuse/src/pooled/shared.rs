@@ -30,7 +30,7 @@ impl Shared {
     pub(crate) fn of(knowledge: &mut Knowledge<'_, '_>, readings: &[Reading], plants: &Plants) -> Result<Self, Error> {
         let cells: Vec<_> = readings.iter().map(|reading| reading.cell).collect();
         let places = knowledge.places(&cells)?;
-        let expected = knowledge.marginals(&places).means;
+        let expected = knowledge.marginals(&places)?.means;
         let beyond = readings.iter().zip(expected).map(|(reading, expected)| (reading, reading.response - expected));
         let (squares, n_again) = scatter(beyond, knowledge.designs, plants);
         let variance = knowledge.process.assembly_deviation().powi(2);

@@ -329,7 +329,7 @@ impl Source<'_> {
         match self {
             Self::Emulated { emulator, .. } => {
                 let [first, ..] = emulator.objective.particles() else { return Ok(none()) };
-                Ok(first.means(&designs.places(cells)?))
+                Ok(first.means(&designs.places(cells)?)?)
             }
             _ => Ok(self.says(designs, cells, simulated, Column::Objective)?.unwrap_or_else(none)),
         }
@@ -411,27 +411,27 @@ impl Source<'_> {
     }
 
     /// The simulated responses at places together; nothing where they are known.
-    pub(crate) fn joint(&self, places: &Places, column: Column) -> Option<Joint> {
-        let (process, there) = self.emulation(places, column)?;
-        Some(process.joint(&there))
+    pub(crate) fn joint(&self, places: &Places, column: Column) -> Result<Option<Joint>, Error> {
+        let emulation = self.emulation(places, column);
+        Ok(emulation.map(|(process, there)| process.joint(&there)).transpose()?)
     }
 
     /// The variances of the differences of simulated responses to the first; nothing where they are known.
-    pub(crate) fn variances_from_first(&self, places: &Places) -> Option<Vec<f64>> {
+    pub(crate) fn variances_from_first(&self, places: &Places) -> Result<Option<Vec<f64>>, Error> {
         let mut sum = vec![0.0; places.n_places()];
-        let (process, there) = self.emulation(places, Column::Objective)?;
-        let of_each = process.contrasts(&there);
+        let Some((process, there)) = self.emulation(places, Column::Objective) else { return Ok(None) };
+        let of_each = process.contrasts(&there)?;
         for contrast in &of_each {
             let pairs = sum.iter_mut().zip(&contrast.variances);
             pairs.for_each(|(sum, variance)| *sum += variance / of_each.len() as f64);
         }
-        Some(sum)
+        Ok(Some(sum))
     }
 
     /// The variances of the simulated responses; nothing where they are known.
-    pub(crate) fn variances(&self, places: &Places, column: Column) -> Option<Vec<f64>> {
-        let (process, there) = self.emulation(places, column)?;
-        Some(process.marginals(&there).variances)
+    pub(crate) fn variances(&self, places: &Places, column: Column) -> Result<Option<Vec<f64>>, Error> {
+        let Some((process, there)) = self.emulation(places, column) else { return Ok(None) };
+        Ok(Some(process.marginals(&there)?.variances))
     }
 
     /// The surface that tells of them, and the places whose simulations tell of these.
@@ -504,14 +504,14 @@ impl Emulator {
         column: Column,
     ) -> Result<Option<Vec<f64>>, Error> {
         let Some(process) = self.process(column) else { return Ok(None) };
-        let means = process.means(&designs.places(cells)?);
+        let means = process.means(&designs.places(cells)?)?;
         Ok(Some(cells.iter().zip(means).map(|(&cell, mean)| simulated.at(cell, column).unwrap_or(mean)).collect()))
     }
 
     /// Which of the cells to simulate next, most uncertain first, each pick counted in: at most `count`.
     pub(crate) fn most_uncertain(&self, designs: &Designs, cells: &[Cell], count: usize) -> Result<Vec<Cell>, Error> {
         let places = designs.places(cells)?;
-        let mut joint = self.objective.joint(&places);
+        let mut joint = self.objective.joint(&places)?;
         let mut chosen = Vec::new();
         for _ in 0..count.min(cells.len()) {
             let order = |&a: &usize, &b: &usize| joint.variance(a).total_cmp(&joint.variance(b)).then(b.cmp(&a));
@@ -643,12 +643,12 @@ mod tests {
         let in_place = source.places(&designs, &cells, &mut simulated).unwrap();
         let farther_on = cell(&designs, 5, 6);
         let expected = source.places(&designs, &[farther_on], &mut simulated).unwrap();
-        let variance = source.variances(&expected, Column::Objective).unwrap()[0];
+        let variance = source.variances(&expected, Column::Objective).unwrap().unwrap()[0];
         source.displace(Displacement(vec![2, -1]), &designs, &cells, &simulated, 0).unwrap();
         let places = source.places(&designs, &cells, &mut simulated).unwrap();
         assert_eq!(places.simulated().unwrap()[0].to_bits(), 0.5_f64.to_bits(), "of the design at 3 and 7");
         assert!((places.simulated().unwrap()[1] - expected.simulated().unwrap()[0]).abs() < 1e-12);
-        let found = source.variances(&places, Column::Objective).unwrap();
+        let found = source.variances(&places, Column::Objective).unwrap().unwrap();
         assert!(found[0] < 1e-6 && (found[1] - variance).abs() < 1e-9 && variance > 1e-3, "{found:?}, {variance}");
         assert_eq!((in_place.deviations().len(), places.deviations().len()), (0, 4));
     }
@@ -664,14 +664,14 @@ mod tests {
         let source = Source::emulated(Emulator::of(&simulated, &designs, &Settings::new(5)).unwrap().unwrap());
         let cells = [(5, 5), (0, 0), (5, 5), (10, 0)].map(|(x, y)| cell(&designs, x, y));
         let places = designs.places(&cells).unwrap();
-        let found = source.variances_from_first(&places).unwrap();
-        let joint = source.joint(&places, Column::Objective).unwrap();
+        let found = source.variances_from_first(&places).unwrap().unwrap();
+        let joint = source.joint(&places, Column::Objective).unwrap().unwrap();
         assert_eq!(found.len(), 4);
         for (place, variance) in found.iter().enumerate() {
             let most = joint.variance(0) + joint.variance(place) - 2.0 * joint.covariances(0)[place];
             assert!(*variance <= most + 1e-9, "{variance} at {place}, {most} together");
             assert_eq!(*variance > 1e-6, place % 2 == 1, "{variance} at {place}");
         }
-        assert!(Source::Nothing.variances_from_first(&places).is_none());
+        assert!(Source::Nothing.variances_from_first(&places).unwrap().is_none());
     }
 }

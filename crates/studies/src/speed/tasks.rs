@@ -223,7 +223,8 @@ fn process() -> Result<Ours> {
     Ok(Box::new(move || {
         use rayon::prelude::*;
         let marginals = |places: &Places| process.marginals(places);
-        let (seconds, found) = timed(|| parts.par_iter().map(marginals).collect::<Vec<_>>());
+        let (seconds, found) = timed(|| parts.par_iter().map(marginals).collect::<Result<Vec<_>, _>>());
+        let found = found?;
         Ok((seconds, found.iter().flat_map(|part| part.means.iter().chain(&part.variances)).sum()))
     }))
 }

@@ -63,17 +63,25 @@ impl AveragedProcess {
     }
 
     /// Mean of the response at each place.
-    #[must_use]
-    pub fn means(&self, places: &Places) -> Vec<f64> {
-        let of_each: Vec<Vec<f64>> = self.particles.par_iter().map(|particle| particle.means(places)).collect();
+    ///
+    /// # Errors
+    ///
+    /// Those of [`GaussianProcess::means`].
+    pub fn means(&self, places: &Places) -> Result<Vec<f64>, Error> {
+        let of_each = self.particles.par_iter().map(|particle| particle.means(places));
+        let of_each = of_each.collect::<Result<Vec<Vec<f64>>, Error>>()?;
         let n = of_each.len() as f64;
-        (0..places.n_places()).map(|place| of_each.iter().map(|means| means[place] / n).sum()).collect()
+        Ok((0..places.n_places()).map(|place| of_each.iter().map(|means| means[place] / n).sum()).collect())
     }
 
     /// Mean and variance of the response at each place, without noise; the variance counts how far the particles differ.
-    #[must_use]
-    pub fn marginals(&self, places: &Places) -> Marginals {
-        let of_each: Vec<Marginals> = self.particles.par_iter().map(|particle| particle.marginals(places)).collect();
+    ///
+    /// # Errors
+    ///
+    /// Those of [`GaussianProcess::means`].
+    pub fn marginals(&self, places: &Places) -> Result<Marginals, Error> {
+        let of_each = self.particles.par_iter().map(|particle| particle.marginals(places));
+        let of_each = of_each.collect::<Result<Vec<Marginals>, Error>>()?;
         let n = of_each.len() as f64;
         let mean = |place: usize| of_each.iter().map(|each| each.means[place] / n).sum::<f64>();
         let means: Vec<f64> = (0..places.n_places()).map(mean).collect();
@@ -82,24 +90,33 @@ impl AveragedProcess {
             of_each.iter().map(|each| about(each) / n).sum::<f64>()
         };
         let variances = (0..places.n_places()).map(variance).collect();
-        Marginals { means, variances }
+        Ok(Marginals { means, variances })
     }
 
     /// Means and covariances of each particle.
-    #[must_use]
-    pub fn joint_of_each(&self, places: &Places) -> Vec<Joint> {
+    ///
+    /// # Errors
+    ///
+    /// Those of [`GaussianProcess::means`].
+    pub fn joint_of_each(&self, places: &Places) -> Result<Vec<Joint>, Error> {
         self.particles.par_iter().map(|particle| particle.joint(places)).collect()
     }
 
     /// Means, and covariances of all pairs of places, without noise; they count how far the particles differ.
-    #[must_use]
-    pub fn joint(&self, places: &Places) -> Joint {
-        Joint::of_mixture(&self.joint_of_each(places))
+    ///
+    /// # Errors
+    ///
+    /// Those of [`GaussianProcess::means`].
+    pub fn joint(&self, places: &Places) -> Result<Joint, Error> {
+        Ok(Joint::of_mixture(&self.joint_of_each(places)?))
     }
 
     /// How each particle sees the differences of places to the first of them.
-    #[must_use]
-    pub fn contrasts(&self, places: &Places) -> Vec<Contrast> {
+    ///
+    /// # Errors
+    ///
+    /// Those of [`GaussianProcess::contrast`].
+    pub fn contrasts(&self, places: &Places) -> Result<Vec<Contrast>, Error> {
         self.particles.par_iter().map(|particle| particle.contrast(places)).collect()
     }
 

@@ -5,6 +5,7 @@ use faer::{Accum, Mat, Par};
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
+use crate::Error;
 use crate::exponential::exp_of_minus;
 use crate::lanes::{LANES, Lanes};
 use crate::process::places::Places;
@@ -107,6 +108,28 @@ pub(crate) struct Matern {
 }
 
 impl Hyperparameters {
+    /// Whether every variance and length can be one.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let none = |name, value, allowed| Err(Error::Parameter { name, value, allowed });
+        let additive = self.additive.as_ref();
+        let variances = [
+            ("trend", self.trend),
+            ("simulation", self.simulation),
+            ("residual", self.residual),
+            ("noise", self.noise),
+            ("assembly", self.assembly),
+            ("variance of the additive part", additive.map_or(0.0, |additive| additive.variance)),
+        ];
+        if let Some(&(name, value)) = variances.iter().find(|(_, value)| !(*value >= 0.0 && value.is_finite())) {
+            return none(name, value, "a finite variance from 0 on");
+        }
+        let lengths = self.lengths.iter().chain(additive.into_iter().flat_map(|additive| &additive.lengths));
+        match lengths.copied().find(|length| !(*length > 0.0 && length.is_finite())) {
+            Some(length) => none("length", length, "a finite length above 0"),
+            None => Ok(()),
+        }
+    }
+
     /// The terms of Matérn covariance: the residual, if there is one, and the additive part.
     pub(crate) fn matern_terms(&self, structure: Structure) -> Vec<Matern> {
         let rate = |length: &f64| 1.0 / (length * length);

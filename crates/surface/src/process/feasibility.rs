@@ -70,14 +70,21 @@ impl Feasibility {
     }
 
     /// Probability of a response at each place.
-    #[must_use]
-    pub fn probabilities(&self, places: &Places) -> Vec<f64> {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::FactorMismatch`] unless the places have as many factors as those that were tried.
+    pub fn probabilities(&self, places: &Places) -> Result<Vec<f64>, Error> {
+        let (expected, found) = (self.places.n_factors(), places.n_factors());
+        if found != expected {
+            return Err(Error::FactorMismatch { what: "the places", expected, found });
+        }
         let mut sum = vec![0.0; places.n_places()];
         for (share, member) in &self.members {
             let own = member.probabilities(&self.places, places);
             sum.iter_mut().zip(own).for_each(|(sum, probability)| *sum += share * probability);
         }
-        sum
+        Ok(sum)
     }
 }
 

@@ -8,7 +8,7 @@ use faer::{Accum, Mat, Par, Side};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::Error;
-use crate::process::covariance::{Hyperparameters, Parts, Structure, prior_variances};
+use crate::process::covariance::{Hyperparameters, Parts, SimulationUse, Structure, prior_variances};
 use crate::process::joint::Joint;
 use crate::process::places::Places;
 use crate::process::sites::{Sites, check_axes};
@@ -127,7 +127,8 @@ impl GaussianProcess {
     ///
     /// # Errors
     ///
-    /// [`Error::IllConditioned`] if rounding has eaten the covariance of the sites.
+    /// [`Error::Parameter`] for a variance that is negative or a length that is not positive, [`Error::Length`], [`Error::IllConditioned`]
+    /// if rounding has eaten the covariance of the sites.
     pub fn new(sites: Arc<Sites>, structure: Structure, hyper: Hyperparameters) -> Result<Self, Error> {
         let expected = sites.places().n_factors();
         if hyper.lengths.len() != expected {
@@ -140,6 +141,7 @@ impl GaussianProcess {
                 return Err(Error::Length { name: "lengths of the additive part", expected, found });
             }
         }
+        hyper.check()?;
         let problem = Problem::of(&sites);
         let factor = problem.factor(structure, &hyper);
         let factor = factor.ok_or(Error::IllConditioned { ratio: 0.0, least: LEAST_NOISE })?;
@@ -184,6 +186,18 @@ impl GaussianProcess {
     #[must_use]
     pub fn assembly_deviation(&self) -> f64 {
         self.hyper.assembly.sqrt() * self.scale()
+    }
+
+    /// Whether these are places of this process.
+    fn check(&self, places: &Places) -> Result<(), Error> {
+        let (expected, found) = (self.sites.places().n_factors(), places.n_factors());
+        if found != expected {
+            return Err(Error::FactorMismatch { what: "the places", expected, found });
+        }
+        if self.structure.simulation != SimulationUse::Ignored && places.simulated().is_none() {
+            return Err(Error::Length { name: "simulated responses", expected: places.n_places(), found: 0 });
+        }
+        Ok(())
     }
 
     fn parts<'a>(&self, rows: &'a Places, columns: &Places) -> Parts<'a> {
@@ -238,16 +252,25 @@ impl GaussianProcess {
     }
 
     /// Mean at each place, in the unit of the response.
-    #[must_use]
-    pub fn means(&self, places: &Places) -> Vec<f64> {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::FactorMismatch`] unless the places have as many factors as the sites, [`Error::Length`] if the process uses a simulation
+    /// and they do not have what it says.
+    pub fn means(&self, places: &Places) -> Result<Vec<f64>, Error> {
+        self.check(places)?;
         let units = self.sites.units();
         let scaled = places.blocks(AT_ONCE).flat_map(|block| self.scaled_means(&block).1);
-        scaled.map(|mean| units.center + units.scale * mean).collect()
+        Ok(scaled.map(|mean| units.center + units.scale * mean).collect())
     }
 
     /// Mean and variance at each place.
-    #[must_use]
-    pub fn marginals(&self, places: &Places) -> Marginals {
+    ///
+    /// # Errors
+    ///
+    /// Those of [`means`](Self::means).
+    pub fn marginals(&self, places: &Places) -> Result<Marginals, Error> {
+        self.check(places)?;
         let n = places.n_places();
         let mut all = Marginals { means: Vec::with_capacity(n), variances: Vec::with_capacity(n) };
         for block in places.blocks(AT_ONCE) {
@@ -255,7 +278,7 @@ impl GaussianProcess {
             all.means.extend(of_block.means);
             all.variances.extend(of_block.variances);
         }
-        all
+        Ok(all)
     }
 
     fn marginals_of_block(&self, places: &Places) -> Marginals {
@@ -276,19 +299,30 @@ impl GaussianProcess {
     }
 
     /// Means, and covariances of all pairs of places, in the unit of the response and its square.
-    #[must_use]
-    pub fn joint(&self, places: &Places) -> Joint {
+    ///
+    /// # Errors
+    ///
+    /// Those of [`means`](Self::means).
+    pub fn joint(&self, places: &Places) -> Result<Joint, Error> {
+        self.check(places)?;
         let (means, whitened) = self.conditioned(places);
         let mut covariance = self.parts(places, places).covariance(self.structure, &self.hyper);
         matmul(covariance.as_mut(), Accum::Add, whitened.transpose(), &whitened, -1.0, Par::Seq);
         let units = self.sites.units();
         let means = means.iter().map(|mean| units.center + units.scale * mean).collect();
-        Joint::new(means, &covariance, units.scale * units.scale)
+        Ok(Joint::new(means, &covariance, units.scale * units.scale))
     }
 
     /// How it sees the differences of places to the first of them.
-    #[must_use]
-    pub fn contrast(&self, places: &Places) -> Contrast {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Count`] without a place; those of [`means`](Self::means).
+    pub fn contrast(&self, places: &Places) -> Result<Contrast, Error> {
+        self.check(places)?;
+        if places.n_places() == 0 {
+            return Err(Error::Count { name: "places", found: 0, least: 1, most: usize::MAX });
+        }
         let (means, whitened) = self.conditioned(places);
         let units = self.sites.units();
         let first = places.select(&[0]);
@@ -302,7 +336,7 @@ impl GaussianProcess {
             (own + of_first - 2.0 * both).max(0.0) * units.scale * units.scale
         };
         let variances = (0..places.n_places()).map(|place| if place == 0 { 0.0 } else { variance(place) }).collect();
-        Contrast { means: means.iter().map(|mean| units.scale * (mean - means[0])).collect(), variances }
+        Ok(Contrast { means: means.iter().map(|mean| units.scale * (mean - means[0])).collect(), variances })
     }
 
     /// Mean and variance of ρ after the measurements; none where the simulation is not used with a factor.

@@ -123,7 +123,8 @@ impl AveragedProcess {
         let n = particles.len() as f64;
         let of_each: Vec<Gradient> =
             particles.iter().map(|particle| particle.gradient(place, simulated)).collect::<Result<_, _>>()?;
-        let means: Vec<f64> = particles.iter().map(|particle| particle.means(place)[0]).collect();
+        let means = particles.iter().map(|particle| Ok(particle.means(place)?[0]));
+        let means = means.collect::<Result<Vec<f64>, Error>>()?;
         let center = means.iter().map(|mean| mean / n).sum::<f64>();
         let k = self.sites().places().n_factors();
         let mean: Vec<f64> = (0..k).map(|axis| of_each.iter().map(|each| each.mean[axis] / n).sum()).collect();

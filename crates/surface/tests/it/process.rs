@@ -82,15 +82,20 @@ fn posterior_is_that_of_dense_algebra_and_of_scikit_learn() {
         for (hyper, expected) in case.hyper.iter().zip(&case.expected) {
             let (process, places, name) = (case.process(hyper), case.queries(), case.name());
             let n = places.n_places();
-            check_list(&process.means(&places), &expected.means, TOLERANCE, &format!("{name}: means"));
-            let joint = process.joint(&places);
+            check_list(
+                &process.means(&places).expect("places of the process"),
+                &expected.means,
+                TOLERANCE,
+                &format!("{name}: means"),
+            );
+            let joint = process.joint(&places).expect("places of the process");
             check_list(joint.means(), &expected.means, TOLERANCE, &format!("{name}: joint means"));
             let flat: Vec<f64> = (0..n).flat_map(|place| joint.covariances(place)).copied().collect();
             check_list(&flat, &expected.covariance, TOLERANCE, &format!("{name}: covariance"));
             let diagonal: Vec<f64> = (0..n).map(|i| expected.covariance[i * (n + 1)]).collect();
-            let marginals = process.marginals(&places);
+            let marginals = process.marginals(&places).expect("places of the process");
             check_list(&marginals.variances, &diagonal, TOLERANCE, &format!("{name}: variances"));
-            let contrast = process.contrast(&places);
+            let contrast = process.contrast(&places).expect("places of the process");
             let differences: Vec<f64> = (0..n).map(|i| expected.means[i] - expected.means[0]).collect();
             check_list(&contrast.means, &differences, TOLERANCE, &format!("{name}: differences"));
             let of_difference = |i: usize| diagonal[i] + diagonal[0] - 2.0 * expected.covariance[i * n];
@@ -148,7 +153,8 @@ fn posterior_of_one_measurement_is_the_closed_form() {
         additive: None,
     };
     let process = GaussianProcess::new(Arc::new(sites), structure, hyper).expect("a valid process");
-    let marginals = process.marginals(&Places::new(1, &[-1.0, 0.7]).expect("valid places"));
+    let marginals =
+        process.marginals(&Places::new(1, &[-1.0, 0.7]).expect("valid places")).expect("places of the process");
     for place in 0..2 {
         check_close(marginals.means[place], 2.0 * 4.0 / 5.0, 1e-14, "mean");
         check_close(marginals.variances[place], 4.0 / 5.0, 1e-14, "variance");
@@ -249,7 +255,7 @@ fn intervals_hold_as_often_as_they_say_on_draws_from_the_model() {
         for seed in 0..200 {
             let world = world(structure, &mut rng);
             let process = averaged(&world, structure, 16, seed);
-            let marginals = process.marginals(&world.others);
+            let marginals = process.marginals(&world.others).expect("places of the process");
             for (place, truth) in world.truth.iter().enumerate() {
                 let half = 1.2816 * marginals.variances[place].sqrt();
                 inside += usize::from((truth - marginals.means[place]).abs() <= half);
@@ -301,7 +307,7 @@ proptest! {
         let others: Vec<f64> = values.iter().map(|value| unit * (value + zero)).collect();
         let places = Places::new(2, &[0.2, 0.1, -0.9, 0.8]).expect("valid places");
         let (a, b) = (process_of(&points, &values, 3), process_of(&points, &others, 3));
-        let (a, b) = (a.marginals(&places), b.marginals(&places));
+        let (a, b) = (a.marginals(&places).expect("places of the process"), b.marginals(&places).expect("places of the process"));
         for place in 0..2 {
             // A slice that hangs on the last digit may go another way: so the sampler is compared by what it estimates.
             check_close(b.means[place] / unit - zero, a.means[place], 1e-2, "mean");
@@ -319,7 +325,7 @@ proptest! {
         let places = Places::new(2, &[0.2, 0.1, -0.9, 0.8]).expect("valid places");
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| process_of(&points, &values, 7).marginals(&places))
+            pool.install(|| process_of(&points, &values, 7).marginals(&places).expect("places of the process"))
         };
         prop_assert_eq!(with(1), with(2));
     }
@@ -348,12 +354,14 @@ fn a_measurement_counted_in_is_the_process_with_it() {
     };
     let places = Places::new(2, &asked).expect("valid places");
     let before = process(&points, &values);
-    let mut joint = before.joint(&places);
+    let mut joint = before.joint(&places).expect("places of the process");
     let (measured, noise) = (1, before.noise().powi(2));
     let deviation = (joint.variance(measured) + noise).sqrt();
     let value = joint.means()[measured] + deviation;
     let effect = joint.effect(measured, noise);
-    let after = process(&[&points[..], &asked[2..4]].concat(), &[&values[..], &[value]].concat()).joint(&places);
+    let after = process(&[&points[..], &asked[2..4]].concat(), &[&values[..], &[value]].concat())
+        .joint(&places)
+        .expect("places of the process");
     joint.measure(&effect);
     for (place, moved) in effect.iter().enumerate() {
         check_close(joint.means()[place] + moved, after.means()[place], 1e-12, "mean");
@@ -387,9 +395,12 @@ fn a_place_among_many_has_the_marginals_of_a_place_alone() {
         };
         let sites = Arc::new(Sites::new(&data, None).expect("valid sites"));
         let process = GaussianProcess::new(sites, structure, hyper).expect("well conditioned");
-        let (all, joint) = (process.marginals(&places), process.joint(&places));
+        let (all, joint) = (
+            process.marginals(&places).expect("places of the process"),
+            process.joint(&places).expect("places of the process"),
+        );
         for (place, point) in coordinates.chunks_exact(2).enumerate() {
-            let alone = process.marginals(&Places::new(2, point).expect("a place"));
+            let alone = process.marginals(&Places::new(2, point).expect("a place")).expect("places of the process");
             check_close(all.means[place], alone.means[0], 1e-12, "mean");
             check_close(all.variances[place], alone.variances[0], 1e-12, "variance");
             check_close(all.variances[place], joint.variance(place), 1e-12, "variance beside covariances");
@@ -403,9 +414,9 @@ fn means_alone_and_differences_are_those_of_the_marginals() {
     let values: Vec<f64> = points.chunks_exact(2).map(|p| p[0] - 2.0 * p[1] * p[1]).collect();
     let process = process_of(&points, &values, 4);
     let places = Places::new(2, &[0.2, 0.1, -0.9, 0.8, 0.5, -0.3]).expect("valid places");
-    let marginals = process.marginals(&places);
-    check_list(&process.means(&places), &marginals.means, TOLERANCE, "means");
-    let contrasts = process.contrasts(&places);
+    let marginals = process.marginals(&places).expect("places of the process");
+    check_list(&process.means(&places).expect("places of the process"), &marginals.means, TOLERANCE, "means");
+    let contrasts = process.contrasts(&places).expect("places of the process");
     assert_eq!(contrasts.len(), settings(4).particles, "one of each particle");
     for place in 0..3 {
         let mean = contrasts.iter().map(|each| each.means[place]).sum::<f64>() / contrasts.len() as f64;
@@ -413,7 +424,12 @@ fn means_alone_and_differences_are_those_of_the_marginals() {
     }
     let both = Places::new(2, &[0.2, 0.1]).expect("a place").followed_by(&places);
     assert_eq!(both.n_places(), 4, "one and three");
-    check_list(&process.means(&both)[1..], &marginals.means, TOLERANCE, "means of those that follow");
+    check_list(
+        &process.means(&both).expect("places of the process")[1..],
+        &marginals.means,
+        TOLERANCE,
+        "means of those that follow",
+    );
 }
 
 #[test]
@@ -429,7 +445,8 @@ fn responses_without_any_spread_and_single_ones_are_fitted() {
     for values in [vec![5.0], vec![5.0; 6], vec![0.0; 6], vec![1e-12; 3], vec![-1e12, 1e12, 3.0]] {
         let points: Vec<f64> = (0..2 * values.len()).map(|i| (i as f64 * 0.37).sin()).collect();
         let process = process_of(&points, &values, 1);
-        let marginals = process.marginals(&Places::new(2, &[0.0, 0.0]).expect("valid places"));
+        let marginals =
+            process.marginals(&Places::new(2, &[0.0, 0.0]).expect("valid places")).expect("places of the process");
         let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         assert!(marginals.means[0].abs() <= 3.0 * largest + 1e-300, "{values:?}: mean {:e}", marginals.means[0]);
         assert!(marginals.variances[0].is_finite() && marginals.variances[0] >= 0.0, "{values:?}: {marginals:?}");
@@ -450,6 +467,52 @@ fn what_cannot_be_right_is_refused_by_name() {
     assert!(error.to_string().contains("structures: 0"), "{error}");
     assert!(Places::new(2, &[0.0, f64::NAN]).is_err());
     assert!(Places::new(2, &[0.0, 1.0]).expect("valid").with_simulated(vec![f64::INFINITY]).is_err());
+}
+
+/// A process that uses a simulation says nothing of places where it does not know what that says, nor of places in another space.
+#[test]
+fn places_of_another_process_are_refused_by_name() {
+    let data = Data::new(2, vec![-0.5, 0.1, 0.2, 0.7, 0.9, -0.3], vec![1.0, 2.0, 1.5]).expect("valid data");
+    let sites = Arc::new(Sites::new(&data, Some(&[0.9, 2.2, 1.4])).expect("valid sites"));
+    let hyper = Hyperparameters {
+        trend: 0.1,
+        simulation: 0.1,
+        residual: 0.5,
+        lengths: vec![1.0, 1.0],
+        noise: 0.01,
+        assembly: 0.0,
+        additive: None,
+    };
+    let used = Structure { simulation: SimulationUse::Scaled, residual: Residual::Smooth };
+    let of = |structure: Structure, hyper: Hyperparameters| GaussianProcess::new(Arc::clone(&sites), structure, hyper);
+    let process = of(used, hyper.clone()).expect("a process");
+    let bare = Places::new(2, &[0.3, 0.3, 0.1, 0.1]).expect("places");
+    let other = Places::new(3, &[0.3; 3]).expect("a place");
+    let refused = |places: &Places, part: &str| {
+        let said = [
+            process.means(places).map(|_| ()),
+            process.marginals(places).map(|_| ()),
+            process.joint(places).map(|_| ()),
+            process.contrast(places).map(|_| ()),
+        ];
+        for one in said {
+            let error = one.expect_err("it is refused").to_string();
+            assert!(error.contains(part), "{error}");
+        }
+    };
+    refused(&bare, "simulated responses: 0, expected 2");
+    refused(&other, "factors of the places: 3, expected 2");
+    let ignored = Structure { simulation: SimulationUse::Ignored, ..used };
+    assert!(of(ignored, hyper.clone()).expect("a process").means(&bare).is_ok(), "it does not use the simulation");
+    assert!(process.contrast(&bare.select(&[])).is_err(), "there is no first place");
+    for (bad, part) in [
+        (Hyperparameters { noise: -1.0, ..hyper.clone() }, "`noise` is -1.0"),
+        (Hyperparameters { residual: f64::NAN, ..hyper.clone() }, "`residual` is NaN"),
+        (Hyperparameters { lengths: vec![1.0, 0.0], ..hyper.clone() }, "`length` is 0.0"),
+    ] {
+        let error = of(used, bad).expect_err("it is refused").to_string();
+        assert!(error.contains(part), "{error}");
+    }
 }
 
 /// A known deviation of a measurement is that of every particle, in the unit of the response.

@@ -94,8 +94,12 @@ fn what_an_axis_does_alone_is_told_from_the_error_of_assemblies() {
     let unseen: Vec<[f64; 2]> = settings().flat_map(|x| [[x, -0.97], [x, 0.03], [x, 0.97]]).collect();
     let places = Places::new(2, &unseen.concat()).expect("valid places");
     let error = |process: &AveragedProcess| {
-        let squares =
-            process.means(&places).into_iter().zip(&unseen).map(|(mean, at)| (mean - truth(at[0], at[1])).powi(2));
+        let squares = process
+            .means(&places)
+            .expect("places of the process")
+            .into_iter()
+            .zip(&unseen)
+            .map(|(mean, at)| (mean - truth(at[0], at[1])).powi(2));
         (squares.sum::<f64>() / unseen.len() as f64).sqrt()
     };
     let (apart, together) = (error(&without), error(&with));

@@ -27,7 +27,7 @@ fn posterior_of_a_constant_weighs_assemblies_as_the_random_effects_model_does() 
     let data = Data::new(1, vec![0.3; values.len()], values).expect("valid data");
     let sites = Sites::in_assemblies(&data, None, &names).and_then(|sites| sites.in_units(0.0, 1.0)).expect("valid");
     let process = GaussianProcess::new(Arc::new(sites), CONSTANT, of_constant(noise, assembly)).expect("a process");
-    let marginals = process.marginals(&Places::new(1, &[-0.4]).expect("a place"));
+    let marginals = process.marginals(&Places::new(1, &[-0.4]).expect("a place")).expect("places of the process");
     let (mut precision, mut sum) = (1.0 / 4.0, 0.0);
     for group in groups {
         let m = group.len() as f64;
@@ -69,7 +69,7 @@ fn assemblies_without_an_error_are_no_assemblies() {
     let structure = Structure { simulation: SimulationUse::Ignored, residual: Residual::Smooth };
     let marginals = |sites: Sites| {
         let process = GaussianProcess::new(Arc::new(sites), structure, hyper.clone()).expect("a process");
-        process.marginals(&Places::new(1, &[-1.0, 0.4]).expect("places"))
+        process.marginals(&Places::new(1, &[-1.0, 0.4]).expect("places")).expect("places of the process")
     };
     let together = marginals(Sites::new(&data, None).expect("valid"));
     let apart = marginals(Sites::in_assemblies(&data, None, &[1, 2, 3, 3]).expect("valid"));

@@ -48,15 +48,21 @@ fn deviation_along_the_simulation_is_its_factor() {
         let off = GaussianProcess::new(with, of(SimulationUse::Subtracted), hyper(9.0, 0.02)).unwrap();
         check_close(off.log_likelihood(), scaled.log_likelihood(), 1e-11, "likelihood");
         let (here, there) = (places(&points, Vec::new()), places(&points, along(&points)));
-        let (expected, found) = (scaled.marginals(&here), off.marginals(&there));
+        let (expected, found) = (
+            scaled.marginals(&here).expect("places of the process"),
+            off.marginals(&there).expect("places of the process"),
+        );
         for place in 0..points.len() {
             check_close(found.means[place], expected.means[place], 1e-11, "mean");
             check_close(found.variances[place], expected.variances[place], 1e-11, "variance");
         }
         let some: Vec<usize> = (0..600).step_by(97).collect();
         let others = there.select(&some[..3]).followed_by(&there.select(&some[3..]));
-        let (expected, found) = (scaled.joint(&here.select(&some)), off.joint(&others));
-        let contrast = off.contrast(&others);
+        let (expected, found) = (
+            scaled.joint(&here.select(&some)).expect("places of the process"),
+            off.joint(&others).expect("places of the process"),
+        );
+        let contrast = off.contrast(&others).expect("places of the process");
         for row in 0..some.len() {
             check_close(contrast.means[row], expected.means()[row] - expected.means()[0], 1e-11, "difference");
             for column in 0..some.len() {
@@ -80,7 +86,7 @@ fn one_measurement_tells_of_a_deviation_what_it_must() {
     let place = Places::new(1, &[-0.2]).unwrap().with_simulated(vec![0.9]).unwrap().with_deviations(of(there)).unwrap();
     let dot = |a: [f64; 2], b: [f64; 2]| 4.0 + a[0] * b[0] + a[1] * b[1];
     let own = dot(here, here) + 0.1;
-    let found = process.marginals(&place);
+    let found = process.marginals(&place).expect("places of the process");
     // Simulated responses count from their mean at the measurements, 0.4.
     check_close(found.means[0], 0.5 + dot(here, there) / own * 1.7, 1e-14, "mean");
     check_close(found.variances[0], dot(there, there) - dot(here, there).powi(2) / own, 1e-14, "variance");
@@ -104,7 +110,10 @@ fn unknown_part_of_the_simulation_is_a_residual_of_the_length_one() {
     check_close(found.log_likelihood(), plain.log_likelihood(), 1e-10, "likelihood");
     let here = places(&points, Vec::new());
     let there = here.clone().with_unknown(unknown(150)).unwrap();
-    let (expected, with) = (plain.marginals(&here), found.marginals(&there));
+    let (expected, with) = (
+        plain.marginals(&here).expect("places of the process"),
+        found.marginals(&there).expect("places of the process"),
+    );
     for place in 0..points.len() {
         check_close(with.means[place], expected.means[place], 1e-10, "mean");
         check_close(with.variances[place], expected.variances[place], 1e-10, "variance");
@@ -113,15 +122,20 @@ fn unknown_part_of_the_simulation_is_a_residual_of_the_length_one() {
     // One of them all of which is known, the others in two halves.
     let known = here.select(&[7]);
     let others = there.select(&some[..2]).followed_by(&there.select(&some[2..]));
-    let joint = found.joint(&known.followed_by(&others));
-    let expected = plain.joint(&here.select(&some));
+    let joint = found.joint(&known.followed_by(&others)).expect("places of the process");
+    let expected = plain.joint(&here.select(&some)).expect("places of the process");
     for row in 0..some.len() {
         for column in 0..some.len() {
             let covariance = joint.covariances(row + 1)[column + 1];
             check_close(covariance, expected.covariances(row)[column], 1e-10, "covariance");
         }
     }
-    check_close(joint.variance(0), found.joint(&known).variance(0), 1e-12, "of which all is known");
+    check_close(
+        joint.variance(0),
+        found.joint(&known).expect("places of the process").variance(0),
+        1e-12,
+        "of which all is known",
+    );
 }
 
 /// Who makes nothing of the simulation does not care what it is off by.
@@ -131,7 +145,7 @@ fn deviations_of_what_is_ignored_do_not_matter() {
     let off = vec![vec![0.7, -0.2, 1.0, 0.4, 0.4, -0.9]];
     let of = |deviations: &[Vec<f64>]| {
         let process = GaussianProcess::new(Arc::new(sites(deviations)), structure, hyper(0.2, 0.02)).unwrap();
-        process.marginals(&places(&MEASURED, deviations.to_vec()))
+        process.marginals(&places(&MEASURED, deviations.to_vec())).expect("places of the process")
     };
     assert_eq!(of(&off), of(&[]));
 }

@@ -16,7 +16,7 @@ fn probabilities(
     };
     let succeeded: Vec<bool> = tested.iter().map(|&(point, way)| !fails(point, way)).collect();
     let feasibility = Feasibility::of(flat(tested), &succeeded).expect("one outcome per place").expect("one failed");
-    feasibility.probabilities(&flat(at))
+    feasibility.probabilities(&flat(at)).expect("places of the process")
 }
 
 fn spread(n: usize) -> Vec<([f64; 2], usize)> {

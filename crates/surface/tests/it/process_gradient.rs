@@ -75,7 +75,7 @@ fn gradients_are_those_of_central_differences_in_every_structure() {
         let process = GaussianProcess::new(Arc::clone(&sites), structure, hyper).expect("a valid process");
         let gradient =
             |place: &Places, slopes: &[f64]| process.gradient(place, Some(slopes)).expect("one place and its slopes");
-        check(|place| process.marginals(place), gradient, &what);
+        check(|place| process.marginals(place).expect("places of the process"), gradient, &what);
     }
 }
 
@@ -83,7 +83,7 @@ fn gradients_are_those_of_central_differences_in_every_structure() {
 fn gradient_of_an_average_counts_how_far_its_particles_differ() {
     let process = AveragedProcess::new(sites(), &SamplerSettings::default()).expect("a valid process");
     let gradient = |place: &Places, slopes: &[f64]| process.gradient(place, Some(slopes)).expect("valid");
-    check(|place| process.marginals(place), gradient, "average");
+    check(|place| process.marginals(place).expect("places of the process"), gradient, "average");
 }
 
 #[test]
