@@ -96,7 +96,7 @@ pub(crate) enum Command {
     /// They count as much as those of the campaign itself. The file has one column per parameter and one for the response,
     /// headed like those of a sheet, and may have one headed `source`.
     Import {
-        /// The table
+        /// The table, or the folder of another campaign of the same rig, with other bounds or levels, say
         #[arg(required_unless_present = "withdraw")]
         file: Option<PathBuf>,
         /// Where these experiments come from: a notebook, a report, a date

@@ -195,8 +195,8 @@ fn check_begun(format: u32, then: &Value, now: &Value) -> Result<()> {
     let changed = changes(&as_in_the_file(then), &as_in_the_file(now));
     ensure!(
         changed.is_empty(),
-        "{PROBLEM} was changed after the journal had begun: {}; change it back, or begin a new campaign in another folder and \
-         `infuse import` the experiments",
+        "{PROBLEM} was changed after the journal had begun: {}; change it back, and copy it to another folder to change it there, where \
+         `infuse import`, the name of this folder and `--source` take all experiments over",
         changed.join("; ")
     );
     Ok(())

@@ -9,6 +9,7 @@ use page::Finding;
 use serde_json::json;
 
 use super::output::Output;
+use super::taken_over::{TakenOver, of_campaign};
 use crate::campaign::Imported;
 use crate::findings::{as_from_elsewhere, imported, withdrawn};
 use crate::folder;
@@ -20,7 +21,10 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     ensure!(!source.trim().is_empty(), "--source is empty, expected where these experiments come from");
     let (mut campaign, mut writer) = folder::open(folder, wait)?;
     let notices = campaign.take_notices();
-    let found = sheet::imported(file, campaign.problem())?;
+    let TakenOver { found, n_left_out } = match file.is_dir() {
+        true => of_campaign(file, folder, campaign.problem())?,
+        false => TakenOver { found: sheet::imported(file, campaign.problem())?, n_left_out: 0 },
+    };
     let in_use = campaign.imported();
     let is_known = |one: &&sheet::Imported| alike(&in_use, one).any(|earlier| earlier.source == source_of(one, source));
     if let Some(known) = found.iter().find(is_known) {
@@ -54,9 +58,19 @@ pub(crate) fn import(folder: &Path, wait: Duration, file: &Path, source: &str) -
     let events: Vec<Event> = events.collect();
     campaign.record(&mut writer, events)?;
     let also = elsewhere.first().map(|(earlier, source)| as_from_elsewhere(elsewhere.len(), earlier, source));
-    let findings: Vec<Finding> =
-        std::iter::once(imported(rows, &campaign.use_of_imports())).chain(beyond).chain(also).collect();
-    Ok(Output::new(&findings, json!({ "imported": rows, "as_from_elsewhere": elsewhere.len() }), notices))
+    let findings = std::iter::once(imported(rows, &campaign.use_of_imports()));
+    let findings: Vec<Finding> = findings.chain(left_out(n_left_out)).chain(beyond).chain(also).collect();
+    let json = json!({ "imported": rows, "as_from_elsewhere": elsewhere.len(), "left_out": n_left_out });
+    Ok(Output::new(&findings, json, notices))
+}
+
+/// That experiments of another campaign were not taken over.
+fn left_out(n: usize) -> Option<Finding> {
+    let sentence = format!(
+        "{} left out: farther outside of the bounds than half their width, or of choices that there are not here.",
+        if n == 1 { "1 experiment was".to_owned() } else { format!("{n} experiments were") }
+    );
+    (n > 0).then(|| Finding::new(sentence).with("experiments left out", n as f64, "1"))
 }
 
 /// That settings lie somewhat outside of the bounds; those that lie far outside are refused with the table.

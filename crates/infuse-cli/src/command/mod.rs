@@ -15,6 +15,7 @@ mod run;
 mod serve;
 mod settings;
 mod status;
+mod taken_over;
 mod tell;
 mod undo;
 mod what_if;

@@ -20,7 +20,8 @@ pub(crate) fn some(text: &str, region: &Region) -> Result<BTreeMap<String, f64>>
             .index_of(name)
             .ok_or_else(|| anyhow!("no parameter is called `{name}`, expected one of {}", names()))?;
         let parameter = &region.parameters()[index];
-        let value = parse_setting(parameter, value.trim())
+        let number = parameter.choices().is_none().then(|| value.trim().strip_suffix(parameter.unit())).flatten();
+        let value = parse_setting(parameter, number.unwrap_or(value).trim())
             .map_err(|expected| anyhow!("`{name}` is `{value}`, expected {expected}"))?;
         ensure!(settings.insert(name.to_owned(), value).is_none(), "`{name}` comes twice");
     }

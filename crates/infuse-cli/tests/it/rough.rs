@@ -121,6 +121,55 @@ fn what_is_imported_from_beyond_the_bounds_is_named() {
     assert!(!said.contains("outside of the bounds"), "{said}");
 }
 
+/// Bounds are widened by a campaign in another folder, which takes all experiments over: the same readings, the same surface.
+#[test]
+fn another_campaign_takes_all_experiments_over() {
+    let first = Rig::pooled();
+    first.infuse(&["ask"]).ok();
+    first.fill("sheet-1.csv", |id| id != 3);
+    first.infuse(&["tell", "sheet-1.csv"]).ok();
+    first.infuse(&["tell", "--id", "3", "--failed", "the spring broke"]).ok();
+    first.infuse(&["tell", "--id", "1", "--value", "9.5", "--again"]).ok();
+    first.write("old.csv", "spring [N/mm],damper gain [N s/mm],vibration [mm/s]\n20,0.7,9\n");
+    first.infuse(&["import", "old.csv", "--source", "notebook"]).ok();
+    let folder = first.folder().to_str().unwrap();
+    let second = Rig::pooled();
+    let said = second.infuse(&["import", folder, "--source", "first"]).ok();
+    assert!(said.contains("12 experiments"), "{said}");
+    let [then, now] = [&first, &second].map(|rig| rig.status());
+    for key in ["best", "left_share"] {
+        assert_eq!(then[key], now[key], "{key}");
+    }
+    let expected = |status: &serde_json::Value| status["predicted"].as_f64().unwrap();
+    assert!((expected(&then) - expected(&now)).abs() < 1e-9 * expected(&then).abs());
+    let sources: Vec<_> =
+        second.journal().iter().filter_map(|line| line["source"].as_str().map(str::to_owned)).collect();
+    assert!(sources.contains(&"first: notebook".to_owned()), "{sources:?}");
+    let third = Rig::pooled();
+    third.edit("upper = 34", "upper = 14");
+    let said = third.infuse(&["import", folder, "--source", "first"]).ok();
+    assert!(said.contains("were left out: farther outside of the bounds than half their width"), "{said}");
+    assert!(third.infuse(&["import", ".", "--source", "x"]).error().contains("is the folder of this campaign"));
+    let fourth = Rig::pooled();
+    fourth.edit("unit = \"N/mm\"", "unit = \"N/m\"");
+    let error = fourth.infuse(&["import", folder, "--source", "first"]).error();
+    assert!(error.contains("has as the unit of `spring` \"N/mm\" and this one \"N/m\""), "{error}");
+}
+
+#[test]
+fn settings_may_be_typed_with_their_units() {
+    let rig = Rig::pooled();
+    rig.infuse(&["ask"]).ok();
+    rig.fill("sheet-1.csv", |_| true);
+    rig.infuse(&["tell", "sheet-1.csv"]).ok();
+    let [with, without] = ["spring=22 N/mm, damper gain=1.9N s/mm", "spring=22,damper gain=1.9"]
+        .map(|settings| rig.infuse(&["what-if", settings]).ok());
+    assert_eq!(with, without);
+    assert!(
+        rig.infuse(&["what-if", "spring=22 kN/mm, damper gain=1.9"]).error().contains("expected a number like 12.5")
+    );
+}
+
 #[test]
 fn results_that_span_powers_of_ten_are_remarked_on() {
     for is_remarked_on in [true, false] {
