@@ -151,6 +151,10 @@ pub(crate) fn parse(text: &str) -> Result<f64, NoNumber> {
     match text.parse::<f64>() {
         Ok(value) => fault(value).map_or(Ok(value), Err),
         Err(_) if is_decimal_comma(text) => Err("a number with a decimal point, not a comma".into()),
+        Err(_) if text.starts_with(['<', '>']) => {
+            Err("a number like 12.5: where a sensor ends, that end, with `lower` or `upper` of the response set to it"
+                .into())
+        }
         Err(_) => Err("a number like 12.5, without its unit".into()),
     }
 }
@@ -242,6 +246,7 @@ mod tests {
         {
             assert!(parse(text).expect_err("no number").to_string().contains(word), "{text}");
         }
+        assert!(parse("<1e-9").expect_err("no number").to_string().contains("where a sensor ends"));
         assert!(!parse("1,5,2").expect_err("no number").to_string().contains("comma"), "not a decimal comma");
         assert_eq!((parse("NaN"), parse("-inf")), (Err(NoNumber::NotFinite), Err(NoNumber::NotFinite)));
         assert!(NoNumber::NotFinite.of_result().contains("failed"), "{}", NoNumber::NotFinite.of_result());

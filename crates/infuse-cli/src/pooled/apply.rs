@@ -88,7 +88,7 @@ impl Campaign {
                 left: found.left,
                 noise: found.noise,
                 scale: self.problem.response.scale,
-                settings: serde_json::to_value(&self.settings).unwrap_or_default(),
+                settings: self.settings_as_said(),
                 by: Some(identity(&self.problem.simulator)),
                 simulation: found.simulation.map(|worth| OfSimulation {
                     factor: worth.factor,
@@ -153,7 +153,10 @@ impl Campaign {
                 );
                 // What was said on another scale cannot be compared.
                 if assessed.scale == self.problem.response.scale {
+                    self.on_another_scale = None;
                     self.history.insert(assessed.batch, assessed);
+                } else {
+                    self.on_another_scale = Some(assessed);
                 }
             }
             Event::Undone { .. } => bail!("what was taken back is left out before"),

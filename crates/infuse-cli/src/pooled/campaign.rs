@@ -13,11 +13,12 @@ use indicatif::ProgressBar;
 use infuse::global::PureError;
 use infuse::pooled::{Assessment, Loop, Reason, Responses, Settings, Simulate};
 use infuse::{Error, Outcome, TrialId};
+use serde_json::{Value, json};
 
 use crate::campaign::{Experiments, Imported, Reading};
 use crate::journal::{Assessed, BY_ITSELF, Constrained, Event, Journal, Measured, Purpose, Submitted, Told};
 use crate::number::{count, plain};
-use crate::problem::{PROBLEM, Problem, Simulator, linear_in_words};
+use crate::problem::{PROBLEM, Problem, Scale, Simulator, linear_in_words};
 use crate::simulator::{Job, Rows, identity, looked_up};
 
 /// Designs of which a command simulates all.
@@ -25,6 +26,8 @@ const MOST_SIMULATED: u64 = 20_000;
 /// A table with a smaller share of the designs is continued by a surface through some of its rows: so many at most.
 const DENSE: f64 = 0.5;
 const MOST_ROWS: usize = 400;
+/// Results that are named, at most.
+const MOST_NAMED: usize = 5;
 
 /// What was simulated of some designs, in the order of the cells.
 pub(super) type Costs = Rc<[(Cell, f64)]>;
@@ -50,6 +53,8 @@ pub(crate) struct Campaign {
     pub(super) checked: BTreeMap<Cell, Checked>,
     /// What was known after each batch.
     pub(super) history: BTreeMap<usize, Assessed>,
+    /// What was said last, if that was on another scale than the response has now.
+    pub(super) on_another_scale: Option<Assessed>,
     /// The rows of a simulator that is a table, once they were read.
     rows: Rc<OnceCell<Rows>>,
     /// Their costs, where the loop may ask for them.
@@ -156,6 +161,7 @@ impl Campaign {
             checked: BTreeMap::new(),
             empty,
             history: BTreeMap::new(),
+            on_another_scale: None,
             rows: Rc::new(OnceCell::new()),
             costs_of_rows: Rc::new(OnceCell::new()),
             now: RefCell::new(None),
@@ -178,17 +184,46 @@ impl Campaign {
         let imported = imported.filter_map(|(index, one)| Some((Origin::Imported(index), one.result.value()?)));
         let own = self.experiments.readings.iter();
         let own = own.flat_map(|(&id, reading)| reading.values().map(move |value| (Origin::Own(id), value)));
-        for (origin, value) in imported.chain(own) {
-            if let Some(expected) = self.problem.response.without_logarithm(value) {
-                bail!(
-                    "{} gave {}, expected {expected}; take `scale` out, put the result right with `infuse tell --correct`, or take \
-                     it back, and set `scale` then",
-                    self.full_name_of(origin),
-                    plain(value)
-                );
-            }
+        let response = &self.problem.response;
+        let fault = |(origin, value): (Origin, f64)| Some((origin, value, response.without_logarithm(value)?));
+        let faults: Vec<(Origin, f64, String)> = imported.chain(own).filter_map(fault).collect();
+        let Some((_, _, expected)) = faults.first() else { return Ok(()) };
+        let named = faults.iter().take(MOST_NAMED);
+        let named = named.map(|(origin, value, _)| format!("{} gave {}", self.full_name_of(*origin), plain(*value)));
+        let named = named.collect::<Vec<_>>().join(", ");
+        let more = match faults.len().saturating_sub(MOST_NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        bail!(
+            "{named}{more}, expected {expected}; take `scale` out, put the results right with `infuse tell --correct`, or take them \
+             back, and set `scale` then"
+        );
+    }
+
+    /// The settings of the loop as the file has them: on a logarithmic scale factors, and that scale.
+    pub(super) fn settings_as_said(&self) -> Value {
+        let (mut said, response) = (serde_json::to_value(&self.settings).unwrap_or_default(), &self.problem.response);
+        if response.scale == Scale::Log {
+            said["noise"] = json!(self.problem.rule.noise);
+            said["worth"] = json!(self.problem.worth);
+            said["least"] = json!(self.settings.least.map(|least| response.of_cost(least)));
+            said["scale"] = json!(response.scale);
         }
-        Ok(())
+        said
+    }
+
+    /// Settings that stand as they were before the scale became another, on which they mean something else.
+    pub(super) fn left_from_another_scale(&self) -> Vec<(&'static str, f64)> {
+        let then = |key: &str| self.on_another_scale.as_ref()?.settings.get(key)?.as_f64();
+        let pairs = [
+            ("`worth` in [stop]", "worth", self.problem.worth),
+            ("`noise` in [loop]", "noise", self.problem.rule.noise),
+        ];
+        let is_left = |(_, key, now): &(&'static str, &str, Option<f64>)| {
+            then(key).zip(*now).is_some_and(|(then, now)| then.total_cmp(&now).is_eq())
+        };
+        pairs.into_iter().filter(is_left).filter_map(|(what, _, now)| Some((what, now?))).collect()
     }
 
     /// Says of which responses there are measurements that no constraint of the file uses.

@@ -16,7 +16,7 @@ use super::risen::risen;
 use super::warnings::{all_equal, suspects, warnings};
 use crate::findings::{WITHOUT_RESERVE, amount, on_bounds, value_to};
 use crate::number::{count, grouped, percent, plain, short};
-use crate::problem::Problem;
+use crate::problem::{Problem, Scale};
 
 /// Below this share of the variance explained a simulation is of little use.
 const EXPLAINS_LITTLE: f64 = 0.1;
@@ -504,7 +504,7 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
         }
         None => Finding::new("What the simulation is worth, too few experiments tell."),
         Some(worth) => {
-            let finding = Finding::new(worth_in_words(worth))
+            let finding = Finding::new(worth_in_words(worth, campaign.problem.response.scale))
                 .with("explained", worth.explained, "1")
                 .with("probability that it is better ignored", worth.ignored, "1")
                 .with("factor", worth.factor, "1")
@@ -515,7 +515,7 @@ fn simulation(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
 }
 
 /// How much of what was measured a simulation explains, and what the surface makes of it.
-fn worth_in_words(worth: SimulationWorth) -> String {
+fn worth_in_words(worth: SimulationWorth, scale: Scale) -> String {
     let SimulationWorth { explained, is_inverted, ignored, factor, factor_deviation } = worth;
     let (is_little, is_left_out) = (explained < EXPLAINS_LITTLE, ignored >= IGNORED);
     let half = NINE_IN_TEN * factor_deviation;
@@ -546,11 +546,19 @@ fn worth_in_words(worth: SimulationWorth) -> String {
              is recommended rests on the experiments",
         ),
         (_, false) => {
-            sentence.push_str(&if half < TAKEN_AS_GIVEN {
-                format!("; differences that it predicts are taken {}", as_they_are(factor))
-            } else {
-                let (factor, half) = (short(factor), short(half));
-                format!("; differences that it predicts count {factor} times, give or take {half} (90 %)")
+            let (shown, give_or_take) = (short(factor), short(half));
+            sentence.push_str(&match (scale, half < TAKEN_AS_GIVEN) {
+                (Scale::Linear, true) => format!("; differences that it predicts are taken {}", as_they_are(factor)),
+                (Scale::Linear, false) => {
+                    format!("; differences that it predicts count {shown} times, give or take {give_or_take} (90 %)")
+                }
+                (Scale::Log, true) if (factor - 1.0).abs() < TAKEN_AS_GIVEN => {
+                    "; ratios that it predicts are taken as they are".to_owned()
+                }
+                (Scale::Log, true) => format!("; ratios that it predicts are taken to the power of {shown}"),
+                (Scale::Log, false) => {
+                    format!("; ratios that it predicts are taken to the power of {shown}, give or take {give_or_take} (90 %)")
+                }
             });
         }
     }
@@ -782,13 +790,8 @@ mod tests {
     #[test]
     fn a_simulation_is_said_to_be_hardly_used_only_where_it_is() {
         let said = |explained: f64, ignored: f64| {
-            worth_in_words(SimulationWorth {
-                explained,
-                is_inverted: false,
-                ignored,
-                factor: 1.0,
-                factor_deviation: 0.0,
-            })
+            let worth = SimulationWorth { explained, is_inverted: false, ignored, factor: 1.0, factor_deviation: 0.0 };
+            worth_in_words(worth, Scale::Linear)
         };
         assert_eq!(
             said(0.81, 0.95),
@@ -796,7 +799,8 @@ mod tests {
              the experiments alone predicts them at least as well, so what is recommended rests on the experiments."
         );
         let inverted = |ignored: f64, factor: f64, factor_deviation: f64| {
-            worth_in_words(SimulationWorth { explained: 0.8, is_inverted: true, ignored, factor, factor_deviation })
+            let worth = SimulationWorth { explained: 0.8, is_inverted: true, ignored, factor, factor_deviation };
+            worth_in_words(worth, Scale::Linear)
         };
         let wrong_way = "The simulation points the wrong way: what it calls better was worse. ";
         for (ignored, factor, deviation, is_said) in [

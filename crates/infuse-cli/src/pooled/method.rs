@@ -242,7 +242,9 @@ impl Campaign {
         let (Some(worth), Some(found)) = (self.settings.worth, self.assessment()?) else {
             return Ok(None);
         };
-        let speaks_against = found.contradiction.is_some() || all_equal(self).is_some();
+        // A worth of another scale ends nothing.
+        let is_unsure = all_equal(self).is_some() || !self.left_from_another_scale().is_empty();
+        let speaks_against = found.contradiction.is_some() || is_unsure;
         let is_reached = found.bound().is_some_and(|bound| bound <= worth) && !speaks_against;
         Ok(is_reached.then(|| {
             let response = &self.problem.response;

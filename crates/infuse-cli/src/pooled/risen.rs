@@ -11,9 +11,10 @@ use crate::campaign::changes;
 use crate::findings::{amount, value_to};
 use crate::journal::Assessed;
 use crate::number::{count, short};
+use crate::problem::Scale;
 use crate::simulator::identity;
 
-/// From so many times what it was on it is said that a bound has risen.
+/// From so many times what it was on it is said that a bound has risen, as a factor if it is one.
 const RISEN: f64 = 1.02;
 /// From so many times what it was on it is said that the noise is larger, or the factor of the simulation another.
 const OTHER: f64 = 1.1;
@@ -26,8 +27,12 @@ const MATTER: [&str; 7] = ["confidence", "noise", "smooth", "displaced", "constr
 pub(super) fn risen(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
     let before = last_said(campaign, found)?;
     let bound = before.bound?;
-    (found.certificate.bound > RISEN * bound).then(|| {
-        let response = &campaign.problem.response;
+    let response = &campaign.problem.response;
+    let has_risen = match response.scale {
+        Scale::Linear => found.certificate.bound > RISEN * bound,
+        Scale::Log => found.certificate.bound - bound > RISEN.ln(),
+    };
+    has_risen.then(|| {
         let sentence = format!(
             "After batch {} that was {}. It has risen: {}.",
             before.batch,
@@ -69,7 +74,7 @@ fn why(campaign: &Campaign, found: &Assessment, before: &Assessed) -> String {
     reasons.extend(stands_out(campaign, found, before));
     reasons.extend(another_is_recommended(campaign, found, before));
     reasons.extend(more_noise(campaign, found, before));
-    reasons.extend(of_the_simulation(found, before));
+    reasons.extend(of_the_simulation(found, before, campaign.problem.response.scale));
     reasons.truncate(MOST_SAID);
     match reasons.is_empty() {
         true => "no single result stands out, the recommended design is the same, and neither settings nor noise explain it; with all that \
@@ -81,7 +86,7 @@ fn why(campaign: &Campaign, found: &Assessment, before: &Assessed) -> String {
 
 /// Settings of the loop and the simulator that are others than then.
 fn changed(campaign: &Campaign, before: &Assessed) -> Vec<String> {
-    let now = serde_json::to_value(&campaign.settings).unwrap_or_default();
+    let now = campaign.settings_as_said();
     let value = |of: &Value, key: &str| of.get(key).cloned().unwrap_or_default();
     // What a journal of an earlier version does not have is not known to have changed.
     let is_known = |key: &&&str| before.settings.get(**key).is_some();
@@ -163,7 +168,7 @@ fn more_noise(campaign: &Campaign, found: &Assessment, before: &Assessed) -> Opt
 }
 
 /// What is made of the simulation now, where something else was made of it then.
-fn of_the_simulation(found: &Assessment, before: &Assessed) -> Option<String> {
+fn of_the_simulation(found: &Assessment, before: &Assessed, scale: Scale) -> Option<String> {
     let (then, now) = (before.simulation.as_ref()?, found.simulation?);
     if then.displacement != found.displacement {
         return Some("the simulation is taken from another place".to_owned());
@@ -176,11 +181,13 @@ fn of_the_simulation(found: &Assessment, before: &Assessed) -> Option<String> {
     }
     let (least, most) = (now.factor.min(then.factor), now.factor.max(then.factor));
     let is_other = most - least > (OTHER - 1.0) * most.abs().max(least.abs());
-    is_other.then(|| {
-        format!(
-            "differences that the simulation predicts count {} times, and did {} times",
-            short(now.factor),
-            short(then.factor)
-        )
+    let [then, now] = [then.factor, now.factor].map(short);
+    is_other.then(|| match scale {
+        Scale::Linear => {
+            format!("differences that the simulation predicts count {now} times, and did {then} times")
+        }
+        Scale::Log => {
+            format!("ratios that the simulation predicts are taken to the power of {now}, and were to that of {then}")
+        }
     })
 }

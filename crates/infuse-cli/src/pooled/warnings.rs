@@ -1,5 +1,7 @@
 //! What speaks against a campaign or its recommendation: each in a sentence that says what to do about it.
 
+use std::cmp::Ordering;
+
 use anyhow::Result;
 use infuse::pooled::Assessment;
 use infuse::pooled::reported::Outlier;
@@ -10,7 +12,8 @@ use super::campaign::{Campaign, Origin};
 use super::given_noise::{too_large, too_small};
 use crate::campaign::{Campaign as _, Imported};
 use crate::findings::{there_twice, value_to};
-use crate::number::{count, short, with_unit};
+use crate::number::{count, plain, short, with_unit};
+use crate::problem::{Goal, Scale};
 
 /// Outliers that are named.
 const MOST_NAMED: usize = 5;
@@ -42,6 +45,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
     warnings.extend(set_aside(campaign, found));
     warnings.extend(beyond_the_bounds(campaign));
     warnings.extend(another_unit(campaign));
+    warnings.extend(at_an_end(campaign));
     warnings.extend(too_large(campaign, found));
     warnings.extend(all_equal(campaign));
     warnings.extend(imported_twice(campaign));
@@ -100,6 +104,56 @@ fn powers_of_ten(campaign: &Campaign) -> Option<Finding> {
     })
 }
 
+/// That settings which mean something else on the scale of now stand as they were on another.
+fn left_from_another_scale(campaign: &Campaign) -> Option<Finding> {
+    let left = campaign.left_from_another_scale();
+    let named = left.iter().map(|(what, value)| format!("{what} is {}", plain(*value)));
+    let (before, now) = match campaign.problem.response.scale {
+        Scale::Linear => ("a factor on the logarithmic scale", "differences"),
+        Scale::Log => ("a difference on the linear scale", "factors"),
+    };
+    (!left.is_empty()).then(|| {
+        let sentence = format!(
+            "Careful: `scale` of [response] was changed, and {} as before: it was {before}. Now `worth` and `noise` are {now}: put them \
+             right; from the next batch on they are taken for meant.",
+            named.collect::<Vec<_>>().join(" and ")
+        );
+        Finding::new(sentence)
+    })
+}
+
+/// As many designs whose best results are one number are no chance.
+const FEWEST_AT_AN_END: usize = 3;
+
+/// That several designs share the best result of all to the last digit, though `[response]` does not say that nothing is better: where
+/// a detector ends, surfaces look for more beyond.
+fn at_an_end(campaign: &Campaign) -> Option<Finding> {
+    let (response, runs) = (&campaign.problem.response, campaign.runs());
+    let best = runs.iter().map(|run| run.1).min_by(f64::total_cmp)?;
+    let is_best = |cost: f64| cost.total_cmp(&best).is_eq();
+    let mut designs: Vec<&[f64]> = runs.iter().filter(|run| is_best(run.1)).map(|run| &*run.0).collect();
+    let n_runs = designs.len();
+    designs.sort_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+    designs.dedup();
+    let is_said = response.least().is_some_and(|least| least >= best);
+    let is_meant = designs.len() >= FEWEST_AT_AN_END && n_runs < runs.len() && !is_said;
+    is_meant.then(|| {
+        let (key, word) = match response.goal {
+            Goal::Minimize => ("lower", "lower"),
+            Goal::Maximize => ("upper", "higher"),
+        };
+        let sentence = format!(
+            "{} of {} designs are {}, and none is {word}. If the sensor tells no more there, set `{key}` = {} in [response]: \
+             else {word} values are expected where nothing can tell them.",
+            count(n_runs, "result"),
+            designs.len(),
+            value_to(response, best, f64::NAN),
+            plain(response.of_cost(best))
+        );
+        Finding::new(sentence).with("results at the end", n_runs as f64, "1")
+    })
+}
+
 /// That all results are the same number.
 pub(super) fn all_equal(campaign: &Campaign) -> Option<Finding> {
     let costs = campaign.costs();
@@ -143,7 +197,8 @@ pub(super) fn suspects(campaign: &Campaign, found: &Assessment) -> Vec<Finding> 
     });
     let again = found.outliers.iter().filter(|one| !one.set_aside && is_seen_again(one));
     let again = seen_again(campaign, found, &again.copied().collect::<Vec<_>>());
-    too_small(campaign, found).into_iter().chain(powers_of_ten(campaign)).chain(once).chain(again).collect()
+    let scale = powers_of_ten(campaign).into_iter().chain(left_from_another_scale(campaign));
+    too_small(campaign, found).into_iter().chain(scale).chain(once).chain(again).collect()
 }
 
 /// Settings whose runs, more than one, are far from what runs of other settings say: named once, with their number and their mean.

@@ -14,8 +14,11 @@ pub(crate) struct Response {
     pub(crate) upper: Option<f64>,
 }
 
-/// The natural logarithm of the largest value that a surface takes, 1e100.
-const LARGEST_LOGARITHM: f64 = 230.0;
+/// The largest value on a logarithmic scale, as on every other, and the smallest.
+const LARGEST: f64 = 1e100;
+const SMALLEST: f64 = 1e-100;
+/// The natural logarithm of about the largest number there is.
+const LARGEST_LOGARITHM: f64 = 690.0;
 
 impl Response {
     /// From what is measured to what is minimized: itself or its natural logarithm, with the sign of the goal.
@@ -177,8 +180,12 @@ impl Response {
 
     /// What is allowed by the scale, unless this is.
     pub(crate) fn without_logarithm(&self, value: f64) -> Option<String> {
-        let is_without = self.scale == Scale::Log && value <= 0.0;
-        is_without.then(|| "above 0, as `scale` of the response is \"log\"".to_owned())
+        match value {
+            _ if self.scale.is_linear() => None,
+            value if value <= 0.0 => Some("above 0 on a log scale".to_owned()),
+            value if !(SMALLEST..=LARGEST).contains(&value) => Some("1e-100 to 1e100 on a log scale".to_owned()),
+            _ => None,
+        }
     }
 
     /// The least cost that there can be.
@@ -212,7 +219,7 @@ pub(crate) fn heading(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
 }
 
-/// Of what no surface has any use for, the largest that it takes.
+/// Of what would be no number, about the largest.
 fn exp(logarithm: f64) -> f64 {
     logarithm.clamp(-LARGEST_LOGARITHM, LARGEST_LOGARITHM).exp()
 }
@@ -265,6 +272,10 @@ mod tests {
     fn what_has_no_logarithm_is_not_allowed() {
         let mut log = response(Goal::Minimize, Scale::Log);
         assert!(log.fault(0.0).is_some_and(|expected| expected.starts_with("above 0")) && log.fault(1e-9).is_none());
+        assert!(log.fault(1e-101).is_some() && log.fault(1e-100).is_none() && log.of_difference(1e9).is_finite());
+        for extreme in [1e-100, 1e100] {
+            assert!((log.of_cost(log.cost(extreme)) / extreme - 1.0).abs() < 1e-11, "{extreme}");
+        }
         log.lower = Some(0.0);
         assert_eq!(log.least(), None, "there is no least logarithm");
         log.lower = Some(1.0);

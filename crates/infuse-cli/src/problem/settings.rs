@@ -80,12 +80,12 @@ fn pooled_loop(problem: &Problem) -> Result<pooled::Settings, Error> {
 
 /// The noise of the cost: of a logarithm the file has a factor.
 fn noise_of_costs(response: &Response, given: f64) -> Result<f64, Error> {
-    let is_no_factor = response.scale == Scale::Log && (given.is_nan() || given < 1.0);
+    let is_no_factor = response.scale == Scale::Log && (given.is_nan() || given <= 1.0);
     match is_no_factor {
         true => Err(Error::Setting {
             name: "noise",
             value: given,
-            expected: "a factor of at least 1, as 1.05 for 5 %, where `scale` of [response] is \"log\"",
+            expected: "a factor above 1, as 1.05 for 5 %, where `scale` of [response] is \"log\"",
         }),
         false => Ok(response.difference(given)),
     }

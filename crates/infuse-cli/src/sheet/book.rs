@@ -11,7 +11,7 @@ use super::columns::Columns;
 use super::read::made_range;
 use super::table::Column;
 use crate::number::{plain, rounded, with_unit};
-use crate::problem::{Held, Problem, Response};
+use crate::problem::{Held, Problem, Response, Scale};
 
 /// Free rows below those asked for, for further runs.
 const FURTHER: usize = 50;
@@ -99,9 +99,14 @@ fn place(column: usize) -> u16 {
 
 /// What is allowed in the cells that are free.
 fn validate(sheet: &mut Worksheet, problem: &Problem, columns: &Columns, last: u32) -> Result<(), XlsxError> {
-    let Response { lower, upper, .. } = &problem.response;
-    let (low, high) = (lower.unwrap_or(-LARGEST), upper.unwrap_or(LARGEST));
+    let Response { lower, upper, scale, .. } = &problem.response;
+    let least = match scale {
+        Scale::Linear => -LARGEST,
+        Scale::Log => 1.0 / LARGEST,
+    };
+    let (low, high) = (lower.map_or(least, |lower| lower.max(least)), upper.unwrap_or(LARGEST));
     let range = match (lower, upper) {
+        (None | Some(..=0.0), None) if *scale == Scale::Log => "a number above 0".to_owned(),
         (None, None) => "a number".to_owned(),
         (Some(lower), None) => format!("a number from {}", plain(*lower)),
         (None, Some(upper)) => format!("a number up to {}", plain(*upper)),

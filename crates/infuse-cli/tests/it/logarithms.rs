@@ -131,7 +131,7 @@ fn differences_are_said_as_factors() {
     assert!(rig.infuse(&["log"]).ok().contains("none is better by more than a factor of "));
     rig.infuse(&["report"]).ok();
     let page = rig.read("report.html");
-    for part in ["bound, as a factor", "measured, divided by expected", "a factor of 1.5", "highest by lowest"] {
+    for part in ["bound, as a factor", "measured, divided by expected", "a factor of 1.5", "highest / lowest"] {
         assert!(page.contains(part), "{part}");
     }
     rig.infuse(&["confirm", "--runs", "2"]).ok();
@@ -164,25 +164,71 @@ fn the_scale_may_be_set_between_batches() {
     assert!(!rig.infuse(&["status"]).ok().contains("a factor of"));
 }
 
+/// A `worth` that was a factor is no difference, and ends nothing; the journal has what stands in the file.
+#[test]
+fn worth_and_noise_of_another_scale_are_said_until_the_next_batch() {
+    let rig = rig(|value| value, "[stop]\nworth = 1.2\n");
+    rig.edit("batches = 5", "batches = 5\nnoise = 1.1");
+    logarithmic(&rig);
+    batch(&rig, |value| value);
+    rig.edit("scale = \"log\"\n", "");
+    let careful = "Careful: `scale` of [response] was changed, and `worth` in [stop] is 1.2 and `noise` in [loop] is 1.1 as before";
+    let said = rig.infuse(&["status"]).ok();
+    assert!(said.contains(careful), "{said}");
+    rig.infuse(&["report"]).ok();
+    let page = rig.read("report.html");
+    assert!(page.contains("was said on another") && page.contains("best so far"), "the history begins anew");
+    assert!(batch(&rig, |value| value), "a worth of another scale ends nothing");
+    assert!(!rig.infuse(&["status"]).ok().contains(careful));
+    let log = rig.infuse(&["log"]).ok();
+    assert!(log.contains("`scale` was \"log\" and is not set") && !log.contains("`noise` was 0.09"), "{log}");
+}
+
+/// Where a detector ends, nothing tells of less: that is said, and once the end is in the file, a design that was run is recommended.
+#[test]
+fn the_end_of_a_detector_is_said_and_kept_to() {
+    let rig = rig(|value| value, "[stop]\nsmooth = true\n");
+    logarithmic(&rig);
+    let limit = 1e-7;
+    batch(&rig, |value| value.max(limit));
+    let said = rig.infuse(&["status"]).ok();
+    assert!(
+        said.contains("designs are 1e-7 N, and none is lower. If the sensor tells no more there, set `lower` = 1e-7"),
+        "{said}"
+    );
+    rig.edit("[response]", "[response]\nlower = 1e-7");
+    let said = rig.infuse(&["status"]).ok();
+    assert!(!said.contains("If the sensor tells no more"), "{said}");
+    batch(&rig, |value| value.max(limit));
+    let status = rig.status();
+    assert!(status["runs_there"].as_u64().unwrap() > 0 && status["best_measured"]["value"] == limit, "{status}");
+}
+
 #[test]
 fn what_has_no_logarithm_is_refused_by_its_name() {
     let rig = rig(|value| value, "[stop]\nworth = 1.5\n");
     rig.infuse(&["ask"]).ok();
     rig.infuse(&["tell", "--id", "1", "--value", "0"]).ok();
+    rig.infuse(&["tell", "--id", "2", "--value", "-3"]).ok();
     logarithmic(&rig);
     let error = rig.infuse(&["status"]).error();
     assert!(
-        error.contains("experiment 1 gave 0, expected above 0, as `scale` of the response is \"log\"; take"),
+        error.contains("experiment 1 gave 0, experiment 2 gave -3, expected above 0 on a log scale; take `scale` out"),
         "{error}"
     );
     rig.edit("scale = \"log\"\n", "");
     rig.infuse(&["tell", "--id", "1", "--value", "1e-5", "--correct"]).ok();
+    rig.infuse(&["tell", "--id", "2", "--value", "1e-6", "--correct"]).ok();
     logarithmic(&rig);
-    let error = rig.infuse(&["tell", "--id", "2", "--value", "-1"]).error();
-    assert!(error.contains("-1, expected above 0"), "{error}");
+    for (value, part) in
+        [("-1", "-1, expected above 0"), ("1e-120", "expected 1e-100 to 1e100"), ("<1e-9", "where a sensor ends")]
+    {
+        let error = rig.infuse(&["tell", "--id", "3", "--value", value]).error();
+        assert!(error.contains(part), "{error}");
+    }
     for (from, to, part) in [
         ("worth = 1.5", "worth = 0.5", "`worth` is 0.5, expected a factor above 1"),
-        ("batches = 5", "batches = 5\nnoise = 0.05", "`noise` is 0.05, expected a factor of at least 1"),
+        ("batches = 5", "batches = 5\nnoise = 0.05", "`noise` is 0.05, expected a factor above 1"),
         ("scale = \"log\"", "scale = \"log10\"", "`scale` is \"log10\", expected `linear` or `log`"),
         ("scale = \"log\"", "scale = \"log\"\nupper = 0", "`upper` is 0.0, expected above 0"),
     ] {

@@ -41,14 +41,7 @@ impl Bands {
             {
                 Self::ratios(axis, borders, sign)
             }
-            ColorScale::NearLowest
-            | ColorScale::NearHighest
-            | ColorScale::RatiosFromLowest
-            | ColorScale::RatiosFromHighest
-                if !is_flat =>
-            {
-                Self::near_first(axis, &ranked, sign)
-            }
+            ColorScale::NearLowest | ColorScale::NearHighest if !is_flat => Self::near_first(axis, &ranked, sign),
             ColorScale::EqualShares if !is_flat => Self::equal_shares(axis, &ranked),
             _ => Self::linear(axis, &ranked, sign),
         }
@@ -216,7 +209,15 @@ fn round_ratios(ranked: &[f64], sign: f64) -> Option<Vec<f64>> {
     }
     let stride = decades.div_ceil(BANDS);
     let n = decades.div_ceil(stride);
-    (0..=n).map(|step| Some(10_f64.powi(from + i32::try_from(step * stride).ok()?))).collect()
+    let powers = (0..=n).map(|step| Some(10_f64.powi(from + i32::try_from(step * stride).ok()?)));
+    let mut borders = powers.collect::<Option<Vec<f64>>>()?;
+    if stride == 1 {
+        // The power of ten with the first color in it is told apart within.
+        let of_first = if sign > 0.0 { borders[0] } else { borders[n - 1] };
+        borders.extend([2.0 * of_first, 5.0 * of_first]);
+        borders.sort_by(f64::total_cmp);
+    }
+    Some(borders)
 }
 
 /// The bar beside the frame of a whole figure.
@@ -319,12 +320,13 @@ mod tests {
         let decades = bands(ColorScale::RatiosFromLowest, &[3e-9, 1e-6, 2e-3]);
         assert_eq!(decades.texts.first().zip(decades.texts.last()), Some((&"1e\u{2212}9".into(), &"0.01".into())));
         let band = |value: f64| (0..decades.count()).find(|&band| decades.color(band) == decades.color_of(value));
-        assert_eq!((band(3e-9), band(3e-8), band(3e-4)), (Some(0), Some(1), Some(5)));
+        assert_eq!((band(1.5e-9), band(3e-9), band(3e-8), band(3e-4)), (Some(0), Some(1), Some(3), Some(7)));
         let mirrored = bands(ColorScale::RatiosFromHighest, &[3e-9, 1e-6, 2e-3]);
-        assert_eq!((mirrored.text(0), mirrored.color_of(2e-3)), ("0.01", mirrored.color(0)));
+        assert_eq!((mirrored.text(0), mirrored.text(1), mirrored.text(3)), ("0.01", "0.005", "0.001"));
+        assert_eq!((mirrored.color_of(7e-3), mirrored.color_of(1.5e-3)), (mirrored.color(0), mirrored.color(2)));
         assert_eq!(bands(ColorScale::RatiosFromLowest, &[3.0, 45.0]).texts, ["2", "5", "10", "20", "50"]);
         assert!(bands(ColorScale::RatiosFromLowest, &[1e-90, 1e90]).count() <= 12);
-        assert_eq!(bands(ColorScale::RatiosFromLowest, &[-1.0, 45.0]).text(0), "lowest");
+        assert_eq!(bands(ColorScale::RatiosFromLowest, &[-1.0, 4.0]).texts.first(), Some(&"\u{2212}1.0".into()));
     }
 
     #[test]

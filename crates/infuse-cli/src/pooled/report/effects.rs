@@ -23,7 +23,7 @@ pub(super) fn write(page: &mut Page, view: &View) -> Result<()> {
     let unit = &view.response().unit;
     let range = match view.response().scale {
         Scale::Linear => "range along it",
-        Scale::Log => "highest by lowest",
+        Scale::Log => "highest / lowest",
     };
     let columns = vec![
         Column::words("parameter"),

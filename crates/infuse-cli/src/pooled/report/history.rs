@@ -27,6 +27,15 @@ type Line = Vec<(f64, f64)>;
 pub(super) fn write(page: &mut Page, campaign: &Campaign) -> Result<()> {
     page.section("history", "History");
     if campaign.history.is_empty() {
+        if let Some(before) = &campaign.on_another_scale {
+            page.paragraph(&format!(
+                "What was known after batch {} was said on another `scale` of the response: `infuse log` has it, and the next batch \
+                 begins the history of this one.",
+                before.batch
+            ));
+            page.charts(&[best_so_far(campaign)], &[], "Every experiment of the campaign, and the best so far.");
+            return Ok(());
+        }
         page.paragraph("No batch gave a result yet.");
         return Ok(());
     }
