@@ -59,7 +59,7 @@ impl Loop {
     /// # Errors
     ///
     /// Those of [`tell`](Self::tell), and [`Error::ActualSetting`] if the trial is a center, or the
-    /// setting is not finite or not on the trial's side of the center.
+    /// setting is not finite, not on the trial's side of the center, or farther outside of the bounds than half their width.
     pub fn tell_at(&mut self, id: TrialId, actual: f64, outcome: Outcome) -> Result<(), Error> {
         self.record(id, Some(actual), outcome)
     }
@@ -90,8 +90,8 @@ impl Loop {
         let Some(open) = &mut self.open else {
             return Err(not_outstanding(id, self.n_asked()));
         };
-        let optimum = &open.numerical.point;
-        open.trials.record(id, actual, outcome, |trial, actual| check_actual(trial, *actual, optimum))?;
+        let (optimum, region) = (&open.numerical.point, self.problem.region());
+        open.trials.record(id, actual, outcome, |trial, actual| check_actual(trial, *actual, optimum, region))?;
         if let Some(complete) = self.open.take_if(|open| open.trials.is_complete()) {
             let report = self.finish(complete);
             self.history.push(report);

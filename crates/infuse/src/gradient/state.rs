@@ -77,7 +77,7 @@ pub(super) fn checked(campaign: &Loop, saved: OpenIteration) -> Result<OpenItera
         let expected = "the trials that were handed out around its optimum";
         return Err(Error::State { field: "trials", turn: iteration, expected });
     }
-    let check = |trial: &_, actual: &f64| check_actual(trial, *actual, optimum);
+    let check = |trial: &_, actual: &f64| check_actual(trial, *actual, optimum, campaign.problem.region());
     let trials = handed_out.with_outcomes_of(&saved.trials, iteration, check)?;
     Ok(OpenIteration { numerical: saved.numerical, trials })
 }

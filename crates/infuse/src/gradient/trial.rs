@@ -61,17 +61,24 @@ pub(crate) fn experiments_around(
     Ledger::of(ids_after(n_asked).zip(points).map(|(id, (role, point))| Trial { id, iteration, role, point }))
 }
 
-/// Whether a setting that was made can be that of this trial around this optimum.
-pub(crate) fn check_actual(trial: &Trial, actual: f64, optimum: &[f64]) -> Result<(), Error> {
-    let (is_usable, expected) = match trial.role {
-        TrialRole::Center => (false, "none: the center varies no parameter"),
-        TrialRole::Plus(index) => (actual > optimum[index], "a number above the center's"),
-        TrialRole::Minus(index) => (actual < optimum[index], "a number below the center's"),
+/// Whether a setting that was made can be that of this trial around this optimum: on its side, and no farther outside of the bounds of
+/// its parameter than half their width, as rigs are; what is farther is a slip.
+pub(crate) fn check_actual(trial: &Trial, actual: f64, optimum: &[f64], region: &Region) -> Result<(), Error> {
+    let refused = |expected| Err(Error::ActualSetting { id: trial.id, actual, expected });
+    let (index, is_on_its_side, expected) = match trial.role {
+        TrialRole::Center => return refused("none: the center varies no parameter"),
+        TrialRole::Plus(index) => (index, actual > optimum[index], "a number above the center's"),
+        TrialRole::Minus(index) => (index, actual < optimum[index], "a number below the center's"),
     };
-    if is_usable && actual.is_finite() {
-        return Ok(());
+    if !is_on_its_side || !actual.is_finite() {
+        return refused(expected);
     }
-    Err(Error::ActualSetting { id: trial.id, actual, expected })
+    let parameter = &region.parameters()[index];
+    let half = 0.5 * parameter.width();
+    match (parameter.lower() - half..=parameter.upper() + half).contains(&actual) {
+        true => Ok(()),
+        false => refused("one within half the parameter's width of its bounds"),
+    }
 }
 
 /// What the experiments of an iteration say of its optimum.

@@ -143,7 +143,7 @@ impl Loop {
         self.record(id, actual.map(<[f64]>::to_vec), outcome, true)
     }
 
-    /// The outcome of a simulation, handed out or not.
+    /// The outcome of a simulation, handed out or not. A value that is no number, or beyond 1e100, counts as a failure.
     ///
     /// # Errors
     ///
@@ -155,7 +155,8 @@ impl Loop {
         Ok(())
     }
 
-    /// The responses of a simulation, the constrained ones among them, handed out or not.
+    /// The responses of a simulation, the constrained ones among them, handed out or not; as those of
+    /// [`tell_simulation`](Self::tell_simulation).
     ///
     /// # Errors
     ///

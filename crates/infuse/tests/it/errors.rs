@@ -130,9 +130,13 @@ fn a_wrong_tell_is_an_error_and_changes_nothing() {
         let told = campaign.tell(asked[0].id, Outcome::Value(value));
         assert!(matches!(told, Err(Error::NonFiniteOutcome { .. })), "{told:?}");
     }
-    for (trial, actual) in
-        [(&asked[0], 0.0), (&asked[1], asked[0].point[0] - 0.1), (&asked[1], f64::NAN), (&asked[3], f64::INFINITY)]
-    {
+    for (trial, actual) in [
+        (&asked[0], 0.0),
+        (&asked[1], asked[0].point[0] - 0.1),
+        (&asked[1], f64::NAN),
+        (&asked[3], f64::INFINITY),
+        (&asked[1], 1e9),
+    ] {
         let told = campaign.tell_at(trial.id, actual, Outcome::Value(1.0));
         assert!(matches!(told, Err(Error::ActualSetting { .. })), "{told:?}");
     }

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::campaign::{Budget, Campaign};
 use crate::findings::WITHOUT_RESERVE;
 use crate::number::{count, grouped, percent, seconds};
-use crate::problem::{Problem, Simulator};
+use crate::problem::{Problem, Scale, Simulator};
 use crate::spread::spread;
 
 /// Up to so many designs are counted one by one; of more a share is told from so many all over the grid.
@@ -148,9 +148,16 @@ fn reserved(n: usize, Budget { experiments, batches, .. }: &Budget, problem: &Pr
         _ => "",
     };
     let well = problem.response.well();
+    let as_a_power = match (problem.response.scale, problem.response.least()) {
+        (Scale::Log, None) => {
+            " On a logarithmic scale that is a power of what results differ by, which the best value that there can be bounds, as \
+             `lower` or `upper` of [response]."
+        }
+        _ => "",
+    };
     let sentence = format!(
         "Until {} run, a repeat counting half, {enough}, what the certificate promises leaves room for a \
-         narrow {well}; `smooth` in [stop] says that there surely is none.{out_of_reach}",
+         narrow {well}; `smooth` in [stop] says that there surely is none.{out_of_reach}{as_a_power}",
         if n == 1 { "one design was".to_owned() } else { format!("{n} designs were") }
     );
     Finding::new(sentence).with(WITHOUT_RESERVE, n as f64, "1")
