@@ -6,7 +6,7 @@ use rand_pcg::Pcg64;
 use super::attempt::Attempt;
 use super::bounded::{self, Objective as _, minimize};
 use super::ending::IsOver;
-use super::frame::Frame;
+use super::frame::{Frame, lattice};
 use super::incumbents::Incumbents;
 use super::polish::{self, Peaks, polish};
 use super::settings::Effort;
@@ -157,19 +157,15 @@ impl Continuous<'_> {
     /// A refined design with the coordinates of gridded axes on their levels and the others refined again.
     pub(crate) fn on_levels(&self, shape: &BoxShape, mut x: Vec<f64>, is_over: IsOver<'_>) -> Option<(Vec<f64>, f64)> {
         let k = self.frame.n_factors();
-        let (mut lower, mut upper) = self.bounds(&x);
-        for (at, value) in x.iter_mut().enumerate() {
-            if let Axis::Levels(levels) = &shape.axes[at % k] {
-                let distance = |level: &&f64| (**level - *value).abs();
-                *value = levels.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied()?;
-                (lower[at], upper[at]) = (*value, *value);
-            }
+        for run in x.chunks_exact_mut(k) {
+            let snapped = snapped(shape, run)?;
+            run.copy_from_slice(&snapped);
         }
-        if x.chunks_exact(k).any(|run| shape.forbids(run)) {
-            return None;
-        }
+        let (lower, upper) = bounds(shape, &x);
         if self.frame.criterion == Criterion::G {
-            let mut peaks = Peaks::new(self.frame, shape, self.lattice);
+            // On the lattice of the continuous box most points are no points of this one.
+            let lattice = lattice(shape, &self.frame.products);
+            let mut peaks = Peaks::on_levels(self.frame, shape, &lattice);
             let is_checked = self.effort == Effort::Thorough;
             let limits = polish::Limits { steps: 60, radius: 0.02, least_radius: 1e-8, is_checked };
             let value = polish(&mut peaks, &mut x, (&lower, &upper), limits, |_, _| true, is_over);
@@ -227,46 +223,77 @@ impl Continuous<'_> {
         (0..self.frame.n_factors()).map(|_| coordinate(generator)).collect()
     }
 
-    /// Bounds of every coordinate: the cube, or around each run a box without forbidden points, grown from the run
-    /// axis by axis, each run beginning with another axis.
     fn bounds(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let (mut lower, mut upper) = (vec![-1.0; x.len()], vec![1.0; x.len()]);
-        let k = self.frame.n_factors();
-        if self.shape.forbidden.is_empty() {
-            return (lower, upper);
-        }
-        for (run, point) in x.chunks_exact(k).enumerate() {
-            let (lower, upper) = (&mut lower[run * k..run * k + k], &mut upper[run * k..run * k + k]);
-            lower.copy_from_slice(point);
-            upper.copy_from_slice(point);
-            for axis in (0..k).map(|j| (j + run) % k) {
-                let [from, to] = self.free_range(point, lower, upper, axis);
-                lower[axis] = from;
-                upper[axis] = to;
-            }
-        }
-        (lower, upper)
+        bounds(self.shape, x)
     }
+}
 
-    /// How far a box may grow along an axis before it meets the inside of a forbidden box.
-    fn free_range(&self, point: &[f64], lower: &[f64], upper: &[f64], axis: usize) -> [f64; 2] {
-        let meets = |forbidden: &&Forbidden| {
-            (0..point.len()).filter(|&j| j != axis).all(|j| {
+/// Levels of an axis that are tried for a run, at most.
+const MOST_LEVELS: usize = 3;
+/// And runs made of them.
+const MOST_RUNS: usize = 243;
+
+/// A run with its gridded coordinates on levels: of the levels next to it those nearest together that are not forbidden.
+fn snapped(shape: &BoxShape, run: &[f64]) -> Option<Vec<f64>> {
+    let mut nearest: Vec<(f64, Vec<f64>)> = vec![(0.0, Vec::with_capacity(run.len()))];
+    for (axis, &at) in shape.axes.iter().zip(run) {
+        let values = match axis {
+            Axis::Continuous => vec![at],
+            Axis::Levels(levels) => {
+                let mut levels = levels.clone();
+                levels.sort_by(|a, b| (a - at).abs().total_cmp(&(b - at).abs()));
+                // Where nothing is forbidden the nearest is the one.
+                levels.truncate(if shape.forbidden.is_empty() { 1 } else { MOST_LEVELS });
+                levels
+            }
+        };
+        let with = |(distance, begun): &(f64, Vec<f64>), value: f64| {
+            (distance + (value - at).powi(2), begun.iter().copied().chain([value]).collect::<Vec<f64>>())
+        };
+        nearest = nearest.iter().flat_map(|begun| values.iter().map(|&value| with(begun, value))).collect();
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.truncate(MOST_RUNS);
+    }
+    nearest.into_iter().map(|(_, run)| run).find(|run| !shape.forbids(run))
+}
+
+/// Bounds of every coordinate: the cube, or around each run a box without forbidden points, grown from the run axis by axis, each run
+/// beginning with another axis. What is on a level stays there.
+fn bounds(shape: &BoxShape, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let (mut lower, mut upper) = (x.to_vec(), x.to_vec());
+    let k = shape.axes.len();
+    for (run, point) in x.chunks_exact(k).enumerate() {
+        let (lower, upper) = (&mut lower[run * k..run * k + k], &mut upper[run * k..run * k + k]);
+        for axis in (0..k).map(|j| (j + run) % k).filter(|&axis| matches!(shape.axes[axis], Axis::Continuous)) {
+            let [from, to] = free_range(shape, point, lower, upper, axis);
+            lower[axis] = from;
+            upper[axis] = to;
+        }
+    }
+    (lower, upper)
+}
+
+/// How far a box may grow along an axis before it meets the inside of a forbidden box; a level at its side is within it.
+fn free_range(shape: &BoxShape, point: &[f64], lower: &[f64], upper: &[f64], axis: usize) -> [f64; 2] {
+    let meets = |forbidden: &&Forbidden| {
+        (0..point.len()).filter(|&j| j != axis).all(|j| match shape.axes[j] {
+            Axis::Levels(_) => shape.blocks(forbidden, j, point[j]),
+            Axis::Continuous => {
                 let [a, b] = forbidden.range(j);
                 a < upper[j] && lower[j] < b || lower[j] >= upper[j] && a < lower[j] && lower[j] < b
-            })
-        };
-        let mut range = [-1.0, 1.0];
-        for forbidden in self.shape.forbidden.iter().filter(meets) {
-            let [a, b] = forbidden.range(axis);
-            if b <= point[axis] {
-                range[0] = f64::max(range[0], b);
-            } else if a >= point[axis] {
-                range[1] = f64::min(range[1], a);
             }
+        })
+    };
+    let mut range = [-1.0, 1.0];
+    for forbidden in shape.forbidden.iter().filter(meets) {
+        let [a, b] = forbidden.range(axis);
+        if b <= point[axis] {
+            range[0] = f64::max(range[0], b);
+        } else if a >= point[axis] {
+            range[1] = f64::min(range[1], a);
         }
-        range
     }
+    range
 }
 
 #[cfg(test)]
@@ -275,7 +302,6 @@ mod tests {
 
     use rand::SeedableRng as _;
 
-    use crate::search::frame::lattice;
     use crate::search::problem::Problem;
     use crate::shape::Shape;
     use crate::{Model, Space};

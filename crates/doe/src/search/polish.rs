@@ -4,6 +4,7 @@ use super::curvature::Local;
 use super::ending::IsOver;
 use super::frame::{Frame, Matrices};
 use super::minimax_step::{MinimaxStep, Solution, solve};
+use super::table::Table;
 use crate::PredictionVariance;
 use crate::ascent::climb;
 use crate::lattice::Lattice;
@@ -41,6 +42,8 @@ pub(crate) struct Peaks<'a> {
     frame: &'a Frame,
     shape: &'a BoxShape,
     lattice: &'a Lattice,
+    /// What the frame knows of v on this lattice.
+    table: Option<&'a Table>,
     rows: Vec<f64>,
     matrices: Matrices,
     variance: PredictionVariance,
@@ -49,12 +52,20 @@ pub(crate) struct Peaks<'a> {
 }
 
 impl<'a> Peaks<'a> {
+    /// `lattice` is that of the box for which the frame was made.
     pub(crate) fn new(frame: &'a Frame, shape: &'a BoxShape, lattice: &'a Lattice) -> Self {
+        // The table holds the same lattice where nothing is forbidden.
+        let table = frame.table.as_ref().filter(|table| table.n_points() == lattice.n_points());
+        Self { table, ..Self::on_levels(frame, shape, lattice) }
+    }
+
+    /// `lattice` is that of this shape, some axes of which have levels.
+    pub(crate) fn on_levels(frame: &'a Frame, shape: &'a BoxShape, lattice: &'a Lattice) -> Self {
         let p = frame.n_terms();
         let matrices = Matrices::new(p);
         let variance = PredictionVariance::with_products(frame.products.clone(), &matrices.inverse);
         let rows = vec![0.0; frame.multiplicities.len() * p];
-        Self { frame, shape, lattice, rows, matrices, variance, known: Vec::new() }
+        Self { frame, shape, lattice, table: None, rows, matrices, variance, known: Vec::new() }
     }
 
     /// v of the design last looked at.
@@ -71,16 +82,15 @@ impl<'a> Peaks<'a> {
     pub(crate) fn at(&mut self, x: &[f64]) -> Option<Vec<(Vec<f64>, f64)>> {
         self.frame.invert(x, &mut self.rows, &mut self.matrices)?;
         self.variance.update(&self.matrices.inverse);
-        let values = match &self.frame.table {
-            // The table holds the same lattice where nothing is forbidden.
-            Some(table) if table.n_points() == self.lattice.n_points() => {
+        let values = match self.table {
+            Some(table) => {
                 let (mut folded, mut values) = (Vec::new(), Vec::new());
                 let mut coefficients = vec![0.0; self.frame.products.n_monomials()];
                 self.frame.products.collect(&self.matrices.inverse, &mut coefficients);
                 table.values(&coefficients, &mut folded, &mut values);
                 values
             }
-            _ => self.lattice.values(&self.variance),
+            None => self.lattice.values(&self.variance),
         };
         let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let starts = self.lattice.local_maxima(&values, NEAR_ACTIVE * highest, MOST_MAXIMA);

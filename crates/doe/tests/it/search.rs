@@ -663,3 +663,31 @@ fn continuous_runs_judged_on_five_levels_reach_the_figures_in_print() {
     let error = search(&planned.unwrap(), &settings(1)).unwrap_err().to_string();
     assert_eq!(error, "a grid to judge over needs runs that are continuous in every factor and may be repeated");
 }
+
+/// Beside forbidden boxes coordinates of a continuous axis are refined, too: none can be moved to a better design.
+#[test]
+fn continuous_coordinates_beside_a_forbidden_box_over_levels_are_refined() {
+    let corner = Forbidden::new(vec![Some([0.3, 1.0]), Some([0.4, 1.0])]).unwrap();
+    let space = Space::of_axes(vec![Axis::equally_spaced(5).unwrap(), Axis::Continuous]).unwrap();
+    let space = space.forbid(vec![corner]).unwrap();
+    for criterion in [Criterion::D, Criterion::G] {
+        let problem = Problem::new(Model::quadratic(2).unwrap(), space.clone(), 9, criterion).unwrap();
+        let found = search(&problem, &settings(40)).unwrap();
+        found.design.check_within(&space).unwrap();
+        let efficiency = |x: &[f64]| {
+            let design = Design::new(2, x.to_vec()).unwrap();
+            design.check_within(&space).ok()?;
+            Some(criterion.efficiency(problem.model(), &space, &design).unwrap().percent)
+        };
+        let x = found.design.coordinates().to_vec();
+        let (best, mut better) = (efficiency(&x).unwrap(), Vec::new());
+        for run in 0..9 {
+            for by in [-0.02, -0.005, 0.005, 0.02] {
+                let mut moved = x.clone();
+                moved[2 * run + 1] = (moved[2 * run + 1] + by).clamp(-1.0, 1.0);
+                better.extend(efficiency(&moved).filter(|percent| *percent > best + 1e-4));
+            }
+        }
+        assert!(better.is_empty(), "{criterion}: {best} % of {x:?}, {better:?} moved");
+    }
+}
