@@ -87,13 +87,42 @@ impl Loop {
         simulate: &mut dyn Simulate,
         experiment: &mut impl FnMut(&Trial) -> Result<f64, String>,
     ) -> Result<StopReason, Error> {
+        self.go_on(Some(simulate), experiment)
+    }
+
+    /// The same where there is no simulation: experiments alone tell.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`ask`](Self::ask) and [`tell`](Self::tell), and [`Error::SettingCount`] if the settings ask for simulations.
+    pub fn run_without_simulation(
+        &mut self,
+        experiment: &mut impl FnMut(&Trial) -> Result<f64, String>,
+    ) -> Result<StopReason, Error> {
+        if let Some(value) = self.settings.simulations {
+            return Err(Error::SettingCount { name: "simulations", value, expected: "none where nothing simulates" });
+        }
+        self.go_on(None, experiment)
+    }
+
+    fn go_on(
+        &mut self,
+        mut simulate: Option<&mut dyn Simulate>,
+        experiment: &mut impl FnMut(&Trial) -> Result<f64, String>,
+    ) -> Result<StopReason, Error> {
         loop {
-            let (trials, simulations) = match self.ask(Some(&mut *simulate))? {
+            let asked = match &mut simulate {
+                Some(simulate) => self.ask(Some(&mut **simulate))?,
+                None => self.ask(None)?,
+            };
+            let (trials, simulations) = match asked {
                 Ask::Stopped(reason) => return Ok(reason),
                 Ask::Run { trials, simulations } => (trials, simulations),
             };
-            self.simulated.run(&self.designs, &simulations, &mut *simulate)?;
-            self.due.retain(|&due| !self.simulated.contains(due));
+            if let Some(simulate) = &mut simulate {
+                self.simulated.run(&self.designs, &simulations, &mut **simulate)?;
+                self.due.retain(|&due| !self.simulated.contains(due));
+            }
             for trial in trials {
                 self.tell(trial.id, experiment(&trial).into())?;
             }

@@ -101,6 +101,14 @@ fn without_a_simulation_it_works_and_with_an_unrelated_one_it_says_so() {
     }
     let found = alone.assess(None).expect("a fit").expect("responses");
     assert!(truth(&found.recommended.point) < 0.02 && found.simulation.is_none());
+    let mut at_once = campaign(2, 21, batches(10, 3, 2));
+    at_once.run_without_simulation(&mut |trial| Ok(truth(&trial.point))).expect("a campaign that ends");
+    assert_eq!(at_once.assess(None).expect("a fit"), Some(found), "asked and told by hand, or not");
+    let mut with_simulations = batches(10, 3, 2);
+    with_simulations.simulations = Some(30);
+    let mut dear = campaign(2, 21, with_simulations);
+    let refused = dear.run_without_simulation(&mut |_| Ok(1.0));
+    assert!(matches!(refused, Err(Error::SettingCount { name: "simulations", value: 30, .. })), "{refused:?}");
 
     let mut unrelated = |cell: Cell, _: &[f64]| Ok(f64::from((cell.index().wrapping_mul(2_654_435_761) % 1000) as u32));
     let mut campaign = campaign(2, 21, batches(10, 3, 2));
@@ -111,7 +119,6 @@ fn without_a_simulation_it_works_and_with_an_unrelated_one_it_says_so() {
     assert!(truth(&found.recommended.point) < 0.05, "{:?}", found.recommended);
 }
 
-/// Of 21 × 21 designs those with a sum above 0.5 fail, and the best of all is among them.
 /// What failed is the setting that was made, not the one that was asked for.
 #[test]
 fn failure_counts_where_it_was_made() {

@@ -102,6 +102,30 @@ pub struct Marginals {
     pub variances: Vec<f64>,
 }
 
+impl Marginals {
+    /// Both ends of the interval that holds the response at a place with this probability, as of a normal distribution. With the
+    /// standard deviation of a reading as `noise` it is the prediction interval of one; with 0 that of the response itself.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parameter`] for a probability that is not between 0 and 1, or a noise that is negative or not finite,
+    /// [`Error::NoSuchPoints`] for a place that is not there.
+    pub fn interval(&self, place: usize, probability: f64, noise: f64) -> Result<[f64; 2], Error> {
+        if !(probability > 0.0 && probability < 1.0) {
+            return Err(Error::Parameter { name: "probability", value: probability, allowed: "between 0 and 1" });
+        }
+        if !(noise >= 0.0 && noise.is_finite()) {
+            return Err(Error::Parameter { name: "noise", value: noise, allowed: "a finite number from 0 on" });
+        }
+        let (Some(mean), Some(variance)) = (self.means.get(place), self.variances.get(place)) else {
+            let (first, n_points) = (place as u64, self.means.len() as u64);
+            return Err(Error::NoSuchPoints { first, n_wanted: 1, n_points });
+        };
+        let half = Normal::standard().inverse_cdf(0.5 + probability / 2.0) * (variance + noise * noise).sqrt();
+        Ok([mean - half, mean + half])
+    }
+}
+
 /// Differences of the response at places to that at the first of them, without noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contrast {

@@ -46,6 +46,9 @@ struct Alternative {
     weighted: Vec<f64>,
 }
 
+/// Where 1 is to tell nothing, no part that is not known need be larger.
+const MOST_UNKNOWN: f64 = 1e3;
+
 impl RegressorEvidence {
     /// Of these responses; weights are left out of account.
     ///
@@ -98,8 +101,8 @@ impl RegressorEvidence {
     ///
     /// # Errors
     ///
-    /// [`Error::Length`] unless there is one value, and one deviation, per response; [`Error::Value`] for a deviation that is negative or no
-    /// number.
+    /// [`Error::Length`] unless there is one value, and one deviation, per response; [`Error::Value`] for a deviation that is negative, no
+    /// number, or above 1000: from some 1e6 on rounding would decide.
     pub fn log_likelihood_in_part(&self, regressor: &[f64], unknown: &[f64]) -> Result<f64, Error> {
         self.check_unknown(unknown)?;
         let points: Vec<usize> = (0..self.n_points).filter(|&point| unknown[point] > 0.0).collect();
@@ -161,7 +164,7 @@ impl RegressorEvidence {
     }
 
     fn check_unknown(&self, unknown: &[f64]) -> Result<(), Error> {
-        let most = Data::LARGEST;
+        let most = MOST_UNKNOWN;
         if let Some(point) = unknown.iter().position(|deviation| !(0.0..=most).contains(deviation)) {
             return Err(Error::Value { point, value: unknown[point], most });
         }

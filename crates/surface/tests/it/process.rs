@@ -10,8 +10,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use surface::process::{
-    AveragedProcess, Contrast, Covariance, GaussianProcess, Hyperparameters, Places, Residual, SamplerSettings,
-    SimulationUse, Sites, Structure,
+    AveragedProcess, Contrast, Covariance, GaussianProcess, Hyperparameters, Marginals, Places, Residual,
+    SamplerSettings, SimulationUse, Sites, Structure,
 };
 use surface::{Data, Error};
 
@@ -467,6 +467,26 @@ fn what_cannot_be_right_is_refused_by_name() {
     assert!(error.to_string().contains("structures: 0"), "{error}");
     assert!(Places::new(2, &[0.0, f64::NAN]).is_err());
     assert!(Places::new(2, &[0.0, 1.0]).expect("valid").with_simulated(vec![f64::INFINITY]).is_err());
+}
+
+/// scipy.stats.norm.interval(0.9, 3, 2) is 3 ± 3.2897072539029444; with a noise of 1.5 it is 3 ± 0.5 √(16 + 9) 1.6448536269514722.
+#[test]
+fn intervals_are_those_of_a_normal_distribution() {
+    let marginals = Marginals { means: vec![0.0, 3.0], variances: vec![1.0, 4.0] };
+    for (noise, half) in [(0.0, 3.289_707_253_902_944_4), (1.5, 2.5 * 1.644_853_626_951_472_2)] {
+        let [low, high] = marginals.interval(1, 0.9, noise).expect("an interval");
+        check_close(3.0 - low, half, 1e-12, "below");
+        check_close(high - 3.0, half, 1e-12, "above");
+    }
+    for (place, probability, noise, part) in [
+        (1, 1.0, 0.0, "`probability` is 1.0"),
+        (1, f64::NAN, 0.0, "NaN"),
+        (1, 0.9, -1.0, "`noise` is -1.0"),
+        (2, 0.9, 0.0, "2"),
+    ] {
+        let error = marginals.interval(place, probability, noise).expect_err("it is refused").to_string();
+        assert!(error.contains(part), "{error}");
+    }
 }
 
 /// A process that uses a simulation says nothing of places where it does not know what that says, nor of places in another space.
