@@ -64,19 +64,22 @@ impl From<Result<f64, String>> for Outcome {
     }
 }
 
-/// What [`far_setting`] allows.
-#[cfg(feature = "global")]
+/// What [`is_near`] allows.
 pub(crate) const NEAR_THE_REGION: &str = "within half the parameter's width of its bounds";
 
-/// The first of these natural settings that is too far off. Settings may be off the grid and somewhat outside the box, as
-/// rigs are; a coded coordinate beyond 2 is a slip.
+/// Whether a natural setting can have been made. Settings may be off the grid and somewhat outside the box, as rigs are; a coded
+/// coordinate beyond 2 is a slip.
+pub(crate) fn is_near(parameter: &design_space::Parameter, setting: f64) -> bool {
+    parameter.coded(setting).abs() <= 2.0
+}
+
+/// The first of these natural settings that is too far off.
 #[cfg(feature = "global")]
 pub(crate) fn far_setting(
     settings: &[f64],
     region: &design_space::Region,
 ) -> Result<Option<(String, f64)>, design_space::Error> {
-    let coded = region.coded(settings)?;
-    let mut far = region.parameters().iter().zip(settings.iter().zip(coded));
-    let far = far.find(|(_, (_, coded))| coded.is_nan() || coded.abs() > 2.0);
-    Ok(far.map(|(parameter, (&value, _))| (parameter.name().to_owned(), value)))
+    region.coded(settings)?;
+    let far = region.parameters().iter().zip(settings).find(|(parameter, value)| !is_near(parameter, **value));
+    Ok(far.map(|(parameter, &value)| (parameter.name().to_owned(), value)))
 }

@@ -42,7 +42,7 @@ impl Continuous<'_> {
     /// One start; `is_over` is asked between any two iterations.
     pub(crate) fn start(&self, generator: &mut Pcg64, incumbents: &Incumbents, is_over: IsOver<'_>) -> Attempt {
         let mut x = self.first_runs(generator, incumbents);
-        let (lower, upper) = self.bounds(&x);
+        let (lower, upper) = bounds(self.shape, &x);
         match self.frame.criterion {
             Criterion::G => self.descend_worst_case(generator, incumbents, &mut x, (&lower, &upper), is_over),
             _ => self.descend(&mut x, (&lower, &upper), is_over),
@@ -115,7 +115,7 @@ impl Continuous<'_> {
             return value.is_finite().then_some((x, value));
         }
         let best = incumbents.best_log_value();
-        let (lower, upper) = self.bounds(&x);
+        let (lower, upper) = bounds(self.shape, &x);
         let mut peaks = Peaks::new(self.frame, self.judged, self.lattice);
         let steps = if self.effort == Effort::Thorough { 150 } else { 15 };
         let is_checked = self.effort == Effort::Thorough;
@@ -147,7 +147,7 @@ impl Continuous<'_> {
         if self.frame.criterion == Criterion::G {
             return self.refine(x, &Incumbents::default(), is_over);
         }
-        let (lower, upper) = self.bounds(&x);
+        let (lower, upper) = bounds(self.shape, &x);
         match self.descend(&mut x, (&lower, &upper), is_over) {
             Attempt::Found { x, value, .. } => Some((x, value)),
             _ => None,
@@ -221,10 +221,6 @@ impl Continuous<'_> {
             if generator.random::<f64>() < snap { f64::from(generator.random_range(-1..=1)) } else { x }
         };
         (0..self.frame.n_factors()).map(|_| coordinate(generator)).collect()
-    }
-
-    fn bounds(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        bounds(self.shape, x)
     }
 }
 

@@ -75,6 +75,9 @@ const FEWEST_TO_SPAN: usize = 8;
 /// That results, all of one sign, span powers of ten: in their own unit a surface sees the largest of them alone.
 fn powers_of_ten(campaign: &Campaign) -> Option<Finding> {
     let response = &campaign.problem.response;
+    if !response.scale.is_linear() {
+        return None;
+    }
     let values: Vec<f64> = campaign.costs().into_iter().map(|cost| response.of_cost(cost)).collect();
     let is_positive = values.iter().all(|value| *value > 0.0);
     let is_of_one_sign = is_positive || values.iter().all(|value| *value < 0.0);
@@ -83,7 +86,7 @@ fn powers_of_ten(campaign: &Campaign) -> Option<Finding> {
     let quarter = sizes.len() / 4;
     let (low, high) = (*sizes.get(quarter)?, *sizes.get(sizes.len().checked_sub(quarter + 1)?)?);
     let (least, most) = (*sizes.first()?, *sizes.last()?);
-    let is_spanning = high > QUARTILES_APART * low && most > ENDS_APART * least && response.scale.is_linear();
+    let is_spanning = high > QUARTILES_APART * low && most > ENDS_APART * least;
     (is_of_one_sign && sizes.len() >= FEWEST_TO_SPAN && is_spanning).then(|| {
         let sign = if is_positive { 1.0 } else { -1.0 };
         let [least, most] = [least, most].map(|size| with_unit(&short(sign * size), &response.unit));
@@ -138,10 +141,7 @@ fn at_an_end(campaign: &Campaign) -> Option<Finding> {
     let is_said = response.least().is_some_and(|least| least >= best);
     let is_meant = designs.len() >= FEWEST_AT_AN_END && n_runs < runs.len() && !is_said;
     is_meant.then(|| {
-        let (key, word) = match response.goal {
-            Goal::Minimize => ("lower", "lower"),
-            Goal::Maximize => ("upper", "higher"),
-        };
+        let (key, word) = (if response.goal == Goal::Minimize { "lower" } else { "upper" }, response.better());
         let sentence = format!(
             "{} of {} designs are {}, and none is {word}. If the sensor tells no more there, set `{key}` = {} in [response]: \
              else {word} values are expected where nothing can tell them.",

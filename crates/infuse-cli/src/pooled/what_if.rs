@@ -16,7 +16,7 @@ use crate::disk::replace;
 use crate::findings::{amount, value_to};
 use crate::journal::Measured;
 use crate::number::{are_written_alike, count, resolved, short};
-use crate::problem::{Goal, heading, written};
+use crate::problem::{Goal, Response, heading, written};
 
 /// Rows of a table over the grid, at most.
 const MOST_ROWS: u64 = 20_000;
@@ -72,11 +72,8 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
     let noise = assessment.as_ref().map_or(0.0, |found| found.noise.hypot(found.assembly.unwrap_or(0.0)));
     let has_band = assessment.is_some_and(|found| found.needed.is_none());
     let half = NINE_IN_TEN * standing.deviation.hypot(noise);
-    let mut costs = [standing.mean - half, standing.mean + half];
-    if response.goal == Goal::Maximize {
-        costs.reverse();
-    }
-    let low_and_high = costs.map(|cost| response.of_cost(cost));
+    let costs = low_and_high(response, standing.mean, half);
+    let values = costs.map(|cost| response.of_cost(cost));
     let sentence = format!(
         "One run there would read {} to {}, nine times in ten.",
         value_to(response, costs[0], half),
@@ -86,7 +83,7 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
     let one_run = Finding::new(sentence).with("give or take", half, unit);
     let json = json!({
         "settings": problem.named(&standing.point), "expected": response.of_cost(standing.mean),
-        "deviation": has_band.then(|| response.of_difference(standing.deviation)), "one_run": has_band.then_some(low_and_high), "probability_better": standing.probability_better,
+        "deviation": has_band.then(|| response.of_difference(standing.deviation)), "one_run": has_band.then_some(values), "probability_better": standing.probability_better,
         "probability_of_a_value": standing.feasible, "constraints": as_json(campaign, &standing.constrained), "runs": standing.n_readings,
         "measured": standing.measured.map(|cost| response.of_cost(cost)),
     });
@@ -119,14 +116,10 @@ pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Fin
         let settings = problem.region.parameters().iter().zip(&point);
         let mut row: Vec<String> = settings.map(|(parameter, &value)| written(parameter, value)).collect();
         let half = NINE_IN_TEN * expectation.deviation;
-        let mut ends = [expectation.mean - half, expectation.mean + half];
-        if response.goal == Goal::Maximize {
-            ends.reverse();
-        }
         // A tenth of the band and less says nothing.
         let known_to = half / 10.0;
         row.push(response.number_to(expectation.mean, known_to));
-        for end in ends {
+        for end in low_and_high(response, expectation.mean, half) {
             row.push(if has_band { response.number_to(end, known_to) } else { String::new() });
         }
         row.push(short(expectation.feasible));
@@ -154,6 +147,14 @@ pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Fin
     };
     let sentence = format!("Written to {}: {which}, {rows}; {lowest}.", path.display());
     Ok((vec![Finding::new(sentence), Finding::new(widest)], json!({ "table": path, "rows": cells.len() })))
+}
+
+/// Both ends of a band, as costs, that of the lower response first.
+fn low_and_high(response: &Response, mean: f64, half: f64) -> [f64; 2] {
+    match response.goal {
+        Goal::Minimize => [mean - half, mean + half],
+        Goal::Maximize => [mean + half, mean - half],
+    }
 }
 
 /// Every design, or every so many levels of each parameter.

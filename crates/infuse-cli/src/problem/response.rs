@@ -149,6 +149,14 @@ impl Response {
         }
     }
 
+    /// A difference, or a factor, as it stands in the file.
+    pub(crate) fn given(&self, given: f64) -> String {
+        match self.scale {
+            Scale::Linear => with_unit(&plain(given), &self.unit),
+            Scale::Log => format!("a factor of {}", plain(given)),
+        }
+    }
+
     /// With as many digits as tell it from 1.
     fn factor(&self, difference: f64) -> String {
         resolved(self.of_difference(difference), difference.abs().exp_m1() / 10.0)

@@ -4,8 +4,8 @@ use design_space::Levels;
 use infuse::Role;
 
 use crate::journal::{JOURNAL, Journal};
-use crate::number::{count, plain, setting, with_unit};
-use crate::problem::{Goal, PROBLEM, Problem, Scale, Simulator, linear_in_words, step};
+use crate::number::{count, plain, setting};
+use crate::problem::{Goal, PROBLEM, Problem, Simulator, linear_in_words, step};
 use page::{Column, Page, Table};
 
 /// The section, with the settings of the loop as the method has them.
@@ -81,11 +81,7 @@ fn from_problem(problem: &Problem) -> Vec<Row> {
     if let Some(program) = &problem.can_be_built {
         rows.push(("can be built", format!("the command {}", program.command.join(" "))));
     }
-    let worth = match (problem.worth, response.scale) {
-        (None, _) => "not said".to_owned(),
-        (Some(worth), Scale::Linear) => with_unit(&plain(worth), &response.unit),
-        (Some(worth), Scale::Log) => format!("a factor of {}", plain(worth)),
-    };
+    let worth = problem.worth.map_or_else(|| "not said".to_owned(), |worth| response.given(worth));
     rows.push(("least gain that another batch is worth", worth));
     rows
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::gradient::settings::{BoundPolicy, Settings};
 use crate::gradient::slope::{Side, slope};
 use crate::ledger::{Ledger, Numbered, Record, ids_after};
+use crate::trial::{NEAR_THE_REGION, is_near};
 use crate::{Error, TrialId};
 
 /// Place of a trial in the design around the optimum; parameters by their index in the region.
@@ -73,11 +74,9 @@ pub(crate) fn check_actual(trial: &Trial, actual: f64, optimum: &[f64], region: 
     if !is_on_its_side || !actual.is_finite() {
         return refused(expected);
     }
-    let parameter = &region.parameters()[index];
-    let half = 0.5 * parameter.width();
-    match (parameter.lower() - half..=parameter.upper() + half).contains(&actual) {
+    match is_near(&region.parameters()[index], actual) {
         true => Ok(()),
-        false => refused("one within half the parameter's width of its bounds"),
+        false => refused(NEAR_THE_REGION),
     }
 }
 

@@ -75,10 +75,7 @@ impl Feasibility {
     ///
     /// [`Error::FactorMismatch`] unless the places have as many factors as those that were tried.
     pub fn probabilities(&self, places: &Places) -> Result<Vec<f64>, Error> {
-        let (expected, found) = (self.places.n_factors(), places.n_factors());
-        if found != expected {
-            return Err(Error::FactorMismatch { what: "the places", expected, found });
-        }
+        places.check_factors(self.places.n_factors())?;
         let mut sum = vec![0.0; places.n_places()];
         for (share, member) in &self.members {
             let own = member.probabilities(&self.places, places);

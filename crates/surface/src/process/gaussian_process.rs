@@ -213,11 +213,8 @@ impl GaussianProcess {
     }
 
     /// Whether these are places of this process.
-    fn check(&self, places: &Places) -> Result<(), Error> {
-        let (expected, found) = (self.sites.places().n_factors(), places.n_factors());
-        if found != expected {
-            return Err(Error::FactorMismatch { what: "the places", expected, found });
-        }
+    pub(crate) fn check(&self, places: &Places) -> Result<(), Error> {
+        places.check_factors(self.sites.places().n_factors())?;
         if self.structure.simulation != SimulationUse::Ignored && places.simulated().is_none() {
             return Err(Error::Length { name: "simulated responses", expected: places.n_places(), found: 0 });
         }

@@ -26,7 +26,7 @@ impl GaussianProcess {
     /// # Errors
     ///
     /// [`Error::Length`] unless there is one place of as many factors as the sites have, and one slope of the simulation per
-    /// axis where the process uses one; [`Error::Parameter`] where that simulation may be off ([`Places::with_deviations`],
+    /// axis and what it says at the place where the process uses one; [`Error::Parameter`] where that simulation may be off ([`Places::with_deviations`],
     /// [`Places::with_unknown`]).
     pub fn gradient(&self, place: &Places, simulated: Option<&[f64]>) -> Result<Gradient, Error> {
         let k = self.sites().places().n_factors();
@@ -37,6 +37,7 @@ impl GaussianProcess {
         if place.n_factors() != k {
             return length("coordinates", k, place.n_factors());
         }
+        self.check(place)?;
         let uses_it = self.structure().simulation != SimulationUse::Ignored;
         let n_ways = place.deviations().len() + usize::from(!place.unknown().is_empty());
         if uses_it && n_ways > 0 {

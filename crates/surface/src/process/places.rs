@@ -110,6 +110,14 @@ impl Places {
         self.n_factors
     }
 
+    /// That these are places of a process of so many factors.
+    pub(crate) fn check_factors(&self, expected: usize) -> Result<(), Error> {
+        match self.n_factors == expected {
+            true => Ok(()),
+            false => Err(Error::FactorMismatch { what: "the places", expected, found: self.n_factors }),
+        }
+    }
+
     /// Number of points.
     #[must_use]
     pub fn n_places(&self) -> usize {

@@ -522,6 +522,8 @@ fn places_of_another_process_are_refused_by_name() {
     };
     refused(&bare, "simulated responses: 0, expected 2");
     refused(&other, "factors of the places: 3, expected 2");
+    let error = process.gradient(&bare.select(&[0]), Some(&[0.0, 0.0])).expect_err("it is refused").to_string();
+    assert!(error.contains("simulated responses: 0, expected 1"), "{error}");
     let ignored = Structure { simulation: SimulationUse::Ignored, ..used };
     assert!(of(ignored, hyper.clone()).expect("a process").means(&bare).is_ok(), "it does not use the simulation");
     assert!(process.contrast(&bare.select(&[])).is_err(), "there is no first place");

@@ -2,15 +2,13 @@
 
 use anyhow::Result;
 
-use crate::number::{grouped, plain, with_unit};
+use crate::number::{grouped, plain};
 use crate::pooled::campaign::{Access, Campaign};
-use crate::problem::Scale;
 use crate::report::provenance::Row;
 
 /// By their keys in the problem.
 pub(super) fn rows(campaign: &Campaign) -> Result<Vec<Row>> {
     let settings = &campaign.settings;
-    let (given, response) = (campaign.problem.rule.noise, &campaign.problem.response);
     let simulations = match (campaign.access()?, settings.simulations) {
         (Access::Nothing, _) => "none".to_owned(),
         (Access::LookedUp, _) => "looked up where they are needed".to_owned(),
@@ -18,11 +16,8 @@ pub(super) fn rows(campaign: &Campaign) -> Result<Vec<Row>> {
         (Access::Budget, Some(budget)) => format!("{budget} per batch"),
         (Access::Budget, None) => "the rows of the table, and a surface through some of them".to_owned(),
     };
-    let noise = match (given, response.scale) {
-        (None, _) => "learnt".to_owned(),
-        (Some(noise), Scale::Linear) => with_unit(&plain(noise), &response.unit),
-        (Some(noise), Scale::Log) => format!("a factor of {}", plain(noise)),
-    };
+    let noise = campaign.problem.rule.noise;
+    let noise = noise.map_or_else(|| "learnt".to_owned(), |noise| campaign.problem.response.given(noise));
     let mut rows = vec![
         ("`method`", "pooled".to_owned()),
         ("`experiments`", format!("{} per batch", settings.n_experiments)),
