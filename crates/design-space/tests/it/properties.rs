@@ -24,7 +24,16 @@ fn parameter() -> impl Strategy<Value = Parameter> {
 }
 
 fn region() -> impl Strategy<Value = Region> {
-    prop::collection::vec((bounds(), prop::option::of(2..9_u32)), 1..5).prop_map(|axes| {
+    regions_with(prop::option::of(2..9_u32))
+}
+
+/// Of levels alone, which are a grid.
+fn region_of_levels() -> impl Strategy<Value = Region> {
+    regions_with((2..9_u32).prop_map(Some))
+}
+
+fn regions_with(levels: impl Strategy<Value = Option<u32>>) -> impl Strategy<Value = Region> {
+    prop::collection::vec((bounds(), levels), 1..5).prop_map(|axes| {
         let axis = |(index, ((lower, upper), count)): (usize, ((f64, f64), Option<u32>))| {
             let parameter = Parameter::continuous(format!("p{index}"), "m", lower, upper).unwrap();
             match count {
@@ -105,32 +114,30 @@ proptest! {
     }
 
     #[test]
-    fn every_cell_is_a_point_within_and_the_nearest_to_itself(region in region(), pick in 0..1_000_000_u64) {
-        if let Ok(grid) = Grid::of(&region) {
-            let cell = Cell::new(pick % grid.n_cells());
-            let point = grid.point(cell).unwrap();
-            prop_assert_eq!(region.contains(&point), Ok(true));
-            prop_assert_eq!(&region.snap(&point).unwrap(), &point);
-            prop_assert_eq!(grid.nearest(&point), Ok(cell));
-            prop_assert_eq!(grid.of_digits(&grid.digits(cell).unwrap()), Ok(cell));
-            for (coded, exact) in grid.coded(cell).unwrap().into_iter().zip(region.coded(&point).unwrap()) {
-                prop_assert!((coded - exact).abs() <= 1e-6, "{} is not {}", coded, exact);
-            }
-            prop_assert_eq!(u64::try_from(grid.cells().count()).unwrap(), grid.n_cells());
+    fn every_cell_is_a_point_within_and_the_nearest_to_itself(region in region_of_levels(), pick in 0..1_000_000_u64) {
+        let grid = Grid::of(&region).unwrap();
+        let cell = Cell::new(pick % grid.n_cells());
+        let point = grid.point(cell).unwrap();
+        prop_assert_eq!(region.contains(&point), Ok(true));
+        prop_assert_eq!(&region.snap(&point).unwrap(), &point);
+        prop_assert_eq!(grid.nearest(&point), Ok(cell));
+        prop_assert_eq!(grid.of_digits(&grid.digits(cell).unwrap()), Ok(cell));
+        for (coded, exact) in grid.coded(cell).unwrap().into_iter().zip(region.coded(&point).unwrap()) {
+            prop_assert!((coded - exact).abs() <= 1e-6, "{} is not {}", coded, exact);
         }
+        prop_assert_eq!(u64::try_from(grid.cells().count()).unwrap(), grid.n_cells());
     }
 
     #[test]
-    fn neighbors_are_mutual_and_one_digit_away(region in region(), pick in 0..1_000_000_u64) {
-        if let Ok(grid) = Grid::of(&region) {
-            let cell = Cell::new(pick % grid.n_cells());
-            let digits = grid.digits(cell).unwrap();
-            for neighbor in grid.neighbors(cell).unwrap() {
-                let theirs = grid.digits(neighbor).unwrap();
-                let distance: u64 = digits.iter().zip(&theirs).map(|(a, b)| a.abs_diff(*b)).sum();
-                prop_assert_eq!(distance, 1);
-                prop_assert!(grid.neighbors(neighbor).unwrap().contains(&cell));
-            }
+    fn neighbors_are_mutual_and_one_digit_away(region in region_of_levels(), pick in 0..1_000_000_u64) {
+        let grid = Grid::of(&region).unwrap();
+        let cell = Cell::new(pick % grid.n_cells());
+        let digits = grid.digits(cell).unwrap();
+        for neighbor in grid.neighbors(cell).unwrap() {
+            let theirs = grid.digits(neighbor).unwrap();
+            let distance: u64 = digits.iter().zip(&theirs).map(|(a, b)| a.abs_diff(*b)).sum();
+            prop_assert_eq!(distance, 1);
+            prop_assert!(grid.neighbors(neighbor).unwrap().contains(&cell));
         }
     }
 

@@ -1,7 +1,6 @@
 //! What commands say whatever the method of a campaign, in sentences with their numbers: they are printed, and the page shows
 //! them.
 
-mod amount;
 mod batch;
 mod bounds;
 mod displacement;
@@ -9,7 +8,6 @@ mod next;
 mod standing;
 mod taken;
 
-pub(crate) use amount::{amount, gain, value, value_to};
 pub(crate) use batch::handed_out;
 pub(crate) use bounds::on_bounds;
 pub(crate) use displacement::{displaced_by, give_or_take};

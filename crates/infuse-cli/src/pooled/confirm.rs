@@ -12,7 +12,6 @@ use statrs::distribution::{ContinuousCDF as _, StudentsT};
 use super::campaign::{Batch, Campaign, Origin};
 use super::findings::{as_it_stands, set_aside};
 use super::hand_out::plan;
-use crate::findings::{amount, value};
 use crate::journal::{Measured, Purpose, Writer};
 use crate::number::count;
 use crate::problem::Response;
@@ -194,21 +193,21 @@ impl Confirmation {
             let settings = campaign.grid.point(design.cell).map(|point| problem.describe(&point)).unwrap_or_default();
             let who = names.name(place, design.cell);
             let measured = match mean(&design.costs) {
-                Some(mean) => value(response, mean),
+                Some(mean) => response.value(mean),
                 None => "no value".to_owned(),
             };
             let measured = match design.mean_give_or_take.filter(|_| self.designs.len() == 1) {
-                Some(half) => format!("{measured}, give or take {} (90 %)", amount(response, half)),
+                Some(half) => format!("{measured}, give or take {} (90 %)", response.amount(half)),
                 None => measured,
             };
             let gain = design.gain.map_or_else(String::new, |gain| {
                 let word = if gain < 0.0 { "worse" } else { "better" };
-                let by = amount(response, gain.abs());
+                let by = response.amount(gain.abs());
                 let sure = match design.give_or_take {
                     Some(half) if half > gain.abs() => {
-                        format!("give or take {} (90 %): the runs do not tell them apart", amount(response, half))
+                        format!("give or take {} (90 %): the runs do not tell them apart", response.amount(half))
                     }
-                    Some(half) => format!("give or take {} (90 %)", amount(response, half)),
+                    Some(half) => format!("give or take {} (90 %)", response.amount(half)),
                     None => "with too few runs to say how surely".to_owned(),
                 };
                 format!("; what was recommended is {word} by {by}, {sure}")

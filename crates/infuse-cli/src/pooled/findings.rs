@@ -14,7 +14,7 @@ use super::failures::{FailedSimulations, where_runs_fail};
 use super::given_noise::contradiction;
 use super::risen::risen;
 use super::warnings::{all_equal, suspects, warnings};
-use crate::findings::{WITHOUT_RESERVE, amount, on_bounds, value_to};
+use crate::findings::{WITHOUT_RESERVE, on_bounds};
 use crate::number::{count, grouped, percent, plain, short};
 use crate::problem::{Problem, Scale};
 
@@ -69,7 +69,7 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
     let bounds = if all_equal(campaign).is_some() { Vec::new() } else { on_bounds(problem, &here.point) };
     best = bounds.into_iter().fold(best, Finding::detail);
     if let Some(measured) = campaign.best_measured(&set_aside(campaign, found)) {
-        let shown = value_to(response, measured.cost, resolution(found));
+        let shown = response.value_to(measured.cost, resolution(found));
         let (name, place) = (campaign.name_of(measured.origin), problem.describe(&measured.settings));
         let why_not = campaign.nearest(&measured.settings).ok().and_then(|(_, cell)| campaign.why_not(cell));
         let why_not = why_not.map_or_else(String::new, |why_not| format!("; {why_not}"));
@@ -87,7 +87,7 @@ fn best(campaign: &Campaign, found: &Assessment) -> Result<Finding> {
             (None, Some(there)) => {
                 let chance = likely_to_keep(campaign, &there);
                 let known_to = resolution(found).max(there.deviation);
-                format!(", where {} is expected{chance}", value_to(response, there.mean, known_to))
+                format!(", where {} is expected{chance}", response.value_to(there.mean, known_to))
             }
             (None, None) => String::new(),
         };
@@ -127,7 +127,7 @@ fn expected(campaign: &Campaign, found: &Assessment, here: &Standing) -> Finding
         let sentence = format!(
             "{} there: {} expected; how far off that may be, {results} cannot tell.",
             response.name,
-            value_to(response, here.mean, resolution(found).max(here.deviation))
+            response.value_to(here.mean, resolution(found).max(here.deviation))
         );
         return Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit);
     }
@@ -138,8 +138,8 @@ fn expected(campaign: &Campaign, found: &Assessment, here: &Standing) -> Finding
     let sentence = format!(
         "{} there: {} expected, give or take {} (90 %).{beyond}",
         response.name,
-        value_to(response, here.mean, resolution(found).max(here.deviation)),
-        amount(response, NINE_IN_TEN * here.deviation)
+        response.value_to(here.mean, resolution(found).max(here.deviation)),
+        response.amount(NINE_IN_TEN * here.deviation)
     );
     Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit).with(
         "give or take",
@@ -155,7 +155,7 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
         Some(mean) => {
             let runs = times(here.n_readings);
             let mean_of = if here.n_readings == 1 { "" } else { "on average " };
-            format!("It was run {runs}: {mean_of}{} measured.", value_to(response, mean, resolution(found)))
+            format!("It was run {runs}: {mean_of}{} measured.", response.value_to(mean, resolution(found)))
         }
         None if campaign.n_waited_for_at(here.cell) > 0 => match campaign.n_waited_for_at(here.cell) {
             1 => "It was never run; 1 run of it is waited for.".to_owned(),
@@ -180,7 +180,7 @@ fn run_there(campaign: &Campaign, found: &Assessment, here: &Standing) -> Findin
                 format!(
                     "It was never run, but {runs} within {} of its settings: {mean_of}{} measured.",
                     percent(NEAR),
-                    value_to(response, mean, resolution(found))
+                    response.value_to(mean, resolution(found))
                 )
             }
         },
@@ -196,8 +196,8 @@ fn stands_on(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
     let sentence = format!(
         "It stands on {name} alone ({}), which the others do not expect: without that {} would be expected there. Until it was run \
          again, nobody knows whether it is a slip.",
-        value_to(response, cost, resolution(found)),
-        value_to(response, doubted.mean_without, resolution(found))
+        response.value_to(cost, resolution(found)),
+        response.value_to(doubted.mean_without, resolution(found))
     );
     let finding = Finding::new(sentence);
     Some(finding.with("expected without it", response.of_cost(doubted.mean_without), &response.unit))
@@ -354,9 +354,9 @@ fn beyond_any_forecast(campaign: &Campaign, found: &Assessment, worth: f64) -> S
         true => format!(
             "So small a `worth` is less than the noise lets anyone find: with {} (standard deviation of one run) even {most} batches of {}, all of two \
              designs, tell which is better only where they differ by {} or more",
-            amount(response, found.noise),
+            response.amount(found.noise),
             count(found.forecast.n_experiments, "run"),
-            amount(response, told_apart)
+            response.amount(told_apart)
         ),
         false => format!("By batches of {} it is out of reach", count(found.forecast.n_experiments, "run")),
     };
@@ -383,7 +383,7 @@ const MUCH_IS_HELD: f64 = 0.2;
 /// What would be promised, were the surface believed as it is.
 fn by_the_surface_alone(campaign: &Campaign, found: &Assessment) -> String {
     let says = match found.certificate.quantile {
-        quantile if quantile > 0.0 => amount(&campaign.problem.response, quantile),
+        quantile if quantile > 0.0 => campaign.problem.response.amount(quantile),
         _ => "that none is better".to_owned(),
     };
     format!("The surface alone would say {says}")
@@ -410,7 +410,7 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
         let sentence = format!(
             "More is not to be had: that is what is left down to {}, the best value that [response] allows, from as far off as the \
              recommended design may be.{}",
-            value_to(response, least, 0.0),
+            response.value_to(least, 0.0),
             even_more(campaign, found)
         );
         return Some(Finding::new(sentence).with("the best value allowed", response.of_cost(least), &response.unit));
@@ -427,7 +427,7 @@ fn held_for_the_unseen(campaign: &Campaign, found: &Assessment) -> Option<Findin
         Some(enough) => {
             let is_widened = forecast.drawn - quantile > MUCH_IS_HELD * forecast.drawn;
             let widened = match is_widened {
-                true => format!(", and {} with {few}", amount(response, forecast.drawn)),
+                true => format!(", and {} with {few}", response.amount(forecast.drawn)),
                 false => String::new(),
             };
             let n = plain(forecast.n_counted());
@@ -482,7 +482,7 @@ pub(super) fn none_better(problem: &Problem, certificate: &Certificate) -> Strin
     let is_confined = if problem.constraints.is_empty() { "" } else { "that keeps to the bounds " };
     let probability = percent(certificate.probability);
     let by = match certificate.bound {
-        bound if bound > 0.0 => format!(" by more than {}", amount(response, bound)),
+        bound if bound > 0.0 => format!(" by more than {}", response.amount(bound)),
         _ => String::new(),
     };
     format!("{probability} probability no design {is_confined}is better than the recommended one{by}")
@@ -579,14 +579,14 @@ fn times(n: usize) -> String {
 
 fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
     let response = &campaign.problem.response;
-    let deviation = amount(response, found.noise);
+    let deviation = response.amount(found.noise);
     let sentence = match (campaign.settings.noise, found.n_repeats) {
         (Some(given), _) => {
-            let given = amount(response, given);
+            let given = response.amount(given);
             let untested = match (found.n_repeats, contradiction(campaign, found)) {
                 (0, _) => " Nothing was run twice, so nothing has put it to the test.".to_owned(),
                 (_, Some(repeats)) => {
-                    format!(" Repeats contradict that: {}.", amount(response, repeats.measured()))
+                    format!(" Repeats contradict that: {}.", response.amount(repeats.measured()))
                 }
                 _ => String::new(),
             };
@@ -614,7 +614,7 @@ fn noise(campaign: &Campaign, found: &Assessment) -> Finding {
             Some(repeats) => format!(
                 "Noise of one run: {deviation} (standard deviation) by the surface, though the {n} repeats say {}: the rest is what the \
                  surface misses, as a well or an edge that is narrower than it expects.",
-                amount(response, repeats.standard_deviation())
+                response.amount(repeats.standard_deviation())
             ),
             None => {
                 format!(
@@ -653,7 +653,7 @@ fn plants(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
         let sentence = format!(
             "All runs of a plant, as it was put together for a batch, share an error: {} (standard deviation), as far as the \
              runs tell it from the noise.",
-            amount(response, shared)
+            response.amount(shared)
         );
         finding = finding.detail(Finding::new(sentence).with("shared error", response.of_difference(shared), unit));
         let (own, n_again) = (found.own.unwrap_or(0.0), found.n_again.unwrap_or(0));
@@ -664,7 +664,7 @@ fn plants(campaign: &Campaign, found: &Assessment) -> Option<Finding> {
             };
             let sentence = format!(
                 "As much as {} of that may be the plants' own, and no error: {why}. The bound allows for it.",
-                amount(response, own)
+                response.amount(own)
             );
             finding = finding.detail(Finding::new(sentence).with("the plants' own", response.of_difference(own), unit));
         }
@@ -693,7 +693,7 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
         None if promised(campaign, found).is_none() => "by how much others may be better cannot be said yet".to_owned(),
         None => format!(
             "none better by more than {} ({})",
-            amount(response, found.certificate.bound),
+            response.amount(found.certificate.bound),
             percent(found.certificate.probability)
         ),
     };
@@ -701,7 +701,7 @@ pub(super) fn closed(campaign: &Campaign, found: &Assessment) -> Finding {
         "batch {}: {}; {} expected, {promise}",
         campaign.batches.len(),
         campaign.problem.describe(&here.point),
-        value_to(response, here.mean, resolution(found).max(here.deviation)),
+        response.value_to(here.mean, resolution(found).max(here.deviation)),
     );
     let finding = Finding::new(sentence).with("expected", response.of_cost(here.mean), &response.unit);
     let unit = response.unit_of_differences();
@@ -758,7 +758,7 @@ pub(super) fn standing_in_words(campaign: &Campaign, asked: &[f64]) -> Result<Fi
     if let Some(measured) = there.measured {
         let runs = count(there.n_readings, "run");
         finding = finding
-            .detail(Finding::new(format!("{runs} there, mean {}.", value_to(response, measured, resolution(&found)))));
+            .detail(Finding::new(format!("{runs} there, mean {}.", response.value_to(measured, resolution(&found)))));
     }
     Ok(finding)
 }

@@ -20,7 +20,7 @@ use super::reasons::reasons;
 use super::warnings::{all_equal, nothing_but_failures, warnings};
 use super::{confirm, displaced, hand_out, report, what_if};
 use crate::campaign::{self, Budget, Experiments, HandedOut, Imported, Stage, Wish};
-use crate::findings::{all_batches_made, amount};
+use crate::findings::all_batches_made;
 use crate::journal::{Event, Journal, Submitted, Writer};
 use crate::problem::Problem;
 
@@ -250,7 +250,7 @@ impl Campaign {
             let response = &self.problem.response;
             let than_enough = match found.certificate.bound > 0.0 {
                 true => format!("less than {} that would be worth another batch", response.the_amount(worth)),
-                false => format!("and a gain of {} would be worth another batch", amount(response, worth)),
+                false => format!("and a gain of {} would be worth another batch", response.amount(worth)),
             };
             format!("with {}, {than_enough}", none_better(&self.problem, &found.certificate))
         }))

@@ -8,7 +8,6 @@ use super::bands::{IGNORED, NINE_IN_TEN, resolution};
 use super::campaign::{Campaign, Origin};
 use super::warnings::far;
 use crate::campaign::changes;
-use crate::findings::{amount, value_to};
 use crate::journal::Assessed;
 use crate::number::{count, short};
 use crate::problem::Scale;
@@ -36,7 +35,7 @@ pub(super) fn risen(campaign: &Campaign, found: &Assessment) -> Option<Finding> 
         let sentence = format!(
             "After batch {} that was {}. It has risen: {}.",
             before.batch,
-            amount(response, bound),
+            response.amount(bound),
             why(campaign, found, before)
         );
         Finding::new(sentence).with("bound before", response.of_difference(bound), response.unit_of_differences())
@@ -127,9 +126,9 @@ fn worse_than_expected(campaign: &Campaign, found: &Assessment, before: &Assesse
         let known_to = resolution(found);
         format!(
             "{who} measured {}{on_average}, where {} was expected, give or take {}",
-            value_to(response, mean, known_to),
-            value_to(response, expected, known_to),
-            amount(response, half)
+            response.value_to(mean, known_to),
+            response.value_to(expected, known_to),
+            response.amount(half)
         )
     })
 }
@@ -144,7 +143,7 @@ fn stands_out(campaign: &Campaign, found: &Assessment, before: &Assessed) -> Opt
     let open = found.outliers.iter().filter(|one| !one.set_aside);
     let since = open.filter_map(|one| Some((one, *readings.get(one.reading).filter(|(origin, _)| is_since(*origin))?)));
     let (outlier, (origin, cost)) = since.max_by(|a, b| a.0.deviations.abs().total_cmp(&b.0.deviations.abs()))?;
-    let measured = value_to(&campaign.problem.response, cost, resolution(found));
+    let measured = campaign.problem.response.value_to(cost, resolution(found));
     Some(format!("{} measured {measured}, {} what all others say", campaign.name_of(origin), far(campaign, outlier)))
 }
 
@@ -161,8 +160,8 @@ fn more_noise(campaign: &Campaign, found: &Assessment, before: &Assessed) -> Opt
     is_more.then(|| {
         format!(
             "the noise of one run is taken for {}, and was for {}",
-            amount(response, found.noise),
-            amount(response, before.noise)
+            response.amount(found.noise),
+            response.amount(before.noise)
         )
     })
 }

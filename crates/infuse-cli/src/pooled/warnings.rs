@@ -11,7 +11,7 @@ use super::bands::resolution;
 use super::campaign::{Campaign, Origin};
 use super::given_noise::{too_large, too_small};
 use crate::campaign::{Campaign as _, Imported};
-use crate::findings::{there_twice, value_to};
+use crate::findings::there_twice;
 use crate::number::{count, plain, short, with_unit};
 use crate::problem::{Goal, Scale};
 
@@ -26,7 +26,7 @@ pub(super) fn warnings(campaign: &Campaign, found: &Assessment) -> Result<Vec<Fi
     let mut warnings = Vec::new();
     if let Some(contradiction) = &found.contradiction {
         let there = &contradiction.standing;
-        let measured = value_to(response, there.measured.unwrap_or(there.mean), resolution(found));
+        let measured = response.value_to(there.measured.unwrap_or(there.mean), resolution(found));
         let times = short(contradiction.deviations.abs());
         let sentence = if there.cell == found.recommended.cell {
             format!(
@@ -147,7 +147,7 @@ fn at_an_end(campaign: &Campaign) -> Option<Finding> {
              else {word} values are expected where nothing can tell them.",
             count(n_runs, "result"),
             designs.len(),
-            value_to(response, best, f64::NAN),
+            response.value_to(best, f64::NAN),
             plain(response.of_cost(best))
         );
         Finding::new(sentence).with("results at the end", n_runs as f64, "1")
@@ -160,7 +160,7 @@ pub(super) fn all_equal(campaign: &Campaign) -> Option<Finding> {
     let (first, n) = (costs.first()?, costs.len());
     let is_equal = n >= FEWEST_EQUAL && costs.iter().all(|cost| cost.to_bits() == first.to_bits());
     is_equal.then(|| {
-        let all = value_to(&campaign.problem.response, *first, f64::NAN);
+        let all = campaign.problem.response.value_to(*first, f64::NAN);
         Finding::new(format!(
             "Careful: all {n} results are {all}: nothing can be learnt from them. Does the sensor read at all?"
         ))
@@ -215,7 +215,7 @@ fn seen_again(campaign: &Campaign, found: &Assessment, outliers: &[Outlier]) -> 
     let (n_settings, n_runs) = (of_settings.len(), outliers.len());
     let named = of_settings.iter().take(MOST_NAMED).filter_map(|(outlier, costs)| {
         let place = campaign.problem.describe(&campaign.settings_of(readings.get(outlier.reading)?.0));
-        let mean = value_to(response, costs.iter().sum::<f64>() / costs.len() as f64, resolution(found));
+        let mean = response.value_to(costs.iter().sum::<f64>() / costs.len() as f64, resolution(found));
         Some(format!("{place} ({}, mean {mean}, {})", count(costs.len(), "run"), far(campaign, outlier)))
     });
     let named = named.collect::<Vec<_>>().join("; ");
@@ -285,7 +285,7 @@ fn beyond_the_bounds(campaign: &Campaign) -> Option<Finding> {
         readings.iter().filter_map(fault)
     };
     let (origin, cost, allowed) = beyond().next()?;
-    let (n, shown) = (beyond().count(), value_to(response, cost, f64::NAN));
+    let (n, shown) = (beyond().count(), response.value_to(cost, f64::NAN));
     let results = if n == 1 { "1 result is".to_owned() } else { format!("{n} results are") };
     let sentence = format!(
         "Careful: {results} not {allowed}; the first, {}: {shown}. One of them is wrong: put the result right with `infuse tell --correct`, \

@@ -13,7 +13,6 @@ use super::bounds::as_json;
 use super::campaign::Campaign;
 use super::findings::standing_in_words;
 use crate::disk::replace;
-use crate::findings::{amount, value_to};
 use crate::journal::Measured;
 use crate::number::{are_written_alike, count, resolved, short};
 use crate::problem::{Goal, Response, heading, written};
@@ -76,8 +75,8 @@ pub(super) fn of_design(campaign: &Campaign, asked: &[f64]) -> Result<(Vec<Findi
     let values = costs.map(|cost| response.of_cost(cost));
     let sentence = format!(
         "One run there would read {} to {}, nine times in ten.",
-        value_to(response, costs[0], half),
-        value_to(response, costs[1], half)
+        response.value_to(costs[0], half),
+        response.value_to(costs[1], half)
     );
     let (half, unit) = (response.of_difference(half), response.unit_of_differences());
     let one_run = Finding::new(sentence).with("give or take", half, unit);
@@ -138,7 +137,7 @@ pub(super) fn over_the_grid(campaign: &Campaign, path: &Path) -> Result<(Vec<Fin
     let (lowest, widest) = match has_band {
         true => (
             "lowest and highest leave out one in ten",
-            format!("The widest band is give or take {}.", amount(response, typical)),
+            format!("The widest band is give or take {}.", response.amount(typical)),
         ),
         false => (
             "lowest and highest are empty",

@@ -133,6 +133,21 @@ impl Response {
         }
     }
 
+    /// A computed cost as people read it, with its unit.
+    pub(crate) fn value(&self, cost: f64) -> String {
+        with_unit(&short(self.of_cost(cost)), &self.unit)
+    }
+
+    /// The same, known to about `resolution`.
+    pub(crate) fn value_to(&self, cost: f64, resolution: f64) -> String {
+        with_unit(&self.number_to(cost, resolution), &self.unit)
+    }
+
+    /// What can be gained, in words if it is nothing.
+    pub(crate) fn gain(&self, mean: f64) -> String {
+        if mean > 0.0 { self.amount(mean) } else { "practically nothing".to_owned() }
+    }
+
     /// A difference of costs as people read it: "0.3 mm", or "a factor of 1.2".
     pub(crate) fn amount(&self, difference: f64) -> String {
         match self.scale {

@@ -3,7 +3,7 @@
 use super::axis::{Axis, ColorScale};
 use super::canvas::{Anchor, Canvas, INK, LABEL_SIZE, TEXT_SIZE, TITLE_PX, WIDTH_PX, text_width_px};
 use super::panels::RIGHT_PX;
-use super::scale::{Scale, number_text, step_text};
+use super::scale::{number_text, ratio_text, step_text};
 
 /// About as many bands.
 const BANDS: usize = 10;
@@ -80,11 +80,10 @@ impl Bands {
 
     /// Borders from the lowest value to the highest.
     fn ratios(axis: &Axis, mut borders: Vec<f64>, sign: f64) -> Self {
-        let shown = Scale::in_ratios(1.0, 10.0);
         if sign < 0.0 {
             borders.reverse();
         }
-        let texts = borders.iter().map(|border| shown.text(*border)).collect();
+        let texts = borders.iter().map(|border| ratio_text(*border, &borders)).collect();
         let borders = borders.into_iter().map(|border| sign * border).collect();
         Self { borders, texts, label: axis.label().to_string(), exceeded: false, sign }
     }
@@ -318,11 +317,15 @@ mod tests {
     #[test]
     fn the_same_ratio_is_as_many_colors_everywhere() {
         let decades = bands(ColorScale::RatiosFromLowest, &[3e-9, 1e-6, 2e-3]);
-        assert_eq!(decades.texts.first().zip(decades.texts.last()), Some((&"1e\u{2212}9".into(), &"0.01".into())));
+        assert_eq!(
+            decades.texts.first().zip(decades.texts.last()),
+            Some((&"1e\u{2212}9".into(), &"1e\u{2212}2".into()))
+        );
         let band = |value: f64| (0..decades.count()).find(|&band| decades.color(band) == decades.color_of(value));
         assert_eq!((band(1.5e-9), band(3e-9), band(3e-8), band(3e-4)), (Some(0), Some(1), Some(3), Some(7)));
         let mirrored = bands(ColorScale::RatiosFromHighest, &[3e-9, 1e-6, 2e-3]);
-        assert_eq!((mirrored.text(0), mirrored.text(1), mirrored.text(3)), ("0.01", "0.005", "0.001"));
+        let few = [0, 1, 3].map(|band| mirrored.text(band));
+        assert_eq!(few, ["1e\u{2212}2", "5e\u{2212}3", "1e\u{2212}3"], "all as powers of ten");
         assert_eq!((mirrored.color_of(7e-3), mirrored.color_of(1.5e-3)), (mirrored.color(0), mirrored.color(2)));
         assert_eq!(bands(ColorScale::RatiosFromLowest, &[3.0, 45.0]).texts, ["2", "5", "10", "20", "50"]);
         assert!(bands(ColorScale::RatiosFromLowest, &[1e-90, 1e90]).count() <= 12);

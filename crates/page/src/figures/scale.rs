@@ -127,12 +127,7 @@ impl Scale {
 
     fn whole_text(&self, tick: f64) -> String {
         if self.spacing != Spacing::Even {
-            let tick = format!("{tick:.3e}").parse().unwrap_or(tick);
-            return if (1e-4..1e6).contains(&tick) {
-                tick.to_string()
-            } else {
-                format!("{tick:e}").replace('-', MINUS)
-            };
+            return ratio_text(tick, &self.ticks());
         }
         let largest = self.max.abs().max(self.min.abs());
         match self.decimals() {
@@ -171,8 +166,18 @@ pub(super) fn number_text(value: f64, decimals: usize) -> String {
 
 /// A text of more characters at a tick is hard to read, and has no room beside the label of its axis.
 const LONGEST_TEXT: usize = 8;
+/// Ticks of ratios beyond these are powers of ten.
+const PLAIN_RATIOS: std::ops::Range<f64> = 1e-4..1e6;
 /// Of the number that ticks are counted from.
 const LONGEST_OFFSET: usize = 13;
+
+/// One of some numbers that are shown together where ratios are: all of them plain, or all with a power of ten.
+pub(super) fn ratio_text(value: f64, all: &[f64]) -> String {
+    let rounded = |value: f64| format!("{value:.3e}").parse().unwrap_or(value);
+    let are_plain = all.iter().all(|value| PLAIN_RATIOS.contains(&rounded(*value)));
+    let value = rounded(value);
+    if are_plain { value.to_string() } else { format!("{value:e}").replace('-', MINUS) }
+}
 
 /// A step of a scale, with a power of ten where it would be long.
 pub(super) fn step_text(step: f64, decimals: usize) -> String {
@@ -232,6 +237,14 @@ mod tests {
         assert_eq!(texts(Scale::even(0.0, 3e-7, 1e-7)), ["0", "1e\u{2212}7", "2e\u{2212}7", "3e\u{2212}7"]);
         assert_eq!(texts(Scale::even(1e6, 2e6, 5e5)), ["1e6", "1.5e6", "2e6"]);
         assert_eq!(texts(Scale::even(-0.5, 0.5, 0.5)), ["\u{2212}0.5", "0.0", "0.5"]);
+    }
+
+    #[test]
+    fn ticks_of_ratios_are_all_plain_or_all_powers_of_ten() {
+        let texts = |scale: Scale| scale.ticks().into_iter().map(|tick| scale.text(tick)).collect::<Vec<_>>();
+        assert_eq!(texts(Scale::in_decades(1e-3, 1e5, 4)), ["0.01", "1", "100", "10000"]);
+        assert_eq!(texts(Scale::in_decades(1.0, 1e9, 3)), ["1e0", "1e3", "1e6", "1e9"]);
+        assert_eq!(texts(Scale::in_ratios(2e5, 2e6)), ["2e5", "3e5", "5e5", "1e6", "2e6"]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use infuse::global::reported::Spread;
 use page::Finding;
 
 use crate::dissertation::campaign::Campaign;
-use crate::findings::{amount, on_bounds, value};
+use crate::findings::on_bounds;
 use crate::number::{percent, short, with_unit};
 
 /// The recommendation of the last closed batch; none before there is one.
@@ -71,12 +71,12 @@ fn predicted(campaign: &Campaign, last: &Report) -> Finding {
         Spread::Estimated { s, n_validation } => {
             format!(
                 "; {n_validation} experiments that it had not seen were missed by {} (S)",
-                amount(&campaign.problem.response, s)
+                campaign.problem.response.amount(s)
             )
         }
         _ => "; how sure that is, too few experiments tell".to_owned(),
     };
-    let shown = value(&campaign.problem.response, screening.optimum_value);
+    let shown = campaign.problem.response.value(screening.optimum_value);
     let predicted = Finding::new(format!("{} there: {shown} predicted{sure}.", response.name)).with(
         "predicted",
         response.of_cost(screening.optimum_value),
@@ -97,7 +97,7 @@ pub(in crate::dissertation) fn best_of_batch(report: &Report) -> Option<f64> {
 /// A closed batch in one line.
 pub(in crate::dissertation) fn closed(campaign: &Campaign, report: &Report) -> Finding {
     let (problem, screening) = (&campaign.problem, &report.screening);
-    let (predicted, share) = (value(&problem.response, screening.optimum_value), campaign.now.retained().share());
+    let (predicted, share) = (problem.response.value(screening.optimum_value), campaign.now.retained().share());
     let best = problem.describe(&screening.optimum);
     Finding::new(format!("batch {}: {best}; {predicted} predicted, {} left", report.number, percent(share)))
         .with("predicted", problem.response.of_cost(screening.optimum_value), &problem.response.unit)

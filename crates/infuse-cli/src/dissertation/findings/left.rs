@@ -6,7 +6,6 @@ use infuse::global::{Report, RetainedSet};
 use page::Finding;
 
 use crate::dissertation::campaign::Campaign;
-use crate::findings::{amount, value};
 use crate::number::{are_written_alike, grouped, percent, plain, short, with_unit};
 
 /// How many designs are left, between which settings, and what each batch dropped.
@@ -47,9 +46,9 @@ pub(in crate::dissertation) fn dropped_because(campaign: &Campaign, report: &Rep
         _ if !screening.tested => "the first batches only correct, see `drop_from` in [loop]".to_owned(),
         Some(s) => {
             let missed = missed_difference(s);
-            let limit = value(&campaign.problem.response, screening.optimum_value + screening.threshold * missed);
+            let limit = campaign.problem.response.value(screening.optimum_value + screening.threshold * missed);
             let (word, times) = (campaign.problem.response.worse_side(), short(screening.threshold));
-            let missed = amount(&campaign.problem.response, missed);
+            let missed = campaign.problem.response.amount(missed);
             format!(
                 "predicted {word} {limit}, that is worse than the best by {times} times {missed}, by which the difference of two \
                  designs may be missed"
@@ -80,9 +79,9 @@ pub(in crate::dissertation) fn why_dropped(campaign: &Campaign, asked: &[f64]) -
     };
     let (response, n) = (&campaign.problem.response, dropped.batch);
     let (there, at_best) =
-        (value(&campaign.problem.response, dropped.value), value(&campaign.problem.response, dropped.optimum_value));
+        (campaign.problem.response.value(dropped.value), campaign.problem.response.value(dropped.optimum_value));
     let (z, z0) = (short(dropped.z), short(dropped.z0));
-    let missed = amount(response, missed_difference(dropped.spread));
+    let missed = response.amount(missed_difference(dropped.spread));
     let sentence = format!(
         "{place} was dropped by batch {n}: {there} was predicted there against {at_best} at the best. That is worse by {z} times \
          {missed}, by which the difference of two designs may be missed, and {z0} times are enough."

@@ -4,7 +4,6 @@ use infuse::global::BatchSurfaces;
 use page::Finding;
 
 use crate::dissertation::campaign::Campaign;
-use crate::findings::amount;
 use crate::number::{count, short};
 
 /// Lack of fit is said to be there from this probability down.
@@ -17,7 +16,7 @@ pub(in crate::dissertation) fn lesson(campaign: &Campaign) -> Option<Finding> {
     let mut details = Vec::new();
     if let Some(innovation) = report.changes.innovation {
         let before = if reports.len() == 1 { "the simulation" } else { "the corrected simulation of the batch before" };
-        let sentence = format!("{before} was off by up to {}.", amount(&campaign.problem.response, innovation));
+        let sentence = format!("{before} was off by up to {}.", campaign.problem.response.amount(innovation));
         details.push(Finding::new(sentence).with("off by up to", innovation, &campaign.problem.response.unit));
     }
     if let Some(reason) = &report.not_corrected {
@@ -54,7 +53,7 @@ fn noise(campaign: &Campaign) -> Finding {
     };
     let sentence = format!(
         "noise: repeats scatter by {} (standard deviation, {degrees}).",
-        amount(&campaign.problem.response, deviation)
+        campaign.problem.response.amount(deviation)
     );
     Finding::new(sentence).with("standard deviation of the noise", deviation, &campaign.problem.response.unit).with(
         "degrees of freedom",

@@ -5,7 +5,6 @@ use infuse::global::{ObservedErrors, Outlook, SurfaceKinds};
 use page::Finding;
 
 use crate::dissertation::campaign::Campaign;
-use crate::findings::{amount, gain};
 
 /// The gain that may be expected, what follows from it, and the guarantee; as far as each is known.
 pub(in crate::dissertation) fn prospects(campaign: &Campaign) -> Result<Vec<Finding>> {
@@ -40,13 +39,13 @@ fn expected_gain(campaign: &Campaign, outlook: &Outlook) -> Finding {
     let unit = &campaign.problem.response.unit;
     let total = outlook.total_gain();
     let headline =
-        total.map_or_else(|| "nobody knows how much".to_owned(), |total| gain(&campaign.problem.response, total));
+        total.map_or_else(|| "nobody knows how much".to_owned(), |total| campaign.problem.response.gain(total));
     let (mean, most) = (outlook.noise_gain(), outlook.upper_noise_gain());
     let upper = match most {
-        upper if upper > 0.0 => format!("at most {}", amount(&campaign.problem.response, upper)),
+        upper if upper > 0.0 => format!("at most {}", campaign.problem.response.amount(upper)),
         _ => "nothing".to_owned(),
     };
-    let shown = gain(&campaign.problem.response, mean);
+    let shown = campaign.problem.response.gain(mean);
     let by_noise = Finding::new(format!("{shown} by averaging out the noise ({upper} nine times in ten);"))
         .with("mean gain", mean, unit)
         .with("gain nine times in ten at most", most, unit);
@@ -63,7 +62,7 @@ fn expected_gain(campaign: &Campaign, outlook: &Outlook) -> Finding {
     let finding = finding.detail(by_noise);
     // The best design is that of a surface which the experiments of the last batch have not corrected yet.
     let finding = if outlook.moved_gain > 0.0 {
-        let moved = amount(&campaign.problem.response, outlook.moved_gain);
+        let moved = campaign.problem.response.amount(outlook.moved_gain);
         let sentence = format!("{moved} because the simulation as it is corrected now has its best at another design;");
         finding.detail(Finding::new(sentence).with("gain at another design", outlook.moved_gain, unit))
     } else {
@@ -80,10 +79,7 @@ fn by_shape(campaign: &Campaign, outlook: &Outlook) -> String {
                 Some(_) => "S is larger than noise and fit make it on average",
                 None => "S may be noise, but no run was repeated",
             };
-            format!(
-                "{} because the surface may have the wrong shape: {why}",
-                amount(&campaign.problem.response, misfit)
-            )
+            format!("{} because the surface may have the wrong shape: {why}", campaign.problem.response.amount(misfit))
         }
         Some(_) => "nothing by a better shape: S is no larger than noise and fit make it".to_owned(),
         None => "what a better shape would bring is not known, without an S".to_owned(),
@@ -93,7 +89,7 @@ fn by_shape(campaign: &Campaign, outlook: &Outlook) -> String {
 /// Whether another batch is worth its cost; none once the campaign has ended.
 fn verdict(campaign: &Campaign, total: Option<f64>) -> Option<Finding> {
     let unit = &campaign.problem.response.unit;
-    let of_worth = |worth: f64| format!("{} of `worth`", amount(&campaign.problem.response, worth));
+    let of_worth = |worth: f64| format!("{} of `worth`", campaign.problem.response.amount(worth));
     match (campaign.problem.worth, total) {
         _ if campaign.now.stop().is_some() => None,
         (Some(worth), Some(total)) if total < worth => {
@@ -113,8 +109,8 @@ fn guarantee(campaign: &Campaign, observed: &ObservedErrors) -> Finding {
     let sentence = format!(
         "Guarantee: of the designs left none is better than this one by more than {}, if the corrected simulation is off by \
          at most {}, as its errors at left-out runs say.",
-        amount(&campaign.problem.response, certificate.regret),
-        amount(&campaign.problem.response, *eps),
+        campaign.problem.response.amount(certificate.regret),
+        campaign.problem.response.amount(*eps),
     );
     Finding::new(sentence).with("regret", certificate.regret, unit).with("eps", *eps, unit)
 }

@@ -3,7 +3,7 @@
 use infuse::global::StopReason;
 
 use crate::dissertation::campaign::{Campaign, Stage};
-use crate::findings::{all_batches_made, amount, gain};
+use crate::findings::all_batches_made;
 
 /// Why there is nothing more to run, if so.
 pub(in crate::dissertation) fn reason_to_stop(campaign: &Campaign, stage: &Stage) -> Option<String> {
@@ -20,8 +20,8 @@ pub(in crate::dissertation) fn reason_to_stop(campaign: &Campaign, stage: &Stage
         Stage::Ended(reason) => Some(reason.to_string()),
         Stage::NotWorth { gain: expected, worth } => Some(format!(
             "another batch may gain {} on average, less than the {} that would be worth it",
-            gain(&campaign.problem.response, *expected),
-            amount(&campaign.problem.response, *worth)
+            campaign.problem.response.gain(*expected),
+            campaign.problem.response.amount(*worth)
         )),
     }
 }

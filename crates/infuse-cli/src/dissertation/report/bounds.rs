@@ -4,7 +4,6 @@ use anyhow::Result;
 use infuse::global::ObservedErrors;
 
 use crate::dissertation::campaign::Campaign;
-use crate::findings::amount;
 use crate::number::{count, grouped, percent};
 use page::{Column, Page, Table};
 
@@ -38,31 +37,31 @@ fn rows(campaign: &Campaign, observed: &ObservedErrors, possible: Option<u64>) -
     if let Some(first) = gap(reports.first()) {
         let meaning =
             "largest distance of the surface of the experiments from that of the simulation, over all designs";
-        rows.push(row("gap in batch 1", amount(&campaign.problem.response, first), meaning));
+        rows.push(row("gap in batch 1", campaign.problem.response.amount(first), meaning));
     }
     if let Some(last) = gap(reports.last()).filter(|_| reports.len() > 1) {
         let meaning = "the same over the designs that were left when the last batch began";
-        rows.push(row(&format!("gap in batch {}", reports.len()), amount(&campaign.problem.response, last), meaning));
+        rows.push(row(&format!("gap in batch {}", reports.len()), campaign.problem.response.amount(last), meaning));
     }
     rows.push(row(
         "error of the simulation's surfaces",
-        amount(&campaign.problem.response, observed.simulation),
+        campaign.problem.response.amount(observed.simulation),
         "largest miss at a simulation that was left out of the fit, over all batches",
     ));
     rows.push(row(
         "error of the experiments' surfaces",
-        amount(&campaign.problem.response, observed.experiment),
+        campaign.problem.response.amount(observed.experiment),
         "largest miss at an experiment that was left out of the fit, its noise included, over all batches",
     ));
     rows.push(row(
         "bound (eps)",
-        amount(&campaign.problem.response, observed.eps),
+        campaign.problem.response.amount(observed.eps),
         "the corrected simulation is off by at most this: the errors of all batches and what is left of the gap, weighted \
          as the correction weights them",
     ));
     rows.push(row(
         "guarantee",
-        amount(&campaign.problem.response, observed.certificate.regret),
+        campaign.problem.response.amount(observed.certificate.regret),
         "no design left is better than the best one by more than this",
     ));
     if let Some(possible) = possible {

@@ -4,7 +4,6 @@ use page::palette::{BLUE, GRID, INK, LIGHT_BLUE};
 use page::{Axis, Chart, Grid, Key, Mark, Page, Stroke};
 
 use super::view::{Run, View};
-use crate::findings::amount;
 use crate::number::percent;
 use crate::pooled::bands::NINE_IN_TEN;
 use crate::pooled::campaign::Origin;
@@ -162,7 +161,7 @@ fn caption(view: &View, has_simulation: bool, n_charts: usize) -> String {
         text.push_str(&format!(
             " Third: the same over the runs, where a trend would tell that something has drifted; the \
              noise of one run is {}.",
-            amount(view.response(), view.found.noise)
+            view.response().amount(view.found.noise)
         ));
     }
     if has_simulation {
